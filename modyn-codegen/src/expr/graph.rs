@@ -1,0 +1,322 @@
+//! The arena of nodes, and the rewrites made while it grows.
+
+use rustc_hash::FxHashMap;
+
+/// Index of a node in its graph; operands always stand before their users.
+pub type Id = u32;
+
+/// An operation on nodes that stand before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Node {
+    /// A constant, by its bits: equal bits are the same node.
+    Constant(u64),
+    /// The input of that number.
+    Input(u32),
+    /// -a
+    Neg(Id),
+    /// a + b
+    Add(Id, Id),
+    /// a - b
+    Sub(Id, Id),
+    /// a * b
+    Mul(Id, Id),
+    /// 1 / a
+    Recip(Id),
+    /// sin a
+    Sin(Id),
+    /// cos a
+    Cos(Id),
+    /// Square root of a.
+    Sqrt(Id),
+    /// Natural logarithm of a.
+    Ln(Id),
+    /// |a|
+    Abs(Id),
+    /// The larger of a and b.
+    Max(Id, Id),
+    /// b where a >= 0, else c.
+    Select(Id, Id, Id),
+}
+
+impl Node {
+    /// The nodes it is made of.
+    pub fn operands(self) -> impl Iterator<Item = Id> {
+        let (a, b, c) = match self {
+            Self::Constant(_) | Self::Input(_) => (None, None, None),
+            Self::Neg(a)
+            | Self::Recip(a)
+            | Self::Sin(a)
+            | Self::Cos(a)
+            | Self::Sqrt(a)
+            | Self::Ln(a)
+            | Self::Abs(a) => (Some(a), None, None),
+            Self::Add(a, b) | Self::Sub(a, b) | Self::Mul(a, b) | Self::Max(a, b) => {
+                (Some(a), Some(b), None)
+            }
+            Self::Select(a, b, c) => (Some(a), Some(b), Some(c)),
+        };
+        [a, b, c].into_iter().flatten()
+    }
+}
+
+/// Expressions over numbered inputs, with some of them as outputs.
+#[derive(Clone, Debug, Default)]
+pub struct Graph {
+    nodes: Vec<Node>,
+    known: FxHashMap<Node, Id>,
+    /// The nodes that are wanted.
+    pub outputs: Vec<Id>,
+}
+
+impl Graph {
+    /// All nodes, operands before users.
+    #[must_use]
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// The node `id`.
+    #[must_use]
+    pub fn node(&self, id: Id) -> Node {
+        self.nodes[id as usize]
+    }
+
+    /// Which nodes the outputs need.
+    #[must_use]
+    pub fn live(&self) -> Vec<bool> {
+        let mut live = vec![false; self.nodes.len()];
+        for &output in &self.outputs {
+            live[output as usize] = true;
+        }
+        for (i, node) in self.nodes.iter().enumerate().rev() {
+            if live[i] {
+                node.operands().for_each(|operand| live[operand as usize] = true);
+            }
+        }
+        live
+    }
+
+    /// How often each node is used by live nodes and outputs.
+    #[must_use]
+    pub fn uses(&self) -> Vec<u32> {
+        let live = self.live();
+        let mut uses = vec![0; self.nodes.len()];
+        for (node, live) in self.nodes.iter().zip(live) {
+            if live {
+                node.operands().for_each(|operand| uses[operand as usize] += 1);
+            }
+        }
+        self.outputs.iter().for_each(|&output| uses[output as usize] += 1);
+        uses
+    }
+
+    /// The value of a constant node.
+    #[must_use]
+    pub fn value(&self, id: Id) -> Option<f64> {
+        match self.node(id) {
+            Node::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    fn known(&self, node: Node) -> bool {
+        self.known.contains_key(&node)
+    }
+
+    fn insert(&mut self, node: Node) -> Id {
+        let nodes = &mut self.nodes;
+        *self.known.entry(node).or_insert_with(|| {
+            nodes.push(node);
+            Id::try_from(nodes.len() - 1).expect("a graph has fewer than 2^32 nodes")
+        })
+    }
+
+    /// Makes `node`, whose operands are nodes of this graph, or finds what it equals.
+    pub fn make(&mut self, node: Node) -> Id {
+        match node {
+            Node::Constant(bits) => self.constant(f64::from_bits(bits)),
+            Node::Input(_) => self.insert(node),
+            Node::Neg(a) => self.neg(a),
+            Node::Add(a, b) => self.add(a, b),
+            Node::Sub(a, b) => self.sub(a, b),
+            Node::Mul(a, b) => self.mul(a, b),
+            Node::Recip(a) => self.recip(a),
+            Node::Sin(a) => self.sin(a),
+            Node::Cos(a) => self.cos(a),
+            Node::Sqrt(a) => self.fold(a, libm::sqrt, Node::Sqrt),
+            Node::Ln(a) => self.fold(a, libm::log, Node::Ln),
+            Node::Abs(a) => self.fold(a, f64::abs, Node::Abs),
+            Node::Max(a, b) => self.max(a, b),
+            Node::Select(a, b, c) => self.select(a, b, c),
+        }
+    }
+
+    /// A constant; the two zeros are one.
+    pub fn constant(&mut self, value: f64) -> Id {
+        self.insert(Node::Constant((value + 0.0).to_bits()))
+    }
+
+    fn fold(&mut self, a: Id, f: impl Fn(f64) -> f64, node: impl Fn(Id) -> Node) -> Id {
+        match self.value(a) {
+            Some(a) => self.constant(f(a)),
+            None => self.insert(node(a)),
+        }
+    }
+
+    fn neg(&mut self, a: Id) -> Id {
+        match self.node(a) {
+            Node::Constant(bits) => self.constant(-f64::from_bits(bits)),
+            Node::Neg(inner) => inner,
+            Node::Sub(x, y) if self.known(Node::Sub(y, x)) => self.insert(Node::Sub(y, x)),
+            _ => self.insert(Node::Neg(a)),
+        }
+    }
+
+    fn add(&mut self, a: Id, b: Id) -> Id {
+        match (self.value(a), self.value(b)) {
+            (Some(x), Some(y)) => return self.constant(x + y),
+            (Some(0.0), _) => return b,
+            (_, Some(0.0)) => return a,
+            (Some(x), _) if x < 0.0 => {
+                let x = self.constant(-x);
+                return self.sub(b, x);
+            }
+            (_, Some(y)) if y < 0.0 => {
+                let y = self.constant(-y);
+                return self.sub(a, y);
+            }
+            _ => {}
+        }
+        match (self.node(a), self.node(b)) {
+            (_, Node::Neg(inner)) => self.sub(a, inner),
+            (Node::Neg(inner), _) => self.sub(b, inner),
+            // (x - b) + b and a + (x - a)
+            (Node::Sub(x, y), _) if y == b => x,
+            (_, Node::Sub(x, y)) if y == a => x,
+            _ if a == b => {
+                let two = self.constant(2.0);
+                self.mul(two, a)
+            }
+            _ => self.insert(Node::Add(a.min(b), a.max(b))),
+        }
+    }
+
+    fn sub(&mut self, a: Id, b: Id) -> Id {
+        if a == b {
+            return self.constant(0.0);
+        }
+        match (self.value(a), self.value(b)) {
+            (Some(x), Some(y)) => return self.constant(x - y),
+            (_, Some(0.0)) => return a,
+            (Some(0.0), _) => return self.neg(b),
+            (_, Some(y)) if y < 0.0 => {
+                let y = self.constant(-y);
+                return self.add(a, y);
+            }
+            _ => {}
+        }
+        match (self.node(a), self.node(b)) {
+            (_, Node::Neg(inner)) => self.add(a, inner),
+            (Node::Neg(inner), _) => {
+                let sum = self.add(inner, b);
+                self.neg(sum)
+            }
+            // a - (a - y)
+            (_, Node::Sub(x, y)) if x == a => y,
+            // 2 b - b
+            (Node::Mul(two, x), _) if x == b && self.value(two) == Some(2.0) => b,
+            _ if self.known(Node::Sub(b, a)) => {
+                let difference = self.insert(Node::Sub(b, a));
+                self.insert(Node::Neg(difference))
+            }
+            _ => self.insert(Node::Sub(a, b)),
+        }
+    }
+
+    fn mul(&mut self, a: Id, b: Id) -> Id {
+        let (a, b) = if self.value(b).is_some() { (b, a) } else { (a, b) };
+        if let Some(x) = self.value(a) {
+            if let Some(y) = self.value(b) {
+                return self.constant(x * y);
+            }
+            if x == 0.0 {
+                return a;
+            }
+            if x == 1.0 {
+                return b;
+            }
+            if x < 0.0 {
+                let x = self.constant(-x);
+                let product = self.mul(x, b);
+                return self.neg(product);
+            }
+            match self.node(b) {
+                Node::Neg(inner) => {
+                    let product = self.mul(a, inner);
+                    return self.neg(product);
+                }
+                Node::Mul(c, y) if self.value(c).is_some() => {
+                    let c = self.mul(a, c);
+                    return self.mul(c, y);
+                }
+                _ => return self.insert(Node::Mul(a, b)),
+            }
+        }
+        match (self.node(a), self.node(b)) {
+            (Node::Neg(a), Node::Neg(b)) => self.mul(a, b),
+            (Node::Neg(a), _) => {
+                let product = self.mul(a, b);
+                self.neg(product)
+            }
+            (_, Node::Neg(b)) => {
+                let product = self.mul(a, b);
+                self.neg(product)
+            }
+            _ => self.insert(Node::Mul(a.min(b), a.max(b))),
+        }
+    }
+
+    fn recip(&mut self, a: Id) -> Id {
+        match self.node(a) {
+            Node::Neg(inner) => {
+                let inner = self.recip(inner);
+                self.neg(inner)
+            }
+            _ => self.fold(a, |x| 1.0 / x, Node::Recip),
+        }
+    }
+
+    fn sin(&mut self, a: Id) -> Id {
+        match self.node(a) {
+            Node::Neg(inner) => {
+                let inner = self.sin(inner);
+                self.neg(inner)
+            }
+            _ => self.fold(a, libm::sin, Node::Sin),
+        }
+    }
+
+    fn cos(&mut self, a: Id) -> Id {
+        match self.node(a) {
+            Node::Neg(inner) => self.cos(inner),
+            _ => self.fold(a, libm::cos, Node::Cos),
+        }
+    }
+
+    fn max(&mut self, a: Id, b: Id) -> Id {
+        match (self.value(a), self.value(b)) {
+            (Some(x), Some(y)) => self.constant(x.max(y)),
+            _ if a == b => a,
+            _ => self.insert(Node::Max(a, b)),
+        }
+    }
+
+    fn select(&mut self, condition: Id, then: Id, otherwise: Id) -> Id {
+        match self.value(condition) {
+            _ if then == otherwise => then,
+            Some(x) if x >= 0.0 => then,
+            Some(_) => otherwise,
+            None => self.insert(Node::Select(condition, then, otherwise)),
+        }
+    }
+}

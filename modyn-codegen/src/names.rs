@@ -1,0 +1,193 @@
+//! How URDF names become Rust identifiers.
+//!
+//! URDF allows any text as a name; names with dots, dashes and slashes are common.
+//!
+//! 1. A name is split into words wherever a character is no ASCII letter or digit.
+//! 2. A type or an enum variant ([`type_name`], [`variants`]) is its words, each with its first
+//!    letter made upper case and the rest left alone: `my-robot 2` is `MyRobot2`, `fr3_linkA` is
+//!    `Fr3LinkA`. A digit next to a digit of the next word keeps an underscore between them:
+//!    `joint_1_2` is `Joint1_2`, not `Joint12`.
+//! 3. A function or a variable ([`snake`]) is its words in lower case with underscores between
+//!    them; a new word also begins at an upper-case letter after a lower-case letter or a digit:
+//!    `linkA.2` is `link_a_2`.
+//! 4. An identifier that would begin with a digit gets `N` (`n_` in snake case) before it; one
+//!    without any word is `Unnamed` (`unnamed`); a keyword gets an underscore after it.
+//! 5. Among [`variants`], a name whose identifier is taken gets `_2`, `_3` and so on: the first
+//!    that no other name has by itself, in the order of the names.
+
+use std::collections::HashSet;
+
+/// The name of a type, in upper camel case.
+#[must_use]
+pub fn type_name(name: &str) -> String {
+    let mut result = String::with_capacity(name.len());
+    for word in words(name) {
+        let mut letters = word.chars();
+        let Some(first) = letters.next() else {
+            continue;
+        };
+        if first.is_ascii_digit() && result.ends_with(|c: char| c.is_ascii_digit()) {
+            result.push('_');
+        }
+        result.push(first.to_ascii_uppercase());
+        result.push_str(letters.as_str());
+    }
+    identifier(result, "N", "Unnamed")
+}
+
+/// The variants of an enum that has one for each name, in their order; no two are equal.
+#[must_use]
+pub fn variants(names: &[&str]) -> Vec<String> {
+    let plain: Vec<String> = names.iter().map(|name| type_name(name)).collect();
+    // What names are called by themselves is never given to another as its numbered name.
+    let reserved: HashSet<&str> = plain.iter().map(String::as_str).collect();
+    let mut taken: HashSet<String> = HashSet::new();
+    // Where to go on counting: a thousand equal names take a thousand steps, not a million.
+    let mut next: std::collections::HashMap<&str, usize> = std::collections::HashMap::new();
+    let mut variants = Vec::with_capacity(names.len());
+    for name in &plain {
+        let mut variant = name.clone();
+        if taken.contains(name) {
+            let number = next.entry(name).or_insert(2);
+            loop {
+                // `Self_` is numbered `Self_2`, not `Self__2`, which is no camel case.
+                variant = format!("{}_{number}", name.trim_end_matches('_'));
+                *number += 1;
+                if !reserved.contains(variant.as_str()) && !taken.contains(&variant) {
+                    break;
+                }
+            }
+        }
+        taken.insert(variant.clone());
+        variants.push(variant);
+    }
+    variants
+}
+
+/// The name of a function or a variable, in snake case.
+#[must_use]
+pub fn snake(name: &str) -> String {
+    let mut result = String::with_capacity(name.len() + 4);
+    for word in words(name) {
+        if !result.is_empty() {
+            result.push('_');
+        }
+        let mut before = ' ';
+        for letter in word.chars() {
+            if letter.is_ascii_uppercase()
+                && (before.is_ascii_lowercase() || before.is_ascii_digit())
+            {
+                result.push('_');
+            }
+            result.push(letter.to_ascii_lowercase());
+            before = letter;
+        }
+    }
+    identifier(result, "n_", "unnamed")
+}
+
+fn words(name: &str) -> impl Iterator<Item = &str> {
+    name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty())
+}
+
+/// Makes ASCII letters, digits and underscores an identifier.
+fn identifier(mut text: String, before_digit: &str, unnamed: &str) -> String {
+    if text.is_empty() {
+        text.push_str(unnamed);
+    }
+    if text.starts_with(|c: char| c.is_ascii_digit()) {
+        text.insert_str(0, before_digit);
+    }
+    // syn knows the keywords.
+    if syn::parse_str::<syn::Ident>(&text).is_err() {
+        text.push('_');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ODD: &[&str] = &[
+        "",
+        " ",
+        "self",
+        "Self",
+        "self_",
+        "fn",
+        "gen",
+        "async",
+        "_",
+        "__",
+        "1",
+        "2-dof arm",
+        "\u{e9}t\u{e9}",
+        "\u{96c6}",
+        "a/b.c-d",
+        "r#fn",
+        "\u{1f916}",
+        "union",
+        "crate",
+        "super",
+        "try",
+        "x_",
+        "_x",
+        "dyn",
+        "await",
+        "a\nb",
+    ];
+
+    #[test]
+    fn types_are_upper_camel_case() {
+        for (name, expected) in [
+            ("my-robot 2", "MyRobot2"),
+            ("panda_link0", "PandaLink0"),
+            ("FL_hip_joint", "FLHipJoint"),
+            ("arm/left.wrist", "ArmLeftWrist"),
+            ("2dof", "N2dof"),
+            ("self", "Self_"),
+            ("", "Unnamed"),
+            ("joint_1_2", "Joint1_2"),
+            ("joint_12", "Joint12"),
+            ("\u{e9}paule", "Paule"),
+        ] {
+            assert_eq!(type_name(name), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn functions_are_snake_case() {
+        for (name, expected) in [
+            ("MyRobot", "my_robot"),
+            ("linkA.2", "link_a_2"),
+            ("URDF-file", "urdf_file"),
+            ("7th", "n_7th"),
+            ("type", "type_"),
+            ("--", "unnamed"),
+        ] {
+            assert_eq!(snake(name), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn variants_are_unique_and_in_order() {
+        assert_eq!(variants(&["a b", "a_b", "AB", "ab"]), ["AB", "AB_2", "AB_3", "Ab"]);
+        // `a_2` is not `A_2`, but a name may well be called like a numbered one.
+        assert_eq!(variants(&["x 1", "x_1", "x1_2"]), ["X1", "X1_3", "X1_2"]);
+        assert_eq!(variants(&["x1_2", "x 1", "x_1"]), ["X1_2", "X1", "X1_3"]);
+        assert_eq!(variants(&["self", "self"]), ["Self_", "Self_2"]);
+        let many = vec!["same"; 10_000];
+        assert_eq!(variants(&many).iter().collect::<HashSet<_>>().len(), many.len());
+        let odd = variants(ODD);
+        assert_eq!(odd.iter().collect::<HashSet<_>>().len(), odd.len());
+    }
+
+    #[test]
+    fn everything_is_an_identifier() {
+        let all = ODD.iter().flat_map(|name| [type_name(name), snake(name)]).chain(variants(ODD));
+        for name in all {
+            assert!(syn::parse_str::<syn::Ident>(&name).is_ok(), "{name:?}");
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! What a misspelt name probably meant.
+
+/// The candidate that differs from `name` by a letter or two; the first of equally near ones.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let name: Vec<char> = name.chars().flat_map(char::to_lowercase).take(80).collect();
+    let allowed = if name.len() < 4 { 1 } else { 2 };
+    let mut best = None;
+    for candidate in candidates {
+        let other: Vec<char> = candidate.chars().flat_map(char::to_lowercase).take(80).collect();
+        if name.len().abs_diff(other.len()) > allowed {
+            continue;
+        }
+        let distance = distance(&name, &other);
+        if distance <= allowed && best.is_none_or(|(least, _)| distance < least) {
+            best = Some((distance, candidate));
+        }
+    }
+    best.map(|(_, candidate)| candidate)
+}
+
+/// How many letters have to be put in, taken out or changed.
+fn distance(a: &[char], b: &[char]) -> usize {
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.iter().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let changed = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = changed.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nearest;
+
+    #[test]
+    fn a_letter_or_two() {
+        assert_eq!(nearest("orgin", ["axis", "origin"]), Some("origin"));
+        assert_eq!(nearest("Axis", ["origin", "axis"]), Some("axis"));
+        assert_eq!(nearest("sensor", ["origin", "axis"]), None);
+        assert_eq!(nearest("", ["origin", ""]), Some(""));
+    }
+}

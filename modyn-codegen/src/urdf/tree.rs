@@ -1,0 +1,198 @@
+//! The tree that joints make of links: its root, its order, and whether it is one.
+
+use rustc_hash::FxHashMap;
+
+use super::{
+    names::nearest,
+    parts::{Located, Parts},
+    report::Report,
+};
+use crate::error::Code;
+
+/// A tree, depth first; a link's children stand in the order of their joints in the file.
+pub struct Tree {
+    /// The links (as indices into the parts), parents before children.
+    pub order: Vec<usize>,
+    /// By link: the joint (as an index) whose child it is; `None` for the root.
+    pub joint: Vec<Option<usize>>,
+    /// By joint: the link that is its parent.
+    pub parent: Vec<Option<usize>>,
+}
+
+/// The tree; `None` with errors in the report.
+pub fn grow(parts: &Parts, report: &mut Report<'_>) -> Option<Tree> {
+    let errors = report.errors();
+    let links = index(parts.links.iter().map(|l| l.name), Code::DuplicateLink, "link", report);
+    index(parts.joints.iter().map(|j| j.name), Code::DuplicateJoint, "joint", report);
+    if parts.links.is_empty() {
+        let help = "write at least two `<link>` and a `<joint>` that moves one against the other";
+        report.error(Code::NoLink, parts.at, None, "the robot has no link", help);
+        return None;
+    }
+    let Ends { joint, parent, complete } = ends(parts, &links, report);
+    cycles(parts, &joint, &parent, report);
+    // A child that is misspelt leaves a link behind that only looks like another root.
+    if complete {
+        roots(parts, &joint, report);
+    }
+    if report.errors() > errors {
+        return None;
+    }
+
+    let mut children = vec![Vec::new(); parts.links.len()];
+    for (child, joint) in joint.iter().enumerate() {
+        if let Some((j, p)) = joint.and_then(|j| Some((j, parent[j]?))) {
+            children[p].push((j, child));
+        }
+    }
+    let mut open: Vec<usize> = (0..parts.links.len()).filter(|&l| joint[l].is_none()).collect();
+    let mut order = Vec::with_capacity(parts.links.len());
+    while let Some(link) = open.pop() {
+        order.push(link);
+        children[link].sort_unstable();
+        open.extend(children[link].iter().rev().map(|&(_, child)| child));
+    }
+    Some(Tree { order, joint, parent })
+}
+
+/// Names to indices. The first of a name counts; the next are errors.
+fn index<'a>(
+    names: impl Iterator<Item = Located<'a>>,
+    code: Code,
+    what: &str,
+    report: &mut Report<'_>,
+) -> FxHashMap<&'a str, usize> {
+    use crate::error::Subject;
+    let mut indices = FxHashMap::default();
+    let mut places = Vec::new();
+    for (i, name) in names.enumerate() {
+        places.push(name.at);
+        // A name that is missing has been reported.
+        if name.text.is_empty() {
+            continue;
+        }
+        let first = *indices.entry(name.text).or_insert(i);
+        if first != i {
+            let place = report.position(places[first]);
+            let name_of = name.text.to_string();
+            let subject =
+                if what == "link" { Subject::Link(name_of) } else { Subject::Joint(name_of) };
+            let message = format!("another {what} has this name, at {place}");
+            let help = "give each its own name";
+            report.error(code, name.at, Some(&subject), message, help);
+        }
+    }
+    indices
+}
+
+/// The ends of the joints.
+struct Ends {
+    /// By link: the joint whose child it is.
+    joint: Vec<Option<usize>>,
+    /// By joint: the parent.
+    parent: Vec<Option<usize>>,
+    /// Whether every child was found.
+    complete: bool,
+}
+
+fn ends(parts: &Parts, links: &FxHashMap<&str, usize>, report: &mut Report<'_>) -> Ends {
+    let mut joint_of: Vec<Option<usize>> = vec![None; parts.links.len()];
+    let mut parents = vec![None; parts.joints.len()];
+    let mut complete = true;
+    for (j, joint) in parts.joints.iter().enumerate() {
+        let mut find = |end: Option<Located>, code, what| {
+            let end = end?;
+            let found = links.get(end.text).copied();
+            if found.is_none() {
+                let message = format!("its {what} `{}` does not exist", end.text);
+                // Only for robots of common size: a search through all names for each error.
+                let near = (links.len() <= 1000)
+                    .then(|| nearest(end.text, parts.links.iter().map(|l| l.name.text)));
+                let help = match near.flatten() {
+                    Some(name) => format!("did you mean `{name}`?"),
+                    None => format!("name a link, or write `<link name=\"{}\"/>`", end.text),
+                };
+                report.error(code, end.at, Some(&joint.subject()), message, help);
+            }
+            found
+        };
+        parents[j] = find(joint.parent, Code::UnknownParent, "parent");
+        let Some(child) = find(joint.child, Code::UnknownChild, "child") else {
+            complete = false;
+            continue;
+        };
+        match joint_of[child] {
+            None => joint_of[child] = Some(j),
+            Some(first) => {
+                let first = &parts.joints[first];
+                let at = joint.child.map_or(joint.name.at, |end| end.at);
+                let message = format!(
+                    "it is the child of joint `{}` and also of joint `{}` (at {})",
+                    joint.name.text,
+                    first.name.text,
+                    report.position(first.child.map_or(first.name.at, |end| end.at)),
+                );
+                let help = "a link hangs on one joint; closed loops are not supported";
+                report.error(
+                    Code::SeveralParents,
+                    at,
+                    Some(&parts.links[child].subject()),
+                    message,
+                    help,
+                );
+            }
+        }
+    }
+    Ends { joint: joint_of, parent: parents, complete }
+}
+
+/// Reports every cycle, with the names of all joints on it.
+fn cycles(
+    parts: &Parts,
+    joint: &[Option<usize>],
+    parent: &[Option<usize>],
+    report: &mut Report<'_>,
+) {
+    // By link: the walk that came here first. Every walk goes rootwards until known ground.
+    let mut walked = vec![usize::MAX; joint.len()];
+    for start in 0..joint.len() {
+        let mut link = start;
+        let mut path = Vec::new();
+        while walked[link] == usize::MAX {
+            walked[link] = start;
+            let Some((j, p)) = joint[link].and_then(|j| Some((j, parent[j]?))) else {
+                break;
+            };
+            path.push((link, j));
+            link = p;
+        }
+        // On a cycle if this very walk has been here, and left by a joint.
+        let Some(begin) = path.iter().position(|&(l, _)| l == link) else {
+            continue;
+        };
+        let mut on_cycle: Vec<usize> = path[begin..].iter().map(|&(_, j)| j).collect();
+        // From parent to child, beginning with the joint that stands first in the file.
+        on_cycle.reverse();
+        let first = on_cycle.iter().enumerate().min_by_key(|&(_, &j)| j).map_or(0, |(i, _)| i);
+        on_cycle.rotate_left(first);
+        let names: Vec<String> =
+            on_cycle.iter().map(|&j| format!("`{}`", parts.joints[j].name.text)).collect();
+        let joint = &parts.joints[on_cycle[0]];
+        let message = format!("joints form a cycle: {}", names.join(", "));
+        let help = "a robot is a tree: let one link be the child of no joint";
+        report.error(Code::Cycle, joint.name.at, Some(&joint.subject()), message, help);
+    }
+}
+
+fn roots(parts: &Parts, joint: &[Option<usize>], report: &mut Report<'_>) {
+    let roots: Vec<usize> = (0..joint.len()).filter(|&link| joint[link].is_none()).collect();
+    let Some(&second) = roots.get(1) else { return };
+    let names: Vec<String> =
+        roots.iter().take(10).map(|&r| format!("`{}`", parts.links[r].name.text)).collect();
+    let more = if roots.len() > names.len() { ", ..." } else { "" };
+    let link = &parts.links[second];
+    let message =
+        format!("{} links are the child of no joint: {}{more}", roots.len(), names.join(", "));
+    let help = "a robot has one root: join the others to it, with a fixed joint if need be";
+    report.error(Code::SeveralRoots, link.name.at, Some(&link.subject()), message, help);
+}

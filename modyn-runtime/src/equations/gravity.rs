@@ -1,0 +1,78 @@
+//! What gravity does: torques and potential energy, from composite masses and first moments.
+
+use super::Workspace;
+use crate::Scalar;
+use crate::model::prepare::{Body, Prepared};
+use crate::spatial::{RigidInertia, Vector3, Wrench};
+
+/// The joint torques that hold the robot still: bias forces at zero velocity.
+pub fn gravity_torques<S: Scalar>(
+    model: &Prepared<S>,
+    q: &[S],
+    workspace: &mut Workspace<S>,
+    tau: &mut [S],
+) {
+    workspace.move_to(model, q);
+    // Downwards: the world's acceleration in each link's axes; upwards: composite first moments.
+    for (i, body) in model.bodies.iter().enumerate() {
+        let a = body.parent.map_or(-model.gravity, |p| workspace.twists[p].linear);
+        workspace.twists[i].linear = body.to_child(&workspace.motions[i], a);
+    }
+    gather(model, workspace, |body| body.minimal);
+    for i in 0..model.bodies.len() {
+        let (composite, a) = (&workspace.composite[i], workspace.twists[i].linear);
+        let wrench =
+            Wrench { moment: composite.first_moment.cross(a), force: a.scale(composite.mass) };
+        tau[i] = workspace.motions[i].project(&wrench);
+    }
+}
+
+/// The potential energy of the moving links under gravity, zero at the world's origin.
+///
+/// Read from the inertias as they were written: mass on the first axis adds a constant here.
+pub fn potential_energy<S: Scalar>(
+    model: &Prepared<S>,
+    q: &[S],
+    workspace: &mut Workspace<S>,
+) -> S {
+    workspace.move_to(model, q);
+    gather(model, workspace, |body| body.inertia);
+    let mut first_moment = Vector3::zero();
+    for (i, body) in model.bodies.iter().enumerate() {
+        if body.parent.is_none() {
+            first_moment += carried(body, workspace, i).1;
+        }
+    }
+    -model.gravity.dot(first_moment)
+}
+
+/// Sums masses and first moments towards the root.
+fn gather<S: Scalar>(
+    model: &Prepared<S>,
+    workspace: &mut Workspace<S>,
+    inertia: impl Fn(&Body<S>) -> RigidInertia<S>,
+) {
+    for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
+        *composite = inertia(body);
+    }
+    for (i, body) in model.bodies.iter().enumerate().rev() {
+        if let Some(parent) = body.parent {
+            let (mass, first_moment) = carried(body, workspace, i);
+            let composite = &mut workspace.composite[parent];
+            composite.mass = composite.mass + mass;
+            composite.first_moment += first_moment;
+        }
+    }
+}
+
+/// A composite's mass and first moment, at its parent.
+fn carried<S: Scalar>(body: &Body<S>, workspace: &Workspace<S>, i: usize) -> (S, Vector3<S>) {
+    let RigidInertia { mass, first_moment, .. } = workspace.composite[i];
+    // A force's moment is carried as a first moment is: with the mass along each axis.
+    let at_joint = match workspace.motions[i] {
+        crate::joint::Motion::Revolute(_) => workspace.motions[i].to_parent(first_moment),
+        crate::joint::Motion::Prismatic(q) => first_moment + Vector3::along_z(q * mass),
+    };
+    let moved = body.placement.to_parent(at_joint) + body.placement.origin().scale(mass);
+    (mass, moved)
+}

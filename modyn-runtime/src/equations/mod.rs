@@ -1,0 +1,36 @@
+//! The equations of motion, each written once, generic over [`Scalar`](crate::Scalar).
+//!
+//! Run on `f64` they are the interpreter; run on the compiler's expressions they are what gets
+//! compiled. They take their structure from the model (joint types, the tree, the modules), never
+//! from values. Slices must have the model's sizes, which the [`Interpreter`](crate::Interpreter)
+//! checks and the compiler provides.
+//!
+//! | file | quantity | source |
+//! |---|---|---|
+//! | `kinematics` | link poses | A.1 of the paper |
+//! | `newton_euler` | wrenches of the links' motion | Newton and Euler; Luh, Walker and Paul 1980 |
+//! | `inverse_dynamics` | joint torques, bias forces | (5a) |
+//! | `gravity` | gravity torques, potential energy | |
+//! | `mass_matrix` | the GIM from composite modules | (7)-(10) |
+//! | `elimination` | a module's block pivot and what it leaves to its parent | (35)-(49) |
+//! | `brge` | U D U^T, inverse, solve | (35)-(57) |
+//! | `forward_dynamics` | accelerations by inter- and intra-modular recursion | (60), Table 6 |
+//! | `kinetic_energy` | kinetic energy | |
+//! | `denoc` | the DeNOC matrices, dense | (1)-(5), A.1, A.2 |
+//! | `jacobi` | eigenvalues of pivot blocks | Golub and Van Loan, sect. 8.5 |
+
+pub mod brge;
+pub mod denoc;
+mod elimination;
+pub mod forward_dynamics;
+pub mod gravity;
+pub mod inverse_dynamics;
+pub mod jacobi;
+pub mod kinematics;
+pub mod kinetic_energy;
+pub mod mass_matrix;
+mod newton_euler;
+pub mod partition;
+mod workspace;
+
+pub use {partition::Partition, workspace::Workspace};

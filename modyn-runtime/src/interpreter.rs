@@ -1,0 +1,347 @@
+//! The equations run on numbers, for any model at run time.
+
+use alloc::{vec, vec::Vec};
+use core::fmt;
+
+use crate::Scalar;
+use crate::equations::brge::{self, Layout};
+use crate::equations::denoc::{self, DeNoc};
+use crate::equations::{
+    Partition, Workspace, forward_dynamics, gravity, inverse_dynamics, kinematics, kinetic_energy,
+    mass_matrix,
+};
+use crate::model::prepare::Prepared;
+use crate::model::{Model, ModuleTree};
+use crate::spatial::Pose;
+
+/// A vector or matrix that was given has the wrong length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShapeError {
+    /// The parameter.
+    pub parameter: &'static str,
+    /// How many numbers it must hold.
+    pub expected: usize,
+    /// How many it holds.
+    pub found: usize,
+}
+
+impl fmt::Display for ShapeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { parameter, expected, found } = self;
+        write!(f, "`{parameter}` must hold {expected} numbers but holds {found}")
+    }
+}
+
+impl core::error::Error for ShapeError {}
+
+fn check<T>(parameter: &'static str, given: &[T], expected: usize) -> Result<(), ShapeError> {
+    let found = given.len();
+    if found == expected { Ok(()) } else { Err(ShapeError { parameter, expected, found }) }
+}
+
+/// Dynamics of a model that is only known at run time.
+///
+/// Each call works in memory that was allocated once, in time and memory linear in the number of
+/// links (but for the dense results of [`mass_matrix`](Self::mass_matrix), [`brge`](Self::brge)
+/// and [`denoc`](Self::denoc)); nothing recurses on the call stack. Vectors stand in the order of
+/// [`Model::links`]; matrices are given by columns.
+#[derive(Clone, Debug)]
+pub struct Interpreter<S = f64> {
+    model: Model,
+    modules: ModuleTree,
+    prepared: Prepared<S>,
+    partition: Partition,
+    workspace: Workspace<S>,
+    body_poses: Vec<Pose<S>>,
+}
+
+impl<S: Scalar> Interpreter<S> {
+    /// For a model whose modules (for [`brge`](Self::brge)) are its maximal serial chains.
+    ///
+    /// Forward dynamics works link by link: a long chain must not make a large dense pivot.
+    #[must_use]
+    pub fn new(model: Model) -> Self {
+        let modules = ModuleTree::chains(&model);
+        Self::with_modules(model, modules)
+    }
+
+    /// For a model with modules of the user's choice.
+    #[must_use]
+    pub fn with_modules(model: Model, modules: ModuleTree) -> Self {
+        let n = model.links().len();
+        let prepared = Prepared::new(&model).cast();
+        let partition = Partition::from(&ModuleTree::links(&model));
+        let workspace = Workspace::new(n, &partition);
+        let body_poses = vec![Pose::identity(); n];
+        Self { model, modules, prepared, partition, workspace, body_poses }
+    }
+
+    /// The same, with forward dynamics by these modules as well.
+    ///
+    /// The results are the same up to rounding, whatever the modules.
+    #[must_use]
+    pub fn eliminating_by(mut self, modules: &ModuleTree) -> Self {
+        self.partition = modules.into();
+        self.workspace = Workspace::new(self.model.links().len(), &self.partition);
+        self
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The modules that [`brge`](Self::brge) works by.
+    #[must_use]
+    pub fn modules(&self) -> &ModuleTree {
+        &self.modules
+    }
+
+    /// The joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint torques or forces `tau`:
+    /// the inter- and intra-modular recursion, (60).
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn forward_dynamics(
+        &mut self,
+        q: &[S],
+        qd: &[S],
+        tau: &[S],
+        qdd: &mut [S],
+    ) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        check("q", q, n)?;
+        check("qd", qd, n)?;
+        check("tau", tau, n)?;
+        check("qdd", qdd, n)?;
+        let Self { prepared, partition, workspace, .. } = self;
+        forward_dynamics::forward_dynamics(prepared, partition, (q, qd, tau), workspace, qdd);
+        Ok(())
+    }
+
+    /// The joint torques or forces `tau` (N m or N) of a motion: recursive Newton-Euler.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn inverse_dynamics(
+        &mut self,
+        q: &[S],
+        qd: &[S],
+        qdd: &[S],
+        tau: &mut [S],
+    ) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        check("q", q, n)?;
+        check("qd", qd, n)?;
+        check("qdd", qdd, n)?;
+        check("tau", tau, n)?;
+        inverse_dynamics::inverse_dynamics(
+            &self.prepared,
+            q,
+            qd,
+            Some(qdd),
+            &mut self.workspace,
+            tau,
+        );
+        Ok(())
+    }
+
+    /// The bias forces h(q, qd) into `tau`: inverse dynamics without acceleration.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn bias_forces(&mut self, q: &[S], qd: &[S], tau: &mut [S]) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        check("q", q, n)?;
+        check("qd", qd, n)?;
+        check("tau", tau, n)?;
+        inverse_dynamics::inverse_dynamics(&self.prepared, q, qd, None, &mut self.workspace, tau);
+        Ok(())
+    }
+
+    /// The joint torques that hold the robot still, into `tau`.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn gravity_torques(&mut self, q: &[S], tau: &mut [S]) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        check("q", q, n)?;
+        check("tau", tau, n)?;
+        gravity::gravity_torques(&self.prepared, q, &mut self.workspace, tau);
+        Ok(())
+    }
+
+    /// The GIM by columns into `columns` (nv times nv), (7)-(10).
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn mass_matrix(&mut self, q: &[S], columns: &mut [S]) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        check("q", q, n)?;
+        check("columns", columns, n * n)?;
+        mass_matrix::mass_matrix(&self.prepared, q, &mut self.workspace, columns);
+        Ok(())
+    }
+
+    /// Kinetic energy of the moving links, J.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn kinetic_energy(&mut self, q: &[S], qd: &[S]) -> Result<S, ShapeError> {
+        let n = self.model.nv();
+        check("q", q, n)?;
+        check("qd", qd, n)?;
+        Ok(kinetic_energy::kinetic_energy(&self.prepared, q, qd, &mut self.workspace))
+    }
+
+    /// Potential energy of the moving links under gravity, J; zero at the world's origin.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn potential_energy(&mut self, q: &[S]) -> Result<S, ShapeError> {
+        check("q", q, self.model.nq())?;
+        Ok(gravity::potential_energy(&self.prepared, q, &mut self.workspace))
+    }
+
+    /// The poses in the world of all links of the description, fixed ones too, in the order of
+    /// [`Model::frames`].
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn link_poses(&mut self, q: &[S], poses: &mut [Pose<S>]) -> Result<(), ShapeError> {
+        check("q", q, self.model.nq())?;
+        check("poses", poses, self.model.frames().len())?;
+        let Self { prepared, workspace, body_poses, .. } = self;
+        kinematics::link_poses(prepared, q, workspace, body_poses, poses);
+        Ok(())
+    }
+
+    /// The factorization I = U D U^T by modules at `q`, (35)-(49). Allocates its result; to use
+    /// the memory of an earlier one again, see [`Brge::update`].
+    ///
+    /// # Errors
+    ///
+    /// If `q` does not have the model's length.
+    pub fn brge(&self, q: &[S]) -> Result<Brge<S>, ShapeError> {
+        let n = self.model.nv();
+        let layout = Layout::new(&self.modules, n);
+        let factors = vec![S::zero(); layout.len()];
+        let workspace = Workspace::new(n, layout.partition());
+        let mut brge = Brge { layout, factors, workspace, n };
+        brge.update(self, q)?;
+        Ok(brge)
+    }
+
+    /// The dense DeNOC matrices at `q`, (1)-(5), with the links' inertias as the model has them.
+    ///
+    /// # Errors
+    ///
+    /// If `q` does not have the model's length.
+    pub fn denoc(&mut self, q: &[S]) -> Result<DeNoc<S>, ShapeError> {
+        check("q", q, self.model.nq())?;
+        Ok(denoc::denoc(&self.prepared, q, &mut self.workspace))
+    }
+}
+
+/// The factorization I = U D U^T of the GIM by modules. Matrices are given by columns.
+#[derive(Clone, Debug)]
+pub struct Brge<S = f64> {
+    layout: Layout,
+    factors: Vec<S>,
+    workspace: Workspace<S>,
+    n: usize,
+}
+
+impl<S: Scalar> Brge<S> {
+    /// Factorizes anew, for the same interpreter at another `q`.
+    ///
+    /// # Errors
+    ///
+    /// If `q` or this factorization do not have the interpreter's sizes.
+    pub fn update(&mut self, interpreter: &Interpreter<S>, q: &[S]) -> Result<(), ShapeError> {
+        check("q", q, interpreter.model.nq())?;
+        check("q", q, self.n)?;
+        let Self { layout, factors, workspace, .. } = self;
+        brge::factorize(&interpreter.prepared, layout, q, workspace, factors);
+        Ok(())
+    }
+
+    fn matrix(&self, fill: impl FnOnce(&mut [S])) -> Vec<S> {
+        let mut columns = vec![S::zero(); self.n * self.n];
+        fill(&mut columns);
+        columns
+    }
+
+    /// The block upper triangular U, (43).
+    #[must_use]
+    pub fn u(&self) -> Vec<S> {
+        self.matrix(|columns| brge::upper(&self.layout, &self.factors[self.layout.u()], columns))
+    }
+
+    /// The block diagonal D, (45).
+    #[must_use]
+    pub fn d(&self) -> Vec<S> {
+        self.matrix(|columns| brge::diagonal(&self.layout, &self.factors, columns))
+    }
+
+    /// U^-1, (54).
+    #[must_use]
+    pub fn u_inverse(&self) -> Vec<S> {
+        let u = &self.factors[self.layout.u()];
+        self.matrix(|columns| brge::upper_inverse(&self.layout, u, columns))
+    }
+
+    /// D^-1, (54).
+    #[must_use]
+    pub fn d_inverse(&self) -> Vec<S> {
+        let inverse = &self.factors[self.layout.partition().pivots..];
+        self.matrix(|columns| brge::diagonal(&self.layout, inverse, columns))
+    }
+
+    /// The inverse of the GIM, (50).
+    #[must_use]
+    pub fn inverse(&self) -> Vec<S> {
+        self.matrix(|columns| brge::inverse(&self.layout, &self.factors, columns))
+    }
+
+    /// The x with I x = `rhs`, by the three steps of (60).
+    ///
+    /// # Errors
+    ///
+    /// If `rhs` does not have the model's length.
+    pub fn solve(&self, rhs: &[S]) -> Result<Vec<S>, ShapeError> {
+        check("rhs", rhs, self.n)?;
+        let mut x = rhs.to_vec();
+        brge::solve(&self.layout, &self.factors, &mut x);
+        Ok(x)
+    }
+
+    /// The natural logarithm of the GIM's determinant.
+    #[must_use]
+    pub fn log_determinant(&self) -> S {
+        brge::log_determinant(&self.layout, &self.factors)
+    }
+
+    /// Module `module`'s pivot block I_hat, (46), by columns; `None` if there is no such module.
+    #[must_use]
+    pub fn pivot_block(&self, module: usize) -> Option<Vec<S>> {
+        let exists = module < self.layout.blocks().len();
+        exists.then(|| self.factors[self.layout.d(module)].to_vec())
+    }
+
+    /// The condition number (2-norm) of that block, by a fixed number of Jacobi sweeps.
+    #[must_use]
+    pub fn condition_number(&self, module: usize) -> Option<S> {
+        let exists = module < self.layout.blocks().len();
+        exists.then(|| brge::condition_number(&self.layout, &self.factors, module))
+    }
+}

@@ -1,0 +1,58 @@
+//! Revolute and continuous joints: rotation about z.
+
+use crate::Scalar;
+use crate::model::prepare::Zero;
+use crate::spatial::{ArticulatedInertia, Axis, RigidInertia, Turn, Twist, Vector3, Wrench};
+
+/// The rotation at angle `q`.
+pub(super) fn turn<S: Scalar>(zero: Zero<S>, q: S) -> Turn<S> {
+    match zero {
+        Zero::Quarters(n) => {
+            let (sin, cos) = q.sin_cos();
+            let (cos, sin) = match n {
+                0 => (cos, sin),
+                1 => (-sin, cos),
+                2 => (-cos, -sin),
+                _ => (sin, -cos),
+            };
+            Turn::Angle { cos, sin }
+        }
+        Zero::Angle(offset) => {
+            let (sin, cos) = (q + offset).sin_cos();
+            Turn::Angle { cos, sin }
+        }
+    }
+}
+
+pub(super) fn twist_to_child<S: Scalar>(turn: Turn<S>, t: Twist<S>) -> Twist<S> {
+    let back = turn.inverse();
+    Twist { angular: back.vector(Axis::Z, t.angular), linear: back.vector(Axis::Z, t.linear) }
+}
+
+pub(super) fn wrench_to_parent<S: Scalar>(turn: Turn<S>, w: Wrench<S>) -> Wrench<S> {
+    Wrench { moment: turn.vector(Axis::Z, w.moment), force: turn.vector(Axis::Z, w.force) }
+}
+
+pub(super) fn rigid_to_parent<S: Scalar>(turn: Turn<S>, i: &RigidInertia<S>) -> RigidInertia<S> {
+    RigidInertia {
+        mass: i.mass,
+        first_moment: turn.vector(Axis::Z, i.first_moment),
+        second_moment: turn.symmetric(Axis::Z, &i.second_moment),
+    }
+}
+
+pub(super) fn articulated_to_parent<S: Scalar>(
+    turn: Turn<S>,
+    i: &ArticulatedInertia<S>,
+) -> ArticulatedInertia<S> {
+    i.turned(turn, Axis::Z)
+}
+
+/// A unit angular acceleration about z.
+pub(super) fn unit_wrench<S: Scalar>(i: &RigidInertia<S>) -> Wrench<S> {
+    let (c, s) = (i.first_moment, i.second_moment);
+    Wrench {
+        moment: Vector3([-s.xz, -s.yz, s.xx + s.yy]),
+        force: Vector3([-c[1], c[0], S::zero()]),
+    }
+}

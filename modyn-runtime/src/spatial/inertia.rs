@@ -1,0 +1,161 @@
+//! Inertias: of a rigid body in 10 numbers, of an articulated one in 21.
+
+use core::ops::Add;
+
+use super::{Matrix3, Symmetric3, Vector3, Wrench};
+use crate::Scalar;
+
+/// The inertia of a rigid (or composite) body about its frame's origin.
+///
+/// Kept as mass, first and second moment, `m`, `integral r dm`, `integral r r^T dm`: moving it to
+/// another frame is cheaper than with the rotational inertia `trace(S) 1 - S`, the I of (2), and
+/// what an axis cannot feel is a component by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidInertia<S> {
+    /// Mass, kg.
+    pub mass: S,
+    /// Mass times centre of mass, kg m.
+    pub first_moment: Vector3<S>,
+    /// Second moment of mass about the origin, kg m^2.
+    pub second_moment: Symmetric3<S>,
+}
+
+impl<S: Scalar> RigidInertia<S> {
+    /// Nothing there.
+    #[must_use]
+    pub fn zero() -> Self {
+        Self { mass: S::zero(), first_moment: Vector3::zero(), second_moment: Symmetric3::zero() }
+    }
+
+    /// Each number through `f`.
+    pub fn map<T>(&self, mut f: impl FnMut(S) -> T) -> RigidInertia<T> {
+        RigidInertia {
+            mass: f(self.mass),
+            first_moment: Vector3(self.first_moment.0.map(&mut f)),
+            second_moment: self.second_moment.map(&mut f),
+        }
+    }
+
+    /// The body seen from a frame against which this one stands shifted by `p`.
+    #[must_use]
+    pub fn shifted(&self, p: Vector3<S>) -> Self {
+        let c = self.first_moment;
+        let shifted = c + p.scale(self.mass);
+        let s = self.second_moment.full().0;
+        Self {
+            mass: self.mass,
+            first_moment: shifted,
+            // S + p c^T + c p^T + m p p^T
+            second_moment: Symmetric3::from_fn(|i, j| s[i][j] + (p[i] * shifted[j] + c[i] * p[j])),
+        }
+    }
+
+    /// The rotational inertia about the origin, `trace(S) 1 - S`: the I of (2).
+    #[must_use]
+    pub fn rotational(&self) -> Symmetric3<S> {
+        let Symmetric3 { xx, xy, xz, yy, yz, zz } = self.second_moment;
+        Symmetric3 { xx: yy + zz, xy: -xy, xz: -xz, yy: xx + zz, yz: -yz, zz: xx + yy }
+    }
+
+    /// The same inertia in the form of an articulated one: the matrix of (2).
+    #[must_use]
+    pub fn articulated(&self) -> ArticulatedInertia<S> {
+        ArticulatedInertia {
+            rotational: self.rotational(),
+            coupling: Matrix3::cross(self.first_moment),
+            translational: Symmetric3::diagonal(self.mass),
+        }
+    }
+}
+
+impl<S: Scalar> Add for RigidInertia<S> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self {
+            mass: self.mass + other.mass,
+            first_moment: self.first_moment + other.first_moment,
+            second_moment: self.second_moment + other.second_moment,
+        }
+    }
+}
+
+/// The inertia that a tree of links shows at its first one: a symmetric 6x6 matrix
+/// `[rotational, coupling; coupling^T, translational]` from acceleration to wrench.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArticulatedInertia<S> {
+    /// Angular acceleration to moment.
+    pub rotational: Symmetric3<S>,
+    /// Linear acceleration to moment.
+    pub coupling: Matrix3<S>,
+    /// Linear acceleration to force.
+    pub translational: Symmetric3<S>,
+}
+
+impl<S: Scalar> ArticulatedInertia<S> {
+    /// The wrench of a unit acceleration in component `j` (angular x, y, z, linear x, y, z).
+    #[must_use]
+    pub fn column(&self, j: usize) -> Wrench<S> {
+        if j < 3 {
+            Wrench { moment: self.rotational.full().column(j), force: self.coupling.row(j) }
+        } else {
+            Wrench {
+                moment: self.coupling.column(j - 3),
+                force: self.translational.full().column(j - 3),
+            }
+        }
+    }
+
+    /// From the upper triangle of the 6x6 matrix.
+    #[must_use]
+    pub fn from_fn(mut entry: impl FnMut(usize, usize) -> S) -> Self {
+        Self {
+            rotational: Symmetric3::from_fn(&mut entry),
+            coupling: Matrix3(core::array::from_fn(|i| core::array::from_fn(|j| entry(i, j + 3)))),
+            translational: Symmetric3::from_fn(|i, j| entry(i + 3, j + 3)),
+        }
+    }
+
+    /// The entry of the 6x6 matrix at row `i` and column `j`, `i <= j`.
+    #[must_use]
+    pub fn entry(&self, i: usize, j: usize) -> S {
+        if j < 3 {
+            self.rotational.full().0[i][j]
+        } else if i < 3 {
+            self.coupling.0[i][j - 3]
+        } else {
+            self.translational.full().0[i - 3][j - 3]
+        }
+    }
+
+    /// The inertia seen from a frame against which this one stands shifted by `p`.
+    #[must_use]
+    pub fn shifted(&self, p: Vector3<S>) -> Self {
+        // With P = p x: H' = H + P M and A' = A + P H'^T + H P^T.
+        let m = self.translational.full();
+        let shift = |v: Vector3<S>| p.cross(v);
+        let pm: [Vector3<S>; 3] = core::array::from_fn(|j| shift(m.column(j)));
+        let h = Matrix3(core::array::from_fn(|i| {
+            core::array::from_fn(|j| self.coupling.0[i][j] + pm[j][i])
+        }));
+        // Column j of P H'^T is p x (row j of H'); row i of H P^T is p x (row i of H).
+        let ph: [Vector3<S>; 3] = core::array::from_fn(|j| shift(h.row(j)));
+        let hp: [Vector3<S>; 3] = core::array::from_fn(|i| shift(self.coupling.row(i)));
+        let a = self.rotational.full().0;
+        Self {
+            rotational: Symmetric3::from_fn(|i, j| a[i][j] + (ph[j][i] + hp[i][j])),
+            coupling: h,
+            translational: self.translational,
+        }
+    }
+}
+
+impl<S: Scalar> Add for ArticulatedInertia<S> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self {
+            rotational: self.rotational + other.rotational,
+            coupling: self.coupling + other.coupling,
+            translational: self.translational + other.translational,
+        }
+    }
+}

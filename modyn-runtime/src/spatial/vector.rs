@@ -1,0 +1,90 @@
+//! Vectors of three numbers.
+
+use core::ops::{Add, AddAssign, Index, IndexMut, Neg, Sub};
+
+use crate::Scalar;
+
+/// A vector in three dimensions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vector3<S>(pub [S; 3]);
+
+impl<S: Scalar> Vector3<S> {
+    /// All zeros.
+    #[must_use]
+    pub fn zero() -> Self {
+        Self([S::zero(); 3])
+    }
+
+    /// `value` along z.
+    #[must_use]
+    pub fn along_z(value: S) -> Self {
+        Self([S::zero(), S::zero(), value])
+    }
+
+    /// The scalar product.
+    #[must_use]
+    pub fn dot(self, other: Self) -> S {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        a * x + b * y + c * z
+    }
+
+    /// The vector product.
+    #[must_use]
+    pub fn cross(self, other: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        Self([b * z - c * y, c * x - a * z, a * y - b * x])
+    }
+
+    /// The vector product with `value` times the z axis on the right.
+    #[must_use]
+    pub fn cross_z(self, value: S) -> Self {
+        let [x, y, _] = self.0;
+        Self([y * value, -(x * value), S::zero()])
+    }
+
+    /// The vector times a number.
+    #[must_use]
+    pub fn scale(self, factor: S) -> Self {
+        Self(self.0.map(|x| x * factor))
+    }
+}
+
+impl<S: Scalar> Add for Vector3<S> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self(core::array::from_fn(|i| self.0[i] + other.0[i]))
+    }
+}
+
+impl<S: Scalar> AddAssign for Vector3<S> {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<S: Scalar> Sub for Vector3<S> {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self(core::array::from_fn(|i| self.0[i] - other.0[i]))
+    }
+}
+
+impl<S: Scalar> Neg for Vector3<S> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(self.0.map(|x| -x))
+    }
+}
+
+impl<S> Index<usize> for Vector3<S> {
+    type Output = S;
+    fn index(&self, i: usize) -> &S {
+        &self.0[i]
+    }
+}
+
+impl<S> IndexMut<usize> for Vector3<S> {
+    fn index_mut(&mut self, i: usize) -> &mut S {
+        &mut self.0[i]
+    }
+}
