@@ -146,6 +146,12 @@ codes! {
     NoInertiaFelt = "no-inertia-felt",
     /// The gravity in the options is NaN or infinite.
     Gravity = "gravity",
+    /// The list of modules is not a partition of the links into chains.
+    Modules = "modules",
+    /// The name of the generated type is no Rust identifier.
+    TypeName = "type-name",
+    /// The generated code cannot be written.
+    Output = "output",
     /// The model was refused for a reason that reading should have found.
     InvalidModel = "invalid-model",
 }
@@ -262,7 +268,7 @@ impl fmt::Display for Diagnostic {
 impl std::error::Error for Diagnostic {}
 
 /// All that is wrong, errors before warnings, each in the order of their positions.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Default, PartialEq, Eq)]
 pub struct Diagnostics(Vec<Diagnostic>);
 
 impl Diagnostics {
@@ -294,6 +300,13 @@ impl Diagnostics {
     #[must_use]
     pub fn into_vec(self) -> Vec<Diagnostic> {
         self.0
+    }
+}
+
+/// As for a user: this is what a build script prints whose `main` returns diagnostics.
+impl fmt::Debug for Diagnostics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

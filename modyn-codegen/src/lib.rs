@@ -1,7 +1,21 @@
 //! modyn's compiler: from a robot description (URDF) to specialised Rust.
+//!
+//! ```text
+//! URDF text ─ urdf ─▶ Model ─ modules ─▶ equations on Expr (trace) ─▶ Graph ─ passes ─▶ emit ─▶ Rust
+//! ```
+//!
+//! The macro `modyn::modyn!`, build scripts and anyone who wants the text all come in through
+//! [`Builder`].
 
+mod builder;
+pub mod emit;
 pub mod error;
 pub mod expr;
 pub mod names;
+pub mod partition;
+pub mod passes;
 pub mod trace;
 pub mod urdf;
+
+pub use builder::{Builder, Generated, ModuleChoice};
+pub use emit::FloatType;

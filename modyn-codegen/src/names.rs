@@ -86,6 +86,15 @@ pub fn snake(name: &str) -> String {
     identifier(result, "n_", "unnamed")
 }
 
+/// Rust's keywords, strict and reserved, up to edition 2024.
+const KEYWORDS: &[&str] = &[
+    "Self", "abstract", "as", "async", "await", "become", "box", "break", "const", "continue",
+    "crate", "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if",
+    "impl", "in", "let", "loop", "macro", "match", "mod", "move", "mut", "override", "priv", "pub",
+    "ref", "return", "self", "static", "struct", "super", "trait", "true", "try", "type", "typeof",
+    "unsafe", "unsized", "use", "virtual", "where", "while", "yield",
+];
+
 fn words(name: &str) -> impl Iterator<Item = &str> {
     name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty())
 }
@@ -98,8 +107,7 @@ fn identifier(mut text: String, before_digit: &str, unnamed: &str) -> String {
     if text.starts_with(|c: char| c.is_ascii_digit()) {
         text.insert_str(0, before_digit);
     }
-    // syn knows the keywords.
-    if syn::parse_str::<syn::Ident>(&text).is_err() {
+    if KEYWORDS.contains(&text.as_str()) {
         text.push('_');
     }
     text

@@ -1,1 +1,14 @@
-//! Tests.
+//! What the tests share: reference data, random robots, and a second opinion on the equations.
+//!
+//! The equations of motion exist once, so the interpreter cannot catch a wrong one. They are held
+//! by [`golden`] (figures from other software), by the paper's printed numbers, by physical
+//! identities on [`random`] robots, and by [`naive`], which shares nothing with them.
+
+pub mod cases;
+pub mod close;
+pub mod counting;
+pub mod dense;
+pub mod golden;
+pub mod naive;
+pub mod quantities;
+pub mod random;

@@ -1,43 +1,10 @@
 //! Counting operations.
 
 use std::collections::BTreeSet;
-use std::fmt;
+
+use modyn_runtime::OperationCount;
 
 use super::{Graph, Node};
-
-/// How many operations a graph takes to evaluate; changes of sign are free.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct OperationCount {
-    /// Multiplications.
-    pub multiplications: usize,
-    /// Additions and subtractions.
-    pub additions: usize,
-    /// Divisions.
-    pub divisions: usize,
-    /// Angles whose sine, cosine or both are taken.
-    pub sin_cos: usize,
-    /// Square roots and logarithms, absolute values, maxima and selections.
-    pub others: usize,
-}
-
-impl OperationCount {
-    /// Multiplications, additions and divisions together.
-    #[must_use]
-    pub fn total(&self) -> usize {
-        self.multiplications + self.additions + self.divisions
-    }
-}
-
-impl fmt::Display for OperationCount {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { multiplications, additions, divisions, sin_cos, .. } = self;
-        write!(
-            f,
-            "{} operations ({multiplications} multiplications, {additions} additions, {divisions} divisions) and {sin_cos} sin/cos",
-            self.total()
-        )
-    }
-}
 
 impl Graph {
     /// The operations that the outputs need.

@@ -39,6 +39,26 @@ pub enum Node {
 }
 
 impl Node {
+    /// The same operation on other nodes.
+    #[must_use]
+    pub fn map(self, f: impl Fn(Id) -> Id) -> Self {
+        match self {
+            Self::Constant(_) | Self::Input(_) => self,
+            Self::Neg(a) => Self::Neg(f(a)),
+            Self::Add(a, b) => Self::Add(f(a), f(b)),
+            Self::Sub(a, b) => Self::Sub(f(a), f(b)),
+            Self::Mul(a, b) => Self::Mul(f(a), f(b)),
+            Self::Recip(a) => Self::Recip(f(a)),
+            Self::Sin(a) => Self::Sin(f(a)),
+            Self::Cos(a) => Self::Cos(f(a)),
+            Self::Sqrt(a) => Self::Sqrt(f(a)),
+            Self::Ln(a) => Self::Ln(f(a)),
+            Self::Abs(a) => Self::Abs(f(a)),
+            Self::Max(a, b) => Self::Max(f(a), f(b)),
+            Self::Select(a, b, c) => Self::Select(f(a), f(b), f(c)),
+        }
+    }
+
     /// The nodes it is made of.
     pub fn operands(self) -> impl Iterator<Item = Id> {
         let (a, b, c) = match self {
@@ -117,6 +137,12 @@ impl Graph {
             Node::Constant(bits) => Some(f64::from_bits(bits)),
             _ => None,
         }
+    }
+
+    /// The node, if the graph has it.
+    #[must_use]
+    pub fn find(&self, node: Node) -> Option<Id> {
+        self.known.get(&node).copied()
     }
 
     fn known(&self, node: Node) -> bool {

@@ -9,6 +9,5 @@ mod evaluate;
 mod graph;
 mod scalar;
 
-pub use count::OperationCount;
 pub use graph::{Graph, Id, Node};
 pub use scalar::Expr;

@@ -1,6 +1,7 @@
 //! The equations run on expressions: one graph a quantity.
 
 use modyn_runtime::Scalar;
+use modyn_runtime::equations::brge::{self, Layout};
 use modyn_runtime::equations::{
     Partition, Workspace, forward_dynamics, gravity, inverse_dynamics, kinematics, kinetic_energy,
     mass_matrix,
@@ -24,16 +25,30 @@ impl<'a> Tracer<'a> {
         Self { model }
     }
 
+    /// `groups` are the lengths of the inputs.
+    fn trace_groups<const G: usize>(
+        &self,
+        lengths: [usize; G],
+        equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
+    ) -> Graph {
+        Graph::trace(|| {
+            let model = self.model.cast();
+            let mut next = 0;
+            let groups = lengths.map(|length| {
+                let start = next;
+                next += length;
+                (start..next).map(Expr::input).collect()
+            });
+            equations(&model, groups)
+        })
+    }
+
+    /// All inputs are joint vectors.
     fn trace<const G: usize>(
         &self,
         equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
-        let n = self.model.bodies.len();
-        Graph::trace(|| {
-            let model = self.model.cast();
-            let groups = std::array::from_fn(|g| (g * n..(g + 1) * n).map(Expr::input).collect());
-            equations(&model, groups)
-        })
+        self.trace_groups([self.model.bodies.len(); G], equations)
     }
 
     fn workspace(&self, partition: &Partition) -> Workspace<Expr> {
@@ -132,6 +147,72 @@ impl<'a> Tracer<'a> {
     pub fn potential_energy(&self) -> Graph {
         self.trace(|model, [q]| {
             vec![gravity::potential_energy(model, &q, &mut self.workspace(&Partition::empty()))]
+        })
+    }
+
+    /// The packed factors of U D U^T from `q`.
+    #[must_use]
+    pub fn brge(&self, layout: &Layout) -> Graph {
+        self.trace(|model, [q]| {
+            let mut factors = vec![Expr::zero(); layout.len()];
+            let workspace = &mut self.workspace(layout.partition());
+            brge::factorize(model, layout, &q, workspace, &mut factors);
+            factors
+        })
+    }
+
+    /// A full matrix, column by column, from the packed factors of U D U^T.
+    fn matrix(&self, layout: &Layout, fill: impl FnOnce(&[Expr], &mut [Expr])) -> Graph {
+        let n = self.model.bodies.len();
+        self.trace_groups([layout.len()], |_, [factors]| {
+            let mut columns = vec![Expr::zero(); n * n];
+            fill(&factors, &mut columns);
+            columns
+        })
+    }
+
+    /// U from the packed factors.
+    #[must_use]
+    pub fn u(&self, layout: &Layout) -> Graph {
+        self.matrix(layout, |factors, columns| brge::upper(layout, &factors[layout.u()], columns))
+    }
+
+    /// D from the packed factors.
+    #[must_use]
+    pub fn d(&self, layout: &Layout) -> Graph {
+        self.matrix(layout, |factors, columns| brge::diagonal(layout, factors, columns))
+    }
+
+    /// U^-1 from the packed factors.
+    #[must_use]
+    pub fn u_inverse(&self, layout: &Layout) -> Graph {
+        self.matrix(layout, |factors, columns| {
+            brge::upper_inverse(layout, &factors[layout.u()], columns);
+        })
+    }
+
+    /// D^-1 from the packed factors.
+    #[must_use]
+    pub fn d_inverse(&self, layout: &Layout) -> Graph {
+        self.matrix(layout, |factors, columns| {
+            brge::diagonal(layout, &factors[layout.partition().pivots..], columns);
+        })
+    }
+
+    /// The solution from the packed factors and `rhs`.
+    #[must_use]
+    pub fn solve(&self, layout: &Layout) -> Graph {
+        self.trace_groups([layout.len(), self.model.bodies.len()], |_, [factors, mut x]| {
+            brge::solve(layout, &factors, &mut x);
+            x
+        })
+    }
+
+    /// The logarithm of the determinant from the packed factors.
+    #[must_use]
+    pub fn log_determinant(&self, layout: &Layout) -> Graph {
+        self.trace_groups([layout.len()], |_, [factors]| {
+            vec![brge::log_determinant(layout, &factors)]
         })
     }
 }

@@ -12,7 +12,7 @@ use super::{
     report::Report,
     tree::Tree,
 };
-use crate::error::{Code, Diagnostic, Severity, Subject};
+use crate::error::{Code, Severity, Subject};
 
 /// A moving body: a link that a joint moves, and all that is fixed to it.
 struct Body {
@@ -41,7 +41,19 @@ pub fn build(
         if let Some(joint) = tree.joint[link] {
             let JointPart { name, kind, origin, axis, limits, .. } = &parts.joints[joint];
             let (carrier, pose) = tree.parent[joint].map_or((None, Pose::identity()), |p| place[p]);
-            let origin = pose.compose(origin);
+            let mut origin = pose.compose(origin);
+            if !origin.translation.iter().all(|x| x.abs() < LARGEST) {
+                let message = "its place is too far away to compute with";
+                let help = "write `xyz` in m";
+                report.error(
+                    Code::NotFinite,
+                    name.at,
+                    Some(&parts.joints[joint].subject()),
+                    message,
+                    help,
+                );
+                origin = Pose::identity();
+            }
             place[link] = match kind {
                 Kind::Fixed => (carrier, origin),
                 Kind::Moving(_) | Kind::Unknown => {
@@ -74,7 +86,7 @@ pub fn build(
             body.sound &= own.sound;
         }
     }
-    if links.is_empty() {
+    if parts.joints.iter().all(|joint| joint.kind == Kind::Fixed) {
         let help = "make a joint `revolute`, `continuous` or `prismatic`";
         report.error(Code::NoMovingJoint, parts.at, None, "no joint of the robot moves", help);
     }
@@ -108,12 +120,11 @@ pub fn build(
     match Model::new(parts.name, options.gravity, links, frames.collect()) {
         Ok(model) => Some(model),
         Err(errors) => {
-            // All of this is checked before; figures so large that they overflow are not.
+            // All of this has been checked. Should a check be missing, the user hears of it here.
             for error in errors {
-                let subject = Some(Subject::Robot(parts.name.into()));
-                let mut diagnostic = Diagnostic::error(Code::InvalidModel, error.to_string());
-                diagnostic.subject = subject;
-                report.push(diagnostic.at(report.position(parts.at)));
+                let subject = Subject::Robot(parts.name.into());
+                let help = "this is a fault of modyn: please report it with the file";
+                report.error(Code::InvalidModel, parts.at, Some(&subject), error.to_string(), help);
             }
             None
         }
@@ -155,11 +166,8 @@ fn check_inertia(
         return;
     };
     let moving = &parts.links[moving];
-    let at = links
-        .iter()
-        .filter_map(with_inertial)
-        .next()
-        .map_or(moving.name.at, |(_, inertial)| inertial.at);
+    let at =
+        links.iter().find_map(with_inertial).map_or(moving.name.at, |(_, inertial)| inertial.at);
     let figures = [whole.mass].into_iter().chain(whole.center_of_mass).chain(whole.inertia);
     if !figures.clone().all(|x| x.abs() < LARGEST) {
         let message = "the figures of the inertia are too large to compute with";

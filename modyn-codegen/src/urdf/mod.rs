@@ -19,7 +19,7 @@ mod build;
 mod document;
 mod felt;
 mod locate;
-mod names;
+mod nearest;
 mod numbers;
 mod parts;
 mod report;

@@ -10,7 +10,7 @@ use modyn_runtime::{
 };
 use roxmltree::Node;
 
-use super::{Mimic, ReadOptions, document::is, names::nearest, numbers::numbers, report::Report};
+use super::{Mimic, ReadOptions, document::is, nearest::nearest, numbers::numbers, report::Report};
 use crate::error::{Code, Severity, Subject};
 
 /// A robot in parts.

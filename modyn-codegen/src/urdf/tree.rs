@@ -3,11 +3,11 @@
 use rustc_hash::FxHashMap;
 
 use super::{
-    names::nearest,
+    nearest::nearest,
     parts::{Located, Parts},
     report::Report,
 };
-use crate::error::Code;
+use crate::error::{Code, Subject};
 
 /// A tree, depth first; a link's children stand in the order of their joints in the file.
 pub struct Tree {
@@ -33,9 +33,10 @@ pub fn grow(parts: &Parts, report: &mut Report<'_>) -> Option<Tree> {
     cycles(parts, &joint, &parent, report);
     // A child that is misspelt leaves a link behind that only looks like another root.
     if complete {
-        roots(parts, &joint, report);
+        roots(parts, &links, &joint, report);
     }
-    if report.errors() > errors {
+    // An end that is missing altogether was reported before.
+    if report.errors() > errors || !complete || parent.contains(&None) {
         return None;
     }
 
@@ -62,7 +63,6 @@ fn index<'a>(
     what: &str,
     report: &mut Report<'_>,
 ) -> FxHashMap<&'a str, usize> {
-    use crate::error::Subject;
     let mut indices = FxHashMap::default();
     let mut places = Vec::new();
     for (i, name) in names.enumerate() {
@@ -184,8 +184,16 @@ fn cycles(
     }
 }
 
-fn roots(parts: &Parts, joint: &[Option<usize>], report: &mut Report<'_>) {
-    let roots: Vec<usize> = (0..joint.len()).filter(|&link| joint[link].is_none()).collect();
+fn roots(
+    parts: &Parts,
+    links: &FxHashMap<&str, usize>,
+    joint: &[Option<usize>],
+    report: &mut Report<'_>,
+) {
+    // A second link of one name cannot be any joint's child; its name is the error.
+    let first_of_its_name = |link: usize| links.get(parts.links[link].name.text) == Some(&link);
+    let roots: Vec<usize> =
+        (0..joint.len()).filter(|&link| joint[link].is_none() && first_of_its_name(link)).collect();
     let Some(&second) = roots.get(1) else { return };
     let names: Vec<String> =
         roots.iter().take(10).map(|&r| format!("`{}`", parts.links[r].name.text)).collect();

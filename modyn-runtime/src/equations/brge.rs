@@ -5,13 +5,13 @@
 use alloc::{vec, vec::Vec};
 use core::ops::Range;
 
+use super::Workspace;
 use super::elimination::{eliminate, freed, pivot, reduce_columns, solve_lower, split, start};
 use super::partition::{Block, Partition};
-use super::{Workspace, jacobi};
-use crate::Scalar;
 use crate::model::ModuleTree;
 use crate::model::prepare::Prepared;
 use crate::spatial::Wrench;
+use crate::{Scalar, jacobi};
 
 /// Where the numbers of the factorization lie.
 ///

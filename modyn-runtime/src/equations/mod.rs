@@ -17,7 +17,6 @@
 //! | `forward_dynamics` | accelerations by inter- and intra-modular recursion | (60), Table 6 |
 //! | `kinetic_energy` | kinetic energy | |
 //! | `denoc` | the DeNOC matrices, dense | (1)-(5), A.1, A.2 |
-//! | `jacobi` | eigenvalues of pivot blocks | Golub and Van Loan, sect. 8.5 |
 
 pub mod brge;
 pub mod denoc;
@@ -25,7 +24,6 @@ mod elimination;
 pub mod forward_dynamics;
 pub mod gravity;
 pub mod inverse_dynamics;
-pub mod jacobi;
 pub mod kinematics;
 pub mod kinetic_energy;
 pub mod mass_matrix;

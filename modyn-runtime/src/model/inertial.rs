@@ -69,7 +69,7 @@ impl Inertial {
             return Some(InertialDefect::InertiaWithoutMass);
         }
         let mut full = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
-        crate::equations::jacobi::diagonalize(&mut full, 3);
+        crate::jacobi::diagonalize(&mut full, 3);
         let mut moments = [full[0], full[4], full[8]];
         moments.sort_by(f64::total_cmp);
         let slack = SLACK * moments[2].abs().max(moments[0].abs());

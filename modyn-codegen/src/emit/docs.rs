@@ -1,0 +1,62 @@
+//! The documentation of a generated type.
+
+use std::fmt::Write as _;
+
+use modyn_runtime::OperationCount;
+use modyn_runtime::model::ModuleTree;
+
+use super::Robot;
+
+/// `name` as code in a doc comment, whatever stands in it.
+pub(super) fn code(name: &str) -> String {
+    // A line break would end the comment, a backtick the code, a bar a table's cell.
+    let tame = |c: char| if c.is_control() || c == '`' || c == '|' { '\u{fffd}' } else { c };
+    format!("`{}`", name.chars().map(tame).collect::<String>())
+}
+
+/// The doc comment of the robot's type.
+pub(super) fn robot(
+    text: &mut String,
+    robot: &Robot<'_>,
+    operations: &[(&str, OperationCount)],
+    (eliminated, candidates): (&ModuleTree, &[(&str, usize)]),
+) {
+    let model = robot.model;
+    let mut lines = format!(
+        "Dynamics of the robot {}: {} joints, compiled by modyn.\n\n\
+         Vectors stand in the order of the joints below; matrices are arrays of columns. SI units,\n\
+         radians; gravity {:?} m/s^2 in world axes.\n\n\
+         | | joint | type | link | parent link |\n|---|---|---|---|---|\n",
+        code(model.name()),
+        model.nv(),
+        model.gravity(),
+    );
+    for (i, link) in model.links().iter().enumerate() {
+        let parent =
+            link.parent.map_or_else(|| "the base".into(), |p| code(&model.links()[p].name));
+        let (joint, kind) = (code(&link.joint.name), link.joint.joint_type.name());
+        let _ = writeln!(lines, "| {i} | {joint} | {kind} | {} | {parent} |", code(&link.name));
+    }
+    lines.push_str("\nKinematic modules:\n\n");
+    for (m, module) in robot.modules.modules().iter().enumerate() {
+        let links: Vec<String> =
+            model.links()[module.links.clone()].iter().map(|link| code(&link.name)).collect();
+        let parent = module.parent.map_or_else(|| "the base".into(), |p| format!("module {p}"));
+        let _ = writeln!(lines, "- module {m} on {parent}: {}", links.join(", "));
+    }
+    lines.push_str("\nOperations:\n\n");
+    for (name, count) in operations {
+        let _ = writeln!(lines, "- `{name}`: {count}");
+    }
+    let costs: Vec<String> =
+        candidates.iter().map(|(name, total)| format!("{name} takes {total}")).collect();
+    let _ = writeln!(
+        lines,
+        "\nForward dynamics is eliminated by {} modules: {} operations.",
+        eliminated.modules().len(),
+        costs.join(", ")
+    );
+    for line in lines.lines() {
+        let _ = writeln!(text, "/// {line}");
+    }
+}

@@ -1,0 +1,130 @@
+//! Every file in `bad/` is refused, and every file in `good/` is read, with exactly the
+//! diagnostics that are marked in the file, in the line where the mark stands:
+//!
+//! `<!-- ERROR code: part of the text -->`, `<!-- WARNING code: part of the text -->`.
+//!
+//! `<!-- OPTIONS mimic = independent, unphysical_inertia = warn -->` sets options.
+
+use std::{collections::BTreeSet, fs, path::Path};
+
+use modyn_codegen::{
+    error::{Code, Diagnostic, Severity},
+    urdf::{Mimic, ReadOptions, read},
+};
+
+/// What a file says about itself.
+#[derive(Debug)]
+struct Mark {
+    line: usize,
+    severity: Severity,
+    code: String,
+    text: String,
+}
+
+fn marks(text: &str) -> Vec<Mark> {
+    let mut marks = Vec::new();
+    for (i, line) in text.lines().enumerate() {
+        for comment in line.split("<!-- ").skip(1).filter_map(|rest| rest.split(" -->").next()) {
+            let Some((word, rest)) = comment.split_once(' ') else { continue };
+            let severity = match word {
+                "ERROR" => Severity::Error,
+                "WARNING" => Severity::Warning,
+                _ => continue,
+            };
+            let (code, text) = rest.split_once(": ").expect("a mark has a code and a text");
+            marks.push(Mark { line: i + 1, severity, code: code.into(), text: text.into() });
+        }
+    }
+    marks
+}
+
+fn options(text: &str) -> ReadOptions {
+    let mut options = ReadOptions::default();
+    let Some(rest) = text.split("<!-- OPTIONS ").nth(1) else { return options };
+    for option in rest.split(" -->").next().unwrap_or("").split(", ") {
+        match option {
+            "mimic = independent" => options.mimic = Mimic::Independent,
+            "unphysical_inertia = warn" => options.unphysical_inertia = Severity::Warning,
+            other => panic!("no option `{other}`"),
+        }
+    }
+    options
+}
+
+/// Runs all files of a folder; the codes that were seen.
+fn run(folder: &str, refused: bool) -> BTreeSet<Code> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(folder);
+    let mut files: Vec<_> =
+        fs::read_dir(path).expect("folder").map(|e| e.expect("entry").path()).collect();
+    files.sort();
+    let mut seen = BTreeSet::new();
+    let mut failures = Vec::new();
+    let mut count = 0;
+    for file in &files {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let text = fs::read_to_string(file).expect("UTF-8");
+        let result = read(&text, &name, &options(&text));
+        count += 1;
+        let found: Vec<Diagnostic> = match result {
+            Ok(reading) => {
+                if refused {
+                    failures.push(format!("{name}: was not refused"));
+                }
+                reading.warnings
+            }
+            Err(found) => {
+                if !refused {
+                    failures.push(format!("{name}: was refused"));
+                }
+                found.into_vec()
+            }
+        };
+        let mut marks = marks(&text);
+        for diagnostic in found {
+            seen.insert(diagnostic.code);
+            let shown = diagnostic.to_string();
+            let line = diagnostic.position.map_or(0, |p| p.line);
+            let fits = marks.iter().position(|mark| {
+                mark.line == line
+                    && mark.severity == diagnostic.severity
+                    && mark.code == diagnostic.code.name()
+                    && shown.contains(&mark.text)
+            });
+            match fits {
+                Some(i) => drop(marks.remove(i)),
+                None => failures.push(format!("not marked: {shown}")),
+            }
+            if diagnostic.help.as_deref().unwrap_or("").is_empty() {
+                failures.push(format!("without help: {shown}"));
+            }
+        }
+        failures.extend(marks.iter().map(|mark| format!("{name}: not reported: {mark:?}")));
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+    assert!(count >= 20, "only {count} files were found in {folder}");
+    seen
+}
+
+#[test]
+fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
+    let seen = run("bad", true);
+    // Warnings are in `good`; these have no file.
+    let elsewhere = [
+        Code::MissingFile,
+        Code::Gravity,
+        Code::InvalidModel,
+        Code::InvertedLimits,
+        Code::MimicTarget,
+    ];
+    let missing: Vec<_> =
+        Code::ALL.iter().filter(|code| !seen.contains(code) && !elsewhere.contains(code)).collect();
+    assert!(missing.is_empty(), "no file in bad/ for {missing:?}");
+}
+
+#[test]
+fn good_files_are_read_with_exactly_the_marked_warnings() {
+    let seen = run("good", false);
+    for code in [Code::InvertedLimits, Code::MimicTarget, Code::AxisLength] {
+        assert!(seen.contains(&code), "no file in good/ for {code}");
+    }
+}

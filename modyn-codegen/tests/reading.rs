@@ -1,0 +1,319 @@
+//! What comes out of reading: merged bodies, order, frames, and never a panic.
+
+#![allow(clippy::float_cmp)] // Figures that must come through as they are written.
+
+use std::{fmt::Write, fs, path::Path};
+
+use modyn_codegen::{
+    error::{Code, Severity},
+    urdf::{Mimic, ReadOptions, Reading, read},
+};
+use modyn_runtime::joint::JointType;
+use proptest::prelude::*;
+
+fn reading(text: &str) -> Reading {
+    read(text, "test.urdf", &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn good_files() -> Vec<(String, String)> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/good");
+    let mut files: Vec<_> = fs::read_dir(path)
+        .expect("folder")
+        .map(|entry| entry.expect("entry").path())
+        .map(|path| (path.display().to_string(), fs::read_to_string(path).expect("UTF-8")))
+        .collect();
+    files.sort();
+    assert!(files.len() >= 20);
+    files
+}
+
+fn joint(name: &str, kind: &str, parent: &str, child: &str) -> String {
+    format!(
+        "<joint name='{name}' type='{kind}'><parent link='{parent}'/><child link='{child}'/></joint>"
+    )
+}
+
+fn link(name: &str) -> String {
+    format!(
+        "<link name='{name}'><inertial><mass value='1'/>\
+         <inertia ixx='.1' ixy='0' ixz='0' iyy='.1' iyz='0' izz='.1'/></inertial></link>"
+    )
+}
+
+fn close(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12)
+}
+
+/// A rod along x with a ball at the end, behind two fixed joints, the first of them turned.
+#[test]
+fn fixed_links_are_merged_into_the_link_that_carries_them() {
+    const HALF_PI: &str = "1.5707963267948966";
+    let model = reading(&format!(
+        "<robot name='r'>
+          <link name='base'><inertial><mass value='9'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>
+          <link name='plinth'/>
+          <joint name='bolt' type='fixed'><origin xyz='0 0 2'/><parent link='base'/><child link='plinth'/></joint>
+          <joint name='hinge' type='revolute'><origin xyz='0 1 0' rpy='0 0 {HALF_PI}'/><parent link='plinth'/><child link='rod'/>
+            <axis xyz='0 0 1'/><limit lower='-1' upper='2' velocity='3' effort='4'/></joint>
+          <link name='rod'><inertial><origin xyz='0.5 0 0'/><mass value='2'/><inertia ixx='0.25' ixy='0' ixz='0' iyy='0.5' iyz='0' izz='0.5'/></inertial></link>
+          <joint name='weld' type='fixed'><origin xyz='1 0 0' rpy='0 0 {HALF_PI}'/><parent link='rod'/><child link='flange'/></joint>
+          <link name='flange'/>
+          <joint name='glue' type='fixed'><origin xyz='0 1 0'/><parent link='flange'/><child link='ball'/></joint>
+          <link name='ball'><inertial><origin xyz='0.5 0 0' rpy='0 0 {HALF_PI}'/><mass value='2'/><inertia ixx='0.25' ixy='0' ixz='0' iyy='0.25' iyz='0' izz='0.375'/></inertial></link>
+        </robot>"
+    ))
+    .model;
+    let [rod] = model.links() else { panic!("one link moves") };
+    assert_eq!((rod.name.as_str(), rod.parent), ("rod", None));
+    assert_eq!((rod.joint.name.as_str(), rod.joint.joint_type), ("hinge", JointType::Revolute));
+    assert!(close(&rod.joint.origin.translation, &[0.0, 1.0, 2.0]));
+    assert!(close(&rod.joint.origin.rotation.concat(), &[0., -1., 0., 1., 0., 0., 0., 0., 1.]));
+    let limits = rod.joint.limits.expect("limits");
+    assert_eq!(
+        (limits.lower, limits.upper, limits.velocity, limits.effort),
+        (Some(-1.), Some(2.), 3., 4.)
+    );
+    // The ball stands at [1 0 0] + Rz(90) [0 1 0] = [0 0 0], its centre at Rz(90) [0.5 0 0] from there.
+    // So the centres are at [0.5 0 0] and [0 0.5 0], and that of both at [0.25 0.25 0].
+    assert_eq!(rod.inertial.mass, 4.0);
+    assert!(close(&rod.inertial.center_of_mass, &[0.25, 0.25, 0.0]));
+    // Each 2 kg body is off by [0.25 -0.25 0] or [-0.25 0.25 0]: 4 kg / 16 = 0.25 about x and y,
+    // twice that about z, and ixy = -sum m x y = +0.25.
+    let [xx, xy, xz, yy, yz, zz] = [0.5 + 0.25, 0.25, 0.0, 0.75 + 0.25, 0.0, 0.875 + 0.5];
+    assert!(close(&rod.inertial.inertia, &[xx, xy, xz, yy, yz, zz]), "{:?}", rod.inertial);
+
+    let frames: Vec<_> = model.frames().iter().map(|f| (f.name.as_str(), f.link)).collect();
+    let expected = [
+        ("base", None),
+        ("plinth", None),
+        ("rod", Some(0)),
+        ("flange", Some(0)),
+        ("ball", Some(0)),
+    ];
+    assert_eq!(frames, expected);
+    let pose = |i: usize| &model.frames()[i].pose;
+    assert!(close(&pose(1).translation, &[0.0, 0.0, 2.0]));
+    assert!(close(&pose(2).translation, &[0.0; 3]));
+    assert!(close(&pose(3).translation, &[1.0, 0.0, 0.0]));
+    assert!(close(&pose(4).translation, &[0.0; 3]));
+    assert!(close(&pose(4).rotation[0], &[0.0, -1.0, 0.0]));
+}
+
+#[test]
+fn roll_pitch_yaw_turns_about_x_then_y_then_z() {
+    let text = format!(
+        "<robot name='r'>{}{}{}</robot>",
+        link("a"),
+        link("b"),
+        joint("j", "revolute", "a", "b")
+    )
+    .replace("<parent", "<origin rpy='0.1 0.2 0.3'/><parent");
+    let rotation = reading(&text).model.links()[0].joint.origin.rotation;
+    let mut product = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let (x, y, z) = (0.1_f64.sin_cos(), 0.2_f64.sin_cos(), 0.3_f64.sin_cos());
+    for turn in [
+        [[z.1, -z.0, 0.0], [z.0, z.1, 0.0], [0.0, 0.0, 1.0]],
+        [[y.1, 0.0, y.0], [0.0, 1.0, 0.0], [-y.0, 0.0, y.1]],
+        [[1.0, 0.0, 0.0], [0.0, x.1, -x.0], [0.0, x.0, x.1]],
+    ] {
+        product = std::array::from_fn(|i| {
+            std::array::from_fn(|j| (0..3).map(|k| product[i][k] * turn[k][j]).sum())
+        });
+    }
+    assert!(close(&rotation.concat(), &product.concat()));
+}
+
+/// Children in the order of their joints in the file, also where a fixed link lies between, and
+/// whatever the order of the links.
+#[test]
+fn links_stand_depth_first_in_the_order_of_the_joints() {
+    let mut text = String::from("<robot name='r'>");
+    for name in ["f", "e", "d", "c", "fix", "b", "a", "base"] {
+        text += &link(name);
+    }
+    for (parent, child) in
+        [("a", "c"), ("fix", "b"), ("base", "a"), ("b", "d"), ("a", "e"), ("base", "f")]
+    {
+        text += &joint(&format!("to_{child}"), "continuous", parent, child);
+    }
+    text += &joint("weld", "fixed", "base", "fix");
+    text += "</robot>";
+    let model = reading(&text).model;
+    let names: Vec<_> = model.links().iter().map(|l| l.name.as_str()).collect();
+    assert_eq!(names, ["a", "c", "e", "f", "b", "d"]);
+    let parents: Vec<_> = model.links().iter().map(|l| l.parent).collect();
+    assert_eq!(parents, [None, Some(0), Some(0), None, None, Some(4)]);
+}
+
+#[test]
+fn defaults_are_those_of_urdf() {
+    let text = format!(
+        "<robot name='r'>{}{}{}</robot>",
+        link("a"),
+        link("b"),
+        joint("j", "prismatic", "a", "b")
+    )
+    .replace("<parent", "<origin/><limit lower='-1'/><parent");
+    let model = reading(&text).model;
+    let joint = &model.links()[0].joint;
+    assert_eq!(joint.axis, [1.0, 0.0, 0.0]);
+    assert_eq!(joint.origin.translation, [0.0; 3]);
+    assert_eq!(joint.origin.rotation, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    let limits = joint.limits.expect("limits");
+    assert_eq!((limits.lower, limits.upper), (Some(-1.0), Some(0.0)));
+    assert_eq!(model.gravity(), modyn_runtime::model::DEFAULT_GRAVITY);
+    assert_eq!(model.name(), "r");
+}
+
+#[test]
+fn gravity_must_be_finite() {
+    let text = format!(
+        "<robot name='r'>{}{}{}</robot>",
+        link("a"),
+        link("b"),
+        joint("j", "revolute", "a", "b")
+    );
+    for bad in [f64::NAN, f64::INFINITY] {
+        let options = ReadOptions { gravity: [0.0, bad, 0.0], ..ReadOptions::default() };
+        let errors = read(&text, "test.urdf", &options).expect_err("refused");
+        assert_eq!(errors.iter().map(|d| d.code).collect::<Vec<_>>(), [Code::Gravity]);
+    }
+    let options = ReadOptions { gravity: [0.0; 3], ..ReadOptions::default() };
+    assert_eq!(read(&text, "test.urdf", &options).expect("read").model.gravity(), [0.0; 3]);
+}
+
+/// Neither the call stack nor a quadratic loop stands in the way, be it one line or many; and
+/// the deep end of a long chain still feels what it carries.
+#[test]
+fn a_chain_of_100_000_joints() {
+    const N: usize = 100_000;
+    let mut text = String::from("<robot name='r'>");
+    for i in 0..=N {
+        text += &link(&format!("l{i}"));
+    }
+    for i in (0..N).rev() {
+        let kind = if i % 3 == 2 { "fixed" } else { "revolute" };
+        let axis = ["0 0 1", "0 1 0"][i % 2];
+        write!(
+            text,
+            "<joint name='j{i}' type='{kind}'><origin xyz='0.5 0 0.1' rpy='0.1 0 0'/><parent link='l{i}'/>\
+             <child link='l{}'/><axis xyz='{axis}'/></joint>",
+            i + 1
+        )
+        .expect("a string");
+    }
+    text += "</robot>";
+    let model = reading(&text).model;
+    assert_eq!((model.nq(), model.frames().len()), (66_667, N + 1));
+
+    // And a cycle of as many.
+    let closed = text.replace("<child link='l100000'/>", "<child link='l0'/>");
+    let errors = read(&closed, "test.urdf", &ReadOptions::default()).expect_err("refused");
+    assert!(errors.iter().any(|d| d.code == Code::Cycle));
+}
+
+#[test]
+fn elements_nested_without_end_are_no_harm() {
+    let deep =
+        format!("<robot name='r'>{}{}</robot>", "<a>".repeat(100_000), "</a>".repeat(100_000));
+    assert!(read(&deep, "test.urdf", &ReadOptions::default()).is_err());
+}
+
+/// urdf-rs reads the same figures from the same text: an independent witness.
+#[test]
+fn figures_are_those_that_urdf_rs_reads() {
+    let mut compared = 0;
+    for (file, text) in good_files() {
+        let options = ReadOptions {
+            mimic: Mimic::Independent,
+            unphysical_inertia: Severity::Warning,
+            ..ReadOptions::default()
+        };
+        let Ok(reading) = read(&text, &file, &options) else { panic!("{file}") };
+        // urdf-rs refuses some files for what does not concern the dynamics.
+        let Ok(robot) = urdf_rs::read_from_string(&text) else { continue };
+        assert_eq!(
+            reading.model.frames().iter().map(|f| &f.name).collect::<Vec<_>>(),
+            robot.links.iter().map(|l| &l.name).collect::<Vec<_>>(),
+            "{file}"
+        );
+        for link in reading.model.links() {
+            let joint = robot.joints.iter().find(|j| j.name == link.joint.name).expect("joint");
+            let length = joint.axis.xyz.iter().map(|x| x * x).sum::<f64>().sqrt();
+            assert!(close(&link.joint.axis, &joint.axis.xyz.map(|x| x / length)), "{file}");
+            let moves = |name: &str| {
+                robot
+                    .joints
+                    .iter()
+                    .any(|j| j.child.link == name && j.joint_type != urdf_rs::JointType::Fixed)
+            };
+            if moves(&joint.parent.link) {
+                assert!(close(&link.joint.origin.translation, &*joint.origin.xyz), "{file}");
+            }
+            // Bodies to which nothing is fixed: the figures as they are written.
+            if !robot.joints.iter().any(|j| j.parent.link == link.name && !moves(&j.child.link)) {
+                let own = robot.links.iter().find(|l| l.name == link.name).expect("link");
+                assert!(close(&[link.inertial.mass], &[own.inertial.mass.value]), "{file}");
+                assert!(close(&link.inertial.center_of_mass, &*own.inertial.origin.xyz), "{file}");
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared >= 15, "only {compared} bodies were compared");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Files with lines and bytes deleted, repeated, exchanged and made up.
+    #[test]
+    fn no_text_makes_it_panic(
+        file in any::<prop::sample::Index>(),
+        edits in prop::collection::vec((0..6_u8, any::<prop::sample::Index>(), any::<prop::sample::Index>(), any::<u8>()), 1..6),
+    ) {
+        let files = good_files();
+        let mut text = file.get(&files).1.clone().into_bytes();
+        for (kind, a, b, byte) in edits {
+            if text.is_empty() {
+                break;
+            }
+            let (i, j) = (a.index(text.len()), b.index(text.len()));
+            match kind {
+                0 => text[i] = byte,
+                1 => drop(text.remove(i)),
+                2 => text.swap(i, j),
+                3 => text.truncate(i),
+                4 => {
+                    // Lines, which keeps most of the document well-formed.
+                    let mut lines: Vec<&[u8]> = text.split(|&b| b == b'\n').collect();
+                    let (i, j) = (a.index(lines.len()), b.index(lines.len()));
+                    match byte % 3 {
+                        0 => lines.swap(i, j),
+                        1 => lines[i] = lines[j],
+                        _ => drop(lines.remove(i)),
+                    }
+                    text = lines.join(&b'\n');
+                }
+                _ => {
+                    // A figure or a name in quotes becomes another one.
+                    let Some(open) = text[i..].iter().position(|&b| b == b'"').map(|k| i + k + 1) else { continue };
+                    let Some(close) = text[open..].iter().position(|&b| b == b'"').map(|k| open + k) else { continue };
+                    let words: [&[u8]; 8] =
+                        [b"", b"0", b"-1", b"1e308", b"nan", b"base", b"arm", b"0 0 1e-300"];
+                    text.splice(open..close, words[byte as usize % words.len()].iter().copied());
+                }
+            }
+        }
+        let text = String::from_utf8_lossy(&text);
+        for mimic in [Mimic::Refuse, Mimic::Independent] {
+            let options = ReadOptions { mimic, unphysical_inertia: Severity::Warning, ..ReadOptions::default() };
+            match read(&text, "test.urdf", &options) {
+                Ok(reading) => prop_assert!(reading.model.nq() > 0),
+                Err(errors) => {
+                    prop_assert!(errors.has_errors());
+                    prop_assert!(errors.iter().all(|d| d.code != Code::InvalidModel), "{errors}");
+                }
+            }
+        }
+    }
+}

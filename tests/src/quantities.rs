@@ -1,0 +1,77 @@
+//! An interpreter's quantities as values, for tests that do not mind allocating.
+
+use modyn_runtime::spatial::Pose;
+use modyn_runtime::{Brge, Interpreter, Scalar};
+
+/// The interpreter's calls, returning what they fill in; each panics if a length is wrong.
+#[allow(missing_docs)]
+pub trait Quantities<S> {
+    fn qdd(&mut self, q: &[S], qd: &[S], tau: &[S]) -> Vec<S>;
+    fn tau(&mut self, q: &[S], qd: &[S], qdd: &[S]) -> Vec<S>;
+    fn bias(&mut self, q: &[S], qd: &[S]) -> Vec<S>;
+    fn gravity(&mut self, q: &[S]) -> Vec<S>;
+    /// By columns.
+    fn gim(&mut self, q: &[S]) -> Vec<S>;
+    fn kinetic(&mut self, q: &[S], qd: &[S]) -> S;
+    fn potential(&mut self, q: &[S]) -> S;
+    fn poses(&mut self, q: &[S]) -> Vec<Pose<S>>;
+    fn factors(&self, q: &[S]) -> Brge<S>;
+}
+
+const LENGTHS: &str = "the lengths are right";
+
+impl<S: Scalar> Quantities<S> for Interpreter<S> {
+    fn qdd(&mut self, q: &[S], qd: &[S], tau: &[S]) -> Vec<S> {
+        let mut qdd = vec![S::zero(); q.len()];
+        self.forward_dynamics(q, qd, tau, &mut qdd).expect(LENGTHS);
+        qdd
+    }
+
+    fn tau(&mut self, q: &[S], qd: &[S], qdd: &[S]) -> Vec<S> {
+        let mut tau = vec![S::zero(); q.len()];
+        self.inverse_dynamics(q, qd, qdd, &mut tau).expect(LENGTHS);
+        tau
+    }
+
+    fn bias(&mut self, q: &[S], qd: &[S]) -> Vec<S> {
+        let mut tau = vec![S::zero(); q.len()];
+        self.bias_forces(q, qd, &mut tau).expect(LENGTHS);
+        tau
+    }
+
+    fn gravity(&mut self, q: &[S]) -> Vec<S> {
+        let mut tau = vec![S::zero(); q.len()];
+        self.gravity_torques(q, &mut tau).expect(LENGTHS);
+        tau
+    }
+
+    fn gim(&mut self, q: &[S]) -> Vec<S> {
+        let mut columns = vec![S::zero(); q.len() * q.len()];
+        self.mass_matrix(q, &mut columns).expect(LENGTHS);
+        columns
+    }
+
+    fn kinetic(&mut self, q: &[S], qd: &[S]) -> S {
+        self.kinetic_energy(q, qd).expect(LENGTHS)
+    }
+
+    fn potential(&mut self, q: &[S]) -> S {
+        self.potential_energy(q).expect(LENGTHS)
+    }
+
+    fn poses(&mut self, q: &[S]) -> Vec<Pose<S>> {
+        let mut poses = vec![Pose::identity(); self.model().frames().len()];
+        self.link_poses(q, &mut poses).expect(LENGTHS);
+        poses
+    }
+
+    fn factors(&self, q: &[S]) -> Brge<S> {
+        self.brge(q).expect(LENGTHS)
+    }
+}
+
+/// The twelve numbers of a pose: the rotation by rows, then the translation.
+#[must_use]
+pub fn numbers<S: Scalar>(pose: &Pose<S>) -> Vec<S> {
+    [pose.rotation.concat(), pose.translation.to_vec()].concat()
+}

@@ -1,0 +1,58 @@
+//! The interpreter allocates when it is made, not when it is called.
+
+use modyn_runtime::model::ModuleTree;
+use modyn_runtime::spatial::Pose;
+use modyn_runtime::{Interpreter, ShapeError};
+use modyn_tests::counting::{Counting, measure};
+use modyn_tests::random::{State, state, tree};
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn calls_allocate_nothing() {
+    for seed in 0..20 {
+        let model = tree(seed, 1 + usize::try_from(seed).expect("small"));
+        let n = model.nv();
+        let State { q, qd, tau, .. } = state(seed, &model);
+        for modules in [ModuleTree::links(&model), ModuleTree::chains(&model)] {
+            let mut interpreter = Interpreter::<f64>::new(model.clone()).eliminating_by(&modules);
+            let mut poses = vec![Pose::identity(); model.frames().len()];
+            let (mut a, mut b, mut columns) = (vec![0.0; n], vec![0.0; n], vec![0.0; n * n]);
+            let (result, allocated) = measure(|| {
+                interpreter.forward_dynamics(&q, &qd, &tau, &mut a)?;
+                interpreter.inverse_dynamics(&q, &qd, &a, &mut b)?;
+                interpreter.bias_forces(&q, &qd, &mut b)?;
+                interpreter.gravity_torques(&q, &mut b)?;
+                interpreter.mass_matrix(&q, &mut columns)?;
+                interpreter.kinetic_energy(&q, &qd)?;
+                interpreter.potential_energy(&q)?;
+                interpreter.link_poses(&q, &mut poses)?;
+                interpreter.gravity_torques(&[], &mut b).expect_err("wrong length");
+                Ok::<_, ShapeError>(())
+            });
+            assert_eq!(result, Ok(()));
+            assert_eq!((allocated.calls, allocated.peak), (0, 0), "seed {seed}");
+        }
+    }
+}
+
+#[test]
+fn the_counter_counts() {
+    let (kept, allocated) = measure(|| {
+        drop(vec![0u8; 100]);
+        vec![0u8; 10]
+    });
+    assert_eq!(kept.len(), 10);
+    assert_eq!((allocated.calls, allocated.kept, allocated.peak), (2, 10, 100));
+}
+
+#[test]
+fn updating_a_factorization_keeps_no_more_memory() {
+    let model = tree(3, 25);
+    let interpreter = Interpreter::<f64>::new(model.clone());
+    let mut brge = interpreter.brge(&state(1, &model).q).expect("the length is right");
+    let q = state(2, &model).q;
+    let (result, allocated) = measure(|| brge.update(&interpreter, &q));
+    assert_eq!((result, allocated.kept), (Ok(()), 0));
+}

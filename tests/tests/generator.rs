@@ -1,0 +1,96 @@
+//! The random robots are the same everywhere, and as various as they are meant to be.
+
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::Model;
+use modyn_tests::random::{State, chain, state, tree};
+
+/// FNV-1a over the bits of the figures.
+fn fingerprint(model: &Model) -> u64 {
+    let State { q, qd, qdd, tau } = state(0, model);
+    let links = model.links().iter().flat_map(|link| {
+        let parent = [link.parent.map_or(0.0, |_| 1.0)];
+        let (joint, inertial) = (&link.joint, &link.inertial);
+        [
+            &parent[..],
+            &joint.axis,
+            &joint.origin.translation,
+            &joint.origin.rotation.concat(),
+            &[inertial.mass],
+            &inertial.center_of_mass,
+            &inertial.inertia,
+        ]
+        .concat()
+    });
+    let frames = model
+        .frames()
+        .iter()
+        .flat_map(|frame| [frame.pose.rotation.concat(), frame.pose.translation.to_vec()].concat());
+    let figures = links.chain(frames).chain([q, qd, qdd, tau].concat());
+    figures.flat_map(|x| x.to_bits().to_le_bytes()).fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}
+
+#[test]
+fn every_host_grows_the_same_robots() {
+    let found = [fingerprint(&tree(1, 30)), fingerprint(&tree(2, 7)), fingerprint(&chain(3, 100))];
+    assert_eq!(
+        found.map(|x| format!("{x:016x}")),
+        ["6ef0eea1bb7a76f2", "24ca4760bfe0a4c1", "e30782694c7a3cbd"]
+    );
+}
+
+#[test]
+fn the_same_seed_grows_the_same_robot() {
+    assert_eq!(tree(5, 12), tree(5, 12));
+    assert_ne!(tree(5, 12).links(), tree(6, 12).links());
+}
+
+#[test]
+fn inertias_are_physical() {
+    for seed in 0..100 {
+        let model = tree(seed, 10);
+        for link in model.links() {
+            assert_eq!(link.inertial.defect(), None, "seed {seed}, {}", link.name);
+            assert!(link.inertial.mass > 0.0);
+        }
+    }
+}
+
+/// Asserts that some but not all of the links of many robots are so.
+#[track_caller]
+fn assert_mixed(is_so: impl Fn(&Model, usize) -> bool) {
+    let models: Vec<Model> = (0..50).map(|seed| tree(seed, 20)).collect();
+    let links = models.iter().flat_map(|model| (0..20).map(|i| is_so(model, i)));
+    let count = links.filter(|&so| so).count();
+    assert!((20..=980).contains(&count), "{count} of 1000");
+}
+
+#[test]
+fn robots_are_various() {
+    let joint = |model: &Model, i: usize| model.links()[i].joint.clone();
+    for joint_type in [JointType::Revolute, JointType::Continuous, JointType::Prismatic] {
+        assert_mixed(|model, i| joint(model, i).joint_type == joint_type);
+    }
+    let on_axis = |axis: [f64; 3]| axis.iter().filter(|&&x| x == 0.0).count() == 2;
+    let entries = |rotation: [[f64; 3]; 3]| rotation.concat();
+    assert_mixed(|model, i| on_axis(joint(model, i).axis));
+    assert_mixed(|model, i| joint(model, i).axis.contains(&-1.0));
+    assert_mixed(|model, i| joint(model, i).origin.translation == [0.0; 3]);
+    assert_mixed(|model, i| {
+        joint(model, i).origin.rotation == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    });
+    assert_mixed(|model, i| {
+        entries(joint(model, i).origin.rotation).iter().all(|x| x.fract() == 0.0)
+    });
+    assert_mixed(|model, i| !entries(joint(model, i).origin.rotation).contains(&0.0));
+    assert_mixed(|model, i| joint(model, i).limits.is_some());
+    assert_mixed(|model, i| model.children()[i].len() > 1);
+    assert_mixed(|model, i| model.links()[i].parent.is_none());
+    assert_mixed(|model, i| model.frames().iter().any(|f| f.name == format!("fixed{i}")));
+    let serial = (0..50).filter(|&seed| {
+        let model = tree(seed, 20);
+        model.links().iter().enumerate().all(|(i, link)| link.parent == i.checked_sub(1))
+    });
+    assert!((5..=45).contains(&serial.count()));
+}

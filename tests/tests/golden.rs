@@ -1,0 +1,124 @@
+//! The interpreter against figures from other software, on a fixed base.
+
+use modyn_runtime::Interpreter;
+use modyn_runtime::model::{Model, ModuleTree};
+use modyn_tests::close::assert_close;
+use modyn_tests::golden::{FIXED_BASE, Golden, Quantities as Expected};
+use modyn_tests::quantities::{Quantities, numbers};
+
+/// Of the reference data's README.
+const TOLERANCE: f64 = 1e-9;
+
+/// Runs `check` at every state of every robot.
+fn everywhere(check: impl Fn(&str, &Model, &Expected)) {
+    let mut states = 0;
+    for name in FIXED_BASE {
+        let golden = Golden::load(name);
+        for state in &golden.states {
+            check(name, &golden.model, state);
+            states += 1;
+        }
+    }
+    assert_eq!(states, 47, "the states of all robots");
+}
+
+fn moving(state: &Expected) -> (Vec<f64>, Vec<f64>) {
+    (state.q(), state.vector("v"))
+}
+
+#[test]
+fn forward_dynamics_by_any_modules() {
+    everywhere(|name, model, state| {
+        let (q, qd) = moving(state);
+        for modules in [ModuleTree::links(model), ModuleTree::chains(model)] {
+            let mut interpreter = Interpreter::new(model.clone()).eliminating_by(&modules);
+            let qdd = interpreter.qdd(&q, &qd, &state.vector("tau"));
+            assert_close(name, &qdd, &state.vector("qdd"), TOLERANCE);
+        }
+    });
+}
+
+#[test]
+fn inverse_dynamics() {
+    everywhere(|name, model, state| {
+        let (q, qd) = moving(state);
+        let tau = Interpreter::new(model.clone()).tau(&q, &qd, &state.vector("a"));
+        assert_close(name, &tau, &state.vector("tau_rnea"), TOLERANCE);
+    });
+}
+
+#[test]
+fn bias_forces_and_gravity_torques() {
+    everywhere(|name, model, state| {
+        let (q, qd) = moving(state);
+        let mut interpreter = Interpreter::new(model.clone());
+        assert_close(name, &interpreter.bias(&q, &qd), &state.vector("nle"), TOLERANCE);
+        assert_close(name, &interpreter.gravity(&q), &state.vector("gravity_tau"), TOLERANCE);
+    });
+}
+
+#[test]
+fn mass_matrix() {
+    everywhere(|name, model, state| {
+        let gim = Interpreter::new(model.clone()).gim(&state.q());
+        assert_close(name, &gim, state.matrix("M").as_slice(), TOLERANCE);
+    });
+}
+
+#[test]
+fn energies() {
+    everywhere(|name, model, state| {
+        let (q, qd) = moving(state);
+        let mut interpreter = Interpreter::new(model.clone());
+        let found = [interpreter.kinetic(&q, &qd), interpreter.potential(&q)];
+        let expected = [state.number("kinetic_energy"), state.number("potential_energy")];
+        assert_close(name, &found[..1], &expected[..1], TOLERANCE);
+        assert_close(name, &found[1..], &expected[1..], TOLERANCE);
+    });
+}
+
+#[test]
+fn frame_placements() {
+    everywhere(|name, model, state| {
+        let poses = Interpreter::new(model.clone()).poses(&state.q());
+        let frames = state.frames();
+        assert!(!frames.is_empty(), "{name}");
+        for expected in frames {
+            let at = model.frames().iter().position(|frame| frame.name == expected.name);
+            let at = at.unwrap_or_else(|| panic!("{name}: no frame `{}`", expected.name));
+            assert_close(&expected.name, &numbers(&poses[at]), &expected.numbers, TOLERANCE);
+        }
+    });
+}
+
+#[test]
+fn factorization_solves_and_inverts() {
+    everywhere(|name, model, state| {
+        let expected = state.matrix("dqdd_dtau");
+        for modules in [ModuleTree::links(model), ModuleTree::chains(model)] {
+            let interpreter = Interpreter::with_modules(model.clone(), modules);
+            let brge = interpreter.factors(&state.q());
+            assert_close(name, &brge.inverse(), expected.as_slice(), TOLERANCE);
+            let excess: Vec<f64> = std::iter::zip(state.vector("tau"), state.vector("nle"))
+                .map(|(tau, bias)| tau - bias)
+                .collect();
+            let qdd = brge.solve(&excess).expect("the length is right");
+            assert_close(name, &qdd, &state.vector("qdd"), TOLERANCE);
+        }
+    });
+}
+
+#[test]
+fn single_precision_is_as_good_as_it_can_be() {
+    everywhere(|name, model, state| {
+        #[allow(clippy::cast_possible_truncation)]
+        let single = |x: Vec<f64>| -> Vec<f32> { x.into_iter().map(|x| x as f32).collect() };
+        let double = |x: Vec<f32>| -> Vec<f64> { x.into_iter().map(f64::from).collect() };
+        let mut interpreter = Interpreter::<f32>::new(model.clone());
+        let (q, qd) = (single(state.q()), single(state.vector("v")));
+        let tau = interpreter.tau(&q, &qd, &single(state.vector("a")));
+        assert_close(name, &double(tau), &state.vector("tau_rnea"), 1e-5);
+        let gim = double(interpreter.gim(&q));
+        assert_close(name, &gim, state.matrix("M").as_slice(), 1e-5);
+    });
+}

@@ -1,0 +1,117 @@
+//! A chain of 100,000 links: on a test thread's stack, in memory linear in the links.
+
+use modyn_runtime::Interpreter;
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::{Frame, Inertial, Joint, Link, Model};
+use modyn_runtime::spatial::Pose;
+use modyn_tests::close::assert_close;
+use modyn_tests::counting::{Counting, measure};
+use modyn_tests::quantities::Quantities;
+use modyn_tests::random::{State, chain, state};
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+const LINKS: usize = 100_000;
+
+/// Linear quantities of a chain of that many links, and the bytes that the interpreter holds.
+fn run(links: usize) -> isize {
+    let model = chain(1, links);
+    let frames = model.frames().len();
+    let State { q, qd, tau, .. } = state(1, &model);
+    let (mut interpreter, allocated) = measure(|| Interpreter::<f64>::new(model));
+    let rest = vec![0.0; links];
+    let (mut qdd, mut back) = (rest.clone(), rest.clone());
+    let (mut bias, mut at_rest, mut torques) = (rest.clone(), rest.clone(), rest.clone());
+    let mut poses = vec![Pose::identity(); frames];
+
+    let (energies, during) = measure(|| {
+        interpreter.forward_dynamics(&q, &qd, &tau, &mut qdd)?;
+        interpreter.inverse_dynamics(&q, &qd, &qdd, &mut back)?;
+        interpreter.bias_forces(&q, &qd, &mut bias)?;
+        interpreter.bias_forces(&q, &rest, &mut at_rest)?;
+        interpreter.gravity_torques(&q, &mut torques)?;
+        interpreter.link_poses(&q, &mut poses)?;
+        Ok::<_, modyn_runtime::ShapeError>([
+            interpreter.kinetic_energy(&q, &qd)?,
+            interpreter.potential_energy(&q)?,
+        ])
+    });
+    assert_eq!(during.calls, 0, "calls allocate nothing");
+    let [kinetic, potential] = energies.expect("the lengths are right");
+
+    assert!(qdd.iter().all(|x| x.is_finite()));
+    // Forces add up along the chain: what is left is small against them, not against `tau`.
+    let scale = bias.iter().fold(0.0, |scale: f64, x| scale.max(x.abs()));
+    let small = |x: &[f64]| -> Vec<f64> { x.iter().map(|x| x / scale).collect() };
+    assert_close("inverse after forward dynamics", &small(&back), &small(&tau), 1e-12);
+    assert_close("bias forces at rest", &at_rest, &torques, 1e-12);
+    assert!(kinetic > 0.0 && kinetic.is_finite() && potential.is_finite());
+    // 100,000 rotations in a row are still a rotation.
+    let tip = poses.last().expect("a frame").rotation;
+    let square: f64 = tip[0].iter().map(|x| x * x).sum();
+    assert!((square - 1.0).abs() < 1e-10, "{square}");
+    assert!(allocated.peak >= allocated.kept);
+    allocated.peak
+}
+
+#[test]
+fn memory_is_linear_in_the_links() {
+    let (small, large) = (run(LINKS / 10), run(LINKS));
+    assert!(small > 0 && large <= small * 11, "{small} bytes for a tenth of {large}");
+}
+
+/// Links of 1 kg and 1 m in a row along x, their centres of mass at mid-length, hinges along y.
+fn row(links: usize) -> Model {
+    let link = |i: usize| Link {
+        name: format!("link{i}"),
+        parent: i.checked_sub(1),
+        joint: Joint {
+            name: format!("joint{i}"),
+            joint_type: JointType::Revolute,
+            axis: [0.0, 1.0, 0.0],
+            origin: Pose {
+                translation: [if i == 0 { 0.0 } else { 1.0 }, 0.0, 0.0],
+                ..Pose::identity()
+            },
+            limits: None,
+        },
+        inertial: Inertial {
+            mass: 1.0,
+            center_of_mass: [0.5, 0.0, 0.0],
+            inertia: [0.01, 0.0, 0.0, 0.1, 0.0, 0.1],
+        },
+    };
+    let tip = Pose { translation: [1.0, 0.0, 0.0], ..Pose::identity() };
+    let tip = Frame { name: "tip".into(), link: Some(links - 1), pose: tip };
+    Model::new("row", [0.0, 0.0, -10.0], (0..links).map(link).collect(), vec![tip])
+        .expect("a chain")
+}
+
+#[test]
+#[allow(clippy::cast_precision_loss)]
+fn a_straight_chain_is_as_calculated() {
+    let n = LINKS;
+    let mut interpreter = Interpreter::<f64>::new(row(n));
+    let rest = vec![0.0; n];
+    // What joint i holds: the weight of n - i links at half their length in front of it.
+    let holding: Vec<f64> =
+        (0..n).map(|i| (n - i) as f64).map(|behind| -10.0 * behind * behind / 2.0).collect();
+    assert_close("gravity torques", &interpreter.gravity(&rest), &holding, 1e-12);
+    assert_close("bias forces", &interpreter.bias(&rest, &rest), &holding, 1e-12);
+    assert_eq!(interpreter.potential(&rest), 0.0);
+    assert_eq!(interpreter.poses(&rest)[0].translation, [n as f64, 0.0, 0.0]);
+
+    // Turning as one about its end at 1 rad/s, and hanging from it.
+    let mut first = rest.clone();
+    first[0] = 1.0;
+    let inertia = (0..n).map(|i| 0.1 + (i as f64 + 0.5).powi(2)).sum::<f64>();
+    assert_close("energy", &[interpreter.kinetic(&rest, &first)], &[inertia / 2.0], 1e-11);
+    first[0] = std::f64::consts::FRAC_PI_2;
+    let expected = -10.0 * (n as f64).powi(2) / 2.0;
+    assert_close("hanging", &[interpreter.potential(&first)], &[expected], 1e-12);
+
+    // Held as calculated, it stays; the ends' stiffness makes the last digits worth 1e-11 of g.
+    let qdd = interpreter.qdd(&rest, &rest, &holding);
+    assert_close("accelerations", &qdd, &rest, 1e-5);
+}

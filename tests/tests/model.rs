@@ -1,0 +1,311 @@
+//! What a model and a module tree refuse, and what they keep.
+
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::ModelErrorKind::{
+    Axis, DuplicateName, NoJoint, NotFinite, Order, Parent, Rotation,
+};
+use modyn_runtime::model::{
+    DEFAULT_GRAVITY, Frame, Inertial, InertialDefect, Joint, Link, Model, ModelErrorKind,
+    ModuleError, ModuleTree,
+};
+use modyn_runtime::spatial::Pose;
+use modyn_tests::cases::cases;
+use modyn_tests::random::{modules, tree};
+use proptest::prelude::*;
+
+/// The parts of a model, to be broken.
+#[derive(Clone)]
+struct Parts {
+    gravity: [f64; 3],
+    links: Vec<Link>,
+    frames: Vec<Frame>,
+}
+
+fn link(name: &str, parent: Option<usize>) -> Link {
+    Link {
+        name: name.into(),
+        parent,
+        joint: Joint {
+            name: format!("{name}_joint"),
+            joint_type: JointType::Revolute,
+            axis: [0.0, 0.0, 1.0],
+            origin: Pose { translation: [0.3, 0.0, 0.0], ..Pose::identity() },
+            limits: None,
+        },
+        inertial: Inertial {
+            mass: 1.0,
+            center_of_mass: [0.1, 0.0, 0.0],
+            inertia: [0.1, 0.0, 0.0, 0.1, 0.0, 0.1],
+        },
+    }
+}
+
+/// ```text
+/// base - a - b - c
+///             \- d
+/// ```
+fn parts() -> Parts {
+    let links = vec![link("a", None), link("b", Some(0)), link("c", Some(1)), link("d", Some(1))];
+    let frame = |(name, link): (&str, _)| Frame { name: name.into(), link, pose: Pose::identity() };
+    let frames = [("base", None), ("a", Some(0)), ("b", Some(1)), ("c", Some(2)), ("d", Some(3))];
+    Parts { gravity: DEFAULT_GRAVITY, links, frames: frames.map(frame).to_vec() }
+}
+
+fn model() -> Model {
+    make(parts()).expect("a model")
+}
+
+fn make(parts: Parts) -> Result<Model, Vec<(String, ModelErrorKind)>> {
+    let Parts { gravity, links, frames } = parts;
+    Model::new("robot", gravity, links, frames).map_err(|errors| {
+        for error in &errors {
+            let message = error.to_string();
+            assert!(message.starts_with(&format!("`{}` ", error.name)), "{message}");
+        }
+        errors.into_iter().map(|error| (error.name, error.kind)).collect()
+    })
+}
+
+/// Asserts that the parts, broken so, are refused for exactly these reasons.
+#[track_caller]
+fn assert_refused(break_them: impl FnOnce(&mut Parts), expected: &[(&str, ModelErrorKind)]) {
+    let mut parts = parts();
+    break_them(&mut parts);
+    let errors = make(parts).expect_err("something is broken");
+    let errors: Vec<_> = errors.iter().map(|(name, kind)| (name.as_str(), *kind)).collect();
+    assert_eq!(errors, expected);
+}
+
+#[test]
+fn a_model_keeps_its_parts() {
+    let model = model();
+    assert_eq!(
+        (model.name(), model.gravity(), model.nq(), model.nv()),
+        ("robot", DEFAULT_GRAVITY, 4, 4)
+    );
+    assert_eq!(model.links(), parts().links);
+    assert_eq!(model.frames(), parts().frames);
+    assert_eq!(model.children(), [vec![1], vec![2, 3], vec![], vec![]]);
+}
+
+#[test]
+fn no_joint() {
+    let nothing = |p: &mut Parts| {
+        p.links.clear();
+        p.frames.truncate(1);
+    };
+    assert_refused(nothing, &[("robot", NoJoint)]);
+}
+
+#[test]
+fn duplicate_names() {
+    assert_refused(|p| p.links[2].name = "a".into(), &[("a", DuplicateName)]);
+    assert_refused(|p| p.links[2].joint.name = "a_joint".into(), &[("a_joint", DuplicateName)]);
+    assert_refused(|p| p.frames[2].name = "base".into(), &[("base", DuplicateName)]);
+    // A link and a joint of one name are two things.
+    let mut same = parts();
+    same.links[0].joint.name = "a".into();
+    assert!(make(same).is_ok());
+}
+
+#[test]
+fn parents() {
+    assert_refused(|p| p.links[3].parent = Some(3), &[("d", Parent)]);
+    assert_refused(|p| p.links[3].parent = Some(usize::MAX), &[("d", Parent)]);
+    assert_refused(|p| p.frames[0].link = Some(4), &[("base", Parent)]);
+}
+
+#[test]
+fn order() {
+    // Once d hangs on a, the branch of b and c is closed.
+    let late = |p: &mut Parts| {
+        p.links[3].parent = Some(0);
+        p.links.push(link("e", Some(2)));
+    };
+    assert_refused(late, &[("e", Order)]);
+    // A second branch on the world is in order.
+    let mut second = parts();
+    second.links[3].parent = None;
+    assert!(make(second).is_ok());
+}
+
+#[test]
+fn figures_that_are_not_finite() {
+    for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert_refused(|p| p.gravity[1] = x, &[("robot", NotFinite)]);
+        assert_refused(|p| p.links[1].joint.axis[0] = x, &[("b", NotFinite)]);
+        assert_refused(|p| p.links[1].joint.origin.translation[0] = x, &[("b", NotFinite)]);
+        assert_refused(|p| p.links[1].joint.origin.rotation[2][1] = x, &[("b", NotFinite)]);
+        assert_refused(|p| p.links[1].inertial.mass = x, &[("b", NotFinite)]);
+        assert_refused(|p| p.links[1].inertial.center_of_mass[2] = x, &[("b", NotFinite)]);
+        assert_refused(|p| p.links[1].inertial.inertia[5] = x, &[("b", NotFinite)]);
+        assert_refused(|p| p.frames[2].pose.translation[0] = x, &[("b", NotFinite)]);
+        assert_refused(|p| p.frames[2].pose.rotation[0][0] = x, &[("b", NotFinite)]);
+    }
+}
+
+#[test]
+fn axes() {
+    for axis in [[0.0; 3], [0.0, 0.0, 2.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0 + 1e-6]] {
+        assert_refused(|p| p.links[1].joint.axis = axis, &[("b_joint", Axis)]);
+    }
+}
+
+#[test]
+fn rotations() {
+    let mirrored = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
+    let scaled = [[2.0, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 1.0]];
+    let sheared = [[1.0, 1e-3, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    for rotation in [mirrored, scaled, sheared, [[0.0; 3]; 3]] {
+        assert_refused(|p| p.links[1].joint.origin.rotation = rotation, &[("b_joint", Rotation)]);
+        assert_refused(|p| p.frames[2].pose.rotation = rotation, &[("b", Rotation)]);
+    }
+}
+
+#[test]
+fn rotations_sheared_along_their_last_axis() {
+    // The rows' determinant is 1 and the first two are orthonormal.
+    let sheared = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.1, 0.0, 1.0]];
+    assert_refused(|p| p.links[1].joint.origin.rotation = sheared, &[("b_joint", Rotation)]);
+    assert_refused(|p| p.frames[2].pose.rotation = sheared, &[("b", Rotation)]);
+}
+
+#[test]
+fn all_defects_at_once() {
+    let several = |p: &mut Parts| {
+        p.links[0].joint.axis = [0.0; 3];
+        p.links[1].inertial.mass = f64::NAN;
+        p.frames[0].link = Some(9);
+    };
+    assert_refused(several, &[("a_joint", Axis), ("b", NotFinite), ("base", Parent)]);
+}
+
+#[test]
+fn inertial_defects() {
+    let with = |mass, inertia| Inertial { mass, center_of_mass: [0.0; 3], inertia }.defect();
+    assert_eq!(with(1.0, [0.1, 0.0, 0.0, 0.1, 0.0, 0.1]), None);
+    assert_eq!(with(0.0, [0.0; 6]), None);
+    // An ideal thin rod is the border case.
+    assert_eq!(with(1.0, [0.0, 0.0, 0.0, 0.1, 0.0, 0.1]), None);
+    assert_eq!(with(-1.0, [0.0; 6]), Some(InertialDefect::NegativeMass(-1.0)));
+    let massless = with(0.0, [0.1, 0.0, 0.0, 0.1, 0.0, 0.1]);
+    assert_eq!(massless, Some(InertialDefect::InertiaWithoutMass));
+    let moments = |defect| match defect {
+        Some(
+            InertialDefect::NotPositiveSemidefinite(x) | InertialDefect::TriangleInequality(x),
+        ) => x,
+        other => panic!("{other:?}"),
+    };
+    // 0.1 and -0.1 on a diagonal turned by 45 degrees.
+    let negative = with(1.0, [0.0, 0.1, 0.0, 0.0, 0.0, 0.1]);
+    assert!(matches!(negative, Some(InertialDefect::NotPositiveSemidefinite(_))));
+    modyn_tests::close::assert_close("moments", &moments(negative), &[-0.1, 0.1, 0.1], 1e-12);
+    let triangle = with(1.0, [0.1, 0.0, 0.0, 0.3, 0.0, 0.1]);
+    assert!(matches!(triangle, Some(InertialDefect::TriangleInequality(_))));
+    modyn_tests::close::assert_close("moments", &moments(triangle), &[0.1, 0.1, 0.3], 1e-12);
+}
+
+#[test]
+fn modules_of_the_whole_tree() {
+    let model = model();
+    let links = |tree: &ModuleTree| -> Vec<_> {
+        tree.modules().iter().map(|m| (m.links.clone(), m.parent)).collect()
+    };
+    let chains = ModuleTree::chains(&model);
+    assert_eq!(links(&chains), [(0..2, None), (2..3, Some(0)), (3..4, Some(0))]);
+    assert_eq!(chains.modules()[0].children, [1, 2]);
+    let single = ModuleTree::links(&model);
+    assert_eq!(links(&single), [(0..1, None), (1..2, Some(0)), (2..3, Some(1)), (3..4, Some(1))]);
+    let named = ModuleTree::from_names(&model, &[vec!["d"], vec!["a", "b"], vec!["c"]]);
+    assert_eq!(named, Ok(chains));
+}
+
+/// Asserts that the module list is refused for these reasons.
+#[track_caller]
+fn assert_no_partition(list: &[&[&str]], expected: &[ModuleError]) {
+    let list: Vec<Vec<&str>> = list.iter().map(|module| module.to_vec()).collect();
+    let errors = ModuleTree::from_names(&model(), &list).expect_err("no partition");
+    assert_eq!(errors, expected);
+    assert!(errors.iter().all(|error| !error.to_string().is_empty()));
+}
+
+#[test]
+fn unknown_links() {
+    let links = ["a", "b", "c", "d"].map(String::from).to_vec();
+    let unknown = ModuleError::UnknownLink { name: "e".into(), links };
+    assert!(unknown.to_string().contains("`e`") && unknown.to_string().contains("a, b, c, d"));
+    assert_no_partition(&[&["a", "b"], &["c"], &["d"], &["e"]], &[unknown]);
+}
+
+#[test]
+fn links_that_stand_twice_or_nowhere() {
+    let twice = ModuleError::Twice("c".into());
+    assert_no_partition(&[&["a", "b"], &["c"], &["d"], &["c"]], &[twice]);
+    let missing = ["c", "d"].map(|name| ModuleError::Missing(name.into()));
+    assert_no_partition(&[&["a", "b"]], &missing);
+    assert_no_partition(&[], &["a", "b", "c", "d"].map(|name| ModuleError::Missing(name.into())));
+}
+
+#[test]
+fn modules_that_are_no_chain() {
+    let not_serial = |before: &str, link: &str, parent: &str| ModuleError::NotSerial {
+        before: before.into(),
+        link: link.into(),
+        parent: parent.into(),
+    };
+    assert_no_partition(&[&["b", "a"], &["c"], &["d"]], &[not_serial("b", "a", "the base")]);
+    assert_no_partition(&[&["a"], &["b"], &["c", "d"]], &[not_serial("c", "d", "b")]);
+    let inside = ModuleError::BranchInside { at: "b".into(), leaving: "d".into() };
+    assert_no_partition(&[&["a", "b", "c"], &["d"]], &[inside]);
+    assert_no_partition(&[&["a", "b"], &["c"], &[], &["d"]], &[ModuleError::Empty]);
+}
+
+#[test]
+fn a_broken_model_is_not_deserialized() {
+    let mut json = serde_json::to_value(model()).expect("plain data");
+    json["links"][1]["joint"]["axis"] = serde_json::json!([0.0, 0.0, 0.0]);
+    json["frames"][0]["link"] = serde_json::json!(9);
+    let error = serde_json::from_value::<Model>(json).expect_err("no axis").to_string();
+    assert!(
+        error.contains("`b_joint` has an axis") && error.contains("`base` has a parent"),
+        "{error}"
+    );
+}
+
+proptest! {
+    #![proptest_config(cases(48))]
+
+    #[test]
+    fn a_model_survives_json(seed: u64, links in 1..=20usize) {
+        let model = tree(seed, links);
+        let json = serde_json::to_string(&model).expect("plain data");
+        let back: Model = serde_json::from_str(&json).expect("the same data");
+        prop_assert_eq!(back, model);
+    }
+
+    #[test]
+    fn modules_are_a_tree_of_chains(seed: u64, links in 1..=30usize) {
+        let model = tree(seed, links);
+        let trees = [ModuleTree::chains(&model), ModuleTree::links(&model), modules(seed, &model)];
+        for tree in trees {
+            let mut next = 0;
+            for (m, module) in tree.modules().iter().enumerate() {
+                prop_assert_eq!(module.links.start, next);
+                next = module.links.end;
+                let leaves = model.links()[module.links.start].parent;
+                let parent = module.parent.map(|p| &tree.modules()[p]);
+                prop_assert_eq!(leaves, parent.map(|parent| parent.links.end - 1));
+                prop_assert!(parent.is_none_or(|parent| parent.children.contains(&m)));
+                for i in module.links.clone().skip(1) {
+                    prop_assert_eq!(model.links()[i].parent, Some(i - 1));
+                }
+            }
+            prop_assert_eq!(next, links);
+            // The names give the same tree again.
+            let names: Vec<Vec<&str>> = tree.modules().iter().rev()
+                .map(|m| m.links.clone().map(|i| model.links()[i].name.as_str()).collect())
+                .collect();
+            prop_assert_eq!(ModuleTree::from_names(&model, &names), Ok(tree));
+        }
+    }
+}

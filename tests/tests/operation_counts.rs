@@ -1,0 +1,75 @@
+//! How many operations the compiled robots take.
+
+use modyn_codegen::expr::Graph;
+use modyn_codegen::trace::Tracer;
+use modyn_runtime::equations::Partition;
+use modyn_runtime::model::ModuleTree;
+use modyn_runtime::model::prepare::Prepared;
+use modyn_tests::golden;
+
+/// A robot's operations: multiplications, additions and divisions together.
+#[derive(Debug, PartialEq, Eq)]
+struct Counts {
+    robot: &'static str,
+    /// By links or by chains, whichever is less.
+    forward_dynamics: usize,
+    inverse_dynamics: usize,
+    mass_matrix: usize,
+}
+
+/// What they take at present. A count that falls is to be entered here; one that rises is a
+/// regression.
+const FROZEN: [Counts; 7] = [
+    frozen("double_pendulum", 35, 31, 11),
+    frozen("double_pendulum_continuous", 38, 34, 14),
+    frozen("ur5", 486, 275, 134),
+    frozen("panda", 1107, 579, 319),
+    frozen("panda_fingers", 1262, 638, 405),
+    frozen("solo12", 732, 556, 136),
+    frozen("g1", 6265, 2827, 2382),
+];
+
+const fn frozen(
+    robot: &'static str,
+    forward_dynamics: usize,
+    inverse_dynamics: usize,
+    mass_matrix: usize,
+) -> Counts {
+    Counts { robot, forward_dynamics, inverse_dynamics, mass_matrix }
+}
+
+/// Bounds of the design for forward dynamics.
+const LIMITS: [(&str, usize); 4] = [("ur5", 555), ("panda", 1139), ("solo12", 912), ("g1", 7683)];
+
+fn counts(robot: &'static str) -> Counts {
+    let model = golden::model(&golden::urdf(robot));
+    let prepared = Prepared::new(&model);
+    let tracer = Tracer::new(&prepared);
+    let total = |graph: Graph| graph.count().total();
+    let forward = |modules: &ModuleTree| total(tracer.forward_dynamics(&Partition::from(modules)));
+    Counts {
+        robot,
+        forward_dynamics: forward(&ModuleTree::links(&model))
+            .min(forward(&ModuleTree::chains(&model))),
+        inverse_dynamics: total(tracer.inverse_dynamics()),
+        mass_matrix: total(tracer.mass_matrix()),
+    }
+}
+
+#[test]
+fn counts_are_as_frozen() {
+    let found: Vec<Counts> = golden::FIXED_BASE.into_iter().map(counts).collect();
+    assert_eq!(
+        found, FROZEN,
+        "\nA count that falls is to be entered; one that rises is a regression."
+    );
+}
+
+#[test]
+fn frozen_counts_keep_the_limits() {
+    for (robot, limit) in LIMITS {
+        let found = FROZEN.iter().find(|counts| counts.robot == robot);
+        let found = found.unwrap_or_else(|| panic!("{robot} is not frozen")).forward_dynamics;
+        assert!(found <= limit, "{robot}: {found} operations, more than {limit}");
+    }
+}

@@ -1,0 +1,99 @@
+//! A wrong length is an error that names what is wrong, never a panic.
+
+use modyn_runtime::model::ModuleTree;
+use modyn_runtime::spatial::Pose;
+use modyn_runtime::{Interpreter, ShapeError};
+use modyn_tests::random::tree;
+
+const LINKS: usize = 4;
+const GOOD: [f64; LINKS] = [0.1; LINKS];
+const BAD: [f64; 5] = [0.1; 5];
+const WRONG: [usize; 3] = [0, 3, 5];
+
+fn interpreter() -> Interpreter<f64> {
+    Interpreter::new(tree(7, LINKS))
+}
+
+#[track_caller]
+fn assert_shape<T: std::fmt::Debug>(
+    result: Result<T, ShapeError>,
+    parameter: &str,
+    expected: usize,
+    found: usize,
+) {
+    let error = result.expect_err("a wrong length");
+    assert_eq!((error.parameter, error.expected, error.found), (parameter, expected, found));
+    let message = error.to_string();
+    for part in [format!("`{parameter}`"), expected.to_string(), found.to_string()] {
+        assert!(message.contains(&part), "{message}");
+    }
+}
+
+#[test]
+fn vectors() {
+    let mut r = interpreter();
+    for found in WRONG {
+        let bad = &BAD[..found];
+        let mut out = GOOD;
+        assert_shape(r.forward_dynamics(bad, &GOOD, &GOOD, &mut out), "q", LINKS, found);
+        assert_shape(r.forward_dynamics(&GOOD, bad, &GOOD, &mut out), "qd", LINKS, found);
+        assert_shape(r.forward_dynamics(&GOOD, &GOOD, bad, &mut out), "tau", LINKS, found);
+        assert_shape(r.inverse_dynamics(bad, &GOOD, &GOOD, &mut out), "q", LINKS, found);
+        assert_shape(r.inverse_dynamics(&GOOD, bad, &GOOD, &mut out), "qd", LINKS, found);
+        assert_shape(r.inverse_dynamics(&GOOD, &GOOD, bad, &mut out), "qdd", LINKS, found);
+        assert_shape(r.bias_forces(bad, &GOOD, &mut out), "q", LINKS, found);
+        assert_shape(r.bias_forces(&GOOD, bad, &mut out), "qd", LINKS, found);
+        assert_shape(r.gravity_torques(bad, &mut out), "q", LINKS, found);
+        assert_shape(r.mass_matrix(bad, &mut [0.0; LINKS * LINKS]), "q", LINKS, found);
+        assert_shape(r.kinetic_energy(bad, &GOOD), "q", LINKS, found);
+        assert_shape(r.kinetic_energy(&GOOD, bad), "qd", LINKS, found);
+        assert_shape(r.potential_energy(bad), "q", LINKS, found);
+        assert_shape(r.brge(bad), "q", LINKS, found);
+        assert_shape(r.denoc(bad), "q", LINKS, found);
+        let mut poses = vec![Pose::identity(); r.model().frames().len()];
+        assert_shape(r.link_poses(bad, &mut poses), "q", LINKS, found);
+        assert_eq!(out, GOOD, "nothing was written");
+    }
+}
+
+#[test]
+fn results() {
+    let mut r = interpreter();
+    for found in WRONG {
+        let mut bad = vec![0.0; found];
+        assert_shape(r.forward_dynamics(&GOOD, &GOOD, &GOOD, &mut bad), "qdd", LINKS, found);
+        assert_shape(r.inverse_dynamics(&GOOD, &GOOD, &GOOD, &mut bad), "tau", LINKS, found);
+        assert_shape(r.bias_forces(&GOOD, &GOOD, &mut bad), "tau", LINKS, found);
+        assert_shape(r.gravity_torques(&GOOD, &mut bad), "tau", LINKS, found);
+        assert_shape(r.mass_matrix(&GOOD, &mut bad), "columns", LINKS * LINKS, found);
+        let frames = r.model().frames().len();
+        let mut poses = vec![Pose::identity(); frames + 1 + found];
+        assert_shape(r.link_poses(&GOOD, &mut poses), "poses", frames, frames + 1 + found);
+    }
+}
+
+#[test]
+fn factorizations() {
+    let r = interpreter();
+    let mut brge = r.brge(&GOOD).expect("four numbers");
+    for found in WRONG {
+        assert_shape(brge.solve(&BAD[..found]), "rhs", LINKS, found);
+        assert_shape(brge.update(&r, &BAD[..found]), "q", LINKS, found);
+    }
+    // Another robot's factorization.
+    let other = Interpreter::<f64>::new(tree(7, 5));
+    assert_shape(brge.update(&other, &BAD), "q", LINKS, 5);
+    assert_shape(brge.update(&other, &GOOD), "q", 5, LINKS);
+}
+
+#[test]
+fn a_factorization_keeps_its_modules() {
+    let model = tree(7, 5);
+    let links = ModuleTree::links(&model);
+    let by_chains = Interpreter::<f64>::new(model.clone());
+    let by_links = Interpreter::<f64>::with_modules(model, links);
+    let mut brge = by_chains.brge(&[0.2; 5]).expect("five numbers");
+    brge.update(&by_links, &[0.1; 5]).expect("five numbers");
+    let expected = by_chains.brge(&[0.1; 5]).expect("five numbers");
+    assert_eq!((brge.u(), brge.d()), (expected.u(), expected.d()));
+}
