@@ -160,8 +160,8 @@ impl Random {
             Limits {
                 lower: bounded.then(|| self.between(-3.0, 0.0)),
                 upper: bounded.then(|| self.between(0.0, 3.0)),
-                velocity: self.between(1.0, 10.0),
-                effort: self.between(1.0, 100.0),
+                velocity: Some(self.between(1.0, 10.0)),
+                effort: Some(self.between(1.0, 100.0)),
             }
         });
         Joint {

@@ -12,8 +12,11 @@ use modyn_tests::dense::{dense, dot, identity, square, times};
 use modyn_tests::naive::Naive;
 use modyn_tests::quantities::{Quantities, numbers};
 use modyn_tests::random::{State, modules, state, tree};
-use nalgebra::DVector;
+use nalgebra::{DVector, Matrix3};
 use proptest::prelude::*;
+
+/// Entries of constant rotations are taken for 0, 1 or -1 within 1e-11, at each of 30 joints.
+const SNAPPED: f64 = 1e-9;
 
 /// A random robot on the interpreter, and a state of it.
 fn robot(seed: u64, links: usize) -> (Interpreter<f64>, State) {
@@ -261,7 +264,7 @@ proptest! {
         let mut total = |q: &[f64], qd: &[f64]| {
             (interpreter.kinetic(q, qd), interpreter.potential(q))
         };
-        let before = total(&q, &qd);
+        let (start, before) = (q.clone(), total(&q, &qd));
         let h = 1e-4;
         for _ in 0..50 {
             // Runge and Kutta's fourth order.
@@ -279,8 +282,7 @@ proptest! {
         let scale = before.0 + before.1.abs() + after.0;
         let drift = (after.0 + after.1 - before.0 - before.1) / scale;
         prop_assert!(drift.abs() < 1e-8, "{}", drift);
-        // Something happened.
-        prop_assert!((after.0 - before.0).abs() > 1e-7 * scale);
+        prop_assert!(difference(&q, &start) > 1e-7, "it moved");
     }
 
     #[test]
@@ -300,6 +302,29 @@ proptest! {
     }
 
     #[test]
+    fn denoc_masses_are_as_written(seed: u64, links in 1..=15usize) {
+        let (mut interpreter, State { q, .. }) = robot(seed, links);
+        let mass = dense(&interpreter.denoc(&q).expect("the length is right").mass);
+        for (i, link) in interpreter.model().links().iter().enumerate() {
+            // About the link's origin: [I, m c x; -m c x, m]. What c contributes to I drops out.
+            let block = |row, column| mass.fixed_view::<3, 3>(6 * i + row, 6 * i + column);
+            let expected = Matrix3::identity() * link.inertial.mass;
+            assert_close("mass", block(3, 3).into_owned().as_slice(), expected.as_slice(), 1e-14);
+            let (moment, first) = (block(0, 0), block(0, 3));
+            let own = moment - first * first.transpose() / link.inertial.mass;
+            let [xx, xy, xz, yy, yz, zz] = link.inertial.inertia;
+            let written = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+            let [mut found, mut expected] = [own, written].map(|inertia| {
+                let moments: [f64; 3] = inertia.symmetric_eigenvalues().into();
+                moments
+            });
+            found.sort_by(f64::total_cmp);
+            expected.sort_by(f64::total_cmp);
+            assert_close("principal moments", &found, &expected, 1e-9);
+        }
+    }
+
+    #[test]
     fn single_precision_is_near_double(seed: u64, links in 1..=10usize) {
         #[allow(clippy::cast_possible_truncation)]
         let single = |x: &[f64]| -> Vec<f32> { x.iter().map(|&x| x as f32).collect() };
@@ -309,7 +334,7 @@ proptest! {
         let [q, qd, qdd, tau] = [&state.q, &state.qd, &state.qdd, &state.tau].map(|x| single(x));
         let [dq, dqd, dqdd, dtau] = [&q, &qd, &qdd, &tau].map(|x| double(x));
         let close = |what, found: &[f32], expected: &[f64]| {
-            assert_close(what, &double(found), expected, 1e-5);
+            assert_close(what, &double(found), expected, 1e-4);
         };
         close("torques", &coarse.tau(&q, &qd, &qdd), &interpreter.tau(&dq, &dqd, &dqdd));
         close("gravity", &coarse.gravity(&q), &interpreter.gravity(&dq));
@@ -324,7 +349,7 @@ proptest! {
         let back = interpreter.tau(&dq, &dqd, &found);
         let scale = square(&interpreter.gim(&dq)).amax()
             * found.iter().fold(1.0, |a: f64, x| a.max(x.abs()));
-        prop_assert!(difference(&back, &dtau) < 1e-5 * scale.max(1.0), "accelerations");
+        prop_assert!(difference(&back, &dtau) < 1e-4 * scale.max(1.0), "accelerations");
     }
 
     #[test]
@@ -333,10 +358,10 @@ proptest! {
         let model = interpreter.model().clone();
         let naive = Naive::new(&model, &q);
         for (found, expected) in zip(interpreter.poses(&q), naive.poses()) {
-            assert_close("pose", &numbers(&found), &numbers(&expected), 1e-12);
+            assert_close("pose", &numbers(&found), &numbers(&expected), SNAPPED);
         }
         let close = |what, found: &[f64], expected: &[f64]| {
-            assert_close(what, found, expected, 1e-11);
+            assert_close(what, found, expected, SNAPPED);
         };
         close("GIM", &interpreter.gim(&q), naive.mass_matrix().as_slice());
         close("torques", &interpreter.tau(&q, &qd, &qdd), &naive.inverse_dynamics(&qd, &qdd));

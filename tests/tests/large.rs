@@ -44,8 +44,8 @@ fn run(links: usize) -> isize {
     // Forces add up along the chain: what is left is small against them, not against `tau`.
     let scale = bias.iter().fold(0.0, |scale: f64, x| scale.max(x.abs()));
     let small = |x: &[f64]| -> Vec<f64> { x.iter().map(|x| x / scale).collect() };
-    assert_close("inverse after forward dynamics", &small(&back), &small(&tau), 1e-12);
-    assert_close("bias forces at rest", &at_rest, &torques, 1e-12);
+    assert_close("inverse after forward dynamics", &small(&back), &small(&tau), 1e-10);
+    assert_close("bias forces at rest", &at_rest, &torques, 1e-10);
     assert!(kinetic > 0.0 && kinetic.is_finite() && potential.is_finite());
     // 100,000 rotations in a row are still a rotation.
     let tip = poses.last().expect("a frame").rotation;
@@ -111,7 +111,7 @@ fn a_straight_chain_is_as_calculated() {
     let expected = -10.0 * (n as f64).powi(2) / 2.0;
     assert_close("hanging", &[interpreter.potential(&first)], &[expected], 1e-12);
 
-    // Held as calculated, it stays; the ends' stiffness makes the last digits worth 1e-11 of g.
+    // Held as calculated, it stays: up to rounding, since the end weighs 1e-15 of the chain's moment.
     let qdd = interpreter.qdd(&rest, &rest, &holding);
     assert_close("accelerations", &qdd, &rest, 1e-5);
 }

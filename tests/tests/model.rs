@@ -156,7 +156,8 @@ fn rotations() {
     let mirrored = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
     let scaled = [[2.0, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 1.0]];
     let sheared = [[1.0, 1e-3, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    for rotation in [mirrored, scaled, sheared, [[0.0; 3]; 3]] {
+    let skewed = [[1.0, 0.0, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.25]];
+    for rotation in [mirrored, scaled, sheared, skewed, [[0.0; 3]; 3]] {
         assert_refused(|p| p.links[1].joint.origin.rotation = rotation, &[("b_joint", Rotation)]);
         assert_refused(|p| p.frames[2].pose.rotation = rotation, &[("b", Rotation)]);
     }

@@ -301,8 +301,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
             lower = Some(figure("lower").unwrap_or(0.0));
             upper = Some(figure("upper").unwrap_or(0.0));
         }
-        let velocity = figure("velocity").unwrap_or(f64::INFINITY);
-        let effort = figure("effort").unwrap_or(f64::INFINITY);
+        let velocity = figure("velocity");
+        let effort = figure("effort");
         if let (Some(lower), Some(upper)) = (lower, upper)
             && lower > upper
         {

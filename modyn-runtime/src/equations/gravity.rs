@@ -69,10 +69,9 @@ fn gather<S: Scalar>(
 fn carried<S: Scalar>(body: &Body<S>, workspace: &Workspace<S>, i: usize) -> (S, Vector3<S>) {
     let RigidInertia { mass, first_moment, .. } = workspace.composite[i];
     // A force's moment is carried as a first moment is: with the mass along each axis.
-    let at_joint = match workspace.motions[i] {
-        crate::joint::Motion::Revolute(_) => workspace.motions[i].to_parent(first_moment),
-        crate::joint::Motion::Prismatic(q) => first_moment + Vector3::along_z(q * mass),
-    };
+    let motion = &workspace.motions[i];
+    let turned = motion.to_parent(first_moment);
+    let at_joint = motion.displacement().map_or(turned, |d| turned + d.scale(mass));
     let moved = body.placement.to_parent(at_joint) + body.placement.origin().scale(mass);
     (mass, moved)
 }

@@ -20,8 +20,8 @@ pub fn link_poses<S: Scalar>(
         let (axes, origin) = (Matrix3(parent.rotation), Vector3(parent.translation));
         let at_joint = body.placement.turn_axes(&axes);
         let mut origin = origin + axes.mul_vector(body.placement.origin());
-        if let crate::joint::Motion::Prismatic(q) = motion {
-            origin += at_joint.column(2).scale(*q);
+        if let Some(displacement) = motion.displacement() {
+            origin += at_joint.mul_vector(displacement);
         }
         let rotation = motion.turn_axes(&at_joint).0;
         body_poses[i] = Pose { rotation, translation: origin.0 };

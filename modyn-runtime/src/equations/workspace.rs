@@ -3,11 +3,10 @@
 use alloc::{vec, vec::Vec};
 
 use super::Partition;
-use super::newton_euler::Field;
 use crate::Scalar;
 use crate::joint::Motion;
 use crate::model::prepare::Prepared;
-use crate::spatial::{ArticulatedInertia, RigidInertia, Twist, Wrench};
+use crate::spatial::{ArticulatedInertia, Field, RigidInertia, Twist, Wrench};
 
 /// Memory of the recursions, one entry a link; linear in the number of links, but for the pivot
 /// blocks, which are quadratic in the length of a module.

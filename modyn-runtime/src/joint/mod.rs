@@ -11,7 +11,7 @@ mod prismatic;
 mod revolute;
 
 #[cfg(feature = "alloc")]
-pub use motion::Motion;
+pub use motion::{Carried, Motion};
 
 /// What motion a joint allows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

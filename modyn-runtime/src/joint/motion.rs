@@ -4,7 +4,7 @@ use super::{JointType, prismatic, revolute};
 use crate::Scalar;
 use crate::model::prepare::Zero;
 use crate::spatial::{
-    ArticulatedInertia, Axis, Matrix3, RigidInertia, Turn, Twist, Vector3, Wrench,
+    ArticulatedInertia, Axis, Field, Matrix3, RigidInertia, Turn, Twist, Vector3, Wrench,
 };
 
 /// The motion of a joint along the z axis of its frame, at a value of its coordinate.
@@ -14,6 +14,17 @@ pub enum Motion<S> {
     Revolute(Turn<S>),
     /// Shifted along z by so much.
     Prismatic(S),
+}
+
+/// The motion in front of a joint, in the axes behind it.
+#[derive(Clone, Copy, Debug)]
+pub struct Carried<S> {
+    /// Angular velocity.
+    pub omega: Vector3<S>,
+    /// Angular acceleration.
+    pub alpha: Vector3<S>,
+    /// The acceleration of the joint's frame's origin at coordinate zero.
+    pub a: Vector3<S>,
 }
 
 impl<S: Scalar> Motion<S> {
@@ -33,6 +44,26 @@ impl<S: Scalar> Motion<S> {
         match self {
             Self::Revolute(_) => 2,
             Self::Prismatic(_) => 5,
+        }
+    }
+
+    /// Where the joint has carried its frame's origin, in the axes behind the joint; `None` where
+    /// it stays.
+    #[must_use]
+    pub fn displacement(&self) -> Option<Vector3<S>> {
+        match self {
+            Self::Revolute(_) => None,
+            Self::Prismatic(q) => Some(Vector3::along_z(*q)),
+        }
+    }
+
+    /// The motion behind the joint, from what is carried across it and the joint's own rate and
+    /// acceleration; `None` where it has no acceleration.
+    #[must_use]
+    pub fn accelerate(&self, carried: Carried<S>, rate: S, acceleration: Option<S>) -> Field<S> {
+        match self {
+            Self::Revolute(_) => revolute::accelerate(carried, rate, acceleration),
+            Self::Prismatic(q) => prismatic::accelerate(*q, carried, rate, acceleration),
         }
     }
 

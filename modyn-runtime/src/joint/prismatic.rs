@@ -1,7 +1,8 @@
 //! Prismatic joints: translation along z.
 
+use super::Carried;
 use crate::Scalar;
-use crate::spatial::{ArticulatedInertia, RigidInertia, Twist, Vector3, Wrench};
+use crate::spatial::{ArticulatedInertia, Field, RigidInertia, Twist, Vector3, Wrench};
 
 pub(super) fn twist_to_child<S: Scalar>(q: S, t: Twist<S>) -> Twist<S> {
     Twist { angular: t.angular, linear: t.linear + t.angular.cross_z(q) }
@@ -27,4 +28,19 @@ pub(super) fn articulated_to_parent<S: Scalar>(
 pub(super) fn unit_wrench<S: Scalar>(i: &RigidInertia<S>) -> Wrench<S> {
     let c = i.first_moment;
     Wrench { moment: Vector3([c[1], -c[0], S::zero()]), force: Vector3::along_z(i.mass) }
+}
+
+pub(super) fn accelerate<S: Scalar>(
+    q: S,
+    Carried { omega, alpha, a }: Carried<S>,
+    rate: S,
+    acceleration: Option<S>,
+) -> Field<S> {
+    let field = Field::turning(omega, alpha);
+    // The Coriolis acceleration is 2 omega x rate z.
+    let mut a = a + field.over_origin_along_z(q) + omega.cross_z(rate + rate);
+    if let Some(acceleration) = acceleration {
+        a[2] = a[2] + acceleration;
+    }
+    Field { a, ..field }
 }

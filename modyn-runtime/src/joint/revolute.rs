@@ -1,8 +1,9 @@
 //! Revolute and continuous joints: rotation about z.
 
+use super::Carried;
 use crate::Scalar;
 use crate::model::prepare::Zero;
-use crate::spatial::{ArticulatedInertia, Axis, RigidInertia, Turn, Twist, Vector3, Wrench};
+use crate::spatial::{ArticulatedInertia, Axis, Field, RigidInertia, Turn, Twist, Vector3, Wrench};
 
 /// The rotation at angle `q`.
 pub(super) fn turn<S: Scalar>(zero: Zero<S>, q: S) -> Turn<S> {
@@ -55,4 +56,16 @@ pub(super) fn unit_wrench<S: Scalar>(i: &RigidInertia<S>) -> Wrench<S> {
         moment: Vector3([-s.xz, -s.yz, s.xx + s.yy]),
         force: Vector3([-c[1], c[0], S::zero()]),
     }
+}
+
+pub(super) fn accelerate<S: Scalar>(
+    Carried { omega, mut alpha, a }: Carried<S>,
+    rate: S,
+    acceleration: Option<S>,
+) -> Field<S> {
+    alpha += omega.cross_z(rate);
+    if let Some(acceleration) = acceleration {
+        alpha[2] = alpha[2] + acceleration;
+    }
+    Field { a, ..Field::turning(omega + Vector3::along_z(rate), alpha) }
 }

@@ -46,10 +46,10 @@ pub struct Limits {
     pub lower: Option<f64>,
     /// Largest coordinate; `None` where there is no such limit (a continuous joint).
     pub upper: Option<f64>,
-    /// Largest speed.
-    pub velocity: f64,
-    /// Largest effort.
-    pub effort: f64,
+    /// Largest speed; `None` where it is not stated.
+    pub velocity: Option<f64>,
+    /// Largest effort; `None` where it is not stated.
+    pub effort: Option<f64>,
 }
 
 /// A moving link, with the joint that moves it.

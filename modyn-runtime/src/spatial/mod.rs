@@ -9,6 +9,8 @@ mod pose;
 pub use pose::Pose;
 
 #[cfg(feature = "alloc")]
+mod field;
+#[cfg(feature = "alloc")]
 mod inertia;
 #[cfg(feature = "alloc")]
 mod matrix;
@@ -23,6 +25,7 @@ mod wrench;
 
 #[cfg(feature = "alloc")]
 pub use {
+    field::Field,
     inertia::{ArticulatedInertia, RigidInertia},
     matrix::{Matrix3, Symmetric3},
     placement::Placement,

@@ -1,0 +1,77 @@
+//! The motion of a rigid body, as the accelerations of its points.
+
+use super::{Matrix3, RigidInertia, Vector3, Wrench};
+use crate::Scalar;
+
+/// Angular velocity and acceleration of a body, and the acceleration of its point at r: a + E r
+/// with E = alpha x + omega x omega x. All are classical, in the body's axes, about its origin.
+#[derive(Clone, Copy, Debug)]
+pub struct Field<S> {
+    /// Angular velocity.
+    pub omega: Vector3<S>,
+    /// Angular acceleration.
+    pub alpha: Vector3<S>,
+    /// The acceleration of the origin.
+    pub a: Vector3<S>,
+    /// E.
+    pub(crate) gradient: Matrix3<S>,
+    /// E_zz - E_yy, E_xx - E_zz, E_yy - E_xx.
+    pub(crate) differences: Vector3<S>,
+}
+
+impl<S: Scalar> Field<S> {
+    /// At rest.
+    #[must_use]
+    pub fn zero() -> Self {
+        let zero = Vector3::zero();
+        Self { omega: zero, alpha: zero, a: zero, gradient: Matrix3::zero(), differences: zero }
+    }
+
+    /// The motion about an origin that is not accelerated.
+    #[must_use]
+    pub fn turning(omega: Vector3<S>, alpha: Vector3<S>) -> Self {
+        let [x, y, z] = omega.0;
+        let (xx, yy, zz, xy, xz, yz) = (x * x, y * y, z * z, x * y, x * z, y * z);
+        Self {
+            omega,
+            alpha,
+            a: Vector3::zero(),
+            gradient: Matrix3([
+                [-(yy + zz), xy - alpha[2], xz + alpha[1]],
+                [xy + alpha[2], -(xx + zz), yz - alpha[0]],
+                [xz - alpha[1], yz + alpha[0], -(xx + yy)],
+            ]),
+            differences: Vector3([zz - yy, xx - zz, yy - xx]),
+        }
+    }
+
+    /// The acceleration that the point at `r` has over the origin's: E r.
+    #[must_use]
+    pub fn over_origin(&self, r: Vector3<S>) -> Vector3<S> {
+        self.gradient.mul_vector(r)
+    }
+
+    /// The same for the point at `z` on the z axis.
+    #[must_use]
+    pub fn over_origin_along_z(&self, z: S) -> Vector3<S> {
+        self.gradient.column(2).scale(z)
+    }
+
+    /// The wrench that gives a rigid body this motion:
+    /// F = m a + E c and N = c x a + the axial vector of E S - (E S)^T.
+    #[must_use]
+    pub fn wrench(&self, body: &RigidInertia<S>) -> Wrench<S> {
+        let e = &self.gradient.0;
+        let d = self.differences;
+        let s = &body.second_moment;
+        let turning = Vector3([
+            e[2][0] * s.xy - e[1][0] * s.xz + e[2][1] * s.yy - e[1][2] * s.zz + s.yz * d[0],
+            e[0][1] * s.yz - e[2][1] * s.xy + e[0][2] * s.zz - e[2][0] * s.xx + s.xz * d[1],
+            e[1][0] * s.xx - e[0][1] * s.yy + e[1][2] * s.xz - e[0][2] * s.yz + s.xy * d[2],
+        ]);
+        Wrench {
+            moment: turning + body.first_moment.cross(self.a),
+            force: self.a.scale(body.mass) + self.gradient.mul_vector(body.first_moment),
+        }
+    }
+}
