@@ -71,7 +71,7 @@ fn fixed_links_are_merged_into_the_link_that_carries_them() {
     let limits = rod.joint.limits.expect("limits");
     assert_eq!(
         (limits.lower, limits.upper, limits.velocity, limits.effort),
-        (Some(-1.), Some(2.), 3., 4.)
+        (Some(-1.), Some(2.), Some(3.), Some(4.))
     );
     // The ball stands at [1 0 0] + Rz(90) [0 1 0] = [0 0 0], its centre at Rz(90) [0.5 0 0] from there.
     // So the centres are at [0.5 0 0] and [0 0.5 0], and that of both at [0.25 0.25 0].

@@ -62,8 +62,10 @@ impl Mul for Expr {
     }
 }
 
+/// By the reciprocal, which the graph has once for all that is divided by the same.
 impl Div for Expr {
     type Output = Self;
+    #[allow(clippy::suspicious_arithmetic_impl)]
     fn div(self, other: Self) -> Self {
         self * other.recip()
     }

@@ -85,7 +85,7 @@ pub fn forward_dynamics<S: Scalar>(
         }
         workspace.twists[first] = twist;
         if block.has_children {
-            for i in first + 1..block.links.end {
+            for i in block.links.clone().skip(1) {
                 let motion = &workspace.motions[i];
                 let carried = model.bodies[i].twist_to_child(motion, workspace.twists[i - 1]);
                 workspace.twists[i] = motion.add_rate(carried, qdd[i]);

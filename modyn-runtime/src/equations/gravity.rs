@@ -19,11 +19,11 @@ pub fn gravity_torques<S: Scalar>(
         workspace.twists[i].linear = body.to_child(&workspace.motions[i], a);
     }
     gather(model, workspace, |body| body.minimal);
-    for i in 0..model.bodies.len() {
+    for (i, tau) in tau.iter_mut().enumerate() {
         let (composite, a) = (&workspace.composite[i], workspace.twists[i].linear);
         let wrench =
             Wrench { moment: composite.first_moment.cross(a), force: a.scale(composite.mass) };
-        tau[i] = workspace.motions[i].project(&wrench);
+        *tau = workspace.motions[i].project(&wrench);
     }
 }
 
