@@ -1,14 +1,17 @@
 //! The one door behind the three: from a description and options to text.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
+use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::emit::{EmitOptions, Emitted, FloatType, emit};
 use crate::error::{Code, Diagnostic, Diagnostics, Severity};
 use crate::names;
-use crate::urdf::{self, Mimic, ReadOptions};
-use modyn_runtime::OperationCount;
+use crate::source::read_first;
+use crate::urdf::{self, Mimic, ReadOptions, Reading};
 
 /// Which kinematic modules a robot is divided into; see [`ModuleTree`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -33,7 +36,28 @@ pub enum ModuleChoice {
 /// }
 /// ```
 ///
-/// and in the crate `modyn::include_model!(gripper);`.
+/// and in the crate `modyn::include_model!(gripper);`. To have the text itself:
+///
+/// ```
+/// # fn main() -> Result<(), modyn_codegen::error::Diagnostics> {
+/// let urdf = r#"
+///     <robot name="pendulum">
+///       <link name="world"/>
+///       <joint name="pivot" type="continuous">
+///         <parent link="world"/> <child link="rod"/> <axis xyz="0 1 0"/>
+///       </joint>
+///       <link name="rod">
+///         <inertial>
+///           <origin xyz="0 0 -0.5"/> <mass value="1"/>
+///           <inertia ixx="0.1" iyy="0.1" izz="0" ixy="0" ixz="0" iyz="0"/>
+///         </inertial>
+///       </link>
+///     </robot>"#;
+/// let generated = modyn_codegen::Builder::new().urdf_text(urdf, "pendulum.urdf").generate()?;
+/// assert!(generated.text.contains("pub struct Pendulum;"));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Builder {
     source: Source,
@@ -105,14 +129,15 @@ impl Builder {
         self
     }
 
-    /// The name of the generated type; by default made from the robot's name.
+    /// The name of the generated type, in upper camel case; by default made from the robot's name.
     #[must_use]
     pub fn type_name(mut self, name: impl Into<String>) -> Self {
         self.type_name = Some(name.into());
         self
     }
 
-    /// The visibility of the generated types, as Rust has it; `pub` by default.
+    /// The visibility of the generated types, as Rust has it (`pub(crate)`; nothing for private);
+    /// `pub` by default.
     #[must_use]
     pub fn visibility(mut self, visibility: impl Into<String>) -> Self {
         self.visibility = Some(visibility.into());
@@ -167,41 +192,16 @@ impl Builder {
     ///
     /// All that is wrong with the description and the options.
     pub fn generate(&self) -> Result<Generated, Diagnostics> {
-        let reading = match &self.source {
-            Source::None => {
-                let missing =
-                    Diagnostic::error(Code::MissingFile, "no robot description was given");
-                return Err(missing.with_help("call `Builder::urdf` with the path of one").into());
-            }
-            Source::File(path) => {
-                let found = self.locate(path)?;
-                let text = std::fs::read_to_string(&found).map_err(|error| {
-                    let message = format!("`{}` cannot be read: {error}", path.display());
-                    Diagnostics::from(Diagnostic::error(Code::MissingFile, message))
-                })?;
-                urdf::read(&text, &path.display().to_string(), &self.read)?
-            }
-            Source::Text { text, file } => urdf::read(text, file, &self.read)?,
-            Source::Model(model) => {
-                urdf::Reading { model: model.as_ref().clone(), warnings: Vec::new() }
-            }
+        let mut errors = self.option_errors();
+        let reading = self.read().map_err(|found| errors.extend(found)).ok();
+        let modules = reading.as_ref().and_then(|reading| {
+            self.module_tree(&reading.model).map_err(|found| errors.extend(found)).ok()
+        });
+        let (Some(Reading { model, warnings }), Some(modules), true) =
+            (reading, modules, errors.is_empty())
+        else {
+            return Err(Diagnostics::new(errors));
         };
-        let (model, warnings) = (reading.model, reading.warnings);
-        let modules = match &self.modules {
-            ModuleChoice::Chains => ModuleTree::chains(&model),
-            ModuleChoice::Links => ModuleTree::links(&model),
-            ModuleChoice::List(list) => ModuleTree::from_names(&model, list).map_err(|errors| {
-                let diagnostics =
-                    errors.iter().map(|error| Diagnostic::error(Code::Modules, error.to_string()));
-                Diagnostics::new(diagnostics.collect())
-            })?,
-        };
-        if let Some(name) = self.type_name.as_ref().filter(|name| names::type_name(name) != **name)
-        {
-            let message = format!("`{name}` is no name for a type");
-            let help = format!("`{}` would be one", names::type_name(name));
-            return Err(Diagnostic::error(Code::TypeName, message).with_help(help).into());
-        }
         let options = EmitOptions {
             type_name: self.type_name.clone(),
             visibility: self.visibility.clone().unwrap_or_else(|| "pub".into()),
@@ -214,31 +214,44 @@ impl Builder {
     }
 
     /// From a build script: compiles to `OUT_DIR`, for `modyn::include_model!`, and has Cargo run
-    /// the script again when the description changes. The file is named after the description's.
-    /// Warnings become Cargo's warnings.
+    /// the script again when the description changes. Warnings become Cargo's warnings.
+    ///
+    /// What to include is named after the type, if a name was [given](Self::type_name) (`LeftArm`
+    /// is `include_model!(left_arm)`), else after the description's file (`my-robot.urdf` is
+    /// `include_model!(my_robot)`).
     ///
     /// # Errors
     ///
     /// All that is wrong with the description and the options, or a file that cannot be written.
     pub fn compile(&self) -> Result<Generated, Diagnostics> {
         if let Source::File(path) = &self.source {
-            let watched = self.locate(path).unwrap_or_else(|_| path.clone());
-            println!("cargo::rerun-if-changed={}", watched.display());
+            // Also when it does not exist: Cargo then looks again.
+            println!("cargo::rerun-if-changed={}", place(path).display());
         }
         let generated = self.generate()?;
+        let error = |message: String, help: &str| {
+            Diagnostics::from(Diagnostic::error(Code::Output, message).with_help(help))
+        };
         let folder = std::env::var_os("OUT_DIR").ok_or_else(|| {
-            let message = "OUT_DIR is not set: `compile` is for build scripts";
-            Diagnostics::from(Diagnostic::error(Code::Output, message).with_help("call `generate`"))
+            error("OUT_DIR is not set: `compile` is for build scripts".into(), "call `generate`")
         })?;
-        let stem = match &self.source {
-            Source::File(path) => path.file_stem().map(|stem| stem.to_string_lossy().into_owned()),
+        let stem = match (&self.type_name, &self.source) {
+            (None, Source::File(path)) => path.file_stem().map(|stem| stem.to_string_lossy()),
             _ => None,
         };
-        let stem = stem.unwrap_or_else(|| names::snake(&generated.type_name));
-        let file = Path::new(&folder).join(format!("{stem}.rs"));
-        std::fs::write(&file, &generated.text).map_err(|error| {
-            let message = format!("`{}` cannot be written: {error}", file.display());
-            Diagnostics::from(Diagnostic::error(Code::Output, message))
+        let name = names::snake(stem.as_deref().unwrap_or(&generated.type_name));
+        let file = Path::new(&folder).join(format!("{name}.rs"));
+        // What this process, a build script, has written: one robot must not replace another.
+        static WRITTEN: Mutex<BTreeMap<PathBuf, String>> = Mutex::new(BTreeMap::new());
+        let mut written = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
+        let text = written.entry(file.clone()).or_insert_with(|| generated.text.clone());
+        if *text != generated.text {
+            let message = format!("two robots would be `include_model!({name})`");
+            return Err(error(message, "give one of them a `type_name`"));
+        }
+        std::fs::write(&file, &generated.text).map_err(|reason| {
+            let message = format!("`{}` cannot be written: {reason}", file.display());
+            error(message, "OUT_DIR must be a folder that can be written to")
         })?;
         for warning in &generated.warnings {
             println!("cargo::warning={}", warning.to_string().replace('\n', " "));
@@ -246,16 +259,121 @@ impl Builder {
         Ok(generated)
     }
 
-    /// Where a file is: as given, or from the folder of the crate's `Cargo.toml`.
-    fn locate(&self, path: &Path) -> Result<PathBuf, Diagnostics> {
-        let root = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
-        let mut tried: Vec<PathBuf> = root.iter().map(|root| root.join(path)).collect();
-        if root.is_none() {
-            tried.push(path.into());
+    fn read(&self) -> Result<Reading, Diagnostics> {
+        match &self.source {
+            Source::None => {
+                let missing =
+                    Diagnostic::error(Code::MissingFile, "no robot description was given");
+                Err(missing.with_help("call `Builder::urdf` with the path of one").into())
+            }
+            Source::File(path) => {
+                let (_, text) = read_first(path.display(), &[place(path)])?;
+                urdf::read(&text, &path.display().to_string(), &self.read)
+            }
+            Source::Text { text, file } => urdf::read(text, file, &self.read),
+            Source::Model(model) => {
+                Ok(Reading { model: model.as_ref().clone(), warnings: Vec::new() })
+            }
         }
-        tried.iter().find(|place| place.is_file()).cloned().ok_or_else(|| {
-            let places: Vec<_> = tried.iter().map(|place| place.display()).collect();
-            Diagnostic::missing_file(path.display(), &places).into()
-        })
+    }
+
+    fn module_tree(&self, model: &Model) -> Result<ModuleTree, Diagnostics> {
+        match &self.modules {
+            ModuleChoice::Chains => Ok(ModuleTree::chains(model)),
+            ModuleChoice::Links => Ok(ModuleTree::links(model)),
+            ModuleChoice::List(list) => ModuleTree::from_names(model, list).map_err(|errors| {
+                let help = "name every moving link once, each module from its parent outwards";
+                let diagnostics = errors.iter().map(|error| {
+                    Diagnostic::error(Code::Modules, error.to_string()).with_help(help)
+                });
+                Diagnostics::new(diagnostics.collect())
+            }),
+        }
+    }
+
+    /// What is wrong with the options that become part of the text as they are.
+    fn option_errors(&self) -> Vec<Diagnostic> {
+        let mut errors = Vec::new();
+        let mut error = |message: String, help: String| {
+            errors.push(Diagnostic::error(Code::TypeName, message).with_help(help));
+        };
+        if let Some(name) = self.type_name.as_ref().filter(|&name| names::type_name(name) != *name) {
+            error(
+                format!("{name:?} is no type's name in upper camel case"),
+                format!("`{}` is one", names::type_name(name)),
+            );
+        }
+        if let Some(visibility) = self.visibility.as_ref().filter(|text| !is_visibility(text)) {
+            error(
+                format!("{visibility:?} is no visibility"),
+                "`pub`, `pub(crate)`, `pub(super)`, `pub(in path)`, or nothing for private".into(),
+            );
+        }
+        if let Some(krate) = self.krate.as_ref().filter(|text| !is_path(text)) {
+            error(
+                format!("{krate:?} is no path of a crate or module"),
+                "give the path of `modyn`, such as `::modyn` or `crate::robots::modyn`".into(),
+            );
+        }
+        errors
+    }
+}
+
+/// Where a file is: as given, or from the folder of the crate's `Cargo.toml`.
+fn place(path: &Path) -> PathBuf {
+    std::env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| path.into(), |root| Path::new(&root).join(path))
+}
+
+fn is_visibility(text: &str) -> bool {
+    let text = text.trim();
+    let Some(rest) = text.strip_prefix("pub").map(str::trim) else { return text.is_empty() };
+    let inside = rest.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')).map(str::trim);
+    match inside {
+        None => rest.is_empty(),
+        Some("crate" | "super" | "self") => true,
+        Some(inside) => inside.strip_prefix("in ").is_some_and(is_path),
+    }
+}
+
+fn is_path(text: &str) -> bool {
+    let text = text.trim();
+    text.strip_prefix("::").unwrap_or(text).split("::").map(str::trim).enumerate().all(|(i, part)| {
+        let name = part.strip_prefix("r#").unwrap_or(part);
+        let letters = name.chars().all(|c| c == '_' || c.is_alphanumeric());
+        let digit = name.starts_with(|c: char| c.is_numeric());
+        // Keywords that may stand in a path do so at its start.
+        let place = i == 0 || part == "super" || !matches!(part, "crate" | "self" | "Self");
+        letters && place && !digit && !name.is_empty() && name != "_"
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn visibilities_and_paths_are_checked() {
+        for good in ["", " ", "pub", "pub(crate)", "pub ( in crate :: robots )", "pub(super)"] {
+            assert!(is_visibility(good), "{good}");
+        }
+        for bad in ["public", "pub struct X; pub", "crate", "pub()", "pub(in)", "pub(in 1)", "pub("] {
+            assert!(!is_visibility(bad), "{bad}");
+        }
+        for good in ["::modyn", "modyn", "crate::a::b", ":: a :: r#b", "self::a", "super::super::a"] {
+            assert!(is_path(good), "{good}");
+        }
+        for bad in ["", "::", "a::", "a b", "a; b", "a-b", "1a", "a::crate", "_", "a::<b>", "$crate"] {
+            assert!(!is_path(bad), "{bad}");
+        }
+    }
+
+    #[test]
+    fn all_that_is_wrong_is_said_at_once() {
+        let builder = Builder::new().urdf("no such.urdf").type_name("my arm");
+        let errors = builder.krate("a b").visibility("x").gravity([f64::NAN; 3]).generate();
+        let errors = errors.expect_err("all wrong");
+        let codes: Vec<Code> = errors.iter().map(|error| error.code).collect();
+        assert_eq!(codes, [Code::TypeName, Code::TypeName, Code::TypeName, Code::MissingFile]);
+        assert!(errors.iter().all(|error| error.help.is_some()));
     }
 }

@@ -14,6 +14,7 @@ pub mod expr;
 pub mod names;
 pub mod partition;
 pub mod passes;
+pub mod source;
 pub mod trace;
 pub mod urdf;
 

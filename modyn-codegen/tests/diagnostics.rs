@@ -113,6 +113,9 @@ fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
         Code::MissingFile,
         Code::Gravity,
         Code::InvalidModel,
+        Code::Modules,
+        Code::TypeName,
+        Code::Output,
         Code::InvertedLimits,
         Code::MimicTarget,
     ];
