@@ -253,6 +253,9 @@ impl<S: Scalar> Interpreter<S> {
 }
 
 /// The factorization I = U D U^T of the GIM by modules. Matrices are given by columns.
+///
+/// [`update`](Self::update) works in the memory that is there; what returns a vector or matrix
+/// allocates it.
 #[derive(Clone, Debug)]
 pub struct Brge<S = f64> {
     layout: Layout,

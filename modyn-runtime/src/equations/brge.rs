@@ -2,11 +2,11 @@
 //!
 //! All factors are kept packed, without the zeros of other branches: see [`Layout`].
 
-use alloc::{vec, vec::Vec};
+use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::Workspace;
-use super::elimination::{eliminate, freed, pivot, reduce_columns, solve_lower, split, start};
+use super::elimination::{eliminate, freed, pivot, reduce_columns, split, start};
 use super::partition::{Block, Partition};
 use crate::model::ModuleTree;
 use crate::model::prepare::Prepared;
@@ -16,8 +16,8 @@ use crate::{Scalar, jacobi};
 /// Where the numbers of the factorization lie.
 ///
 /// First D: each module's block, by rows, module after module. Then D^-1 in the same order. Then
-/// U: for each module, for each link in front of it on the way from the root, a row as long as
-/// the module.
+/// the reciprocals of the scalar pivots within the blocks, one a joint. Then U: for each module,
+/// for each link in front of it on the way from the root, a row as long as the module.
 #[derive(Clone, Debug)]
 pub struct Layout {
     partition: Partition,
@@ -64,7 +64,7 @@ impl Layout {
     /// How many numbers the factorization holds.
     #[must_use]
     pub fn len(&self) -> usize {
-        2 * self.partition.pivots + self.coupling
+        self.u().start + self.coupling
     }
 
     /// Whether it holds none.
@@ -87,10 +87,18 @@ impl Layout {
         start + self.partition.pivots..end + self.partition.pivots
     }
 
+    /// Where the reciprocals of the scalar pivots lie.
+    #[must_use]
+    pub fn reciprocals(&self) -> Range<usize> {
+        let start = 2 * self.partition.pivots;
+        start..start + self.links
+    }
+
     /// Where U lies.
     #[must_use]
     pub fn u(&self) -> Range<usize> {
-        2 * self.partition.pivots..self.len()
+        let start = self.reciprocals().end;
+        start..start + self.coupling
     }
 
     /// The rows of U above module `m`: pairs of a link and where its row starts in U.
@@ -112,43 +120,50 @@ pub fn factorize<S: Scalar>(
     workspace.move_to(model, q);
     start(model, workspace);
     for (m, block) in layout.blocks().iter().enumerate().rev() {
-        let (first, size) = (block.links.start, block.links.len());
+        let first = block.links.start;
         pivot(model, block, workspace);
         factors[layout.d(m)].copy_from_slice(&workspace.pivots[layout.d(m)]);
         split(block, workspace);
         inverse_block(block, workspace, &mut factors[layout.d_inverse(m)]);
-        let Some(parent) = model.bodies[first].parent else {
+        for i in block.links.clone() {
+            factors[layout.reciprocals().start + i] = workspace.reciprocals[i];
+        }
+        if model.bodies[first].parent.is_none() {
             continue;
-        };
+        }
         reduce_columns(&layout.partition, block, workspace);
         eliminate(model, block, workspace);
         // (46): the columns of Psi I_hat^-1, carried inwards, as each joint there feels them.
-        let freed = freed(block, workspace);
-        let v = &workspace.pivots[layout.d(m)];
-        let mut columns = vec![[S::zero(); 6]; size];
-        for row in 0..6 {
-            let mut gains: Vec<S> = if row == freed {
-                // Psi's row along the first joint is the first row of I_hat itself.
-                (0..size).map(|j| if j == 0 { S::one() } else { S::zero() }).collect()
-            } else {
-                block.links.clone().map(|i| workspace.gains[i][row]).collect()
-            };
-            if row != freed {
-                solve_lower(v, &mut gains);
-            }
-            columns.iter_mut().zip(gains).for_each(|(column, gain)| column[row] = gain);
-        }
-        let rows: Vec<usize> = layout.rows(m).map(|(_, at)| layout.u().start + at).collect();
-        for (j, column) in columns.into_iter().enumerate() {
-            let mut wrench = Wrench::from_components(column);
-            let (mut behind, mut at) = (first, Some(parent));
-            for row in rows.iter().rev() {
-                let Some(link) = at else { break };
+        finish_gains(block, workspace);
+        for (j, i) in block.links.clone().enumerate() {
+            let mut wrench = Wrench::from_components(workspace.gains[i]);
+            let mut behind = first;
+            for (link, row) in layout.rows(m).rev() {
                 wrench = model.bodies[behind].wrench_to_parent(&workspace.motions[behind], wrench);
-                factors[row + j] = workspace.motions[link].project(&wrench);
-                (behind, at) = (link, model.bodies[link].parent);
+                factors[layout.u().start + row + j] = workspace.motions[link].project(&wrench);
+                behind = link;
             }
         }
+    }
+}
+
+/// Turns the gains Psi V^-T Delta^-1 into Psi I_hat^-1, all six rows.
+fn finish_gains<S: Scalar>(block: &Block, workspace: &mut Workspace<S>) {
+    let (first, size) = (block.links.start, block.links.len());
+    let freed = freed(block, workspace);
+    let v = &workspace.pivots[block.pivot..block.pivot + size * size];
+    for row in (0..6).filter(|&row| row != freed) {
+        // The same as `solve_lower`, on one row of the gains.
+        for a in 0..size {
+            for b in 0..a {
+                let taken = v[b * size + a] * workspace.gains[first + b][row];
+                workspace.gains[first + a][row] = workspace.gains[first + a][row] - taken;
+            }
+        }
+    }
+    // Psi's row along the first joint is the first row of I_hat itself.
+    for i in block.links.clone() {
+        workspace.gains[i][freed] = if i == first { S::one() } else { S::zero() };
     }
 }
 
@@ -156,26 +171,28 @@ pub fn factorize<S: Scalar>(
 fn inverse_block<S: Scalar>(block: &Block, workspace: &Workspace<S>, inverse: &mut [S]) {
     let size = block.links.len();
     let v = &workspace.pivots[block.pivot..block.pivot + size * size];
-    // Columns of V^-1: e_j, then up the rows.
-    let mut upper = vec![S::zero(); size * size];
+    // V^-1 above the diagonal; its ones on the diagonal are not stored.
     for j in 0..size {
-        upper[j * size + j] = S::one();
         for i in (0..j).rev() {
             let sum = (i + 1..j)
-                .map(|k| v[i * size + k] * upper[k * size + j])
+                .map(|k| v[i * size + k] * inverse[k * size + j])
                 .fold(v[i * size + j], |sum, x| sum + x);
-            upper[i * size + j] = -sum;
+            inverse[i * size + j] = -sum;
         }
     }
-    for i in 0..size {
-        for j in i..size {
-            let entry = (0..=i)
+    // Entry (i, j) needs the columns i and j down to row i: from the last row up, and in it from
+    // the last column on, nothing is overwritten that is still needed.
+    for i in (0..size).rev() {
+        for j in (i..size).rev() {
+            let of_row_i = if i == j { S::one() } else { inverse[i * size + j] };
+            let last = workspace.reciprocals[block.links.start + i] * of_row_i;
+            let entry = (0..i)
                 .map(|k| {
-                    let scaled = upper[k * size + i] * workspace.reciprocals[block.links.start + k];
-                    scaled * upper[k * size + j]
+                    let scaled =
+                        inverse[k * size + i] * workspace.reciprocals[block.links.start + k];
+                    scaled * inverse[k * size + j]
                 })
-                .reduce(|sum, x| sum + x)
-                .unwrap_or_else(S::zero);
+                .fold(last, |sum, x| sum + x);
             inverse[i * size + j] = entry;
             inverse[j * size + i] = entry;
         }
@@ -271,23 +288,8 @@ pub fn inverse<S: Scalar>(layout: &Layout, factors: &[S], columns: &mut [S]) {
 
 /// The logarithm of the GIM's determinant: that of D, since U's is one.
 pub fn log_determinant<S: Scalar>(layout: &Layout, factors: &[S]) -> S {
-    let mut sum = S::zero();
-    for (m, block) in layout.blocks().iter().enumerate() {
-        let size = block.links.len();
-        let mut a = factors[layout.d(m)].to_vec();
-        for k in (0..size).rev() {
-            let pivot = a[k * size + k];
-            sum = sum + pivot.ln();
-            let reciprocal = pivot.recip();
-            for i in 0..k {
-                let factor = a[i * size + k] * reciprocal;
-                for j in 0..=i {
-                    a[j * size + i] = a[j * size + i] - factor * a[j * size + k];
-                }
-            }
-        }
-    }
-    sum
+    let reciprocals = &factors[layout.reciprocals()];
+    -reciprocals.iter().fold(S::zero(), |sum, reciprocal| sum + reciprocal.ln())
 }
 
 /// The condition number of module `m`'s pivot block, in the 2-norm.

@@ -135,5 +135,5 @@ fn is_rotation(r: &[[f64; 3]; 3]) -> bool {
     near(dot(x, x), 1.0)
         && near(dot(y, y), 1.0)
         && near(dot(x, y), 0.0)
-        && near(dot(&cross, z), 1.0)
+        && cross.iter().zip(z).all(|(a, b)| near(*a, *b))
 }

@@ -12,7 +12,7 @@
 //!    behind a prismatic joint the same holds for the whole second moment. What is then left on
 //!    the child are the parameters its joint can feel (Gautier and Khalil 1990, "Direct calculation
 //!    of minimum set of inertial parameters of serial robots").
-//! 5. **Snapping.** Entries of constant rotations within 1e-11 of 0, 1 or -1 become that.
+//! 5. **Snapping.** Turns within 1e-11 rad of a quarter turn become that.
 //!
 //! All five leave the joint coordinates, and so every joint-space quantity, as they were. The
 //! fourth changes single links' inertias, and on a fixed base it drops mass that cannot move,
@@ -27,7 +27,7 @@ use crate::spatial::{
     Axis, Matrix3, Placement, Pose, RigidInertia, Symmetric3, Turn, Twist, Vector3, Wrench,
 };
 
-/// Entries of constant rotations nearer than this to 0, 1 or -1 are taken for it.
+/// Sines and cosines of constant turns nearer to 0 than this are taken for it.
 const SNAP: f64 = 1e-11;
 
 /// Where a revolute joint's turned frame has its zero, against the coordinate.
@@ -362,12 +362,19 @@ fn combine((c, s): Direction, (cos, sin): Direction) -> Direction {
 }
 
 fn snap(x: f64) -> f64 {
-    let near = libm::round(x);
-    if (x - near).abs() < SNAP && near.abs() <= 1.0 { near + 0.0 } else { x }
+    if x.abs() < SNAP { 0.0 } else { x }
 }
 
+/// A direction of length 1 again, along an axis where it is nearly that.
 fn snapped((cos, sin): Direction) -> Direction {
-    (snap(cos), snap(sin))
+    match (snap(cos), snap(sin)) {
+        (cos, 0.0) => (1.0_f64.copysign(cos), 0.0),
+        (0.0, sin) => (0.0, 1.0_f64.copysign(sin)),
+        (cos, sin) => {
+            let length = libm::hypot(cos, sin);
+            (cos / length, sin / length)
+        }
+    }
 }
 
 fn turn_of((cos, sin): Direction) -> Turn<f64> {
@@ -394,7 +401,7 @@ fn split(rotation: &Matrix3<f64>) -> [Direction; 3] {
 
 /// A right-handed frame (as columns) whose z axis is `axis`; a permutation where that is one.
 fn frame_along(axis: [f64; 3]) -> Matrix3<f64> {
-    let z = axis.map(snap);
+    let z = axis.map(|x| if (x.abs() - 1.0).abs() < SNAP { x.signum() } else { snap(x) });
     let (x, y) = match z {
         [1.0, 0.0, 0.0] => ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0]),
         [0.0, 1.0, 0.0] => ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0]),
