@@ -297,7 +297,8 @@ impl Builder {
         let mut error = |message: String, help: String| {
             errors.push(Diagnostic::error(Code::TypeName, message).with_help(help));
         };
-        if let Some(name) = self.type_name.as_ref().filter(|&name| names::type_name(name) != *name) {
+        if let Some(name) = self.type_name.as_ref().filter(|&name| names::type_name(name) != *name)
+        {
             error(
                 format!("{name:?} is no type's name in upper camel case"),
                 format!("`{}` is one", names::type_name(name)),
@@ -321,7 +322,8 @@ impl Builder {
 
 /// Where a file is: as given, or from the folder of the crate's `Cargo.toml`.
 fn place(path: &Path) -> PathBuf {
-    std::env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| path.into(), |root| Path::new(&root).join(path))
+    std::env::var_os("CARGO_MANIFEST_DIR")
+        .map_or_else(|| path.into(), |root| Path::new(&root).join(path))
 }
 
 fn is_visibility(text: &str) -> bool {
@@ -337,14 +339,16 @@ fn is_visibility(text: &str) -> bool {
 
 fn is_path(text: &str) -> bool {
     let text = text.trim();
-    text.strip_prefix("::").unwrap_or(text).split("::").map(str::trim).enumerate().all(|(i, part)| {
-        let name = part.strip_prefix("r#").unwrap_or(part);
-        let letters = name.chars().all(|c| c == '_' || c.is_alphanumeric());
-        let digit = name.starts_with(|c: char| c.is_numeric());
-        // Keywords that may stand in a path do so at its start.
-        let place = i == 0 || part == "super" || !matches!(part, "crate" | "self" | "Self");
-        letters && place && !digit && !name.is_empty() && name != "_"
-    })
+    text.strip_prefix("::").unwrap_or(text).split("::").map(str::trim).enumerate().all(
+        |(i, part)| {
+            let name = part.strip_prefix("r#").unwrap_or(part);
+            let letters = name.chars().all(|c| c == '_' || c.is_alphanumeric());
+            let digit = name.starts_with(|c: char| c.is_numeric());
+            // Keywords that may stand in a path do so at its start.
+            let place = i == 0 || part == "super" || !matches!(part, "crate" | "self" | "Self");
+            letters && place && !digit && !name.is_empty() && name != "_"
+        },
+    )
 }
 
 #[cfg(test)]
@@ -356,13 +360,17 @@ mod tests {
         for good in ["", " ", "pub", "pub(crate)", "pub ( in crate :: robots )", "pub(super)"] {
             assert!(is_visibility(good), "{good}");
         }
-        for bad in ["public", "pub struct X; pub", "crate", "pub()", "pub(in)", "pub(in 1)", "pub("] {
+        for bad in ["public", "pub struct X; pub", "crate", "pub()", "pub(in)", "pub(in 1)", "pub("]
+        {
             assert!(!is_visibility(bad), "{bad}");
         }
-        for good in ["::modyn", "modyn", "crate::a::b", ":: a :: r#b", "self::a", "super::super::a"] {
+        for good in ["::modyn", "modyn", "crate::a::b", ":: a :: r#b", "self::a", "super::super::a"]
+        {
             assert!(is_path(good), "{good}");
         }
-        for bad in ["", "::", "a::", "a b", "a; b", "a-b", "1a", "a::crate", "_", "a::<b>", "$crate"] {
+        for bad in
+            ["", "::", "a::", "a b", "a; b", "a-b", "1a", "a::crate", "_", "a::<b>", "$crate"]
+        {
             assert!(!is_path(bad), "{bad}");
         }
     }

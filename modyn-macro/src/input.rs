@@ -1,14 +1,14 @@
-//! What stands in the macro: `[visibility] [Name =] "path" [, option = value]*`.
+//! What stands in the macro: `[[visibility] Name =] "path" [, option = value]*`.
 
 use modyn_codegen::error::Severity;
 use modyn_codegen::urdf::Mimic;
 use modyn_codegen::{Builder, FloatType, ModuleChoice};
-use proc_macro2::Span;
+use proc_macro2::{Span, TokenTree};
 use quote::ToTokens as _;
 use syn::ext::IdentExt as _;
 use syn::parse::{Parse, ParseStream};
 use syn::punctuated::Punctuated;
-use syn::{Expr, ExprArray, Ident, LitStr, Path, Token, Visibility};
+use syn::{Error, Ident, Lit, LitStr, Path, Result, Token, Visibility};
 
 /// The macro's input.
 pub(crate) struct Input {
@@ -19,35 +19,32 @@ pub(crate) struct Input {
 }
 
 impl Parse for Input {
-    fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
+    fn parse(input: ParseStream<'_>) -> Result<Self> {
         let mut builder = Builder::new();
         let visibility: Visibility = input.parse()?;
-        if input.peek(Ident) {
-            builder = builder.type_name(input.parse::<Ident>()?.to_string());
-            builder = builder.visibility(visibility.to_token_stream().to_string());
+        if input.peek(Ident::peek_any) {
+            let name = Ident::parse_any(input)?.unraw().to_string();
+            builder = builder.type_name(name).visibility(visibility.to_token_stream().to_string());
             input.parse::<Token![=]>()?;
         } else if !matches!(visibility, Visibility::Inherited) {
             return Err(input.error("a visibility goes with a name: `pub Name = \"path\"`"));
         }
-        let literal: LitStr = input.parse()?;
-        let mut errors: Option<syn::Error> = None;
+        let literal: LitStr = input.parse().map_err(|error| {
+            Error::new(error.span(), "expected the path of a URDF: `\"robots/arm.urdf\"`")
+        })?;
+        let mut errors: Option<Error> = None;
+        let mut given = Vec::new();
         while !input.is_empty() {
-            input.parse::<Token![,]>()?;
-            if input.is_empty() {
-                break;
-            }
-            let name = Ident::parse_any(input)?;
-            input.parse::<Token![=]>()?;
-            match option(builder.clone(), &name, input) {
+            match option(builder.clone(), &mut given, input) {
                 Ok(with_option) => builder = with_option,
                 Err(error) => {
-                    // On to the next option, to report all errors at once.
-                    while !input.is_empty() && !input.peek(Token![,]) {
-                        input.parse::<proc_macro2::TokenTree>()?;
-                    }
                     match &mut errors {
                         Some(errors) => errors.combine(error),
                         None => errors = Some(error),
+                    }
+                    // On to the next option, to report all errors at once.
+                    while !input.is_empty() && !input.peek(Token![,]) {
+                        input.parse::<TokenTree>()?;
                     }
                 }
             }
@@ -59,21 +56,28 @@ impl Parse for Input {
     }
 }
 
-/// One `name = value`.
-fn option(builder: Builder, name: &Ident, input: ParseStream<'_>) -> syn::Result<Builder> {
+/// One `, name = value`, or a last comma.
+fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> Result<Builder> {
+    input.parse::<Token![,]>()?;
+    if input.is_empty() {
+        return Ok(builder);
+    }
+    let name = Ident::parse_any(input)?;
+    if given.contains(&name) {
+        return Err(Error::new(name.span(), format!("the option `{name}` is given twice")));
+    }
+    given.push(name.clone());
+    input.parse::<Token![=]>()?;
     match name.to_string().as_str() {
-        "gravity" => Ok(builder.gravity(vector(&input.parse()?)?)),
-        "modules" => Ok(builder.modules(modules(input)?)),
+        "gravity" => vector(input).map(|gravity| builder.gravity(gravity)),
+        "modules" => modules(input).map(|modules| builder.modules(modules)),
         "scalar" => choice(input, &[("f64", FloatType::F64), ("f32", FloatType::F32)])
             .map(|float| builder.float(float)),
         "base" => {
-            let base: Ident = input.call(Ident::parse_any)?;
-            match base.to_string().as_str() {
-                "fixed" => Ok(builder),
-                "floating" => {
-                    Err(syn::Error::new(base.span(), "a floating base is not supported yet"))
-                }
-                _ => Err(syn::Error::new(base.span(), "expected `fixed`")),
+            let span = input.span();
+            match choice(input, &[("fixed", true), ("floating", false)])? {
+                true => Ok(builder),
+                false => Err(Error::new(span, "a floating base is not supported yet")),
             }
         }
         "mimic" => choice(input, &[("refuse", Mimic::Refuse), ("independent", Mimic::Independent)])
@@ -85,57 +89,67 @@ fn option(builder: Builder, name: &Ident, input: ParseStream<'_>) -> syn::Result
         "crate" => {
             Ok(builder.krate(input.call(Path::parse_mod_style)?.to_token_stream().to_string()))
         }
-        other => Err(syn::Error::new(
-            name.span(),
-            format!(
-                "there is no option `{other}`; options are gravity, modules, scalar, base, mimic, \
-                 unphysical_inertia, crate"
-            ),
-        )),
+        other => {
+            let options = "gravity, modules, scalar, base, mimic, unphysical_inertia, crate";
+            let message = format!("there is no option `{other}`; options are {options}");
+            Err(Error::new(name.span(), message))
+        }
     }
 }
 
 /// One of these words.
-fn choice<T: Clone>(input: ParseStream<'_>, choices: &[(&str, T)]) -> syn::Result<T> {
-    let word = input.call(Ident::parse_any)?;
-    choices.iter().find(|(name, _)| word == name).map(|(_, value)| value.clone()).ok_or_else(|| {
+fn choice<T: Copy>(input: ParseStream<'_>, choices: &[(&str, T)]) -> Result<T> {
+    let span = input.span();
+    let word = input.call(Ident::parse_any).ok();
+    let found = word.and_then(|word| choices.iter().find(|(name, _)| word == name));
+    found.map(|(_, value)| *value).ok_or_else(|| {
         let names: Vec<String> = choices.iter().map(|(name, _)| format!("`{name}`")).collect();
-        syn::Error::new(word.span(), format!("expected {}", names.join(" or ")))
+        Error::new(span, format!("expected {}", names.join(" or ")))
     })
 }
 
 /// `[x, y, z]`
-fn vector(array: &ExprArray) -> syn::Result<[f64; 3]> {
-    let numbers: Vec<f64> = array.elems.iter().map(number).collect::<syn::Result<_>>()?;
+fn vector(input: ParseStream<'_>) -> Result<[f64; 3]> {
+    let span = input.span();
+    let content;
+    syn::bracketed!(content in input);
+    let numbers = Punctuated::<_, Token![,]>::parse_terminated_with(&content, number)?;
     let count = numbers.len();
-    numbers.try_into().map_err(|_| {
-        syn::Error::new_spanned(array, format!("expected three numbers, there are {count}"))
-    })
+    let numbers: Vec<f64> = numbers.into_iter().collect();
+    numbers
+        .try_into()
+        .map_err(|_| Error::new(span, format!("expected three numbers, there are {count}")))
 }
 
 /// A number, perhaps with a sign.
-fn number(expr: &Expr) -> syn::Result<f64> {
-    let text = expr.to_token_stream().to_string().replace([' ', '_'], "");
-    text.parse().map_err(|_| syn::Error::new_spanned(expr, "expected a number"))
+fn number(input: ParseStream<'_>) -> Result<f64> {
+    let span = input.span();
+    let sign = if input.parse::<Option<Token![-]>>()?.is_some() { -1.0 } else { 1.0 };
+    let magnitude = match input.parse() {
+        Ok(Lit::Float(number)) if matches!(number.suffix(), "" | "f32" | "f64") => {
+            number.base10_parse::<f64>().ok()
+        }
+        Ok(Lit::Int(number)) if number.suffix().is_empty() => number.base10_parse::<f64>().ok(),
+        _ => None,
+    };
+    let magnitude = magnitude.ok_or_else(|| Error::new(span, "expected a number"))?;
+    Ok(sign * magnitude)
 }
 
 /// `chains`, `links` or `[["link", ...], ...]`
-fn modules(input: ParseStream<'_>) -> syn::Result<ModuleChoice> {
+fn modules(input: ParseStream<'_>) -> Result<ModuleChoice> {
     if input.peek(Ident) {
-        return choice(input, &[("chains", ModuleChoice::Chains), ("links", ModuleChoice::Links)]);
+        let (chains, links) = (&ModuleChoice::Chains, &ModuleChoice::Links);
+        return choice(input, &[("chains", chains), ("links", links)]).cloned();
     }
     let content;
     syn::bracketed!(content in input);
-    let mut list = Vec::new();
-    while !content.is_empty() {
-        let module;
-        syn::bracketed!(module in content);
-        let names = Punctuated::<LitStr, Token![,]>::parse_terminated(&module)?;
-        list.push(names.iter().map(LitStr::value).collect());
-        if content.is_empty() {
-            break;
-        }
-        content.parse::<Token![,]>()?;
-    }
-    Ok(ModuleChoice::List(list))
+    let module = |module: ParseStream<'_>| {
+        let names;
+        syn::bracketed!(names in module);
+        let names = Punctuated::<LitStr, Token![,]>::parse_terminated(&names)?;
+        Ok(names.iter().map(LitStr::value).collect())
+    };
+    let list = Punctuated::<_, Token![,]>::parse_terminated_with(&content, module)?;
+    Ok(ModuleChoice::List(list.into_iter().collect()))
 }

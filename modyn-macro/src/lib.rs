@@ -3,8 +3,12 @@
 mod input;
 mod locate;
 
+use std::fmt::Display;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 use modyn_codegen::error::Diagnostics;
 use proc_macro::TokenStream;
+use syn::{Error, Result};
 
 use input::Input;
 
@@ -29,28 +33,24 @@ use input::Input;
 /// | `crate` | the path of `modyn`, where it was renamed | `::modyn` |
 #[proc_macro]
 pub fn modyn(input: TokenStream) -> TokenStream {
-    let Input { path, span, builder } = match syn::parse::<Input>(input) {
-        Ok(input) => input,
-        Err(error) => return error.into_compile_error().into(),
-    };
-    let error = |errors: &Diagnostics| -> TokenStream {
-        syn::Error::new(span, errors.to_string()).into_compile_error().into()
-    };
-    let found = match locate::locate(&path, span) {
-        Ok(found) => found,
-        Err(errors) => return error(&errors),
-    };
-    match builder.urdf_text(found.text, path).generate() {
-        Ok(generated) => {
-            // The compiler's own lexer is much faster than building tokens one by one in a macro,
-            // which runs unoptimised.
-            let text = format!("{}{}", generated.text, found.tracking);
-            text.parse().unwrap_or_else(|_| {
-                syn::Error::new(span, "modyn wrote text that is no Rust; please report this")
-                    .into_compile_error()
-                    .into()
-            })
-        }
-        Err(errors) => error(&errors),
+    syn::parse(input).and_then(compile).unwrap_or_else(|error| error.into_compile_error().into())
+}
+
+fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
+    let error = |message: &dyn Display| Error::new(span, message);
+    let bug = |what| error(&format!("modyn {what}; please report this, with the description"));
+    let compiled = catch_unwind(AssertUnwindSafe(|| {
+        let found = locate::locate(&path, span)?;
+        Ok((builder.urdf_text(found.text, &path).generate()?, found.tracking))
+    }));
+    let (generated, tracking) =
+        compiled.map_err(|_| bug("panicked"))?.map_err(|found: Diagnostics| error(&found))?;
+    for warning in &generated.warnings {
+        // All that a macro can do on stable Rust. Cargo repeats it, as it does warnings.
+        eprintln!("{warning}");
     }
+    // The compiler's own lexer is much faster than building tokens one by one in a macro, which
+    // runs unoptimised.
+    let text = generated.text + &tracking;
+    text.parse().map_err(|_| bug("wrote what is no Rust"))
 }
