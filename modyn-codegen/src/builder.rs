@@ -282,10 +282,8 @@ impl Builder {
             ModuleChoice::Chains => Ok(ModuleTree::chains(model)),
             ModuleChoice::Links => Ok(ModuleTree::links(model)),
             ModuleChoice::List(list) => ModuleTree::from_names(model, list).map_err(|errors| {
-                let help = "name every moving link once, each module from its parent outwards";
-                let diagnostics = errors.iter().map(|error| {
-                    Diagnostic::error(Code::Modules, error.to_string()).with_help(help)
-                });
+                let diagnostics =
+                    errors.iter().map(|error| Diagnostic::error(Code::Modules, error.to_string()));
                 Diagnostics::new(diagnostics.collect())
             }),
         }

@@ -25,7 +25,9 @@ impl Parse for Input {
         if input.peek(Ident::peek_any) {
             let name = Ident::parse_any(input)?.unraw().to_string();
             builder = builder.type_name(name).visibility(visibility.to_token_stream().to_string());
-            input.parse::<Token![=]>()?;
+            input.parse::<Token![=]>().map_err(|error| {
+                Error::new(error.span(), "expected `=` and the path of a URDF: `\"robots/arm.urdf\"`")
+            })?;
         } else if !matches!(visibility, Visibility::Inherited) {
             return Err(input.error("a visibility goes with a name: `pub Name = \"path\"`"));
         }
@@ -62,7 +64,8 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
     if input.is_empty() {
         return Ok(builder);
     }
-    let name = Ident::parse_any(input)?;
+    let name = Ident::parse_any(input)
+        .map_err(|error| Error::new(error.span(), "expected the name of an option"))?;
     if given.contains(&name) {
         return Err(Error::new(name.span(), format!("the option `{name}` is given twice")));
     }
@@ -86,9 +89,10 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
             choice(input, &[("error", Severity::Error), ("warn", Severity::Warning)])
                 .map(|severity| builder.unphysical_inertia(severity))
         }
-        "crate" => {
-            Ok(builder.krate(input.call(Path::parse_mod_style)?.to_token_stream().to_string()))
-        }
+        "crate" => match input.call(Path::parse_mod_style) {
+            Ok(path) => Ok(builder.krate(path.to_token_stream().to_string())),
+            Err(error) => Err(Error::new(error.span(), "expected a path, such as `::modyn`")),
+        },
         other => {
             let options = "gravity, modules, scalar, base, mimic, unphysical_inertia, crate";
             let message = format!("there is no option `{other}`; options are {options}");

@@ -1,0 +1,3 @@
+modyn::modyn!("bad-number.urdf");
+
+fn main() {}

@@ -1,0 +1,8 @@
+macro_rules! forward {
+    () => {
+        modyn::modyn!("good.urdf", crate = $crate::modyn);
+    };
+}
+forward!();
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("cycle.urdf");
+
+fn main() {}

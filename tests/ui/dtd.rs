@@ -1,0 +1,3 @@
+modyn::modyn!("dtd.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("duplicate-joint.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("duplicate-link.urdf");
+
+fn main() {}

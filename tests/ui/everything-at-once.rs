@@ -1,0 +1,3 @@
+modyn::modyn!("everything-at-once.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("indefinite-inertia.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("inertia-without-mass.urdf");
+
+fn main() {}

@@ -1,0 +1,4 @@
+// An empty file.
+modyn::modyn!("malformed-xml-empty.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("malformed-xml.urdf");
+
+fn main() {}

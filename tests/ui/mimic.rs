@@ -1,0 +1,3 @@
+modyn::modyn!("mimic.urdf");
+
+fn main() {}

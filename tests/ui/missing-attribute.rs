@@ -1,0 +1,3 @@
+modyn::modyn!("missing-attribute.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("missing-element.urdf");
+
+fn main() {}

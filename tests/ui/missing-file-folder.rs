@@ -1,0 +1,4 @@
+// A folder is no file.
+modyn::modyn!("../ui");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("no-such.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("mjcf.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("good.urdf", modules = [["arm", "arm"], ["leg"]]);
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("negative-mass.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("no-inertia-felt.urdf");
+
+fn main() {}

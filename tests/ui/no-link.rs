@@ -1,0 +1,3 @@
+modyn::modyn!("no-link.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("no-moving-joint.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("not-finite.urdf");
+
+fn main() {}

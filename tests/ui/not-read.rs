@@ -1,0 +1,3 @@
+modyn::modyn!("not-read.urdf");
+
+fn main() {}

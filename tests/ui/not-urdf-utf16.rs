@@ -1,0 +1,4 @@
+// "Unicode" as some editors save it.
+modyn::modyn!("not-urdf-utf16.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("not-urdf.urdf");
+
+fn main() {}

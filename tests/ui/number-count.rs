@@ -1,0 +1,3 @@
+modyn::modyn!("number-count.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("repeated-element.urdf");
+
+fn main() {}

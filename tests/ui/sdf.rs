@@ -1,0 +1,3 @@
+modyn::modyn!("sdf.urdf");
+
+fn main() {}

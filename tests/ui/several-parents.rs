@@ -1,0 +1,3 @@
+modyn::modyn!("several-parents.urdf");
+
+fn main() {}

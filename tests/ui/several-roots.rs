@@ -1,0 +1,3 @@
+modyn::modyn!("several-roots.urdf");
+
+fn main() {}

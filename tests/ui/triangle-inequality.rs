@@ -1,0 +1,3 @@
+modyn::modyn!("triangle-inequality.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("unknown-child.urdf");
+
+fn main() {}

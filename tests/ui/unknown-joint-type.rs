@@ -1,0 +1,3 @@
+modyn::modyn!("unknown-joint-type.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("unknown-parent.urdf");
+
+fn main() {}

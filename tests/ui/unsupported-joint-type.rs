@@ -1,0 +1,3 @@
+modyn::modyn!("unsupported-joint-type.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("xacro.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("zero-axis.urdf");
+
+fn main() {}
