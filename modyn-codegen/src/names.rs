@@ -11,7 +11,8 @@
 //!    them; a new word also begins at an upper-case letter after a lower-case letter or a digit:
 //!    `linkA.2` is `link_a_2`.
 //! 4. An identifier that would begin with a digit gets `N` (`n_` in snake case) before it; one
-//!    without any word is `Unnamed` (`unnamed`); a keyword gets an underscore after it.
+//!    without any word is `Unnamed` (`unnamed`); a keyword gets an underscore after it, and so does
+//!    a variant `ALL`, since the generated enums have a constant of that name.
 //! 5. Among [`variants`], a name whose identifier is taken gets `_2`, `_3` and so on: the first
 //!    that no other name has by itself, in the order of the names.
 
@@ -38,7 +39,11 @@ pub fn type_name(name: &str) -> String {
 /// The variants of an enum that has one for each name, in their order; no two are equal.
 #[must_use]
 pub fn variants(names: &[&str]) -> Vec<String> {
-    let plain: Vec<String> = names.iter().map(|name| type_name(name)).collect();
+    let variant = |name: &&str| match type_name(name) {
+        all if all == "ALL" => "ALL_".into(),
+        other => other,
+    };
+    let plain: Vec<String> = names.iter().map(variant).collect();
     // What names are called by themselves is never given to another as its numbered name.
     let reserved: HashSet<&str> = plain.iter().map(String::as_str).collect();
     let mut taken: HashSet<String> = HashSet::new();
@@ -185,6 +190,7 @@ mod tests {
         assert_eq!(variants(&["x 1", "x_1", "x1_2"]), ["X1", "X1_3", "X1_2"]);
         assert_eq!(variants(&["x1_2", "x 1", "x_1"]), ["X1_2", "X1", "X1_3"]);
         assert_eq!(variants(&["self", "self"]), ["Self_", "Self_2"]);
+        assert_eq!(variants(&["ALL", "all", "ALL"]), ["ALL_", "All", "ALL_2"]);
         let many = vec!["same"; 10_000];
         assert_eq!(variants(&many).iter().collect::<HashSet<_>>().len(), many.len());
         let odd = variants(ODD);

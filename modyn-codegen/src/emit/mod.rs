@@ -98,7 +98,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let krate = &options.krate;
     let _ = writeln!(
         text,
-        "#[allow(clippy::all, clippy::pedantic, clippy::nursery, unused_imports, unused_variables, non_snake_case)]\n\
+        "#[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, unused_variables, non_snake_case)]\n\
          const _: () = {{\n\
          use {krate} as __modyn;\n"
     );
@@ -208,7 +208,7 @@ impl Robot<'_> {
         let float = self.options.float.name();
         let _ = writeln!(
             text,
-            "#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]\n{vis} struct {name};\n"
+            "#[allow(dead_code)]\n#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]\n{vis} struct {name};\n"
         );
         for (kind, names, what) in
             [("Joint", self.joint_names(), "joint"), ("Link", self.link_names(), "link")]
@@ -216,6 +216,7 @@ impl Robot<'_> {
             let _ = writeln!(
                 text,
                 "/// A {what} of [`{name}`].\n\
+                 #[allow(dead_code)]\n\
                  #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]\n\
                  {vis} enum {name}{kind} {{"
             );
@@ -227,6 +228,7 @@ impl Robot<'_> {
         let _ = writeln!(
             text,
             "/// The generalized inertia matrix of [`{name}`] as U D U^T by kinematic modules.\n\
+             #[allow(dead_code)]\n\
              #[derive(Clone, Copy, Debug, PartialEq)]\n\
              {vis} struct {name}Brge<T = {float}> {{\n    factors: [T; {}],\n}}\n",
             layout.len()
@@ -270,7 +272,7 @@ impl Robot<'_> {
                 self.model.links()[range.clone()].iter().map(|l| l.name.as_str()).collect();
             let _ = writeln!(
                 text,
-                "__modyn::KinematicModule {{ parent: {:?}, children: &{:?}, links: &{link_names:?}, joints: &{:?}, first: {} }},",
+                "__modyn::KinematicModule {{ parent: ::core::option::Option::{:?}, children: &{:?}, links: &{link_names:?}, joints: &{:?}, first: {} }},",
                 module.parent,
                 module.children,
                 &joints[range.clone()],
