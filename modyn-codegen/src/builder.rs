@@ -207,9 +207,11 @@ impl Builder {
             visibility: self.visibility.clone().unwrap_or_else(|| "pub".into()),
             krate: self.krate.clone().unwrap_or_else(|| "::modyn".into()),
             float: self.float,
+            warnings,
         };
         let Emitted { text, type_name, operations, partition: (partition, partition_costs) } =
             emit(&model, &modules, &options);
+        let warnings = options.warnings;
         Ok(Generated { text, type_name, model, warnings, operations, partition, partition_costs })
     }
 

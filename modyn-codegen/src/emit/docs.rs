@@ -6,12 +6,17 @@ use modyn_runtime::OperationCount;
 use modyn_runtime::model::ModuleTree;
 
 use super::Robot;
+use crate::error::Diagnostic;
 
 /// `name` as code in a doc comment, whatever stands in it.
 pub(super) fn code(name: &str) -> String {
-    // A line break would end the comment, a backtick the code, a bar a table's cell.
-    let tame = |c: char| if c.is_control() || c == '`' || c == '|' { '\u{fffd}' } else { c };
-    format!("`{}`", name.chars().map(tame).collect::<String>())
+    // A backtick would end the code, a bar a table's cell.
+    format!("`{}`", tame(name).replace(['`', '|'], "\u{fffd}"))
+}
+
+/// `text` in one line: a line break would end a comment.
+fn tame(text: &str) -> String {
+    text.replace(char::is_control, "\u{fffd}")
 }
 
 /// The doc comment of the robot's type.
@@ -56,6 +61,15 @@ pub(super) fn robot(
         eliminated.modules().len(),
         costs.join(", ")
     );
+    if !robot.options.warnings.is_empty() {
+        lines.push_str("\nWarnings about the description:\n\n```text\n");
+        for warning in &robot.options.warnings {
+            // Where the file stands is no matter of the text, which is the same on every host.
+            let warning = Diagnostic { file: None, ..warning.clone() }.to_string();
+            lines.extend(warning.lines().flat_map(|line| [tame(line), "\n".into()]));
+        }
+        lines.push_str("```\n");
+    }
     for line in lines.lines() {
         let _ = writeln!(text, "/// {line}");
     }

@@ -15,6 +15,7 @@ use modyn_runtime::equations::brge::Layout;
 use modyn_runtime::model::prepare::Prepared;
 use modyn_runtime::model::{Model, ModuleTree};
 
+use crate::error::Diagnostic;
 use crate::expr::Graph;
 use crate::names;
 use crate::partition::{self, Choice};
@@ -52,6 +53,8 @@ pub struct EmitOptions {
     pub krate: String,
     /// The scalar of the type's own functions.
     pub float: FloatType,
+    /// What was found odd in the description, for the documentation.
+    pub warnings: Vec<Diagnostic>,
 }
 
 /// A quantity's function: its graph, and how it is called.
