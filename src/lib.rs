@@ -25,3 +25,8 @@ macro_rules! include_model {
         ));
     };
 }
+
+/// The README's examples, run as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
