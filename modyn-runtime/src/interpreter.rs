@@ -234,7 +234,7 @@ impl<S: Scalar> Interpreter<S> {
     pub fn brge(&self, q: &[S]) -> Result<Brge<S>, ShapeError> {
         let n = self.model.nv();
         let layout = Layout::new(&self.modules, n);
-        let factors = vec![S::zero(); layout.len()];
+        let factors = vec![S::zero(); layout.size()];
         let workspace = Workspace::new(n, layout.partition());
         let mut brge = Brge { layout, factors, workspace, n };
         brge.update(self, q)?;

@@ -38,15 +38,14 @@ fn rotate<S: Scalar>(a: &mut [S], n: usize, p: usize, q: usize) {
     let c = (S::one() + t * t).sqrt().recip();
     let s = t * c;
     for k in 0..n {
-        if k != p && k != q {
-            let (kp, kq) = (at(a, k, p), at(a, k, q));
-            let (new_p, new_q) = (c * kp - s * kq, s * kp + c * kq);
-            set(a, k, p, new_p);
-            set(a, p, k, new_p);
-            set(a, k, q, new_q);
-            set(a, q, k, new_q);
-        }
+        let (kp, kq) = (at(a, k, p), at(a, k, q));
+        let (new_p, new_q) = (c * kp - s * kq, s * kp + c * kq);
+        set(a, k, p, new_p);
+        set(a, p, k, new_p);
+        set(a, k, q, new_q);
+        set(a, q, k, new_q);
     }
+    // The four entries of p and q themselves have a form of their own, which is exact about zero.
     set(a, p, p, pp - t * pq);
     set(a, q, q, qq + t * pq);
     set(a, p, q, S::zero());

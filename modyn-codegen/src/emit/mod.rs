@@ -115,7 +115,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
         text += &function(quantity.name, &parameters, quantity.shape, &quantity.graph);
     }
     let q = [Parameter { name: "q", len: model.nv() }];
-    text += &function("brge", &q, Shape::Vector(layout.len()), &brge);
+    text += &function("brge", &q, Shape::Vector(layout.size()), &brge);
     text += "};\n";
     Emitted { text, type_name, operations, partition: (eliminated, candidates) }
 }
@@ -234,7 +234,7 @@ impl Robot<'_> {
              #[allow(dead_code)]\n\
              #[derive(Clone, Copy, Debug, PartialEq)]\n\
              {vis} struct {name}Brge<T = {float}> {{\n    factors: [T; {}],\n}}\n",
-            layout.len()
+            layout.size()
         );
     }
 
@@ -363,7 +363,7 @@ impl Robot<'_> {
         let square = Shape::Matrix(n, n);
         let matrix = square.type_of("T");
         let vector = Shape::Vector(n).type_of("T");
-        let factors = Parameter { name: "factors", len: layout.len() };
+        let factors = Parameter { name: "factors", len: layout.size() };
         let rhs = Parameter { name: "rhs", len: n };
         let graphs = [
             (
@@ -406,7 +406,7 @@ impl Robot<'_> {
         let mut condition_numbers = String::new();
         for (m, block) in layout.blocks().iter().enumerate() {
             let size = block.links.len();
-            let entries: Vec<String> = (0..layout.len())
+            let entries: Vec<String> = (0..layout.size())
                 .map(|i| if layout.d(m).contains(&i) { format!("d{i}") } else { "_".into() })
                 .collect();
             // Only the entries up to the block's last are named; the rest is one pattern.

@@ -154,7 +154,7 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn brge(&self, layout: &Layout) -> Graph {
         self.trace(|model, [q]| {
-            let mut factors = vec![Expr::zero(); layout.len()];
+            let mut factors = vec![Expr::zero(); layout.size()];
             let workspace = &mut self.workspace(layout.partition());
             brge::factorize(model, layout, &q, workspace, &mut factors);
             factors
@@ -164,7 +164,7 @@ impl<'a> Tracer<'a> {
     /// A full matrix, column by column, from the packed factors of U D U^T.
     fn matrix(&self, layout: &Layout, fill: impl FnOnce(&[Expr], &mut [Expr])) -> Graph {
         let n = self.model.bodies.len();
-        self.trace_groups([layout.len()], |_, [factors]| {
+        self.trace_groups([layout.size()], |_, [factors]| {
             let mut columns = vec![Expr::zero(); n * n];
             fill(&factors, &mut columns);
             columns
@@ -202,7 +202,7 @@ impl<'a> Tracer<'a> {
     /// The solution from the packed factors and `rhs`.
     #[must_use]
     pub fn solve(&self, layout: &Layout) -> Graph {
-        self.trace_groups([layout.len(), self.model.bodies.len()], |_, [factors, mut x]| {
+        self.trace_groups([layout.size(), self.model.bodies.len()], |_, [factors, mut x]| {
             brge::solve(layout, &factors, &mut x);
             x
         })
@@ -211,7 +211,7 @@ impl<'a> Tracer<'a> {
     /// The logarithm of the determinant from the packed factors.
     #[must_use]
     pub fn log_determinant(&self, layout: &Layout) -> Graph {
-        self.trace_groups([layout.len()], |_, [factors]| {
+        self.trace_groups([layout.size()], |_, [factors]| {
             vec![brge::log_determinant(layout, &factors)]
         })
     }

@@ -63,14 +63,8 @@ impl Layout {
 
     /// How many numbers the factorization holds.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn size(&self) -> usize {
         self.u().start + self.coupling
-    }
-
-    /// Whether it holds none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Where D's block of module `m` lies.

@@ -37,3 +37,14 @@ impl JointType {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::JointType;
+
+    #[test]
+    fn names_are_those_of_urdf() {
+        let types = [JointType::Revolute, JointType::Continuous, JointType::Prismatic];
+        assert_eq!(types.map(JointType::name), ["revolute", "continuous", "prismatic"]);
+    }
+}
