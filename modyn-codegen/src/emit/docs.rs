@@ -54,12 +54,12 @@ pub(super) fn robot(
         let _ = writeln!(lines, "- `{name}`: {count}");
     }
     let costs: Vec<String> =
-        candidates.iter().map(|(name, total)| format!("{name} takes {total}")).collect();
+        candidates.iter().map(|(name, total)| format!("{name} it takes {total}")).collect();
     let _ = writeln!(
         lines,
-        "\nForward dynamics is eliminated by {} modules: {} operations.",
+        "\nForward dynamics is eliminated by {} modules; with {} operations.",
         eliminated.modules().len(),
-        costs.join(", ")
+        costs.join(", with ")
     );
     if !robot.options.warnings.is_empty() {
         lines.push_str("\nWarnings about the description:\n\n```text\n");
@@ -71,6 +71,6 @@ pub(super) fn robot(
         lines.push_str("```\n");
     }
     for line in lines.lines() {
-        let _ = writeln!(text, "/// {line}");
+        let _ = writeln!(text, "{}", format!("/// {line}").trim_end());
     }
 }

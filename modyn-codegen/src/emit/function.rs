@@ -4,6 +4,7 @@
 //! thousands of `let`s in one scope. So statements go into blocks, `let (live, ...) = { ... };`,
 //! and long functions into parts that hand each other what is still needed.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::ops::Range;
 
@@ -107,7 +108,7 @@ impl<'a> Writer<'a> {
         }
         let mut statement_of = vec![None; nodes.len()];
         let mut statements = Vec::new();
-        let mut angles = std::collections::BTreeMap::new();
+        let mut angles = BTreeMap::new();
         for (i, node) in nodes.iter().enumerate() {
             let id = i as Id;
             match node {
@@ -240,6 +241,12 @@ impl<'a> Writer<'a> {
         (start..end).filter(|&s| self.last_use[s] >= end).flat_map(|s| self.names(s)).collect()
     }
 
+    /// What is defined before the range and used in it.
+    fn mentioned_before(&self, range: Range<usize>) -> Vec<String> {
+        let used: BTreeSet<usize> = range.clone().flat_map(|s| self.uses_of(s)).collect();
+        used.range(..range.start).flat_map(|&s| self.names(s)).collect()
+    }
+
     fn write(&self, shape: Shape) -> String {
         let count = self.statements.len();
         let parts = count.div_ceil(PART).max(1);
@@ -249,7 +256,7 @@ impl<'a> Writer<'a> {
         let mut text = String::new();
         for (k, range) in bounds.iter().enumerate() {
             let last = k + 1 == parts;
-            let handed = self.needed_after(0, range.start);
+            let handed = self.mentioned_before(range.clone());
             let needed = self.needed_after(range.start, range.end);
             let returned = if last { shape.type_of("T") } else { format!("[T; {}]", needed.len()) };
             let name = if last { self.name.to_string() } else { format!("{}_part{k}", self.name) };
@@ -293,7 +300,7 @@ impl<'a> Writer<'a> {
         let arguments = arguments.join(", ");
         for (k, range) in parts.iter().enumerate() {
             let needed = self.needed_after(range.start, range.end).join(", ");
-            let handed = self.needed_after(0, range.start).join(", ");
+            let handed = self.mentioned_before(range.clone()).join(", ");
             let live = if k == 0 { String::new() } else { format!(", &[{handed}]") };
             let _ =
                 writeln!(text, "    let [{needed}] = {}_part{k}({arguments}{live});", self.name);
