@@ -26,7 +26,10 @@ impl Parse for Input {
             let name = Ident::parse_any(input)?.unraw().to_string();
             builder = builder.type_name(name).visibility(visibility.to_token_stream().to_string());
             input.parse::<Token![=]>().map_err(|error| {
-                Error::new(error.span(), "expected `=` and the path of a URDF: `\"robots/arm.urdf\"`")
+                Error::new(
+                    error.span(),
+                    "expected `=` and the path of a URDF: `\"robots/arm.urdf\"`",
+                )
             })?;
         } else if !matches!(visibility, Visibility::Inherited) {
             return Err(input.error("a visibility goes with a name: `pub Name = \"path\"`"));

@@ -1,0 +1,20 @@
+//! A crate without `std`, for firmware: nothing here, and nothing in what it depends on, may use
+//! the standard library or a heap. It is built for a target that has neither.
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(warnings, missing_docs)]
+
+modyn::modyn!(pub Arm = "../../../../robots/arm7.urdf", scalar = f32);
+modyn::modyn!("../../../../robots/gripper.urdf");
+
+/// Torques that hold the arm and carry it along.
+#[must_use]
+pub fn control(q: &[f32; Arm::NQ], qd: &[f32; Arm::NV], qdd: &[f32; Arm::NV]) -> [f32; Arm::NV] {
+    Arm::inverse_dynamics(q, qd, qdd)
+}
+
+/// How fast the gripper's joints take up speed.
+#[must_use]
+pub fn accelerations(tau: &[f64; 4]) -> [f64; 4] {
+    Gripper::brge(&[0.1; 4]).solve(tau)
+}

@@ -1,0 +1,12 @@
+//! The same robots by the other door.
+use modyn_codegen::Builder;
+use modyn_codegen::error::Diagnostics;
+
+fn main() -> Result<(), Diagnostics> {
+    Builder::new().urdf("../../../robots/gripper.urdf").compile()?;
+    Builder::new().urdf("../../../robots/arm7.urdf").visibility("").compile()?;
+    for name in ["Robot", "Option", "T", "Some", "None"] {
+        Builder::new().urdf("robots/clash.urdf").type_name(name).compile()?;
+    }
+    Ok(())
+}

@@ -1,0 +1,16 @@
+//! A program that uses little of its robots: what it does not use is no warning.
+#![forbid(unsafe_code)]
+#![deny(warnings, missing_docs, clippy::pedantic)]
+
+modyn::modyn!("../../../../robots/gripper.urdf");
+modyn::modyn!(Private = "../../../../robots/gripper.urdf");
+
+mod included {
+    modyn::include_model!(gripper);
+}
+
+modyn::include_model!(arm7);
+
+fn main() {
+    println!("{:?}", Gripper::gravity_torques(&[0.0; 4]));
+}

@@ -1,0 +1,212 @@
+//! Crates as users have them, outside the workspace: each is built by a Cargo of its own.
+//!
+//! All of them share one target folder, so that what they depend on is built once; the workspace's
+//! `Cargo.lock` beside each one pins what that is.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::Instant;
+
+const FIRMWARE: &str = "thumbv7em-none-eabihf";
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace")
+}
+
+/// The folder of a crate, with the workspace's versions.
+fn user_crate(name: &str) -> PathBuf {
+    let folder = root().join("tests/crates").join(name);
+    pin(&folder);
+    folder
+}
+
+fn pin(folder: &Path) {
+    std::fs::copy(root().join("Cargo.lock"), folder.join("Cargo.lock")).expect("a lock file");
+}
+
+/// Runs Cargo in a folder as a user would: nothing of the outer Cargo gets in.
+fn cargo(folder: &Path, arguments: &str) -> Output {
+    let mut command = Command::new(env!("CARGO"));
+    for (name, _) in std::env::vars_os() {
+        let name = name.to_string_lossy();
+        if (name.starts_with("CARGO") && name != "CARGO_HOME") || name == "RUSTFLAGS" {
+            command.env_remove(&*name);
+        }
+    }
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("user-crates");
+    let arguments = arguments.split_whitespace();
+    command.current_dir(folder).args(arguments).arg("--target-dir").arg(target);
+    command.args(["--jobs", "2"]).env("CARGO_TERM_COLOR", "never");
+    command.output().expect("Cargo runs")
+}
+
+fn text(output: &Output) -> String {
+    [&output.stdout[..], &output.stderr].map(String::from_utf8_lossy).concat()
+}
+
+/// The output of a run that must go well.
+fn succeeds(folder: &Path, arguments: &str) -> String {
+    let output = cargo(folder, arguments);
+    assert!(output.status.success(), "cargo {arguments}: {}", text(&output));
+    text(&output)
+}
+
+/// The output of a run that must not go well.
+fn fails(folder: &Path, arguments: &str) -> String {
+    let output = cargo(folder, arguments);
+    assert!(!output.status.success(), "cargo {arguments}: {}", text(&output));
+    text(&output)
+}
+
+/// Whether a tool's list holds this; tools that are not installed hold nothing.
+fn has(command: &str, arguments: &[&str], what: &str) -> bool {
+    let output = Command::new(command).args(arguments).output();
+    let found = output.is_ok_and(|output| {
+        output.status.success() && String::from_utf8_lossy(&output.stdout).contains(what)
+    });
+    if !found {
+        eprintln!("left out: there is no {what}");
+    }
+    found
+}
+
+#[test]
+fn without_the_standard_library() {
+    let folder = user_crate("no-std");
+    succeeds(&folder, "build");
+    if has("rustup", &["target", "list", "--installed"], FIRMWARE) {
+        succeeds(&folder, &format!("build --target {FIRMWARE}"));
+        succeeds(&folder, &format!("build --release --target {FIRMWARE}"));
+    }
+}
+
+#[test]
+fn with_the_strictest_lints() {
+    let folder = user_crate("strict");
+    succeeds(&folder, "test");
+    if has(env!("CARGO"), &["clippy", "--version"], "clippy") {
+        succeeds(&folder, "clippy --all-targets");
+    }
+    let docs = succeeds(&folder, "doc --no-deps");
+    assert!(!docs.contains("warning"), "{docs}");
+}
+
+#[test]
+fn under_another_name() {
+    succeeds(&user_crate("renamed"), "test");
+}
+
+#[test]
+fn by_a_build_script() {
+    let folder = user_crate("build-script");
+    let output = succeeds(&folder, "test");
+    // Cargo repeats the warnings of a script that it need not run again.
+    assert!(output.contains("odd.urdf:4:54: warning[axis-length]: joint `pivot`"), "{output}");
+}
+
+#[test]
+fn the_largest_robot_with_debug_information() {
+    let folder = user_crate("humanoid");
+    for arguments in ["build", "build --release"] {
+        succeeds(&folder, &format!("{arguments} -p modyn"));
+        let start = Instant::now();
+        succeeds(&folder, arguments);
+        // No limit: machines differ. `--nocapture` shows it.
+        println!("cargo {arguments} of the humanoid: {:.1} s", start.elapsed().as_secs_f64());
+    }
+}
+
+#[test]
+#[cfg_attr(not(unix), ignore = "links against the C library")]
+fn no_path_panics() {
+    let folder = user_crate("no-panic");
+    for level in ["3", "\"s\"", "1"] {
+        succeeds(&folder, &format!("build --release --config profile.release.opt-level={level}"));
+    }
+    let output = fails(&folder, "build --release --features panics");
+    assert!(output.contains("a_function_of_modyn_can_panic"), "{output}");
+}
+
+/// A new crate that only depends on `modyn`.
+fn new_crate(name: &str, source: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    // From an earlier run.
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(folder.join("src")).expect("a folder");
+    let manifest = format!(
+        "[package]\nname = {name:?}\nedition = \"2024\"\n\
+         [dependencies]\nmodyn = {{ path = {:?} }}\n[workspace]\n",
+        root()
+    );
+    std::fs::write(folder.join("Cargo.toml"), manifest).expect("a file");
+    std::fs::write(folder.join("src/lib.rs"), source).expect("a file");
+    pin(&folder);
+    folder
+}
+
+const PENDULUM: &str = include_str!("../crates/renamed/robots/my-pendulum.urdf");
+
+#[test]
+fn the_crate_follows_its_description() {
+    let folder = new_crate("user-rebuilt", "modyn::modyn!(pub Robot = \"robot.urdf\");\n");
+    let missing = fails(&folder, "build");
+    assert!(missing.contains("tried `src/robot.urdf`, `robot.urdf`"), "{missing}");
+    // It appears; it changes; it is wrong; it is replaced by one beside the source.
+    let file = folder.join("robot.urdf");
+    let write = |file: &Path, text: &str| {
+        // Some file systems count in seconds.
+        std::thread::sleep(std::time::Duration::from_millis(1100));
+        std::fs::write(file, text).expect("a file");
+    };
+    write(&file, PENDULUM);
+    succeeds(&folder, "build");
+    let rebuilt = || {
+        let output = cargo(&folder, "build --verbose");
+        (output.status.success(), text(&output))
+    };
+    let (_, output) = rebuilt();
+    assert!(output.contains("Fresh user-rebuilt"), "{output}");
+    write(&file, &PENDULUM.replace("0 1 0", "0 2 0"));
+    let (good, output) = rebuilt();
+    assert!(good && output.contains("robot.urdf:4:54: warning[axis-length]"), "{output}");
+    // Cargo repeats what the macro said, as it does warnings.
+    let (good, output) = rebuilt();
+    assert!(good && output.contains("Fresh user-rebuilt"), "{output}");
+    assert!(output.contains("robot.urdf:4:54: warning[axis-length]"), "{output}");
+    write(&file, &PENDULUM.replace("value=\"1\"", "value=\"-1\""));
+    let (good, output) = rebuilt();
+    assert!(!good && output.contains("robot.urdf:8:"), "{output}");
+    write(&folder.join("src/robot.urdf"), PENDULUM);
+    let (good, output) = rebuilt();
+    assert!(good, "{output}");
+}
+
+#[test]
+fn doc_tests_find_the_description_by_the_folder_of_the_crate() {
+    let source = "//! ```\n//! modyn::modyn!(\"robot.urdf\");\n//! assert_eq!(MyPendulum::NV, 1);\n//! ```\n\
+                  //! ```compile_fail\n//! modyn::modyn!(\"none.urdf\");\n//! ```\n";
+    let folder = new_crate("user-documented", source);
+    std::fs::write(folder.join("robot.urdf"), PENDULUM).expect("a file");
+    let output = succeeds(&folder, "test --doc");
+    assert_eq!(output.matches("1 passed; 0 failed").count(), 2, "{output}");
+}
+
+#[test]
+fn a_member_of_a_workspace() {
+    let source = "modyn::modyn!(\"robot.urdf\");\nmodyn::modyn!(Shared = \"../robot.urdf\");\n";
+    let folder = new_crate("user-workspace", "");
+    let member = folder.join("member");
+    std::fs::create_dir_all(member.join("src")).expect("a folder");
+    let manifest = std::fs::read_to_string(folder.join("Cargo.toml")).expect("a file");
+    let write = |path: &str, text: &str| std::fs::write(folder.join(path), text).expect("a file");
+    write(
+        "member/Cargo.toml",
+        &manifest.replace("user-workspace", "member").replace("[workspace]", ""),
+    );
+    write("member/src/lib.rs", source);
+    write("member/src/robot.urdf", PENDULUM);
+    write("robot.urdf", PENDULUM);
+    write("Cargo.toml", "[workspace]\nmembers = [\"member\"]\nresolver = \"3\"\n");
+    succeeds(&folder, "build");
+    succeeds(&member, "build");
+}
