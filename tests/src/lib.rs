@@ -6,9 +6,12 @@
 
 pub mod cases;
 pub mod close;
+pub mod compiled;
 pub mod counting;
 pub mod dense;
+pub mod fleet;
 pub mod golden;
 pub mod naive;
 pub mod quantities;
 pub mod random;
+pub mod values;

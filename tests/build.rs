@@ -1,0 +1,38 @@
+//! Compiles the robots of `src/fleet.rs`, and writes a table of them for `src/compiled.rs`.
+
+#[allow(dead_code)]
+#[path = "src/fleet.rs"]
+mod fleet;
+#[allow(dead_code)]
+#[path = "src/random.rs"]
+mod random;
+
+use std::error::Error;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use modyn_codegen::FloatType;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (mut includes, mut table) = (String::new(), String::new());
+    for (index, spec) in fleet::FLEET.iter().enumerate() {
+        let generated = spec.builder().compile()?;
+        let (module, name) = (spec.module(), generated.type_name);
+        let float = match spec.float {
+            FloatType::F64 => "f64 Double",
+            FloatType::F32 => "f32 Single",
+        };
+        let modules = spec.modules(&generated.model).modules().len();
+        let pivots: Vec<String> = (0..modules).map(|m| format!("pivot_block_{m}")).collect();
+        writeln!(includes, "::modyn::include_model!({module});")?;
+        writeln!(
+            table,
+            "    {index} {name} {name}Joint {name}Link {float} {module:?} [{}];",
+            pivots.join(" ")
+        )?;
+    }
+    let folder = std::env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
+    let text = format!("{includes}\ncompiled! {{\n{table}}}\n");
+    std::fs::write(Path::new(&folder).join("fleet.rs"), text)?;
+    Ok(())
+}

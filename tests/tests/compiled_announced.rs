@@ -1,0 +1,197 @@
+//! What a generated type says about itself: names, modules, and the operations its functions take.
+
+use std::collections::BTreeMap;
+
+use modyn_runtime::OperationCount;
+use modyn_tests::compiled::{Compiled, Consts, ROBOTS};
+use syn::{BinOp, Block, Expr, ExprCall, File, Item, ItemFn, Stmt, UnOp};
+
+#[test]
+fn constants_are_the_models() {
+    for robot in &ROBOTS {
+        let model = robot.spec.model();
+        for Consts { name, nq, nv, joint_names, link_names, .. } in robot.consts {
+            assert_eq!(name, model.name());
+            assert_eq!([nq, nv], [model.nq(), model.nv()], "{name}");
+            let joints: Vec<&str> = model.links().iter().map(|l| l.joint.name.as_str()).collect();
+            assert_eq!(joint_names, joints, "{name}");
+            let links: Vec<&str> = model.frames().iter().map(|f| f.name.as_str()).collect();
+            assert_eq!(link_names, links, "{name}");
+        }
+        assert_eq!(robot.gravity, model.gravity(), "{}", robot.name());
+        let [own, of_the_trait] = robot.consts;
+        assert_eq!(own, of_the_trait);
+    }
+}
+
+#[test]
+fn enums_are_the_names_in_their_order() {
+    for robot in &ROBOTS {
+        let [Consts { joint_names, link_names, .. }, _] = robot.consts;
+        let numbered =
+            |names: &[&'static str]| names.iter().copied().enumerate().collect::<Vec<_>>();
+        assert_eq!((robot.joints)(), numbered(joint_names), "{}", robot.name());
+        assert_eq!((robot.links)(), numbered(link_names), "{}", robot.name());
+    }
+}
+
+#[test]
+fn modules_are_those_that_were_asked_for() {
+    for robot in &ROBOTS {
+        let (model, name) = (robot.spec.model(), robot.name());
+        let expected = robot.spec.modules(&model);
+        let [Consts { modules, .. }, _] = robot.consts;
+        assert_eq!(modules.len(), expected.modules().len(), "{name}");
+        for (found, expected) in modules.iter().zip(expected.modules()) {
+            let links = &model.links()[expected.links.clone()];
+            assert_eq!(found.parent, expected.parent, "{name}");
+            assert_eq!(found.children, expected.children, "{name}");
+            assert_eq!(found.first, expected.links.start, "{name}");
+            let names: Vec<&str> = links.iter().map(|link| link.name.as_str()).collect();
+            assert_eq!(found.links, names, "{name}");
+            let names: Vec<&str> = links.iter().map(|link| link.joint.name.as_str()).collect();
+            assert_eq!(found.joints, names, "{name}");
+        }
+    }
+}
+
+/// Against hash maps and addresses in the compiler; small robots, since it runs unoptimised here.
+#[test]
+fn another_process_compiles_the_same_text() {
+    let small = ROBOTS.iter().filter(|robot| robot.consts[0].nv <= 9);
+    let mut robots = 0;
+    for robot in small {
+        let generated = robot.spec.builder().generate();
+        let generated = generated.unwrap_or_else(|errors| panic!("{}: {errors}", robot.name()));
+        assert!(generated.text == robot.text, "{} is not the same", robot.name());
+        assert_eq!(generated.model, robot.spec.model(), "{}", robot.name());
+        assert_eq!(generated.operations, robot.operations, "{}", robot.name());
+        robots += 1;
+    }
+    assert!(robots >= 20, "{robots}");
+}
+
+#[test]
+fn what_is_announced_is_what_is_executed() {
+    for robot in &ROBOTS {
+        let functions = Functions::of(robot);
+        for &(name, announced) in robot.operations {
+            assert_eq!(functions.count(name), announced, "{}: `{name}`", robot.name());
+        }
+        assert_eq!(robot.operations.len(), 9);
+    }
+}
+
+/// What has no announced count is straight-line code all the same.
+#[test]
+fn factors_are_used_by_straight_lines() {
+    for robot in &ROBOTS {
+        let functions = Functions::of(robot);
+        for name in ["u", "d", "d_inverse"] {
+            assert_eq!(functions.count(name), OperationCount::default(), "{}", robot.name());
+        }
+        let n = robot.consts[0].nv;
+        for name in ["u_inverse", "solve"] {
+            let OperationCount { sin_cos, divisions, others, .. } = functions.count(name);
+            assert_eq!([sin_cos, divisions, others], [0; 3], "{}", robot.name());
+        }
+        assert_eq!(functions.count("log_determinant").others, n, "{}", robot.name());
+    }
+}
+
+/// The private functions of a generated text.
+struct Functions(BTreeMap<String, ItemFn>);
+
+impl Functions {
+    fn of(robot: &Compiled) -> Self {
+        let File { items, .. } = syn::parse_file(robot.text).expect("generated Rust");
+        let hidden = items.into_iter().filter_map(|item| match item {
+            Item::Const(item) => Some(*item.expr),
+            _ => None,
+        });
+        let statements = hidden.flat_map(|expr| match expr {
+            Expr::Block(block) => block.block.stmts,
+            _ => panic!("{}: a constant that is no block", robot.name()),
+        });
+        let functions = statements.filter_map(|statement| match statement {
+            Stmt::Item(Item::Fn(function)) => Some((function.sig.ident.to_string(), function)),
+            _ => None,
+        });
+        Self(functions.collect())
+    }
+
+    /// The operators and calls that running the function executes, its parts included; it must be
+    /// a straight line.
+    fn count(&self, name: &str) -> OperationCount {
+        let mut count = OperationCount::default();
+        let function = self.0.get(name).unwrap_or_else(|| panic!("no function `{name}`"));
+        self.block(&function.block, &mut count);
+        count
+    }
+
+    fn block(&self, block: &Block, count: &mut OperationCount) {
+        for statement in &block.stmts {
+            match statement {
+                Stmt::Local(local) => {
+                    let value = local.init.as_ref().expect("a `let` with a value");
+                    assert!(value.diverge.is_none(), "no `else`");
+                    self.expr(&value.expr, count);
+                }
+                Stmt::Expr(value, None) => self.expr(value, count),
+                _ => panic!("a statement of another kind"),
+            }
+        }
+    }
+
+    fn expr(&self, expr: &Expr, count: &mut OperationCount) {
+        match expr {
+            Expr::Path(_) | Expr::Lit(_) => {}
+            Expr::Paren(inner) => self.expr(&inner.expr, count),
+            Expr::Reference(inner) => self.expr(&inner.expr, count),
+            Expr::Block(inner) => self.block(&inner.block, count),
+            Expr::Array(array) => array.elems.iter().for_each(|item| self.expr(item, count)),
+            Expr::Tuple(tuple) => tuple.elems.iter().for_each(|item| self.expr(item, count)),
+            Expr::Struct(pose) => {
+                assert!(pose.path.segments.last().is_some_and(|last| last.ident == "Pose"));
+                pose.fields.iter().for_each(|field| self.expr(&field.expr, count));
+            }
+            Expr::Unary(unary) => {
+                assert!(matches!(unary.op, UnOp::Neg(_) | UnOp::Deref(_)), "an operator");
+                self.expr(&unary.expr, count);
+            }
+            Expr::Binary(binary) => {
+                match binary.op {
+                    BinOp::Mul(_) => count.multiplications += 1,
+                    BinOp::Add(_) | BinOp::Sub(_) => count.additions += 1,
+                    BinOp::Div(_) => count.divisions += 1,
+                    _ => panic!("another operator"),
+                }
+                self.expr(&binary.left, count);
+                self.expr(&binary.right, count);
+            }
+            Expr::Call(call) => self.call(call, count),
+            _ => panic!("no straight line"),
+        }
+    }
+
+    fn call(&self, call: &ExprCall, count: &mut OperationCount) {
+        let Expr::Path(path) = &*call.func else { panic!("a call of what is no path") };
+        let names: Vec<String> = path.path.segments.iter().map(|s| s.ident.to_string()).collect();
+        match names.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+            ["k"] | ["T", "zero" | "one"] => {}
+            ["T", "recip"] => count.divisions += 1,
+            ["T", "sin_cos"] => count.sin_cos += 1,
+            ["T", "sqrt" | "ln" | "abs" | "max" | "select_nonnegative"] => count.others += 1,
+            [part] => {
+                let inner = self.count(part);
+                count.multiplications += inner.multiplications;
+                count.additions += inner.additions;
+                count.divisions += inner.divisions;
+                count.sin_cos += inner.sin_cos;
+                count.others += inner.others;
+            }
+            _ => panic!("a call of {}", names.join("::")),
+        }
+        call.args.iter().for_each(|argument| self.expr(argument, count));
+    }
+}
