@@ -1,0 +1,122 @@
+//! The functions of the factorization type.
+
+use std::fmt::Write as _;
+
+use modyn_runtime::equations::brge::Layout;
+
+use super::function::{Parameter, Shape, function};
+use super::{Robot, docs};
+use crate::passes::optimize;
+use crate::trace::Tracer;
+
+impl Robot<'_> {
+    /// The functions of the factorization.
+    pub(super) fn factorization(&self, text: &mut String, layout: &Layout, tracer: &Tracer<'_>) {
+        let (name, n) = (self.name, self.model.nv());
+        let square = Shape::Matrix(n, n);
+        let matrix = square.type_of("T");
+        let vector = Shape::Vector(n).type_of("T");
+        let factors = Parameter { name: "factors", len: layout.size() };
+        let rhs = Parameter { name: "rhs", len: n };
+        let graphs = [
+            (
+                "u",
+                square,
+                tracer.u(layout),
+                "The block upper triangular U, (43), an array of columns.",
+            ),
+            ("d", square, tracer.d(layout), "The block diagonal D, (45), an array of columns."),
+            ("u_inverse", square, tracer.u_inverse(layout), "U^-1, (54), an array of columns."),
+            ("d_inverse", square, tracer.d_inverse(layout), "D^-1, (54), an array of columns."),
+            (
+                "log_determinant",
+                Shape::Scalar,
+                tracer.log_determinant(layout),
+                "The natural logarithm of the determinant.",
+            ),
+        ];
+        let _ = writeln!(text, "impl<T: __modyn::Scalar> {name}Brge<T> {{");
+        for (function_name, shape, _, docs) in &graphs {
+            let _ = writeln!(
+                text,
+                "/// {docs}\n#[must_use]\npub fn {function_name}(&self) -> {} {{\n    \
+                 {function_name}(&self.factors)\n}}",
+                shape.type_of("T")
+            );
+        }
+        let _ = writeln!(
+            text,
+            "/// The x with I x = `rhs`, by the three steps of (60).\n\
+             #[must_use]\n\
+             pub fn solve(&self, rhs: &{vector}) -> {vector} {{\n    solve(&self.factors, rhs)\n}}\n\
+             /// The inverse, (50), an array of columns.\n\
+             #[must_use]\n\
+             pub fn inverse(&self) -> {matrix} {{\n    \
+             ::core::array::from_fn(|j| {{\n        \
+             let unit = ::core::array::from_fn(|i| if i == j {{ T::one() }} else {{ T::zero() }});\n        \
+             solve(&self.factors, &unit)\n    }})\n}}"
+        );
+        let mut condition_numbers = String::new();
+        for (m, block) in layout.blocks().iter().enumerate() {
+            let size = block.links.len();
+            let entries: Vec<String> = (0..layout.size())
+                .map(|i| if layout.d(m).contains(&i) { format!("d{i}") } else { "_".into() })
+                .collect();
+            // Only the entries up to the block's last are named; the rest is one pattern.
+            let shown = entries[..layout.d(m).end].join(", ");
+            let names = entries[layout.d(m)].join(", ");
+            let joints = self.joint_names()[block.links.clone()].join(", ");
+            let block_rows: Vec<String> = entries[layout.d(m)]
+                .chunks(size)
+                .map(|row| format!("[{}]", row.join(", ")))
+                .collect();
+            let _ = writeln!(
+                text,
+                "/// The pivot block of module {m} (joints {}), (46), an array of columns.\n\
+                 #[must_use]\n\
+                 pub fn pivot_block_{m}(&self) -> [[T; {size}]; {size}] {{\n    \
+                 let [{shown}, ..] = self.factors;\n    [{}]\n}}",
+                docs::code(&joints),
+                block_rows.join(", ")
+            );
+            let _ = writeln!(
+                condition_numbers,
+                "        {{\n            let [{shown}, ..] = self.factors;\n            \
+                 __modyn::jacobi::condition_number(&mut [{names}], {size})\n        }},"
+            );
+        }
+        let count = layout.blocks().len();
+        let _ = writeln!(
+            text,
+            "/// The condition number (2-norm) of each module's pivot block, by a fixed number of Jacobi sweeps.\n\
+             #[must_use]\n\
+             pub fn condition_numbers(&self) -> [T; {count}] {{\n    [\n{condition_numbers}    ]\n}}\n}}\n"
+        );
+        let _ = writeln!(
+            text,
+            "impl<T: __modyn::Scalar> __modyn::Factorization<T> for {name}Brge<T> {{\n\
+             type V = {vector};\n\
+             type M = {matrix};"
+        );
+        for (function_name, shape, ..) in &graphs {
+            let _ = writeln!(
+                text,
+                "fn {function_name}(&self) -> {} {{\n    Self::{function_name}(self)\n}}",
+                shape.type_of("T")
+            );
+        }
+        let _ = writeln!(
+            text,
+            "fn solve(&self, rhs: &{vector}) -> {vector} {{\n    Self::solve(self, rhs)\n}}\n\
+             fn inverse(&self) -> {matrix} {{\n    Self::inverse(self)\n}}\n\
+             fn condition_number(&self, module: usize) -> ::core::option::Option<T> {{\n    \
+             Self::condition_numbers(self).get(module).copied()\n}}\n}}\n"
+        );
+        for (function_name, shape, graph, _) in graphs {
+            *text +=
+                &function(function_name, std::slice::from_ref(&factors), shape, &optimize(graph));
+        }
+        let solve = optimize(tracer.solve(layout));
+        *text += &function("solve", &[factors, rhs], Shape::Vector(n), &solve);
+    }
+}
