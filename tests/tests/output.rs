@@ -1,0 +1,272 @@
+//! The shape of the generated text: the same bytes everywhere, nothing that could panic, allocate
+//! or be unsafe, nothing too long for rustc, and names as no more than string literals.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use modyn_codegen::{Builder, FloatType, Generated, ModuleChoice};
+use syn::visit::{self, Visit};
+
+/// Most statements in a block and in a function: what `modyn-codegen/src/emit/function.rs` allows
+/// itself, and the few around them (names of parameters, calls of parts).
+const BLOCK: usize = 260;
+const FUNCTION: usize = 1600;
+
+fn robots() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let mut robots: Vec<PathBuf> = entries.map(|entry| entry.expect("an entry").path()).collect();
+    robots.retain(|path| path.extension().is_some_and(|extension| extension == "urdf"));
+    robots.sort();
+    assert!(robots.len() >= 6, "{robots:?}");
+    robots
+}
+
+fn compiled(path: &Path) -> Generated {
+    Builder::new().urdf(path).generate().expect("a good robot")
+}
+
+/// All texts together, with options that lead to other texts.
+fn everything() -> String {
+    let mut all = String::new();
+    for path in robots() {
+        all += &compiled(&path).text;
+        let others = Builder::new().urdf(&path).float(FloatType::F32).modules(ModuleChoice::Links);
+        all += &others.gravity([0.1, 0.2, 0.3]).generate().expect("a good robot").text;
+    }
+    all
+}
+
+const WRITE_TO: &str = "MODYN_TEST_WRITE_TO";
+
+/// Does something only in the process that the next test starts.
+#[test]
+fn writes_everything() {
+    if let Some(path) = std::env::var_os(WRITE_TO) {
+        std::fs::write(path, everything()).expect("a file");
+    }
+}
+
+#[test]
+fn the_same_bytes_twice_and_in_every_process() {
+    let all = everything();
+    assert!(all == everything(), "two runs in one process differ");
+    // On another thread, where thread-locals are new.
+    let other = std::thread::spawn(everything).join().expect("no panic");
+    assert!(all == other, "two threads differ");
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("everything.rs");
+    let own = std::env::current_exe().expect("a path");
+    let mut command = Command::new(own);
+    command.args(["--exact", "writes_everything"]).env_clear().env(WRITE_TO, &path);
+    // What could matter but must not: the working directory, the language, the clock.
+    command.current_dir(std::env::temp_dir()).env("LC_ALL", "de_DE.UTF-8").env("TZ", "Asia/Tokyo");
+    assert!(command.status().expect("it starts").success());
+    assert!(std::fs::read_to_string(&path).expect("a file") == all, "two processes differ");
+}
+
+/// What a text consists of.
+#[derive(Default)]
+struct Findings {
+    identifiers: BTreeSet<String>,
+    strings: BTreeSet<String>,
+    docs: String,
+    longest_block: usize,
+    longest_function: usize,
+    statements: usize,
+    indexing: usize,
+    loops: usize,
+}
+
+impl Findings {
+    fn of(text: &str) -> Self {
+        let mut findings = Self::default();
+        findings.visit_file(&syn::parse_file(text).expect("Rust"));
+        findings
+    }
+}
+
+impl Visit<'_> for Findings {
+    fn visit_ident(&mut self, ident: &syn::Ident) {
+        self.identifiers.insert(ident.to_string());
+    }
+
+    fn visit_lit_str(&mut self, literal: &syn::LitStr) {
+        self.strings.insert(literal.value());
+    }
+
+    fn visit_attribute(&mut self, attribute: &syn::Attribute) {
+        if let syn::Meta::NameValue(syn::MetaNameValue {
+            value: syn::Expr::Lit(syn::ExprLit { lit: syn::Lit::Str(doc), .. }),
+            ..
+        }) = &attribute.meta
+        {
+            self.docs += &doc.value();
+            self.docs.push('\n');
+        }
+    }
+
+    fn visit_macro(&mut self, called: &syn::Macro) {
+        panic!("a macro is called: {:?}", called.path.segments.last().map(|s| s.ident.to_string()));
+    }
+
+    fn visit_item_fn(&mut self, function: &syn::ItemFn) {
+        let before = std::mem::take(&mut self.statements);
+        visit::visit_item_fn(self, function);
+        self.longest_function = self.longest_function.max(self.statements);
+        self.statements += before;
+    }
+
+    fn visit_block(&mut self, block: &syn::Block) {
+        self.longest_block = self.longest_block.max(block.stmts.len());
+        self.statements += block.stmts.len();
+        visit::visit_block(self, block);
+    }
+
+    fn visit_expr_index(&mut self, index: &syn::ExprIndex) {
+        self.indexing += 1;
+        visit::visit_expr_index(self, index);
+    }
+
+    fn visit_expr(&mut self, expr: &syn::Expr) {
+        use syn::Expr::{ForLoop, Loop, Unsafe, While};
+        assert!(!matches!(expr, Unsafe(_)), "unsafe");
+        self.loops += usize::from(matches!(expr, ForLoop(_) | Loop(_) | While(_)));
+        visit::visit_expr(self, expr);
+    }
+}
+
+#[test]
+fn nothing_panics_allocates_or_is_unsafe() {
+    for path in robots() {
+        let text = compiled(&path).text;
+        let Findings { identifiers, indexing, loops, .. } = Findings::of(&text);
+        assert_eq!((indexing, loops), (0, 0), "{}", path.display());
+        for word in [
+            "unsafe",
+            "std",
+            "alloc",
+            "panic",
+            "unwrap",
+            "expect",
+            "assert",
+            "unreachable",
+            "todo",
+            "vec",
+            "Vec",
+            "Box",
+            "String",
+            "format",
+            "transmute",
+            "dyn",
+        ] {
+            assert!(!identifiers.contains(word), "{}: `{word}`", path.display());
+        }
+        // Also where it is no identifier, such as in `unsafe fn`.
+        let code: String =
+            text.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+        for part in ["unsafe", "std::", "alloc", "panic", "unwrap"] {
+            assert!(!code.contains(part), "{}: `{part}`", path.display());
+        }
+    }
+}
+
+#[test]
+fn nothing_is_too_long_for_rustc() {
+    let mut longest = (0, 0);
+    for path in robots() {
+        let found = Findings::of(&compiled(&path).text);
+        longest = (longest.0.max(found.longest_block), longest.1.max(found.longest_function));
+        assert!(found.longest_block <= BLOCK, "{}: {}", path.display(), found.longest_block);
+        assert!(
+            found.longest_function <= FUNCTION,
+            "{}: {}",
+            path.display(),
+            found.longest_function
+        );
+    }
+    // The largest robot does reach the limits, so they are tested.
+    assert!(longest.0 > 200 && longest.1 > 1000, "{longest:?}");
+}
+
+#[test]
+fn no_path_of_this_host_is_in_the_text() {
+    let all = everything();
+    for path in [env!("CARGO_MANIFEST_DIR"), env!("CARGO_TARGET_TMPDIR"), "robots/", ".urdf"] {
+        assert!(!all.contains(path), "{path}");
+    }
+}
+
+const ODD: &[&str] = &[
+    "quote \" and \"# and \"##",
+    "line\nbreak\r\nand\ttab\u{b}\u{85}\u{2028}\u{2029}",
+    "*/ comment /* // ///",
+    "fn",
+    "Self",
+    "self",
+    "r#type",
+    "\\ \\\" \\u{41} {} {{}} {0}",
+    "\u{e9}t\u{e9} \u{96c6} \u{1f916} \u{202e}rtl",
+    "`code` | [link](x) <b> ``` #",
+    "' '\\'' b'",
+    "}; compile_error!(\"no\"); const _: () = {",
+    "#[doc = \"",
+    "0",
+    "-",
+    "_",
+    "\u{0301}",
+    "a\u{0}b",
+];
+
+/// A chain whose robot, joints and links have these names.
+fn chain(robot: &str, names: &[String]) -> modyn_runtime::model::Model {
+    // Some of them cannot stand in XML; a model can have them all the same.
+    let mut urdf = String::from("<robot name=\"0\"><link name=\"root\"/>");
+    for i in 0..names.len() {
+        let parent = i.checked_sub(1).map_or("root".into(), |p| format!("l{p}"));
+        urdf += &format!(
+            "<joint name=\"j{i}\" type=\"revolute\"><parent link=\"{parent}\"/><child link=\"l{i}\"/>\
+             <axis xyz=\"0 {} {}\"/></joint><link name=\"l{i}\"><inertial><origin xyz=\"0.5 0 0\"/>\
+             <mass value=\"1\"/><inertia ixx=\"0.1\" iyy=\"0.1\" izz=\"0.1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>\
+             </inertial></link>",
+            i % 2,
+            (i + 1) % 2,
+        );
+    }
+    urdf += "</robot>";
+    let escape = |name: &str| name.chars().map(|c| format!("&#{};", c as u32)).collect::<String>();
+    let mut urdf = urdf.replacen("name=\"0\"", &format!("name=\"{}\"", escape(robot)), 1);
+    for (i, name) in names.iter().enumerate().rev() {
+        let name = escape(name);
+        urdf = urdf.replace(&format!("\"l{i}\""), &format!("\"{name}\""));
+        urdf = urdf.replace(&format!("name=\"j{i}\""), &format!("name=\"{name}\""));
+    }
+    let read = modyn_codegen::urdf::read(&urdf, "odd.urdf", &Default::default());
+    read.expect("odd, but good").model
+}
+
+#[test]
+fn names_are_nothing_but_strings() {
+    // XML has no NUL.
+    let names: Vec<String> = ODD.iter().map(|name| name.replace(['\0', '\u{b}'], "?")).collect();
+    for robot in &names {
+        // All of them once, then each as the name of a robot of one joint.
+        let links = if *robot == names[0] { &names[..] } else { &names[..1] };
+        let model = chain(robot, links);
+        let generated = Builder::new().model(model).generate().expect("a good robot");
+        let found = Findings::of(&generated.text);
+        for name in links.iter().chain([robot]) {
+            assert!(found.strings.contains(name), "{name:?} is kept");
+        }
+        let plain = chain("plain", &(0..links.len()).map(|i| format!("x{i}")).collect::<Vec<_>>());
+        let builder = Builder::new().model(plain).type_name(&generated.type_name);
+        let plain = Findings::of(&builder.generate().expect("a good robot").text);
+        // Apart from the variants of the enums, made of letters, digits and underscores.
+        let others: Vec<_> = found.identifiers.difference(&plain.identifiers).collect();
+        assert!(others.len() <= 2 * links.len() + 1, "{others:?}");
+        for other in others {
+            assert!(other.chars().all(|c| c == '_' || c.is_ascii_alphanumeric()), "{other}");
+        }
+        assert_eq!(found.docs.lines().count(), plain.docs.lines().count(), "{robot:?}");
+    }
+}
