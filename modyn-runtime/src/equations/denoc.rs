@@ -8,7 +8,7 @@ use crate::Scalar;
 use crate::model::prepare::Prepared;
 use crate::spatial::Twist;
 
-/// A dense matrix by rows.
+/// A dense matrix by rows, to be handed to whatever linear algebra is at hand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dense<S> {
     /// Number of rows.
@@ -34,36 +34,6 @@ impl<S: Scalar> Dense<S> {
 
     fn set(&mut self, i: usize, j: usize, value: S) {
         self.entries[i * self.columns + j] = value;
-    }
-
-    /// The transposed matrix.
-    #[must_use]
-    pub fn transposed(&self) -> Self {
-        let mut transposed = Self::zero(self.columns, self.rows);
-        for (k, &entry) in self.entries.iter().enumerate() {
-            transposed.set(k % self.columns, k / self.columns, entry);
-        }
-        transposed
-    }
-
-    /// The product with `other` on the right; `None` if the sizes do not fit.
-    #[must_use]
-    pub fn times(&self, other: &Self) -> Option<Self> {
-        if self.columns != other.rows {
-            return None;
-        }
-        let mut product = Self::zero(self.rows, other.columns);
-        for i in 0..self.rows {
-            for k in 0..self.columns {
-                let factor = self.entries[i * self.columns + k];
-                for j in 0..other.columns {
-                    let at = i * other.columns + j;
-                    let term = factor * other.entries[k * other.columns + j];
-                    product.entries[at] = product.entries[at] + term;
-                }
-            }
-        }
-        Some(product)
     }
 }
 
@@ -115,4 +85,19 @@ pub fn denoc<S: Scalar>(model: &Prepared<S>, q: &[S], workspace: &mut Workspace<
         }
     }
     DeNoc { mass, propagation, joints }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Dense;
+
+    #[test]
+    fn entries_are_found_by_row_and_column() {
+        let mut matrix = Dense::<f64>::zero(2, 3);
+        matrix.set(1, 0, 5.0);
+        matrix.set(0, 2, 7.0);
+        assert_eq!(matrix.entries, [0.0, 0.0, 7.0, 5.0, 0.0, 0.0]);
+        assert_eq!((matrix.get(1, 0), matrix.get(0, 2)), (Some(5.0), Some(7.0)));
+        assert_eq!((matrix.get(2, 0), matrix.get(0, 3)), (None, None));
+    }
 }
