@@ -13,6 +13,10 @@ use crate::names;
 use crate::source::read_first;
 use crate::urdf::{self, Mimic, ReadOptions, Reading};
 
+/// Most joints. A chain of 100 already takes 57 MB of text: the factors of a chain grow with the
+/// cube of its length.
+const MOST_JOINTS: usize = 128;
+
 /// Which kinematic modules a robot is divided into; see [`ModuleTree`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum ModuleChoice {
@@ -194,6 +198,14 @@ impl Builder {
     pub fn generate(&self) -> Result<Generated, Diagnostics> {
         let mut errors = self.option_errors();
         let reading = self.read().map_err(|found| errors.extend(found)).ok();
+        if let Some(count) = reading.as_ref().map(|r| r.model.nv()).filter(|&nv| nv > MOST_JOINTS) {
+            let message =
+                format!("{count} moving joints are too many: code is written out for each");
+            let help = format!(
+                "make joints `fixed`, up to {MOST_JOINTS} may move, or use `modyn::Interpreter`"
+            );
+            errors.push(Diagnostic::error(Code::TooLarge, message).with_help(help));
+        }
         let modules = reading.as_ref().and_then(|reading| {
             self.module_tree(&reading.model).map_err(|found| errors.extend(found)).ok()
         });
@@ -373,6 +385,25 @@ mod tests {
         {
             assert!(!is_path(bad), "{bad}");
         }
+    }
+
+    #[test]
+    fn a_robot_that_is_too_large_is_refused_at_once() {
+        let mut urdf = String::from("<robot name='snake'><link name='0'/>");
+        for i in 1..=1000 {
+            urdf += &format!(
+                "<joint name='{i}' type='continuous'><parent link='{}'/><child link='{i}'/></joint>\
+                 <link name='{i}'><inertial><mass value='1'/>\
+                 <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>",
+                i - 1
+            );
+        }
+        let errors = Builder::new().urdf_text(urdf + "</robot>", "snake.urdf").generate();
+        let errors = errors.expect_err("too large").to_string();
+        assert!(
+            errors.starts_with("error[too-large]: 1000 moving joints are too many"),
+            "{errors}"
+        );
     }
 
     #[test]

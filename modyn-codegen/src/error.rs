@@ -148,6 +148,8 @@ codes! {
     Gravity = "gravity",
     /// The list of modules is not a partition of the links into chains.
     Modules = "modules",
+    /// The robot has more joints than code can be written out for.
+    TooLarge = "too-large",
     /// The name of the generated type is no Rust identifier.
     TypeName = "type-name",
     /// The generated code cannot be written.

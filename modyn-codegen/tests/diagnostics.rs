@@ -114,6 +114,7 @@ fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
         Code::Gravity,
         Code::InvalidModel,
         Code::Modules,
+        Code::TooLarge,
         Code::TypeName,
         Code::Output,
         Code::InvertedLimits,

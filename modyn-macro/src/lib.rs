@@ -20,7 +20,8 @@ use input::Input;
 /// ```
 ///
 /// The path is relative to this source file or, if it is not there, to the folder of the crate's
-/// `Cargo.toml`. Without a name, the type is `pub` and named after the robot.
+/// `Cargo.toml`. Without a name, the type is `pub` and named after the robot. What is odd in the
+/// description, but no error, is printed during the build and stands in the type's documentation.
 ///
 /// | option | values | default |
 /// |---|---|---|
