@@ -143,6 +143,7 @@ impl ModuleTree {
                 };
                 if core::mem::replace(&mut seen[i], true) {
                     errors.push(ModuleError::Twice(name(i)));
+                    continue;
                 }
                 match before {
                     None => starts.push(i),
