@@ -39,11 +39,23 @@ fn check<T>(parameter: &'static str, given: &[T], expected: usize) -> Result<(),
     if found == expected { Ok(()) } else { Err(ShapeError { parameter, expected, found }) }
 }
 
+/// The modules are those of another model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ModuleMismatch;
+
+impl fmt::Display for ModuleMismatch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the modules are those of another model; make them from this one")
+    }
+}
+
+impl core::error::Error for ModuleMismatch {}
+
 /// Dynamics of a model that is only known at run time.
 ///
-/// Each call works in memory that was allocated once, in time and memory linear in the number of
-/// links (but for the dense results of [`mass_matrix`](Self::mass_matrix), [`brge`](Self::brge)
-/// and [`denoc`](Self::denoc)); nothing recurses on the call stack. Vectors stand in the order of
+/// Calls work in memory that was allocated once (but for [`brge`](Self::brge) and
+/// [`denoc`](Self::denoc), which return new objects), in time and memory linear in the number of
+/// links (but for dense results); nothing recurses on the call stack. Vectors stand in the order of
 /// [`Model::links`]; matrices are given by columns.
 #[derive(Clone, Debug)]
 pub struct Interpreter<S = f64> {
@@ -62,12 +74,19 @@ impl<S: Scalar> Interpreter<S> {
     #[must_use]
     pub fn new(model: Model) -> Self {
         let modules = ModuleTree::chains(&model);
-        Self::with_modules(model, modules)
+        Self::made(model, modules)
     }
 
     /// For a model with modules of the user's choice.
-    #[must_use]
-    pub fn with_modules(model: Model, modules: ModuleTree) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// If the modules are those of another model.
+    pub fn with_modules(model: Model, modules: ModuleTree) -> Result<Self, ModuleMismatch> {
+        if modules.fits(&model) { Ok(Self::made(model, modules)) } else { Err(ModuleMismatch) }
+    }
+
+    fn made(model: Model, modules: ModuleTree) -> Self {
         let n = model.links().len();
         let prepared = Prepared::new(&model).cast();
         let partition = Partition::from(&ModuleTree::links(&model));
@@ -79,11 +98,17 @@ impl<S: Scalar> Interpreter<S> {
     /// The same, with forward dynamics by these modules as well.
     ///
     /// The results are the same up to rounding, whatever the modules.
-    #[must_use]
-    pub fn eliminating_by(mut self, modules: &ModuleTree) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// If the modules are those of another model.
+    pub fn eliminating_by(mut self, modules: &ModuleTree) -> Result<Self, ModuleMismatch> {
+        if !modules.fits(&self.model) {
+            return Err(ModuleMismatch);
+        }
         self.partition = modules.into();
         self.workspace = Workspace::new(self.model.links().len(), &self.partition);
-        self
+        Ok(self)
     }
 
     /// The model.
@@ -236,8 +261,10 @@ impl<S: Scalar> Interpreter<S> {
         let layout = Layout::new(&self.modules, n);
         let factors = vec![S::zero(); layout.size()];
         let workspace = Workspace::new(n, layout.partition());
-        let mut brge = Brge { layout, factors, workspace, n };
-        brge.update(self, q)?;
+        check("q", q, n)?;
+        let modules = self.modules.clone();
+        let mut brge = Brge { modules, layout, factors, workspace, n };
+        brge.factorize(self, q);
         Ok(brge)
     }
 
@@ -252,12 +279,34 @@ impl<S: Scalar> Interpreter<S> {
     }
 }
 
+/// Why a factorization cannot be updated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UpdateError {
+    /// It is that of another model or by other modules.
+    Modules(ModuleMismatch),
+    /// `q` has the wrong length.
+    Shape(ShapeError),
+}
+
+impl fmt::Display for UpdateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Modules(error) => error.fmt(f),
+            Self::Shape(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for UpdateError {}
+
 /// The factorization I = U D U^T of the GIM by modules. Matrices are given by columns.
 ///
-/// [`update`](Self::update) works in the memory that is there; what returns a vector or matrix
-/// allocates it.
+/// [`update`](Self::update) and [`solve_in_place`](Self::solve_in_place) allocate nothing; what
+/// returns a vector or matrix allocates it, and [`condition_number`](Self::condition_number) a
+/// copy of its block.
 #[derive(Clone, Debug)]
 pub struct Brge<S = f64> {
+    modules: ModuleTree,
     layout: Layout,
     factors: Vec<S>,
     workspace: Workspace<S>,
@@ -265,17 +314,24 @@ pub struct Brge<S = f64> {
 }
 
 impl<S: Scalar> Brge<S> {
-    /// Factorizes anew, for the same interpreter at another `q`.
+    /// Factorizes anew at another `q`, in the memory that is there.
     ///
     /// # Errors
     ///
-    /// If `q` or this factorization do not have the interpreter's sizes.
-    pub fn update(&mut self, interpreter: &Interpreter<S>, q: &[S]) -> Result<(), ShapeError> {
-        check("q", q, interpreter.model.nq())?;
-        check("q", q, self.n)?;
+    /// If this is the factorization of another model or by other modules, or if `q` does not have
+    /// the model's length.
+    pub fn update(&mut self, interpreter: &Interpreter<S>, q: &[S]) -> Result<(), UpdateError> {
+        if self.modules != interpreter.modules {
+            return Err(UpdateError::Modules(ModuleMismatch));
+        }
+        check("q", q, self.n).map_err(UpdateError::Shape)?;
+        self.factorize(interpreter, q);
+        Ok(())
+    }
+
+    fn factorize(&mut self, interpreter: &Interpreter<S>, q: &[S]) {
         let Self { layout, factors, workspace, .. } = self;
         brge::factorize(&interpreter.prepared, layout, q, workspace, factors);
-        Ok(())
     }
 
     fn matrix(&self, fill: impl FnOnce(&mut [S])) -> Vec<S> {
@@ -306,8 +362,7 @@ impl<S: Scalar> Brge<S> {
     /// D^-1, (54).
     #[must_use]
     pub fn d_inverse(&self) -> Vec<S> {
-        let inverse = &self.factors[self.layout.partition().pivots..];
-        self.matrix(|columns| brge::diagonal(&self.layout, inverse, columns))
+        self.matrix(|columns| brge::diagonal_inverse(&self.layout, &self.factors, columns))
     }
 
     /// The inverse of the GIM, (50).
@@ -326,6 +381,17 @@ impl<S: Scalar> Brge<S> {
         let mut x = rhs.to_vec();
         brge::solve(&self.layout, &self.factors, &mut x);
         Ok(x)
+    }
+
+    /// The same in place: `x` is the right-hand side, then the solution.
+    ///
+    /// # Errors
+    ///
+    /// If `x` does not have the model's length.
+    pub fn solve_in_place(&self, x: &mut [S]) -> Result<(), ShapeError> {
+        check("x", x, self.n)?;
+        brge::solve(&self.layout, &self.factors, x);
+        Ok(())
     }
 
     /// The natural logarithm of the GIM's determinant.

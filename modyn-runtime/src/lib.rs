@@ -26,7 +26,7 @@ mod scalar;
 pub mod spatial;
 
 #[cfg(feature = "alloc")]
-pub use interpreter::{Brge, Interpreter, ShapeError};
+pub use interpreter::{Brge, Interpreter, ModuleMismatch, ShapeError, UpdateError};
 #[cfg(feature = "nalgebra")]
 pub use nalgebra::Nalgebra;
 pub use robot::{Array, Factorization, KinematicModule, OperationCount, Robot};

@@ -165,7 +165,8 @@ pub fn interpreted<T: Scalar>(
     inputs: &Inputs<T>,
 ) -> Values<T> {
     let Inputs { q, qd, qdd, tau } = inputs;
-    let mut interpreter = Interpreter::with_modules(model.clone(), modules.clone());
+    let mut interpreter =
+        Interpreter::with_modules(model.clone(), modules.clone()).expect("its own modules");
     let brge = interpreter.factors(q);
     let all = 0..=modules.modules().len();
     let factors = Factors {

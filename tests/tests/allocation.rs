@@ -16,7 +16,9 @@ fn calls_allocate_nothing() {
         let n = model.nv();
         let State { q, qd, tau, .. } = state(seed, &model);
         for modules in [ModuleTree::links(&model), ModuleTree::chains(&model)] {
-            let mut interpreter = Interpreter::<f64>::new(model.clone()).eliminating_by(&modules);
+            let mut interpreter = Interpreter::<f64>::new(model.clone())
+                .eliminating_by(&modules)
+                .expect("its own modules");
             let mut poses = vec![Pose::identity(); model.frames().len()];
             let (mut a, mut b, mut columns) = (vec![0.0; n], vec![0.0; n], vec![0.0; n * n]);
             let (result, allocated) = measure(|| {
@@ -52,7 +54,8 @@ fn updating_a_factorization_allocates_nothing() {
     for seed in 0..20 {
         let model = tree(seed, 1 + usize::try_from(seed).expect("small"));
         for modules in [ModuleTree::links(&model), ModuleTree::chains(&model)] {
-            let interpreter = Interpreter::<f64>::with_modules(model.clone(), modules);
+            let interpreter =
+                Interpreter::<f64>::with_modules(model.clone(), modules).expect("its own modules");
             let mut brge = interpreter.brge(&state(1, &model).q).expect("the length is right");
             let q = state(2, &model).q;
             let (result, allocated) = measure(|| brge.update(&interpreter, &q));

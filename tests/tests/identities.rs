@@ -78,7 +78,7 @@ proptest! {
         let (interpreter, State { q, .. }) = robot(seed, links);
         let model = interpreter.model().clone();
         for modules in partitions(seed, &model) {
-            let mut interpreter = Interpreter::with_modules(model.clone(), modules);
+            let mut interpreter = Interpreter::with_modules(model.clone(), modules).expect("its own modules");
             let (gim, brge) = (interpreter.gim(&q), interpreter.factors(&q));
             let (u, d) = (square(&brge.u()), square(&brge.d()));
             let product = &u * &d * u.transpose();
@@ -98,7 +98,7 @@ proptest! {
         let (interpreter, State { q, .. }) = robot(seed, links);
         let model = interpreter.model().clone();
         for modules in partitions(seed, &model) {
-            let interpreter = Interpreter::with_modules(model.clone(), modules.clone());
+            let interpreter = Interpreter::with_modules(model.clone(), modules.clone()).expect("its own modules");
             let brge = interpreter.factors(&q);
             let module_of = |i: usize| {
                 modules.modules().iter().position(|m| m.links.contains(&i)).expect("a module")
@@ -132,7 +132,7 @@ proptest! {
         let (interpreter, State { q, tau, .. }) = robot(seed, links);
         let model = interpreter.model().clone();
         for modules in partitions(seed, &model) {
-            let mut interpreter = Interpreter::with_modules(model.clone(), modules);
+            let mut interpreter = Interpreter::with_modules(model.clone(), modules).expect("its own modules");
             let (gim, brge) = (interpreter.gim(&q), interpreter.factors(&q));
             let x = brge.solve(&tau).expect("the length is right");
             // Backward: what is left of the equations, against the terms in them.
@@ -167,7 +167,7 @@ proptest! {
         let (interpreter, State { q, .. }) = robot(seed, links);
         let model = interpreter.model().clone();
         for modules in partitions(seed, &model) {
-            let mut interpreter = Interpreter::with_modules(model.clone(), modules);
+            let mut interpreter = Interpreter::with_modules(model.clone(), modules).expect("its own modules");
             let lower = square(&interpreter.gim(&q)).cholesky().expect("positive definite").l();
             let expected: f64 = lower.diagonal().iter().map(|x| 2.0 * x.ln()).sum();
             let found = interpreter.factors(&q).log_determinant();
@@ -209,7 +209,7 @@ proptest! {
         let expected = interpreter.qdd(&q, &qd, &tau);
         let model = interpreter.model().clone();
         for modules in partitions(seed, &model) {
-            interpreter = interpreter.eliminating_by(&modules);
+            interpreter = interpreter.eliminating_by(&modules).expect("its own modules");
             assert_close("accelerations", &interpreter.qdd(&q, &qd, &tau), &expected, 1e-9);
         }
     }

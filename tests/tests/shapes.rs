@@ -2,7 +2,7 @@
 
 use modyn_runtime::model::ModuleTree;
 use modyn_runtime::spatial::Pose;
-use modyn_runtime::{Interpreter, ShapeError};
+use modyn_runtime::{Interpreter, ModuleMismatch, ShapeError, UpdateError};
 use modyn_tests::random::tree;
 
 const LINKS: usize = 4;
@@ -78,22 +78,32 @@ fn factorizations() {
     let mut brge = r.brge(&GOOD).expect("four numbers");
     for found in WRONG {
         assert_shape(brge.solve(&BAD[..found]), "rhs", LINKS, found);
-        assert_shape(brge.update(&r, &BAD[..found]), "q", LINKS, found);
+        assert_shape(brge.solve_in_place(&mut BAD.to_vec()[..found]), "x", LINKS, found);
+        let expected = ShapeError { parameter: "q", expected: LINKS, found };
+        assert_eq!(brge.update(&r, &BAD[..found]), Err(UpdateError::Shape(expected)));
     }
-    // Another robot's factorization.
-    let other = Interpreter::<f64>::new(tree(7, 5));
-    assert_shape(brge.update(&other, &BAD), "q", LINKS, 5);
-    assert_shape(brge.update(&other, &GOOD), "q", 5, LINKS);
 }
 
 #[test]
-fn a_factorization_keeps_its_modules() {
-    let model = tree(7, 5);
-    let links = ModuleTree::links(&model);
-    let by_chains = Interpreter::<f64>::new(model.clone());
-    let by_links = Interpreter::<f64>::with_modules(model, links);
-    let mut brge = by_chains.brge(&[0.2; 5]).expect("five numbers");
-    brge.update(&by_links, &[0.1; 5]).expect("five numbers");
-    let expected = by_chains.brge(&[0.1; 5]).expect("five numbers");
+fn modules_of_another_model_are_refused() {
+    let (star, other) = (tree(7, 5), tree(8, 5));
+    let foreign = ModuleTree::chains(&other);
+    assert!(!foreign.fits(&star) && foreign.fits(&other));
+    assert!(ModuleTree::links(&star).fits(&star) && ModuleTree::chains(&star).fits(&star));
+    assert!(!ModuleTree::links(&tree(7, 6)).fits(&star));
+    let error = Interpreter::<f64>::with_modules(star.clone(), foreign.clone()).map(drop);
+    assert_eq!(error, Err(ModuleMismatch));
+    let error = Interpreter::<f64>::new(star.clone()).eliminating_by(&foreign).map(drop);
+    assert_eq!(error, Err(ModuleMismatch));
+    // Another robot's factorization, and one by other modules.
+    let interpreter = Interpreter::<f64>::new(star.clone());
+    let mut brge = interpreter.brge(&[0.2; 5]).expect("five numbers");
+    let links = ModuleTree::links(&star);
+    let by_links = Interpreter::<f64>::with_modules(star, links).expect("its own modules");
+    for stranger in [Interpreter::<f64>::new(other), by_links] {
+        let error = brge.update(&stranger, &[0.1; 5]);
+        assert_eq!(error, Err(UpdateError::Modules(ModuleMismatch)));
+    }
+    let expected = interpreter.brge(&[0.2; 5]).expect("five numbers");
     assert_eq!((brge.u(), brge.d()), (expected.u(), expected.d()));
 }

@@ -28,6 +28,7 @@ impl Robot<'_> {
             ("d", square, tracer.d(layout), "The block diagonal D, (45), an array of columns."),
             ("u_inverse", square, tracer.u_inverse(layout), "U^-1, (54), an array of columns."),
             ("d_inverse", square, tracer.d_inverse(layout), "D^-1, (54), an array of columns."),
+            ("inverse", square, tracer.inverse(layout), "The inverse, (50), an array of columns."),
             (
                 "log_determinant",
                 Shape::Scalar,
@@ -48,15 +49,9 @@ impl Robot<'_> {
             text,
             "/// The x with I x = `rhs`, by the three steps of (60).\n\
              #[must_use]\n\
-             pub fn solve(&self, rhs: &{vector}) -> {vector} {{\n    solve(&self.factors, rhs)\n}}\n\
-             /// The inverse, (50), an array of columns.\n\
-             #[must_use]\n\
-             pub fn inverse(&self) -> {matrix} {{\n    \
-             ::core::array::from_fn(|j| {{\n        \
-             let unit = ::core::array::from_fn(|i| if i == j {{ T::one() }} else {{ T::zero() }});\n        \
-             solve(&self.factors, &unit)\n    }})\n}}"
+             pub fn solve(&self, rhs: &{vector}) -> {vector} {{\n    solve(&self.factors, rhs)\n}}"
         );
-        let mut condition_numbers = String::new();
+        let mut condition_numbers = Vec::new();
         for (m, block) in layout.blocks().iter().enumerate() {
             let size = block.links.len();
             let entries: Vec<String> = (0..layout.size())
@@ -79,18 +74,29 @@ impl Robot<'_> {
                 docs::code(&joints),
                 block_rows.join(", ")
             );
-            let _ = writeln!(
-                condition_numbers,
-                "        {{\n            let [{shown}, ..] = self.factors;\n            \
-                 __modyn::jacobi::condition_number(&mut [{names}], {size})\n        }},"
-            );
+            condition_numbers.push(format!(
+                "{{\n            let [{shown}, ..] = self.factors;\n            \
+                 __modyn::jacobi::condition_number(&mut [{names}], {size})\n        }}"
+            ));
         }
-        let count = layout.blocks().len();
+        let arms: Vec<String> = condition_numbers
+            .iter()
+            .enumerate()
+            .map(|(m, value)| format!("{m} => ::core::option::Option::Some({value}),\n"))
+            .collect();
         let _ = writeln!(
             text,
-            "/// The condition number (2-norm) of each module's pivot block, by a fixed number of Jacobi sweeps.\n\
+            "/// The condition number (2-norm) of each module's pivot block, by a fixed number of Jacobi sweeps;\n\
+             /// infinite where it is beyond what the scalar can tell.\n\
              #[must_use]\n\
-             pub fn condition_numbers(&self) -> [T; {count}] {{\n    [\n{condition_numbers}    ]\n}}\n}}\n"
+             pub fn condition_numbers(&self) -> [T; {}] {{\n    [{}]\n}}\n\
+             /// That of module `module`'s pivot block; `None` if there is no such module.\n\
+             #[must_use]\n\
+             pub fn condition_number(&self, module: usize) -> ::core::option::Option<T> {{\n    \
+             match module {{\n{}_ => ::core::option::Option::None,\n    }}\n}}\n}}\n",
+            condition_numbers.len(),
+            condition_numbers.join(", "),
+            arms.concat(),
         );
         let _ = writeln!(
             text,
@@ -108,9 +114,8 @@ impl Robot<'_> {
         let _ = writeln!(
             text,
             "fn solve(&self, rhs: &{vector}) -> {vector} {{\n    Self::solve(self, rhs)\n}}\n\
-             fn inverse(&self) -> {matrix} {{\n    Self::inverse(self)\n}}\n\
              fn condition_number(&self, module: usize) -> ::core::option::Option<T> {{\n    \
-             Self::condition_numbers(self).get(module).copied()\n}}\n}}\n"
+             Self::condition_number(self, module)\n}}\n}}\n"
         );
         for (function_name, shape, graph, _) in graphs {
             *text +=

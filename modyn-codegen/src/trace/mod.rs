@@ -194,9 +194,13 @@ impl<'a> Tracer<'a> {
     /// D^-1 from the packed factors.
     #[must_use]
     pub fn d_inverse(&self, layout: &Layout) -> Graph {
-        self.matrix(layout, |factors, columns| {
-            brge::diagonal(layout, &factors[layout.partition().pivots..], columns);
-        })
+        self.matrix(layout, |factors, columns| brge::diagonal_inverse(layout, factors, columns))
+    }
+
+    /// The inverse from the packed factors.
+    #[must_use]
+    pub fn inverse(&self, layout: &Layout) -> Graph {
+        self.matrix(layout, |factors, columns| brge::inverse(layout, factors, columns))
     }
 
     /// The solution from the packed factors and `rhs`.

@@ -6,7 +6,9 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::Workspace;
-use super::elimination::{eliminate, freed, pivot, reduce_columns, split, start};
+use super::elimination::{
+    eliminate, factor, freed, pivot, reduce_columns, solve_lower, solve_upper, split, start,
+};
 use super::partition::{Block, Partition};
 use crate::model::ModuleTree;
 use crate::model::prepare::Prepared;
@@ -15,16 +17,20 @@ use crate::{Scalar, jacobi};
 
 /// Where the numbers of the factorization lie.
 ///
-/// First D: each module's block, by rows, module after module. Then D^-1 in the same order. Then
-/// the reciprocals of the scalar pivots within the blocks, one a joint. Then U: for each module,
-/// for each link in front of it on the way from the root, a row as long as the module.
+/// First D: each module's block, by rows, module after module. Then its factors, block =
+/// V Delta V^T: what stands above the diagonal of V, by columns, module after module, and the
+/// reciprocals of Delta, one a joint. Then U: for each module, for each link in front of it on the
+/// way from the root, a row as long as the module.
 #[derive(Clone, Debug)]
 pub struct Layout {
     partition: Partition,
+    /// Where each module's V starts.
+    factors: Vec<usize>,
     /// For each module the links in front of it, from the root outwards.
     ancestors: Vec<Vec<usize>>,
     /// Where each module's rows of U start, counted from the first number of U.
     rows: Vec<usize>,
+    reciprocals: usize,
     coupling: usize,
     links: usize,
 }
@@ -36,17 +42,23 @@ impl Layout {
         let mut ancestors: Vec<Vec<usize>> = Vec::new();
         let mut rows = Vec::new();
         let mut coupling = 0;
+        let partition = Partition::from(modules);
+        let mut factors = Vec::new();
+        let mut next = partition.pivots;
         for module in modules.modules() {
             let in_front = module.parent.map_or_else(Vec::new, |parent| {
                 let mut in_front = ancestors[parent].clone();
                 in_front.extend(modules.modules()[parent].links.clone());
                 in_front
             });
+            let size = module.links.len();
+            factors.push(next);
+            next += size * size.saturating_sub(1) / 2;
             rows.push(coupling);
-            coupling += in_front.len() * module.links.len();
+            coupling += in_front.len() * size;
             ancestors.push(in_front);
         }
-        Self { partition: modules.into(), ancestors, rows, coupling, links }
+        Self { partition, factors, ancestors, rows, reciprocals: next, coupling, links }
     }
 
     /// The modules.
@@ -74,18 +86,20 @@ impl Layout {
         block.pivot..block.pivot + block.links.len() * block.links.len()
     }
 
-    /// Where D^-1's block of module `m` lies.
-    #[must_use]
-    pub fn d_inverse(&self, m: usize) -> Range<usize> {
-        let Range { start, end } = self.d(m);
-        start + self.partition.pivots..end + self.partition.pivots
+    /// V of module `m` above its diagonal, by row and column.
+    fn v<'a, S: Scalar>(
+        &self,
+        m: usize,
+        factors: &'a [S],
+    ) -> impl Fn(usize, usize) -> S + Copy + 'a {
+        let start = self.factors[m];
+        move |row, column| factors[start + column * (column - 1) / 2 + row]
     }
 
-    /// Where the reciprocals of the scalar pivots lie.
+    /// Where the reciprocals of Delta lie.
     #[must_use]
     pub fn reciprocals(&self) -> Range<usize> {
-        let start = 2 * self.partition.pivots;
-        start..start + self.links
+        self.reciprocals..self.reciprocals + self.links
     }
 
     /// Where U lies.
@@ -103,7 +117,7 @@ impl Layout {
     }
 }
 
-/// Fills `factors` with D, D^-1 and U at `q`, laid out by `layout`.
+/// Fills `factors` with D, its factors and U at `q`, laid out by `layout`.
 pub fn factorize<S: Scalar>(
     model: &Prepared<S>,
     layout: &Layout,
@@ -118,19 +132,25 @@ pub fn factorize<S: Scalar>(
         pivot(model, block, workspace);
         factors[layout.d(m)].copy_from_slice(&workspace.pivots[layout.d(m)]);
         split(block, workspace);
-        inverse_block(block, workspace, &mut factors[layout.d_inverse(m)]);
+        let mut entries = factors[layout.factors[m]..].iter_mut();
+        for column in 0..block.links.len() {
+            for (row, entry) in (0..column).zip(&mut entries) {
+                *entry = factor(block, &workspace.pivots)(row, column);
+            }
+        }
         for i in block.links.clone() {
             factors[layout.reciprocals().start + i] = workspace.reciprocals[i];
         }
         if model.bodies[first].parent.is_none() {
             continue;
         }
-        reduce_columns(&layout.partition, block, workspace);
+        reduce_columns(block, workspace);
         eliminate(model, block, workspace);
         // (46): the columns of Psi I_hat^-1, carried inwards, as each joint there feels them.
         finish_gains(block, workspace);
         for (j, i) in block.links.clone().enumerate() {
-            let mut wrench = Wrench::from_components(workspace.gains[i]);
+            let mut wrench =
+                Wrench::from_components(core::array::from_fn(|row| workspace.gains[row][i]));
             let mut behind = first;
             for (link, row) in layout.rows(m).rev() {
                 wrench = model.bodies[behind].wrench_to_parent(&workspace.motions[behind], wrench);
@@ -143,54 +163,26 @@ pub fn factorize<S: Scalar>(
 
 /// Turns the gains Psi V^-T Delta^-1 into Psi I_hat^-1, all six rows.
 fn finish_gains<S: Scalar>(block: &Block, workspace: &mut Workspace<S>) {
-    let (first, size) = (block.links.start, block.links.len());
     let freed = freed(block, workspace);
-    let v = &workspace.pivots[block.pivot..block.pivot + size * size];
     for row in (0..6).filter(|&row| row != freed) {
-        // The same as `solve_lower`, on one row of the gains.
-        for a in 0..size {
-            for b in 0..a {
-                let taken = v[b * size + a] * workspace.gains[first + b][row];
-                workspace.gains[first + a][row] = workspace.gains[first + a][row] - taken;
-            }
-        }
+        let gains = &mut workspace.gains[row][block.links.clone()];
+        solve_lower(factor(block, &workspace.pivots), gains);
     }
     // Psi's row along the first joint is the first row of I_hat itself.
-    for i in block.links.clone() {
-        workspace.gains[i][freed] = if i == first { S::one() } else { S::zero() };
-    }
+    let gains = &mut workspace.gains[freed][block.links.clone()];
+    gains.fill(S::zero());
+    gains[0] = S::one();
 }
 
-/// I_hat^-1 = V^-T Delta^-1 V^-1 of a split block.
-fn inverse_block<S: Scalar>(block: &Block, workspace: &Workspace<S>, inverse: &mut [S]) {
-    let size = block.links.len();
-    let v = &workspace.pivots[block.pivot..block.pivot + size * size];
-    // V^-1 above the diagonal; its ones on the diagonal are not stored.
-    for j in 0..size {
-        for i in (0..j).rev() {
-            let sum = (i + 1..j)
-                .map(|k| v[i * size + k] * inverse[k * size + j])
-                .fold(v[i * size + j], |sum, x| sum + x);
-            inverse[i * size + j] = -sum;
-        }
+/// x := I_hat^-1 x for module `m`.
+fn solve_block<S: Scalar>(layout: &Layout, factors: &[S], m: usize, x: &mut [S]) {
+    let v = layout.v(m, factors);
+    let reciprocals = &factors[layout.reciprocals()][layout.blocks()[m].links.clone()];
+    solve_upper(v, x);
+    for (x, &reciprocal) in x.iter_mut().zip(reciprocals) {
+        *x = *x * reciprocal;
     }
-    // Entry (i, j) needs the columns i and j down to row i: from the last row up, and in it from
-    // the last column on, nothing is overwritten that is still needed.
-    for i in (0..size).rev() {
-        for j in (i..size).rev() {
-            let of_row_i = if i == j { S::one() } else { inverse[i * size + j] };
-            let last = workspace.reciprocals[block.links.start + i] * of_row_i;
-            let entry = (0..i)
-                .map(|k| {
-                    let scaled =
-                        inverse[k * size + i] * workspace.reciprocals[block.links.start + k];
-                    scaled * inverse[k * size + j]
-                })
-                .fold(last, |sum, x| sum + x);
-            inverse[i * size + j] = entry;
-            inverse[j * size + i] = entry;
-        }
-    }
+    solve_lower(v, x);
 }
 
 /// The solution x of I x = rhs, in place, by the three steps of (60).
@@ -204,16 +196,7 @@ pub fn solve<S: Scalar>(layout: &Layout, factors: &[S], x: &mut [S]) {
         }
     }
     for (m, block) in layout.blocks().iter().enumerate() {
-        let size = block.links.len();
-        let inverse = &factors[layout.d_inverse(m)];
-        let scaled: Vec<S> = (0..size)
-            .map(|i| {
-                let row = &inverse[i * size..(i + 1) * size];
-                let products = row.iter().zip(&x[block.links.clone()]).map(|(&a, &b)| a * b);
-                products.reduce(|sum, x| sum + x).unwrap_or_else(S::zero)
-            })
-            .collect();
-        x[block.links.clone()].copy_from_slice(&scaled);
+        solve_block(layout, factors, m, &mut x[block.links.clone()]);
         for (link, row) in layout.rows(m) {
             for (j, i) in block.links.clone().enumerate() {
                 x[i] = x[i] - u[row + j] * x[link];
@@ -222,16 +205,39 @@ pub fn solve<S: Scalar>(layout: &Layout, factors: &[S], x: &mut [S]) {
     }
 }
 
-/// D (or, given its numbers, D^-1) as a full matrix by columns.
-pub fn diagonal<S: Scalar>(layout: &Layout, blocks: &[S], columns: &mut [S]) {
+/// D as a full matrix by columns, (45).
+pub fn diagonal<S: Scalar>(layout: &Layout, factors: &[S], columns: &mut [S]) {
     let n = layout.links;
     columns.fill(S::zero());
     for block in layout.blocks() {
         let size = block.links.len();
         for (j, column) in block.links.clone().enumerate() {
             for (i, row) in block.links.clone().enumerate() {
-                columns[column * n + row] = blocks[block.pivot + i * size + j];
+                columns[column * n + row] = factors[block.pivot + i * size + j];
             }
+        }
+    }
+}
+
+/// D^-1 as a full matrix by columns, (54).
+pub fn diagonal_inverse<S: Scalar>(layout: &Layout, factors: &[S], columns: &mut [S]) {
+    let n = layout.links;
+    columns.fill(S::zero());
+    for (m, block) in layout.blocks().iter().enumerate() {
+        for column in block.links.clone() {
+            columns[column * n + column] = S::one();
+            let rows = column * n + block.links.start..column * n + block.links.end;
+            solve_block(layout, factors, m, &mut columns[rows]);
+        }
+        mirror(n, block.links.clone(), columns);
+    }
+}
+
+/// Copies what stands above the diagonal of these rows and columns below it.
+fn mirror<S: Scalar>(n: usize, range: Range<usize>, columns: &mut [S]) {
+    for column in range.clone() {
+        for row in range.start..column {
+            columns[row * n + column] = columns[column * n + row];
         }
     }
 }
@@ -270,7 +276,8 @@ pub fn upper_inverse<S: Scalar>(layout: &Layout, u: &[S], columns: &mut [S]) {
     }
 }
 
-/// The inverse of the GIM as a full matrix by columns, (50).
+/// The inverse of the GIM as a full matrix by columns, (50): U^-T D^-1 U^-1, applied to each
+/// column of the identity.
 pub fn inverse<S: Scalar>(layout: &Layout, factors: &[S], columns: &mut [S]) {
     let n = layout.links;
     columns.fill(S::zero());
@@ -278,6 +285,7 @@ pub fn inverse<S: Scalar>(layout: &Layout, factors: &[S], columns: &mut [S]) {
         column[j] = S::one();
         solve(layout, factors, column);
     }
+    mirror(n, 0..n, columns);
 }
 
 /// The logarithm of the GIM's determinant: that of D, since U's is one.

@@ -5,8 +5,8 @@ use alloc::{vec, vec::Vec};
 
 use super::Workspace;
 use crate::Scalar;
-use crate::model::prepare::Prepared;
-use crate::spatial::Twist;
+use crate::model::prepare::{Body, Prepared};
+use crate::spatial::{Matrix3, Twist, Vector3, Wrench};
 
 /// A dense matrix by rows, to be handed to whatever linear algebra is at hand.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,12 +35,20 @@ impl<S: Scalar> Dense<S> {
     fn set(&mut self, i: usize, j: usize, value: S) {
         self.entries[i * self.columns + j] = value;
     }
+
+    /// Writes a twist into column `j`, from row `i` down.
+    fn set_column(&mut self, i: usize, j: usize, twist: Twist<S>) {
+        for (k, entry) in twist.components().into_iter().enumerate() {
+            self.set(i + k, j, entry);
+        }
+    }
 }
 
 /// M, N_l and N_d with the GIM = N_d^T N_l^T M N_l N_d, (5a).
 ///
-/// Rows and columns stand link by link, in each link's own (turned) axes, angular before linear;
-/// modules are consecutive links, so these are the module-level matrices of (4) as well.
+/// Rows and columns stand link by link, each link in its own frame as the model has it, angular
+/// before linear; modules are consecutive links, so these are the module-level matrices of (4) as
+/// well.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeNoc<S> {
     /// The 6n times 6n mass matrix of the free links, (1)-(2).
@@ -60,31 +68,55 @@ pub fn denoc<S: Scalar>(model: &Prepared<S>, q: &[S], workspace: &mut Workspace<
     let mut propagation = Dense::zero(6 * n, 6 * n);
     let mut joints = Dense::zero(6 * n, n);
     for (i, body) in model.bodies.iter().enumerate() {
+        let motion = &workspace.motions[i];
         let inertia = body.inertia.articulated();
-        for row in 0..6 {
-            propagation.set(6 * i + row, 6 * i + row, S::one());
-            for column in row..6 {
-                let entry = inertia.entry(row, column);
-                mass.set(6 * i + row, 6 * i + column, entry);
-                mass.set(6 * i + column, 6 * i + row, entry);
+        joints.set_column(6 * i, i, to_link(body, motion.add_rate(Twist::zero(), S::one())));
+        for k in 0..6 {
+            propagation.set_column(6 * i, 6 * i + k, unit(k));
+            let wrench = wrench_to_link(body, inertia.times(&from_link(body, unit(k))));
+            for (row, entry) in wrench.components().into_iter().enumerate() {
+                mass.set(6 * i + row, 6 * i + k, entry);
             }
         }
-        joints.set(6 * i + workspace.motions[i].component(), i, S::one());
         // A row of blocks is the parent's, carried on: A_ij = A_ip A_pj.
         if let Some(parent) = body.parent {
             for column in 0..6 * (parent + 1) {
                 let at = |row: usize| propagation.entries[(6 * parent + row) * 6 * n + column];
-                let mut twist = Twist::zero();
-                twist.angular.0 = core::array::from_fn(&at);
-                twist.linear.0 = core::array::from_fn(|k| at(3 + k));
-                let carried = body.twist_to_child(&workspace.motions[i], twist).components();
-                for (row, entry) in carried.into_iter().enumerate() {
-                    propagation.set(6 * i + row, column, entry);
-                }
+                let twist = Twist::from_components(core::array::from_fn(at));
+                let at_body = from_link(&model.bodies[parent], twist);
+                let carried = to_link(body, body.twist_to_child(motion, at_body));
+                propagation.set_column(6 * i, column, carried);
             }
         }
     }
     DeNoc { mass, propagation, joints }
+}
+
+/// A unit twist in component `k`.
+fn unit<S: Scalar>(k: usize) -> Twist<S> {
+    Twist::from_components(core::array::from_fn(|i| if i == k { S::one() } else { S::zero() }))
+}
+
+/// A body's twist, at and in the axes of the model's link frame.
+fn to_link<S: Scalar>(body: &Body<S>, t: Twist<S>) -> Twist<S> {
+    let back = Matrix3(body.link.rotation).transposed();
+    let linear = t.linear + t.angular.cross(Vector3(body.link.translation));
+    Twist { angular: back.mul_vector(t.angular), linear: back.mul_vector(linear) }
+}
+
+/// A twist of the model's link frame, at and in the axes of the body's.
+fn from_link<S: Scalar>(body: &Body<S>, t: Twist<S>) -> Twist<S> {
+    let rotation = Matrix3(body.link.rotation);
+    let angular = rotation.mul_vector(t.angular);
+    let shift = angular.cross(Vector3(body.link.translation));
+    Twist { angular, linear: rotation.mul_vector(t.linear) - shift }
+}
+
+/// A body's wrench, at and in the axes of the model's link frame.
+fn wrench_to_link<S: Scalar>(body: &Body<S>, w: Wrench<S>) -> Wrench<S> {
+    let back = Matrix3(body.link.rotation).transposed();
+    let moment = w.moment - Vector3(body.link.translation).cross(w.force);
+    Wrench { moment: back.mul_vector(moment), force: back.mul_vector(w.force) }
 }
 
 #[cfg(test)]

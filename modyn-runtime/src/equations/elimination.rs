@@ -7,11 +7,10 @@
 //! M_hat - Psi I_hat^-1 Psi^T.
 
 use super::Workspace;
-use super::partition::{Block, Partition};
+use super::partition::Block;
 use crate::Scalar;
-use crate::joint::Motion;
 use crate::model::prepare::Prepared;
-use crate::spatial::{ArticulatedInertia, Wrench};
+use crate::spatial::ArticulatedInertia;
 
 /// Sets each link's inertia to its own.
 pub(super) fn start<S: Scalar>(model: &Prepared<S>, workspace: &mut Workspace<S>) {
@@ -43,7 +42,9 @@ pub(super) fn pivot<S: Scalar>(model: &Prepared<S>, block: &Block, workspace: &m
             workspace.pivots[block.pivot + row * size + j] = felt;
             workspace.pivots[block.pivot + j * size + row] = felt;
         }
-        workspace.columns[i] = wrench.components();
+        for (column, component) in workspace.columns.iter_mut().zip(wrench.components()) {
+            column[i] = component;
+        }
         if j == 0 {
             continue;
         }
@@ -75,24 +76,31 @@ pub(super) fn split<S: Scalar>(block: &Block, workspace: &mut Workspace<S>) {
     }
 }
 
-/// x := V^-1 x, backwards.
-pub(super) fn solve_upper<S: Scalar>(v: &[S], x: &mut [S]) {
-    let size = x.len();
-    for a in (0..size).rev() {
+/// x := V^-1 x, backwards; `v(row, column)` is V above its diagonal.
+pub(super) fn solve_upper<S: Scalar>(v: impl Fn(usize, usize) -> S, x: &mut [S]) {
+    for a in (0..x.len()).rev() {
         for b in 0..a {
-            x[b] = x[b] - v[b * size + a] * x[a];
+            x[b] = x[b] - v(b, a) * x[a];
         }
     }
 }
 
 /// x := V^-T x, forwards.
-pub(super) fn solve_lower<S: Scalar>(v: &[S], x: &mut [S]) {
-    let size = x.len();
-    for a in 0..size {
+pub(super) fn solve_lower<S: Scalar>(v: impl Fn(usize, usize) -> S, x: &mut [S]) {
+    for a in 0..x.len() {
         for b in 0..a {
-            x[a] = x[a] - v[b * size + a] * x[b];
+            x[a] = x[a] - v(b, a) * x[b];
         }
     }
+}
+
+/// V of a split block.
+pub(super) fn factor<'a, S: Scalar>(
+    block: &Block,
+    pivots: &'a [S],
+) -> impl Fn(usize, usize) -> S + Copy + 'a {
+    let (start, size) = (block.pivot, block.links.len());
+    move |row, column| pivots[start + row * size + column]
 }
 
 /// The component of the module's first joint, in which nothing is left for its parent: what the
@@ -103,26 +111,13 @@ pub(super) fn freed<S: Scalar>(block: &Block, workspace: &Workspace<S>) -> usize
 
 /// Turns the columns Psi into V^-1 Psi^T and, over Delta, into `gains`: row by row but the freed
 /// one. Expects the split pivot.
-pub(super) fn reduce_columns<S: Scalar>(
-    partition: &Partition,
-    block: &Block,
-    workspace: &mut Workspace<S>,
-) {
-    debug_assert!(workspace.pivots.len() == partition.pivots);
-    let (first, size) = (block.links.start, block.links.len());
+pub(super) fn reduce_columns<S: Scalar>(block: &Block, workspace: &mut Workspace<S>) {
     let freed = freed(block, workspace);
-    let v = &workspace.pivots[block.pivot..block.pivot + size * size];
+    let v = factor(block, &workspace.pivots);
     for row in (0..6).filter(|&row| row != freed) {
-        // The same as `solve_upper`, on one row of the columns.
-        for a in (0..size).rev() {
-            for b in 0..a {
-                let x = workspace.columns[first + b][row]
-                    - v[b * size + a] * workspace.columns[first + a][row];
-                workspace.columns[first + b][row] = x;
-            }
-        }
+        solve_upper(v, &mut workspace.columns[row][block.links.clone()]);
         for i in block.links.clone() {
-            workspace.gains[i][row] = workspace.columns[i][row] * workspace.reciprocals[i];
+            workspace.gains[row][i] = workspace.columns[row][i] * workspace.reciprocals[i];
         }
     }
 }
@@ -144,7 +139,7 @@ pub(super) fn eliminate<S: Scalar>(
         let taken = block
             .links
             .clone()
-            .map(|i| workspace.columns[i][row] * workspace.gains[i][column])
+            .map(|i| workspace.columns[row][i] * workspace.gains[column][i])
             .reduce(|sum, x| sum + x);
         taken.map_or(whole.entry(row, column), |taken| whole.entry(row, column) - taken)
     });
@@ -159,19 +154,8 @@ fn leave<S: Scalar>(
     inertia: &ArticulatedInertia<S>,
 ) {
     if let Some(parent) = model.bodies[i].parent {
-        let behind: ArticulatedInertia<S> = workspace.motions[i].articulated_to_parent(inertia);
-        let carried = model.bodies[i].placement.articulated_to_parent(&behind);
+        let carried = model.bodies[i].articulated_to_parent(&workspace.motions[i], inertia);
         let sum = workspace.articulated[parent].map_or(carried, |a| a + carried);
         workspace.articulated[parent] = Some(sum);
     }
-}
-
-/// A wrench at link `i`, carried to its parent.
-pub(super) fn carry<S: Scalar>(
-    model: &Prepared<S>,
-    motions: &[Motion<S>],
-    i: usize,
-    wrench: Wrench<S>,
-) -> Wrench<S> {
-    model.bodies[i].wrench_to_parent(&motions[i], wrench)
 }

@@ -7,7 +7,7 @@
 //! composite inertia and elimination.
 
 use super::elimination::{
-    carry, eliminate, freed, pivot, reduce_columns, solve_lower, solve_upper, split, start,
+    eliminate, factor, freed, pivot, reduce_columns, solve_lower, solve_upper, split, start,
 };
 use super::newton_euler::link_wrenches;
 use super::partition::Block;
@@ -29,23 +29,25 @@ pub fn forward_dynamics<S: Scalar>(
     start(model, workspace);
     for block in partition.blocks.iter().rev() {
         // phi_hat = U^-1 phi and phi_tilde = D^-1 phi_hat, steps (i) and (ii) of (60).
-        let (first, size) = (block.links.start, block.links.len());
+        let first = block.links.start;
         for i in block.links.clone().rev() {
             let wrench = workspace.wrenches[i];
             workspace.torques[i] = tau[i] - workspace.motions[i].project(&wrench);
             if i > first {
-                workspace.wrenches[i - 1] += carry(model, &workspace.motions, i, wrench);
+                let carried = model.bodies[i].wrench_to_parent(&workspace.motions[i], wrench);
+                workspace.wrenches[i - 1] += carried;
             }
         }
         pivot(model, block, workspace);
         split(block, workspace);
         let torques = &mut workspace.torques[block.links.clone()];
-        solve_upper(&workspace.pivots[block.pivot..block.pivot + size * size], torques);
+        solve_upper(factor(block, &workspace.pivots), torques);
         if let Some(parent) = model.bodies[first].parent {
-            reduce_columns(partition, block, workspace);
+            reduce_columns(block, workspace);
             eliminate(model, block, workspace);
             let left = wrench_left(block, workspace, tau[first]);
-            workspace.wrenches[parent] += carry(model, &workspace.motions, first, left);
+            let carried = model.bodies[first].wrench_to_parent(&workspace.motions[first], left);
+            workspace.wrenches[parent] += carried;
         }
         for i in block.links.clone() {
             workspace.torques[i] = workspace.torques[i] * workspace.reciprocals[i];
@@ -53,7 +55,7 @@ pub fn forward_dynamics<S: Scalar>(
     }
     for block in &partition.blocks {
         // qdd = U^-T phi_tilde, step (iii).
-        let (first, size) = (block.links.start, block.links.len());
+        let first = block.links.start;
         let carried = model.bodies[first].parent.map(|parent| {
             model.bodies[first].twist_to_child(&workspace.motions[first], workspace.twists[parent])
         });
@@ -63,15 +65,12 @@ pub fn forward_dynamics<S: Scalar>(
             if let Some(carried) = &carried {
                 let felt = (0..6)
                     .filter(|&row| row != freed)
-                    .map(|row| workspace.gains[i][row] * carried.components()[row])
+                    .map(|row| workspace.gains[row][i] * carried.components()[row])
                     .reduce(|sum, x| sum + x);
                 qdd[i] = felt.map_or(qdd[i], |felt| qdd[i] - felt);
             }
         }
-        solve_lower(
-            &workspace.pivots[block.pivot..block.pivot + size * size],
-            &mut qdd[block.links.clone()],
-        );
+        solve_lower(factor(block, &workspace.pivots), &mut qdd[block.links.clone()]);
         // So far the first joint's figure holds what its module is carried along with.
         let mut twist = carried.unwrap_or_else(Twist::zero);
         let total = qdd[first];
@@ -104,7 +103,7 @@ fn wrench_left<S: Scalar>(block: &Block, workspace: &Workspace<S>, torque: S) ->
             *entry = torque;
             continue;
         }
-        let shares = block.links.clone().map(|i| workspace.gains[i][row] * workspace.torques[i]);
+        let shares = block.links.clone().map(|i| workspace.gains[row][i] * workspace.torques[i]);
         if let Some(share) = shares.reduce(|sum, x| sum + x) {
             *entry = *entry + share;
         }

@@ -19,9 +19,10 @@ pub struct Workspace<S> {
     pub(super) composite: Vec<RigidInertia<S>>,
     /// What eliminated modules leave to the link they hang on; `None` where none does.
     pub(super) articulated: Vec<Option<ArticulatedInertia<S>>>,
-    /// For each link's joint: the wrench at its module's first link, then that over the pivot.
-    pub(super) columns: Vec<[S; 6]>,
-    pub(super) gains: Vec<[S; 6]>,
+    /// By component, for each link's joint: the wrench at its module's first link (Psi), reduced by
+    /// the pivot's factor; and that over the pivot.
+    pub(super) columns: [Vec<S>; 6],
+    pub(super) gains: [Vec<S>; 6],
     /// For each link's joint: reciprocal of its scalar pivot within the block.
     pub(super) reciprocals: Vec<S>,
     pub(super) torques: Vec<S>,
@@ -41,8 +42,8 @@ impl<S: Scalar> Workspace<S> {
             wrenches: vec![Wrench::zero(); links],
             composite: vec![RigidInertia::zero(); links],
             articulated: vec![None; links],
-            columns: vec![[zero; 6]; links],
-            gains: vec![[zero; 6]; links],
+            columns: core::array::from_fn(|_| vec![zero; links]),
+            gains: core::array::from_fn(|_| vec![zero; links]),
             reciprocals: vec![zero; links],
             torques: vec![zero; links],
             pivots: vec![zero; partition.pivots],

@@ -4,6 +4,7 @@ use alloc::{collections::BTreeMap, string::String, vec::Vec};
 use core::fmt;
 
 use super::Model;
+use crate::spatial::Pose;
 
 /// A defect of a model's parts, and where it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,8 +121,6 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
     }
     errors
 }
-
-use crate::spatial::Pose;
 
 fn finite(figures: &[f64]) -> bool {
     figures.iter().all(|x| x.is_finite())

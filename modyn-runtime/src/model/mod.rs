@@ -95,7 +95,7 @@ impl Model {
     /// Checks the parts and makes a model of them.
     ///
     /// `gravity` is the acceleration of free fall in world axes, m/s^2. `frames` are the links of
-    /// the description in its own order.
+    /// the description in its own order; [`link_poses`](crate::Interpreter::link_poses) gives theirs.
     ///
     /// # Errors
     ///

@@ -3,7 +3,7 @@
 //! A kinematic module is a chain of serially connected links that leaves the last link of its
 //! parent module. In depth-first order its links are consecutive.
 
-use alloc::{string::String, vec::Vec};
+use alloc::{collections::BTreeMap, string::String, vec::Vec};
 use core::{fmt, ops::Range};
 
 use super::Model;
@@ -29,11 +29,11 @@ pub struct ModuleTree {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ModuleError {
-    /// The name is that of no moving link and no joint; the names there are.
+    /// The name is that of no moving link.
     UnknownLink {
         /// The name in the list.
         name: String,
-        /// What could have been meant.
+        /// The names of the first moving links.
         links: Vec<String>,
     },
     /// The link stands in the list twice.
@@ -60,14 +60,18 @@ pub enum ModuleError {
     Empty,
 }
 
+/// How many names a message lists.
+const SHOWN: usize = 40;
+
 impl fmt::Display for ModuleError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::UnknownLink { name, links } => {
                 write!(
                     f,
-                    "`{name}` in the module list is no moving link; there are: {}",
-                    links.join(", ")
+                    "`{name}` in the module list is no moving link; there are: {}{}",
+                    links.join(", "),
+                    if links.len() < SHOWN { "" } else { ", ..." }
                 )
             }
             Self::Twice(link) => {
@@ -129,6 +133,8 @@ impl ModuleTree {
         let mut seen = alloc::vec![false; links.len()];
         let mut starts = Vec::new();
         let children = model.children();
+        let numbers: BTreeMap<&str, usize> =
+            links.iter().enumerate().map(|(i, link)| (link.name.as_str(), i)).collect();
         for module in list {
             let mut before = None;
             if module.is_empty() {
@@ -136,8 +142,8 @@ impl ModuleTree {
             }
             for wanted in module {
                 let wanted = wanted.as_ref();
-                let Some(i) = links.iter().position(|link| link.name == wanted) else {
-                    let links = links.iter().map(|link| link.name.clone()).collect();
+                let Some(&i) = numbers.get(wanted) else {
+                    let links = links.iter().take(SHOWN).map(|link| link.name.clone()).collect();
                     errors.push(ModuleError::UnknownLink { name: wanted.into(), links });
                     continue;
                 };
@@ -175,6 +181,27 @@ impl ModuleTree {
         } else {
             Err(errors)
         }
+    }
+
+    /// Whether these are modules of `model`: its links, all of them, in chains.
+    #[must_use]
+    pub fn fits(&self, model: &Model) -> bool {
+        let links = model.links();
+        let mut next = 0;
+        for module in &self.modules {
+            let parent = module.parent.and_then(|p| self.modules[p].links.end.checked_sub(1));
+            let Range { start, end } = module.links.clone();
+            let chain = start == next
+                && end <= links.len()
+                && links[start..end].iter().enumerate().all(|(k, link)| {
+                    link.parent == if k == 0 { parent } else { Some(start + k - 1) }
+                });
+            if !chain {
+                return false;
+            }
+            next = end;
+        }
+        next == links.len()
     }
 
     /// The modules, parents before children.

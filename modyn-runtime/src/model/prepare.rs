@@ -12,7 +12,8 @@
 //!    behind a prismatic joint the same holds for the whole second moment. What is then left on
 //!    the child are the parameters its joint can feel (Gautier and Khalil 1990, "Direct calculation
 //!    of minimum set of inertial parameters of serial robots").
-//! 5. **Snapping.** Turns within 1e-11 rad of a quarter turn become that.
+//! 5. **Snapping.** Constant turns within 1e-11 rad of a quarter turn become that; translations and
+//!    components of axes below 1e-11 become 0.
 //!
 //! All five leave the joint coordinates, and so every joint-space quantity, as they were. The
 //! fourth changes single links' inertias, and on a fixed base it drops mass that cannot move,
@@ -24,10 +25,11 @@ use super::{Inertial, Model};
 use crate::Scalar;
 use crate::joint::{JointType, Motion};
 use crate::spatial::{
-    Axis, Matrix3, Placement, Pose, RigidInertia, Symmetric3, Turn, Twist, Vector3, Wrench,
+    ArticulatedInertia, Axis, Matrix3, Placement, Pose, RigidInertia, Symmetric3, Turn, Twist,
+    Vector3, Wrench,
 };
 
-/// Sines and cosines of constant turns nearer to 0 than this are taken for it.
+/// Sines, cosines, translations (m) and components of axes nearer to 0 than this are taken for it.
 const SNAP: f64 = 1e-11;
 
 /// Where a revolute joint's turned frame has its zero, against the coordinate.
@@ -50,6 +52,8 @@ pub struct Body<S> {
     pub zero: Zero<S>,
     /// Where the joint stands on the parent.
     pub placement: Placement<S>,
+    /// The model's link frame in this one.
+    pub link: Pose<S>,
     /// The inertia as the model has it.
     pub inertia: RigidInertia<S>,
     /// The inertia in minimal parameters: equal to `inertia` for all joint-space dynamics.
@@ -112,6 +116,16 @@ impl<S: Scalar> Body<S> {
     pub fn rigid_to_parent(&self, motion: &Motion<S>, i: &RigidInertia<S>) -> RigidInertia<S> {
         self.placement.rigid_to_parent(&motion.rigid_to_parent(i))
     }
+
+    /// An articulated inertia on this body at its parent: A^T M A.
+    #[must_use]
+    pub fn articulated_to_parent(
+        &self,
+        motion: &Motion<S>,
+        i: &ArticulatedInertia<S>,
+    ) -> ArticulatedInertia<S> {
+        self.placement.articulated_to_parent(&motion.articulated_to_parent(i))
+    }
 }
 
 impl Prepared<f64> {
@@ -143,6 +157,7 @@ impl Prepared<f64> {
                         Zero::Angle(x) => Zero::Angle(f(x)),
                     },
                     placement: b.placement.map(f),
+                    link: b.link.map(f),
                     inertia: b.inertia.map(f),
                     minimal: b.minimal.map(f),
                 })
@@ -150,13 +165,7 @@ impl Prepared<f64> {
             frames: self
                 .frames
                 .iter()
-                .map(|frame| BodyFrame {
-                    body: frame.body,
-                    pose: Pose {
-                        rotation: frame.pose.rotation.map(|row| row.map(f)),
-                        translation: frame.pose.translation.map(f),
-                    },
-                })
+                .map(|frame| BodyFrame { body: frame.body, pose: frame.pose.map(f) })
                 .collect(),
         }
     }
@@ -224,16 +233,16 @@ impl Frames {
             zero: Vec::with_capacity(links.len()),
             link: axes
                 .iter()
-                .map(|a| Pose { rotation: transposed(a).0, translation: [0.0; 3] })
+                .map(|a| Pose { rotation: a.transposed().0, translation: [0.0; 3] })
                 .collect(),
         };
         for (link, axis) in links.iter().zip(&axes) {
             let origin = &link.joint.origin;
-            let mut rotation = times(&Matrix3(origin.rotation), axis);
+            let mut rotation = Matrix3(origin.rotation).times(axis);
             let mut translation = Vector3(origin.translation);
             if let Some(parent) = link.parent {
-                let back = transposed(&axes[parent]);
-                rotation = times(&back, &rotation);
+                let back = axes[parent].transposed();
+                rotation = back.times(&rotation);
                 translation = back.mul_vector(translation);
             }
             let [azimuth, tilt, zero] = split(&rotation);
@@ -261,9 +270,9 @@ impl Frames {
             // Rz(q) Rz(by): the new frame is ahead of the old one.
             self.zero[i] = combine(self.zero[i], by);
             let back = turn_of(inverse(by));
-            let columns = transposed(&Matrix3(self.link[i].rotation)).0;
+            let columns = Matrix3(self.link[i].rotation).transposed().0;
             let columns = columns.map(|c| back.vector(Axis::Z, Vector3(c)).0);
-            self.link[i].rotation = transposed(&Matrix3(columns)).0;
+            self.link[i].rotation = Matrix3(columns).transposed().0;
             for &child in &self.children[i] {
                 let azimuth = combine(self.azimuth[child], inverse(by));
                 let (cos, sin) = self.tilt[child];
@@ -323,6 +332,7 @@ impl Frames {
                     translation: Vector3(self.translation[i].0.map(snap)),
                     tilt: turn_of(self.tilt[i]),
                 },
+                link: self.link[i],
                 inertia,
                 minimal: inertia,
             }
@@ -416,16 +426,7 @@ fn frame_along(axis: [f64; 3]) -> Matrix3<f64> {
             (y.cross(Vector3(z)).0, y.0)
         }
     };
-    transposed(&Matrix3([x, y, z]))
-}
-
-fn transposed(m: &Matrix3<f64>) -> Matrix3<f64> {
-    Matrix3(core::array::from_fn(|i| m.column(i).0))
-}
-
-fn times(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
-    let columns = core::array::from_fn(|j| a.mul_vector(b.column(j)).0);
-    transposed(&Matrix3(columns))
+    Matrix3([x, y, z]).transposed()
 }
 
 /// The children of each link, the one that most links hang on first.

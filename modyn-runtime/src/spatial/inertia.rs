@@ -2,7 +2,7 @@
 
 use core::ops::Add;
 
-use super::{Matrix3, Symmetric3, Vector3, Wrench};
+use super::{Axis, Matrix3, Symmetric3, Turn, Twist, Vector3, Wrench};
 use crate::Scalar;
 
 /// The inertia of a rigid (or composite) body about its frame's origin.
@@ -105,6 +105,17 @@ impl<S: Scalar> ArticulatedInertia<S> {
         }
     }
 
+    /// The wrench of an acceleration.
+    #[must_use]
+    pub fn times(&self, t: &Twist<S>) -> Wrench<S> {
+        let (rotational, translational) = (self.rotational.full(), self.translational.full());
+        let (turned, coupled) = (self.coupling.transposed(), &self.coupling);
+        Wrench {
+            moment: rotational.mul_vector(t.angular) + coupled.mul_vector(t.linear),
+            force: turned.mul_vector(t.angular) + translational.mul_vector(t.linear),
+        }
+    }
+
     /// From the upper triangle of the 6x6 matrix.
     #[must_use]
     pub fn from_fn(mut entry: impl FnMut(usize, usize) -> S) -> Self {
@@ -124,6 +135,16 @@ impl<S: Scalar> ArticulatedInertia<S> {
             self.coupling.0[i][j - 3]
         } else {
             self.translational.full().0[i - 3][j - 3]
+        }
+    }
+
+    /// The inertia in turned axes.
+    #[must_use]
+    pub fn turned(&self, turn: Turn<S>, about: Axis) -> Self {
+        Self {
+            rotational: turn.symmetric(about, &self.rotational),
+            coupling: turn.matrix(about, &self.coupling),
+            translational: turn.symmetric(about, &self.translational),
         }
     }
 

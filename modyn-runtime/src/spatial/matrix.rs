@@ -29,6 +29,18 @@ impl<S: Scalar> Matrix3<S> {
         Vector3(self.0.map(|row| Vector3(row).dot(v)))
     }
 
+    /// The matrix times another one.
+    #[must_use]
+    pub fn times(&self, other: &Self) -> Self {
+        Self(self.0.map(|row| core::array::from_fn(|j| Vector3(row).dot(other.column(j)))))
+    }
+
+    /// The transposed matrix.
+    #[must_use]
+    pub fn transposed(&self) -> Self {
+        Self(core::array::from_fn(|i| self.column(i).0))
+    }
+
     /// Column `j`.
     #[must_use]
     pub fn column(&self, j: usize) -> Vector3<S> {

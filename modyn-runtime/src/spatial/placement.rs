@@ -97,15 +97,3 @@ impl<S: Scalar> Placement<S> {
         self.azimuth.vector(Axis::Z, self.translation)
     }
 }
-
-impl<S: Scalar> ArticulatedInertia<S> {
-    /// The inertia in turned axes.
-    #[must_use]
-    pub fn turned(&self, turn: Turn<S>, about: Axis) -> Self {
-        Self {
-            rotational: turn.symmetric(about, &self.rotational),
-            coupling: turn.matrix(about, &self.coupling),
-            translational: turn.symmetric(about, &self.translational),
-        }
-    }
-}

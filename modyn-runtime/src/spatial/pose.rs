@@ -20,6 +20,14 @@ impl<S: Scalar> Pose<S> {
         Self { rotation: [[i, o, o], [o, i, o], [o, o, i]], translation: [o; 3] }
     }
 
+    /// Each number through `f`.
+    pub fn map<T>(&self, mut f: impl FnMut(S) -> T) -> Pose<T> {
+        Pose {
+            rotation: self.rotation.map(|row| row.map(&mut f)),
+            translation: self.translation.map(&mut f),
+        }
+    }
+
     /// A point of the frame, seen from the other frame.
     #[must_use]
     pub fn transform_point(&self, point: [S; 3]) -> [S; 3] {

@@ -15,6 +15,12 @@ pub struct Twist<S> {
 }
 
 impl<S: Scalar> Twist<S> {
+    /// From six numbers, angular first.
+    #[must_use]
+    pub fn from_components([a, b, c, d, e, f]: [S; 6]) -> Self {
+        Self { angular: Vector3([a, b, c]), linear: Vector3([d, e, f]) }
+    }
+
     /// No motion.
     #[must_use]
     pub fn zero() -> Self {
