@@ -76,3 +76,36 @@ impl Scalar for f32 {
         if self >= 0.0 { then } else { otherwise }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Scalar;
+
+    /// What every float must do, whatever its precision.
+    fn computes<S: Scalar + PartialEq + core::fmt::Debug>() {
+        let number = S::from_f64;
+        assert_eq!(Scalar::sqrt(number(6.25)), number(2.5));
+        assert_eq!(Scalar::ln(S::one()), S::zero());
+        assert_eq!(
+            (Scalar::abs(number(-2.0)), Scalar::abs(number(3.0))),
+            (number(2.0), number(3.0))
+        );
+        assert_eq!(Scalar::max(number(-2.0), number(3.0)), number(3.0));
+        assert_eq!(Scalar::max(number(f64::NAN), number(3.0)), number(3.0));
+        assert_eq!(Scalar::recip(number(4.0)), number(0.25));
+        let (then, otherwise) = (number(1.0), number(2.0));
+        for (x, expected) in
+            [(0.0, then), (-0.0, then), (5.0, then), (-1e-9, otherwise), (f64::NAN, otherwise)]
+        {
+            assert_eq!(number(x).select_nonnegative(then, otherwise), expected, "{x}");
+        }
+    }
+
+    #[test]
+    fn both_precisions_compute() {
+        computes::<f64>();
+        computes::<f32>();
+        assert!((Scalar::ln(core::f64::consts::E) - 1.0).abs() < 1e-15);
+        assert!((Scalar::ln(core::f32::consts::E) - 1.0).abs() < 1e-6);
+    }
+}

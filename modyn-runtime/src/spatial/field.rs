@@ -75,3 +75,34 @@ impl<S: Scalar> Field<S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Field;
+    use crate::spatial::{RigidInertia, Symmetric3, Vector3};
+
+    #[test]
+    fn the_wrench_is_that_of_the_points_of_the_body() {
+        let points = [
+            (0.7, Vector3([0.3, -0.2, 0.5])),
+            (1.1, Vector3([-0.4, 0.6, 0.1])),
+            (0.4, Vector3([0.2, 0.9, -0.8])),
+        ];
+        let (omega, alpha) = (Vector3([0.5, -1.3, 0.8]), Vector3([2.0, 0.3, -0.7]));
+        let field = Field { a: Vector3([1.0, 2.0, -3.0]), ..Field::turning(omega, alpha) };
+        let mut body = RigidInertia::<f64>::zero();
+        let (mut force, mut moment) = (Vector3::zero(), Vector3::zero());
+        for (m, r) in points {
+            let second_moment = Symmetric3::from_fn(|i, j| m * r[i] * r[j]);
+            body = body + RigidInertia { mass: m, first_moment: r.scale(m), second_moment };
+            let acceleration = field.a + alpha.cross(r) + omega.cross(omega.cross(r));
+            force += acceleration.scale(m);
+            moment += r.cross(acceleration).scale(m);
+        }
+        let wrench = field.wrench(&body);
+        for i in 0..3 {
+            assert!((wrench.force[i] - force[i]).abs() < 1e-13);
+            assert!((wrench.moment[i] - moment[i]).abs() < 1e-13);
+        }
+    }
+}

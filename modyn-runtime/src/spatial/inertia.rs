@@ -180,3 +180,26 @@ impl<S: Scalar> Add for ArticulatedInertia<S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::ArticulatedInertia;
+    use crate::spatial::Twist;
+
+    #[test]
+    fn columns_entries_and_products_agree() {
+        let number = |i: usize, j: usize| (10 * i.min(j) + i.max(j)) as f64;
+        // The coupling block is not symmetric by itself: entry (i, j + 3) is its own number.
+        let inertia = ArticulatedInertia::from_fn(number);
+        for j in 0..6 {
+            let column = inertia.column(j).components();
+            let unit =
+                Twist::from_components(core::array::from_fn(|i| f64::from(u8::from(i == j))));
+            assert_eq!(inertia.times(&unit).components(), column);
+            for (i, entry) in column.into_iter().enumerate() {
+                assert_eq!(entry, number(i, j), "row {i}, column {j}");
+                assert_eq!(inertia.entry(i.min(j), i.max(j)), entry);
+            }
+        }
+    }
+}
