@@ -189,3 +189,33 @@ fn condition_numbers_of_the_pivots() {
     let found = brge.condition_number(1).expect("module 2");
     assert_close("condition number", &[found], &[expected], 1e-12);
 }
+
+modyn::modyn! { Compiled = "../../robots/gripper.urdf" }
+
+/// So that all of the above holds for the compiled gripper, too.
+#[test]
+fn the_compiled_gripper_has_the_same_numbers() {
+    let interpreted = factorized();
+    let compiled = Compiled::brge(&Q);
+    let near = |name: &str, found: &[f64], expected: &[f64]| {
+        let scale = expected.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() <= 1e-13 * scale, "{name}: {found}, {expected}");
+        }
+    };
+    let mut interpreter = Interpreter::new(gripper());
+    near("GIM", Compiled::mass_matrix(&Q).as_flattened(), &interpreter.gim(&Q));
+    near("U", compiled.u().as_flattened(), &interpreted.u());
+    near("D", compiled.d().as_flattened(), &interpreted.d());
+    near("U^-1", compiled.u_inverse().as_flattened(), &interpreted.u_inverse());
+    near("D^-1", compiled.d_inverse().as_flattened(), &interpreted.d_inverse());
+    near("I^-1", compiled.inverse().as_flattened(), &interpreted.inverse());
+    let mut qdd = [0.0; 4];
+    interpreter.forward_dynamics(&Q, &REST, &REST, &mut qdd).expect("four numbers");
+    near("qdd", &Compiled::forward_dynamics(&Q, &REST, &REST), &qdd);
+    let printed = [-145.6931, 268.0752, -163.1762, 145.6931];
+    for (found, printed) in Compiled::forward_dynamics(&Q, &REST, &REST).iter().zip(printed) {
+        assert!((found - printed).abs() < 5e-5, "{found} is not printed as {printed}");
+    }
+}
