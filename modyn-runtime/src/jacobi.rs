@@ -33,7 +33,7 @@ fn rotate<S: Scalar>(a: &mut [S], n: usize, p: usize, q: usize) {
     // divides by zero nowhere.
     let (difference, twice) = (qq - pp, pq + pq);
     let root = (difference * difference + twice * twice).sqrt();
-    let size = difference.abs() + root + S::from_f64(f64::from(f32::MIN_POSITIVE));
+    let size = (difference.abs() + root).max(S::from_f64(f64::from(f32::MIN_POSITIVE)));
     let t = difference.select_nonnegative(twice, -twice) / size;
     let c = (S::one() + t * t).sqrt().recip();
     let s = t * c;

@@ -72,17 +72,12 @@ pub fn forward_dynamics<S: Scalar>(
         }
         solve_lower(factor(block, &workspace.pivots), &mut qdd[block.links.clone()]);
         // So far the first joint's figure holds what its module is carried along with.
-        let mut twist = carried.unwrap_or_else(Twist::zero);
-        let total = qdd[first];
+        let mut components = carried.unwrap_or_else(Twist::zero).components();
+        let along = core::mem::replace(&mut components[freed], qdd[first]);
         if carried.is_some() {
-            qdd[first] = total - twist.components()[freed];
+            qdd[first] = qdd[first] - along;
         }
-        if freed < 3 {
-            twist.angular[freed] = total;
-        } else {
-            twist.linear[freed - 3] = total;
-        }
-        workspace.twists[first] = twist;
+        workspace.twists[first] = Twist::from_components(components);
         if block.has_children {
             for i in block.links.clone().skip(1) {
                 let motion = &workspace.motions[i];

@@ -1,6 +1,6 @@
 //! Twists and wrenches.
 
-use core::ops::{Add, AddAssign, Neg};
+use core::ops::{Add, AddAssign};
 
 use super::Vector3;
 use crate::Scalar;
@@ -75,12 +75,5 @@ impl<S: Scalar> Add for Wrench<S> {
 impl<S: Scalar> AddAssign for Wrench<S> {
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
-    }
-}
-
-impl<S: Scalar> Neg for Wrench<S> {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self { moment: -self.moment, force: -self.force }
     }
 }
