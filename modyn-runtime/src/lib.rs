@@ -25,9 +25,13 @@ mod robot;
 mod scalar;
 pub mod spatial;
 
+/// nalgebra, in the version whose types [`Nalgebra`] has.
+#[cfg(feature = "nalgebra")]
+pub use ::nalgebra as na;
 #[cfg(feature = "alloc")]
 pub use interpreter::{Brge, Interpreter, ModuleMismatch, ShapeError, UpdateError};
+
 #[cfg(feature = "nalgebra")]
-pub use nalgebra::Nalgebra;
+pub use crate::nalgebra::Nalgebra;
 pub use robot::{Array, Factorization, KinematicModule, OperationCount, Robot};
 pub use scalar::Scalar;

@@ -2,130 +2,139 @@
 
 use core::marker::PhantomData;
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, SMatrix, SVector, Translation3, UnitQuaternion};
+use nalgebra::{
+    Isometry3, Matrix3, RealField, Rotation3, SMatrix, SVector, Translation3, UnitQuaternion,
+};
 
+use crate::Scalar;
 use crate::robot::{Factorization, Robot};
 use crate::spatial::Pose;
 
 /// A generated robot's functions over `SVector`, `SMatrix` and `Isometry3`:
 /// `Nalgebra::<Gripper>::forward_dynamics(&q, &qd, &tau)`.
+///
+/// In `f64` unless said otherwise: `Nalgebra::<Gripper, f32>`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Nalgebra<R>(PhantomData<R>);
+pub struct Nalgebra<R, T = f64>(PhantomData<(R, T)>);
 
-type Vector<const N: usize> = SVector<f64, N>;
-
-fn array<const N: usize>(vector: &Vector<N>) -> &[f64; N] {
+fn array<T, const N: usize>(vector: &SVector<T, N>) -> &[T; N] {
     let [column] = &vector.data.0;
     column
 }
 
-impl<R: Robot> Nalgebra<R> {
+impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
     /// Joint accelerations under the joint torques `tau`.
     #[must_use]
     pub fn forward_dynamics<const NQ: usize, const NV: usize>(
-        q: &Vector<NQ>,
-        qd: &Vector<NV>,
-        tau: &Vector<NV>,
-    ) -> Vector<NV>
+        q: &SVector<T, NQ>,
+        qd: &SVector<T, NV>,
+        tau: &SVector<T, NV>,
+    ) -> SVector<T, NV>
     where
-        R: Robot<Q<f64> = [f64; NQ], V<f64> = [f64; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
     {
-        R::forward_dynamics::<f64>(array(q), array(qd), array(tau)).into()
+        R::forward_dynamics::<T>(array(q), array(qd), array(tau)).into()
     }
 
     /// Joint torques of the accelerations `qdd`.
     #[must_use]
     pub fn inverse_dynamics<const NQ: usize, const NV: usize>(
-        q: &Vector<NQ>,
-        qd: &Vector<NV>,
-        qdd: &Vector<NV>,
-    ) -> Vector<NV>
+        q: &SVector<T, NQ>,
+        qd: &SVector<T, NV>,
+        qdd: &SVector<T, NV>,
+    ) -> SVector<T, NV>
     where
-        R: Robot<Q<f64> = [f64; NQ], V<f64> = [f64; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
     {
-        R::inverse_dynamics::<f64>(array(q), array(qd), array(qdd)).into()
+        R::inverse_dynamics::<T>(array(q), array(qd), array(qdd)).into()
     }
 
     /// Coriolis, centrifugal and gravity torques.
     #[must_use]
     pub fn bias_forces<const NQ: usize, const NV: usize>(
-        q: &Vector<NQ>,
-        qd: &Vector<NV>,
-    ) -> Vector<NV>
+        q: &SVector<T, NQ>,
+        qd: &SVector<T, NV>,
+    ) -> SVector<T, NV>
     where
-        R: Robot<Q<f64> = [f64; NQ], V<f64> = [f64; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
     {
-        R::bias_forces::<f64>(array(q), array(qd)).into()
+        R::bias_forces::<T>(array(q), array(qd)).into()
     }
 
     /// Joint torques that hold the robot still.
     #[must_use]
-    pub fn gravity_torques<const NQ: usize, const NV: usize>(q: &Vector<NQ>) -> Vector<NV>
+    pub fn gravity_torques<const NQ: usize, const NV: usize>(q: &SVector<T, NQ>) -> SVector<T, NV>
     where
-        R: Robot<Q<f64> = [f64; NQ], V<f64> = [f64; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
     {
-        R::gravity_torques::<f64>(array(q)).into()
+        R::gravity_torques::<T>(array(q)).into()
     }
 
     /// The generalized inertia matrix.
     #[must_use]
-    pub fn mass_matrix<const NQ: usize, const NV: usize>(q: &Vector<NQ>) -> SMatrix<f64, NV, NV>
+    pub fn mass_matrix<const NQ: usize, const NV: usize>(q: &SVector<T, NQ>) -> SMatrix<T, NV, NV>
     where
-        R: Robot<Q<f64> = [f64; NQ], V<f64> = [f64; NV], M<f64> = [[f64; NV]; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV], M<T> = [[T; NV]; NV]>,
     {
-        R::mass_matrix::<f64>(array(q)).into()
+        R::mass_matrix::<T>(array(q)).into()
     }
 
     /// The generalized inertia matrix as U D U^T by modules; its matrices convert with `.into()`.
     #[must_use]
-    pub fn brge<const NQ: usize>(q: &Vector<NQ>) -> R::Brge<f64>
+    pub fn brge<const NQ: usize>(q: &SVector<T, NQ>) -> R::Brge<T>
     where
-        R: Robot<Q<f64> = [f64; NQ]>,
+        R: Robot<Q<T> = [T; NQ]>,
     {
-        R::brge::<f64>(array(q))
+        R::brge::<T>(array(q))
     }
 
     /// The x with I(q) x = `rhs`.
     #[must_use]
-    pub fn solve<const NQ: usize, const NV: usize>(q: &Vector<NQ>, rhs: &Vector<NV>) -> Vector<NV>
+    pub fn solve<const NQ: usize, const NV: usize>(
+        q: &SVector<T, NQ>,
+        rhs: &SVector<T, NV>,
+    ) -> SVector<T, NV>
     where
-        R: Robot<Q<f64> = [f64; NQ], V<f64> = [f64; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
     {
-        R::brge::<f64>(array(q)).solve(array(rhs)).into()
+        R::brge::<T>(array(q)).solve(array(rhs)).into()
     }
 
     /// Kinetic energy, J.
     #[must_use]
-    pub fn kinetic_energy<const NQ: usize, const NV: usize>(q: &Vector<NQ>, qd: &Vector<NV>) -> f64
+    pub fn kinetic_energy<const NQ: usize, const NV: usize>(
+        q: &SVector<T, NQ>,
+        qd: &SVector<T, NV>,
+    ) -> T
     where
-        R: Robot<Q<f64> = [f64; NQ], V<f64> = [f64; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
     {
-        R::kinetic_energy::<f64>(array(q), array(qd))
+        R::kinetic_energy::<T>(array(q), array(qd))
     }
 
     /// Potential energy under gravity, J.
     #[must_use]
-    pub fn potential_energy<const NQ: usize>(q: &Vector<NQ>) -> f64
+    pub fn potential_energy<const NQ: usize>(q: &SVector<T, NQ>) -> T
     where
-        R: Robot<Q<f64> = [f64; NQ]>,
+        R: Robot<Q<T> = [T; NQ]>,
     {
-        R::potential_energy::<f64>(array(q))
+        R::potential_energy::<T>(array(q))
     }
 
     /// The poses of all links in the world.
     #[must_use]
     pub fn link_poses<const NQ: usize, const LINKS: usize>(
-        q: &Vector<NQ>,
-    ) -> [Isometry3<f64>; LINKS]
+        q: &SVector<T, NQ>,
+    ) -> [Isometry3<T>; LINKS]
     where
-        R: Robot<Q<f64> = [f64; NQ], Poses<f64> = [Pose<f64>; LINKS]>,
+        R: Robot<Q<T> = [T; NQ], Poses<T> = [Pose<T>; LINKS]>,
     {
-        R::link_poses::<f64>(array(q)).map(Isometry3::from)
+        R::link_poses::<T>(array(q)).map(Isometry3::from)
     }
 }
 
-impl From<Pose<f64>> for Isometry3<f64> {
-    fn from(pose: Pose<f64>) -> Self {
+impl<T: RealField> From<Pose<T>> for Isometry3<T> {
+    fn from(pose: Pose<T>) -> Self {
         let rows = Matrix3::from(pose.rotation).transpose();
         let rotation =
             UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rows));
