@@ -21,13 +21,18 @@ pub struct Choice {
     pub candidates: Vec<(&'static str, usize)>,
 }
 
+/// The longest chain that is considered as one module.
+const LONGEST: usize = 70;
+
 /// Traces and counts all candidates.
 #[must_use]
 pub fn choose(model: &Model, tracer: &Tracer<'_>) -> Choice {
     let links = ModuleTree::links(model);
     let chains = ModuleTree::chains(model);
     let mut candidates = vec![("every link its own module", links)];
-    if candidates[0].1 != chains {
+    // The pivot block of a long chain takes the cube of its length to write out, only to lose.
+    let longest = chains.modules().iter().map(|module| module.links.len()).max();
+    if candidates[0].1 != chains && longest <= Some(LONGEST) {
         candidates.push(("every chain one module", chains));
     }
     let mut traced: Vec<(&'static str, ModuleTree, Graph)> = candidates

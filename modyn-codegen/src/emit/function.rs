@@ -47,13 +47,14 @@ impl Shape {
     /// The value, from the text of each output.
     fn value(self, outputs: &[String]) -> String {
         let list = |items: &[String]| format!("[{}]", items.join(", "));
+        let lines = |items: &[String]| match items {
+            [] => "[]".into(),
+            items => format!("[\n        {},\n    ]", items.join(",\n        ")),
+        };
         match self {
             Self::Scalar => outputs.concat(),
             Self::Vector(_) => list(outputs),
-            Self::Matrix(_, rows) => {
-                let columns: Vec<String> = outputs.chunks(rows).map(list).collect();
-                format!("[\n        {},\n    ]", columns.join(",\n        "))
-            }
+            Self::Matrix(_, rows) => lines(&outputs.chunks(rows).map(list).collect::<Vec<_>>()),
             Self::Poses(_) => {
                 let pose = |numbers: &[String]| {
                     let rows: Vec<String> = numbers[..9].chunks(3).map(list).collect();
@@ -62,8 +63,7 @@ impl Shape {
                         "__modyn::spatial::Pose {{ rotation: {rotation}, translation: {translation} }}"
                     )
                 };
-                let poses: Vec<String> = outputs.chunks(12).map(pose).collect();
-                format!("[\n        {},\n    ]", poses.join(",\n        "))
+                lines(&outputs.chunks(12).map(pose).collect::<Vec<_>>())
             }
         }
     }
@@ -181,10 +181,8 @@ impl<'a> Writer<'a> {
         match node {
             Node::Constant(bits) => constant(f64::from_bits(bits)),
             Node::Input(number) => self.input(number as usize),
-            Node::Neg(a) => match self.graph.node(a) {
-                Node::Mul(..) if self.statement_of[a as usize].is_none() => format!("-({})", t(a)),
-                _ => format!("-{}", t(a)),
-            },
+            // Only sums have products written in place.
+            Node::Neg(a) => format!("-{}", t(a)),
             Node::Add(a, b) => format!("{} + {}", t(a), t(b)),
             Node::Sub(a, b) => format!("{} - {}", t(a), t(b)),
             Node::Mul(a, b) => format!("{} * {}", t(a), t(b)),
@@ -337,7 +335,8 @@ fn constant(value: f64) -> String {
     } else if value.is_finite() {
         format!("k({value:?})")
     } else {
-        // No finite model gives one; it must still not become text that does not compile.
+        // Figures are below 1e60 (`urdf::build::LARGEST`), but folding multiplies them, along a
+        // chain without end: what overflows is written as what it would be at run time.
         format!("k(f64::from_bits({}))", value.to_bits())
     }
 }
