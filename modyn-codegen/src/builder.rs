@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::model::{DEFAULT_GRAVITY, Model, ModuleTree};
 
 use crate::emit::{EmitOptions, Emitted, FloatType, emit};
 use crate::error::{Code, Diagnostic, Diagnostics, Severity};
@@ -13,9 +13,22 @@ use crate::names;
 use crate::source::read_first;
 use crate::urdf::{self, Mimic, ReadOptions, Reading};
 
-/// Most joints. A chain of 100 already takes 57 MB of text: the factors of a chain grow with the
-/// cube of its length.
-const MOST_JOINTS: usize = 128;
+/// Most operations that a robot's functions may come to, by [`estimate`]; as many again would be
+/// some 20 MB of text.
+const MOST_OPERATIONS: usize = 500_000;
+
+/// Roughly how many operations will be written out: elements of the mass matrix and rows of U grow
+/// with each link's depth, a module's block and its inverse with the cube of its length.
+fn estimate(model: &Model, modules: &ModuleTree) -> usize {
+    let mut depths: Vec<usize> = Vec::with_capacity(model.links().len());
+    for link in model.links() {
+        depths.push(link.parent.map_or(0, |parent| depths[parent] + 1));
+    }
+    let rows: usize = depths.iter().map(|depth| 40 * (depth + 8)).sum();
+    let cube = |length: usize| length.saturating_pow(3);
+    let blocks: usize = modules.modules().iter().map(|module| cube(module.links.len())).sum();
+    rows.saturating_add(blocks)
+}
 
 /// Which kinematic modules a robot is divided into; see [`ModuleTree`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -66,6 +79,7 @@ pub enum ModuleChoice {
 pub struct Builder {
     source: Source,
     read: ReadOptions,
+    gravity: Option<[f64; 3]>,
     modules: ModuleChoice,
     type_name: Option<String>,
     visibility: Option<String>,
@@ -158,7 +172,7 @@ impl Builder {
     /// The acceleration of free fall in world axes, m/s^2; (0, 0, -9.81) by default.
     #[must_use]
     pub fn gravity(mut self, gravity: [f64; 3]) -> Self {
-        self.read.gravity = gravity;
+        self.gravity = Some(gravity);
         self
     }
 
@@ -198,17 +212,12 @@ impl Builder {
     pub fn generate(&self) -> Result<Generated, Diagnostics> {
         let mut errors = self.option_errors();
         let reading = self.read().map_err(|found| errors.extend(found)).ok();
-        if let Some(count) = reading.as_ref().map(|r| r.model.nv()).filter(|&nv| nv > MOST_JOINTS) {
-            let message =
-                format!("{count} moving joints are too many: code is written out for each");
-            let help = format!(
-                "make joints `fixed`, up to {MOST_JOINTS} may move, or use `modyn::Interpreter`"
-            );
-            errors.push(Diagnostic::error(Code::TooLarge, message).with_help(help));
-        }
         let modules = reading.as_ref().and_then(|reading| {
             self.module_tree(&reading.model).map_err(|found| errors.extend(found)).ok()
         });
+        if let (Some(Reading { model, .. }), Some(modules)) = (&reading, &modules) {
+            errors.extend(too_large(model, modules));
+        }
         let (Some(Reading { model, warnings }), Some(modules), true) =
             (reading, modules, errors.is_empty())
         else {
@@ -274,6 +283,10 @@ impl Builder {
     }
 
     fn read(&self) -> Result<Reading, Diagnostics> {
+        // A gravity that is none is reported with the options.
+        let gravity = self.gravity.filter(|gravity| gravity.iter().all(|x| x.is_finite()));
+        let options =
+            ReadOptions { gravity: gravity.unwrap_or(DEFAULT_GRAVITY), ..self.read.clone() };
         match &self.source {
             Source::None => {
                 let missing =
@@ -282,11 +295,16 @@ impl Builder {
             }
             Source::File(path) => {
                 let (_, text) = read_first(path.display(), &[place(path)])?;
-                urdf::read(&text, &path.display().to_string(), &self.read)
+                urdf::read(&text, &path.display().to_string(), &options)
             }
-            Source::Text { text, file } => urdf::read(text, file, &self.read),
+            Source::Text { text, file } => urdf::read(text, file, &options),
             Source::Model(model) => {
-                Ok(Reading { model: model.as_ref().clone(), warnings: Vec::new() })
+                let model = match self.gravity {
+                    None => model.as_ref().clone(),
+                    Some(_) => model.with_gravity(options.gravity),
+                };
+                urdf::check(&model, self.read.unphysical_inertia)
+                    .map(|warnings| Reading { model, warnings })
             }
         }
     }
@@ -306,30 +324,51 @@ impl Builder {
     /// What is wrong with the options that become part of the text as they are.
     fn option_errors(&self) -> Vec<Diagnostic> {
         let mut errors = Vec::new();
-        let mut error = |message: String, help: String| {
-            errors.push(Diagnostic::error(Code::TypeName, message).with_help(help));
+        let mut error = |code, message: String, help: String| {
+            errors.push(Diagnostic::error(code, message).with_help(help));
         };
+
         if let Some(name) = self.type_name.as_ref().filter(|&name| names::type_name(name) != *name)
         {
             error(
+                Code::TypeName,
                 format!("{name:?} is no type's name in upper camel case"),
                 format!("`{}` is one", names::type_name(name)),
             );
         }
         if let Some(visibility) = self.visibility.as_ref().filter(|text| !is_visibility(text)) {
             error(
+                Code::Option,
                 format!("{visibility:?} is no visibility"),
                 "`pub`, `pub(crate)`, `pub(super)`, `pub(in path)`, or nothing for private".into(),
             );
         }
         if let Some(krate) = self.krate.as_ref().filter(|text| !is_path(text)) {
             error(
+                Code::Option,
                 format!("{krate:?} is no path of a crate or module"),
                 "give the path of `modyn`, such as `::modyn` or `crate::robots::modyn`".into(),
             );
         }
+        errors.extend(self.gravity.and_then(urdf::gravity_error));
         errors
     }
+}
+
+fn too_large(model: &Model, modules: &ModuleTree) -> Option<Diagnostic> {
+    let operations = estimate(model, modules);
+    let longest = modules.modules().iter().map(|module| module.links.len()).max().unwrap_or(0);
+    let message = format!(
+        "the functions of {} moving joints, up to {longest} of them in one module, come to some \
+         {operations} operations, which is too much code",
+        model.nv()
+    );
+    let help = format!(
+        "make joints `fixed`, choose shorter modules (`modules = links` has the shortest), or use \
+         `modyn::Interpreter`; up to {MOST_OPERATIONS} operations are written out"
+    );
+    (operations > MOST_OPERATIONS)
+        .then(|| Diagnostic::error(Code::TooLarge, message).with_help(help))
 }
 
 /// Where a file is: as given, or from the folder of the crate's `Cargo.toml`.
@@ -401,9 +440,49 @@ mod tests {
         let errors = Builder::new().urdf_text(urdf + "</robot>", "snake.urdf").generate();
         let errors = errors.expect_err("too large").to_string();
         assert!(
-            errors.starts_with("error[too-large]: 1000 moving joints are too many"),
+            errors.starts_with(
+                "error[too-large]: the functions of 1000 moving joints, up to 1000 of them"
+            ),
             "{errors}"
         );
+    }
+
+    /// Arms of two links, all on the world.
+    fn bush(arms: usize) -> Model {
+        let text = |i: usize, parent: &str| {
+            format!(
+                "<joint name='{i}' type='continuous'><parent link='{parent}'/><child link='{i}'/></joint>\
+                 <link name='{i}'><inertial><mass value='1'/>\
+                 <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+            )
+        };
+        let arm = |i: usize| text(2 * i, "world") + &text(2 * i + 1, &(2 * i).to_string());
+        let arms: String = (0..arms).map(arm).collect();
+        let urdf = format!("<robot name='bush'><link name='world'/>{arms}</robot>");
+        urdf::read(&urdf, "bush.urdf", &ReadOptions::default()).expect("a bush").model
+    }
+
+    #[test]
+    fn many_short_branches_are_not_too_large() {
+        let bush = bush(100);
+        assert_eq!(bush.nv(), 200);
+        assert!(too_large(&bush, &ModuleTree::chains(&bush)).is_none());
+    }
+
+    #[test]
+    fn a_model_is_checked_as_a_file_is() {
+        let bush = bush(2);
+        let mut links = bush.links().to_vec();
+        links[1].inertial = Default::default();
+        links[3].inertial.inertia = [1.0, 0.0, 0.0, 1.0, 0.0, 5.0];
+        let broken = Model::new("bush", [0.0; 3], links, bush.frames().to_vec()).expect("a tree");
+        let errors = Builder::new().model(broken.clone()).generate().expect_err("unphysical");
+        let codes: Vec<Code> = errors.iter().map(|error| error.code).collect();
+        assert_eq!(codes, [Code::TriangleInequality, Code::NoInertiaFelt]);
+        let lenient = Builder::new().model(broken).unphysical_inertia(Severity::Warning).generate();
+        assert_eq!(lenient.expect_err("still singular").as_slice().len(), 2);
+        let moon = Builder::new().model(bush).gravity([0.0, 0.0, -1.62]).generate();
+        assert_eq!(moon.expect("physical").model.gravity(), [0.0, 0.0, -1.62]);
     }
 
     #[test]
@@ -412,7 +491,9 @@ mod tests {
         let errors = builder.krate("a b").visibility("x").gravity([f64::NAN; 3]).generate();
         let errors = errors.expect_err("all wrong");
         let codes: Vec<Code> = errors.iter().map(|error| error.code).collect();
-        assert_eq!(codes, [Code::TypeName, Code::TypeName, Code::TypeName, Code::MissingFile]);
+        let expected =
+            [Code::TypeName, Code::Option, Code::Option, Code::Gravity, Code::MissingFile];
+        assert_eq!(codes, expected);
         assert!(errors.iter().all(|error| error.help.is_some()));
     }
 }

@@ -152,6 +152,8 @@ codes! {
     TooLarge = "too-large",
     /// The name of the generated type is no Rust identifier.
     TypeName = "type-name",
+    /// An option has a value that cannot be.
+    Option = "option",
     /// The generated code cannot be written.
     Output = "output",
     /// The model was refused for a reason that reading should have found.

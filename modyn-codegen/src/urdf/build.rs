@@ -101,12 +101,7 @@ pub fn build(
     }
     for i in felt::unfelt(&links) {
         let joint = &parts.joints[bodies[i].joint];
-        let message = format!(
-            "nothing that it moves has inertia that it alone would feel (it carries link `{}`), \
-             so its acceleration is undefined",
-            links[i].name
-        );
-        let help = "give the link a mass (and, if it turns, a rotational inertia), or make the joint `fixed`";
+        let (message, help) = unfelt(&links[i]);
         report.error(Code::NoInertiaFelt, joint.name.at, Some(&joint.subject()), message, help);
     }
     if report.errors() > 0 {
@@ -140,7 +135,7 @@ fn check_inertia(
     report: &mut Report<'_>,
 ) {
     let severity = options.unphysical_inertia;
-    // A mass below 0 is wrong wherever it hangs: in a sum it would go unseen.
+    // A mass below 0 is wrong wherever it hangs: in a sum it would go unseen. No option takes it.
     let mut negative = false;
     let with_inertial =
         |link: &usize| Some((&parts.links[*link], parts.links[*link].inertial.as_ref()?));
@@ -149,14 +144,7 @@ fn check_inertia(
             negative = true;
             let message = format!("the mass is {} kg", own.inertial.mass);
             let help = "write a mass of at least 0";
-            report.add(
-                severity,
-                Code::NegativeMass,
-                own.mass_at,
-                Some(&link.subject()),
-                message,
-                help,
-            );
+            report.error(Code::NegativeMass, own.mass_at, Some(&link.subject()), message, help);
         }
     }
     if negative {
@@ -175,32 +163,42 @@ fn check_inertia(
         report.error(Code::NotFinite, at, Some(&moving.subject()), message, help);
         return;
     }
-    let (code, message, help) = match whole.defect() {
-        None => return,
-        Some(defect) => {
-            let (code, help) = match defect {
-                InertialDefect::NegativeMass(_) => {
-                    (Code::NegativeMass, "write a mass of at least 0")
-                }
-                InertialDefect::InertiaWithoutMass => (
-                    Code::InertiaWithoutMass,
-                    "write the mass, or zeros for the rotational inertia",
-                ),
-                InertialDefect::NotPositiveSemidefinite(_) => (
-                    Code::IndefiniteInertia,
-                    "check the signs of ixy, ixz, iyz and whether the inertia is about the centre of mass",
-                ),
-                _ => (
-                    Code::TriangleInequality,
-                    "check ixx, iyy, izz and whether the inertia is about the centre of mass",
-                ),
-            };
-            (code, defect.to_string(), help)
-        }
-    };
+    let Some(defect) = whole.defect() else { return };
+    let ((code, help), message) = (explain(&defect), defect.to_string());
     let with = fixed_names(parts, fixed);
     let help = format!("{help}; or take it as it is with the option `unphysical_inertia = warn`");
     report.add(severity, code, at, Some(&moving.subject()), format!("{message}{with}"), help);
+}
+
+/// What is wrong where a joint feels no inertia, and what to do about it.
+pub(super) fn unfelt(link: &Link) -> (String, &'static str) {
+    let message = format!(
+        "nothing that it moves has inertia that it alone would feel (it carries link `{}`), \
+         so its acceleration is undefined",
+        link.name
+    );
+    (
+        message,
+        "give the link a mass (and, if it turns, a rotational inertia), or make the joint `fixed`",
+    )
+}
+
+/// The kind of a defect, and what to do about it.
+pub(super) fn explain(defect: &InertialDefect) -> (Code, &'static str) {
+    match defect {
+        InertialDefect::NegativeMass(_) => (Code::NegativeMass, "write a mass of at least 0"),
+        InertialDefect::InertiaWithoutMass => {
+            (Code::InertiaWithoutMass, "write the mass, or zeros for the rotational inertia")
+        }
+        InertialDefect::NotPositiveSemidefinite(_) => (
+            Code::IndefiniteInertia,
+            "check the signs of ixy, ixz, iyz and whether the inertia is about the centre of mass",
+        ),
+        _ => (
+            Code::TriangleInequality,
+            "check ixx, iyy, izz and whether the inertia is about the centre of mass",
+        ),
+    }
 }
 
 /// Beyond this, products of figures could overflow.

@@ -27,7 +27,7 @@ mod tree;
 
 use modyn_runtime::model::{DEFAULT_GRAVITY, Model};
 
-use crate::error::{Code, Diagnostic, Diagnostics, Severity};
+use crate::error::{Code, Diagnostic, Diagnostics, Severity, Subject};
 use report::Report;
 
 /// What a user may choose about reading.
@@ -86,11 +86,36 @@ pub fn read(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Di
     }
 }
 
-fn gravity_error(gravity: [f64; 3]) -> Option<Diagnostic> {
+/// What is wrong with a gravity.
+pub(crate) fn gravity_error(gravity: [f64; 3]) -> Option<Diagnostic> {
     let message = format!("the gravity {gravity:?} is not finite");
     let help = "give three finite numbers in m/s^2, such as [0.0, 0.0, -9.81]";
     let finite = gravity.iter().all(|x| x.is_finite());
     (!finite).then(|| Diagnostic::error(Code::Gravity, message).with_help(help))
+}
+
+/// Checks a model that was not read here as one that was: inertias and what joints feel. Returns
+/// the warnings.
+pub(crate) fn check(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic>, Diagnostics> {
+    let mut found = Vec::new();
+    for link in model.links() {
+        if let Some(defect) = link.inertial.defect() {
+            let (code, help) = build::explain(&defect);
+            let severity = if code == Code::NegativeMass { Severity::Error } else { unphysical };
+            let subject = Subject::Link(link.name.clone());
+            found.push(
+                Diagnostic::new(severity, code, defect.to_string()).about(subject).with_help(help),
+            );
+        }
+    }
+    for i in felt::unfelt(model.links()) {
+        let link = &model.links()[i];
+        let subject = Subject::Joint(link.joint.name.clone());
+        let (message, help) = build::unfelt(link);
+        found.push(Diagnostic::error(Code::NoInertiaFelt, message).about(subject).with_help(help));
+    }
+    let found = Diagnostics::new(found);
+    if found.has_errors() { Err(found) } else { Ok(found.into_vec()) }
 }
 
 /// The steps. What stops one of them is in the report.
