@@ -141,6 +141,9 @@ proptest! {
             assert_close("solve", &left, &vec![0.0; links], 1e-12 * scale.max(1.0));
 
             let inverse = square(&brge.inverse());
+            prop_assert_eq!(&inverse, &inverse.transpose(), "symmetric to the last bit");
+            let blocks = square(&brge.d_inverse());
+            prop_assert_eq!(&blocks, &blocks.transpose(), "symmetric to the last bit");
             let expected = square(&gim).cholesky().expect("positive definite").inverse();
             let condition = square(&gim).norm() * expected.norm();
             let tolerance = 1e-14 * condition + 1e-12;
