@@ -116,6 +116,7 @@ fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
         Code::Modules,
         Code::TooLarge,
         Code::TypeName,
+        Code::Option,
         Code::Output,
         Code::InvertedLimits,
         Code::MimicTarget,

@@ -101,12 +101,7 @@ pub fn build(
     }
     for i in felt::unfelt(&links) {
         let joint = &parts.joints[bodies[i].joint];
-        let message = format!(
-            "nothing that it moves has inertia that it alone would feel (it carries link `{}`), \
-             so its acceleration is undefined",
-            links[i].name
-        );
-        let help = "give the link a mass (and, if it turns, a rotational inertia), or make the joint `fixed`";
+        let (message, help) = (felt::message(&links[i].name), felt::HELP);
         report.error(Code::NoInertiaFelt, joint.name.at, Some(&joint.subject()), message, help);
     }
     if report.errors() > 0 {
@@ -139,8 +134,8 @@ fn check_inertia(
     options: &ReadOptions,
     report: &mut Report<'_>,
 ) {
-    let severity = options.unphysical_inertia;
-    // A mass below 0 is wrong wherever it hangs: in a sum it would go unseen.
+    // A mass below 0 is wrong wherever it hangs: in a sum it would go unseen. No option lets it
+    // through, since the equations have no meaning with it.
     let mut negative = false;
     let with_inertial =
         |link: &usize| Some((&parts.links[*link], parts.links[*link].inertial.as_ref()?));
@@ -149,18 +144,8 @@ fn check_inertia(
             negative = true;
             let message = format!("the mass is {} kg", own.inertial.mass);
             let help = "write a mass of at least 0";
-            report.add(
-                severity,
-                Code::NegativeMass,
-                own.mass_at,
-                Some(&link.subject()),
-                message,
-                help,
-            );
+            report.error(Code::NegativeMass, own.mass_at, Some(&link.subject()), message, help);
         }
-    }
-    if negative {
-        return;
     }
     let Some((&moving, fixed)) = links.split_first() else {
         return;
@@ -170,41 +155,52 @@ fn check_inertia(
         links.iter().find_map(with_inertial).map_or(moving.name.at, |(_, inertial)| inertial.at);
     let figures = [whole.mass].into_iter().chain(whole.center_of_mass).chain(whole.inertia);
     if !figures.clone().all(|x| x.abs() < LARGEST) {
-        let message = "the figures of the inertia are too large to compute with";
-        let help = "write kg, m and kg m^2";
-        report.error(Code::NotFinite, at, Some(&moving.subject()), message, help);
+        report.error(Code::NotFinite, at, Some(&moving.subject()), TOO_LARGE, TOO_LARGE_HELP);
         return;
     }
-    let (code, message, help) = match whole.defect() {
-        None => return,
-        Some(defect) => {
-            let (code, help) = match defect {
-                InertialDefect::NegativeMass(_) => {
-                    (Code::NegativeMass, "write a mass of at least 0")
-                }
-                InertialDefect::InertiaWithoutMass => (
-                    Code::InertiaWithoutMass,
-                    "write the mass, or zeros for the rotational inertia",
-                ),
-                InertialDefect::NotPositiveSemidefinite(_) => (
-                    Code::IndefiniteInertia,
-                    "check the signs of ixy, ixz, iyz and whether the inertia is about the centre of mass",
-                ),
-                _ => (
-                    Code::TriangleInequality,
-                    "check ixx, iyy, izz and whether the inertia is about the centre of mass",
-                ),
-            };
-            (code, defect.to_string(), help)
+    let severity = options.unphysical_inertia;
+    if negative {
+        // The sum says nothing then; the parts that are to be repaired say for themselves.
+        for (link, own) in links.iter().filter_map(with_inertial) {
+            let Inertial { mass, .. } = own.inertial;
+            let repaired = Inertial { mass: mass.abs(), ..own.inertial };
+            if let Some(defect) = repaired.defect().filter(|_| mass < 0.0) {
+                let (code, help) = advice(&defect);
+                report.add(severity, code, own.at, Some(&link.subject()), defect.to_string(), help);
+            }
         }
-    };
-    let with = fixed_names(parts, fixed);
-    let help = format!("{help}; or take it as it is with the option `unphysical_inertia = warn`");
-    report.add(severity, code, at, Some(&moving.subject()), format!("{message}{with}"), help);
+    } else if let Some(defect) = whole.defect() {
+        let (code, help) = advice(&defect);
+        let message = format!("{defect}{}", fixed_names(parts, fixed));
+        report.add(severity, code, at, Some(&moving.subject()), message, help);
+    }
 }
 
 /// Beyond this, products of figures could overflow.
-const LARGEST: f64 = 1e60;
+pub const LARGEST: f64 = 1e60;
+pub const TOO_LARGE: &str = "the figures of the inertia are too large to compute with";
+pub const TOO_LARGE_HELP: &str = "write kg, m and kg m^2";
+
+/// The kind of a defect, and what to do about it.
+pub fn advice(defect: &InertialDefect) -> (Code, String) {
+    let (code, help) = match defect {
+        InertialDefect::NegativeMass(_) => {
+            return (Code::NegativeMass, "write a mass of at least 0".into());
+        }
+        InertialDefect::InertiaWithoutMass => {
+            (Code::InertiaWithoutMass, "write the mass, or zeros for the rotational inertia")
+        }
+        InertialDefect::NotPositiveSemidefinite(_) => (
+            Code::IndefiniteInertia,
+            "check the signs of ixy, ixz, iyz and whether the inertia is about the centre of mass",
+        ),
+        _ => (
+            Code::TriangleInequality,
+            "check ixx, iyy, izz and whether the inertia is about the centre of mass",
+        ),
+    };
+    (code, format!("{help}; or take it as it is with the option `unphysical_inertia = warn`"))
+}
 
 fn fixed_names(parts: &Parts, fixed: &[usize]) -> String {
     let mut heavy = fixed
