@@ -8,30 +8,17 @@ use modyn_runtime::OperationCount;
 use modyn_runtime::model::{DEFAULT_GRAVITY, Model, ModuleTree};
 
 use crate::emit::{EmitOptions, Emitted, FloatType, emit};
-use crate::error::{Code, Diagnostic, Diagnostics, Severity};
+use crate::error::{Code, Diagnostic, Diagnostics, Severity, Subject};
 use crate::names;
 use crate::source::read_first;
 use crate::urdf::{self, Mimic, ReadOptions, Reading};
 
-/// Most operations that a robot's functions may come to, by [`estimate`]; as many again would be
-/// some 20 MB of text.
-const MOST_OPERATIONS: usize = 500_000;
-
-/// Roughly how many operations will be written out: elements of the mass matrix and rows of U grow
-/// with each link's depth, a module's block and its inverse with the cube of its length.
-fn estimate(model: &Model, modules: &ModuleTree) -> usize {
-    let mut depths: Vec<usize> = Vec::with_capacity(model.links().len());
-    for link in model.links() {
-        depths.push(link.parent.map_or(0, |parent| depths[parent] + 1));
-    }
-    let rows: usize = depths.iter().map(|depth| 40 * (depth + 8)).sum();
-    let cube = |length: usize| length.saturating_pow(3);
-    let blocks: usize = modules.modules().iter().map(|module| cube(module.links.len())).sum();
-    rows.saturating_add(blocks)
-}
+/// Most operations, by [`estimate`]: tens of megabytes of text.
+const MOST_OPERATIONS: u64 = 400_000;
 
 /// Which kinematic modules a robot is divided into; see [`ModuleTree`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ModuleChoice {
     /// Maximal serial chains.
     #[default]
@@ -85,6 +72,8 @@ pub struct Builder {
     visibility: Option<String>,
     krate: Option<String>,
     float: FloatType,
+    /// `None` for the default, or a model's own.
+    gravity: Option<[f64; 3]>,
 }
 
 /// Where the robot comes from.
@@ -98,10 +87,12 @@ enum Source {
         file: String,
     },
     Model(Box<Model>),
+    Unread(Diagnostics),
 }
 
 /// What was compiled.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Generated {
     /// Rust items: the type named [`type_name`](Self::type_name) and what belongs to it.
     pub text: String,
@@ -140,10 +131,19 @@ impl Builder {
         self
     }
 
-    /// A model that is there already; the options about reading have no effect on it.
+    /// A model that is there already. It is checked as a description is, and has its own gravity
+    /// unless [another](Self::gravity) is given.
     #[must_use]
     pub fn model(mut self, model: Model) -> Self {
         self.source = Source::Model(Box::new(model));
+        self
+    }
+
+    /// A description that could not be read: `generate` says why, and what else is wrong.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn unread(mut self, why: Diagnostics) -> Self {
+        self.source = Source::Unread(why);
         self
     }
 
@@ -169,7 +169,8 @@ impl Builder {
         self
     }
 
-    /// The acceleration of free fall in world axes, m/s^2; (0, 0, -9.81) by default.
+    /// The acceleration of free fall in world axes, m/s^2; by default (0, 0, -9.81) for a
+    /// description, its own for a [model](Self::model).
     #[must_use]
     pub fn gravity(mut self, gravity: [f64; 3]) -> Self {
         self.gravity = Some(gravity);
@@ -183,7 +184,8 @@ impl Builder {
         self
     }
 
-    /// How to take inertias that no rigid body has; as errors by default.
+    /// How to take inertias that no rigid body has; as errors by default. A negative mass is
+    /// always an error.
     #[must_use]
     pub fn unphysical_inertia(mut self, severity: Severity) -> Self {
         self.read.unphysical_inertia = severity;
@@ -218,15 +220,17 @@ impl Builder {
         if let (Some(Reading { model, .. }), Some(modules)) = (&reading, &modules) {
             errors.extend(too_large(model, modules));
         }
-        let (Some(Reading { model, warnings }), Some(modules), true) =
+        let (Some(Reading { model, mut warnings }), Some(modules), true) =
             (reading, modules, errors.is_empty())
         else {
             return Err(Diagnostics::new(errors));
         };
+        warnings.extend(self.taken_name(&model, &warnings));
+        let defaults = EmitOptions::default();
         let options = EmitOptions {
             type_name: self.type_name.clone(),
-            visibility: self.visibility.clone().unwrap_or_else(|| "pub".into()),
-            krate: self.krate.clone().unwrap_or_else(|| "::modyn".into()),
+            visibility: self.visibility.clone().unwrap_or(defaults.visibility),
+            krate: self.krate.clone().unwrap_or(defaults.krate),
             float: self.float,
             warnings,
         };
@@ -276,15 +280,17 @@ impl Builder {
             let message = format!("`{}` cannot be written: {reason}", file.display());
             error(message, "OUT_DIR must be a folder that can be written to")
         })?;
-        for warning in &generated.warnings {
-            println!("cargo::warning={}", warning.to_string().replace('\n', " "));
+        let warnings = generated.warnings.iter().take(Diagnostics::SHOWN);
+        let more = Diagnostics::more(generated.warnings.len());
+        for warning in warnings.map(ToString::to_string).chain(more) {
+            println!("cargo::warning={}", warning.replace(char::is_control, " "));
         }
         Ok(generated)
     }
 
     fn read(&self) -> Result<Reading, Diagnostics> {
-        // A gravity that is none is reported with the options.
-        let gravity = self.gravity.filter(|gravity| gravity.iter().all(|x| x.is_finite()));
+        // A bad one is among the errors of the options.
+        let gravity = self.gravity.filter(|&gravity| urdf::gravity_error(gravity).is_none());
         let options =
             ReadOptions { gravity: gravity.unwrap_or(DEFAULT_GRAVITY), ..self.read.clone() };
         match &self.source {
@@ -299,14 +305,35 @@ impl Builder {
             }
             Source::Text { text, file } => urdf::read(text, file, &options),
             Source::Model(model) => {
-                let model = match self.gravity {
-                    None => model.as_ref().clone(),
-                    Some(_) => model.with_gravity(options.gravity),
-                };
-                urdf::check(&model, self.read.unphysical_inertia)
-                    .map(|warnings| Reading { model, warnings })
+                let mut model = model.as_ref().clone();
+                if let Some(gravity) = gravity {
+                    let (links, frames) = (model.links().to_vec(), model.frames().to_vec());
+                    model = Model::new(model.name(), gravity, links, frames).map_err(|errors| {
+                        let help = "this is a fault of modyn: please report it with the model";
+                        let diagnostic = |error: &dyn std::fmt::Display| {
+                            Diagnostic::error(Code::InvalidModel, error.to_string()).with_help(help)
+                        };
+                        Diagnostics::new(errors.iter().map(|error| diagnostic(error)).collect())
+                    })?;
+                }
+                urdf::check(model, options.unphysical_inertia)
             }
+            Source::Unread(why) => Err(why.clone()),
         }
+    }
+
+    /// Warns of a type `Robot`, which is also what the trait is called that users import.
+    fn taken_name(&self, model: &Model, warnings: &[Diagnostic]) -> Option<Diagnostic> {
+        let name = names::type_name(model.name());
+        // Of a robot without a name this has been said.
+        let said = warnings.iter().any(|w| w.code == Code::MissingAttribute && w.subject.is_none());
+        (self.type_name.is_none() && name == "Robot" && !said).then(|| {
+            let message = "the type `Robot` will collide with `use modyn::Robot`";
+            let help = "name it: `modyn!(pub MyArm = \"...\")`, or `Builder::type_name`";
+            let subject = Subject::Robot(model.name().into());
+            let warning = Diagnostic::new(Severity::Warning, Code::TypeName, message);
+            warning.about(subject).with_help(help)
+        })
     }
 
     fn module_tree(&self, model: &Model) -> Result<ModuleTree, Diagnostics> {
@@ -355,20 +382,44 @@ impl Builder {
     }
 }
 
+/// About how many operations and entries the text will have, found without writing it: the rows
+/// of the mass matrix and its factors reach from each link to the base, the matrix itself has all
+/// columns, and the pivot block of a module with k joints takes k^3.
+fn estimate(model: &Model, modules: &ModuleTree) -> u64 {
+    let mut depths: Vec<u64> = Vec::with_capacity(model.links().len());
+    for link in model.links() {
+        // Parents come before their children.
+        depths.push(1 + link.parent.map_or(0, |parent| depths[parent]));
+    }
+    let rows = depths.iter().fold(0, |sum: u64, depth| sum.saturating_add(depth * 40));
+    let square = (depths.len() as u64).saturating_pow(2);
+    let pivots =
+        modules.modules().iter().map(|module| (module.links.len() as u64).saturating_pow(3));
+    pivots.fold(rows.saturating_add(square), u64::saturating_add)
+}
+
+/// Says so if code for this robot would be endless.
 fn too_large(model: &Model, modules: &ModuleTree) -> Option<Diagnostic> {
     let operations = estimate(model, modules);
-    let longest = modules.modules().iter().map(|module| module.links.len()).max().unwrap_or(0);
+    if operations <= MOST_OPERATIONS {
+        return None;
+    }
+    let longest = modules.modules().iter().map(|module| &module.links).max_by_key(|l| l.len())?;
     let message = format!(
-        "the functions of {} moving joints, up to {longest} of them in one module, come to some \
-         {operations} operations, which is too much code",
-        model.nv()
+        "code for {} moving joints would take about {operations} operations, more than \
+         {MOST_OPERATIONS}; the longest module has {} links, from `{}` to `{}`",
+        model.nv(),
+        longest.len(),
+        model.links()[longest.start].name,
+        model.links()[longest.end - 1].name,
     );
-    let help = format!(
-        "make joints `fixed`, choose shorter modules (`modules = links` has the shortest), or use \
-         `modyn::Interpreter`; up to {MOST_OPERATIONS} operations are written out"
-    );
-    (operations > MOST_OPERATIONS)
-        .then(|| Diagnostic::error(Code::TooLarge, message).with_help(help))
+    let links = estimate(model, &ModuleTree::links(model));
+    let help = if links <= MOST_OPERATIONS {
+        "divide it: `modules = links`; or use `modyn::Interpreter`, which has no such limit"
+    } else {
+        "use `modyn::Interpreter`, which has no such limit, or make joints `fixed`"
+    };
+    Some(Diagnostic::error(Code::TooLarge, message).with_help(help))
 }
 
 /// Where a file is: as given, or from the folder of the crate's `Cargo.toml`.
@@ -427,24 +478,122 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_that_is_too_large_is_refused_at_once() {
-        let mut urdf = String::from("<robot name='snake'><link name='0'/>");
-        for i in 1..=1000 {
+    fn what_code_would_be_endless_is_refused_at_once() {
+        let refused = |model: Model, modules| {
+            let errors = Builder::new().model(model).modules(modules).generate();
+            errors.expect_err("too large").to_string()
+        };
+        let errors = refused(comb(1, 1000), ModuleChoice::Chains);
+        assert!(errors.starts_with("error[too-large]: code for 1000 moving joints"), "{errors}");
+        assert!(errors.contains("1000 links, from `1` to `1000`"), "{errors}");
+        // Links as modules would not help here.
+        assert!(!errors.contains("modules = links"), "{errors}");
+        let errors = refused(comb(1, 90), ModuleChoice::Chains);
+        assert!(errors.contains("about 900") && errors.contains("modules = links"), "{errors}");
+        refused(comb(1000, 1), ModuleChoice::Links);
+    }
+
+    #[test]
+    fn the_limit_is_about_cost_not_joints() {
+        let size = |model: &Model, modules: &ModuleTree| too_large(model, modules).is_some();
+        for (model, chains, links) in [
+            (comb(1, 60), false, false),
+            (comb(1, 90), true, false),
+            (comb(1, 150), true, true),
+            (comb(40, 5), false, false),
+            (comb(25, 8), false, false),
+            (comb(600, 1), false, false),
+        ] {
+            assert_eq!(size(&model, &ModuleTree::chains(&model)), chains, "{}", model.nv());
+            assert_eq!(size(&model, &ModuleTree::links(&model)), links, "{}", model.nv());
+        }
+        let tree = Builder::new().model(comb(40, 5)).generate().expect("short chains");
+        assert_eq!(tree.model.nv(), 200);
+    }
+
+    /// So many chains of so many links.
+    fn comb(chains: usize, length: usize) -> Model {
+        let mut urdf = String::from("<robot name='comb'><link name='0'/>");
+        for i in 1..=chains * length {
+            let parent = if i % length == 1 % length { 0 } else { i - 1 };
             urdf += &format!(
-                "<joint name='{i}' type='continuous'><parent link='{}'/><child link='{i}'/></joint>\
+                "<joint name='{i}' type='continuous'><parent link='{parent}'/><child link='{i}'/></joint>\
                  <link name='{i}'><inertial><mass value='1'/>\
                  <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>",
-                i - 1
             );
         }
-        let errors = Builder::new().urdf_text(urdf + "</robot>", "snake.urdf").generate();
-        let errors = errors.expect_err("too large").to_string();
-        assert!(
-            errors.starts_with(
-                "error[too-large]: the functions of 1000 moving joints, up to 1000 of them"
-            ),
-            "{errors}"
-        );
+        let read = urdf::read(&(urdf + "</robot>"), "comb.urdf", &ReadOptions::default());
+        read.expect("a good robot").model
+    }
+
+    /// The model with its last link changed.
+    fn changed(model: &Model, change: impl Fn(&mut modyn_runtime::model::Link)) -> Model {
+        let mut links = model.links().to_vec();
+        links.iter_mut().next_back().into_iter().for_each(change);
+        Model::new(model.name(), model.gravity(), links, model.frames().to_vec()).expect("valid")
+    }
+
+    #[test]
+    fn a_model_is_checked_as_a_description_is() {
+        let good = comb(1, 2);
+        let codes = |model, severity| -> Vec<Code> {
+            let result = Builder::new().model(model).unphysical_inertia(severity).generate();
+            match result {
+                Ok(generated) => generated.warnings.iter().map(|found| found.code).collect(),
+                Err(errors) => {
+                    assert!(errors.has_errors());
+                    assert!(errors.iter().all(|e| e.subject.is_some() && e.help.is_some()));
+                    errors.iter().map(|found| found.code).collect()
+                }
+            }
+        };
+        let massless = changed(&good, |link| link.inertial = Default::default());
+        let negative = changed(&good, |link| link.inertial.mass = -1.0);
+        let unphysical = changed(&good, |link| link.inertial.inertia[0] = 3.0);
+        let large = changed(&good, |link| link.inertial.center_of_mass[0] = 1e100);
+        for severity in [Severity::Error, Severity::Warning] {
+            assert_eq!(codes(good.clone(), severity), []);
+            assert_eq!(codes(massless.clone(), severity), [Code::NoInertiaFelt]);
+            assert_eq!(codes(negative.clone(), severity), [Code::NegativeMass]);
+            assert_eq!(codes(unphysical.clone(), severity), [Code::TriangleInequality]);
+            assert_eq!(codes(large.clone(), severity), [Code::NotFinite]);
+        }
+        let builder = Builder::new().model(unphysical);
+        assert!(builder.clone().generate().is_err());
+        assert!(builder.unphysical_inertia(Severity::Warning).generate().is_ok());
+    }
+
+    #[test]
+    fn gravity_is_a_models_own_unless_it_is_given() {
+        let model = comb(1, 1);
+        let moon = [0.0, 0.0, -1.62];
+        let (links, frames) = (model.links().to_vec(), model.frames().to_vec());
+        let on_moon = Model::new("m", moon, links, frames).expect("valid");
+        let builder = Builder::new().model(on_moon);
+        assert_eq!(builder.clone().generate().expect("good").model.gravity(), moon);
+        let other = builder.clone().gravity([1.0, 0.0, 0.0]).generate().expect("good");
+        assert_eq!(other.model.gravity(), [1.0, 0.0, 0.0]);
+        let errors = builder.gravity([1e70, 0.0, 0.0]).generate().expect_err("too large");
+        assert_eq!(errors.iter().map(|error| error.code).collect::<Vec<_>>(), [Code::Gravity]);
+    }
+
+    #[test]
+    fn a_robot_called_robot_is_warned_of() {
+        let text = |name: &str| {
+            format!(
+                "<robot{name}><link name='a'/><joint name='j' type='continuous'><parent link='a'/>\
+                 <child link='b'/></joint><link name='b'><inertial><mass value='1'/>\
+                 <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link></robot>"
+            )
+        };
+        let warnings = |name: &str, builder: Builder| {
+            let found = builder.urdf_text(text(name), "a.urdf").generate().expect("good");
+            found.warnings.iter().map(|warning| warning.code).collect::<Vec<_>>()
+        };
+        let called = " name='robot'";
+        assert_eq!(warnings(called, Builder::new()), [Code::TypeName]);
+        assert_eq!(warnings("", Builder::new()), [Code::MissingAttribute]);
+        assert_eq!(warnings(called, Builder::new().type_name("Arm")), []);
     }
 
     /// Arms of two links, all on the world.
@@ -491,9 +640,8 @@ mod tests {
         let errors = builder.krate("a b").visibility("x").gravity([f64::NAN; 3]).generate();
         let errors = errors.expect_err("all wrong");
         let codes: Vec<Code> = errors.iter().map(|error| error.code).collect();
-        let expected =
-            [Code::TypeName, Code::Option, Code::Option, Code::Gravity, Code::MissingFile];
-        assert_eq!(codes, expected);
+        let options = [Code::TypeName, Code::Option, Code::Option, Code::Gravity];
+        assert_eq!(codes, [&options[..], &[Code::MissingFile]].concat());
         assert!(errors.iter().all(|error| error.help.is_some()));
     }
 }

@@ -144,15 +144,15 @@ codes! {
     TriangleInequality = "triangle-inequality",
     /// A joint moves nothing that has inertia, so its acceleration is undefined.
     NoInertiaFelt = "no-inertia-felt",
-    /// The gravity in the options is NaN or infinite.
+    /// The gravity in the options is NaN, infinite or too large to compute with.
     Gravity = "gravity",
     /// The list of modules is not a partition of the links into chains.
     Modules = "modules",
-    /// The robot has more joints than code can be written out for.
+    /// The robot takes more operations than code can be written out for.
     TooLarge = "too-large",
-    /// The name of the generated type is no Rust identifier.
+    /// The name of the generated type is no Rust identifier, or likely to be taken.
     TypeName = "type-name",
-    /// An option has a value that cannot be.
+    /// An option that becomes part of the text is not what may stand there.
     Option = "option",
     /// The generated code cannot be written.
     Output = "output",
@@ -198,7 +198,8 @@ impl Diagnostic {
         Self::new(Severity::Error, code, message)
     }
 
-    /// The file `wanted` is at none of the places that were `tried`.
+    /// The file `wanted` is at none of the places that were `tried`: that of the source file and
+    /// that of `Cargo.toml`, or the latter alone.
     pub fn missing_file<T: fmt::Display>(wanted: impl fmt::Display, tried: &[T]) -> Self {
         use fmt::Write;
         let mut message = format!("`{wanted}` does not exist");
@@ -207,9 +208,11 @@ impl Diagnostic {
             // Writing to a string cannot fail.
             let _ = write!(message, "{lead} `{place}`");
         }
-        Self::error(Code::MissingFile, message).with_help(
-            "give the path relative to the source file that names it, or to the folder of Cargo.toml",
-        )
+        Self::error(Code::MissingFile, message).with_help(if tried.len() > 1 {
+            "give the path relative to the source file that names it, or to the folder of Cargo.toml"
+        } else {
+            "give the path relative to the folder of Cargo.toml"
+        })
     }
 
     /// The same, in this file.
@@ -283,6 +286,16 @@ impl Diagnostics {
         Self(diagnostics)
     }
 
+    /// The most that are shown to a user.
+    pub const SHOWN: usize = 100;
+
+    /// What stands for those that are not shown, of so many.
+    #[must_use]
+    pub(crate) fn more(count: usize) -> Option<String> {
+        let more = count.checked_sub(Self::SHOWN).filter(|&more| more > 0)?;
+        Some(format!("... and {more} more"))
+    }
+
     /// Whether there is an error among them.
     #[must_use]
     pub fn has_errors(&self) -> bool {
@@ -338,13 +351,17 @@ impl<'a> IntoIterator for &'a Diagnostics {
     }
 }
 
+/// The first [`Diagnostics::SHOWN`] of them, and how many more there are.
 impl fmt::Display for Diagnostics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, diagnostic) in self.0.iter().enumerate() {
+        for (i, diagnostic) in self.0.iter().take(Self::SHOWN).enumerate() {
             if i > 0 {
                 f.write_str("\n")?;
             }
             write!(f, "{diagnostic}")?;
+        }
+        if let Some(more) = Self::more(self.0.len()) {
+            write!(f, "\n{more}")?;
         }
         Ok(())
     }
@@ -371,6 +388,10 @@ mod tests {
         assert!(missing.starts_with(
             "error[missing-file]: `a.urdf` does not exist; tried `src/a.urdf`, `a.urdf`\n"
         ));
+        assert!(missing.contains("source file"), "{missing}");
+        // A build script has no place but one.
+        let missing = Diagnostic::missing_file("a.urdf", &["a.urdf"]).to_string();
+        assert!(!missing.contains("source file") && missing.contains("Cargo.toml"), "{missing}");
     }
 
     #[test]
@@ -386,6 +407,15 @@ mod tests {
         let lines: Vec<_> = all.iter().map(|d| d.position.map(|p| p.line)).collect();
         assert_eq!(lines, [Some(2), Some(3), Some(1)]);
         assert!(all.has_errors());
+    }
+
+    #[test]
+    fn what_is_shown_is_bounded() {
+        let shown =
+            |count| Diagnostics::new(vec![Diagnostic::error(Code::Mimic, ""); count]).to_string();
+        assert_eq!(shown(100).lines().count(), 100);
+        assert_eq!(shown(102).lines().count(), 101);
+        assert!(shown(102).ends_with("\n... and 2 more"));
     }
 
     #[test]

@@ -6,6 +6,10 @@
 //!
 //! The macro `modyn::modyn!`, build scripts and anyone who wants the text all come in through
 //! [`Builder`].
+//!
+//! Stable are [`Builder`] with its options and result, [`error`], [`urdf`] and [`names`]. The other
+//! modules (`emit`, `expr`, `partition`, `passes`, `source`, `trace`) are public for tests and
+//! measurements, and may change in any release.
 
 mod builder;
 pub mod emit;

@@ -32,6 +32,13 @@ use input::Input;
 /// | `mimic` | `refuse`, `independent`: joints that mimic another one | `refuse` |
 /// | `unphysical_inertia` | `error`, `warn` | `error` |
 /// | `crate` | the path of `modyn`, where it was renamed | `::modyn` |
+///
+/// Names of the description become identifiers word by word, words being runs of ASCII letters and
+/// digits: `my-robot 2` is the type `MyRobot2`, the joint `arm/left.wrist` the variant
+/// `ArmLeftWrist`. An underscore stays between two digits (`Joint1_2`), `N` comes before a leading
+/// digit, an underscore behind a keyword (`Self_`), and a variant that is taken gets `_2`, `_3` and so
+/// on, in the order of the joints or links. A type `Robot` collides with `use modyn::Robot`: give it
+/// a name then.
 #[proc_macro]
 pub fn modyn(input: TokenStream) -> TokenStream {
     syn::parse(input).and_then(compile).unwrap_or_else(|error| error.into_compile_error().into())
@@ -41,14 +48,18 @@ fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
     let error = |message: &dyn Display| Error::new(span, message);
     let bug = |what| error(&format!("modyn {what}; please report this, with the description"));
     let compiled = catch_unwind(AssertUnwindSafe(|| {
-        let found = locate::locate(&path, span)?;
-        Ok((builder.urdf_text(found.text, &path).generate()?, found.tracking))
+        let (builder, tracking) = match locate::locate(&path, span) {
+            Ok(found) => (builder.urdf_text(found.text, &path), found.tracking),
+            // What is wrong with the options is said along with it.
+            Err(why) => (builder.unread(why), String::new()),
+        };
+        Ok((builder.generate()?, tracking))
     }));
     let (generated, tracking) =
         compiled.map_err(|_| bug("panicked"))?.map_err(|found: Diagnostics| error(&found))?;
-    for warning in &generated.warnings {
+    if !generated.warnings.is_empty() {
         // All that a macro can do on stable Rust. Cargo repeats it, as it does warnings.
-        eprintln!("{warning}");
+        eprintln!("{}", Diagnostics::new(generated.warnings));
     }
     // The compiler's own lexer is much faster than building tokens one by one in a macro, which
     // runs unoptimised.

@@ -216,7 +216,12 @@ const ODD: &[&str] = &[
     "_",
     "\u{0301}",
     "a\u{0}b",
+    INVISIBLE,
 ];
+
+/// Characters that rustc denies in comments and literals, and others that show nothing.
+const INVISIBLE: &str = "a\u{61c}\u{200b}\u{200d}\u{200e}\u{200f}\u{2028}\u{2029}\u{202a}\u{202b}\u{202c}\u{202d}\u{202e}\
+                         \u{2060}\u{2066}\u{2067}\u{2068}\u{2069}\u{feff}\u{ad}b";
 
 /// A chain whose robot, joints and links have these names.
 fn chain(robot: &str, names: &[String]) -> modyn_runtime::model::Model {
@@ -254,6 +259,9 @@ fn names_are_nothing_but_strings() {
         let links = if *robot == names[0] { &names[..] } else { &names[..1] };
         let model = chain(robot, links);
         let generated = Builder::new().model(model).generate().expect("a good robot");
+        let hidden =
+            generated.text.chars().find(|&c| c != 'a' && c != 'b' && INVISIBLE.contains(c));
+        assert_eq!(hidden, None, "{robot:?}");
         let found = Findings::of(&generated.text);
         for name in links.iter().chain([robot]) {
             assert!(found.strings.contains(name), "{name:?} is kept");

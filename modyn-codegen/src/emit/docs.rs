@@ -6,7 +6,7 @@ use modyn_runtime::OperationCount;
 use modyn_runtime::model::ModuleTree;
 
 use super::Robot;
-use crate::error::Diagnostic;
+use crate::error::{Diagnostic, Diagnostics};
 
 /// `name` as code in a doc comment, whatever stands in it.
 pub(super) fn code(name: &str) -> String {
@@ -14,9 +14,17 @@ pub(super) fn code(name: &str) -> String {
     format!("`{}`", tame(name).replace(['`', '|'], "\u{fffd}"))
 }
 
-/// `text` in one line: a line break would end a comment.
+/// `text` in one line, and as it looks: a line break would end a comment, and rustc denies
+/// characters that change the direction of what follows them.
 fn tame(text: &str) -> String {
-    text.replace(char::is_control, "\u{fffd}")
+    text.replace(|c: char| c.is_control() || is_invisible(c), "\u{fffd}")
+}
+
+/// Characters that show nothing themselves: marks of direction, joiners, separators of lines.
+fn is_invisible(c: char) -> bool {
+    matches!(c,
+        '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
+        | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
 }
 
 /// The doc comment of the robot's type.
@@ -63,10 +71,14 @@ pub(super) fn robot(
     );
     if !robot.options.warnings.is_empty() {
         lines.push_str("\nWarnings about the description:\n\n```text\n");
-        for warning in &robot.options.warnings {
+        let warnings = &robot.options.warnings;
+        for warning in warnings.iter().take(Diagnostics::SHOWN) {
             // Where the file stands is no matter of the text, which is the same on every host.
             let warning = Diagnostic { file: None, ..warning.clone() }.to_string();
             lines.extend(warning.lines().flat_map(|line| [tame(line), "\n".into()]));
+        }
+        if let Some(more) = Diagnostics::more(warnings.len()) {
+            let _ = writeln!(lines, "{more}");
         }
         lines.push_str("```\n");
     }

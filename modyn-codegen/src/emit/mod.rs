@@ -47,6 +47,7 @@ impl FloatType {
 
 /// What the text depends on besides the model.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct EmitOptions {
     /// The name of the type; made from the model's name if `None`.
     pub type_name: Option<String>,
@@ -60,7 +61,20 @@ pub struct EmitOptions {
     pub warnings: Vec<Diagnostic>,
 }
 
+impl Default for EmitOptions {
+    fn default() -> Self {
+        Self {
+            type_name: None,
+            visibility: "pub".into(),
+            krate: "::modyn".into(),
+            float: FloatType::default(),
+            warnings: Vec::new(),
+        }
+    }
+}
+
 /// The text, and what is worth reporting about it.
+#[non_exhaustive]
 pub struct Emitted {
     /// Rust items.
     pub text: String,

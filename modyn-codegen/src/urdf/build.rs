@@ -101,7 +101,7 @@ pub fn build(
     }
     for i in felt::unfelt(&links) {
         let joint = &parts.joints[bodies[i].joint];
-        let (message, help) = unfelt(&links[i]);
+        let (message, help) = (felt::message(&links[i].name), felt::HELP);
         report.error(Code::NoInertiaFelt, joint.name.at, Some(&joint.subject()), message, help);
     }
     if report.errors() > 0 {
@@ -134,8 +134,8 @@ fn check_inertia(
     options: &ReadOptions,
     report: &mut Report<'_>,
 ) {
-    let severity = options.unphysical_inertia;
-    // A mass below 0 is wrong wherever it hangs: in a sum it would go unseen. No option takes it.
+    // A mass below 0 is wrong wherever it hangs: in a sum it would go unseen. No option lets it
+    // through, since the equations have no meaning with it.
     let mut negative = false;
     let with_inertial =
         |link: &usize| Some((&parts.links[*link], parts.links[*link].inertial.as_ref()?));
@@ -147,9 +147,6 @@ fn check_inertia(
             report.error(Code::NegativeMass, own.mass_at, Some(&link.subject()), message, help);
         }
     }
-    if negative {
-        return;
-    }
     let Some((&moving, fixed)) = links.split_first() else {
         return;
     };
@@ -158,16 +155,25 @@ fn check_inertia(
         links.iter().find_map(with_inertial).map_or(moving.name.at, |(_, inertial)| inertial.at);
     let figures = [whole.mass].into_iter().chain(whole.center_of_mass).chain(whole.inertia);
     if !figures.clone().all(|x| x.abs() < LARGEST) {
-        let message = "the figures of the inertia are too large to compute with";
-        let help = "write kg, m and kg m^2";
-        report.error(Code::NotFinite, at, Some(&moving.subject()), message, help);
+        report.error(Code::NotFinite, at, Some(&moving.subject()), TOO_LARGE, TOO_LARGE_HELP);
         return;
     }
-    let Some(defect) = whole.defect() else { return };
-    let ((code, help), message) = (explain(&defect), defect.to_string());
-    let with = fixed_names(parts, fixed);
-    let help = format!("{help}; or take it as it is with the option `unphysical_inertia = warn`");
-    report.add(severity, code, at, Some(&moving.subject()), format!("{message}{with}"), help);
+    let severity = options.unphysical_inertia;
+    if negative {
+        // The sum says nothing then; the parts that are to be repaired say for themselves.
+        for (link, own) in links.iter().filter_map(with_inertial) {
+            let Inertial { mass, .. } = own.inertial;
+            let repaired = Inertial { mass: mass.abs(), ..own.inertial };
+            if let Some(defect) = repaired.defect().filter(|_| mass < 0.0) {
+                let (code, help) = advice(&defect);
+                report.add(severity, code, own.at, Some(&link.subject()), defect.to_string(), help);
+            }
+        }
+    } else if let Some(defect) = whole.defect() {
+        let (code, help) = advice(&defect);
+        let message = format!("{defect}{}", fixed_names(parts, fixed));
+        report.add(severity, code, at, Some(&moving.subject()), message, help);
+    }
 }
 
 /// What is wrong where a joint feels no inertia, and what to do about it.
@@ -202,7 +208,30 @@ pub(super) fn explain(defect: &InertialDefect) -> (Code, &'static str) {
 }
 
 /// Beyond this, products of figures could overflow.
-const LARGEST: f64 = 1e60;
+pub const LARGEST: f64 = 1e60;
+pub const TOO_LARGE: &str = "the figures of the inertia are too large to compute with";
+pub const TOO_LARGE_HELP: &str = "write kg, m and kg m^2";
+
+/// The kind of a defect, and what to do about it.
+pub fn advice(defect: &InertialDefect) -> (Code, String) {
+    let (code, help) = match defect {
+        InertialDefect::NegativeMass(_) => {
+            return (Code::NegativeMass, "write a mass of at least 0".into());
+        }
+        InertialDefect::InertiaWithoutMass => {
+            (Code::InertiaWithoutMass, "write the mass, or zeros for the rotational inertia")
+        }
+        InertialDefect::NotPositiveSemidefinite(_) => (
+            Code::IndefiniteInertia,
+            "check the signs of ixy, ixz, iyz and whether the inertia is about the centre of mass",
+        ),
+        _ => (
+            Code::TriangleInequality,
+            "check ixx, iyy, izz and whether the inertia is about the centre of mass",
+        ),
+    };
+    (code, format!("{help}; or take it as it is with the option `unphysical_inertia = warn`"))
+}
 
 fn fixed_names(parts: &Parts, fixed: &[usize]) -> String {
     let mut heavy = fixed

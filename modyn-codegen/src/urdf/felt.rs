@@ -24,6 +24,18 @@ const ROTATED: f64 = 1e-14;
 /// How many configurations are tried.
 const CONFIGURATIONS: usize = 3;
 
+/// What is wrong with a joint that carries this link and feels no inertia.
+pub fn message(link: &str) -> String {
+    format!(
+        "nothing that it moves has inertia that it alone would feel (it carries link `{link}`), \
+         so its acceleration is undefined"
+    )
+}
+
+/// What to do about it.
+pub const HELP: &str =
+    "give the link a mass (and, if it turns, a rotational inertia), or make the joint `fixed`";
+
 /// The joints, as indices, that feel no inertia in any configuration.
 pub fn unfelt(links: &[Link]) -> Vec<usize> {
     let mut unfelt: Vec<usize> = (0..links.len()).collect();
@@ -43,16 +55,15 @@ fn singular_pivots(links: &[Link], configuration: usize) -> Vec<bool> {
     let mut bodies: Vec<Felt> = links.iter().map(|link| Felt::alone(&link.inertial)).collect();
     let mut singular = vec![false; links.len()];
     for (i, link) in links.iter().enumerate().rev() {
-        let axis = match link.joint.joint_type {
-            JointType::Prismatic => Axis { angular: [0.0; 3], linear: link.joint.axis },
-            _ => Axis { angular: link.joint.axis, linear: [0.0; 3] },
+        let turns = turns(link.joint.joint_type);
+        let axis = if turns {
+            Axis { angular: link.joint.axis, linear: [0.0; 3] }
+        } else {
+            Axis { angular: [0.0; 3], linear: link.joint.axis }
         };
         let Felt { articulated, before, rounding } = bodies[i];
         let (pivot, momentum) = articulated.pivot(&axis);
-        let scale = match link.joint.joint_type {
-            JointType::Prismatic => trace(&before.linear),
-            _ => rounding,
-        };
+        let scale = if turns { rounding } else { trace(&before.linear) };
         singular[i] = pivot.abs() <= CANCELLED * before.pivot(&axis).0 + ROTATED * scale;
 
         let Some(parent) = link.parent else { continue };
@@ -72,6 +83,21 @@ fn singular_pivots(links: &[Link], configuration: usize) -> Vec<bool> {
     singular
 }
 
+/// Whether this code has the joint type; see [`turns`].
+pub fn is_known(joint_type: JointType) -> bool {
+    matches!(joint_type, JointType::Revolute | JointType::Continuous | JointType::Prismatic)
+}
+
+/// Whether joints of this type turn; the others slide.
+fn turns(joint_type: JointType) -> bool {
+    match joint_type {
+        JointType::Revolute | JointType::Continuous => true,
+        JointType::Prismatic => false,
+        // The enum may grow; such a joint must not pass for one that turns.
+        other => unreachable!("joints of type `{}` are refused before", other.name()),
+    }
+}
+
 /// Irregular, between 0.3 and 6.3, and the same on every host.
 fn coordinate(joint: usize, configuration: usize) -> f64 {
     #[allow(clippy::cast_precision_loss)] // Precise up to 2^52 joints.
@@ -83,11 +109,10 @@ fn coordinate(joint: usize, configuration: usize) -> f64 {
 /// The link's pose in its parent at this coordinate.
 fn pose_at(link: &Link, coordinate: f64) -> Pose<f64> {
     let axis = link.joint.axis;
-    let motion = match link.joint.joint_type {
-        JointType::Prismatic => {
-            Pose { translation: axis.map(|x| x * coordinate), ..Pose::identity() }
-        }
-        _ => Pose { rotation: turned(axis, coordinate), translation: [0.0; 3] },
+    let motion = if turns(link.joint.joint_type) {
+        Pose { rotation: turned(axis, coordinate), translation: [0.0; 3] }
+    } else {
+        Pose { translation: axis.map(|x| x * coordinate), ..Pose::identity() }
     };
     link.joint.origin.compose(&motion)
 }

@@ -22,6 +22,7 @@ mod locate;
 mod nearest;
 mod numbers;
 mod parts;
+mod physical;
 mod report;
 mod tree;
 
@@ -49,6 +50,7 @@ impl Default for ReadOptions {
 
 /// How to take joints that mimic another one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Mimic {
     /// As an error.
     #[default]
@@ -59,6 +61,7 @@ pub enum Mimic {
 
 /// A robot that was read.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Reading {
     /// The robot.
     pub model: Model,
@@ -88,10 +91,29 @@ pub fn read(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Di
 
 /// What is wrong with a gravity.
 pub(crate) fn gravity_error(gravity: [f64; 3]) -> Option<Diagnostic> {
-    let message = format!("the gravity {gravity:?} is not finite");
+    let what = if gravity.iter().all(|x| x.is_finite()) {
+        "too large to compute with"
+    } else {
+        "not finite"
+    };
+    let message = format!("the gravity {gravity:?} is {what}");
     let help = "give three finite numbers in m/s^2, such as [0.0, 0.0, -9.81]";
-    let finite = gravity.iter().all(|x| x.is_finite());
-    (!finite).then(|| Diagnostic::error(Code::Gravity, message).with_help(help))
+    let good = gravity.iter().all(|x| x.abs() < build::LARGEST);
+    (!good).then(|| Diagnostic::error(Code::Gravity, message).with_help(help))
+}
+
+/// Checks a model that was made by hand, or by other means, for what a description is checked for.
+pub(crate) fn check(model: Model, unphysical_inertia: Severity) -> Result<Reading, Diagnostics> {
+    let found = Diagnostics::new(
+        physical::check(&model, unphysical_inertia)
+            .into_iter()
+            .chain(gravity_error(model.gravity()))
+            .collect(),
+    );
+    if found.has_errors() {
+        return Err(found);
+    }
+    Ok(Reading { model, warnings: found.into_vec() })
 }
 
 /// Checks a model that was not read here as one that was: inertias and what joints feel. Returns

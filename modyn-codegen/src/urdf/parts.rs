@@ -89,7 +89,8 @@ pub fn read<'a>(robot: Node<'a, '_>, options: &ReadOptions, report: &mut Report<
     let mut reader = Reader { robot, options, report };
     let name = robot.attribute("name").unwrap_or("");
     if name.trim().is_empty() {
-        let help = "write `<robot name=\"...\">`; it is called `robot` here";
+        let help = "write `<robot name=\"...\">`; it is called `robot` here, and its type `Robot` would \
+                    collide with `use modyn::Robot`, unless you name it: `modyn!(pub MyArm = \"...\")`";
         reader.report.add(
             Severity::Warning,
             Code::MissingAttribute,

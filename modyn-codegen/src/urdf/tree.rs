@@ -99,15 +99,17 @@ fn ends(parts: &Parts, links: &FxHashMap<&str, usize>, report: &mut Report<'_>) 
     let mut joint_of: Vec<Option<usize>> = vec![None; parts.links.len()];
     let mut parents = vec![None; parts.joints.len()];
     let mut complete = true;
+    // Each is a search through all names: only for the first errors.
+    let mut suggestions = 20_usize;
     for (j, joint) in parts.joints.iter().enumerate() {
         let mut find = |end: Option<Located>, code, what| {
             let end = end?;
             let found = links.get(end.text).copied();
             if found.is_none() {
                 let message = format!("its {what} `{}` does not exist", end.text);
-                // Only for robots of common size: a search through all names for each error.
-                let near = (links.len() <= 1000)
+                let near = (suggestions > 0)
                     .then(|| nearest(end.text, parts.links.iter().map(|l| l.name.text)));
+                suggestions = suggestions.saturating_sub(1);
                 let help = match near.flatten() {
                     Some(name) => format!("did you mean `{name}`?"),
                     None => format!("name a link, or write `<link name=\"{}\"/>`", end.text),
