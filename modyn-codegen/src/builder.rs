@@ -66,7 +66,6 @@ pub enum ModuleChoice {
 pub struct Builder {
     source: Source,
     read: ReadOptions,
-    gravity: Option<[f64; 3]>,
     modules: ModuleChoice,
     type_name: Option<String>,
     visibility: Option<String>,
@@ -354,7 +353,6 @@ impl Builder {
         let mut error = |code, message: String, help: String| {
             errors.push(Diagnostic::error(code, message).with_help(help));
         };
-
         if let Some(name) = self.type_name.as_ref().filter(|&name| names::type_name(name) != *name)
         {
             error(
@@ -594,44 +592,6 @@ mod tests {
         assert_eq!(warnings(called, Builder::new()), [Code::TypeName]);
         assert_eq!(warnings("", Builder::new()), [Code::MissingAttribute]);
         assert_eq!(warnings(called, Builder::new().type_name("Arm")), []);
-    }
-
-    /// Arms of two links, all on the world.
-    fn bush(arms: usize) -> Model {
-        let text = |i: usize, parent: &str| {
-            format!(
-                "<joint name='{i}' type='continuous'><parent link='{parent}'/><child link='{i}'/></joint>\
-                 <link name='{i}'><inertial><mass value='1'/>\
-                 <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
-            )
-        };
-        let arm = |i: usize| text(2 * i, "world") + &text(2 * i + 1, &(2 * i).to_string());
-        let arms: String = (0..arms).map(arm).collect();
-        let urdf = format!("<robot name='bush'><link name='world'/>{arms}</robot>");
-        urdf::read(&urdf, "bush.urdf", &ReadOptions::default()).expect("a bush").model
-    }
-
-    #[test]
-    fn many_short_branches_are_not_too_large() {
-        let bush = bush(100);
-        assert_eq!(bush.nv(), 200);
-        assert!(too_large(&bush, &ModuleTree::chains(&bush)).is_none());
-    }
-
-    #[test]
-    fn a_model_is_checked_as_a_file_is() {
-        let bush = bush(2);
-        let mut links = bush.links().to_vec();
-        links[1].inertial = Default::default();
-        links[3].inertial.inertia = [1.0, 0.0, 0.0, 1.0, 0.0, 5.0];
-        let broken = Model::new("bush", [0.0; 3], links, bush.frames().to_vec()).expect("a tree");
-        let errors = Builder::new().model(broken.clone()).generate().expect_err("unphysical");
-        let codes: Vec<Code> = errors.iter().map(|error| error.code).collect();
-        assert_eq!(codes, [Code::TriangleInequality, Code::NoInertiaFelt]);
-        let lenient = Builder::new().model(broken).unphysical_inertia(Severity::Warning).generate();
-        assert_eq!(lenient.expect_err("still singular").as_slice().len(), 2);
-        let moon = Builder::new().model(bush).gravity([0.0, 0.0, -1.62]).generate();
-        assert_eq!(moon.expect("physical").model.gravity(), [0.0, 0.0, -1.62]);
     }
 
     #[test]

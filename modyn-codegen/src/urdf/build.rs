@@ -176,37 +176,6 @@ fn check_inertia(
     }
 }
 
-/// What is wrong where a joint feels no inertia, and what to do about it.
-pub(super) fn unfelt(link: &Link) -> (String, &'static str) {
-    let message = format!(
-        "nothing that it moves has inertia that it alone would feel (it carries link `{}`), \
-         so its acceleration is undefined",
-        link.name
-    );
-    (
-        message,
-        "give the link a mass (and, if it turns, a rotational inertia), or make the joint `fixed`",
-    )
-}
-
-/// The kind of a defect, and what to do about it.
-pub(super) fn explain(defect: &InertialDefect) -> (Code, &'static str) {
-    match defect {
-        InertialDefect::NegativeMass(_) => (Code::NegativeMass, "write a mass of at least 0"),
-        InertialDefect::InertiaWithoutMass => {
-            (Code::InertiaWithoutMass, "write the mass, or zeros for the rotational inertia")
-        }
-        InertialDefect::NotPositiveSemidefinite(_) => (
-            Code::IndefiniteInertia,
-            "check the signs of ixy, ixz, iyz and whether the inertia is about the centre of mass",
-        ),
-        _ => (
-            Code::TriangleInequality,
-            "check ixx, iyy, izz and whether the inertia is about the centre of mass",
-        ),
-    }
-}
-
 /// Beyond this, products of figures could overflow.
 pub const LARGEST: f64 = 1e60;
 pub const TOO_LARGE: &str = "the figures of the inertia are too large to compute with";

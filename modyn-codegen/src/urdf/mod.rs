@@ -28,7 +28,7 @@ mod tree;
 
 use modyn_runtime::model::{DEFAULT_GRAVITY, Model};
 
-use crate::error::{Code, Diagnostic, Diagnostics, Severity, Subject};
+use crate::error::{Code, Diagnostic, Diagnostics, Severity};
 use report::Report;
 
 /// What a user may choose about reading.
@@ -114,30 +114,6 @@ pub(crate) fn check(model: Model, unphysical_inertia: Severity) -> Result<Readin
         return Err(found);
     }
     Ok(Reading { model, warnings: found.into_vec() })
-}
-
-/// Checks a model that was not read here as one that was: inertias and what joints feel. Returns
-/// the warnings.
-pub(crate) fn check(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic>, Diagnostics> {
-    let mut found = Vec::new();
-    for link in model.links() {
-        if let Some(defect) = link.inertial.defect() {
-            let (code, help) = build::explain(&defect);
-            let severity = if code == Code::NegativeMass { Severity::Error } else { unphysical };
-            let subject = Subject::Link(link.name.clone());
-            found.push(
-                Diagnostic::new(severity, code, defect.to_string()).about(subject).with_help(help),
-            );
-        }
-    }
-    for i in felt::unfelt(model.links()) {
-        let link = &model.links()[i];
-        let subject = Subject::Joint(link.joint.name.clone());
-        let (message, help) = build::unfelt(link);
-        found.push(Diagnostic::error(Code::NoInertiaFelt, message).about(subject).with_help(help));
-    }
-    let found = Diagnostics::new(found);
-    if found.has_errors() { Err(found) } else { Ok(found.into_vec()) }
 }
 
 /// The steps. What stops one of them is in the report.

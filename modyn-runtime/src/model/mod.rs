@@ -126,14 +126,6 @@ impl Model {
         self.gravity
     }
 
-    /// The same robot where free fall is another; a gravity that is not finite changes nothing.
-    #[must_use]
-    pub fn with_gravity(&self, gravity: [f64; 3]) -> Self {
-        let finite = gravity.iter().all(|x| x.is_finite());
-        let gravity = if finite { gravity } else { self.gravity };
-        Self { gravity, ..self.clone() }
-    }
-
     /// The moving links, depth first.
     #[must_use]
     pub fn links(&self) -> &[Link] {
