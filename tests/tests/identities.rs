@@ -298,6 +298,7 @@ proptest! {
         let gim = interpreter.gim(&q);
         let product = n.transpose() * &mass * &n;
         assert_close("(N_l N_d)^T M (N_l N_d)", product.as_slice(), &gim, 1e-12);
+        assert_close("the same in the interpreter", &denoc.gim().entries, &gim, 1e-12);
         // The paper's twist t = N qd, with its kinetic energy.
         let twist = n * DVector::from_column_slice(&qd);
         let energy = 0.5 * (twist.transpose() * mass * &twist)[(0, 0)];

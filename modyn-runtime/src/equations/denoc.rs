@@ -32,6 +32,30 @@ impl<S: Scalar> Dense<S> {
         (j < self.columns).then(|| self.entries.get(i * self.columns + j).copied()).flatten()
     }
 
+    fn transposed(&self) -> Self {
+        let mut transposed = Self::zero(self.columns, self.rows);
+        for (i, row) in self.entries.chunks(self.columns).enumerate() {
+            for (j, &entry) in row.iter().enumerate() {
+                transposed.set(j, i, entry);
+            }
+        }
+        transposed
+    }
+
+    /// The product; the sizes fit.
+    fn times(&self, other: &Self) -> Self {
+        let mut product = Self::zero(self.rows, other.columns);
+        let rows = product.entries.chunks_mut(other.columns).zip(self.entries.chunks(self.columns));
+        for (sums, row) in rows {
+            for (&factor, terms) in row.iter().zip(other.entries.chunks(other.columns)) {
+                for (sum, &term) in sums.iter_mut().zip(terms) {
+                    *sum = *sum + factor * term;
+                }
+            }
+        }
+        product
+    }
+
     fn set(&mut self, i: usize, j: usize, value: S) {
         self.entries[i * self.columns + j] = value;
     }
@@ -57,6 +81,15 @@ pub struct DeNoc<S> {
     pub propagation: Dense<S>,
     /// The 6n times n matrix of joint-motion propagations, (A.5).
     pub joints: Dense<S>,
+}
+
+impl<S: Scalar> DeNoc<S> {
+    /// The GIM as (5a) has it, N^T M N with N = N_l N_d: the long way, for study.
+    #[must_use]
+    pub fn gim(&self) -> Dense<S> {
+        let n = self.propagation.times(&self.joints);
+        n.transposed().times(&self.mass.times(&n))
+    }
 }
 
 /// The DeNOC matrices at `q`.
