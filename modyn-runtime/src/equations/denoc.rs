@@ -165,4 +165,14 @@ mod tests {
         assert_eq!((matrix.get(1, 0), matrix.get(0, 2)), (Some(5.0), Some(7.0)));
         assert_eq!((matrix.get(2, 0), matrix.get(0, 3)), (None, None));
     }
+
+    #[test]
+    fn products_are_products() {
+        let matrix =
+            |rows, columns, entries: &[f64]| Dense { rows, columns, entries: entries.to_vec() };
+        let a = matrix(2, 3, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        let b = matrix(3, 1, &[7.0, 8.0, 9.0]);
+        assert_eq!(a.times(&b), matrix(2, 1, &[50.0, 122.0]));
+        assert_eq!(a.transposed(), matrix(3, 2, &[1.0, 4.0, 2.0, 5.0, 3.0, 6.0]));
+    }
 }

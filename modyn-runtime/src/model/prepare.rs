@@ -134,7 +134,7 @@ impl Prepared<f64> {
     pub fn new(model: &Model) -> Self {
         let mut frames = Frames::on_axes(model);
         frames.turn(model);
-        frames.shift(model);
+        frames.shift();
         let mut prepared = frames.finish(model);
         prepared.minimize();
         prepared
@@ -291,23 +291,18 @@ impl Frames {
 
     /// Shifts each revolute joint's frame along its axis to where a component of the translation
     /// from its parent vanishes.
-    fn shift(&mut self, model: &Model) {
-        for (i, link) in model.links().iter().enumerate() {
+    fn shift(&mut self) {
+        for i in 0..self.children.len() {
             if !self.revolute[i] {
                 continue;
             }
             // Behind the azimuth the axis is (0, -sin, cos).
             let (cos, sin) = self.tilt[i];
             let [x, y, z] = self.translation[i].0;
-            let (by, shifted) = match (link.parent, self.children[i].first()) {
-                // Where the first joint of a branch on the world stands is of no consequence for
-                // the dynamics, so it stands where it is good for the next one.
-                (None, Some(&main)) => {
-                    let by = self.translation[main][2];
-                    (by, [x, y - by * sin, z + by * cos])
-                }
-                _ if sin.abs() > cos.abs() => (y / sin, [x, 0.0, z + y / sin * cos]),
-                _ => (-z / cos, [x, y + z / cos * sin, 0.0]),
+            let (by, shifted) = if sin.abs() > cos.abs() {
+                (y / sin, [x, 0.0, z + y / sin * cos])
+            } else {
+                (-z / cos, [x, y + z / cos * sin, 0.0])
             };
             self.translation[i] = Vector3(shifted);
             self.link[i].translation[2] -= by;
