@@ -404,24 +404,14 @@ fn split(rotation: &Matrix3<f64>) -> [Direction; 3] {
     [azimuth, tilt, towards(turn_of(inverse(tilt)).vector(Axis::X, first))]
 }
 
-/// A right-handed frame (as columns) whose z axis is `axis`; a permutation where that is one.
+/// A right-handed frame (as columns) whose z axis is `axis`; exact where that is a coordinate axis.
 fn frame_along(axis: [f64; 3]) -> Matrix3<f64> {
-    let z = axis.map(|x| if (x.abs() - 1.0).abs() < SNAP { x.signum() } else { snap(x) });
-    let (x, y) = match z {
-        [1.0, 0.0, 0.0] => ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0]),
-        [0.0, 1.0, 0.0] => ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0]),
-        [0.0, 0.0, 1.0] => ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]),
-        [-1.0, 0.0, 0.0] => ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]),
-        [0.0, -1.0, 0.0] => ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]),
-        [0.0, 0.0, -1.0] => ([1.0, 0.0, 0.0], [0.0, -1.0, 0.0]),
-        _ => {
-            let least = if z[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-            let y = Vector3(z).cross(Vector3(least));
-            let y = y.scale(1.0 / libm::sqrt(y.dot(y)));
-            (y.cross(Vector3(z)).0, y.0)
-        }
-    };
-    Matrix3([x, y, z]).transposed()
+    let unit = |v: Vector3<f64>| v.scale(1.0 / libm::sqrt(v.dot(v)));
+    let z = unit(Vector3(axis.map(snap)));
+    // Any direction that is not near the axis; `turn` chooses the x axis afterwards.
+    let across = if z[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let y = unit(z.cross(Vector3(across)));
+    Matrix3([y.cross(z).0, y.0, z.0]).transposed()
 }
 
 /// The children of each link, the one that most links hang on first.
