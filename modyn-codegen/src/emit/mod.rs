@@ -94,12 +94,11 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let Choice { modules: eliminated, graph: forward, candidates } =
         partition::choose(model, &tracer);
     let quantities = quantities(model, &tracer, forward);
-    let operations: Vec<_> = quantities.iter().map(|q| (q.name, q.graph.count())).collect();
+    let mut operations: Vec<_> = quantities.iter().map(|q| (q.name, q.graph.count())).collect();
     let type_name = options.type_name.clone().unwrap_or_else(|| names::type_name(model.name()));
     let robot = Robot { model, modules, options, name: &type_name };
     let layout = Layout::new(modules, model.nv());
     let brge = optimize(tracer.brge(&layout));
-    let mut operations = operations;
     operations.push(("brge", brge.count()));
 
     let mut text = String::new();
