@@ -30,3 +30,13 @@ macro_rules! include_model {
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 mod readme {}
+
+/// The same for the page of conventions.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/conventions.md")]
+mod conventions_page {}
+
+/// The same for the page of batches.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/batch.md")]
+mod batch_page {}

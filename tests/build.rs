@@ -25,9 +25,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         let modules = spec.modules(&generated.model).modules().len();
         let pivots: Vec<String> = (0..modules).map(|m| format!("pivot_block_{m}")).collect();
         writeln!(includes, "::modyn::include_model!({module});")?;
+        let functions = if spec.all { "all" } else { "default" };
+        let constant = |name: &str| format!("{name:?} {}_OPERATIONS", name.to_uppercase());
+        let operations: Vec<String> =
+            generated.operations.iter().map(|(name, _)| constant(name)).collect();
         writeln!(
             table,
-            "    {index} {name} {name}Joint {name}Link {float} {module:?} [{}];",
+            "    {index} {name} {name}Joint {name}Link {functions} {float} {module:?} [{}] [{}];",
+            operations.join(" "),
             pivots.join(" ")
         )?;
     }

@@ -1,25 +1,75 @@
-//! The compiler as a library: a URDF to the text of its Rust, with what it costs.
+//! Writes a robot's dynamics to a file, or tells whether a file is stale:
 //!
-//! `cargo run -p modyn-codegen --example generate -- robots/humanoid.urdf > humanoid.rs`
+//! ```text
+//! cargo run -p modyn-codegen --example generate -- \
+//!     [--self-contained] [--scalar f32] [--functions a,b] [--type-name Name] [--c PREFIX]
+//!     [--check] ROBOT.urdf [OUT.rs]
+//! ```
+//!
+//! Without OUT the text goes to standard output.
 
-use std::time::Instant;
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let path = std::env::args().nth(1).ok_or("usage: generate ROBOT.urdf")?;
-    let urdf = std::fs::read_to_string(&path)?;
-    let start = Instant::now();
-    let generated = modyn_codegen::Builder::new().urdf_text(urdf, path).generate()?;
-    let elapsed = start.elapsed();
-    println!("{}", generated.text);
-    for warning in &generated.warnings {
-        eprintln!("{warning}");
+use modyn_codegen::{Builder, FloatType, Function};
+
+const USAGE: &str = "usage: generate [--self-contained] [--scalar f32|f64] [--functions all|a,b,...] \
+    [--type-name Name] [--c PREFIX] [--check] ROBOT.urdf [OUT.rs]";
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let mut builder = Builder::new();
+    let (mut check, mut paths) = (false, Vec::new());
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        let mut value = || arguments.next().ok_or(USAGE);
+        builder = match argument.as_str() {
+            "--self-contained" => builder.self_contained(),
+            "--scalar" => match value()?.as_str() {
+                "f32" => builder.float(FloatType::F32),
+                "f64" => builder.float(FloatType::F64),
+                other => return Err(format!("there is no scalar `{other}`").into()),
+            },
+            "--functions" => builder.functions(functions(&value()?)?),
+            "--type-name" => builder.type_name(value()?),
+            "--c" => builder.c_functions(value()?),
+            "--check" => {
+                check = true;
+                builder
+            }
+            other if other.starts_with('-') => return Err(format!("{other}? {USAGE}").into()),
+            path => {
+                paths.push(PathBuf::from(path));
+                builder
+            }
+        };
     }
-    for (quantity, count) in &generated.operations {
-        eprintln!("{quantity}: {count}");
+    match (paths.as_slice(), check) {
+        // Paths are from where the user stands, not from this crate.
+        ([robot, out], _) => {
+            let builder = builder.urdf(std::path::absolute(robot)?);
+            if check {
+                let stale = builder.is_stale(out)?;
+                println!("{} is {}", out.display(), if stale { "stale" } else { "up to date" });
+                return Ok(if stale { ExitCode::FAILURE } else { ExitCode::SUCCESS });
+            }
+            for warning in builder.write(out)?.warnings {
+                eprintln!("{warning}");
+            }
+        }
+        ([robot], false) => {
+            print!("{}", builder.urdf(std::path::absolute(robot)?).generate()?.text);
+        }
+        _ => return Err(USAGE.into()),
     }
-    for (partition, operations) in &generated.partition_costs {
-        eprintln!("forward dynamics with {partition}: {operations} operations");
+    Ok(ExitCode::SUCCESS)
+}
+
+fn functions(names: &str) -> Result<Vec<Function>, String> {
+    if names == "all" {
+        return Ok(Function::ALL.to_vec());
     }
-    eprintln!("{} bytes in {:.1} ms", generated.text.len(), elapsed.as_secs_f64() * 1e3);
-    Ok(())
+    let function =
+        |name: &str| Function::from_name(name).ok_or_else(|| format!("no function `{name}`"));
+    names.split(',').map(function).collect()
 }

@@ -1,17 +1,21 @@
 //! The one door behind the three: from a description and options to text.
 
+mod file;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::model::{DEFAULT_GRAVITY, Model, ModuleTree};
+use modyn_runtime::model::{DEFAULT_GRAVITY, Friction, Model, ModuleTree};
 
+use crate::condition;
 use crate::emit::{EmitOptions, Emitted, FloatType, emit};
 use crate::error::{Code, Diagnostic, Diagnostics, Severity, Subject};
+use crate::functions::Function;
 use crate::names;
 use crate::source::read_first;
-use crate::urdf::{self, Mimic, ReadOptions, Reading};
+use crate::urdf::{self, Base, Mimic, ReadOptions, Reading, Rotor, nearest::nearest};
 
 /// Most operations, by [`estimate`]: tens of megabytes of text.
 const MOST_OPERATIONS: u64 = 400_000;
@@ -73,6 +77,12 @@ pub struct Builder {
     float: FloatType,
     /// `None` for the default, or a model's own.
     gravity: Option<[f64; 3]>,
+    runtime_gravity: bool,
+    payload: Vec<String>,
+    /// `None` for the default ones.
+    functions: Option<Vec<Function>>,
+    self_contained: bool,
+    c_prefix: Option<String>,
 }
 
 /// Where the robot comes from.
@@ -191,7 +201,30 @@ impl Builder {
         self
     }
 
-    /// How to take joints that mimic another one; refused by default.
+    /// Whether the robot stands on the ground or floats; by default its root link is the world.
+    #[must_use]
+    pub fn base(mut self, base: Base) -> Self {
+        self.read.base = base;
+        self
+    }
+
+    /// A drive's rotor: its inertia (kg m^2) and gear ratio, in place of what the description says
+    /// of this joint.
+    #[must_use]
+    pub fn rotor(mut self, joint: impl Into<String>, inertia: f64, gear_ratio: f64) -> Self {
+        self.read.rotors.push(Rotor { joint: joint.into(), inertia, gear_ratio });
+        self
+    }
+
+    /// How the description's damping and friction act on the joints; not at all by default.
+    #[must_use]
+    pub fn friction(mut self, friction: Friction) -> Self {
+        self.read.friction = friction;
+        self
+    }
+
+    /// How to take joints that mimic another one; by default they follow it and have no coordinate
+    /// of their own.
     #[must_use]
     pub fn mimic(mut self, mimic: Mimic) -> Self {
         self.read.mimic = mimic;
@@ -202,6 +235,48 @@ impl Builder {
     #[must_use]
     pub fn float(mut self, float: FloatType) -> Self {
         self.float = float;
+        self
+    }
+
+    /// Makes gravity an argument (a field of the robot's `Params`); its value is then the default.
+    #[must_use]
+    pub fn runtime_gravity(mut self) -> Self {
+        self.runtime_gravity = true;
+        self
+    }
+
+    /// Makes the inertia of these links (of each alone, without what is fixed to it) arguments:
+    /// fields of the robot's `Params`, by default as in the description.
+    #[must_use]
+    pub fn payload(mut self, links: impl IntoIterator<Item = impl Into<String>>) -> Self {
+        self.payload.extend(links.into_iter().map(Into::into));
+        self
+    }
+
+    /// The functions that the robot has, in place of [`Function::DEFAULT`]. The dynamics of a large
+    /// robot take seconds to compile; what is left out costs nothing.
+    #[must_use]
+    pub fn functions(mut self, functions: impl IntoIterator<Item = Function>) -> Self {
+        self.functions = Some(functions.into_iter().collect());
+        self
+    }
+
+    /// Makes text that depends on `core` alone: it carries the part of the runtime that it needs, as a
+    /// module `runtime`. Include it as a module of its own (`mod arm;` beside `arm.rs`). The type
+    /// has its functions, but not the trait `Robot` nor batches.
+    #[must_use]
+    pub fn self_contained(mut self) -> Self {
+        self.self_contained = true;
+        self
+    }
+
+    /// Adds functions for C, named `prefix_function`: `extern "C"` over pointers to arrays of fixed
+    /// sizes, without namespaces (`#[unsafe(no_mangle)]`, so not under `forbid(unsafe_code)`: that two
+    /// functions have one name is found by the linker alone). What they are given must be valid and
+    /// aligned, and `out` must overlap nothing, as ever in C. cbindgen makes the header.
+    #[must_use]
+    pub fn c_functions(mut self, prefix: impl Into<String>) -> Self {
+        self.c_prefix = Some(prefix.into());
         self
     }
 
@@ -219,18 +294,29 @@ impl Builder {
         if let (Some(Reading { model, .. }), Some(modules)) = (&reading, &modules) {
             errors.extend(too_large(model, modules));
         }
+        let payload = reading.as_ref().and_then(|reading| {
+            self.payload_frames(&reading.model).map_err(|found| errors.extend(found)).ok()
+        });
         let (Some(Reading { model, mut warnings }), Some(modules), true) =
             (reading, modules, errors.is_empty())
         else {
             return Err(Diagnostics::new(errors));
         };
         warnings.extend(self.taken_name(&model, &warnings));
+        if self.float == FloatType::F32 {
+            warnings.extend(condition::warning(&model));
+        }
         let defaults = EmitOptions::default();
         let options = EmitOptions {
             type_name: self.type_name.clone(),
             visibility: self.visibility.clone().unwrap_or(defaults.visibility),
             krate: self.krate.clone().unwrap_or(defaults.krate),
             float: self.float,
+            self_contained: self.self_contained,
+            c_prefix: self.c_prefix.clone(),
+            functions: self.functions.clone().unwrap_or(defaults.functions),
+            runtime_gravity: self.runtime_gravity,
+            payload: payload.unwrap_or_default(),
             warnings,
         };
         let Emitted { text, type_name, operations, partition: (partition, partition_costs) } =
@@ -307,13 +393,17 @@ impl Builder {
                 let mut model = model.as_ref().clone();
                 if let Some(gravity) = gravity {
                     let (links, frames) = (model.links().to_vec(), model.frames().to_vec());
-                    model = Model::new(model.name(), gravity, links, frames).map_err(|errors| {
-                        let help = "this is a fault of modyn: please report it with the model";
-                        let diagnostic = |error: &dyn std::fmt::Display| {
-                            Diagnostic::error(Code::InvalidModel, error.to_string()).with_help(help)
-                        };
-                        Diagnostics::new(errors.iter().map(|error| diagnostic(error)).collect())
-                    })?;
+                    let friction = model.friction();
+                    let changed = Model::new(model.name(), gravity, links, frames);
+                    model =
+                        changed.map(|model| model.with_friction(friction)).map_err(|errors| {
+                            let help = "this is a fault of modyn: please report it with the model";
+                            let diagnostic = |error: &dyn std::fmt::Display| {
+                                Diagnostic::error(Code::InvalidModel, error.to_string())
+                                    .with_help(help)
+                            };
+                            Diagnostics::new(errors.iter().map(|error| diagnostic(error)).collect())
+                        })?;
                 }
                 urdf::check(model, options.unphysical_inertia)
             }
@@ -333,6 +423,39 @@ impl Builder {
             let warning = Diagnostic::new(Severity::Warning, Code::TypeName, message);
             warning.about(subject).with_help(help)
         })
+    }
+
+    /// The links of [`payload`](Self::payload), as indices into the model's frames.
+    fn payload_frames(&self, model: &Model) -> Result<Vec<usize>, Diagnostics> {
+        let mut errors = Vec::new();
+        let mut frames = Vec::new();
+        let names = || model.frames().iter().map(|frame| frame.name.as_str());
+        for name in &self.payload {
+            let mut error = |message: String, help: String| {
+                errors.push(Diagnostic::error(Code::Payload, message).with_help(help));
+            };
+            match names().position(|other| other == name) {
+                None => {
+                    let help = match nearest(name, names()) {
+                        Some(meant) => format!("did you mean `{meant}`?"),
+                        None => "name a link of the description".into(),
+                    };
+                    error(format!("`{name}` in `payload` is no link"), help);
+                }
+                Some(frame) if model.frames()[frame].link.is_none() => error(
+                    format!("link `{name}` in `payload` does not move"),
+                    "leave it out: what is fixed to the world has no part in the dynamics".into(),
+                ),
+                Some(frame) if frames.contains(&frame) => {
+                    error(
+                        format!("link `{name}` stands in `payload` twice"),
+                        "name it once".into(),
+                    );
+                }
+                Some(frame) => frames.push(frame),
+            }
+        }
+        if errors.is_empty() { Ok(frames) } else { Err(Diagnostics::new(errors)) }
     }
 
     fn module_tree(&self, model: &Model) -> Result<ModuleTree, Diagnostics> {
@@ -375,9 +498,28 @@ impl Builder {
                 "give the path of `modyn`, such as `::modyn` or `crate::robots::modyn`".into(),
             );
         }
+        if let Some(prefix) = self.c_prefix.as_ref().filter(|name| !is_c_prefix(name)) {
+            error(
+                Code::Option,
+                format!("{prefix:?} cannot begin the names of C functions"),
+                "a letter, then letters, digits and underscores".into(),
+            );
+        }
+        if self.self_contained && self.krate.is_some() {
+            error(
+                Code::Option,
+                "a self-contained file has no crate to be told the path of".into(),
+                "leave out `krate`, or `self_contained`".into(),
+            );
+        }
         errors.extend(self.gravity.and_then(urdf::gravity_error));
         errors
     }
+}
+
+fn is_c_prefix(name: &str) -> bool {
+    name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
 /// About how many operations and entries the text will have, found without writing it: the rows

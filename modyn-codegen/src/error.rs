@@ -102,10 +102,8 @@ codes! {
     NumberCount = "number-count",
     /// A number is NaN, infinite or too large to compute with.
     NotFinite = "not-finite",
-    /// The type of a joint is none of URDF's.
+    /// There is no such type of joint.
     UnknownJointType = "unknown-joint-type",
-    /// The type of a joint is one that modyn does not have yet.
-    UnsupportedJointType = "unsupported-joint-type",
     /// Two links have the same name.
     DuplicateLink = "duplicate-link",
     /// Two joints have the same name.
@@ -128,12 +126,24 @@ codes! {
     ZeroAxis = "zero-axis",
     /// The axis of a moving joint is not of unit length; it is normalised.
     AxisLength = "axis-length",
+    /// The two axes of a universal joint are parallel.
+    ParallelAxes = "parallel-axes",
     /// The lower limit of a joint is above the upper one.
     InvertedLimits = "inverted-limits",
-    /// A joint mimics another one.
+    /// A joint mimics another one, which an option refuses.
     Mimic = "mimic",
-    /// A joint mimics a joint that does not exist.
+    /// A joint mimics a joint that does not exist or does not move.
     MimicTarget = "mimic-target",
+    /// A joint of several coordinates mimics one, or is mimicked.
+    MimicCoordinates = "mimic-coordinates",
+    /// Joints mimic each other in a circle.
+    MimicCycle = "mimic-cycle",
+    /// A joint mimics another one by a multiplier of 0.
+    MimicMultiplier = "mimic-multiplier",
+    /// The damping, friction or rotor of a joint is negative.
+    NegativeDrive = "negative-drive",
+    /// The rotor of a joint is given in two ways.
+    RepeatedArmature = "repeated-armature",
     /// The mass of a link is negative.
     NegativeMass = "negative-mass",
     /// A moving body has rotational inertia but no mass.
@@ -148,12 +158,16 @@ codes! {
     Gravity = "gravity",
     /// The list of modules is not a partition of the links into chains.
     Modules = "modules",
+    /// A link whose inertia is to be an argument does not exist or does not move.
+    Payload = "payload",
     /// The robot takes more operations than code can be written out for.
     TooLarge = "too-large",
     /// The name of the generated type is no Rust identifier, or likely to be taken.
     TypeName = "type-name",
-    /// An option that becomes part of the text is not what may stand there.
+    /// An option is not what it may be.
     Option = "option",
+    /// Single precision does not carry the robot's dynamics.
+    IllConditioned = "ill-conditioned",
     /// The generated code cannot be written.
     Output = "output",
     /// The model was refused for a reason that reading should have found.

@@ -12,9 +12,11 @@
 //! measurements, and may change in any release.
 
 mod builder;
+mod condition;
 pub mod emit;
 pub mod error;
 pub mod expr;
+mod functions;
 pub mod names;
 pub mod partition;
 pub mod passes;
@@ -23,4 +25,6 @@ pub mod trace;
 pub mod urdf;
 
 pub use builder::{Builder, Generated, ModuleChoice};
+pub use condition::condition_number;
 pub use emit::FloatType;
+pub use functions::Function;

@@ -69,6 +69,21 @@ pub fn variants(names: &[&str]) -> Vec<String> {
     variants
 }
 
+/// The names of fields, in snake case, in the order of `names`; no two are equal, none `reserved`.
+#[must_use]
+pub fn fields(names: &[&str], reserved: &[&str]) -> Vec<String> {
+    let mut taken: HashSet<String> = reserved.iter().map(|&name| name.into()).collect();
+    let mut field = |name: &&str| {
+        let plain = snake(name);
+        let numbered = (2..).map(|number| format!("{plain}_{number}"));
+        let mut all = std::iter::once(plain.clone()).chain(numbered);
+        let free = all.find(|name| !taken.contains(name)).unwrap_or(plain.clone());
+        taken.insert(free.clone());
+        free
+    };
+    names.iter().map(&mut field).collect()
+}
+
 /// The name of a function or a variable, in snake case.
 #[must_use]
 pub fn snake(name: &str) -> String {

@@ -3,13 +3,13 @@
 //!
 //! `<!-- ERROR code: part of the text -->`, `<!-- WARNING code: part of the text -->`.
 //!
-//! `<!-- OPTIONS mimic = independent, unphysical_inertia = warn -->` sets options.
+//! `<!-- OPTIONS mimic = independent, unphysical_inertia = warn -->` sets options (also `base`).
 
 use std::{collections::BTreeSet, fs, path::Path};
 
 use modyn_codegen::{
     error::{Code, Diagnostic, Severity},
-    urdf::{Mimic, ReadOptions, read},
+    urdf::{Base, Mimic, ReadOptions, read},
 };
 
 /// What a file says about itself.
@@ -43,6 +43,8 @@ fn options(text: &str) -> ReadOptions {
     let Some(rest) = text.split("<!-- OPTIONS ").nth(1) else { return options };
     for option in rest.split(" -->").next().unwrap_or("").split(", ") {
         match option {
+            "base = floating" => options.base = Base::Floating,
+            "mimic = refuse" => options.mimic = Mimic::Refuse,
             "mimic = independent" => options.mimic = Mimic::Independent,
             "unphysical_inertia = warn" => options.unphysical_inertia = Severity::Warning,
             other => panic!("no option `{other}`"),
@@ -114,12 +116,13 @@ fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
         Code::Gravity,
         Code::InvalidModel,
         Code::Modules,
+        Code::Payload,
         Code::TooLarge,
         Code::TypeName,
         Code::Option,
         Code::Output,
+        Code::IllConditioned,
         Code::InvertedLimits,
-        Code::MimicTarget,
     ];
     let missing: Vec<_> =
         Code::ALL.iter().filter(|code| !seen.contains(code) && !elsewhere.contains(code)).collect();
@@ -129,7 +132,7 @@ fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
 #[test]
 fn good_files_are_read_with_exactly_the_marked_warnings() {
     let seen = run("good", false);
-    for code in [Code::InvertedLimits, Code::MimicTarget, Code::AxisLength] {
+    for code in [Code::InvertedLimits, Code::MimicTarget, Code::MimicMultiplier, Code::AxisLength] {
         assert!(seen.contains(&code), "no file in good/ for {code}");
     }
 }

@@ -1,6 +1,8 @@
 //! Graphs keep the value of what was traced: through the rewrites made while they grow, and
 //! through each pass.
 
+use std::f64::consts::PI;
+
 use modyn_codegen::expr::{Expr, Graph};
 use modyn_codegen::passes::PASSES;
 use modyn_runtime::Scalar;
@@ -21,7 +23,7 @@ fn program<S: Scalar>(seed: u64, inputs: &[S]) -> Vec<S> {
     for _ in 0..60 {
         let (a, b) = (values[pick(values.len())], values[pick(values.len())]);
         // Every result is kept within bounds, so that rounding stays small.
-        let value = match pick(13) {
+        let value = match pick(14) {
             0..=2 => a + b,
             3..=5 => a - b,
             6..=8 => a * b,
@@ -31,6 +33,7 @@ fn program<S: Scalar>(seed: u64, inputs: &[S]) -> Vec<S> {
                 sin * b + cos
             }
             11 => (a * a + S::one()).recip(),
+            12 => a.atan2(b * b + S::one()),
             _ => a.select_nonnegative(b, a.abs().max(b)),
         };
         let (sin, _) = value.sin_cos();
@@ -117,10 +120,11 @@ fn constants_fold() {
             (x + x) - x,
             zero.select_nonnegative(one, x),
             (-two).select_nonnegative(one, two.abs().max(half)),
+            zero.atan2(two) + (-half).atan2(half) * Expr::from_f64(4.0 / PI),
         ]
     });
     assert_eq!(graph.count().total(), 0);
-    assert_eq!(graph.evaluate(&[7.0]), [7.0, 7.0, 0.0, 7.0, 2.0, 7.0, 7.0, 1.0, 2.0]);
+    assert_eq!(graph.evaluate(&[7.0]), [7.0, 7.0, 0.0, 7.0, 2.0, 7.0, 7.0, 1.0, 2.0, -1.0]);
 }
 
 #[test]

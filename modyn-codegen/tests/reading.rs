@@ -6,9 +6,12 @@ use std::{fmt::Write, fs, path::Path};
 
 use modyn_codegen::{
     error::{Code, Severity},
-    urdf::{Mimic, ReadOptions, Reading, read},
+    urdf::{Base, Mimic, ReadOptions, Reading, Rotor, read},
 };
-use modyn_runtime::joint::JointType;
+use modyn_runtime::{
+    joint::JointType,
+    model::{Drive, Friction, Inertial, Model},
+};
 use proptest::prelude::*;
 
 fn reading(text: &str) -> Reading {
@@ -42,6 +45,22 @@ fn link(name: &str) -> String {
 
 fn close(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12)
+}
+
+/// The file of this name in `good/`.
+fn good(name: &str, options: &ReadOptions) -> Model {
+    let (_, text) = good_files().into_iter().find(|(file, _)| file.ends_with(name)).expect("file");
+    read(&text, name, options).unwrap_or_else(|e| panic!("{e}")).model
+}
+
+/// A pendulum: joint `j` from link `a` to link `b`.
+fn pendulum() -> String {
+    format!(
+        "<robot name='r'>{}{}{}</robot>",
+        link("a"),
+        link("b"),
+        joint("j", "revolute", "a", "b")
+    )
 }
 
 /// A rod along x with a ball at the end, behind two fixed joints, the first of them turned.
@@ -182,6 +201,143 @@ fn gravity_must_be_finite() {
     assert_eq!(read(&text, "test.urdf", &options).expect("read").model.gravity(), [0.0; 3]);
 }
 
+#[test]
+fn joints_of_several_coordinates() {
+    let model = good("/joint_types.urdf", &ReadOptions::default());
+    let types: Vec<_> = model.links().iter().map(|link| link.joint.joint_type.name()).collect();
+    let expected =
+        ["floating", "planar", "spherical", "universal", "universal", "universal", "revolute"];
+    assert_eq!(types, expected);
+    assert_eq!((model.nq(), model.nv()), (21, 19));
+    let axes = |i: usize| (model.links()[i].joint.axis, model.links()[i].joint.second_axis);
+    let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+    assert_eq!([0, 2, 3, 5].map(axes), [(z, y), (z, y), (x, y), (x, y)]);
+    assert!(close(&axes(1).0, &[0.0, 0.6, 0.8]));
+    assert!(axes(4).0 == z && close(&axes(4).1, &[0.0, 0.6, 0.8]));
+    let limits = model.links()[1].joint.limits.expect("limits");
+    assert_eq!((limits.lower, limits.upper), (None, None));
+    assert_eq!((limits.effort, limits.velocity), (Some(3.0), Some(4.0)));
+}
+
+#[test]
+fn mimics_follow_wherever_their_leaders_stand() {
+    let model = good("/mimic.urdf", &ReadOptions::default());
+    let own = |i: usize| model.links()[i].joint.mimic.map(|m| (m.leader, m.multiplier, m.offset));
+    assert_eq!([0, 1, 2, 3].map(own), [Some((3, -2.0, 0.5)), None, Some((0, 3.0, 0.0)), None]);
+    assert_eq!(model.nq(), 2);
+    let resolved = model.mimic(2).map(|m| (m.leader, m.multiplier, m.offset));
+    assert_eq!(resolved, Some((3, -6.0, 1.5)));
+
+    let options = ReadOptions { mimic: Mimic::Independent, ..ReadOptions::default() };
+    let model = good("/mimic.urdf", &options);
+    assert!(!model.has_mimics());
+    assert_eq!(model.nq(), 4);
+}
+
+#[test]
+fn drives_are_those_of_the_file_or_of_the_options() {
+    let drive = |armature, damping, friction| Drive { armature, damping, friction };
+    let drives = |options: &ReadOptions| {
+        let model = good("/drives.urdf", options);
+        model.links().iter().map(|link| link.joint.drive).collect::<Vec<_>>()
+    };
+    let mut expected =
+        [drive(0.0, 0.5, 0.25), drive(2.0, 0.0, 0.0), drive(8.0, 0.0, 0.0), Drive::default()];
+    assert_eq!(drives(&ReadOptions::default()), expected);
+    let rotor =
+        |joint: &str, inertia, gear_ratio| Rotor { joint: joint.into(), inertia, gear_ratio };
+    let rotors = vec![rotor("j0", 0.25, 2.0), rotor("j2", 0.0, 7.0)];
+    (expected[0].armature, expected[2].armature) = (1.0, 0.0);
+    assert_eq!(drives(&ReadOptions { rotors, ..ReadOptions::default() }), expected);
+}
+
+#[test]
+fn bad_options_are_errors_without_a_place() {
+    let rotor =
+        |joint: &str, inertia, gear_ratio| Rotor { joint: joint.into(), inertia, gear_ratio };
+    let refused = |text: &str, options: ReadOptions| {
+        let errors = read(text, "test.urdf", &options).expect_err("refused");
+        let plain = |d: &modyn_codegen::error::Diagnostic| {
+            d.code == Code::Option && d.position.is_none() && d.help.is_some()
+        };
+        assert!(errors.iter().all(plain), "{errors}");
+        errors.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let fixed = pendulum()
+        .replace("</robot>", &format!("{}{}</robot>", link("c"), joint("weld", "fixed", "b", "c")));
+    for (bad, text) in [
+        (
+            rotor("jj", 1.0, 1.0),
+            "joint `jj`: a rotor is given to it, but it does not exist\n  help: did you mean `j`?",
+        ),
+        (rotor("weld", 1.0, 1.0), "joint `weld`: a rotor is given to it, but it does not move"),
+        (rotor("j", -1.0, 1.0), "joint `j`: no rotor has inertia -1"),
+        (rotor("j", f64::NAN, 1.0), "inertia NaN"),
+        (rotor("j", 0.0, f64::INFINITY), "gear ratio inf"),
+        (rotor("j", 1.0, 1e40), "gear ratio 1000"),
+    ] {
+        let options = ReadOptions { rotors: vec![bad], ..ReadOptions::default() };
+        let errors = refused(&fixed, options);
+        assert!(errors.len() == 1 && errors[0].contains(text), "{errors:?}");
+    }
+    // All at once, and in no more than linear time.
+    let rotors = (0..50_000).map(|i| rotor(&format!("x{i}"), -1.0, 1.0)).collect();
+    let options = ReadOptions { rotors, friction: Friction::Smooth(0.0), ..ReadOptions::default() };
+    assert_eq!(refused(&fixed, options).len(), 100_001);
+    let rotors = vec![rotor("j", 1.0, 1.0); 2];
+    let errors = refused(&fixed, ReadOptions { rotors, ..ReadOptions::default() });
+    assert!(errors.len() == 1 && errors[0].contains("two rotors"), "{errors:?}");
+}
+
+#[test]
+fn friction_is_the_models() {
+    let read_with = |friction| {
+        read(&pendulum(), "test.urdf", &ReadOptions { friction, ..ReadOptions::default() })
+    };
+    for good in [Friction::None, Friction::Viscous, Friction::Coulomb, Friction::Smooth(0.5)] {
+        assert_eq!(read_with(good).expect("good").model.friction(), good);
+    }
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let errors = read_with(Friction::Smooth(bad)).expect_err("refused");
+        assert_eq!(errors.iter().map(|d| d.code).collect::<Vec<_>>(), [Code::Option]);
+    }
+}
+
+#[test]
+fn a_base_that_floats_is_a_link_that_moves() {
+    let options = ReadOptions { base: Base::Floating, ..ReadOptions::default() };
+    let model = good("/floating_base.urdf", &options);
+    let [base, arm] = model.links() else { panic!("two links move") };
+    assert_eq!((base.name.as_str(), base.parent), ("base", None));
+    assert_eq!(base.joint.joint_type, JointType::Floating);
+    // The name is taken by the arm's joint.
+    assert_eq!(base.joint.name, "floating_base_1");
+    assert_eq!((arm.joint.name.as_str(), arm.parent), ("floating_base", Some(0)));
+    // The trunk is fixed to it, 1 m higher.
+    assert_eq!((base.inertial.mass, base.inertial.center_of_mass), (1.0, [0.0, 0.0, 1.0]));
+    assert_eq!(arm.joint.origin.translation, [0.0, 0.0, 1.0]);
+    let frames: Vec<_> = model.frames().iter().map(|f| (f.name.as_str(), f.link)).collect();
+    assert_eq!(frames, [("base", Some(0)), ("trunk", Some(0)), ("arm", Some(1))]);
+    assert_eq!((model.nq(), model.nv()), (8, 7));
+
+    let free = good("/free_body.urdf", &options);
+    assert_eq!(free.coordinate_names()[0], "floating_base.x");
+    let fixed = good("/floating_base.urdf", &ReadOptions::default());
+    assert_eq!((fixed.nq(), fixed.frames()[1].link), (1, None));
+}
+
+#[test]
+fn frames_have_the_inertia_of_their_own_link() {
+    let options = ReadOptions { base: Base::Floating, ..ReadOptions::default() };
+    for options in [ReadOptions::default(), options] {
+        let model = good("/floating_base.urdf", &options);
+        let own: Vec<_> = model.frames().iter().map(|frame| frame.inertial).collect();
+        let inertia = [0.1, 0.0, 0.0, 0.1, 0.0, 0.1];
+        let body = Inertial { mass: 1.0, center_of_mass: [0.0; 3], inertia };
+        assert_eq!(own, [Inertial::default(), body, body]);
+    }
+}
+
 /// Neither the call stack nor a quadratic loop stands in the way, be it one line or many; and
 /// the deep end of a long chain still feels what it carries.
 #[test]
@@ -212,6 +368,55 @@ fn a_chain_of_100_000_joints() {
     assert!(errors.iter().any(|d| d.code == Code::Cycle));
 }
 
+/// Each joint follows the next, or all stand in a circle.
+#[test]
+fn a_chain_of_100_000_mimics() {
+    const N: usize = 100_000;
+    let mut text = String::from("<robot name='r'>");
+    for i in 0..=N {
+        text += &link(&format!("l{i}"));
+    }
+    for i in 0..N {
+        write!(
+            text,
+            "<joint name='j{i}' type='revolute'><parent link='l{}'/><child link='l{}'/>\
+             <mimic joint='j{}' multiplier='-1' offset='1'/></joint>",
+            if i % 2 == 0 { i } else { 0 },
+            i + 1,
+            i + 1
+        )
+        .expect("a string");
+    }
+    text += "</robot>";
+    let end = format!("<mimic joint='j{N}' multiplier='-1' offset='1'/>");
+    let model = reading(&text.replace(&end, "")).model;
+    assert_eq!((model.links().len(), model.nq()), (N, 1));
+    let first = model.links().iter().position(|link| link.joint.name == "j0").expect("j0");
+    let mimic = model.mimic(first).expect("follows");
+    assert_eq!((mimic.multiplier, mimic.offset), (-1.0, 1.0));
+
+    let closed = text.replace(&end, "<mimic joint='j0'/>");
+    let errors = read(&closed, "test.urdf", &ReadOptions::default()).expect_err("refused");
+    assert_eq!(errors.iter().map(|d| d.code).collect::<Vec<_>>(), [Code::MimicCycle]);
+}
+
+#[test]
+fn a_chain_of_20_000_joints_of_all_types() {
+    const N: usize = 20_000;
+    let mut text = String::from("<robot name='r'>");
+    for i in 0..=N {
+        text += &link(&format!("l{i}"));
+    }
+    for i in 0..N {
+        let kind = ["universal", "planar", "spherical", "floating", "revolute"][i % 5];
+        text += &joint(&format!("j{i}"), kind, &format!("l{i}"), &format!("l{}", i + 1))
+            .replace("<parent", "<origin xyz='0.1 0.2 0.3'/><axis xyz='0 0 1'/><parent");
+    }
+    text += "</robot>";
+    let model = reading(&text).model;
+    assert_eq!((model.links().len(), model.nv()), (N, N / 5 * 15));
+}
+
 #[test]
 fn elements_nested_without_end_are_no_harm() {
     let deep =
@@ -223,9 +428,11 @@ fn elements_nested_without_end_are_no_harm() {
 #[test]
 fn figures_are_those_that_urdf_rs_reads() {
     let mut compared = 0;
-    for (file, text) in good_files() {
+    // urdf-rs knows no base that floats.
+    for (file, text) in good_files().into_iter().filter(|(_, text)| !text.contains("base = ")) {
+        let follows = !text.contains("mimic = independent");
         let options = ReadOptions {
-            mimic: Mimic::Independent,
+            mimic: if follows { Mimic::Follow } else { Mimic::Independent },
             unphysical_inertia: Severity::Warning,
             ..ReadOptions::default()
         };
@@ -239,8 +446,24 @@ fn figures_are_those_that_urdf_rs_reads() {
         );
         for link in reading.model.links() {
             let joint = robot.joints.iter().find(|j| j.name == link.joint.name).expect("joint");
+            let drive = link.joint.drive;
+            let dynamics = joint.dynamics.as_ref();
+            let figures = dynamics.map_or([0.0; 2], |d| [d.damping, d.friction]);
+            assert_eq!([drive.damping, drive.friction], figures, "{file}");
+            let mimic = link.joint.mimic.map(|mimic| {
+                let leader = reading.model.links()[mimic.leader].joint.name.clone();
+                (leader, mimic.multiplier, mimic.offset)
+            });
+            let witness = joint.mimic.as_ref().filter(|_| follows).map(|mimic| {
+                let (multiplier, offset) = (mimic.multiplier, mimic.offset);
+                (mimic.joint.clone(), multiplier.unwrap_or(1.0), offset.unwrap_or(0.0))
+            });
+            assert_eq!(mimic, witness, "{file}");
+            let turns_any_way =
+                matches!(link.joint.joint_type, JointType::Spherical | JointType::Floating);
             let length = joint.axis.xyz.iter().map(|x| x * x).sum::<f64>().sqrt();
-            assert!(close(&link.joint.axis, &joint.axis.xyz.map(|x| x / length)), "{file}");
+            let axis = joint.axis.xyz.map(|x| x / length);
+            assert!(turns_any_way || close(&link.joint.axis, &axis), "{file}");
             let moves = |name: &str| {
                 robot
                     .joints
@@ -298,15 +521,23 @@ proptest! {
                     // A figure or a name in quotes becomes another one.
                     let Some(open) = text[i..].iter().position(|&b| b == b'"').map(|k| i + k + 1) else { continue };
                     let Some(close) = text[open..].iter().position(|&b| b == b'"').map(|k| open + k) else { continue };
-                    let words: [&[u8]; 8] =
-                        [b"", b"0", b"-1", b"1e308", b"nan", b"base", b"arm", b"0 0 1e-300"];
+                    let words: [&[u8]; 12] = [
+                        b"", b"0", b"-1", b"1e308", b"nan", b"base", b"arm", b"0 0 1e-300",
+                        b"shoulder", b"wrist", b"universal", b"1e50",
+                    ];
                     text.splice(open..close, words[byte as usize % words.len()].iter().copied());
                 }
             }
         }
         let text = String::from_utf8_lossy(&text);
-        for mimic in [Mimic::Refuse, Mimic::Independent] {
-            let options = ReadOptions { mimic, unphysical_inertia: Severity::Warning, ..ReadOptions::default() };
+        for (mimic, base) in [
+            (Mimic::Follow, Base::Floating),
+            (Mimic::Follow, Base::Fixed),
+            (Mimic::Refuse, Base::Fixed),
+            (Mimic::Independent, Base::Fixed),
+        ] {
+            let options =
+                ReadOptions { mimic, base, unphysical_inertia: Severity::Warning, ..ReadOptions::default() };
             match read(&text, "test.urdf", &options) {
                 Ok(reading) => prop_assert!(reading.model.nq() > 0),
                 Err(errors) => {

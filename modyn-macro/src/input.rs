@@ -1,8 +1,8 @@
 //! What stands in the macro: `[[visibility] Name =] "path" [, option = value]*`.
 
 use modyn_codegen::error::Severity;
-use modyn_codegen::urdf::Mimic;
-use modyn_codegen::{Builder, FloatType, ModuleChoice};
+use modyn_codegen::urdf::{Base, Friction, Mimic};
+use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
 use proc_macro2::{Span, TokenTree};
 use quote::ToTokens as _;
 use syn::ext::IdentExt as _;
@@ -75,19 +75,27 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
     given.push(name.clone());
     input.parse::<Token![=]>()?;
     match name.to_string().as_str() {
+        "gravity" if input.peek(Ident) => {
+            choice(input, &[("runtime", ())]).map(|()| builder.runtime_gravity())
+        }
         "gravity" => vector(input).map(|gravity| builder.gravity(gravity)),
+        "payload" => strings(input).map(|links| builder.payload(links)),
+        "functions" => functions(input).map(|functions| builder.functions(functions)),
         "modules" => modules(input).map(|modules| builder.modules(modules)),
         "scalar" => choice(input, &[("f64", FloatType::F64), ("f32", FloatType::F32)])
             .map(|float| builder.float(float)),
-        "base" => {
-            let span = input.span();
-            match choice(input, &[("fixed", true), ("floating", false)])? {
-                true => Ok(builder),
-                false => Err(Error::new(span, "a floating base is not supported yet")),
-            }
+        "base" => choice(input, &[("fixed", Base::Fixed), ("floating", Base::Floating)])
+            .map(|base| builder.base(base)),
+        "friction" => friction(input).map(|friction| builder.friction(friction)),
+        "rotors" => rotors(builder, input),
+        "mimic" => {
+            let choices = [
+                ("follow", Mimic::Follow),
+                ("independent", Mimic::Independent),
+                ("refuse", Mimic::Refuse),
+            ];
+            choice(input, &choices).map(|mimic| builder.mimic(mimic))
         }
-        "mimic" => choice(input, &[("refuse", Mimic::Refuse), ("independent", Mimic::Independent)])
-            .map(|mimic| builder.mimic(mimic)),
         "unphysical_inertia" => {
             choice(input, &[("error", Severity::Error), ("warn", Severity::Warning)])
                 .map(|severity| builder.unphysical_inertia(severity))
@@ -97,7 +105,8 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
             Err(error) => Err(Error::new(error.span(), "expected a path, such as `::modyn`")),
         },
         other => {
-            let options = "gravity, modules, scalar, base, mimic, unphysical_inertia, crate";
+            let options = "gravity, payload, functions, modules, scalar, base, mimic, rotors, \
+                           friction, unphysical_inertia, crate";
             let message = format!("there is no option `{other}`; options are {options}");
             Err(Error::new(name.span(), message))
         }
@@ -113,6 +122,82 @@ fn choice<T: Copy>(input: ParseStream<'_>, choices: &[(&str, T)]) -> Result<T> {
         let names: Vec<String> = choices.iter().map(|(name, _)| format!("`{name}`")).collect();
         Error::new(span, format!("expected {}", names.join(" or ")))
     })
+}
+
+/// `none`, `viscous`, `coulomb` or `smooth(0.01)`
+fn friction(input: ParseStream<'_>) -> Result<Friction> {
+    let choices = [
+        ("none", Friction::None),
+        ("viscous", Friction::Viscous),
+        ("coulomb", Friction::Coulomb),
+        ("smooth", Friction::Smooth(f64::NAN)),
+    ];
+    let chosen = choice(input, &choices)?;
+    if !matches!(chosen, Friction::Smooth(_)) {
+        return Ok(chosen);
+    }
+    let content;
+    if !input.peek(syn::token::Paren) {
+        return Err(input.error("expected a velocity, rad/s or m/s: `smooth(0.01)`"));
+    }
+    syn::parenthesized!(content in input);
+    Ok(Friction::Smooth(number(&content)?))
+}
+
+/// `["joint": (inertia, gear_ratio), ...]`
+fn rotors(builder: Builder, input: ParseStream<'_>) -> Result<Builder> {
+    let content;
+    syn::bracketed!(content in input);
+    let rotor = |input: ParseStream<'_>| {
+        let joint: LitStr = input.parse()?;
+        input.parse::<Token![:]>()?;
+        let figures;
+        syn::parenthesized!(figures in input);
+        let inertia = number(&figures)?;
+        figures.parse::<Token![,]>()?;
+        Ok((joint.value(), inertia, number(&figures)?))
+    };
+    let rotors = Punctuated::<_, Token![,]>::parse_terminated_with(&content, rotor)?;
+    Ok(rotors.into_iter().fold(builder, |builder, (joint, inertia, gear_ratio)| {
+        builder.rotor(joint, inertia, gear_ratio)
+    }))
+}
+
+/// `["a", "b"]`
+fn strings(input: ParseStream<'_>) -> Result<Vec<String>> {
+    let content;
+    syn::bracketed!(content in input);
+    let strings = Punctuated::<LitStr, Token![,]>::parse_terminated(&content)?;
+    Ok(strings.iter().map(LitStr::value).collect())
+}
+
+/// `all`, `default`, or a list of functions' names in which these may stand too.
+fn functions(input: ParseStream<'_>) -> Result<Vec<Function>> {
+    if !input.peek(syn::token::Bracket) {
+        return function(input);
+    }
+    let content;
+    syn::bracketed!(content in input);
+    let lists = Punctuated::<_, Token![,]>::parse_terminated_with(&content, function)?;
+    Ok(lists.into_iter().flatten().collect())
+}
+
+fn function(input: ParseStream<'_>) -> Result<Vec<Function>> {
+    let name = Ident::parse_any(input).map_err(|error| {
+        Error::new(error.span(), "expected names of functions, `default` or `all`")
+    })?;
+    match name.to_string().as_str() {
+        "all" => Ok(Function::ALL.to_vec()),
+        "default" => Ok(Function::DEFAULT.to_vec()),
+        other => Function::from_name(other).map(|function| vec![function]).ok_or_else(|| {
+            let names: Vec<&str> = Function::ALL.iter().map(|function| function.name()).collect();
+            let message = format!(
+                "there is no function `{other}`; there are: default, all, {}",
+                names.join(", ")
+            );
+            Error::new(name.span(), message)
+        }),
+    }
 }
 
 /// `[x, y, z]`

@@ -25,11 +25,15 @@ use input::Input;
 ///
 /// | option | values | default |
 /// |---|---|---|
-/// | `gravity` | `[x, y, z]`, m/s^2 in world axes | `[0.0, 0.0, -9.81]` |
+/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: a field of the type's `Params` | `[0.0, 0.0, -9.81]` |
+/// | `payload` | names of links whose inertia can be changed at run time: fields of `Params` | `[]` |
+/// | `functions` | a list of functions' names, in which `default` may stand; `all` | `default` |
 /// | `modules` | `chains`, `links`, or a list of lists of link names, each from its parent outwards | `chains` |
 /// | `scalar` | `f64`, `f32`: of the type's own functions | `f64` |
-/// | `base` | `fixed` | `fixed` |
-/// | `mimic` | `refuse`, `independent`: joints that mimic another one | `refuse` |
+/// | `base` | `fixed`, `floating` | `fixed` |
+/// | `mimic` | `follow`, `independent`, `refuse`: joints that mimic another one | `follow` |
+/// | `rotors` | `["joint": (inertia, gear_ratio), ...]`, kg m^2 | the description's |
+/// | `friction` | `none`, `viscous`, `coulomb`, `smooth(velocity)`: which of the description's damping and friction acts | `none` |
 /// | `unphysical_inertia` | `error`, `warn` | `error` |
 /// | `crate` | the path of `modyn`, where it was renamed | `::modyn` |
 ///

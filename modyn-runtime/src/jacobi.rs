@@ -56,8 +56,11 @@ fn rotate<S: Scalar>(a: &mut [S], n: usize, p: usize, q: usize) {
 /// n), which is overwritten: its largest over its smallest eigenvalue.
 ///
 /// Infinite where the smallest eigenvalue is zero or, by rounding, negative: where the condition
-/// number is beyond what the scalar can tell.
+/// number is beyond what the scalar can tell; 1 of a matrix without entries.
 pub fn condition_number<S: Scalar>(a: &mut [S], n: usize) -> S {
+    if n == 0 {
+        return S::one();
+    }
     // Scaled to its largest entry, so that no square overflows or vanishes.
     let largest = a.iter().fold(S::zero(), |largest, x| largest.max(x.abs()));
     let scale = largest.recip();
@@ -93,5 +96,6 @@ mod tests {
     #[test]
     fn a_single_number_is_well_conditioned() {
         assert_eq!(condition_number(&mut [0.1_f64], 1), 1.0);
+        assert_eq!(condition_number::<f64>(&mut [], 0), 1.0);
     }
 }

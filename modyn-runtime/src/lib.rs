@@ -1,9 +1,10 @@
 //! What modyn's generated code needs at run time, and the equations of motion behind it.
 //!
-//! Without features this crate is what generated code needs, on `core` and `libm` alone:
-//! [`Scalar`], [`Pose`](spatial::Pose), the [`Robot`] trait. Feature `alloc` adds the
+//! Without features this crate is what generated code needs, on `core` alone (and `libm` for square roots):
+//! [`Scalar`], [`Pose`](spatial::Pose), the [`Robot`] trait, [`conventions`]. Feature `alloc` adds the
 //! [`model`], the [`equations`] and the [`Interpreter`] that runs them for any model at run time;
-//! `nalgebra` the same calls over nalgebra's types; `serde` (de)serialization of the model.
+//! `nalgebra` the same calls over nalgebra's types; `rayon` batches on all cores;
+//! `num-dual` its numbers as scalars, for exact derivatives; `serde` (de)serialization of the model.
 #![no_std]
 
 #[cfg(feature = "alloc")]
@@ -11,27 +12,49 @@ extern crate alloc;
 #[cfg(feature = "std")]
 extern crate std;
 
+pub mod batch;
+pub mod conventions;
 #[cfg(feature = "alloc")]
 pub mod equations;
+mod figures;
+mod inertial;
 #[cfg(feature = "alloc")]
 mod interpreter;
 pub mod jacobi;
 pub mod joint;
+mod lanes;
 #[cfg(feature = "alloc")]
 pub mod model;
 #[cfg(feature = "nalgebra")]
 mod nalgebra;
 mod robot;
 mod scalar;
+pub mod simulate;
+#[cfg(feature = "alloc")]
+pub mod sources;
 pub mod spatial;
 
 /// nalgebra, in the version whose types [`Nalgebra`] has.
 #[cfg(feature = "nalgebra")]
 pub use ::nalgebra as na;
+/// num-dual, in the version whose numbers are scalars.
+#[cfg(feature = "num-dual")]
+pub use ::num_dual;
 #[cfg(feature = "alloc")]
-pub use interpreter::{Brge, Interpreter, ModuleMismatch, ShapeError, UpdateError};
+pub use equations::Forces;
+#[cfg(feature = "alloc")]
+pub use interpreter::{
+    Brge, ForwardDerivatives, FrameError, InertialError, Interpreter, ModuleMismatch, ShapeError,
+    UpdateError,
+};
 
 #[cfg(feature = "nalgebra")]
 pub use crate::nalgebra::Nalgebra;
-pub use robot::{Array, Factorization, KinematicModule, OperationCount, Robot};
+pub use batch::BatchError;
+pub use figures::{
+    ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
+    OperationCount,
+};
+pub use inertial::{Inertial, InertialDefect, Payload};
+pub use robot::{Array, Factorization, NotGenerated, Robot};
 pub use scalar::Scalar;

@@ -7,8 +7,9 @@ use nalgebra::{
 };
 
 use crate::Scalar;
+use crate::figures::{ForwardDynamicsDerivatives, InverseDynamicsDerivatives};
 use crate::robot::{Factorization, Robot};
-use crate::spatial::Pose;
+use crate::spatial::{Pose, Twist, Vector3};
 
 /// A generated robot's functions over `SVector`, `SMatrix` and `Isometry3`:
 /// `Nalgebra::<Gripper>::forward_dynamics(&q, &qd, &tau)`.
@@ -127,9 +128,100 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         q: &SVector<T, NQ>,
     ) -> [Isometry3<T>; LINKS]
     where
-        R: Robot<Q<T> = [T; NQ], Poses<T> = [Pose<T>; LINKS]>,
+        R: Robot<Q<T> = [T; NQ], PerLink<Pose<T>> = [Pose<T>; LINKS]>,
     {
         R::link_poses::<T>(array(q)).map(Isometry3::from)
+    }
+
+    /// The derivatives of the inverse dynamics by `q` (in tangent space) and `qd`.
+    #[must_use]
+    pub fn inverse_dynamics_derivatives<const NQ: usize, const NV: usize>(
+        q: &SVector<T, NQ>,
+        qd: &SVector<T, NV>,
+        qdd: &SVector<T, NV>,
+    ) -> InverseDynamicsDerivatives<SMatrix<T, NV, NV>>
+    where
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV], M<T> = [[T; NV]; NV]>,
+    {
+        let found = R::inverse_dynamics_derivatives::<T>(array(q), array(qd), array(qdd));
+        InverseDynamicsDerivatives { dq: found.dq.into(), dqd: found.dqd.into() }
+    }
+
+    /// The derivatives of the forward dynamics by `q` (in tangent space), `qd` and `tau`.
+    #[must_use]
+    pub fn forward_dynamics_derivatives<const NQ: usize, const NV: usize>(
+        q: &SVector<T, NQ>,
+        qd: &SVector<T, NV>,
+        tau: &SVector<T, NV>,
+    ) -> ForwardDynamicsDerivatives<SVector<T, NV>, SMatrix<T, NV, NV>>
+    where
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV], M<T> = [[T; NV]; NV]>,
+    {
+        let found = R::forward_dynamics_derivatives::<T>(array(q), array(qd), array(tau));
+        ForwardDynamicsDerivatives {
+            qdd: found.qdd.into(),
+            dq: found.dq.into(),
+            dqd: found.dqd.into(),
+            dtau: found.dtau.into(),
+        }
+    }
+
+    /// The pose of a link in the world.
+    #[must_use]
+    pub fn link_pose<const NQ: usize>(q: &SVector<T, NQ>, link: R::Link) -> Isometry3<T>
+    where
+        R: Robot<Q<T> = [T; NQ]>,
+    {
+        R::link_pose::<T>(array(q), link).into()
+    }
+
+    /// A link's Jacobian at its origin in world axes: six rows, linear before angular as nalgebra's
+    /// users have it from other libraries.
+    #[must_use]
+    pub fn jacobian<const NQ: usize, const NV: usize>(
+        q: &SVector<T, NQ>,
+        link: R::Link,
+    ) -> SMatrix<T, 6, NV>
+    where
+        R: Robot<Q<T> = [T; NQ], PerVelocity<Twist<T>> = [Twist<T>; NV]>,
+    {
+        let columns = R::jacobian::<T>(array(q), link);
+        SMatrix::from(columns.map(|Twist { angular: Vector3(w), linear: Vector3(v) }| {
+            [v[0], v[1], v[2], w[0], w[1], w[2]]
+        }))
+    }
+
+    /// The centre of mass of the moving links in the world, m.
+    #[must_use]
+    pub fn center_of_mass<const NQ: usize>(q: &SVector<T, NQ>) -> SVector<T, 3>
+    where
+        R: Robot<Q<T> = [T; NQ]>,
+    {
+        R::center_of_mass::<T>(array(q)).0.into()
+    }
+
+    /// The coordinates behind a displacement `v` from `q`.
+    #[must_use]
+    pub fn integrate<const NQ: usize, const NV: usize>(
+        q: &SVector<T, NQ>,
+        v: &SVector<T, NV>,
+    ) -> SVector<T, NQ>
+    where
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+    {
+        R::integrate::<T>(array(q), array(v)).into()
+    }
+
+    /// The displacement from one to the other.
+    #[must_use]
+    pub fn difference<const NQ: usize, const NV: usize>(
+        from: &SVector<T, NQ>,
+        to: &SVector<T, NQ>,
+    ) -> SVector<T, NV>
+    where
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+    {
+        R::difference::<T>(array(from), array(to)).into()
     }
 }
 

@@ -1,9 +1,13 @@
 //! What every generated robot offers, for code that is written once for all of them.
 
-use core::fmt;
+use core::convert::Infallible;
+use core::marker::PhantomData;
 
 use crate::Scalar;
-use crate::spatial::Pose;
+use crate::figures::{
+    ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
+};
+use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 
 /// A fixed number of scalars: `[T; N]`, where N cannot be named.
 pub trait Array<T>: Copy + AsRef<[T]> + AsMut<[T]> {
@@ -22,11 +26,27 @@ impl<T: Copy, const N: usize> Array<T> for [T; N] {
     }
 }
 
+/// Stops compilation where a function is called that a robot was not given.
+macro_rules! missing {
+    ($function:ident: $($argument:ident),*) => {{
+        $(let _ = $argument;)*
+        const {
+            panic!(concat!(
+                "this robot was compiled without `",
+                stringify!($function),
+                "`: add it to its option `functions`"
+            ))
+        }
+    }};
+}
+
 /// A generated robot, over any scalar.
 ///
 /// The generated type has the same functions by itself on plain numbers; the trait is for code
-/// that does not know the robot. Vectors stand in the order of [`JOINT_NAMES`](Self::JOINT_NAMES),
-/// matrices are arrays of columns; SI units, radians.
+/// that does not know the robot. Vectors stand in the order of
+/// [`COORDINATE_NAMES`](Self::COORDINATE_NAMES) and [`VELOCITY_NAMES`](Self::VELOCITY_NAMES),
+/// matrices are arrays of columns; SI units, radians. A call of a function that the robot was
+/// compiled without (option `functions`) does not compile.
 pub trait Robot {
     /// The robot's name in its description.
     const NAME: &'static str;
@@ -34,23 +54,35 @@ pub trait Robot {
     const NQ: usize;
     /// Length of the velocity vector: degrees of freedom.
     const NV: usize;
-    /// The joints, in the order of all joint vectors.
+    /// The moving joints, depth first; those that mimic another too.
     const JOINT_NAMES: &'static [&'static str];
     /// All links of the description, in its order: the order of [`link_poses`](Self::link_poses).
     const LINK_NAMES: &'static [&'static str];
+    /// What each entry of the coordinate vector is called.
+    const COORDINATE_NAMES: &'static [&'static str];
+    /// What each entry of the velocity vector is called.
+    const VELOCITY_NAMES: &'static [&'static str];
+    /// The limits of the joints, as the description states them.
+    const LIMITS: JointLimits<'static>;
     /// The kinematic modules, parents before children.
     const MODULES: &'static [KinematicModule];
 
-    /// What can be changed at run time; nothing, as yet.
+    /// What can be changed at run time: gravity and payloads, where the robot was compiled so.
     type Params: Default;
+    /// A link of the description.
+    type Link: Copy;
     /// Coordinates.
     type Q<T: Scalar>: Array<T>;
     /// Velocities, accelerations, torques.
     type V<T: Scalar>: Array<T>;
     /// Square matrices, an array of columns.
     type M<T: Scalar>: Array<Self::V<T>>;
-    /// Link poses.
-    type Poses<T: Scalar>: Array<Pose<T>>;
+    /// Something for each entry of the velocity vector.
+    type PerVelocity<X: Copy>: Array<X>;
+    /// Something for each link of the description, in the order of [`LINK_NAMES`](Self::LINK_NAMES).
+    type PerLink<X: Copy>: Array<X>;
+    /// The regressor's columns.
+    type Regressor<T: Scalar>: Array<Self::V<T>>;
     /// The factorization by modules.
     type Brge<T: Scalar>: Factorization<T, V = Self::V<T>, M = Self::M<T>>;
 
@@ -60,40 +92,9 @@ pub trait Robot {
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
-    ) -> Self::V<T>;
-
-    /// Joint torques of the accelerations `qdd`.
-    fn inverse_dynamics_with<T: Scalar>(
-        params: &Self::Params,
-        q: &Self::Q<T>,
-        qd: &Self::V<T>,
-        qdd: &Self::V<T>,
-    ) -> Self::V<T>;
-
-    /// Coriolis, centrifugal and gravity torques.
-    fn bias_forces_with<T: Scalar>(
-        params: &Self::Params,
-        q: &Self::Q<T>,
-        qd: &Self::V<T>,
-    ) -> Self::V<T>;
-
-    /// Joint torques that hold the robot still.
-    fn gravity_torques_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>) -> Self::V<T>;
-
-    /// The generalized inertia matrix.
-    fn mass_matrix_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>) -> Self::M<T>;
-
-    /// The generalized inertia matrix as U D U^T by modules.
-    fn brge_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>) -> Self::Brge<T>;
-
-    /// Kinetic energy, J.
-    fn kinetic_energy_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>, qd: &Self::V<T>) -> T;
-
-    /// Potential energy under gravity, J; zero at the world's origin.
-    fn potential_energy_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>) -> T;
-
-    /// The poses of all links in the world.
-    fn link_poses<T: Scalar>(q: &Self::Q<T>) -> Self::Poses<T>;
+    ) -> Self::V<T> {
+        missing!(forward_dynamics: params, q, qd, tau)
+    }
 
     /// [`forward_dynamics_with`](Self::forward_dynamics_with) the default parameters.
     fn forward_dynamics<T: Scalar>(
@@ -102,6 +103,16 @@ pub trait Robot {
         tau: &Self::V<T>,
     ) -> Self::V<T> {
         Self::forward_dynamics_with(&Self::Params::default(), q, qd, tau)
+    }
+
+    /// Joint torques of the accelerations `qdd`.
+    fn inverse_dynamics_with<T: Scalar>(
+        params: &Self::Params,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+    ) -> Self::V<T> {
+        missing!(inverse_dynamics: params, q, qd, qdd)
     }
 
     /// [`inverse_dynamics_with`](Self::inverse_dynamics_with) the default parameters.
@@ -113,9 +124,23 @@ pub trait Robot {
         Self::inverse_dynamics_with(&Self::Params::default(), q, qd, qdd)
     }
 
+    /// Coriolis, centrifugal and gravity torques (damping and friction too, where they act).
+    fn bias_forces_with<T: Scalar>(
+        params: &Self::Params,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+    ) -> Self::V<T> {
+        missing!(bias_forces: params, q, qd)
+    }
+
     /// [`bias_forces_with`](Self::bias_forces_with) the default parameters.
     fn bias_forces<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::V<T> {
         Self::bias_forces_with(&Self::Params::default(), q, qd)
+    }
+
+    /// Joint torques that hold the robot still.
+    fn gravity_torques_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>) -> Self::V<T> {
+        missing!(gravity_torques: params, q)
     }
 
     /// [`gravity_torques_with`](Self::gravity_torques_with) the default parameters.
@@ -123,9 +148,19 @@ pub trait Robot {
         Self::gravity_torques_with(&Self::Params::default(), q)
     }
 
+    /// The generalized inertia matrix.
+    fn mass_matrix_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>) -> Self::M<T> {
+        missing!(mass_matrix: params, q)
+    }
+
     /// [`mass_matrix_with`](Self::mass_matrix_with) the default parameters.
     fn mass_matrix<T: Scalar>(q: &Self::Q<T>) -> Self::M<T> {
         Self::mass_matrix_with(&Self::Params::default(), q)
+    }
+
+    /// The generalized inertia matrix as U D U^T by modules.
+    fn brge_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>) -> Self::Brge<T> {
+        missing!(brge: params, q)
     }
 
     /// [`brge_with`](Self::brge_with) the default parameters.
@@ -133,14 +168,324 @@ pub trait Robot {
         Self::brge_with(&Self::Params::default(), q)
     }
 
+    /// Kinetic energy, J.
+    fn kinetic_energy_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>, qd: &Self::V<T>) -> T {
+        missing!(kinetic_energy: params, q, qd)
+    }
+
     /// [`kinetic_energy_with`](Self::kinetic_energy_with) the default parameters.
     fn kinetic_energy<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> T {
         Self::kinetic_energy_with(&Self::Params::default(), q, qd)
     }
 
+    /// Potential energy under gravity, J; zero at the world's origin.
+    fn potential_energy_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>) -> T {
+        missing!(potential_energy: params, q)
+    }
+
     /// [`potential_energy_with`](Self::potential_energy_with) the default parameters.
     fn potential_energy<T: Scalar>(q: &Self::Q<T>) -> T {
         Self::potential_energy_with(&Self::Params::default(), q)
+    }
+
+    /// Joint accelerations under the joint torques `tau` and a wrench on each link, at the link's
+    /// origin in its own axes.
+    fn forward_dynamics_external_with<T: Scalar>(
+        params: &Self::Params,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T> {
+        missing!(forward_dynamics_external: params, q, qd, tau, forces)
+    }
+
+    /// [`forward_dynamics_external_with`](Self::forward_dynamics_external_with) the default parameters.
+    fn forward_dynamics_external<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T> {
+        Self::forward_dynamics_external_with(&Self::Params::default(), q, qd, tau, forces)
+    }
+
+    /// Joint accelerations under the joint torques `tau` and a wrench on each link, at the link's
+    /// origin in the world's axes.
+    fn forward_dynamics_external_world_with<T: Scalar>(
+        params: &Self::Params,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T> {
+        missing!(forward_dynamics_external_world: params, q, qd, tau, forces)
+    }
+
+    /// [`forward_dynamics_external_world_with`](Self::forward_dynamics_external_world_with) the default parameters.
+    fn forward_dynamics_external_world<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T> {
+        Self::forward_dynamics_external_world_with(&Self::Params::default(), q, qd, tau, forces)
+    }
+
+    /// Joint torques of the accelerations `qdd` under a wrench on each link, at the link's origin in
+    /// its own axes.
+    fn inverse_dynamics_external_with<T: Scalar>(
+        params: &Self::Params,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T> {
+        missing!(inverse_dynamics_external: params, q, qd, qdd, forces)
+    }
+
+    /// [`inverse_dynamics_external_with`](Self::inverse_dynamics_external_with) the default parameters.
+    fn inverse_dynamics_external<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T> {
+        Self::inverse_dynamics_external_with(&Self::Params::default(), q, qd, qdd, forces)
+    }
+
+    /// Joint torques of the accelerations `qdd` under a wrench on each link, at the link's origin in
+    /// the world's axes.
+    fn inverse_dynamics_external_world_with<T: Scalar>(
+        params: &Self::Params,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T> {
+        missing!(inverse_dynamics_external_world: params, q, qd, qdd, forces)
+    }
+
+    /// [`inverse_dynamics_external_world_with`](Self::inverse_dynamics_external_world_with) the default parameters.
+    fn inverse_dynamics_external_world<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        forces: &Self::PerLink<Wrench<T>>,
+    ) -> Self::V<T> {
+        Self::inverse_dynamics_external_world_with(&Self::Params::default(), q, qd, qdd, forces)
+    }
+
+    /// The poses of all links in the world.
+    fn link_poses<T: Scalar>(q: &Self::Q<T>) -> Self::PerLink<Pose<T>> {
+        missing!(link_poses: q)
+    }
+
+    /// The derivatives of the inverse dynamics; with respect to `q` in tangent space.
+    fn inverse_dynamics_derivatives_with<T: Scalar>(
+        params: &Self::Params,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+    ) -> InverseDynamicsDerivatives<Self::M<T>> {
+        missing!(inverse_dynamics_derivatives: params, q, qd, qdd)
+    }
+
+    /// [`inverse_dynamics_derivatives_with`](Self::inverse_dynamics_derivatives_with) the default parameters.
+    fn inverse_dynamics_derivatives<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+    ) -> InverseDynamicsDerivatives<Self::M<T>> {
+        Self::inverse_dynamics_derivatives_with(&Self::Params::default(), q, qd, qdd)
+    }
+
+    /// The derivatives of the forward dynamics; with respect to `q` in tangent space.
+    fn forward_dynamics_derivatives_with<T: Scalar>(
+        params: &Self::Params,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+    ) -> ForwardDynamicsDerivatives<Self::V<T>, Self::M<T>> {
+        missing!(forward_dynamics_derivatives: params, q, qd, tau)
+    }
+
+    /// [`forward_dynamics_derivatives_with`](Self::forward_dynamics_derivatives_with) the default parameters.
+    fn forward_dynamics_derivatives<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+    ) -> ForwardDynamicsDerivatives<Self::V<T>, Self::M<T>> {
+        Self::forward_dynamics_derivatives_with(&Self::Params::default(), q, qd, tau)
+    }
+
+    /// The regressor Y of the inverse dynamics, an array of columns: tau = Y pi (rotors and friction
+    /// apart), where pi holds ten numbers a moving link: mass, mass times centre of mass x, y, z, and
+    /// Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in its own axes.
+    fn regressor_with<T: Scalar>(
+        params: &Self::Params,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+    ) -> Self::Regressor<T> {
+        missing!(regressor: params, q, qd, qdd)
+    }
+
+    /// [`regressor_with`](Self::regressor_with) the default parameters.
+    fn regressor<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+    ) -> Self::Regressor<T> {
+        Self::regressor_with(&Self::Params::default(), q, qd, qdd)
+    }
+
+    /// The centre of mass of the moving links in the world, m.
+    fn center_of_mass_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>) -> Vector3<T> {
+        missing!(center_of_mass: params, q)
+    }
+
+    /// [`center_of_mass_with`](Self::center_of_mass_with) the default parameters.
+    fn center_of_mass<T: Scalar>(q: &Self::Q<T>) -> Vector3<T> {
+        Self::center_of_mass_with(&Self::Params::default(), q)
+    }
+
+    /// The derivative of the centre of mass: its velocity is this times `qd`. An array of columns.
+    fn center_of_mass_jacobian_with<T: Scalar>(
+        params: &Self::Params,
+        q: &Self::Q<T>,
+    ) -> Self::PerVelocity<Vector3<T>> {
+        missing!(center_of_mass_jacobian: params, q)
+    }
+
+    /// [`center_of_mass_jacobian_with`](Self::center_of_mass_jacobian_with) the default parameters.
+    fn center_of_mass_jacobian<T: Scalar>(q: &Self::Q<T>) -> Self::PerVelocity<Vector3<T>> {
+        Self::center_of_mass_jacobian_with(&Self::Params::default(), q)
+    }
+
+    /// The centroidal momentum matrix, an array of columns: this times `qd` is the momentum about the
+    /// centre of mass, in world axes.
+    fn centroidal_momentum_matrix_with<T: Scalar>(
+        params: &Self::Params,
+        q: &Self::Q<T>,
+    ) -> Self::PerVelocity<Momentum<T>> {
+        missing!(centroidal_momentum_matrix: params, q)
+    }
+
+    /// [`centroidal_momentum_matrix_with`](Self::centroidal_momentum_matrix_with) the default parameters.
+    fn centroidal_momentum_matrix<T: Scalar>(q: &Self::Q<T>) -> Self::PerVelocity<Momentum<T>> {
+        Self::centroidal_momentum_matrix_with(&Self::Params::default(), q)
+    }
+
+    /// The momentum about the centre of mass, in world axes.
+    fn centroidal_momentum_with<T: Scalar>(
+        params: &Self::Params,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+    ) -> Momentum<T> {
+        missing!(centroidal_momentum: params, q, qd)
+    }
+
+    /// [`centroidal_momentum_with`](Self::centroidal_momentum_with) the default parameters.
+    fn centroidal_momentum<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> Momentum<T> {
+        Self::centroidal_momentum_with(&Self::Params::default(), q, qd)
+    }
+
+    /// The pose of a link in the world.
+    fn link_pose<T: Scalar>(q: &Self::Q<T>, link: Self::Link) -> Pose<T> {
+        missing!(link_pose: q, link)
+    }
+
+    /// The velocity of a link's origin and its angular velocity, in world axes.
+    fn link_velocity<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, link: Self::Link) -> Twist<T> {
+        missing!(link_velocity: q, qd, link)
+    }
+
+    /// The same in the link's own axes.
+    fn local_link_velocity<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        link: Self::Link,
+    ) -> Twist<T> {
+        missing!(local_link_velocity: q, qd, link)
+    }
+
+    /// The (classical) acceleration of a link's origin, gravity left out, and its angular
+    /// acceleration, in world axes.
+    fn link_acceleration<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        link: Self::Link,
+    ) -> Twist<T> {
+        missing!(link_acceleration: q, qd, qdd, link)
+    }
+
+    /// The same in the link's own axes.
+    fn local_link_acceleration<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        qdd: &Self::V<T>,
+        link: Self::Link,
+    ) -> Twist<T> {
+        missing!(local_link_acceleration: q, qd, qdd, link)
+    }
+
+    /// A link's Jacobian, an array of columns: this times `qd` is
+    /// [`link_velocity`](Self::link_velocity).
+    fn jacobian<T: Scalar>(q: &Self::Q<T>, link: Self::Link) -> Self::PerVelocity<Twist<T>> {
+        missing!(jacobian: q, link)
+    }
+
+    /// The same in the link's own axes.
+    fn local_jacobian<T: Scalar>(q: &Self::Q<T>, link: Self::Link) -> Self::PerVelocity<Twist<T>> {
+        missing!(local_jacobian: q, link)
+    }
+
+    /// The time derivative of [`jacobian`](Self::jacobian), times `qd`: the link's (classical)
+    /// acceleration without joint accelerations.
+    fn jacobian_rate<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>, link: Self::Link) -> Twist<T> {
+        missing!(jacobian_rate: q, qd, link)
+    }
+
+    /// The time derivative of [`local_jacobian`](Self::local_jacobian), times `qd`: the rates of the
+    /// velocity's components in the link's own axes.
+    fn local_jacobian_rate<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        link: Self::Link,
+    ) -> Twist<T> {
+        missing!(local_jacobian_rate: q, qd, link)
+    }
+
+    /// The coordinates behind a displacement `v` (a velocity times a time) from `q`.
+    fn integrate<T: Scalar>(q: &Self::Q<T>, v: &Self::V<T>) -> Self::Q<T> {
+        missing!(integrate: q, v)
+    }
+
+    /// The displacement that [leads](Self::integrate) from one to the other.
+    fn difference<T: Scalar>(from: &Self::Q<T>, to: &Self::Q<T>) -> Self::V<T> {
+        missing!(difference: from, to)
+    }
+
+    /// The rates of the coordinates: dq/dt.
+    fn coordinate_rates<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::Q<T> {
+        missing!(coordinate_rates: q, qd)
+    }
+
+    /// The same coordinates, quaternions of unit length.
+    fn normalize<T: Scalar>(q: &Self::Q<T>) -> Self::Q<T> {
+        missing!(normalize: q)
+    }
+
+    /// Coordinates with every joint at zero, and quaternions of no rotation.
+    #[must_use]
+    fn neutral<T: Scalar>() -> Self::Q<T>;
+
+    /// Coordinates within the joints' limits from numbers in [0, 1), evenly spread: angles without
+    /// limits in [-pi, pi), displacements without limits in [-1, 1), rotations of any direction.
+    fn random<T: Scalar>(uniform: impl FnMut() -> T) -> Self::Q<T> {
+        missing!(random: uniform)
     }
 }
 
@@ -169,52 +514,35 @@ pub trait Factorization<T: Scalar> {
     fn condition_number(&self, module: usize) -> Option<T>;
 }
 
-/// A kinematic module of a generated robot: links in a row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct KinematicModule {
-    /// The module whose last link it leaves, as an index; `None` for the base.
-    pub parent: Option<usize>,
-    /// The modules that leave its last link.
-    pub children: &'static [usize],
-    /// Its links from the inside out.
-    pub links: &'static [&'static str],
-    /// Their joints, in the same order.
-    pub joints: &'static [&'static str],
-    /// The first joint's index in joint vectors; the others follow.
-    pub first: usize,
-}
+/// In place of a factorization that a robot was not given; there is no value of it.
+#[derive(Clone, Copy, Debug)]
+pub struct NotGenerated<V, M>(Infallible, PhantomData<(V, M)>);
 
-/// How many operations a function takes; changes of sign are free.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct OperationCount {
-    /// Multiplications.
-    pub multiplications: usize,
-    /// Additions and subtractions.
-    pub additions: usize,
-    /// Divisions.
-    pub divisions: usize,
-    /// Angles whose sine, cosine or both are taken.
-    pub sin_cos: usize,
-    /// Square roots and logarithms, absolute values, maxima and selections.
-    pub others: usize,
-}
-
-impl OperationCount {
-    /// Multiplications, additions and divisions together.
-    #[must_use]
-    pub const fn total(&self) -> usize {
-        self.multiplications + self.additions + self.divisions
+impl<T: Scalar, V, M> Factorization<T> for NotGenerated<V, M> {
+    type V = V;
+    type M = M;
+    fn u(&self) -> M {
+        match self.0 {}
     }
-}
-
-impl fmt::Display for OperationCount {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { multiplications, additions, divisions, sin_cos, .. } = self;
-        write!(
-            f,
-            "{} operations ({multiplications} multiplications, {additions} additions, \
-             {divisions} divisions) and {sin_cos} sin/cos",
-            self.total()
-        )
+    fn d(&self) -> M {
+        match self.0 {}
+    }
+    fn u_inverse(&self) -> M {
+        match self.0 {}
+    }
+    fn d_inverse(&self) -> M {
+        match self.0 {}
+    }
+    fn solve(&self, _: &V) -> V {
+        match self.0 {}
+    }
+    fn inverse(&self) -> M {
+        match self.0 {}
+    }
+    fn log_determinant(&self) -> T {
+        match self.0 {}
+    }
+    fn condition_number(&self, _: usize) -> Option<T> {
+        match self.0 {}
     }
 }

@@ -1,10 +1,12 @@
 //! The robots of [`fleet`](crate::fleet), compiled by this crate's build script with it, and a
 //! table of them.
 
-use modyn_runtime::{KinematicModule, OperationCount};
+use std::ops::Range;
+
+use modyn_runtime::{JointLimits, KinematicModule, OperationCount};
 
 use crate::fleet::{FLEET, Spec};
-use crate::values::{Factors, Inputs, Values, columns, generated};
+use crate::values::{Factors, Given, Inputs, Values, columns, each, generated, generated_others};
 
 /// A compiled robot, for tests that go through all of them.
 #[derive(Clone, Copy, Debug)]
@@ -17,10 +19,16 @@ pub struct Compiled {
     pub consts: [Consts; 2],
     /// The acceleration of free fall.
     pub gravity: [f64; 3],
+    /// The figures that the type alone has.
+    pub figures: Figures,
     /// What each function is said to take, by the function's name.
     pub operations: &'static [(&'static str, OperationCount)],
     /// The enum of joints: each one's index and name.
     pub joints: fn() -> Vec<(usize, &'static str)>,
+    /// Where each joint's coordinates and velocities stand.
+    pub ranges: fn() -> Vec<[Range<usize>; 2]>,
+    /// The coordinates that are neutral by the type and by the trait.
+    pub neutral: fn() -> [Vec<f64>; 2],
     /// The enum of links.
     pub links: fn() -> Vec<(usize, &'static str)>,
     /// Through the trait [`Robot`](modyn_runtime::Robot), in double precision.
@@ -49,7 +57,20 @@ pub struct Consts {
     pub nv: usize,
     pub joint_names: &'static [&'static str],
     pub link_names: &'static [&'static str],
+    pub coordinate_names: &'static [&'static str],
+    pub velocity_names: &'static [&'static str],
+    pub limits: JointLimits<'static>,
     pub modules: &'static [KinematicModule],
+}
+
+/// Figures of a robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct Figures {
+    pub parameters: &'static [f64],
+    pub armature: &'static [f64],
+    pub damping: &'static [f64],
+    pub friction: &'static [f64],
 }
 
 impl Compiled {
@@ -58,11 +79,6 @@ impl Compiled {
     pub fn name(&self) -> String {
         self.spec.module()
     }
-}
-
-/// The array that those numbers are.
-fn fixed<T: Copy, const N: usize>(numbers: &[T]) -> [T; N] {
-    numbers.try_into().expect("as many numbers as the robot has joints")
 }
 
 /// The consts of a type or, given `as Robot`, of the trait.
@@ -74,6 +90,9 @@ macro_rules! consts {
             nv: <$robot>::NV,
             joint_names: &<$robot>::JOINT_NAMES,
             link_names: &<$robot>::LINK_NAMES,
+            coordinate_names: &<$robot>::COORDINATE_NAMES,
+            velocity_names: &<$robot>::VELOCITY_NAMES,
+            limits: <$robot>::LIMITS,
             modules: &<$robot>::MODULES,
         }
     };
@@ -84,71 +103,110 @@ macro_rules! consts {
             nv: <$robot as modyn_runtime::Robot>::NV,
             joint_names: <$robot as modyn_runtime::Robot>::JOINT_NAMES,
             link_names: <$robot as modyn_runtime::Robot>::LINK_NAMES,
+            coordinate_names: <$robot as modyn_runtime::Robot>::COORDINATE_NAMES,
+            velocity_names: <$robot as modyn_runtime::Robot>::VELOCITY_NAMES,
+            limits: <$robot as modyn_runtime::Robot>::LIMITS,
             modules: <$robot as modyn_runtime::Robot>::MODULES,
         }
+    };
+}
+
+/// What a robot has that has all functions, or nothing.
+macro_rules! others {
+    (all $others:expr) => {
+        $others
+    };
+    (default $others:expr) => {
+        Vec::new()
     };
 }
 
 /// The table; its rows are the build script's.
 macro_rules! compiled {
     ($(
-        $index:literal $robot:ident $joint:ident $link:ident $float:ident $precision:ident
-        $module:literal [$($pivot:ident)*];
+        $index:literal $robot:ident $joint:ident $link:ident $functions:ident $float:ident
+        $precision:ident $module:literal [$($operations:literal $constant:ident)*] [$($pivot:ident)*];
     )*) => {
         /// All robots that were compiled.
         pub static ROBOTS: [super::Compiled; super::FLEET.len()] = {
-            use super::{Compiled, Consts, FLEET, Factors, Own, Values, columns, fixed, generated};
+            use super::{
+                Compiled, Consts, FLEET, Factors, Figures, Given, Own, Values, columns, each,
+                generated, generated_others,
+            };
             [$(Compiled {
                 spec: FLEET[$index],
                 text: include_str!(concat!(env!("OUT_DIR"), "/", $module, ".rs")),
                 consts: [consts!($robot), consts!($robot as Robot)],
                 gravity: $robot::GRAVITY,
-                operations: &[
-                    ("forward_dynamics", $robot::FORWARD_DYNAMICS_OPERATIONS),
-                    ("inverse_dynamics", $robot::INVERSE_DYNAMICS_OPERATIONS),
-                    ("bias_forces", $robot::BIAS_FORCES_OPERATIONS),
-                    ("gravity_torques", $robot::GRAVITY_TORQUES_OPERATIONS),
-                    ("mass_matrix", $robot::MASS_MATRIX_OPERATIONS),
-                    ("kinetic_energy", $robot::KINETIC_ENERGY_OPERATIONS),
-                    ("potential_energy", $robot::POTENTIAL_ENERGY_OPERATIONS),
-                    ("link_poses", $robot::LINK_POSES_OPERATIONS),
-                    ("brge", $robot::BRGE_OPERATIONS),
-                ],
+                figures: Figures {
+                    parameters: &$robot::PARAMETERS,
+                    armature: &$robot::ARMATURE,
+                    damping: &$robot::DAMPING,
+                    friction: &$robot::FRICTION,
+                },
+                operations: &[$(($operations, $robot::$constant)),*],
                 joints: || $joint::ALL.iter().map(|joint| (joint.index(), joint.name())).collect(),
+                ranges: || {
+                    $joint::ALL.iter().map(|joint| [joint.coordinates(), joint.velocities()]).collect()
+                },
+                neutral: || {
+                    let of_the_trait: [f64; $robot::NQ] = <$robot as modyn_runtime::Robot>::neutral();
+                    [$robot::NEUTRAL.map(f64::from).to_vec(), of_the_trait.to_vec()]
+                },
                 links: || $link::ALL.iter().map(|link| (link.index(), link.name())).collect(),
                 double: |inputs| {
-                    generated::<$robot, f64>(inputs, |brge| vec![$(brge.$pivot().concat()),*])
+                    let mut values = generated::<$robot, f64>(inputs, &$link::ALL, |brge| {
+                        vec![$(brge.$pivot().concat()),*]
+                    });
+                    values.others.extend(others!(
+                        $functions generated_others::<$robot, f64>(inputs, &$link::ALL)
+                    ));
+                    values
                 },
                 single: |inputs| {
-                    generated::<$robot, f32>(inputs, |brge| vec![$(brge.$pivot().concat()),*])
+                    let mut values = generated::<$robot, f32>(inputs, &$link::ALL, |brge| {
+                        vec![$(brge.$pivot().concat()),*]
+                    });
+                    values.others.extend(others!(
+                        $functions generated_others::<$robot, f32>(inputs, &$link::ALL)
+                    ));
+                    values
                 },
                 own: Own::$precision(|inputs| {
-                    let [q, qd, qdd, tau] =
-                        [&inputs.q, &inputs.qd, &inputs.qdd, &inputs.tau].map(|x| fixed(x));
-                    let brge = $robot::brge(&q);
+                    let given: Given<
+                        [$float; $robot::NQ],
+                        [$float; $robot::NV],
+                        [_; $robot::LINK_NAMES.len()],
+                    > = Given::new(inputs);
+                    let Given { q, qd, qdd, tau, .. } = &given;
+                    let brge = $robot::brge(q);
                     let factors = Factors::<$float> {
                         u: columns(&brge.u()),
                         d: columns(&brge.d()),
                         u_inverse: columns(&brge.u_inverse()),
                         d_inverse: columns(&brge.d_inverse()),
-                        solve: brge.solve(&tau).to_vec(),
+                        solve: brge.solve(tau).to_vec(),
                         inverse: columns(&brge.inverse()),
                         log_determinant: brge.log_determinant(),
                         pivot_blocks: vec![$(brge.$pivot().concat()),*],
                         condition_numbers: brge.condition_numbers().to_vec(),
                     };
-                    let poses = $robot::link_poses(&q);
-                    Values {
-                        forward_dynamics: $robot::forward_dynamics(&q, &qd, &tau).to_vec(),
-                        inverse_dynamics: $robot::inverse_dynamics(&q, &qd, &qdd).to_vec(),
-                        bias_forces: $robot::bias_forces(&q, &qd).to_vec(),
-                        gravity_torques: $robot::gravity_torques(&q).to_vec(),
-                        mass_matrix: columns(&$robot::mass_matrix(&q)),
-                        kinetic_energy: $robot::kinetic_energy(&q, &qd),
-                        potential_energy: $robot::potential_energy(&q),
-                        link_poses: poses.iter().flat_map(crate::quantities::numbers).collect(),
+                    let mut values = Values {
+                        forward_dynamics: $robot::forward_dynamics(q, qd, tau).to_vec(),
+                        inverse_dynamics: $robot::inverse_dynamics(q, qd, qdd).to_vec(),
+                        bias_forces: $robot::bias_forces(q, qd).to_vec(),
+                        gravity_torques: $robot::gravity_torques(q).to_vec(),
+                        mass_matrix: columns(&$robot::mass_matrix(q)),
+                        kinetic_energy: $robot::kinetic_energy(q, qd),
+                        potential_energy: $robot::potential_energy(q),
+                        link_poses: each(&$robot::link_poses(q), crate::quantities::numbers),
                         factors,
-                    }
+                        others: crate::default_quantities!($robot, &given, &$link::ALL),
+                    };
+                    values.others.extend(others!(
+                        $functions crate::other_quantities!($robot, &given, &$link::ALL)
+                    ));
+                    values
                 }),
             }),*]
         };

@@ -3,11 +3,11 @@
 
 use std::path::{Path, PathBuf};
 
-use modyn_codegen::urdf::{Mimic, ReadOptions, read};
-use modyn_codegen::{Builder, FloatType, ModuleChoice};
+use modyn_codegen::urdf::{Base, Friction, Mimic, ReadOptions, Rotor, read};
+use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
 use modyn_runtime::model::{Model, ModuleTree};
 
-use crate::random::{modules, tree};
+use crate::random::{modules, tree, zoo};
 
 /// Where a robot comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +18,8 @@ pub enum Source {
     Described(&'static str),
     /// The random tree of that seed and that many links.
     Random(u64, usize),
+    /// The random robot with all joint types of that seed and that many links.
+    Zoo(u64, usize),
 }
 
 /// How a robot is divided into kinematic modules.
@@ -32,7 +34,7 @@ pub enum Division {
 }
 
 /// A robot as it is compiled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spec {
     /// The robot.
     pub source: Source,
@@ -40,38 +42,56 @@ pub struct Spec {
     pub division: Division,
     /// The scalar of the type's own functions.
     pub float: FloatType,
+    /// Whether it has all functions of single states, not just the default ones.
+    pub all: bool,
+    /// Whether its base floats.
+    pub floating: bool,
+    /// What resists its joints.
+    pub friction: Friction,
+    /// Rotors: joint, inertia and gear ratio.
+    pub rotors: &'static [(&'static str, f64, f64)],
+    /// The links whose inertia is an argument; gravity is one too if there are any.
+    pub payload: &'static [&'static str],
 }
 
 use Division::{Chains, Links, List};
 use FloatType::{F32, F64};
-use Source::{Described, Golden, Random};
+use Source::{Described, Golden, Random, Zoo};
 
 /// All of them.
-pub const FLEET: [Spec; 31] = [
-    spec(Golden("double_pendulum"), Chains, F64),
+pub const FLEET: [Spec; 38] = [
+    spec(Golden("double_pendulum"), Chains, F64).all(),
     spec(Golden("double_pendulum_continuous"), Links, F64),
-    spec(Golden("ur5"), Chains, F64),
-    spec(Golden("panda"), Links, F64),
+    spec(Golden("ur5"), Chains, F64).all(),
+    spec(Golden("panda"), Links, F64).all(),
+    spec(Golden("panda"), Chains, F64).loaded(&["panda_hand", "panda_link4"]),
     spec(Golden("panda_fingers"), Chains, F64),
     spec(Golden("solo12"), Chains, F64),
+    spec(Golden("solo12"), Chains, F64).floating().all(),
     spec(Golden("g1"), Chains, F64),
+    spec(Golden("g1"), Chains, F64).floating(),
     spec(Described("gripper"), Chains, F64),
     spec(Described("double_pendulum"), Links, F32),
     spec(Described("arm6"), Chains, F64),
     spec(Described("arm7"), List(1), F32),
     spec(Described("quadruped"), List(2), F64),
     spec(Described("humanoid"), Links, F64),
+    spec(Described("mimic_gripper"), Chains, F64).resisted(Friction::Coulomb).all(),
+    spec(Described("joint_zoo"), Chains, F64)
+        .resisted(Friction::Smooth(0.02))
+        .driven(&[("elbow", 2e-5, 80.0), ("glide", 0.01, 3.0)])
+        .all(),
     spec(Random(0, 1), Chains, F64),
     spec(Random(1, 1), Links, F32),
     spec(Random(2, 2), Chains, F64),
-    spec(Random(3, 2), List(3), F32),
+    spec(Random(3, 2), List(3), F32).all(),
     spec(Random(4, 3), Chains, F64),
     spec(Random(5, 3), Links, F64),
     spec(Random(6, 4), List(6), F64),
     spec(Random(7, 4), Chains, F32),
     spec(Random(8, 5), Links, F64),
     spec(Random(9, 5), List(9), F64),
-    spec(Random(10, 6), Chains, F64),
+    spec(Random(10, 6), Chains, F64).all(),
     spec(Random(11, 7), List(11), F32),
     spec(Random(12, 8), Links, F64),
     spec(Random(13, 9), Chains, F64),
@@ -79,30 +99,77 @@ pub const FLEET: [Spec; 31] = [
     spec(Random(15, 12), Chains, F64),
     spec(Random(16, 16), List(16), F64),
     spec(Random(17, 30), Chains, F64),
+    spec(Zoo(7423, 7), Links, F32),
+    spec(Zoo(10153, 8), List(18), F64).loaded(&["fixed6", "link2"]).all(),
 ];
 
 const fn spec(source: Source, division: Division, float: FloatType) -> Spec {
-    Spec { source, division, float }
+    let (all, floating, friction, rotors, payload): (_, _, _, &[_], &[_]) =
+        (false, false, Friction::None, &[], &[]);
+    Spec { source, division, float, all, floating, friction, rotors, payload }
 }
 
 impl Spec {
+    const fn all(mut self) -> Self {
+        self.all = true;
+        self
+    }
+
+    const fn floating(mut self) -> Self {
+        self.floating = true;
+        self
+    }
+
+    const fn resisted(mut self, friction: Friction) -> Self {
+        self.friction = friction;
+        self
+    }
+
+    const fn driven(mut self, rotors: &'static [(&'static str, f64, f64)]) -> Self {
+        self.rotors = rotors;
+        self
+    }
+
+    const fn loaded(mut self, payload: &'static [&'static str]) -> Self {
+        self.payload = payload;
+        self
+    }
+
     /// The file that describes the robot, if one does, from the folder of this crate.
     fn file(&self) -> Option<PathBuf> {
         match self.source {
             Golden(name) => Some(format!("golden/{name}.urdf").into()),
             Described(name) => Some(format!("../robots/{name}.urdf").into()),
-            Random(..) => None,
+            Random(..) | Zoo(..) => None,
         }
+    }
+
+    /// All functions of single states; batches have tests of their own.
+    pub fn all_functions() -> impl Iterator<Item = Function> {
+        Function::ALL.iter().copied().filter(|function| function.batched().is_none())
     }
 
     /// What [`Builder::compile`] calls the text in `OUT_DIR`, without the extension.
     #[must_use]
     pub fn module(&self) -> String {
-        match self.source {
+        let name = match self.source {
             Golden(name) => format!("golden_{name}"),
             Described(name) => name.into(),
             Random(seed, links) => format!("tree{seed}_{links}"),
-        }
+            Zoo(seed, links) => format!("zoo{seed}_{links}"),
+        };
+        let floating = if self.floating { "_floating" } else { "" };
+        let loaded = if self.payload.is_empty() { "" } else { "_loaded" };
+        format!("{name}{floating}{loaded}")
+    }
+
+    /// As the reference data has it, or as a description is taken by default.
+    fn mimic(&self) -> Mimic {
+        if matches!(self.source, Golden(_)) { Mimic::Independent } else { Mimic::Follow }
+    }
+
+    fn base(&self) -> Base {
+        if self.floating { Base::Floating } else { Base::Fixed }
     }
 
     /// The robot.
@@ -115,11 +182,23 @@ impl Spec {
         let file = match (self.file(), self.source) {
             (Some(file), _) => Path::new(env!("CARGO_MANIFEST_DIR")).join(file),
             (None, Random(seed, links)) => return tree(seed, links),
+            (None, Zoo(seed, links)) => return zoo(seed, links),
             (None, _) => unreachable!("only random robots have no file"),
         };
         let name = file.display().to_string();
         let text = std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let options = ReadOptions { mimic: Mimic::Independent, ..ReadOptions::default() };
+        let rotor = |&(joint, inertia, gear_ratio): &(&str, f64, f64)| Rotor {
+            joint: joint.into(),
+            inertia,
+            gear_ratio,
+        };
+        let options = ReadOptions {
+            mimic: self.mimic(),
+            base: self.base(),
+            friction: self.friction,
+            rotors: self.rotors.iter().map(rotor).collect(),
+            ..ReadOptions::default()
+        };
         read(&text, &name, &options).unwrap_or_else(|errors| panic!("{errors}")).model
     }
 
@@ -137,7 +216,7 @@ impl Spec {
     #[must_use]
     pub fn builder(&self) -> Builder {
         let model = self.model();
-        let builder = Builder::new().float(self.float).modules(match self.division {
+        let mut builder = Builder::new().float(self.float).modules(match self.division {
             Chains => ModuleChoice::Chains,
             Links => ModuleChoice::Links,
             List(_) => {
@@ -147,13 +226,24 @@ impl Spec {
                 ModuleChoice::List(lists.map(Iterator::collect).collect())
             }
         });
-        let builder = match self.file() {
-            Some(file) => builder.urdf(file).mimic(Mimic::Independent),
+        builder = match self.file() {
+            Some(file) => {
+                let file = builder.urdf(file).mimic(self.mimic()).base(self.base());
+                self.rotors.iter().fold(file.friction(self.friction), |builder, rotor| {
+                    builder.rotor(rotor.0, rotor.1, rotor.2)
+                })
+            }
             None => builder.model(model),
         };
+        if self.all {
+            builder = builder.functions(Self::all_functions());
+        }
+        if !self.payload.is_empty() {
+            builder = builder.payload(self.payload.iter().copied()).runtime_gravity();
+        }
         match self.source {
             // Under the name that its description gives it.
-            Described(_) => builder,
+            Described(name) if name == self.module() => builder,
             _ => builder.type_name(modyn_codegen::names::type_name(&self.module())),
         }
     }

@@ -5,13 +5,17 @@
 //! identities on [`random`] robots, and by [`naive`], which shares nothing with them.
 
 pub mod cases;
+pub mod changed;
 pub mod close;
 pub mod compiled;
 pub mod counting;
 pub mod dense;
+pub mod dual;
 pub mod fleet;
+pub mod floating;
 pub mod golden;
 pub mod naive;
 pub mod quantities;
 pub mod random;
+pub mod tangent;
 pub mod values;

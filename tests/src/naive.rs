@@ -1,59 +1,165 @@
 //! The same mechanics a second time, as a textbook has them: world axes, dense Jacobians, the
 //! model as it was written. Slow, and sharing nothing with modyn's equations.
 
+use modyn_runtime::equations::Forces;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::Model;
-use modyn_runtime::spatial::Pose;
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Matrix3xX, Rotation3, Unit, Vector3};
+use modyn_runtime::model::{Friction, Model};
+use modyn_runtime::spatial::{Pose, Wrench};
+use nalgebra::{
+    DMatrix, DVector, Isometry3, Matrix3, Matrix3xX, Quaternion, Rotation3, Unit, UnitQuaternion,
+    Vector3,
+};
 
 /// A robot at a position.
 pub struct Naive<'a> {
     model: &'a Model,
     rotations: Vec<Matrix3<f64>>,
     origins: Vec<Vector3<f64>>,
+    /// By link: the motions that its joint allows.
+    motions: Vec<Vec<Motion>>,
 }
 
-/// A link's Jacobians at its centre of mass.
+/// One motion that a joint allows, at unit rate, in world axes.
+struct Motion {
+    /// The entry of qd, and the ratio of the rate to it.
+    v: usize,
+    ratio: f64,
+    /// The angular velocity, and the velocity of the link's origin.
+    angular: Vector3<f64>,
+    linear: Vector3<f64>,
+    /// How many of the joint's motions carry these two along.
+    carried_by: usize,
+}
+
+/// The Jacobians of a point of a link.
 struct Jacobian {
     angular: Matrix3xX<f64>,
     linear: Matrix3xX<f64>,
+}
+
+/// Where a joint stands in q and qd.
+#[derive(Clone, Copy)]
+struct Place {
+    q: usize,
+    v: usize,
+    /// The joint's coordinate is so many times q's entry, and so much more.
+    ratio: f64,
+    offset: f64,
 }
 
 fn matrix(rows: [[f64; 3]; 3]) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| rows[i][j])
 }
 
+fn turn(axis: Vector3<f64>, angle: f64) -> Matrix3<f64> {
+    *Rotation3::from_axis_angle(&Unit::new_normalize(axis), angle).matrix()
+}
+
+/// The rotation of a quaternion x, y, z, w.
+fn attitude(q: &[f64]) -> Matrix3<f64> {
+    let quaternion = Quaternion::new(q[3], q[0], q[1], q[2]);
+    *UnitQuaternion::new_unchecked(quaternion).to_rotation_matrix().matrix()
+}
+
+/// The axes of the plane normal to `axis`.
+fn plane(axis: Vector3<f64>) -> Matrix3<f64> {
+    let smallest = Rotation3::rotation_between(&Vector3::z(), &axis);
+    *smallest.unwrap_or_else(|| Rotation3::new(Vector3::x() * std::f64::consts::PI)).matrix()
+}
+
+/// Where the joint of link `i` stands, through whatever it follows.
+fn place(model: &Model, i: usize) -> Place {
+    let links = model.links();
+    if let Some(mimic) = links[i].joint.mimic {
+        let Place { q, v, ratio, offset } = place(model, mimic.leader);
+        let (ratio, offset) = (mimic.multiplier * ratio, mimic.multiplier * offset + mimic.offset);
+        return Place { q, v, ratio, offset };
+    }
+    let before = || links[..i].iter().map(|link| &link.joint).filter(|joint| joint.mimic.is_none());
+    let q = before().map(|joint| joint.joint_type.nq()).sum();
+    let v = before().map(|joint| joint.joint_type.nv()).sum();
+    Place { q, v, ratio: 1.0, offset: 0.0 }
+}
+
 impl<'a> Naive<'a> {
     /// Puts the links of `model` where `q` has them.
     #[must_use]
     pub fn new(model: &'a Model, q: &[f64]) -> Self {
-        let (mut rotations, mut origins) = (Vec::new(), Vec::new());
-        for (link, &q) in model.links().iter().zip(q) {
-            let (parent_rotation, parent_origin) = link
-                .parent
-                .map_or((Matrix3::identity(), Vector3::zeros()), |p| (rotations[p], origins[p]));
-            let axis = Vector3::from(link.joint.axis);
-            let at_joint = parent_rotation * matrix(link.joint.origin.rotation);
-            let origin =
-                parent_origin + parent_rotation * Vector3::from(link.joint.origin.translation);
-            if link.joint.joint_type == JointType::Prismatic {
-                rotations.push(at_joint);
-                origins.push(origin + at_joint * axis * q);
-            } else {
-                let turn = Rotation3::from_axis_angle(&Unit::new_normalize(axis), q);
-                rotations.push(at_joint * turn.matrix());
-                origins.push(origin);
+        let (rotations, origins, motions) = (Vec::new(), Vec::new(), Vec::new());
+        let mut naive = Self { model, rotations, origins, motions };
+        for i in naive.links() {
+            naive.add(i, q);
+        }
+        naive
+    }
+
+    /// Puts link `i` where `q` has it; its parent stands there already.
+    fn add(&mut self, i: usize, q: &[f64]) {
+        let link = &self.model.links()[i];
+        let joint = &link.joint;
+        let Place { q: start, v: first, ratio, offset } = place(self.model, i);
+        let q: Vec<f64> =
+            q[start..start + joint.joint_type.nq()].iter().map(|q| ratio * q + offset).collect();
+        let (rotation, origin) = self.pose_of(link.parent);
+        let at_joint = rotation * matrix(joint.origin.rotation);
+        let origin = origin + rotation * Vector3::from(joint.origin.translation);
+        let axis = Vector3::from(joint.axis);
+        let second = Vector3::from(joint.second_axis);
+        let zero = Vector3::zeros();
+        let mut displacement = zero;
+        let mut turned = at_joint;
+        // Angular, linear, and what carries them.
+        let mut motions = Vec::new();
+        match joint.joint_type {
+            JointType::Prismatic => {
+                displacement = at_joint * axis * q[0];
+                motions.push((zero, at_joint * axis, 0));
+            }
+            JointType::Universal => {
+                let between = at_joint * turn(axis, q[0]);
+                turned = between * turn(second, q[1]);
+                motions = vec![(at_joint * axis, zero, 0), (between * second, zero, 1)];
+            }
+            JointType::Planar => {
+                let plane = at_joint * plane(axis);
+                let [x, y, normal] = [0, 1, 2].map(|k| plane.column(k).into_owned());
+                displacement = x * q[0] + y * q[1];
+                turned = at_joint * turn(axis, q[2]);
+                motions = vec![(zero, x, 0), (zero, y, 0), (normal, zero, 0)];
+            }
+            JointType::Spherical => {
+                turned = at_joint * attitude(&q);
+                motions.extend(turned.column_iter().map(|axis| (axis.into_owned(), zero, 3)));
+            }
+            JointType::Floating => {
+                displacement = at_joint * Vector3::new(q[0], q[1], q[2]);
+                turned = at_joint * attitude(&q[3..]);
+                motions.extend(turned.column_iter().map(|axis| (zero, axis.into_owned(), 6)));
+                motions.extend(turned.column_iter().map(|axis| (axis.into_owned(), zero, 6)));
+            }
+            _ => {
+                turned = at_joint * turn(axis, q[0]);
+                motions.push((at_joint * axis, zero, 0));
             }
         }
-        Self { model, rotations, origins }
+        self.rotations.push(turned);
+        self.origins.push(origin + displacement);
+        let motions = motions.into_iter().enumerate();
+        let motions = motions.map(|(k, (angular, linear, carried_by))| Motion {
+            v: first + k,
+            ratio,
+            angular,
+            linear,
+            carried_by,
+        });
+        self.motions.push(motions.collect());
     }
 
-    fn axis(&self, i: usize) -> Vector3<f64> {
-        self.rotations[i] * Vector3::from(self.model.links()[i].joint.axis)
-    }
-
-    fn is_prismatic(&self, i: usize) -> bool {
-        self.model.links()[i].joint.joint_type == JointType::Prismatic
+    /// That of a link, or of the world.
+    fn pose_of(&self, link: Option<usize>) -> (Matrix3<f64>, Vector3<f64>) {
+        link.map_or((Matrix3::identity(), Vector3::zeros()), |i| {
+            (self.rotations[i], self.origins[i])
+        })
     }
 
     fn center(&self, i: usize) -> Vector3<f64> {
@@ -72,17 +178,18 @@ impl<'a> Naive<'a> {
         self.rotations[i] * own * self.rotations[i].transpose()
     }
 
-    fn jacobian(&self, i: usize) -> Jacobian {
+    /// Of the point of link `i` that is at `point` in the world.
+    fn jacobian(&self, i: usize, point: Vector3<f64>) -> Jacobian {
         let n = self.model.nv();
         let (mut angular, mut linear) = (Matrix3xX::zeros(n), Matrix3xX::zeros(n));
         let mut at = Some(i);
         while let Some(j) = at {
-            let axis = self.axis(j);
-            if self.is_prismatic(j) {
-                linear.set_column(j, &axis);
-            } else {
-                angular.set_column(j, &axis);
-                linear.set_column(j, &axis.cross(&(self.center(i) - self.origins[j])));
+            for motion in &self.motions[j] {
+                let velocity = motion.linear + motion.angular.cross(&(point - self.origins[j]));
+                let (mut turning, mut moving) =
+                    (angular.column_mut(motion.v), linear.column_mut(motion.v));
+                turning += motion.angular * motion.ratio;
+                moving += velocity * motion.ratio;
             }
             at = self.model.links()[j].parent;
         }
@@ -111,28 +218,40 @@ impl<'a> Naive<'a> {
         frames.collect()
     }
 
-    /// The GIM, as the sum of J^T M J over the links.
+    /// The GIM, as the sum of J^T M J over the links, and the rotors.
     #[must_use]
     pub fn mass_matrix(&self) -> DMatrix<f64> {
-        let mut sum = DMatrix::zeros(self.model.nv(), self.model.nv());
+        let mut sum = self.rotors();
         for i in self.links() {
-            let Jacobian { angular, linear } = self.jacobian(i);
+            let Jacobian { angular, linear } = self.jacobian(i, self.center(i));
             sum += linear.transpose() * &linear * self.mass(i);
             sum += angular.transpose() * self.inertia(i) * &angular;
         }
         sum
     }
 
-    /// The kinetic energy, link by link.
+    /// What the rotors add to the GIM.
+    #[must_use]
+    pub fn rotors(&self) -> DMatrix<f64> {
+        let mut sum = DMatrix::zeros(self.model.nv(), self.model.nv());
+        for (link, motions) in self.model.links().iter().zip(&self.motions) {
+            for Motion { v, ratio, .. } in motions {
+                sum[(*v, *v)] += ratio * ratio * link.joint.drive.armature;
+            }
+        }
+        sum
+    }
+
+    /// The kinetic energy, link by link, and the rotors'.
     #[must_use]
     pub fn kinetic_energy(&self, qd: &[f64]) -> f64 {
         let qd = DVector::from_column_slice(qd);
         let energy = |i| {
-            let Jacobian { angular, linear } = self.jacobian(i);
+            let Jacobian { angular, linear } = self.jacobian(i, self.center(i));
             let (omega, v) = (angular * &qd, linear * &qd);
             0.5 * (self.mass(i) * v.dot(&v) + omega.dot(&(self.inertia(i) * omega)))
         };
-        self.links().map(energy).sum()
+        self.links().map(energy).sum::<f64>() + 0.5 * (self.rotors() * &qd).dot(&qd)
     }
 
     /// The potential energy, link by link.
@@ -142,11 +261,56 @@ impl<'a> Naive<'a> {
         self.links().map(|i| -self.mass(i) * gravity.dot(&self.center(i))).sum()
     }
 
-    /// The joint torques of a motion: each link's Newton and Euler, projected by its Jacobians.
+    /// The torques that damping and friction take.
+    #[must_use]
+    pub fn resistance(&self, qd: &[f64]) -> Vec<f64> {
+        let mut tau = vec![0.0; qd.len()];
+        for (link, motions) in self.model.links().iter().zip(&self.motions) {
+            let drive = &link.joint.drive;
+            for Motion { v, ratio, .. } in motions {
+                let rate = ratio * qd[*v];
+                let sign = if rate == 0.0 { 0.0 } else { rate.signum() };
+                tau[*v] += ratio
+                    * match self.model.friction() {
+                        Friction::Viscous => drive.damping * rate,
+                        Friction::Coulomb => drive.damping * rate + drive.friction * sign,
+                        Friction::Smooth(w) => {
+                            drive.damping * rate + drive.friction * rate / rate.hypot(w)
+                        }
+                        _ => 0.0,
+                    };
+            }
+        }
+        tau
+    }
+
+    /// The torques that do what forces from outside do.
+    #[must_use]
+    pub fn external(&self, forces: Forces<'_, f64>) -> Vec<f64> {
+        let mut tau = DVector::zeros(self.model.nv());
+        let (forces, in_world) = match forces {
+            Forces::InLinkAxes(forces) => (forces, false),
+            Forces::InWorldAxes(forces) => (forces, true),
+        };
+        for ((frame, pose), Wrench { moment, force }) in
+            self.model.frames().iter().zip(self.poses()).zip(forces)
+        {
+            let Some(link) = frame.link else { continue };
+            let axes = if in_world { Matrix3::identity() } else { matrix(pose.rotation) };
+            let Jacobian { angular, linear } = self.jacobian(link, pose.translation.into());
+            tau += linear.transpose() * (axes * Vector3::from(force.0));
+            tau += angular.transpose() * (axes * Vector3::from(moment.0));
+        }
+        tau.as_slice().to_vec()
+    }
+
+    /// The joint torques of a motion: each link's Newton and Euler, projected by its Jacobians, the
+    /// rotors and what resists.
     #[must_use]
     pub fn inverse_dynamics(&self, qd: &[f64], qdd: &[f64]) -> Vec<f64> {
         let gravity = Vector3::from(self.model.gravity());
-        let mut tau = DVector::zeros(qd.len());
+        let mut tau = DVector::from_vec(self.resistance(qd));
+        tau += self.rotors() * DVector::from_column_slice(qdd);
         // Angular velocity, angular acceleration, acceleration of the origin.
         let mut motions: Vec<[Vector3<f64>; 3]> = Vec::new();
         for (i, link) in self.model.links().iter().enumerate() {
@@ -154,23 +318,29 @@ impl<'a> Naive<'a> {
                 link.parent.map_or(([Vector3::zeros(); 3], Vector3::zeros()), |p| {
                     (motions[p], self.origins[p])
                 });
-            let [mut omega, mut alpha, mut a] = parent;
+            let [omega, mut alpha, mut a] = parent;
             let arm = self.origins[i] - origin;
             a += alpha.cross(&arm) + omega.cross(&omega.cross(&arm));
-            let (rate, change) = (self.axis(i) * qd[i], self.axis(i) * qdd[i]);
-            if self.is_prismatic(i) {
-                a += change + 2.0 * omega.cross(&rate);
-            } else {
-                alpha += change + omega.cross(&rate);
-                omega += rate;
+            // What carries each of the joint's motions along turns with this.
+            let mut turning = vec![omega];
+            for Motion { v, ratio, angular, .. } in &self.motions[i] {
+                turning.push(turning[turning.len() - 1] + angular * (ratio * qd[*v]));
             }
+            for &Motion { v, ratio, angular, linear, carried_by } in &self.motions[i] {
+                let (rate, change) = (ratio * qd[v], ratio * qdd[v]);
+                let carrier = turning[carried_by];
+                alpha += angular * change + carrier.cross(&angular) * rate;
+                // The arm from the parent grows along the motion, and turns with the parent.
+                a += linear * change + (carrier + omega).cross(&linear) * rate;
+            }
+            let omega = turning[turning.len() - 1];
             motions.push([omega, alpha, a]);
             let arm = self.center(i) - self.origins[i];
             let center = a + alpha.cross(&arm) + omega.cross(&omega.cross(&arm));
             let inertia = self.inertia(i);
             let force = (center - gravity) * self.mass(i);
             let moment = inertia * alpha + omega.cross(&(inertia * omega));
-            let Jacobian { angular, linear } = self.jacobian(i);
+            let Jacobian { angular, linear } = self.jacobian(i, self.center(i));
             tau += linear.transpose() * force + angular.transpose() * moment;
         }
         tau.as_slice().to_vec()

@@ -1,13 +1,15 @@
 //! An interpreter's quantities as values, for tests that do not mind allocating.
 
 use modyn_runtime::spatial::Pose;
-use modyn_runtime::{Brge, Interpreter, Scalar};
+use modyn_runtime::{Brge, Forces, Interpreter, Scalar};
 
 /// The interpreter's calls, returning what they fill in; each panics if a length is wrong.
 #[allow(missing_docs)]
 pub trait Quantities<S> {
     fn qdd(&mut self, q: &[S], qd: &[S], tau: &[S]) -> Vec<S>;
     fn tau(&mut self, q: &[S], qd: &[S], qdd: &[S]) -> Vec<S>;
+    fn qdd_under(&mut self, q: &[S], qd: &[S], tau: &[S], forces: Forces<'_, S>) -> Vec<S>;
+    fn tau_under(&mut self, q: &[S], qd: &[S], qdd: &[S], forces: Forces<'_, S>) -> Vec<S>;
     fn bias(&mut self, q: &[S], qd: &[S]) -> Vec<S>;
     fn gravity(&mut self, q: &[S]) -> Vec<S>;
     /// By columns.
@@ -22,31 +24,43 @@ const LENGTHS: &str = "the lengths are right";
 
 impl<S: Scalar> Quantities<S> for Interpreter<S> {
     fn qdd(&mut self, q: &[S], qd: &[S], tau: &[S]) -> Vec<S> {
-        let mut qdd = vec![S::zero(); q.len()];
+        let mut qdd = vec![S::zero(); self.model().nv()];
         self.forward_dynamics(q, qd, tau, &mut qdd).expect(LENGTHS);
         qdd
     }
 
     fn tau(&mut self, q: &[S], qd: &[S], qdd: &[S]) -> Vec<S> {
-        let mut tau = vec![S::zero(); q.len()];
+        let mut tau = vec![S::zero(); self.model().nv()];
         self.inverse_dynamics(q, qd, qdd, &mut tau).expect(LENGTHS);
         tau
     }
 
+    fn qdd_under(&mut self, q: &[S], qd: &[S], tau: &[S], forces: Forces<'_, S>) -> Vec<S> {
+        let mut qdd = vec![S::zero(); self.model().nv()];
+        self.forward_dynamics_external(q, qd, tau, forces, &mut qdd).expect(LENGTHS);
+        qdd
+    }
+
+    fn tau_under(&mut self, q: &[S], qd: &[S], qdd: &[S], forces: Forces<'_, S>) -> Vec<S> {
+        let mut tau = vec![S::zero(); self.model().nv()];
+        self.inverse_dynamics_external(q, qd, qdd, forces, &mut tau).expect(LENGTHS);
+        tau
+    }
+
     fn bias(&mut self, q: &[S], qd: &[S]) -> Vec<S> {
-        let mut tau = vec![S::zero(); q.len()];
+        let mut tau = vec![S::zero(); self.model().nv()];
         self.bias_forces(q, qd, &mut tau).expect(LENGTHS);
         tau
     }
 
     fn gravity(&mut self, q: &[S]) -> Vec<S> {
-        let mut tau = vec![S::zero(); q.len()];
+        let mut tau = vec![S::zero(); self.model().nv()];
         self.gravity_torques(q, &mut tau).expect(LENGTHS);
         tau
     }
 
     fn gim(&mut self, q: &[S]) -> Vec<S> {
-        let mut columns = vec![S::zero(); q.len() * q.len()];
+        let mut columns = vec![S::zero(); self.model().nv() * self.model().nv()];
         self.mass_matrix(q, &mut columns).expect(LENGTHS);
         columns
     }

@@ -4,7 +4,8 @@
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
-    DEFAULT_GRAVITY, Frame, Inertial, Joint, Limits, Link, Model, ModuleTree,
+    DEFAULT_GRAVITY, Drive, Frame, Friction, Inertial, Joint, Limits, Link, Mimic, Model,
+    ModuleTree,
 };
 use modyn_runtime::spatial::Pose;
 
@@ -130,7 +131,7 @@ impl Random {
     }
 
     /// That of a few point masses, so it is a rigid body's.
-    fn inertial(&mut self) -> Inertial {
+    pub fn inertial(&mut self) -> Inertial {
         let about = self.translation();
         let points: Vec<(f64, [f64; 3])> = (0..5 + self.below(4))
             .map(|_| {
@@ -151,6 +152,7 @@ impl Random {
         Inertial { mass, center_of_mass, inertia }
     }
 
+    /// Of one coordinate.
     fn joint(&mut self, number: usize) -> Joint {
         let joint_type =
             [JointType::Revolute, JointType::Revolute, JointType::Continuous, JointType::Prismatic]
@@ -164,38 +166,110 @@ impl Random {
                 effort: Some(self.between(1.0, 100.0)),
             }
         });
-        Joint {
-            name: format!("joint{number}"),
-            joint_type,
-            axis: self.axis(),
-            origin: self.pose(),
-            limits,
+        let (axis, origin) = (self.axis(), self.pose());
+        Joint { limits, ..Joint::new(format!("joint{number}"), joint_type, axis, origin) }
+    }
+
+    /// Of any type; on the world often a floating one.
+    fn any_joint(&mut self, number: usize, parent: Option<usize>) -> Joint {
+        let several =
+            [JointType::Universal, JointType::Planar, JointType::Spherical, JointType::Floating];
+        let joint_type = if parent.is_none() && self.chance(0.3) {
+            JointType::Floating
+        } else if self.chance(0.5) {
+            several[self.below(4)]
+        } else {
+            return self.joint(number);
+        };
+        let (axis, origin) = (self.axis(), self.pose());
+        let name = format!("joint{number}");
+        Joint { second_axis: self.across(axis), ..Joint::new(name, joint_type, axis, origin) }
+    }
+
+    /// An axis at an angle to that one, often not a right one.
+    fn across(&mut self, axis: [f64; 3]) -> [f64; 3] {
+        loop {
+            let other = self.axis();
+            let cosine: f64 = axis.iter().zip(other).map(|(a, b)| a * b).sum();
+            if cosine.abs() < 0.8 {
+                return other;
+            }
         }
+    }
+
+    /// A figure above 0 in that part of all cases, else 0.
+    fn some(&mut self, part: f64, high: f64) -> f64 {
+        if self.chance(part) { self.between(0.1 * high, high) } else { 0.0 }
     }
 }
 
 /// A tree of that many links (at least one): serial, branching a little or a lot, several branches
-/// on the world among them; with fixed frames on links and on the world.
+/// on the world among them; with fixed frames on links and on the world. Joints have one
+/// coordinate each, and no drives.
 #[must_use]
 pub fn tree(seed: u64, links: usize) -> Model {
-    let serial = [1.0, 0.8, 0.4][Random::new(!seed).below(3)];
-    grow(seed, links, serial)
+    let parts = grow(seed, links, serial(seed), |random, i, _| random.joint(i));
+    parts.model(format!("tree{seed}_{links}"))
 }
 
 /// A chain of that many links (at least one).
 #[must_use]
 pub fn chain(seed: u64, links: usize) -> Model {
-    grow(seed, links, 1.0)
+    let parts = grow(seed, links, 1.0, |random, i, _| random.joint(i));
+    parts.model(format!("tree{seed}_{links}"))
 }
 
-/// A tree in which a link hangs on the one before it in that part of all cases.
-fn grow(seed: u64, count: usize, serial: f64) -> Model {
+/// Such a tree with joints of all types; some follow others, in any direction through the tree,
+/// some have drives and bearings that resist, smoothly; fixed frames have inertias.
+#[must_use]
+pub fn zoo(seed: u64, links: usize) -> Model {
+    let mut parts = grow(seed, links, serial(seed), Random::any_joint);
+    let mut random = Random::new(seed ^ 0x005a_4f4f);
+    parts.weigh_frames(&mut random);
+    if random.chance(0.5) {
+        parts.follow(&mut random);
+    }
+    if random.chance(0.7) {
+        parts.drive(&mut random);
+    }
+    let friction = match random.below(3) {
+        0 => Friction::None,
+        1 => Friction::Viscous,
+        _ => Friction::Smooth(random.between(0.05, 0.5)),
+    };
+    parts.model(format!("zoo{seed}_{links}")).with_friction(friction)
+}
+
+/// In which part of all cases a link hangs on the one before it.
+fn serial(seed: u64) -> f64 {
+    [1.0, 0.8, 0.4][Random::new(!seed).below(3)]
+}
+
+/// What a model is made of.
+struct Parts {
+    gravity: [f64; 3],
+    links: Vec<Link>,
+    frames: Vec<Frame>,
+}
+
+/// A tree in which a link hangs on the one before it in that part of all cases, by that joint.
+fn grow(
+    seed: u64,
+    count: usize,
+    serial: f64,
+    mut joint: impl FnMut(&mut Random, usize, Option<usize>) -> Joint,
+) -> Parts {
     let mut random = Random::new(seed);
     let gravity = match random.below(4) {
         0 => std::array::from_fn(|_| random.between(-10.0, 10.0)),
         _ => DEFAULT_GRAVITY,
     };
-    let base = Frame { name: "base".into(), link: None, pose: Pose::identity() };
+    let base = Frame {
+        name: "base".into(),
+        link: None,
+        pose: Pose::identity(),
+        inertial: Inertial::default(),
+    };
     let (mut links, mut frames) = (Vec::with_capacity(count), vec![base]);
     // From the world to the link before; what comes next leaves one of them.
     let mut path: Vec<usize> = Vec::new();
@@ -206,17 +280,79 @@ fn grow(seed: u64, count: usize, serial: f64) -> Model {
         let parent = path.last().copied();
         path.push(i);
         let name = format!("link{i}");
-        let joint = random.joint(i);
+        let joint = joint(&mut random, i, parent);
         let inertial = random.inertial();
         links.push(Link { name: name.clone(), parent, joint, inertial });
-        frames.push(Frame { name, link: Some(i), pose: Pose::identity() });
+        let inertial = links[i].inertial;
+        frames.push(Frame { name, link: Some(i), pose: Pose::identity(), inertial });
         if random.chance(0.2) {
             let link = random.chance(0.8).then_some(i);
-            frames.push(Frame { name: format!("fixed{i}"), link, pose: random.pose() });
+            frames.push(Frame {
+                name: format!("fixed{i}"),
+                link,
+                pose: random.pose(),
+                inertial: Inertial::default(),
+            });
         }
     }
-    Model::new(format!("tree{seed}_{count}"), gravity, links, frames)
-        .unwrap_or_else(|errors| panic!("seed {seed}, {count} links: {errors:?}"))
+    Parts { gravity, links, frames }
+}
+
+impl Parts {
+    fn model(self, name: String) -> Model {
+        let Self { gravity, links, frames } = self;
+        Model::new(&*name, gravity, links, frames)
+            .unwrap_or_else(|errors| panic!("{name}: {errors:?}"))
+    }
+
+    /// Gives fixed frames inertias, which their links then have, too.
+    fn weigh_frames(&mut self, random: &mut Random) {
+        for frame in self.frames.iter_mut().filter(|frame| frame.name.starts_with("fixed")) {
+            frame.inertial = random.inertial();
+            if let Some(link) = frame.link {
+                let own = frame.inertial.transformed(&frame.pose);
+                self.links[link].inertial = self.links[link].inertial.merged(&own);
+            }
+        }
+    }
+
+    /// Lets joints of one coordinate follow others.
+    fn follow(&mut self, random: &mut Random) {
+        let single = |link: &Link| link.joint.joint_type.nq() == 1;
+        let all = self.links.iter().enumerate();
+        let candidates: Vec<usize> = all.filter(|(_, link)| single(link)).map(|(i, _)| i).collect();
+        for &i in &candidates {
+            let leader = candidates[random.below(candidates.len())];
+            let sign = if random.chance(0.5) { 1.0 } else { -1.0 };
+            let multiplier = sign * random.between(0.3, 1.5);
+            let offset = if random.chance(0.5) { random.between(-1.0, 1.0) } else { 0.0 };
+            if random.chance(0.6) && !self.follows(leader, i) {
+                self.links[i].joint.mimic = Some(Mimic { leader, multiplier, offset });
+            }
+        }
+    }
+
+    /// Whether joint `i` is joint `leader` or follows it.
+    fn follows(&self, mut i: usize, leader: usize) -> bool {
+        while i != leader {
+            match &self.links[i].joint.mimic {
+                Some(mimic) => i = mimic.leader,
+                None => return false,
+            }
+        }
+        true
+    }
+
+    /// Gives joints drives.
+    fn drive(&mut self, random: &mut Random) {
+        for link in &mut self.links {
+            link.joint.drive = Drive {
+                armature: random.some(0.4, 0.5),
+                damping: random.some(0.5, 1.0),
+                friction: random.some(0.5, 2.0),
+            };
+        }
+    }
 }
 
 /// A random partition into modules: the maximal chains, cut in places.
@@ -251,10 +387,29 @@ pub struct State {
     pub tau: Vec<f64>,
 }
 
-/// A random state of `model`.
+/// A random state of `model`; its quaternions are of length 1.
 #[must_use]
 pub fn state(seed: u64, model: &Model) -> State {
     let mut random = Random::new(seed ^ 0x5354_4154_4553);
-    let mut vector = |size: f64| (0..model.nv()).map(|_| random.between(-size, size)).collect();
-    State { q: vector(3.0), qd: vector(1.5), qdd: vector(3.0), tau: vector(10.0) }
+    let mut vector = |length: usize, size: f64| -> Vec<f64> {
+        (0..length).map(|_| random.between(-size, size)).collect()
+    };
+    let (nq, nv) = (model.nq(), model.nv());
+    let mut q = vector(nq, 3.0);
+    normalize(model, &mut q);
+    State { q, qd: vector(nv, 1.5), qdd: vector(nv, 3.0), tau: vector(nv, 10.0) }
+}
+
+/// Makes the quaternions in `q` those of rotations.
+pub fn normalize(model: &Model, q: &mut [f64]) {
+    for (i, link) in model.links().iter().enumerate() {
+        let range = model.q_range(i);
+        let quaternion = match link.joint.joint_type {
+            JointType::Spherical => &mut q[range],
+            JointType::Floating => &mut q[range.start + 3..range.end],
+            _ => continue,
+        };
+        let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
+        quaternion.iter_mut().for_each(|x| *x /= length);
+    }
 }

@@ -1,12 +1,13 @@
 //! All of a robot's quantities at one state: of the interpreter, and of any generated robot.
 
-use std::iter::zip;
-
-use modyn_runtime::model::{Model, ModuleTree};
-use modyn_runtime::{Array, Factorization, Interpreter, Robot, Scalar};
+use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
+use modyn_runtime::spatial::{Momentum, Twist, Vector3, Wrench};
+use modyn_runtime::{
+    Array, Factorization, Forces, ForwardDerivatives, FrameError, Interpreter, Robot, Scalar,
+};
 
 use crate::quantities::{Quantities, numbers};
-use crate::random::State;
+use crate::random::{Random, State};
 
 /// What the quantities are taken at.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +53,12 @@ pub struct Values<T> {
     /// Twelve numbers a link.
     pub link_poses: Vec<T>,
     pub factors: Factors<T>,
+    /// All others, by name: of the default functions, and of a robot with all functions.
+    pub others: Named<T>,
 }
+
+/// Numbers by name.
+pub type Named<T> = Vec<(&'static str, Vec<T>)>;
 
 /// What a factorization offers; matrices by columns.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,7 +78,7 @@ pub struct Factors<T> {
 impl<T: Copy> Values<T> {
     /// All numbers but the condition numbers, by name.
     #[must_use]
-    pub fn named(&self) -> Vec<(&'static str, Vec<T>)> {
+    pub fn named(&self) -> Named<T> {
         let Self {
             forward_dynamics,
             inverse_dynamics,
@@ -83,6 +89,7 @@ impl<T: Copy> Values<T> {
             potential_energy,
             link_poses,
             factors,
+            others,
         } = self;
         let Factors {
             u,
@@ -113,29 +120,220 @@ impl<T: Copy> Values<T> {
             ("log_determinant", vec![*log_determinant]),
         ];
         named.extend(pivot_blocks.iter().map(|block| ("pivot_block", block.clone())));
+        named.extend(others.iter().cloned());
         named
     }
 }
 
-/// A generated robot's, through the traits.
+impl<T> Values<T> {
+    /// The numbers of that name among the others.
+    ///
+    /// # Panics
+    ///
+    /// If there are none.
+    #[must_use]
+    pub fn other(&self, name: &str) -> &[T] {
+        let found = self.others.iter().find(|(other, _)| *other == name);
+        &found.unwrap_or_else(|| panic!("no `{name}`")).1
+    }
+}
+
+/// What functions take: the [`Inputs`] as arrays, and numbers that single precision has, too.
+#[derive(Clone, Copy, Debug)]
+#[allow(missing_docs)]
+pub struct Given<Q, V, F> {
+    pub q: Q,
+    pub qd: V,
+    pub qdd: V,
+    pub tau: V,
+    /// The coordinates with quaternions too long.
+    pub long: Q,
+    /// A wrench for each link.
+    pub forces: F,
+}
+
+impl<Q, V, F> Given<Q, V, F> {
+    /// These, as a robot's arrays.
+    ///
+    /// # Panics
+    ///
+    /// If the inputs do not have the robot's length.
+    #[must_use]
+    pub fn new<T: Scalar>(Inputs { q, qd, qdd, tau }: &Inputs<T>) -> Self
+    where
+        Q: Array<T>,
+        V: Array<T>,
+        F: Array<Wrench<T>>,
+    {
+        let [qd, qdd, tau] = [qd, qdd, tau].map(|x| array(x));
+        let long = Q::from_fn(|i| q[i] + q[i]);
+        Self { q: array(q), qd, qdd, tau, long, forces: F::from_fn(wrench) }
+    }
+}
+
+/// The wrench on a link.
+#[must_use]
+pub fn wrench<T: Scalar>(link: usize) -> Wrench<T> {
+    let mut random = Random::new(link as u64);
+    let mut vector = || Vector3(std::array::from_fn(|_| T::from_f64(eighths(&mut random) - 4.0)));
+    Wrench { moment: vector(), force: vector() }
+}
+
+/// Numbers in 0..1, one after the other.
+pub fn uniform<T: Scalar>() -> impl FnMut() -> T {
+    let mut random = Random::new(0);
+    move || T::from_f64(eighths(&mut random) / 8.0)
+}
+
+#[allow(clippy::cast_precision_loss)]
+fn eighths(random: &mut Random) -> f64 {
+    random.below(64) as f64 / 8.0
+}
+
+/// The numbers of each of some things, one after the other.
+pub fn each<X: Copy, T>(things: &impl Array<X>, numbers: impl Fn(&X) -> Vec<T>) -> Vec<T> {
+    things.as_ref().iter().flat_map(numbers).collect()
+}
+
+/// Those of a twist: angular, then linear.
+pub fn twist<T: Scalar>(Twist { angular, linear }: &Twist<T>) -> Vec<T> {
+    [angular.0, linear.0].concat()
+}
+
+/// Those of a momentum: angular, then linear.
+pub fn momentum<T: Scalar>(Momentum { angular, linear }: &Momentum<T>) -> Vec<T> {
+    [angular.0, linear.0].concat()
+}
+
+/// Those of a vector.
+pub fn vector<T: Scalar>(Vector3(numbers): &Vector3<T>) -> Vec<T> {
+    numbers.to_vec()
+}
+
+/// Of the default functions those that have no field in [`Values`], by a type's own functions or,
+/// given a type parameter, by the trait's. `links` are all links.
+#[macro_export]
+macro_rules! default_quantities {
+    ($robot:ident, $given:expr, $links:expr) => {{
+        use $crate::quantities::numbers;
+        use $crate::values::{each, list, twist, uniform, vector};
+        let (given, links) = ($given, $links);
+        let (q, qd) = (&given.q, &given.qd);
+        let random = $robot::random(uniform());
+        vec![
+            ("center_of_mass", vector(&$robot::center_of_mass(q))),
+            ("link_pose", links.iter().flat_map(|&l| numbers(&$robot::link_pose(q, l))).collect()),
+            (
+                "jacobian",
+                links.iter().flat_map(|&l| each(&$robot::jacobian(q, l), twist)).collect(),
+            ),
+            ("integrate", list(&$robot::integrate(q, qd))),
+            ("difference", list(&$robot::difference(q, &random))),
+            ("coordinate_rates", list(&$robot::coordinate_rates(q, qd))),
+            ("normalize", list(&$robot::normalize(&given.long))),
+            ("random", list(&random)),
+        ]
+    }};
+}
+
+/// The same of the functions that are no default ones.
+#[macro_export]
+macro_rules! other_quantities {
+    ($robot:ident, $given:expr, $links:expr) => {{
+        use $crate::values::{columns, each, list, momentum, twist, vector};
+        let (given, links) = ($given, $links);
+        let (q, qd, qdd, tau) = (&given.q, &given.qd, &given.qdd, &given.tau);
+        let forces = &given.forces;
+        let inverse = $robot::inverse_dynamics_derivatives(q, qd, qdd);
+        let forward = $robot::forward_dynamics_derivatives(q, qd, tau);
+        vec![
+            (
+                "forward_dynamics_external",
+                list(&$robot::forward_dynamics_external(q, qd, tau, forces)),
+            ),
+            (
+                "forward_dynamics_external_world",
+                list(&$robot::forward_dynamics_external_world(q, qd, tau, forces)),
+            ),
+            (
+                "inverse_dynamics_external",
+                list(&$robot::inverse_dynamics_external(q, qd, qdd, forces)),
+            ),
+            (
+                "inverse_dynamics_external_world",
+                list(&$robot::inverse_dynamics_external_world(q, qd, qdd, forces)),
+            ),
+            ("dtau_dq", columns(&inverse.dq)),
+            ("dtau_dqd", columns(&inverse.dqd)),
+            ("qdd", list(&forward.qdd)),
+            ("dqdd_dq", columns(&forward.dq)),
+            ("dqdd_dqd", columns(&forward.dqd)),
+            ("dqdd_dtau", columns(&forward.dtau)),
+            ("regressor", columns(&$robot::regressor(q, qd, qdd))),
+            ("center_of_mass_jacobian", each(&$robot::center_of_mass_jacobian(q), vector)),
+            ("centroidal_momentum_matrix", each(&$robot::centroidal_momentum_matrix(q), momentum)),
+            ("centroidal_momentum", momentum(&$robot::centroidal_momentum(q, qd))),
+            (
+                "link_velocity",
+                links.iter().flat_map(|&l| twist(&$robot::link_velocity(q, qd, l))).collect(),
+            ),
+            (
+                "local_link_velocity",
+                links.iter().flat_map(|&l| twist(&$robot::local_link_velocity(q, qd, l))).collect(),
+            ),
+            (
+                "link_acceleration",
+                links
+                    .iter()
+                    .flat_map(|&l| twist(&$robot::link_acceleration(q, qd, qdd, l)))
+                    .collect(),
+            ),
+            (
+                "local_link_acceleration",
+                links
+                    .iter()
+                    .flat_map(|&l| twist(&$robot::local_link_acceleration(q, qd, qdd, l)))
+                    .collect(),
+            ),
+            (
+                "local_jacobian",
+                links.iter().flat_map(|&l| each(&$robot::local_jacobian(q, l), twist)).collect(),
+            ),
+            (
+                "jacobian_rate",
+                links.iter().flat_map(|&l| twist(&$robot::jacobian_rate(q, qd, l))).collect(),
+            ),
+            (
+                "local_jacobian_rate",
+                links.iter().flat_map(|&l| twist(&$robot::local_jacobian_rate(q, qd, l))).collect(),
+            ),
+        ]
+    }};
+}
+
+/// What the functions of a type take through the trait.
+pub type GivenTo<R, T> =
+    Given<<R as Robot>::Q<T>, <R as Robot>::V<T>, <R as Robot>::PerLink<Wrench<T>>>;
+
+/// A generated robot's, through the traits; of the default functions.
 ///
 /// # Panics
 ///
 /// If the inputs do not have the robot's length.
 pub fn generated<R: Robot, T: Scalar>(
     inputs: &Inputs<T>,
+    links: &[R::Link],
     pivot_blocks: impl FnOnce(&R::Brge<T>) -> Vec<Vec<T>>,
 ) -> Values<T> {
-    let [q, qd, qdd, tau] = [&inputs.q, &inputs.qd, &inputs.qdd, &inputs.tau];
-    let [qd, qdd, tau] = [qd, qdd, tau].map(|x| array::<T, R::V<T>>(x));
-    let q = array(q);
-    let brge = R::brge(&q);
+    let given = GivenTo::<R, T>::new(inputs);
+    let Given { q, qd, qdd, tau, .. } = &given;
+    let brge = R::brge(q);
     let factors = Factors {
         u: columns(&brge.u()),
         d: columns(&brge.d()),
         u_inverse: columns(&brge.u_inverse()),
         d_inverse: columns(&brge.d_inverse()),
-        solve: brge.solve(&tau).as_ref().to_vec(),
+        solve: list(&brge.solve(tau)),
         inverse: columns(&brge.inverse()),
         log_determinant: brge.log_determinant(),
         pivot_blocks: pivot_blocks(&brge),
@@ -145,30 +343,42 @@ pub fn generated<R: Robot, T: Scalar>(
             .collect(),
     };
     Values {
-        forward_dynamics: R::forward_dynamics(&q, &qd, &tau).as_ref().to_vec(),
-        inverse_dynamics: R::inverse_dynamics(&q, &qd, &qdd).as_ref().to_vec(),
-        bias_forces: R::bias_forces(&q, &qd).as_ref().to_vec(),
-        gravity_torques: R::gravity_torques(&q).as_ref().to_vec(),
-        mass_matrix: columns(&R::mass_matrix(&q)),
-        kinetic_energy: R::kinetic_energy(&q, &qd),
-        potential_energy: R::potential_energy(&q),
-        link_poses: R::link_poses(&q).as_ref().iter().flat_map(numbers).collect(),
+        forward_dynamics: list(&R::forward_dynamics(q, qd, tau)),
+        inverse_dynamics: list(&R::inverse_dynamics(q, qd, qdd)),
+        bias_forces: list(&R::bias_forces(q, qd)),
+        gravity_torques: list(&R::gravity_torques(q)),
+        mass_matrix: columns(&R::mass_matrix(q)),
+        kinetic_energy: R::kinetic_energy(q, qd),
+        potential_energy: R::potential_energy(q),
+        link_poses: each(&R::link_poses(q), numbers),
         factors,
+        others: default_quantities!(R, &given, links),
     }
 }
 
-/// The interpreter's.
+/// What a robot with all functions has beyond that.
+///
+/// # Panics
+///
+/// If the inputs do not have the robot's length.
+pub fn generated_others<R: Robot, T: Scalar>(inputs: &Inputs<T>, links: &[R::Link]) -> Named<T> {
+    let given = GivenTo::<R, T>::new(inputs);
+    other_quantities!(R, &given, links)
+}
+
+/// The interpreter's; of all functions or the default ones.
 #[must_use]
 pub fn interpreted<T: Scalar>(
     model: &Model,
     modules: &ModuleTree,
     inputs: &Inputs<T>,
+    all: bool,
 ) -> Values<T> {
     let Inputs { q, qd, qdd, tau } = inputs;
     let mut interpreter =
         Interpreter::with_modules(model.clone(), modules.clone()).expect("its own modules");
     let brge = interpreter.factors(q);
-    let all = 0..=modules.modules().len();
+    let every = 0..=modules.modules().len();
     let factors = Factors {
         u: brge.u(),
         d: brge.d(),
@@ -177,9 +387,13 @@ pub fn interpreted<T: Scalar>(
         solve: brge.solve(tau).expect("the length is right"),
         inverse: brge.inverse(),
         log_determinant: brge.log_determinant(),
-        pivot_blocks: all.clone().filter_map(|m| brge.pivot_block(m)).collect(),
-        condition_numbers: all.filter_map(|m| brge.condition_number(m)).collect(),
+        pivot_blocks: every.clone().filter_map(|m| brge.pivot_block(m)).collect(),
+        condition_numbers: every.filter_map(|m| brge.condition_number(m)).collect(),
     };
+    let mut others = interpreted_defaults(&mut interpreter, inputs);
+    if all {
+        others.extend(interpreted_others(&mut interpreter, inputs));
+    }
     Values {
         forward_dynamics: interpreter.qdd(q, qd, tau),
         inverse_dynamics: interpreter.tau(q, qd, qdd),
@@ -190,7 +404,127 @@ pub fn interpreted<T: Scalar>(
         potential_energy: interpreter.potential(q),
         link_poses: interpreter.poses(q).iter().flat_map(numbers).collect(),
         factors,
+        others,
     }
+}
+
+/// The numbers of each link.
+fn by_link<T, X>(links: usize, of: impl FnMut(usize) -> X) -> Vec<T>
+where
+    X: IntoIterator<Item = T>,
+{
+    (0..links).flat_map(of).collect()
+}
+
+fn interpreted_defaults<T: Scalar>(
+    interpreter: &mut Interpreter<T>,
+    Inputs { q, qd, .. }: &Inputs<T>,
+) -> Named<T> {
+    let (nq, nv) = (interpreter.model().nq(), interpreter.model().nv());
+    let links = interpreter.model().frames().len();
+    let [mut moved, mut rates, mut random] =
+        [const { Vec::new() }; 3].map(|_: Vec<T>| vec![T::zero(); nq]);
+    let mut difference = vec![T::zero(); nv];
+    let mut unit: Vec<T> = q.iter().map(|&x| x + x).collect();
+    let mut columns = vec![Twist::zero(); nv];
+    interpreter.integrate(q, qd, &mut moved).expect(LENGTHS);
+    interpreter.random(uniform(), &mut random).expect(LENGTHS);
+    interpreter.difference(q, &random, &mut difference).expect(LENGTHS);
+    interpreter.coordinate_rates(q, qd, &mut rates).expect(LENGTHS);
+    interpreter.normalize(&mut unit).expect(LENGTHS);
+    vec![
+        ("center_of_mass", vector(&interpreter.center_of_mass(q).expect(LENGTHS))),
+        ("link_pose", by_link(links, |l| numbers(&interpreter.link_pose(q, l).expect(LENGTHS)))),
+        (
+            "jacobian",
+            by_link(links, |l| {
+                interpreter.jacobian(q, l, &mut columns).expect(LENGTHS);
+                columns.iter().flat_map(twist).collect::<Vec<_>>()
+            }),
+        ),
+        ("integrate", moved),
+        ("difference", difference),
+        ("coordinate_rates", rates),
+        ("normalize", unit),
+        ("random", random),
+    ]
+}
+
+/// How a link moves.
+type MotionOf<'a, T> = dyn Fn(&mut Interpreter<T>, usize) -> Result<Twist<T>, FrameError> + 'a;
+
+fn interpreted_others<T: Scalar>(
+    interpreter: &mut Interpreter<T>,
+    Inputs { q, qd, qdd, tau }: &Inputs<T>,
+) -> Named<T> {
+    let (n, links) = (interpreter.model().nv(), interpreter.model().frames().len());
+    let zeros = |length| vec![T::zero(); length];
+    let forces: Vec<Wrench<T>> = (0..links).map(wrench).collect();
+    let (local, world) = (Forces::InLinkAxes(&forces), Forces::InWorldAxes(&forces));
+    let (mut dtau_dq, mut dtau_dqd) = (zeros(n * n), zeros(n * n));
+    interpreter
+        .inverse_dynamics_derivatives(q, qd, qdd, &mut dtau_dq, &mut dtau_dqd)
+        .expect(LENGTHS);
+    let (mut at, mut dqdd_dq) = (zeros(n), zeros(n * n));
+    let (mut dqdd_dqd, mut dqdd_dtau) = (zeros(n * n), zeros(n * n));
+    let derivatives = ForwardDerivatives {
+        qdd: &mut at,
+        dqdd_dq: &mut dqdd_dq,
+        dqdd_dqd: &mut dqdd_dqd,
+        dqdd_dtau: &mut dqdd_dtau,
+    };
+    interpreter.forward_dynamics_derivatives(q, qd, tau, derivatives).expect(LENGTHS);
+    let mut regressor = zeros(n * PARAMETERS_PER_LINK * interpreter.model().links().len());
+    interpreter.regressor(q, qd, qdd, &mut regressor).expect(LENGTHS);
+    let mut center = vec![Vector3::zero(); n];
+    interpreter.center_of_mass_jacobian(q, &mut center).expect(LENGTHS);
+    let mut momenta = vec![Momentum::zero(); n];
+    interpreter.centroidal_momentum_matrix(q, &mut momenta).expect(LENGTHS);
+    let mut columns = vec![Twist::zero(); n];
+    let mut each = |motion: &MotionOf<'_, T>| {
+        by_link(links, |l| twist(&motion(interpreter, l).expect(LENGTHS)))
+    };
+    let motions = [
+        ("link_velocity", each(&|i, l| i.link_velocity(q, qd, l))),
+        ("local_link_velocity", each(&|i, l| i.link_velocity_local(q, qd, l))),
+        ("link_acceleration", each(&|i, l| i.link_acceleration(q, qd, qdd, l))),
+        ("local_link_acceleration", each(&|i, l| i.link_acceleration_local(q, qd, qdd, l))),
+        ("jacobian_rate", each(&|i, l| i.jacobian_rate(q, qd, l))),
+        ("local_jacobian_rate", each(&|i, l| i.local_jacobian_rate(q, qd, l))),
+    ];
+    let mut named = vec![
+        ("forward_dynamics_external", interpreter.qdd_under(q, qd, tau, local)),
+        ("forward_dynamics_external_world", interpreter.qdd_under(q, qd, tau, world)),
+        ("inverse_dynamics_external", interpreter.tau_under(q, qd, qdd, local)),
+        ("inverse_dynamics_external_world", interpreter.tau_under(q, qd, qdd, world)),
+        ("dtau_dq", dtau_dq),
+        ("dtau_dqd", dtau_dqd),
+        ("qdd", at),
+        ("dqdd_dq", dqdd_dq),
+        ("dqdd_dqd", dqdd_dqd),
+        ("dqdd_dtau", dqdd_dtau),
+        ("regressor", regressor),
+        ("center_of_mass_jacobian", center.iter().flat_map(vector).collect()),
+        ("centroidal_momentum_matrix", momenta.iter().flat_map(momentum).collect()),
+        ("centroidal_momentum", momentum(&interpreter.centroidal_momentum(q, qd).expect(LENGTHS))),
+        (
+            "local_jacobian",
+            by_link(links, |l| {
+                interpreter.local_jacobian(q, l, &mut columns).expect(LENGTHS);
+                columns.iter().flat_map(twist).collect::<Vec<_>>()
+            }),
+        ),
+    ];
+    named.extend(motions);
+    named
+}
+
+const LENGTHS: &str = "the lengths are right";
+
+/// The numbers of an array.
+#[must_use]
+pub fn list<T: Scalar>(numbers: &impl Array<T>) -> Vec<T> {
+    numbers.as_ref().to_vec()
 }
 
 /// An array of those numbers.
@@ -225,7 +559,15 @@ pub fn pairs<S: Copy, T: Copy>(
     one: &Values<S>,
     other: &Values<T>,
 ) -> Vec<(&'static str, Vec<S>, Vec<T>)> {
-    let (one, other) = (one.named(), other.named());
-    assert_eq!(one.len(), other.len(), "pivot blocks");
-    zip(one, other).map(|((name, a), (_, b))| (name, a, b)).collect()
+    let (mut one, mut other) = (one.named(), other.named());
+    // Pivot blocks, which share a name, keep their order.
+    one.sort_by_key(|(name, _)| *name);
+    other.sort_by_key(|(name, _)| *name);
+    assert_eq!(names(&one), names(&other));
+    let pairs = one.into_iter().zip(other);
+    pairs.map(|((name, a), (_, b))| (name, a, b)).collect()
+}
+
+fn names<T>(named: &Named<T>) -> Vec<&'static str> {
+    named.iter().map(|(name, _)| *name).collect()
 }

@@ -1,20 +1,28 @@
 //! The interpreter allocates when it is made, not when it is called.
 
-use modyn_runtime::model::ModuleTree;
-use modyn_runtime::spatial::Pose;
-use modyn_runtime::{Interpreter, ShapeError};
+use modyn_runtime::model::{Inertial, Model, ModuleTree};
+use modyn_runtime::spatial::{Pose, Wrench};
+use modyn_runtime::{Forces, ForwardDerivatives, Interpreter, ShapeError};
 use modyn_tests::counting::{Counting, measure};
-use modyn_tests::random::{State, state, tree};
+use modyn_tests::random::{State, state, tree, zoo};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
+/// Of all joint types, with joints that follow others and without.
+fn robots() -> impl Iterator<Item = (u64, Model)> {
+    (0..20).flat_map(|seed: u64| {
+        let links = 1 + usize::try_from(seed).expect("small");
+        [(seed, tree(seed, links)), (seed, zoo(seed, links.div_ceil(2)))]
+    })
+}
+
 #[test]
 fn calls_allocate_nothing() {
-    for seed in 0..20 {
-        let model = tree(seed, 1 + usize::try_from(seed).expect("small"));
+    for (seed, model) in robots() {
         let n = model.nv();
         let State { q, qd, tau, .. } = state(seed, &model);
+        let wrenches = vec![Wrench::zero(); model.frames().len()];
         for modules in [ModuleTree::links(&model), ModuleTree::chains(&model)] {
             let mut interpreter = Interpreter::<f64>::new(model.clone())
                 .eliminating_by(&modules)
@@ -30,12 +38,42 @@ fn calls_allocate_nothing() {
                 interpreter.kinetic_energy(&q, &qd)?;
                 interpreter.potential_energy(&q)?;
                 interpreter.link_poses(&q, &mut poses)?;
+                for forces in [Forces::InLinkAxes(&wrenches), Forces::InWorldAxes(&wrenches)] {
+                    interpreter.forward_dynamics_external(&q, &qd, &tau, forces, &mut a)?;
+                    interpreter.inverse_dynamics_external(&q, &qd, &a, forces, &mut b)?;
+                }
+                interpreter.set_gravity([0.0, 0.0, -1.62]);
+                interpreter.set_inertial(1, &Inertial::default()).expect("no body is a body");
                 interpreter.gravity_torques(&[], &mut b).expect_err("wrong length");
                 Ok::<_, ShapeError>(())
             });
             assert_eq!(result, Ok(()));
             assert_eq!((allocated.calls, allocated.peak), (0, 0), "seed {seed}");
         }
+    }
+}
+
+#[test]
+fn derivatives_allocate_at_their_first_call_alone() {
+    for seed in 0..20 {
+        let model = tree(seed, 1 + usize::try_from(seed).expect("small"));
+        let square = model.nv() * model.nv();
+        let State { q, qd, tau, mut qdd } = state(seed, &model);
+        let [mut dq, mut dqd, mut dtau] = [(); 3].map(|()| vec![0.0; square]);
+        let mut interpreter = Interpreter::<f64>::new(model);
+        let mut derive = || {
+            interpreter.inverse_dynamics_derivatives(&q, &qd, &tau, &mut dq, &mut dqd)?;
+            let outputs = ForwardDerivatives {
+                qdd: &mut qdd,
+                dqdd_dq: &mut dq,
+                dqdd_dqd: &mut dqd,
+                dqdd_dtau: &mut dtau,
+            };
+            interpreter.forward_dynamics_derivatives(&q, &qd, &tau, outputs)
+        };
+        assert_eq!(derive(), Ok(()));
+        let (result, allocated) = measure(derive);
+        assert_eq!((result, allocated.calls), (Ok(()), 0), "seed {seed}");
     }
 }
 
@@ -51,8 +89,7 @@ fn the_counter_counts() {
 
 #[test]
 fn updating_a_factorization_allocates_nothing() {
-    for seed in 0..20 {
-        let model = tree(seed, 1 + usize::try_from(seed).expect("small"));
+    for (_, model) in robots() {
         for modules in [ModuleTree::links(&model), ModuleTree::chains(&model)] {
             let interpreter =
                 Interpreter::<f64>::with_modules(model.clone(), modules).expect("its own modules");

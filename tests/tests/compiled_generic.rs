@@ -9,7 +9,8 @@ use modyn::{Array, Factorization, Nalgebra, OperationCount, Robot, Scalar};
 use modyn_tests::close::assert_close;
 use modyn_tests::compiled::ROBOTS;
 use modyn_tests::compiled::robots::{
-    Arm6, GoldenPandaFingers, GoldenUr5, Gripper, Quadruped, Tree10_6, Tree15_12,
+    Arm6, Arm6Link, GoldenPandaFingers, GoldenUr5, Gripper, GripperLink, Quadruped, QuadrupedLink,
+    Tree10_6, Tree15_12, Tree15_12Link, Zoo7423_7, Zoo7423_7Link,
 };
 use modyn_tests::fleet::Source;
 use modyn_tests::golden::Golden;
@@ -204,7 +205,7 @@ fn nalgebra_calls_are_the_array_calls() {
                 Q<f64> = [f64; N],
                 V<f64> = [f64; N],
                 M<f64> = [[f64; N]; N],
-                Poses<f64> = [Pose<f64>; LINKS],
+                PerLink<Pose<f64>> = [Pose<f64>; LINKS],
             >,
     {
         for seed in 0..3 {
@@ -311,6 +312,12 @@ impl Scalar for Dual {
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = self.value.sin_cos();
         (self.chain(sin, cos), self.chain(cos, -sin))
+    }
+
+    fn atan2(self, x: Self) -> Self {
+        let square = self.value * self.value + x.value * x.value;
+        let slope = (self.slope * x.value - self.value * x.slope) / square;
+        Self { value: self.value.atan2(x.value), slope }
     }
 
     fn sqrt(self) -> Self {
@@ -504,6 +511,10 @@ impl Scalar for Counted {
         (Self::after(sin, |count| &mut count.sin_cos), Self(cos))
     }
 
+    fn atan2(self, x: Self) -> Self {
+        Self::after(Scalar::atan2(self.0, x.0), |count| &mut count.others)
+    }
+
     fn sqrt(self) -> Self {
         Self::after(Scalar::sqrt(self.0), |count| &mut count.others)
     }
@@ -527,41 +538,91 @@ impl Scalar for Counted {
     }
 }
 
+/// What counting finds that a function takes.
+fn counted(run: impl FnOnce()) -> OperationCount {
+    COUNT.set(OperationCount::default());
+    run();
+    COUNT.get()
+}
+
 #[test]
 fn what_is_counted_is_what_is_announced() {
-    fn check<R: Robot>(source: Source) {
+    fn check<R: Robot>(source: Source, links: &[R::Link]) {
         let robot = ROBOTS.iter().find(|robot| robot.spec.source == source).expect("compiled");
         let State { q, qd, qdd, tau } = state_of(&robot.name(), 5);
         let at: R::Q<Counted> = vector(&q);
         let [moving, speeding, pushed] = [&qd, &qdd, &tau].map(|x| vector::<_, R::V<Counted>>(x));
-        let counted = |run: &dyn Fn()| {
-            COUNT.set(OperationCount::default());
-            run();
-            COUNT.get()
+        let largest = |run: &dyn Fn(R::Link)| {
+            let counts = links.iter().map(|&link| counted(|| run(link)));
+            counts.max_by_key(OperationCount::total).expect("links")
         };
         for &(name, announced) in robot.operations {
-            let found = counted(&|| match name {
-                "forward_dynamics" => drop(R::forward_dynamics(&at, &moving, &pushed)),
-                "inverse_dynamics" => drop(R::inverse_dynamics(&at, &moving, &speeding)),
-                "bias_forces" => drop(R::bias_forces(&at, &moving)),
-                "gravity_torques" => drop(R::gravity_torques(&at)),
-                "mass_matrix" => drop(R::mass_matrix(&at)),
-                "kinetic_energy" => drop(R::kinetic_energy(&at, &moving)),
-                "potential_energy" => drop(R::potential_energy(&at)),
-                "link_poses" => drop(R::link_poses(&at)),
-                "brge" => drop(R::brge(&at)),
+            let found = match name {
+                "forward_dynamics" => counted(|| {
+                    let _ = R::forward_dynamics(&at, &moving, &pushed);
+                }),
+                "inverse_dynamics" => counted(|| {
+                    let _ = R::inverse_dynamics(&at, &moving, &speeding);
+                }),
+                "bias_forces" => counted(|| {
+                    let _ = R::bias_forces(&at, &moving);
+                }),
+                "gravity_torques" => counted(|| {
+                    let _ = R::gravity_torques(&at);
+                }),
+                "mass_matrix" => counted(|| {
+                    let _ = R::mass_matrix(&at);
+                }),
+                "kinetic_energy" => counted(|| {
+                    let _ = R::kinetic_energy(&at, &moving);
+                }),
+                "potential_energy" => counted(|| {
+                    let _ = R::potential_energy(&at);
+                }),
+                "link_poses" => counted(|| {
+                    let _ = R::link_poses(&at);
+                }),
+                "brge" => counted(|| {
+                    let _ = R::brge(&at);
+                }),
+                "center_of_mass" => counted(|| {
+                    let _ = R::center_of_mass(&at);
+                }),
+                "link_pose" => largest(&|link| {
+                    let _ = R::link_pose(&at, link);
+                }),
+                "jacobian" => largest(&|link| {
+                    let _ = R::jacobian(&at, link);
+                }),
+                "integrate" => counted(|| {
+                    let _ = R::integrate(&at, &moving);
+                }),
+                "difference" => counted(|| {
+                    let _ = R::difference(&at, &at);
+                }),
+                "coordinate_rates" => counted(|| {
+                    let _ = R::coordinate_rates(&at, &moving);
+                }),
+                "normalize" => counted(|| {
+                    let _ = R::normalize(&at);
+                }),
+                "random" => counted(|| {
+                    let _ = R::random(|| Counted(0.5));
+                }),
                 _ => panic!("what is {name}?"),
-            });
+            };
             assert_eq!(found, announced, "{}: `{name}`", robot.name());
         }
         // Counting changes nothing.
         let found = R::forward_dynamics(&at, &moving, &pushed);
         let found: Vec<f64> = found.as_ref().iter().map(|x| x.0).collect();
         let expected = R::forward_dynamics::<f64>(&vector(&q), &vector(&qd), &vector(&tau));
-        assert_eq!(found, expected.as_ref(), "{}", robot.name());
+        let what = robot.name();
+        assert_close(&what, &found, expected.as_ref(), 1e-13);
     }
-    check::<Gripper>(Source::Described("gripper"));
-    check::<Arm6>(Source::Described("arm6"));
-    check::<Quadruped>(Source::Described("quadruped"));
-    check::<Tree15_12>(Source::Random(15, 12));
+    check::<Gripper>(Source::Described("gripper"), &GripperLink::ALL);
+    check::<Arm6>(Source::Described("arm6"), &Arm6Link::ALL);
+    check::<Quadruped>(Source::Described("quadruped"), &QuadrupedLink::ALL);
+    check::<Tree15_12>(Source::Random(15, 12), &Tree15_12Link::ALL);
+    check::<Zoo7423_7>(Source::Zoo(7423, 7), &Zoo7423_7Link::ALL);
 }

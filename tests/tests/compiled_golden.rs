@@ -1,11 +1,12 @@
-//! Compiled robots against figures from other software, on a fixed base.
+//! Compiled robots against figures from other software.
 
+use std::collections::BTreeSet;
 use std::iter::zip;
 
 use modyn_tests::close::assert_close;
-use modyn_tests::compiled::{Compiled, ROBOTS};
+use modyn_tests::compiled::{Compiled, Consts, ROBOTS};
 use modyn_tests::fleet::Source;
-use modyn_tests::golden::{FIXED_BASE, Golden, Quantities};
+use modyn_tests::golden::{FIXED_BASE, FLOATING_BASE, Golden, Quantities};
 use modyn_tests::values::{Inputs, Values};
 
 /// Of the reference data's README.
@@ -13,19 +14,20 @@ const TOLERANCE: f64 = 1e-9;
 
 /// Runs `check` at every state of every robot.
 fn everywhere(check: impl Fn(&str, &Compiled, &Quantities, &Values<f64>)) {
-    let mut states = 0;
-    for name in FIXED_BASE {
-        let robot = ROBOTS.iter().find(|robot| robot.spec.source == Source::Golden(name));
-        let robot = robot.unwrap_or_else(|| panic!("{name} is not compiled"));
-        for state in Golden::load(name).states {
+    let mut found = BTreeSet::new();
+    for robot in &ROBOTS {
+        let Source::Golden(name) = robot.spec.source else { continue };
+        let name = if robot.spec.floating { format!("{name}_ff") } else { name.into() };
+        for state in Golden::load(&name).states {
             let vector = |name| state.vector(name);
             let inputs =
                 Inputs { q: state.q(), qd: vector("v"), qdd: vector("a"), tau: vector("tau") };
-            check(name, robot, &state, &(robot.double)(&inputs));
-            states += 1;
+            check(&robot.name(), robot, &state, &(robot.double)(&inputs));
         }
+        found.insert(name);
     }
-    assert_eq!(states, 47, "the states of all robots");
+    let expected = FIXED_BASE.into_iter().chain(FLOATING_BASE).map(String::from);
+    assert_eq!(found, expected.collect());
 }
 
 #[test]
@@ -105,5 +107,44 @@ fn factorization_has_the_determinant() {
         let factor = state.matrix("M").cholesky().expect("a positive definite matrix");
         let expected: f64 = factor.l().diagonal().iter().map(|x| 2.0 * x.ln()).sum();
         assert_close(name, &[values.factors.log_determinant], &[expected], TOLERANCE);
+    });
+}
+
+#[test]
+fn jacobians() {
+    everywhere(|name, robot, state, values| {
+        let Consts { link_names, nv, .. } = robot.consts[0];
+        for expected in state.frames() {
+            let at = link_names.iter().position(|&link| link == expected.name);
+            let at = at.unwrap_or_else(|| panic!("{name}: no link `{}`", expected.name));
+            let found = &values.other("jacobian")[6 * nv * at..6 * nv * (at + 1)];
+            for (column, found) in found.chunks(6).enumerate() {
+                let column = expected.jacobian.column(column);
+                let column: Vec<f64> = column.iter().copied().collect();
+                // There the linear part comes first.
+                let found = [&found[3..], &found[..3]].concat();
+                assert_close(&expected.name, &found, &column, TOLERANCE);
+            }
+        }
+    });
+}
+
+#[test]
+fn derivatives() {
+    everywhere(|name, robot, state, values| {
+        if !robot.spec.all {
+            return;
+        }
+        assert_close(name, values.other("qdd"), &state.vector("qdd"), TOLERANCE);
+        for (found, expected) in [
+            ("dtau_dq", "dtau_dq"),
+            ("dtau_dqd", "dtau_dv"),
+            ("dqdd_dq", "dqdd_dq"),
+            ("dqdd_dqd", "dqdd_dv"),
+            ("dqdd_dtau", "dqdd_dtau"),
+        ] {
+            let what = format!("{name}: {found}");
+            assert_close(&what, values.other(found), state.matrix(expected).as_slice(), TOLERANCE);
+        }
     });
 }

@@ -3,7 +3,7 @@
 use std::iter::zip;
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::model::{Drive, Friction, Model, ModuleTree};
 use modyn_tests::close::{assert_close, difference};
 use modyn_tests::compiled::{Compiled, Own, ROBOTS};
 use modyn_tests::dense::{identity, square, times};
@@ -17,6 +17,16 @@ const TOLERANCE: f64 = 1e-11;
 
 /// Of what a single precision calculation of many steps keeps.
 const SINGLE: f64 = 2e-5;
+
+const ALL_TYPES: [JointType; 7] = [
+    JointType::Revolute,
+    JointType::Continuous,
+    JointType::Prismatic,
+    JointType::Universal,
+    JointType::Planar,
+    JointType::Spherical,
+    JointType::Floating,
+];
 
 const STATES: u64 = 4;
 
@@ -40,16 +50,19 @@ fn subjects() -> impl Iterator<Item = Subject> {
     })
 }
 
-/// The condition number of a symmetric positive definite matrix.
+/// The condition number of a symmetric positive definite matrix, which may be empty.
 fn condition(columns: &[f64]) -> f64 {
+    if columns.is_empty() {
+        return 1.0;
+    }
     let eigenvalues = square(columns).symmetric_eigenvalues();
     eigenvalues.max() / eigenvalues.min()
 }
 
 #[test]
 fn the_fleet_is_various() {
-    let random: Vec<Subject> =
-        subjects().filter(|s| matches!(s.robot.spec.source, Source::Random(..))).collect();
+    let is_random = |source| matches!(source, Source::Random(..) | Source::Zoo(..));
+    let random: Vec<Subject> = subjects().filter(|s| is_random(s.robot.spec.source)).collect();
     assert!(random.len() >= 16);
     let links = |subject: &Subject| subject.model.links().len();
     assert_eq!(random.iter().map(links).min(), Some(1));
@@ -67,6 +80,22 @@ fn the_fleet_is_various() {
     assert!(count(&|s| s.modules != ModuleTree::chains(&s.model)) >= 6, "divided chains");
     assert!(count(&|s| matches!(s.robot.spec.division, Division::List(_))) >= 4, "lists");
     assert!(count(&|s| matches!(s.robot.own, Own::Single(_))) >= 4, "single precision");
+
+    let all: Vec<Subject> = subjects().filter(|s| s.robot.spec.all).collect();
+    for joint_type in ALL_TYPES {
+        let is_so = |s: &Subject| s.model.links().iter().any(|l| l.joint.joint_type == joint_type);
+        assert!(all.iter().any(is_so), "{joint_type:?}");
+    }
+    let count = |is_so: &dyn Fn(&Subject) -> bool| all.iter().filter(|s| is_so(s)).count();
+    let drives = |s: &Subject, is_so: fn(&Drive) -> bool| {
+        s.model.links().iter().any(|link| is_so(&link.joint.drive))
+    };
+    assert!(count(&|s| s.model.has_mimics()) >= 3, "mimics");
+    assert!(count(&|s| drives(s, |drive| drive.armature > 0.0)) >= 3, "rotors");
+    assert!(count(&|s| s.model.friction() == Friction::Coulomb) >= 1, "Coulomb friction");
+    assert!(count(&|s| matches!(s.model.friction(), Friction::Smooth(_))) >= 2, "friction");
+    assert!(count(&|s| s.robot.spec.floating) >= 1, "floating bases");
+    assert!(count(&|s| matches!(s.robot.own, Own::Single(_))) >= 1, "single precision");
 }
 
 #[test]
@@ -75,7 +104,7 @@ fn every_quantity_is_the_interpreters() {
         let Subject { robot, model, modules } = &subject;
         for inputs in subject.inputs() {
             let found = (robot.double)(&inputs);
-            let expected = interpreted(model, modules, &inputs);
+            let expected = interpreted(model, modules, &inputs, robot.spec.all);
             for (quantity, found, expected) in pairs(&found, &expected) {
                 let what = format!("{}: {quantity}", robot.name());
                 assert_close(&what, &found, &expected, TOLERANCE);
@@ -90,7 +119,8 @@ fn condition_numbers_are_the_interpreters() {
         let Subject { robot, model, modules } = &subject;
         for inputs in subject.inputs() {
             let found = (robot.double)(&inputs).factors;
-            let expected = interpreted(model, modules, &inputs).factors.condition_numbers;
+            let expected =
+                interpreted(model, modules, &inputs, robot.spec.all).factors.condition_numbers;
             assert_eq!(found.condition_numbers.len(), modules.modules().len(), "{}", robot.name());
             assert_eq!(expected.len(), modules.modules().len(), "{}", robot.name());
             for (m, (&found, &expected)) in zip(&found.condition_numbers, &expected).enumerate() {
@@ -123,18 +153,18 @@ fn factors_are_the_mass_matrix() {
             let [u, d, m] = [&factors.u, &factors.d, &values.mass_matrix].map(|x| square(x));
             let product = &u * &d * u.transpose();
             assert_close(&name, product.as_slice(), m.as_slice(), TOLERANCE);
-            let unit = identity(inputs.q.len());
+            let n = inputs.qd.len();
+            let unit = identity(n);
             let inverse = square(&factors.u_inverse) * &u;
             assert_close(&name, inverse.as_slice(), &unit, 1e-9);
             // D's blocks are the pivot blocks, and nothing is beside them.
             let mut blocks = vec![0.0; unit.len()];
-            for (module, block) in zip(subject.modules.modules(), &factors.pivot_blocks) {
-                let size = module.links.len();
+            for (module, block) in zip(subject.robot.consts[0].modules, &factors.pivot_blocks) {
+                let size = module.dofs;
                 assert_eq!(block.len(), size * size, "{name}");
                 for (k, &entry) in block.iter().enumerate() {
-                    let (column, row) =
-                        (module.links.start + k / size, module.links.start + k % size);
-                    blocks[column * inputs.q.len() + row] = entry;
+                    let (column, row) = (module.first + k / size, module.first + k % size);
+                    blocks[column * n + row] = entry;
                 }
             }
             assert_eq!(blocks, factors.d, "{name}");
@@ -177,8 +207,14 @@ fn single_precision_is_near_double_precision() {
 }
 
 /// What depends on an inverse, and so on how well conditioned the mass matrix is.
-const SOLVED: [&str; 9] = [
+const SOLVED: [&str; 15] = [
     "forward_dynamics",
+    "forward_dynamics_external",
+    "forward_dynamics_external_world",
+    "qdd",
+    "dqdd_dq",
+    "dqdd_dqd",
+    "dqdd_dtau",
     "u",
     "d",
     "pivot_block",

@@ -1,8 +1,8 @@
 //! The random robots are the same everywhere, and as various as they are meant to be.
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::Model;
-use modyn_tests::random::{State, chain, state, tree};
+use modyn_runtime::model::{Drive, Friction, Model};
+use modyn_tests::random::{State, chain, state, tree, zoo};
 
 /// FNV-1a over the bits of the figures.
 fn fingerprint(model: &Model) -> u64 {
@@ -21,11 +21,16 @@ fn fingerprint(model: &Model) -> u64 {
         ]
         .concat()
     });
+    let extras = model.links().iter().flat_map(|link| {
+        let Drive { armature, damping, friction } = link.joint.drive;
+        let mimic = link.joint.mimic.map_or([0.0; 2], |mimic| [mimic.multiplier, mimic.offset]);
+        [&link.joint.second_axis[..], &[armature, damping, friction], &mimic].concat()
+    });
     let frames = model
         .frames()
         .iter()
         .flat_map(|frame| [frame.pose.rotation.concat(), frame.pose.translation.to_vec()].concat());
-    let figures = links.chain(frames).chain([q, qd, qdd, tau].concat());
+    let figures = links.chain(frames).chain(extras).chain([q, qd, qdd, tau].concat());
     figures.flat_map(|x| x.to_bits().to_le_bytes()).fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     })
@@ -33,11 +38,15 @@ fn fingerprint(model: &Model) -> u64 {
 
 #[test]
 fn every_host_grows_the_same_robots() {
-    let found = [fingerprint(&tree(1, 30)), fingerprint(&tree(2, 7)), fingerprint(&chain(3, 100))];
-    assert_eq!(
-        found.map(|x| format!("{x:016x}")),
-        ["6ef0eea1bb7a76f2", "24ca4760bfe0a4c1", "e30782694c7a3cbd"]
-    );
+    let robots = [tree(1, 30), tree(2, 7), chain(3, 100), zoo(4, 20), zoo(10153, 8)];
+    let expected = [
+        "f07d58c48a211472",
+        "eeef527b9671e558",
+        "32d849d41570fc7d",
+        "acde70e3be74ffd5",
+        "b7e1cec9061b07e9",
+    ];
+    assert_eq!(robots.map(|robot| format!("{:016x}", fingerprint(&robot))), expected);
 }
 
 #[test]
@@ -93,4 +102,27 @@ fn robots_are_various() {
         model.links().iter().enumerate().all(|(i, link)| link.parent == i.checked_sub(1))
     });
     assert!((5..=45).contains(&serial.count()));
+}
+
+#[test]
+fn zoos_have_all_there_is() {
+    let zoos: Vec<Model> = (0..50).map(|seed| zoo(seed, 10)).collect();
+    let count = |is_so: &dyn Fn(&Model) -> bool| zoos.iter().filter(|model| is_so(model)).count();
+    for joint_type in [
+        JointType::Revolute,
+        JointType::Continuous,
+        JointType::Prismatic,
+        JointType::Universal,
+        JointType::Planar,
+        JointType::Spherical,
+        JointType::Floating,
+    ] {
+        let has = |model: &Model| model.links().iter().any(|l| l.joint.joint_type == joint_type);
+        assert!((20..=50).contains(&count(&has)), "{joint_type:?}");
+    }
+    assert!((10..=40).contains(&count(&Model::has_mimics)));
+    let driven = |model: &Model| model.links().iter().any(|l| l.joint.drive != Drive::default());
+    assert!((20..=45).contains(&count(&driven)));
+    assert!((5..=30).contains(&count(&|model| model.friction() == Friction::Viscous)));
+    assert!((5..=30).contains(&count(&|model| matches!(model.friction(), Friction::Smooth(_)))));
 }

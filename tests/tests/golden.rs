@@ -1,9 +1,9 @@
-//! The interpreter against figures from other software, on a fixed base.
+//! The interpreter against figures from other software, on fixed and floating bases.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_tests::close::assert_close;
-use modyn_tests::golden::{FIXED_BASE, Golden, Quantities as Expected};
+use modyn_tests::golden::{FIXED_BASE, FLOATING_BASE, Golden, Quantities as Expected};
 use modyn_tests::quantities::{Quantities, numbers};
 
 /// Of the reference data's README.
@@ -12,14 +12,14 @@ const TOLERANCE: f64 = 1e-9;
 /// Runs `check` at every state of every robot.
 fn everywhere(check: impl Fn(&str, &Model, &Expected)) {
     let mut states = 0;
-    for name in FIXED_BASE {
+    for name in FIXED_BASE.into_iter().chain(FLOATING_BASE) {
         let golden = Golden::load(name);
         for state in &golden.states {
             check(name, &golden.model, state);
             states += 1;
         }
     }
-    assert_eq!(states, 47, "the states of all robots");
+    assert_eq!(states, 47 + 8, "the states of all robots");
 }
 
 fn moving(state: &Expected) -> (Vec<f64>, Vec<f64>) {

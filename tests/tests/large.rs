@@ -66,16 +66,12 @@ fn row(links: usize) -> Model {
     let link = |i: usize| Link {
         name: format!("link{i}"),
         parent: i.checked_sub(1),
-        joint: Joint {
-            name: format!("joint{i}"),
-            joint_type: JointType::Revolute,
-            axis: [0.0, 1.0, 0.0],
-            origin: Pose {
-                translation: [if i == 0 { 0.0 } else { 1.0 }, 0.0, 0.0],
-                ..Pose::identity()
-            },
-            limits: None,
-        },
+        joint: Joint::new(
+            format!("joint{i}"),
+            JointType::Revolute,
+            [0.0, 1.0, 0.0],
+            Pose { translation: [if i == 0 { 0.0 } else { 1.0 }, 0.0, 0.0], ..Pose::identity() },
+        ),
         inertial: Inertial {
             mass: 1.0,
             center_of_mass: [0.5, 0.0, 0.0],
@@ -83,7 +79,12 @@ fn row(links: usize) -> Model {
         },
     };
     let tip = Pose { translation: [1.0, 0.0, 0.0], ..Pose::identity() };
-    let tip = Frame { name: "tip".into(), link: Some(links - 1), pose: tip };
+    let tip = Frame {
+        name: "tip".into(),
+        link: Some(links - 1),
+        pose: tip,
+        inertial: Inertial::default(),
+    };
     Model::new("row", [0.0, 0.0, -10.0], (0..links).map(link).collect(), vec![tip])
         .expect("a chain")
 }

@@ -2,15 +2,16 @@
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::ModelErrorKind::{
-    Axis, DuplicateName, NoJoint, NotFinite, Order, Parent, Rotation,
+    Axis, Drive as DriveError, DuplicateName, Mimic as MimicError, NoJoint, NotFinite, Order,
+    Parent, Rotation, SecondAxis,
 };
 use modyn_runtime::model::{
-    DEFAULT_GRAVITY, Frame, Inertial, InertialDefect, Joint, Link, Model, ModelErrorKind,
-    ModuleError, ModuleTree,
+    DEFAULT_GRAVITY, Drive, Frame, Friction, Inertial, InertialDefect, Joint, Link, Mimic, Model,
+    ModelErrorKind, ModuleError, ModuleTree,
 };
 use modyn_runtime::spatial::Pose;
-use modyn_tests::cases::cases;
-use modyn_tests::random::{modules, tree};
+use modyn_tests::cases::{cases, robots};
+use modyn_tests::random::modules;
 use proptest::prelude::*;
 
 /// The parts of a model, to be broken.
@@ -25,13 +26,12 @@ fn link(name: &str, parent: Option<usize>) -> Link {
     Link {
         name: name.into(),
         parent,
-        joint: Joint {
-            name: format!("{name}_joint"),
-            joint_type: JointType::Revolute,
-            axis: [0.0, 0.0, 1.0],
-            origin: Pose { translation: [0.3, 0.0, 0.0], ..Pose::identity() },
-            limits: None,
-        },
+        joint: Joint::new(
+            format!("{name}_joint"),
+            JointType::Revolute,
+            [0.0, 0.0, 1.0],
+            Pose { translation: [0.3, 0.0, 0.0], ..Pose::identity() },
+        ),
         inertial: Inertial {
             mass: 1.0,
             center_of_mass: [0.1, 0.0, 0.0],
@@ -46,7 +46,12 @@ fn link(name: &str, parent: Option<usize>) -> Link {
 /// ```
 fn parts() -> Parts {
     let links = vec![link("a", None), link("b", Some(0)), link("c", Some(1)), link("d", Some(1))];
-    let frame = |(name, link): (&str, _)| Frame { name: name.into(), link, pose: Pose::identity() };
+    let frame = |(name, link): (&str, _)| Frame {
+        name: name.into(),
+        link,
+        pose: Pose::identity(),
+        inertial: Inertial::default(),
+    };
     let frames = [("base", None), ("a", Some(0)), ("b", Some(1)), ("c", Some(2)), ("d", Some(3))];
     Parts { gravity: DEFAULT_GRAVITY, links, frames: frames.map(frame).to_vec() }
 }
@@ -136,6 +141,13 @@ fn figures_that_are_not_finite() {
         assert_refused(|p| p.links[1].joint.axis[0] = x, &[("b", NotFinite)]);
         assert_refused(|p| p.links[1].joint.origin.translation[0] = x, &[("b", NotFinite)]);
         assert_refused(|p| p.links[1].joint.origin.rotation[2][1] = x, &[("b", NotFinite)]);
+        assert_refused(|p| p.links[1].joint.second_axis[2] = x, &[("b", NotFinite)]);
+        assert_refused(|p| p.links[1].joint.drive.armature = x, &[("b", NotFinite)]);
+        assert_refused(|p| p.links[1].joint.drive.damping = x, &[("b", NotFinite)]);
+        assert_refused(|p| p.links[1].joint.drive.friction = x, &[("b", NotFinite)]);
+        let follow = |multiplier, offset| Some(Mimic { leader: 0, multiplier, offset });
+        assert_refused(|p| p.links[1].joint.mimic = follow(x, 0.0), &[("b", NotFinite)]);
+        assert_refused(|p| p.links[1].joint.mimic = follow(1.0, x), &[("b", NotFinite)]);
         assert_refused(|p| p.links[1].inertial.mass = x, &[("b", NotFinite)]);
         assert_refused(|p| p.links[1].inertial.center_of_mass[2] = x, &[("b", NotFinite)]);
         assert_refused(|p| p.links[1].inertial.inertia[5] = x, &[("b", NotFinite)]);
@@ -149,6 +161,89 @@ fn axes() {
     for axis in [[0.0; 3], [0.0, 0.0, 2.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0 + 1e-6]] {
         assert_refused(|p| p.links[1].joint.axis = axis, &[("b_joint", Axis)]);
     }
+}
+
+#[test]
+fn second_axes() {
+    let universal = |axis| {
+        move |p: &mut Parts| {
+            p.links[1].joint.joint_type = JointType::Universal;
+            p.links[1].joint.second_axis = axis;
+        }
+    };
+    for axis in [[0.0; 3], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]] {
+        assert_refused(universal(axis), &[("b_joint", SecondAxis)]);
+        // Of no meaning to another joint.
+        let mut other = parts();
+        other.links[1].joint.second_axis = axis;
+        assert!(make(other).is_ok());
+    }
+    // It may be slanted.
+    let mut slanted = parts();
+    universal([0.0, 0.6, 0.8])(&mut slanted);
+    assert_eq!(make(slanted).expect("a model").nv(), 5);
+}
+
+#[test]
+fn drives() {
+    for drive in [
+        Drive { armature: -1e-9, ..Drive::default() },
+        Drive { damping: -1.0, ..Drive::default() },
+        Drive { friction: -1.0, ..Drive::default() },
+    ] {
+        assert_refused(|p| p.links[1].joint.drive = drive, &[("b_joint", DriveError)]);
+    }
+}
+
+#[test]
+fn joints_that_follow() {
+    let follow = |leader| Some(Mimic { leader, multiplier: 2.0, offset: 1.0 });
+    assert_refused(|p| p.links[1].joint.mimic = follow(1), &[("b_joint", MimicError)]);
+    assert_refused(|p| p.links[1].joint.mimic = follow(4), &[("b_joint", MimicError)]);
+    let circle = |p: &mut Parts| {
+        p.links[1].joint.mimic = follow(2);
+        p.links[2].joint.mimic = follow(1);
+    };
+    assert_refused(circle, &[("b_joint", MimicError), ("c_joint", MimicError)]);
+    for (follower, leader) in [(1, 2), (2, 1)] {
+        let several = |p: &mut Parts| {
+            p.links[2].joint.joint_type = JointType::Planar;
+            p.links[follower].joint.mimic = follow(leader);
+        };
+        let name = ["b_joint", "c_joint"][follower - 1];
+        assert_refused(several, &[(name, MimicError)]);
+    }
+    // A chain of them, against the order of the links.
+    let mut chain = parts();
+    chain.links[0].joint.mimic = follow(1);
+    chain.links[1].joint.mimic = follow(3);
+    let model = make(chain).expect("a model");
+    assert_eq!((model.nq(), model.nv(), model.has_mimics()), (2, 2, true));
+    assert_eq!(model.mimic(0), Some(Mimic { leader: 3, multiplier: 4.0, offset: 3.0 }));
+    assert_eq!(model.mimic(1), follow(3));
+    assert_eq!((model.mimic(2), model.mimic(3)), (None, None));
+    assert_eq!([0, 1, 2, 3].map(|i| model.v_range(i)), [1..2, 1..2, 0..1, 1..2]);
+    assert_eq!(model.coordinate_names(), ["c_joint", "d_joint"]);
+}
+
+#[test]
+fn joints_of_several_coordinates() {
+    let mut parts = parts();
+    let types =
+        [JointType::Floating, JointType::Spherical, JointType::Planar, JointType::Universal];
+    for (link, joint_type) in parts.links.iter_mut().zip(types) {
+        link.joint.joint_type = joint_type;
+    }
+    let model = make(parts).expect("a model").with_friction(Friction::Viscous);
+    assert_eq!((model.nq(), model.nv(), model.has_mimics()), (16, 14, false));
+    assert_eq!(model.friction(), Friction::Viscous);
+    assert_eq!([0, 1, 2, 3].map(|i| model.q_range(i)), [0..7, 7..11, 11..14, 14..16]);
+    assert_eq!([0, 1, 2, 3].map(|i| model.v_range(i)), [0..6, 6..9, 9..12, 12..14]);
+    let names = model.coordinate_names();
+    assert_eq!(names[..4], ["a_joint.x", "a_joint.y", "a_joint.z", "a_joint.qx"]);
+    assert_eq!(names[13..], ["c_joint.angle", "d_joint.first", "d_joint.second"]);
+    let names = model.velocity_names();
+    assert_eq!(names[3..8], ["a_joint.wx", "a_joint.wy", "a_joint.wz", "b_joint.wx", "b_joint.wy"]);
 }
 
 #[test]
@@ -277,17 +372,18 @@ proptest! {
     #![proptest_config(cases(48))]
 
     #[test]
-    fn a_model_survives_json(seed: u64, links in 1..=20usize) {
-        let model = tree(seed, links);
+    fn a_model_survives_json(robot in robots(20)) {
+        let model = robot.model();
         let json = serde_json::to_string(&model).expect("plain data");
         let back: Model = serde_json::from_str(&json).expect("the same data");
         prop_assert_eq!(back, model);
     }
 
     #[test]
-    fn modules_are_a_tree_of_chains(seed: u64, links in 1..=30usize) {
-        let model = tree(seed, links);
-        let trees = [ModuleTree::chains(&model), ModuleTree::links(&model), modules(seed, &model)];
+    fn modules_are_a_tree_of_chains(robot in robots(30)) {
+        let model = robot.model();
+        let [chains, links] = [ModuleTree::chains, ModuleTree::links].map(|by| by(&model));
+        let trees = [chains, links, modules(robot.seed(), &model)];
         for tree in trees {
             let mut next = 0;
             for (m, module) in tree.modules().iter().enumerate() {
@@ -301,7 +397,7 @@ proptest! {
                     prop_assert_eq!(model.links()[i].parent, Some(i - 1));
                 }
             }
-            prop_assert_eq!(next, links);
+            prop_assert_eq!(next, model.links().len());
             // The names give the same tree again.
             let names: Vec<Vec<&str>> = tree.modules().iter().rev()
                 .map(|m| m.links.clone().map(|i| model.links()[i].name.as_str()).collect())

@@ -3,6 +3,8 @@
 use std::hint::black_box;
 
 use modyn::Nalgebra;
+use modyn::simulate::{Gains, Reference, State};
+use modyn::spatial::Wrench;
 use modyn_tests::counting::{Counting, measure};
 
 #[global_allocator]
@@ -12,6 +14,13 @@ modyn::modyn!("../../robots/gripper.urdf");
 modyn::modyn!("../../robots/quadruped.urdf", modules = links);
 modyn::modyn!("../../robots/humanoid.urdf");
 modyn::modyn!(Single = "../../robots/arm7.urdf", scalar = f32);
+modyn::modyn!(
+    "../../robots/joint_zoo.urdf",
+    functions = all,
+    friction = smooth(0.01),
+    gravity = runtime,
+    payload = ["tip"],
+);
 
 macro_rules! allocates_nothing {
     ($robot:ident, $joint:ident, $scalar:ident) => {{
@@ -45,4 +54,47 @@ fn calls_allocate_nothing() {
     allocates_nothing!(Quadruped, QuadrupedJoint, f64);
     allocates_nothing!(Humanoid, HumanoidJoint, f64);
     allocates_nothing!(Single, SingleJoint, f32);
+}
+
+#[test]
+fn nor_do_those_of_all_functions() {
+    const V: usize = JointZoo::NV;
+    let (q, v) = black_box((JointZoo::NEUTRAL, [0.3; V]));
+    let forces = black_box([Wrench::<f64>::zero(); JointZoo::LINK_NAMES.len()]);
+    let ((), allocated) = measure(|| {
+        let params = JointZooParams { gravity: black_box([0.0; 3]), ..JointZooParams::DEFAULT };
+        black_box(JointZoo::forward_dynamics(&q, &v, &v));
+        black_box(JointZoo::forward_dynamics_with(&params, &q, &v, &v));
+        black_box(JointZoo::inverse_dynamics_with(&params, &q, &v, &v));
+        black_box(JointZoo::forward_dynamics_external(&q, &v, &v, &forces));
+        black_box(JointZoo::forward_dynamics_external_world(&q, &v, &v, &forces));
+        black_box(JointZoo::inverse_dynamics_external(&q, &v, &v, &forces));
+        black_box(JointZoo::inverse_dynamics_external_world(&q, &v, &v, &forces));
+        black_box(JointZoo::inverse_dynamics_derivatives(&q, &v, &v));
+        black_box(JointZoo::forward_dynamics_derivatives_with(&params, &q, &v, &v));
+        black_box(JointZoo::regressor(&q, &v, &v));
+        black_box((JointZoo::center_of_mass(&q), JointZoo::center_of_mass_jacobian(&q)));
+        black_box(JointZoo::centroidal_momentum_matrix(&q));
+        black_box(JointZoo::centroidal_momentum(&q, &v));
+        for link in JointZooLink::ALL {
+            black_box((JointZoo::link_pose(&q, link), JointZoo::link_velocity(&q, &v, link)));
+            black_box(JointZoo::local_link_velocity(&q, &v, link));
+            black_box(JointZoo::link_acceleration(&q, &v, &v, link));
+            black_box(JointZoo::local_link_acceleration(&q, &v, &v, link));
+            black_box((JointZoo::jacobian(&q, link), JointZoo::local_jacobian(&q, link)));
+            black_box(JointZoo::jacobian_rate(&q, &v, link));
+            black_box(JointZoo::local_jacobian_rate(&q, &v, link));
+        }
+        let moved = black_box(JointZoo::integrate(&q, &v));
+        black_box((JointZoo::difference(&q, &moved), JointZoo::coordinate_rates(&q, &v)));
+        black_box((JointZoo::normalize(&moved), JointZoo::random(|| 0.5)));
+        let goal = Reference::<JointZoo>::standing(moved);
+        let gains = Gains { stiffness: 1.0, damping: 2.0 };
+        let next = State::<JointZoo>::at_rest(q).runge_kutta_4(0.01, |state| {
+            let tau = state.computed_torque(&goal, gains);
+            JointZoo::forward_dynamics(&state.q, &state.qd, &tau)
+        });
+        black_box(next.semi_implicit_euler(0.01, |state| state.qd));
+    });
+    assert_eq!((allocated.calls, allocated.peak), (0, 0));
 }

@@ -2,7 +2,7 @@
 
 use modyn_codegen::expr::Graph;
 use modyn_codegen::trace::Tracer;
-use modyn_runtime::equations::Partition;
+use modyn_runtime::equations::forward_dynamics::Elimination;
 use modyn_runtime::model::ModuleTree;
 use modyn_runtime::model::prepare::Prepared;
 use modyn_tests::golden;
@@ -46,7 +46,9 @@ fn counts(robot: &'static str) -> Counts {
     let prepared = Prepared::new(&model);
     let tracer = Tracer::new(&prepared);
     let total = |graph: Graph| graph.count().total();
-    let forward = |modules: &ModuleTree| total(tracer.forward_dynamics(&Partition::from(modules)));
+    let forward = |modules: &ModuleTree| {
+        total(tracer.forward_dynamics(&Elimination::new(&prepared, modules)))
+    };
     Counts {
         robot,
         forward_dynamics: forward(&ModuleTree::links(&model))

@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use modyn_codegen::{Builder, FloatType, Generated, ModuleChoice};
+use modyn_codegen::{Builder, FloatType, Function, Generated, ModuleChoice};
+use modyn_tests::fleet::Spec;
 use syn::visit::{self, Visit};
 
 /// Most statements in a block and in a function: what `modyn-codegen/src/emit/function.rs` allows
@@ -27,11 +28,22 @@ fn compiled(path: &Path) -> Generated {
     Builder::new().urdf(path).generate().expect("a good robot")
 }
 
+/// With all functions of single states and run-time parameters; of robots of so many degrees of freedom at most,
+/// since the compiler runs unoptimised here.
+fn complete(path: &Path, most: usize) -> Option<Generated> {
+    let plain = Builder::new().urdf(path).runtime_gravity();
+    let model = compiled(path).model;
+    let last = model.frames().iter().rev().find(|frame| frame.link.is_some())?;
+    let builder = plain.payload([&last.name]).functions(Spec::all_functions());
+    (model.nv() <= most).then(|| builder.generate().expect("a good robot"))
+}
+
 /// All texts together, with options that lead to other texts.
 fn everything() -> String {
     let mut all = String::new();
     for path in robots() {
         all += &compiled(&path).text;
+        all.extend(complete(&path, 5).map(|complete| complete.text));
         let others = Builder::new().urdf(&path).float(FloatType::F32).modules(ModuleChoice::Links);
         all += &others.gravity([0.1, 0.2, 0.3]).generate().expect("a good robot").text;
     }
@@ -138,8 +150,9 @@ impl Visit<'_> for Findings {
 
 #[test]
 fn nothing_panics_allocates_or_is_unsafe() {
-    for path in robots() {
-        let text = compiled(&path).text;
+    let plain = robots().into_iter().map(|path| (compiled(&path).text, path));
+    let complete = robots().into_iter().filter_map(|path| Some((complete(&path, 10)?.text, path)));
+    for (text, path) in plain.chain(complete) {
         let Findings { identifiers, indexing, loops, .. } = Findings::of(&text);
         assert_eq!((indexing, loops), (0, 0), "{}", path.display());
         for word in [
@@ -194,6 +207,49 @@ fn no_path_of_this_host_is_in_the_text() {
     let all = everything();
     for path in [env!("CARGO_MANIFEST_DIR"), env!("CARGO_TARGET_TMPDIR"), "robots/", ".urdf"] {
         assert!(!all.contains(path), "{path}");
+    }
+}
+
+/// The names of the functions of a generated text, its private ones too.
+fn functions(text: &str) -> BTreeSet<String> {
+    struct Functions(BTreeSet<String>);
+    impl Visit<'_> for Functions {
+        fn visit_signature(&mut self, signature: &syn::Signature) {
+            self.0.insert(signature.ident.to_string());
+        }
+    }
+    let mut functions = Functions(BTreeSet::new());
+    functions.visit_file(&syn::parse_file(text).expect("Rust"));
+    functions.0
+}
+
+#[test]
+fn a_robot_has_the_functions_that_were_asked_for() {
+    let gripper = robots().into_iter().find(|path| path.ends_with("gripper.urdf"));
+    let builder = Builder::new().urdf(gripper.expect("a gripper"));
+    // What batches have is told in the tests of batches.
+    let all: Vec<Function> = Spec::all_functions().collect();
+    for asked in [
+        &[Function::ForwardDynamics][..],
+        &[Function::Regressor, Function::LinkVelocity, Function::LinkVelocity],
+        &[],
+        Function::DEFAULT,
+        &all,
+    ] {
+        let generated = builder.clone().functions(asked.iter().copied()).generate();
+        let generated = generated.expect("a good robot");
+        let found = functions(&generated.text);
+        for function in &all {
+            let name = function.name();
+            let expected = asked.contains(function);
+            assert_eq!(found.contains(name), expected, "{name}");
+            let constant = format!("pub const {}_OPERATIONS:", name.to_uppercase());
+            assert_eq!(generated.text.contains(&constant), expected, "{name}");
+        }
+        assert_eq!(generated.text.contains("GripperBrge"), asked.contains(&Function::Brge));
+        let announced = generated.operations.iter().map(|(name, _)| *name);
+        let expected = all.iter().filter(|f| asked.contains(f)).map(|f| f.name());
+        assert!(announced.eq(expected));
     }
 }
 

@@ -7,12 +7,13 @@ use modyn_codegen::error::Code;
 
 /// Kinds that no input of the macro leads to, and those that are only warnings.
 const ELSEWHERE: &[Code] = &[
+    Code::IllConditioned,
     Code::Output,
     Code::InvalidModel,
     Code::TooLarge,
     Code::AxisLength,
     Code::InvertedLimits,
-    Code::MimicTarget,
+    Code::MimicMultiplier,
 ];
 
 #[test]

@@ -210,3 +210,44 @@ fn a_member_of_a_workspace() {
     succeeds(&folder, "build");
     succeeds(&member, "build");
 }
+
+/// A robot that can do one thing; generic code may ask it for others.
+const LITTLE: &str = r#"
+modyn::modyn!(pub Little = "robot.urdf", functions = [forward_dynamics]);
+
+pub fn ask<R: modyn::Robot>(q: &R::Q<f64>, qd: &R::V<f64>) -> R::V<f64> {
+    R::FUNCTION
+}
+
+pub fn run() -> [f64; 1] {
+    Little::forward_dynamics(&[0.1], &[0.2], &[0.3]);
+    ask::<Little>(&[0.1], &[0.2])
+}
+"#;
+
+#[test]
+fn what_was_left_out_is_named() {
+    let calling = |call: &str| {
+        let folder = new_crate("user-little", &LITTLE.replace("FUNCTION", call));
+        std::fs::write(folder.join("robot.urdf"), PENDULUM).expect("a file");
+        folder
+    };
+    succeeds(&calling("forward_dynamics(q, qd, qd)"), "build");
+    for (call, missing) in [
+        ("gravity_torques(q)", "gravity_torques"),
+        ("inverse_dynamics_with(&R::Params::default(), q, qd, qd)", "inverse_dynamics"),
+        ("difference(q, q)", "difference"),
+    ] {
+        let output = fails(&calling(call), "build");
+        let expected = format!("this robot was compiled without `{missing}`");
+        assert!(output.contains(&expected), "{output}");
+        assert!(output.contains("add it to its option `functions`"), "{output}");
+    }
+    // By the type itself there is no such function to call.
+    let folder = calling("forward_dynamics(q, qd, qd)");
+    let source = "modyn::modyn!(Little = \"robot.urdf\", functions = [forward_dynamics]);\n\
+                  pub fn run() { let _ = Little::gravity_torques(&[0.1]); }\n";
+    std::fs::write(folder.join("src/lib.rs"), source).expect("a file");
+    let output = fails(&folder, "build");
+    assert!(output.contains("E0599") && output.contains("`gravity_torques`"), "{output}");
+}

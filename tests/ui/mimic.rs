@@ -1,3 +1,3 @@
-modyn::modyn!("mimic.urdf");
+modyn::modyn!("mimic.urdf", mimic = refuse);
 
 fn main() {}

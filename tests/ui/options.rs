@@ -4,14 +4,23 @@ modyn::modyn! {
     gravity = [0.0, 0.0, 0.0],
     modules = chain,
     scalar = "f32",
-    base = floating,
+    base = flying,
     mimic independent,
     unphysical_inertia = ignore,
+    friction = smooth,
+    rotors = ["elbow": 1e-4],
+    payload = hand,
+    functions = [default, forward_kinematics],
     colour = red,
     crate = 7,
 }
 modyn::modyn!("good.urdf", gravity = [0.0, down, 1.0]);
+modyn::modyn!("good.urdf", gravity = later);
 modyn::modyn!("good.urdf", scalar = f32 base = fixed);
 modyn::modyn!("good.urdf",, scalar = f32);
+modyn::modyn!("good.urdf", friction = sticky);
+modyn::modyn!("good.urdf", friction = smooth(slow));
+modyn::modyn!("good.urdf", rotors = [elbow: (1e-4, 100.0)]);
+modyn::modyn!("good.urdf", functions = "all");
 
 fn main() {}

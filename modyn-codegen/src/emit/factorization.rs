@@ -2,33 +2,36 @@
 
 use std::fmt::Write as _;
 
-use modyn_runtime::equations::brge::Layout;
-
-use super::function::{Parameter, Shape, function};
+use super::function::{Parameter, function};
+use super::shape::Shape;
 use super::{Robot, docs};
 use crate::passes::optimize;
-use crate::trace::Tracer;
 
 impl Robot<'_> {
     /// The functions of the factorization.
-    pub(super) fn factorization(&self, text: &mut String, layout: &Layout, tracer: &Tracer<'_>) {
-        let (name, n) = (self.name, self.model.nv());
-        let square = Shape::Matrix(n, n);
-        let matrix = square.type_of("T");
-        let vector = Shape::Vector(n).type_of("T");
-        let factors = Parameter { name: "factors", len: layout.size() };
-        let rhs = Parameter { name: "rhs", len: n };
+    pub(super) fn factorization(&self, text: &mut String) {
+        let (name, n, layout, tracer) = (self.name, self.model.nv(), self.layout, self.tracer);
+        let square = || Shape::matrix(n, n);
+        let matrix = square().type_of("T");
+        let vector = Shape::vector(n).type_of("T");
+        let factors = Parameter::new("factors", Shape::vector(layout.size()));
+        let rhs = Parameter::new("rhs", Shape::vector(n));
         let graphs = [
             (
                 "u",
-                square,
+                square(),
                 tracer.u(layout),
                 "The block upper triangular U, (43), an array of columns.",
             ),
-            ("d", square, tracer.d(layout), "The block diagonal D, (45), an array of columns."),
-            ("u_inverse", square, tracer.u_inverse(layout), "U^-1, (54), an array of columns."),
-            ("d_inverse", square, tracer.d_inverse(layout), "D^-1, (54), an array of columns."),
-            ("inverse", square, tracer.inverse(layout), "The inverse, (50), an array of columns."),
+            ("d", square(), tracer.d(layout), "The block diagonal D, (45), an array of columns."),
+            ("u_inverse", square(), tracer.u_inverse(layout), "U^-1, (54), an array of columns."),
+            ("d_inverse", square(), tracer.d_inverse(layout), "D^-1, (54), an array of columns."),
+            (
+                "inverse",
+                square(),
+                tracer.inverse(layout),
+                "The inverse, (50), an array of columns.",
+            ),
             (
                 "log_determinant",
                 Shape::Scalar,
@@ -53,16 +56,16 @@ impl Robot<'_> {
         );
         let mut condition_numbers = Vec::new();
         for (m, block) in layout.blocks().iter().enumerate() {
-            let size = block.links.len();
-            let entries: Vec<String> = (0..layout.size())
+            let size = block.dofs.len();
+            // Only the entries up to the block's last are named; the rest is one pattern.
+            let entries: Vec<String> = (0..layout.d(m).end)
                 .map(|i| if layout.d(m).contains(&i) { format!("d{i}") } else { "_".into() })
                 .collect();
-            // Only the entries up to the block's last are named; the rest is one pattern.
-            let shown = entries[..layout.d(m).end].join(", ");
+            let shown = entries.iter().map(|entry| format!("{entry}, ")).collect::<String>();
             let names = entries[layout.d(m)].join(", ");
-            let joints = self.joint_names()[block.links.clone()].join(", ");
+            let joints = self.joint_names()[self.modules.modules()[m].links.clone()].join(", ");
             let block_rows: Vec<String> = entries[layout.d(m)]
-                .chunks(size)
+                .chunks(size.max(1))
                 .map(|row| format!("[{}]", row.join(", ")))
                 .collect();
             let _ = writeln!(
@@ -70,14 +73,19 @@ impl Robot<'_> {
                 "/// The pivot block of module {m} (joints {}), (46), an array of columns.\n\
                  #[must_use]\n\
                  pub fn pivot_block_{m}(&self) -> [[T; {size}]; {size}] {{\n    \
-                 let [{shown}, ..] = self.factors;\n    [{}]\n}}",
+                 let [{shown}..] = self.factors;\n    [{}]\n}}",
                 docs::code(&joints),
                 block_rows.join(", ")
             );
-            condition_numbers.push(format!(
-                "{{\n            let [{shown}, ..] = self.factors;\n            \
+            condition_numbers.push(if size == 0 {
+                // All its joints mimic others.
+                "T::one()".into()
+            } else {
+                format!(
+                    "{{\n            let [{shown}..] = self.factors;\n            \
                  __modyn::jacobi::condition_number(&mut [{names}], {size})\n        }}"
-            ));
+                )
+            });
         }
         let arms: Vec<String> = condition_numbers
             .iter()
@@ -98,30 +106,32 @@ impl Robot<'_> {
             condition_numbers.join(", "),
             arms.concat(),
         );
-        let _ = writeln!(
-            text,
-            "impl<T: __modyn::Scalar> __modyn::Factorization<T> for {name}Brge<T> {{\n\
-             type V = {vector};\n\
-             type M = {matrix};"
-        );
-        for (function_name, shape, ..) in &graphs {
+        if !self.options.self_contained {
             let _ = writeln!(
                 text,
-                "fn {function_name}(&self) -> {} {{\n    Self::{function_name}(self)\n}}",
-                shape.type_of("T")
+                "impl<T: __modyn::Scalar> __modyn::Factorization<T> for {name}Brge<T> {{\n\
+             type V = {vector};\n\
+             type M = {matrix};"
             );
-        }
-        let _ = writeln!(
-            text,
-            "fn solve(&self, rhs: &{vector}) -> {vector} {{\n    Self::solve(self, rhs)\n}}\n\
+            for (function_name, shape, ..) in &graphs {
+                let _ = writeln!(
+                    text,
+                    "fn {function_name}(&self) -> {} {{\n    Self::{function_name}(self)\n}}",
+                    shape.type_of("T")
+                );
+            }
+            let _ = writeln!(
+                text,
+                "fn solve(&self, rhs: &{vector}) -> {vector} {{\n    Self::solve(self, rhs)\n}}\n\
              fn condition_number(&self, module: usize) -> ::core::option::Option<T> {{\n    \
              Self::condition_number(self, module)\n}}\n}}\n"
-        );
+            );
+        }
         for (function_name, shape, graph, _) in graphs {
             *text +=
-                &function(function_name, std::slice::from_ref(&factors), shape, &optimize(graph));
+                &function(function_name, std::slice::from_ref(&factors), &shape, &optimize(graph));
         }
         let solve = optimize(tracer.solve(layout));
-        *text += &function("solve", &[factors, rhs], Shape::Vector(n), &solve);
+        *text += &function("solve", &[factors, rhs], &Shape::vector(n), &solve);
     }
 }

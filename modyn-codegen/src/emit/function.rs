@@ -8,7 +8,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::ops::Range;
 
+use super::Shape;
 use crate::expr::{Graph, Id, Node};
+use crate::names::type_name;
 
 /// Most statements in one block.
 const BLOCK: usize = 250;
@@ -16,56 +18,24 @@ const BLOCK: usize = 250;
 /// Most statements in one function.
 const PART: usize = 1500;
 
-/// A parameter: an array of that many scalars.
+/// The same on lanes, which the compiler works on in memory at first, in more than linear time.
+const LANES_PART: usize = 500;
+
+/// A parameter, given by reference.
 #[derive(Clone, Debug)]
 pub(super) struct Parameter {
     pub name: &'static str,
-    pub len: usize,
+    pub shape: Shape,
 }
 
-/// What a function returns, built from the graph's outputs in order.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Shape {
-    Scalar,
-    Vector(usize),
-    /// Columns, rows.
-    Matrix(usize, usize),
-    Poses(usize),
-}
-
-impl Shape {
-    /// The Rust type over scalar `t`.
-    pub(super) fn type_of(self, t: &str) -> String {
-        match self {
-            Self::Scalar => t.into(),
-            Self::Vector(n) => format!("[{t}; {n}]"),
-            Self::Matrix(columns, rows) => format!("[[{t}; {rows}]; {columns}]"),
-            Self::Poses(n) => format!("[__modyn::spatial::Pose<{t}>; {n}]"),
-        }
+impl Parameter {
+    pub(super) fn new(name: &'static str, shape: Shape) -> Self {
+        Self { name, shape }
     }
 
-    /// The value, from the text of each output.
-    fn value(self, outputs: &[String]) -> String {
-        let list = |items: &[String]| format!("[{}]", items.join(", "));
-        let lines = |items: &[String]| match items {
-            [] => "[]".into(),
-            items => format!("[\n        {},\n    ]", items.join(",\n        ")),
-        };
-        match self {
-            Self::Scalar => outputs.concat(),
-            Self::Vector(_) => list(outputs),
-            Self::Matrix(_, rows) => lines(&outputs.chunks(rows).map(list).collect::<Vec<_>>()),
-            Self::Poses(_) => {
-                let pose = |numbers: &[String]| {
-                    let rows: Vec<String> = numbers[..9].chunks(3).map(list).collect();
-                    let (rotation, translation) = (list(&rows), list(&numbers[9..]));
-                    format!(
-                        "__modyn::spatial::Pose {{ rotation: {rotation}, translation: {translation} }}"
-                    )
-                };
-                lines(&outputs.chunks(12).map(pose).collect::<Vec<_>>())
-            }
-        }
+    /// With its type over scalar `t`.
+    pub(super) fn typed(&self, t: &str) -> String {
+        format!("{}: &{}", self.name, self.shape.type_of(t))
     }
 }
 
@@ -73,10 +43,30 @@ impl Shape {
 pub(super) fn function(
     name: &str,
     parameters: &[Parameter],
-    shape: Shape,
+    shape: &Shape,
     graph: &Graph,
 ) -> String {
-    Writer::new(name, parameters, graph).write(shape)
+    Writer::new(name, parameters, graph).write(shape, false)
+}
+
+/// The same for lanes: always inlined into what is compiled for their instructions, with parts that the
+/// lanes outline.
+pub(super) fn lanes_function(
+    name: &str,
+    parameters: &[Parameter],
+    shape: &Shape,
+    graph: &Graph,
+) -> String {
+    Writer::new(name, parameters, graph).write(shape, true)
+}
+
+/// What one `let` computes.
+#[derive(Clone, Debug)]
+enum Statement {
+    /// A node, or a sine with its cosine.
+    Node(Id),
+    /// The sines and cosines of angles, which are given by their nodes.
+    Angles(Vec<Id>),
 }
 
 struct Writer<'a> {
@@ -85,8 +75,8 @@ struct Writer<'a> {
     graph: &'a Graph,
     /// For each node the statement that computes it; `None` for what is written where it is used.
     statement_of: Vec<Option<usize>>,
-    /// The nodes that have statements: one, or a sine with its cosine.
-    statements: Vec<Id>,
+    /// What is computed, statement by statement.
+    statements: Vec<Statement>,
     /// The last statement that uses each statement's value; `usize::MAX` where it is an output.
     last_use: Vec<usize>,
     live: Vec<bool>,
@@ -108,22 +98,35 @@ impl<'a> Writer<'a> {
         }
         let mut statement_of = vec![None; nodes.len()];
         let mut statements = Vec::new();
-        let mut angles = BTreeMap::new();
+        // Sines and cosines of what is known at once come first, together: they share vector
+        // instructions, and the rest need not wait for them one by one.
+        let early = early_angles(graph, &live);
+        for &angle in &early {
+            if !matches!(graph.node(angle), Node::Input(_)) {
+                statement_of[angle as usize] = Some(statements.len());
+                statements.push(Statement::Node(angle));
+            }
+        }
+        let mut angles: BTreeMap<Id, usize> =
+            early.iter().map(|&angle| (angle, statements.len())).collect();
+        if !early.is_empty() {
+            statements.push(Statement::Angles(early));
+        }
         for (i, node) in nodes.iter().enumerate() {
             let id = i as Id;
             match node {
-                _ if !live[i] || in_place[i] => {}
+                _ if !live[i] || in_place[i] || statement_of[i].is_some() => {}
                 Node::Constant(_) | Node::Input(_) | Node::Neg(_) => {}
                 Node::Sin(angle) | Node::Cos(angle) => {
                     let statement = *angles.entry(*angle).or_insert_with(|| {
-                        statements.push(id);
+                        statements.push(Statement::Node(id));
                         statements.len() - 1
                     });
                     statement_of[i] = Some(statement);
                 }
                 _ => {
                     statement_of[i] = Some(statements.len());
-                    statements.push(id);
+                    statements.push(Statement::Node(id));
                 }
             }
         }
@@ -161,16 +164,23 @@ impl<'a> Writer<'a> {
 
     /// The statements whose values statement `s` mentions.
     fn uses_of(&self, s: usize) -> Vec<usize> {
-        let node = self.graph.node(self.statements[s]);
-        node.operands().flat_map(|operand| self.reached(operand)).collect()
+        match &self.statements[s] {
+            Statement::Node(id) => {
+                let node = self.graph.node(*id);
+                node.operands().flat_map(|operand| self.reached(operand)).collect()
+            }
+            Statement::Angles(angles) => {
+                angles.iter().flat_map(|&angle| self.reached(angle)).collect()
+            }
+        }
     }
 
     /// The text of a node's value.
     fn text(&self, id: Id) -> String {
         let node = self.graph.node(id);
         match (self.statement_of[id as usize], node) {
-            (Some(s), Node::Sin(_)) => format!("s{s}"),
-            (Some(s), Node::Cos(_)) => format!("c{s}"),
+            (Some(s), Node::Sin(angle)) => format!("s{}", self.turn(s, angle)),
+            (Some(s), Node::Cos(angle)) => format!("c{}", self.turn(s, angle)),
             (Some(s), _) => format!("x{s}"),
             (None, node) => self.operation(node),
         }
@@ -182,12 +192,21 @@ impl<'a> Writer<'a> {
             Node::Constant(bits) => constant(f64::from_bits(bits)),
             Node::Input(number) => self.input(number as usize),
             // Only sums have products written in place.
-            Node::Neg(a) => format!("-{}", t(a)),
-            Node::Add(a, b) => format!("{} + {}", t(a), t(b)),
-            Node::Sub(a, b) => format!("{} - {}", t(a), t(b)),
+            Node::Neg(a) => negated(t(a)),
+            Node::Add(a, b) => match (self.product(a), self.product(b)) {
+                (Some([x, y]), _) => format!("T::mul_add({x}, {y}, {})", t(b)),
+                (None, Some([x, y])) => format!("T::mul_add({x}, {y}, {})", t(a)),
+                (None, None) => format!("{} + {}", t(a), t(b)),
+            },
+            Node::Sub(a, b) => match (self.product(a), self.product(b)) {
+                (_, Some([x, y])) => format!("T::mul_add({}, {y}, {})", negated(x), t(a)),
+                (Some([x, y]), None) => format!("T::mul_add({x}, {y}, {})", negated(t(b))),
+                (None, None) => format!("{} - {}", t(a), t(b)),
+            },
             Node::Mul(a, b) => format!("{} * {}", t(a), t(b)),
             Node::Recip(a) => format!("T::recip({})", t(a)),
             Node::Sin(a) | Node::Cos(a) => format!("T::sin_cos({})", t(a)),
+            Node::Atan2(a, b) => format!("T::atan2({}, {})", t(a), t(b)),
             Node::Sqrt(a) => format!("T::sqrt({})", t(a)),
             Node::Ln(a) => format!("T::ln({})", t(a)),
             Node::Abs(a) => format!("T::abs({})", t(a)),
@@ -196,41 +215,78 @@ impl<'a> Writer<'a> {
         }
     }
 
+    /// The factors of a product that is written in place.
+    fn product(&self, id: Id) -> Option<[String; 2]> {
+        match (self.statement_of[id as usize], self.graph.node(id)) {
+            (None, Node::Mul(a, b)) => Some([self.text(a), self.text(b)]),
+            _ => None,
+        }
+    }
+
+    /// What the sine and cosine of `angle`, of statement `s`, are numbered.
+    fn turn(&self, s: usize, angle: Id) -> String {
+        match &self.statements[s] {
+            Statement::Node(_) => s.to_string(),
+            Statement::Angles(angles) => {
+                let place = angles.iter().position(|&other| other == angle);
+                format!("{s}_{}", place.unwrap_or_default())
+            }
+        }
+    }
+
     fn input(&self, number: usize) -> String {
         let mut rest = number;
         for parameter in self.parameters {
-            if rest < parameter.len {
+            if rest < parameter.shape.len() {
                 return format!("{}{rest}", parameter.name);
             }
-            rest -= parameter.len;
+            rest -= parameter.shape.len();
         }
         unreachable!("the graph's inputs are the function's parameters")
     }
 
+    /// The names of the sine and cosine of `angle` that are used.
+    fn turn_names(&self, angle: Id) -> [Option<String>; 2] {
+        [Node::Sin(angle), Node::Cos(angle)].map(|node| {
+            let found = self.graph.find(node).filter(|&id| self.live[id as usize]);
+            found.map(|id| self.text(id))
+        })
+    }
+
     /// The names that statement `s` defines; a sine or cosine that nothing uses is left out.
     fn names(&self, s: usize) -> Vec<String> {
-        match self.graph.node(self.statements[s]) {
-            Node::Sin(angle) | Node::Cos(angle) => {
-                let pair = |node| {
-                    let found = self.graph.find(node).filter(|&id| self.live[id as usize]);
-                    found.map(|id| self.text(id))
-                };
-                [pair(Node::Sin(angle)), pair(Node::Cos(angle))].into_iter().flatten().collect()
-            }
-            _ => vec![format!("x{s}")],
+        let turns = |angle: Id| self.turn_names(angle).into_iter().flatten();
+        match &self.statements[s] {
+            Statement::Node(id) => match self.graph.node(*id) {
+                Node::Sin(angle) | Node::Cos(angle) => turns(angle).collect(),
+                _ => vec![format!("x{s}")],
+            },
+            Statement::Angles(angles) => angles.iter().copied().flat_map(turns).collect(),
         }
     }
 
     fn statement(&self, s: usize) -> String {
-        let node = self.graph.node(self.statements[s]);
-        let value = self.operation(node);
-        match node {
-            Node::Sin(_) | Node::Cos(_) => match self.names(s).as_slice() {
-                [only] if only.starts_with('s') => format!("let ({only}, _) = {value};"),
-                [only] => format!("let (_, {only}) = {value};"),
-                pair => format!("let ({}) = {value};", pair.join(", ")),
-            },
-            _ => format!("let x{s} = {value};"),
+        let pattern = |angle: Id| {
+            let [sin, cos] = self.turn_names(angle).map(|name| name.unwrap_or("_".into()));
+            format!("({sin}, {cos})")
+        };
+        match &self.statements[s] {
+            Statement::Node(id) => {
+                let node = self.graph.node(*id);
+                let value = self.operation(node);
+                match node {
+                    Node::Sin(angle) | Node::Cos(angle) => {
+                        format!("let {} = {value};", pattern(angle))
+                    }
+                    _ => format!("let x{s} = {value};"),
+                }
+            }
+            Statement::Angles(angles) => {
+                let patterns: Vec<String> = angles.iter().map(|&angle| pattern(angle)).collect();
+                let values: Vec<String> = angles.iter().map(|&angle| self.text(angle)).collect();
+                let (patterns, values) = (patterns.join(", "), values.join(", "));
+                format!("let [{patterns}] = T::sin_cos_all([{values}]);")
+            }
         }
     }
 
@@ -245,9 +301,9 @@ impl<'a> Writer<'a> {
         used.range(..range.start).flat_map(|&s| self.names(s)).collect()
     }
 
-    fn write(&self, shape: Shape) -> String {
+    fn write(&self, shape: &Shape, lanes: bool) -> String {
         let count = self.statements.len();
-        let parts = count.div_ceil(PART).max(1);
+        let parts = count.div_ceil(if lanes { LANES_PART } else { PART }).max(1);
         // Parts of equal length, the last one with the result.
         let bounds: Vec<Range<usize>> =
             (0..parts).map(|k| k * count / parts..(k + 1) * count / parts).collect();
@@ -258,24 +314,24 @@ impl<'a> Writer<'a> {
             let needed = self.needed_after(range.start, range.end);
             let returned = if last { shape.type_of("T") } else { format!("[T; {}]", needed.len()) };
             let name = if last { self.name.to_string() } else { format!("{}_part{k}", self.name) };
-            let inputs: Vec<String> =
-                self.parameters.iter().map(|p| format!("{}: &[T; {}]", p.name, p.len)).collect();
-            let handed_on = if k == 0 || last {
-                String::new()
-            } else {
-                format!(", live: &[T; {}]", handed.len())
+            let mut inputs: Vec<String> = self.parameters.iter().map(|p| p.typed("T")).collect();
+            if k > 0 && !last {
+                inputs.push(format!("live: &[T; {}]", handed.len()));
+            }
+            text += &match (lanes, last) {
+                (false, _) => head(&name, "Scalar", &inputs, &returned),
+                (true, true) => {
+                    let head = head(&name, "batch::Lanes", &inputs, &returned);
+                    format!("#[inline(always)]\n{head}")
+                }
+                (true, false) => self.part_head(&name, &inputs, &returned),
             };
-            let _ = writeln!(
-                text,
-                "fn {name}<T: __modyn::Scalar>({}{handed_on}) -> {returned} {{",
-                inputs.join(", ")
-            );
             let _ = writeln!(text, "    let k = T::from_f64;");
             for parameter in self.parameters {
                 let _ = writeln!(text, "    {}", unpacked(parameter));
             }
             if last {
-                self.call_parts(&mut text, &bounds[..k]);
+                self.call_parts(&mut text, &bounds[..k], lanes);
             } else if k > 0 {
                 let _ = writeln!(text, "    let [{}] = *live;", handed.join(", "));
             }
@@ -287,21 +343,46 @@ impl<'a> Writer<'a> {
             } else {
                 format!("[{}]", needed.join(", "))
             };
-            let _ = writeln!(text, "    {value}\n}}\n");
+            let end = if lanes && !last { "}\n}" } else { "}" };
+            let _ = writeln!(text, "    {value}\n{end}\n");
         }
         text
     }
 
+    /// Where the text of a part begins that lanes outline: a type that holds the arguments, and what it
+    /// does.
+    fn part_head(&self, name: &str, inputs: &[String], returned: &str) -> String {
+        let fields: Vec<String> = inputs.iter().map(|input| input.replace('&', "&'a ")).collect();
+        let names: Vec<&str> = inputs.iter().filter_map(|i| i.split(':').next()).collect();
+        let kind = type_name(name);
+        format!(
+            "struct {kind}<'a, T> {{ {} }}\n\
+             impl<T: __modyn::batch::Lanes> __modyn::batch::Part for {kind}<'_, T> {{\n\
+             type Output = {returned};\n\
+             #[inline(always)]\nfn run(self) -> {returned} {{\n    let Self {{ {} }} = self;\n",
+            fields.join(", "),
+            names.join(", "),
+        )
+    }
+
     /// The calls of the earlier parts, in the last one.
-    fn call_parts(&self, text: &mut String, parts: &[Range<usize>]) {
-        let arguments: Vec<&str> = self.parameters.iter().map(|p| p.name).collect();
-        let arguments = arguments.join(", ");
+    fn call_parts(&self, text: &mut String, parts: &[Range<usize>], lanes: bool) {
         for (k, range) in parts.iter().enumerate() {
             let needed = self.needed_after(range.start, range.end).join(", ");
             let handed = self.mentioned_before(range.clone()).join(", ");
-            let live = if k == 0 { String::new() } else { format!(", &[{handed}]") };
-            let _ =
-                writeln!(text, "    let [{needed}] = {}_part{k}({arguments}{live});", self.name);
+            let mut arguments: Vec<String> =
+                self.parameters.iter().map(|p| p.name.to_string()).collect();
+            if k > 0 {
+                let name = if lanes { "live: " } else { "" };
+                arguments.push(format!("{name}&[{handed}]"));
+            }
+            let (name, arguments) = (format!("{}_part{k}", self.name), arguments.join(", "));
+            let call = if lanes {
+                format!("T::outlined({} {{ {arguments} }})", type_name(&name))
+            } else {
+                format!("{name}({arguments})")
+            };
+            let _ = writeln!(text, "    let [{needed}] = {call};");
         }
     }
 
@@ -326,6 +407,36 @@ impl<'a> Writer<'a> {
     }
 }
 
+/// Where the text of a function begins.
+fn head(name: &str, bound: &str, inputs: &[String], returned: &str) -> String {
+    format!("fn {name}<T: __modyn::{bound}>({}) -> {returned} {{\n", inputs.join(", "))
+}
+
+/// The angles, of which sine or cosine are needed, that are inputs or inputs turned by a constant;
+/// none if there is one alone.
+fn early_angles(graph: &Graph, live: &[bool]) -> Vec<Id> {
+    let mut angles = Vec::new();
+    for (node, _) in graph.nodes().iter().zip(live).filter(|&(_, &live)| live) {
+        let (Node::Sin(angle) | Node::Cos(angle)) = *node else { continue };
+        let known = match graph.node(angle) {
+            Node::Input(_) => true,
+            node @ (Node::Add(..) | Node::Sub(..)) => node
+                .operands()
+                .all(|operand| matches!(graph.node(operand), Node::Input(_) | Node::Constant(_))),
+            _ => false,
+        };
+        if known && !angles.contains(&angle) {
+            angles.push(angle);
+        }
+    }
+    if angles.len() < 2 { Vec::new() } else { angles }
+}
+
+/// The negative of what an operand's text gives.
+fn negated(text: String) -> String {
+    text.strip_prefix('-').map_or_else(|| format!("-{text}"), String::from)
+}
+
 /// A constant as an expression of type T.
 fn constant(value: f64) -> String {
     if value == 0.0 {
@@ -342,7 +453,7 @@ fn constant(value: f64) -> String {
 }
 
 /// Names for a parameter's entries.
-fn unpacked(Parameter { name, len }: &Parameter) -> String {
-    let names: Vec<String> = (0..*len).map(|i| format!("{name}{i}")).collect();
-    format!("let [{}] = *{name};", names.join(", "))
+fn unpacked(Parameter { name, shape }: &Parameter) -> String {
+    let names: Vec<String> = (0..shape.len()).map(|i| format!("{name}{i}")).collect();
+    format!("let {} = *{name};", shape.value(&names))
 }

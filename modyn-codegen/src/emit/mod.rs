@@ -5,26 +5,36 @@
 //! The text uses `core` and the crate `modyn` only. It is the same for the same input, in every
 //! process: nothing in here depends on an address or on a hash map's order.
 
+mod batch;
+mod c;
+mod constants;
 mod docs;
+mod embedded;
 mod factorization;
 mod function;
+mod layout;
+mod parameters;
 mod quantities;
+mod shape;
 mod types;
 
 use std::fmt::Write as _;
 
 use modyn_runtime::OperationCount;
 use modyn_runtime::equations::brge::Layout;
+use modyn_runtime::equations::forward_dynamics::Elimination;
 use modyn_runtime::model::prepare::Prepared;
-use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 
 use crate::error::Diagnostic;
+use crate::expr::Graph;
+use crate::functions::Function;
 use crate::names;
 use crate::partition::{self, Choice};
-use crate::passes::optimize;
-use crate::trace::Tracer;
-use function::{Parameter, Shape, function};
-use quantities::{Quantity, quantities};
+use crate::trace::{Parameters, Tracer};
+use function::{Parameter, function};
+use quantities::{Graphs, Quantity, Source};
+use shape::Shape;
 
 /// The scalar that the type's own functions are concrete in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,6 +67,16 @@ pub struct EmitOptions {
     pub krate: String,
     /// The scalar of the type's own functions.
     pub float: FloatType,
+    /// Whether the text carries the part of the runtime that it needs, and depends on `core` alone.
+    pub self_contained: bool,
+    /// What the names of functions for C begin with; there are none if `None`.
+    pub c_prefix: Option<String>,
+    /// The functions that it has.
+    pub functions: Vec<Function>,
+    /// Whether gravity is an argument.
+    pub runtime_gravity: bool,
+    /// The links, as indices into the model's frames, whose own inertia is an argument.
+    pub payload: Vec<usize>,
     /// What was found odd in the description, for the documentation.
     pub warnings: Vec<Diagnostic>,
 }
@@ -68,6 +88,11 @@ impl Default for EmitOptions {
             visibility: "pub".into(),
             krate: "::modyn".into(),
             float: FloatType::default(),
+            self_contained: false,
+            c_prefix: None,
+            functions: Function::DEFAULT.to_vec(),
+            runtime_gravity: false,
+            payload: Vec::new(),
             warnings: Vec::new(),
         }
     }
@@ -89,21 +114,41 @@ pub struct Emitted {
 /// Compiles `model` to Rust.
 #[must_use]
 pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitted {
+    let mut options = options.clone();
+    if options.self_contained {
+        options.krate = format!("self::{}", embedded::MODULE);
+    }
+    let options = &options;
     let prepared = Prepared::new(model);
-    let tracer = Tracer::new(&prepared);
-    let Choice { modules: eliminated, graph: forward, candidates } =
-        partition::choose(model, &tracer);
-    let quantities = quantities(model, &tracer, forward);
-    let mut operations: Vec<_> = quantities.iter().map(|q| (q.name, q.graph.count())).collect();
+    let parameters = Parameters::new(model, options.runtime_gravity, &options.payload);
+    let tracer = Tracer::with_parameters(&prepared, parameters);
+    let Choice { modules: eliminated, graph: forward_dynamics, candidates } =
+        partition::choose(model, &prepared, &tracer);
     let type_name = options.type_name.clone().unwrap_or_else(|| names::type_name(model.name()));
-    let robot = Robot { model, modules, options, name: &type_name };
-    let layout = Layout::new(modules, model.nv());
-    let brge = optimize(tracer.brge(&layout));
-    operations.push(("brge", brge.count()));
+    let layout = Layout::new(&prepared, modules);
+    let robot =
+        Robot { model, modules, options, layout: &layout, tracer: &tracer, name: &type_name };
+    let source = Source {
+        tracer: &tracer,
+        elimination: &Elimination::new(&prepared, &eliminated),
+        layout: &layout,
+        for_derivatives: &Layout::new(&prepared, &partition::whole_chains(model)),
+        forward_dynamics: &forward_dynamics,
+    };
+    // Batches are the runtime's to run.
+    let left_out = |function: &Function| options.self_contained && function.batched().is_some();
+    let selected = Function::ALL.iter().filter(|function| options.functions.contains(function));
+    let selected = selected.filter(|function| !left_out(function));
+    let (batches, quantities): (Vec<Quantity>, Vec<Quantity>) =
+        selected.map(|f| robot.quantity(*f, &source)).partition(|q| q.function.batched().is_some());
+    let count =
+        |q: &Quantity| q.graphs.largest().map_or_else(OperationCount::default, Graph::count);
+    let named = |q: &Quantity| (q.function.name(), count(q));
+    let mut operations: Vec<_> = quantities.iter().map(named).collect();
 
     let mut text = String::new();
     docs::robot(&mut text, &robot, &operations, (&eliminated, &candidates));
-    robot.types(&mut text, &layout);
+    robot.types(&mut text);
     let krate = &options.krate;
     let _ = writeln!(
         text,
@@ -111,18 +156,31 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
          const _: () = {{\n\
          use {krate} as __modyn;\n"
     );
-    robot.functions(&mut text, &quantities, &operations);
-    robot.robot_trait(&mut text, &quantities);
-    robot.factorization(&mut text, &layout, &tracer);
-    robot.enums(&mut text);
-    for quantity in &quantities {
-        let parameters: Vec<Parameter> =
-            quantity.parameters.iter().map(|&name| Parameter { name, len: model.nv() }).collect();
-        text += &function(quantity.name, &parameters, quantity.shape, &quantity.graph);
+    robot.constants(&mut text, &operations);
+    robot.own_functions(&mut text, &quantities);
+    if !options.self_contained {
+        robot.robot_trait(&mut text, &quantities);
     }
-    let q = [Parameter { name: "q", len: model.nv() }];
-    text += &function("brge", &q, Shape::Vector(layout.size()), &brge);
+    if options.functions.contains(&Function::Brge) {
+        robot.factorization(&mut text);
+    }
+    robot.enums(&mut text);
+    robot.parameters(&mut text);
+    for quantity in &quantities {
+        robot.private_functions(&mut text, quantity);
+    }
+    for quantity in &batches {
+        robot.batches(&mut text, quantity);
+    }
     text += "};\n";
+    operations.extend(batches.iter().map(named));
+    if let Some(prefix) = &options.c_prefix {
+        robot.c_functions(&mut text, prefix, &quantities);
+    }
+    if options.self_contained {
+        text = layout::indented(&text);
+        text += &embedded::module(&text);
+    }
     Emitted { text, type_name, operations, partition: (eliminated, candidates) }
 }
 
@@ -131,6 +189,8 @@ struct Robot<'a> {
     model: &'a Model,
     modules: &'a ModuleTree,
     options: &'a EmitOptions,
+    layout: &'a Layout,
+    tracer: &'a Tracer<'a>,
     name: &'a str,
 }
 
@@ -143,122 +203,148 @@ impl Robot<'_> {
         self.model.frames().iter().map(|frame| frame.name.as_str()).collect()
     }
 
-    /// The type's own constants and functions.
-    fn functions(
-        &self,
-        text: &mut String,
-        quantities: &[Quantity],
-        operations: &[(&str, OperationCount)],
-    ) {
-        let (name, n, float) = (self.name, self.model.nv(), self.options.float.name());
-        let (joints, links) = (self.joint_names(), self.link_names());
-        let _ = writeln!(
-            text,
-            "impl {name} {{\n\
-             /// The robot's name in its description.\n\
-             pub const NAME: &'static str = {:?};\n\
-             /// Length of the coordinate vector.\n\
-             pub const NQ: usize = {n};\n\
-             /// Length of the velocity vector: degrees of freedom.\n\
-             pub const NV: usize = {n};\n\
-             /// The joints, in the order of all joint vectors.\n\
-             pub const JOINT_NAMES: [&'static str; {n}] = {joints:?};\n\
-             /// All links of the description, in its order.\n\
-             pub const LINK_NAMES: [&'static str; {}] = {links:?};\n\
-             /// The acceleration of free fall in world axes, m/s^2.\n\
-             pub const GRAVITY: [f64; 3] = {:?};\n\
-             /// The kinematic modules, parents before children.\n\
-             pub const MODULES: [__modyn::KinematicModule; {}] = [",
-            self.model.name(),
-            links.len(),
-            self.model.gravity(),
-            self.modules.modules().len()
-        );
-        for module in self.modules.modules() {
-            let range = module.links.clone();
-            let link_names: Vec<&str> =
-                self.model.links()[range.clone()].iter().map(|l| l.name.as_str()).collect();
-            let _ = writeln!(
-                text,
-                "__modyn::KinematicModule {{ parent: ::core::option::Option::{:?}, children: &{:?}, links: &{link_names:?}, joints: &{:?}, first: {} }},",
-                module.parent,
-                module.children,
-                &joints[range.clone()],
-                range.start
+    fn link_variants(&self) -> Vec<String> {
+        names::variants(&self.link_names())
+    }
+
+    /// The parameter of a private function that stands for what is known at run time only.
+    fn runtime_parameter(&self, quantity: &Quantity) -> Option<Parameter> {
+        let numbers = self.tracer.parameters().len();
+        (quantity.dynamic && numbers > 0).then(|| Parameter::new("params", Shape::vector(numbers)))
+    }
+
+    /// The functions that compute, generic over the scalar.
+    fn private_functions(&self, text: &mut String, quantity: &Quantity) {
+        let mut parameters = quantity.parameters.clone();
+        parameters.extend(self.runtime_parameter(quantity));
+        let name = quantity.function.name();
+        match &quantity.graphs {
+            Graphs::One(graph) => *text += &function(name, &parameters, &quantity.shape, graph),
+            Graphs::ByLink(graphs) => {
+                for (i, graph) in graphs.iter().enumerate() {
+                    let name = format!("{name}_{i}");
+                    *text += &function(&name, &parameters, &quantity.shape, graph);
+                }
+            }
+        }
+    }
+
+    /// The body of a public function: the call of the private one, or for each link one.
+    fn call(&self, quantity: &Quantity, params: &str) -> String {
+        let name = quantity.function.name();
+        if quantity.function == Function::Random {
+            return format!(
+                "let mut uniform = uniform;\n    {name}(&::core::array::from_fn(|_| uniform()))"
             );
         }
-        text.push_str("];\n");
-        for (quantity, count) in operations {
-            let OperationCount { multiplications, additions, divisions, sin_cos, others } = count;
-            let _ = writeln!(
-                text,
-                "/// What `{quantity}` takes.\n\
-                 pub const {}_OPERATIONS: __modyn::OperationCount = __modyn::OperationCount {{ multiplications: {multiplications}, \
-                 additions: {additions}, divisions: {divisions}, sin_cos: {sin_cos}, others: {others} }};",
-                quantity.to_uppercase()
-            );
+        let mut arguments: Vec<&str> = quantity.parameters.iter().map(|p| p.name).collect();
+        if self.runtime_parameter(quantity).is_some() {
+            arguments.push(params);
         }
+        let arguments = arguments.join(", ");
+        match &quantity.graphs {
+            Graphs::One(_) => format!("{name}({arguments})"),
+            Graphs::ByLink(_) => {
+                let arms: Vec<String> = self
+                    .link_variants()
+                    .iter()
+                    .enumerate()
+                    .map(|(i, link)| {
+                        format!("{}Link::{link} => {name}_{i}({arguments}),\n", self.name)
+                    })
+                    .collect();
+                format!("match link {{\n{}    }}", arms.concat())
+            }
+        }
+    }
+
+    /// The parameters of a public function over scalar `t`, behind `first`.
+    fn typed(&self, quantity: &Quantity, first: Option<String>, t: &str) -> String {
+        if quantity.function == Function::Random {
+            return format!("uniform: impl ::core::ops::FnMut() -> {t}");
+        }
+        let own = quantity.parameters.iter().map(|parameter| parameter.typed(t));
+        let link = matches!(quantity.graphs, Graphs::ByLink(_))
+            .then(|| format!("link: {}Link", self.name));
+        first.into_iter().chain(own).chain(link).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The type's own functions.
+    fn own_functions(&self, text: &mut String, quantities: &[Quantity]) {
+        let (name, float) = (self.name, self.options.float.name());
+        let _ = writeln!(text, "impl {name} {{");
         for quantity in quantities {
-            let Quantity { name, shape, docs, .. } = quantity;
-            let lines: Vec<String> = docs.lines().map(|line| format!("/// {line}\n")).collect();
+            let function = quantity.function.name();
+            let lines: Vec<String> =
+                quantity.docs.lines().map(|line| format!("/// {line}\n")).collect();
+            let (docs, returned) = (lines.concat(), quantity.shape.type_of(float));
             let _ = writeln!(
                 text,
-                "{}#[must_use]\npub fn {name}({}) -> {} {{\n    {name}({})\n}}",
-                lines.concat(),
-                quantity.typed(n, float),
-                shape.type_of(float),
-                quantity.parameters.join(", "),
+                "{docs}#[must_use]\npub fn {function}({}) -> {returned} {{\n    {}\n}}",
+                self.typed(quantity, None, float),
+                self.call(quantity, &format!("&{name}Params::DEFAULT.numbers()")),
             );
+            if self.runtime_parameter(quantity).is_some() {
+                let params = format!("params: &{name}Params");
+                let _ = writeln!(
+                    text,
+                    "{docs}///\n/// With these parameters.\n#[must_use]\n\
+                     pub fn {function}_with({}) -> {returned} {{\n    {}\n}}",
+                    self.typed(quantity, Some(params), float),
+                    self.call(quantity, "&params.numbers()"),
+                );
+            }
         }
-        let _ = writeln!(
-            text,
-            "/// The generalized inertia matrix at `q` as U D U^T by kinematic modules: block reverse\n\
-             /// Gaussian elimination.\n\
-             #[must_use]\n\
-             pub fn brge(q: &[{float}; {n}]) -> {name}Brge {{\n    {name}Brge {{ factors: brge(q) }}\n}}\n}}\n"
-        );
+        text.push_str("}\n\n");
     }
 
     /// `impl Robot`.
     fn robot_trait(&self, text: &mut String, quantities: &[Quantity]) {
-        let (name, n) = (self.name, self.model.nv());
+        let (name, nq, nv) = (self.name, self.model.nq(), self.model.nv());
+        let links = self.model.frames().len();
+        let params =
+            if self.tracer.parameters().is_empty() { "()".into() } else { format!("{name}Params") };
+        let brge = if self.options.functions.contains(&Function::Brge) {
+            format!("{name}Brge<T>")
+        } else {
+            format!("__modyn::NotGenerated<[T; {nv}], [[T; {nv}]; {nv}]>")
+        };
         let _ = writeln!(
             text,
             "impl __modyn::Robot for {name} {{\n\
              const NAME: &'static str = Self::NAME;\n\
-             const NQ: usize = {n};\n\
-             const NV: usize = {n};\n\
+             const NQ: usize = {nq};\n\
+             const NV: usize = {nv};\n\
              const JOINT_NAMES: &'static [&'static str] = &Self::JOINT_NAMES;\n\
              const LINK_NAMES: &'static [&'static str] = &Self::LINK_NAMES;\n\
+             const COORDINATE_NAMES: &'static [&'static str] = &Self::COORDINATE_NAMES;\n\
+             const VELOCITY_NAMES: &'static [&'static str] = &Self::VELOCITY_NAMES;\n\
+             const LIMITS: __modyn::JointLimits<'static> = Self::LIMITS;\n\
              const MODULES: &'static [__modyn::KinematicModule] = &Self::MODULES;\n\
-             type Params = ();\n\
-             type Q<T: __modyn::Scalar> = [T; {n}];\n\
-             type V<T: __modyn::Scalar> = [T; {n}];\n\
-             type M<T: __modyn::Scalar> = [[T; {n}]; {n}];\n\
-             type Poses<T: __modyn::Scalar> = [__modyn::spatial::Pose<T>; {}];\n\
-             type Brge<T: __modyn::Scalar> = {name}Brge<T>;",
-            self.model.frames().len()
+             type Params = {params};\n\
+             type Link = {name}Link;\n\
+             type Q<T: __modyn::Scalar> = [T; {nq}];\n\
+             type V<T: __modyn::Scalar> = [T; {nv}];\n\
+             type M<T: __modyn::Scalar> = [[T; {nv}]; {nv}];\n\
+             type PerVelocity<X: ::core::marker::Copy> = [X; {nv}];\n\
+             type PerLink<X: ::core::marker::Copy> = [X; {links}];\n\
+             type Regressor<T: __modyn::Scalar> = [[T; {nv}]; {columns}];\n\
+             type Brge<T: __modyn::Scalar> = {brge};\n\
+             fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| T::from_f64(::core::convert::Into::into(x)))\n}}",
+            columns = PARAMETERS_PER_LINK * self.model.links().len(),
         );
         for quantity in quantities {
-            // Where the links stand depends on no parameter.
-            let (with, params) = match quantity.shape {
-                Shape::Poses(_) => ("", ""),
-                _ => ("_with", "(): &(), "),
-            };
+            let with = if quantity.dynamic { "_with" } else { "" };
+            let first = quantity.dynamic.then(|| "params: &Self::Params".into());
             let _ = writeln!(
                 text,
-                "fn {}{with}<T: __modyn::Scalar>({params}{}) -> {} {{\n    {}({})\n}}",
-                quantity.name,
-                quantity.typed(n, "T"),
+                "fn {}{with}<T: __modyn::Scalar>({}) -> {} {{\n    {}\n}}",
+                quantity.function.name(),
+                self.typed(quantity, first, "T"),
                 quantity.shape.type_of("T"),
-                quantity.name,
-                quantity.parameters.join(", "),
+                self.call(quantity, "&params.numbers()"),
             );
         }
-        let _ = writeln!(
-            text,
-            "fn brge_with<T: __modyn::Scalar>((): &(), q: &[T; {n}]) -> {name}Brge<T> {{\n    \
-             {name}Brge {{ factors: brge(q) }}\n}}\n}}\n"
-        );
+        text.push_str("}\n\n");
     }
 }

@@ -1,100 +1,324 @@
 //! The table of quantities: what each function is called, takes and returns, and its graph.
 
-use modyn_runtime::model::Model;
+use modyn_runtime::equations::brge::Layout;
+use modyn_runtime::equations::forward_dynamics::Elimination;
+use modyn_runtime::equations::kinematics::Axes;
 
-use super::function::Shape;
+use modyn_runtime::model::PARAMETERS_PER_LINK;
+
+use super::Robot;
+use super::function::Parameter;
+use super::shape::Shape;
 use crate::expr::Graph;
+use crate::functions::Function;
 use crate::passes::optimize;
 use crate::trace::Tracer;
 
-/// A quantity's function: its graph, and how it is called.
+/// A quantity's function: how it is called, and its graph.
 pub(super) struct Quantity {
-    pub name: &'static str,
-    pub parameters: &'static [&'static str],
+    pub function: Function,
+    pub parameters: Vec<Parameter>,
     pub shape: Shape,
-    pub graph: Graph,
+    /// Whether it depends on what is known at run time only, if there is such a thing.
+    pub dynamic: bool,
+    pub graphs: Graphs,
     /// The lines of its documentation.
     pub docs: &'static str,
 }
 
-/// All quantities but the factorization; forward dynamics is traced already.
-pub(super) fn quantities(
-    model: &Model,
-    tracer: &Tracer<'_>,
-    forward_dynamics: Graph,
-) -> Vec<Quantity> {
-    let n = model.nv();
-    let quantity =
-        |name, parameters, shape, graph, docs| Quantity { name, parameters, shape, graph, docs };
-    vec![
-        quantity(
-            "forward_dynamics",
-            &["q", "qd", "tau"],
-            Shape::Vector(n),
-            forward_dynamics,
-            "Joint accelerations (rad/s^2 or m/s^2) at coordinates `q` and velocities `qd` under the joint\n\
-             torques or forces `tau` (N m or N), gravity included: block reverse Gaussian elimination of the\n\
-             generalized inertia matrix by inter- and intra-modular recursion.",
-        ),
-        quantity(
-            "inverse_dynamics",
-            &["q", "qd", "qdd"],
-            Shape::Vector(n),
-            optimize(tracer.inverse_dynamics()),
-            "Joint torques or forces (N m or N) of the accelerations `qdd` at coordinates `q` and velocities\n\
-             `qd`, gravity included: recursive Newton-Euler.",
-        ),
-        quantity(
-            "bias_forces",
-            &["q", "qd"],
-            Shape::Vector(n),
-            optimize(tracer.bias_forces()),
-            "Coriolis, centrifugal and gravity torques: inverse dynamics without acceleration.",
-        ),
-        quantity(
-            "gravity_torques",
-            &["q"],
-            Shape::Vector(n),
-            optimize(tracer.gravity_torques()),
-            "Joint torques that hold the robot still at `q`.",
-        ),
-        quantity(
-            "mass_matrix",
-            &["q"],
-            Shape::Matrix(n, n),
-            optimize(tracer.mass_matrix()),
-            "The generalized inertia matrix at `q`, an array of columns: by composite modules.",
-        ),
-        quantity(
-            "kinetic_energy",
-            &["q", "qd"],
-            Shape::Scalar,
-            optimize(tracer.kinetic_energy()),
-            "Kinetic energy of the moving links, J.",
-        ),
-        quantity(
-            "potential_energy",
-            &["q"],
-            Shape::Scalar,
-            optimize(tracer.potential_energy()),
-            "Potential energy of the moving links under gravity, J; zero at the world's origin.",
-        ),
-        quantity(
-            "link_poses",
-            &["q"],
-            Shape::Poses(model.frames().len()),
-            optimize(tracer.link_poses()),
-            "The poses in the world of all links of the description, fixed ones too, in the order of\n\
-             `LINK_NAMES`.",
-        ),
-    ]
+/// One graph, or one for each link of the description.
+pub(super) enum Graphs {
+    One(Graph),
+    ByLink(Vec<Graph>),
 }
 
-impl Quantity {
-    /// The parameters with their types.
-    pub fn typed(&self, n: usize, scalar: &str) -> String {
-        let typed: Vec<String> =
-            self.parameters.iter().map(|name| format!("{name}: &[{scalar}; {n}]")).collect();
-        typed.join(", ")
+impl Graphs {
+    /// The most expensive one.
+    pub fn largest(&self) -> Option<&Graph> {
+        match self {
+            Self::One(graph) => Some(graph),
+            Self::ByLink(graphs) => graphs.iter().max_by_key(|graph| graph.count().total()),
+        }
+    }
+}
+
+/// What the graphs are traced from.
+pub(super) struct Source<'a> {
+    pub tracer: &'a Tracer<'a>,
+    pub elimination: &'a Elimination,
+    pub layout: &'a Layout,
+    /// The factorization that derivatives are solved by.
+    pub for_derivatives: &'a Layout,
+    /// Forward dynamics is traced already, by the search for the cheapest modules.
+    pub forward_dynamics: &'a Graph,
+}
+
+impl Robot<'_> {
+    /// The quantity that a function computes.
+    #[allow(clippy::too_many_lines)] // A table.
+    pub(super) fn quantity(&self, function: Function, source: &Source<'_>) -> Quantity {
+        let Source { tracer, elimination, layout, for_derivatives, forward_dynamics } = source;
+        let (nq, nv, links) = (self.model.nq(), self.model.nv(), self.model.frames().len());
+        let q = || Parameter::new("q", Shape::vector(nq));
+        let v = |name| Parameter::new(name, Shape::vector(nv));
+        let forces = || Parameter::new("forces", Shape::wrench().array(links));
+        let one = |graph| Graphs::One(optimize(graph));
+        let by_link = |graph: &dyn Fn(usize) -> Graph| {
+            Graphs::ByLink((0..links).map(|link| optimize(graph(link))).collect())
+        };
+        let vector = || Shape::vector(nv);
+        let square = || Shape::matrix(nv, nv);
+        let (parameters, shape, graphs, docs) = match function {
+            Function::ForwardDynamics | Function::ForwardDynamicsBatch => (
+                vec![q(), v("qd"), v("tau")],
+                vector(),
+                Graphs::One((*forward_dynamics).clone()),
+                "Joint accelerations (rad/s^2 or m/s^2) at coordinates `q` and velocities `qd` under the joint\n\
+                 torques or forces `tau` (N m or N), gravity included: block reverse Gaussian elimination of the\n\
+                 generalized inertia matrix by inter- and intra-modular recursion.",
+            ),
+            Function::InverseDynamics | Function::InverseDynamicsBatch => (
+                vec![q(), v("qd"), v("qdd")],
+                vector(),
+                one(tracer.inverse_dynamics()),
+                "Joint torques or forces (N m or N) of the accelerations `qdd` at coordinates `q` and velocities\n\
+                 `qd`, gravity included: recursive Newton-Euler.",
+            ),
+            Function::BiasForces | Function::BiasForcesBatch => (
+                vec![q(), v("qd")],
+                vector(),
+                one(tracer.bias_forces()),
+                "Coriolis, centrifugal and gravity torques: inverse dynamics without acceleration.",
+            ),
+            Function::GravityTorques | Function::GravityTorquesBatch => (
+                vec![q()],
+                vector(),
+                one(tracer.gravity_torques()),
+                "Joint torques that hold the robot still at `q`.",
+            ),
+            Function::MassMatrix | Function::MassMatrixBatch => (
+                vec![q()],
+                Shape::matrix(nv, nv),
+                one(tracer.mass_matrix()),
+                "The generalized inertia matrix at `q`, an array of columns: by composite modules.",
+            ),
+            Function::Brge => (
+                vec![q()],
+                Shape::Struct {
+                    path: format!("{}Brge", self.name),
+                    arguments: "{t}".into(),
+                    fields: vec![("factors", Shape::vector(layout.size()))],
+                },
+                one(tracer.brge(layout)),
+                "The generalized inertia matrix at `q` as U D U^T by kinematic modules: block reverse\n\
+                 Gaussian elimination.",
+            ),
+            Function::KineticEnergy | Function::KineticEnergyBatch => (
+                vec![q(), v("qd")],
+                Shape::Scalar,
+                one(tracer.kinetic_energy()),
+                "Kinetic energy of the moving links (and rotors), J.",
+            ),
+            Function::PotentialEnergy | Function::PotentialEnergyBatch => (
+                vec![q()],
+                Shape::Scalar,
+                one(tracer.potential_energy()),
+                "Potential energy of the moving links under gravity, J; zero at the world's origin.",
+            ),
+            Function::ForwardDynamicsExternal => (
+                vec![q(), v("qd"), v("tau"), forces()],
+                vector(),
+                one(tracer.forward_dynamics_external(elimination, Axes::Link)),
+                "Forward dynamics with a wrench on each link (in the order of `LINK_NAMES`) at the link's\n\
+                 origin in its own axes.",
+            ),
+            Function::ForwardDynamicsExternalWorld => (
+                vec![q(), v("qd"), v("tau"), forces()],
+                vector(),
+                one(tracer.forward_dynamics_external(elimination, Axes::World)),
+                "Forward dynamics with a wrench on each link (in the order of `LINK_NAMES`) at the link's\n\
+                 origin in the world's axes.",
+            ),
+            Function::InverseDynamicsExternal => (
+                vec![q(), v("qd"), v("qdd"), forces()],
+                vector(),
+                one(tracer.inverse_dynamics_external(Axes::Link)),
+                "Inverse dynamics with a wrench on each link (in the order of `LINK_NAMES`) at the link's\n\
+                 origin in its own axes.",
+            ),
+            Function::InverseDynamicsExternalWorld => (
+                vec![q(), v("qd"), v("qdd"), forces()],
+                vector(),
+                one(tracer.inverse_dynamics_external(Axes::World)),
+                "Inverse dynamics with a wrench on each link (in the order of `LINK_NAMES`) at the link's\n\
+                 origin in the world's axes.",
+            ),
+            Function::LinkPoses => (
+                vec![q()],
+                Shape::pose().array(links),
+                one(tracer.link_poses()),
+                "The poses in the world of all links of the description, fixed ones too, in the order of\n\
+                 `LINK_NAMES`.",
+            ),
+            Function::InverseDynamicsDerivatives => (
+                vec![q(), v("qd"), v("qdd")],
+                Shape::Struct {
+                    path: "__modyn::InverseDynamicsDerivatives".into(),
+                    arguments: square().type_of("{t}"),
+                    fields: vec![("dq", square()), ("dqd", square())],
+                },
+                one(tracer.inverse_dynamics_derivatives()),
+                "The derivatives of the inverse dynamics by `q` (in tangent space) and `qd`, each an array of\n\
+                 columns; the one by `qdd` is the mass matrix.",
+            ),
+            Function::ForwardDynamicsDerivatives => (
+                vec![q(), v("qd"), v("tau")],
+                Shape::Struct {
+                    path: "__modyn::ForwardDynamicsDerivatives".into(),
+                    arguments: format!("{}, {}", vector().type_of("{t}"), square().type_of("{t}")),
+                    fields: vec![
+                        ("qdd", vector()),
+                        ("dq", square()),
+                        ("dqd", square()),
+                        ("dtau", square()),
+                    ],
+                },
+                one(tracer.forward_dynamics_derivatives(for_derivatives)),
+                "The derivatives of the forward dynamics by `q` (in tangent space), `qd` and `tau`, each an\n\
+                 array of columns, with the accelerations.",
+            ),
+            Function::Regressor => (
+                vec![q(), v("qd"), v("qdd")],
+                Shape::matrix(PARAMETERS_PER_LINK * self.model.links().len(), nv),
+                one(tracer.regressor()),
+                "The regressor Y of the inverse dynamics, an array of columns: tau = Y pi (rotors and friction\n\
+                 apart), where pi holds ten numbers a moving link: mass, mass times centre of mass x, y, z, and\n\
+                 Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in its own axes (`PARAMETERS`).",
+            ),
+            Function::CenterOfMass => (
+                vec![q()],
+                Shape::vector3(),
+                one(tracer.center_of_mass()),
+                "The centre of mass of the moving links in the world, m.",
+            ),
+            Function::CenterOfMassJacobian => (
+                vec![q()],
+                Shape::vector3().array(nv),
+                one(tracer.center_of_mass_jacobian()),
+                "The derivative of the centre of mass, an array of columns: its velocity is this times `qd`.",
+            ),
+            Function::CentroidalMomentumMatrix => (
+                vec![q()],
+                Shape::momentum().array(nv),
+                one(tracer.centroidal_momentum_matrix()),
+                "The centroidal momentum matrix, an array of columns: this times `qd` is the momentum about the\n\
+                 centre of mass, in world axes.",
+            ),
+            Function::CentroidalMomentum => (
+                vec![q(), v("qd")],
+                Shape::momentum(),
+                one(tracer.centroidal_momentum()),
+                "The momentum of the moving links about their centre of mass, in world axes.",
+            ),
+            Function::LinkPose => (
+                vec![q()],
+                Shape::pose(),
+                by_link(&|link| tracer.link_pose(link)),
+                "The pose of a link in the world; computes its chain alone.",
+            ),
+            Function::LinkVelocity => (
+                vec![q(), v("qd")],
+                Shape::twist(),
+                by_link(&|link| tracer.link_velocity(link, Axes::World)),
+                "The velocity of a link's origin (m/s) and its angular velocity (rad/s), in world axes;\n\
+                 computes its chain alone.",
+            ),
+            Function::LocalLinkVelocity => (
+                vec![q(), v("qd")],
+                Shape::twist(),
+                by_link(&|link| tracer.link_velocity(link, Axes::Link)),
+                "The velocity of a link's origin (m/s) and its angular velocity (rad/s), in its own axes;\n\
+                 computes its chain alone.",
+            ),
+            Function::LinkAcceleration => (
+                vec![q(), v("qd"), v("qdd")],
+                Shape::twist(),
+                by_link(&|link| tracer.link_acceleration(link, Axes::World)),
+                "The (classical) acceleration of a link's origin (m/s^2), gravity left out, and its angular\n\
+                 acceleration (rad/s^2), in world axes; computes its chain alone.",
+            ),
+            Function::LocalLinkAcceleration => (
+                vec![q(), v("qd"), v("qdd")],
+                Shape::twist(),
+                by_link(&|link| tracer.link_acceleration(link, Axes::Link)),
+                "The (classical) acceleration of a link's origin (m/s^2), gravity left out, and its angular\n\
+                 acceleration (rad/s^2), in its own axes; computes its chain alone.",
+            ),
+            Function::Jacobian => (
+                vec![q()],
+                Shape::twist().array(nv),
+                by_link(&|link| tracer.jacobian(link, Axes::World)),
+                "The Jacobian of a link, an array of columns: this times `qd` is its velocity at its origin, in\n\
+                 world axes; computes its chain alone.",
+            ),
+            Function::LocalJacobian => (
+                vec![q()],
+                Shape::twist().array(nv),
+                by_link(&|link| tracer.jacobian(link, Axes::Link)),
+                "The Jacobian of a link, an array of columns: this times `qd` is its velocity at its origin, in\n\
+                 its own axes; computes its chain alone.",
+            ),
+            Function::JacobianRate => (
+                vec![q(), v("qd")],
+                Shape::twist(),
+                by_link(&|link| tracer.jacobian_rate(link, Axes::World)),
+                "The time derivative of `jacobian`, times `qd`: the link's (classical) acceleration without\n\
+                 joint accelerations, in world axes; computes its chain alone.",
+            ),
+            Function::LocalJacobianRate => (
+                vec![q(), v("qd")],
+                Shape::twist(),
+                by_link(&|link| tracer.jacobian_rate(link, Axes::Link)),
+                "The time derivative of `local_jacobian`, times `qd`: the rates of the components of the link's\n\
+                 velocity in its own axes; computes its chain alone.",
+            ),
+            Function::Integrate => (
+                vec![q(), v("v")],
+                Shape::vector(nq),
+                one(tracer.integrate()),
+                "The coordinates behind a displacement `v` (a velocity times a time) from `q`.",
+            ),
+            Function::Difference => (
+                vec![
+                    Parameter::new("from", Shape::vector(nq)),
+                    Parameter::new("to", Shape::vector(nq)),
+                ],
+                vector(),
+                one(tracer.difference()),
+                "The displacement that leads from one to the other, by `integrate`: the shortest rotations;\n\
+                 angles of single joints are not wrapped.",
+            ),
+            Function::CoordinateRates => (
+                vec![q(), v("qd")],
+                Shape::vector(nq),
+                one(tracer.coordinate_rates()),
+                "The rates of the coordinates: dq/dt.",
+            ),
+            Function::Normalize => (
+                vec![q()],
+                Shape::vector(nq),
+                one(tracer.normalize()),
+                "The same coordinates, quaternions brought to unit length.",
+            ),
+            Function::Random => (
+                vec![Parameter::new("uniforms", Shape::vector(tracer.uniforms()))],
+                Shape::vector(nq),
+                one(tracer.random()),
+                "Coordinates within the joints' limits from numbers in [0, 1), evenly spread: angles without\n\
+                 limits in [-pi, pi), displacements without limits in [-1, 1), rotations of any direction.",
+            ),
+        };
+        let dynamic = function.depends_on_parameters();
+        Quantity { function, parameters, shape, dynamic, graphs, docs }
     }
 }

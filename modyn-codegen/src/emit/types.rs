@@ -1,15 +1,15 @@
 //! The public types, and the enums' functions.
 
 use std::fmt::Write as _;
-
-use modyn_runtime::equations::brge::Layout;
+use std::ops::Range;
 
 use super::{Robot, docs};
+use crate::functions::Function;
 use crate::names;
 
 impl Robot<'_> {
     /// The public types, without their functions.
-    pub(super) fn types(&self, text: &mut String, layout: &Layout) {
+    pub(super) fn types(&self, text: &mut String) {
         let (name, vis) = (self.name, &self.options.visibility);
         let float = self.options.float.name();
         let _ = writeln!(
@@ -31,19 +31,41 @@ impl Robot<'_> {
             }
             text.push_str("}\n\n");
         }
+        self.parameters_type(text);
+        if !self.options.functions.contains(&Function::Brge) {
+            return;
+        }
         let _ = writeln!(
             text,
             "/// The generalized inertia matrix of [`{name}`] as U D U^T by kinematic modules.\n\
              #[allow(dead_code)]\n\
              #[derive(Clone, Copy, Debug, PartialEq)]\n\
              {vis} struct {name}Brge<T = {float}> {{\n    factors: [T; {}],\n}}\n",
-            layout.size()
+            self.layout.size()
         );
     }
 
     /// The functions of the enums.
     pub(super) fn enums(&self, text: &mut String) {
         let name = self.name;
+        let joints = names::variants(&self.joint_names());
+        let ranges = |range: &dyn Fn(usize) -> Range<usize>| {
+            let arms =
+                joints.iter().enumerate().map(|(i, v)| format!("Self::{v} => {:?},\n", range(i)));
+            arms.collect::<String>()
+        };
+        let _ = writeln!(
+            text,
+            "impl {name}Joint {{\n\
+             /// Where its coordinates stand in `q`; its leader's, if it mimics another joint.\n\
+             #[must_use]\n\
+             pub const fn coordinates(self) -> ::core::ops::Range<usize> {{\n    match self {{\n{}    }}\n}}\n\
+             /// Where its velocities stand in `qd`, and its torques in `tau`.\n\
+             #[must_use]\n\
+             pub const fn velocities(self) -> ::core::ops::Range<usize> {{\n    match self {{\n{}    }}\n}}\n}}\n",
+            ranges(&|i| self.model.q_range(i)),
+            ranges(&|i| self.model.v_range(i)),
+        );
         for (kind, names, constant) in [
             ("Joint", self.joint_names(), "JOINT_NAMES"),
             ("Link", self.link_names(), "LINK_NAMES"),

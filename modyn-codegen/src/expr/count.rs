@@ -20,9 +20,12 @@ impl Graph {
                 Node::Mul(..) => count.multiplications += 1,
                 Node::Recip(_) => count.divisions += 1,
                 Node::Sin(angle) | Node::Cos(angle) => _ = angles.insert(*angle),
-                Node::Sqrt(_) | Node::Ln(_) | Node::Abs(_) | Node::Max(..) | Node::Select(..) => {
-                    count.others += 1;
-                }
+                Node::Atan2(..)
+                | Node::Sqrt(_)
+                | Node::Ln(_)
+                | Node::Abs(_)
+                | Node::Max(..)
+                | Node::Select(..) => count.others += 1,
             }
         }
         count.sin_cos = angles.len();

@@ -27,6 +27,7 @@ impl Graph {
                 Node::Recip(a) => at(a).recip(),
                 Node::Sin(a) => at(a).sin_cos().0,
                 Node::Cos(a) => at(a).sin_cos().1,
+                Node::Atan2(a, b) => at(a).atan2(at(b)),
                 Node::Sqrt(a) => at(a).sqrt(),
                 Node::Ln(a) => at(a).ln(),
                 Node::Abs(a) => at(a).abs(),

@@ -26,6 +26,8 @@ pub enum Node {
     Sin(Id),
     /// cos a
     Cos(Id),
+    /// The angle from the x axis to the point (b, a).
+    Atan2(Id, Id),
     /// Square root of a.
     Sqrt(Id),
     /// Natural logarithm of a.
@@ -51,6 +53,7 @@ impl Node {
             Self::Recip(a) => Self::Recip(f(a)),
             Self::Sin(a) => Self::Sin(f(a)),
             Self::Cos(a) => Self::Cos(f(a)),
+            Self::Atan2(a, b) => Self::Atan2(f(a), f(b)),
             Self::Sqrt(a) => Self::Sqrt(f(a)),
             Self::Ln(a) => Self::Ln(f(a)),
             Self::Abs(a) => Self::Abs(f(a)),
@@ -70,9 +73,11 @@ impl Node {
             | Self::Sqrt(a)
             | Self::Ln(a)
             | Self::Abs(a) => (Some(a), None, None),
-            Self::Add(a, b) | Self::Sub(a, b) | Self::Mul(a, b) | Self::Max(a, b) => {
-                (Some(a), Some(b), None)
-            }
+            Self::Add(a, b)
+            | Self::Sub(a, b)
+            | Self::Mul(a, b)
+            | Self::Atan2(a, b)
+            | Self::Max(a, b) => (Some(a), Some(b), None),
             Self::Select(a, b, c) => (Some(a), Some(b), Some(c)),
         };
         [a, b, c].into_iter().flatten()
@@ -169,6 +174,7 @@ impl Graph {
             Node::Recip(a) => self.recip(a),
             Node::Sin(a) => self.sin(a),
             Node::Cos(a) => self.cos(a),
+            Node::Atan2(a, b) => self.atan2(a, b),
             Node::Sqrt(a) => self.fold(a, libm::sqrt, Node::Sqrt),
             Node::Ln(a) => self.fold(a, libm::log, Node::Ln),
             Node::Abs(a) => self.fold(a, f64::abs, Node::Abs),
@@ -326,6 +332,13 @@ impl Graph {
         match self.node(a) {
             Node::Neg(inner) => self.cos(inner),
             _ => self.fold(a, libm::cos, Node::Cos),
+        }
+    }
+
+    fn atan2(&mut self, y: Id, x: Id) -> Id {
+        match (self.value(y), self.value(x)) {
+            (Some(y), Some(x)) => self.constant(libm::atan2(y, x)),
+            _ => self.insert(Node::Atan2(y, x)),
         }
     }
 

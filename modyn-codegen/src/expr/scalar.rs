@@ -91,6 +91,10 @@ impl Scalar for Expr {
         (Self::make(Node::Sin(self.0)), Self::make(Node::Cos(self.0)))
     }
 
+    fn atan2(self, x: Self) -> Self {
+        Self::make(Node::Atan2(self.0, x.0))
+    }
+
     fn sqrt(self) -> Self {
         Self::make(Node::Sqrt(self.0))
     }

@@ -1,28 +1,57 @@
 //! The equations run on expressions: one graph a quantity.
 
+mod coordinates;
+mod derivatives;
+mod kinematics;
+mod parameters;
+mod regressor;
+
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::brge::{self, Layout};
+use modyn_runtime::equations::forward_dynamics::Elimination;
+use modyn_runtime::equations::kinematics::{Axes, link_poses};
 use modyn_runtime::equations::{
-    Partition, Workspace, forward_dynamics, gravity, inverse_dynamics, kinematics, kinetic_energy,
-    mass_matrix,
+    Forces, Workspace, forward_dynamics, gravity, inverse_dynamics, kinetic_energy, mass_matrix,
 };
 use modyn_runtime::model::prepare::Prepared;
-use modyn_runtime::spatial::Pose;
+use modyn_runtime::spatial::{Pose, Wrench};
 
 use crate::expr::{Expr, Graph};
+
+pub use parameters::{Parameters, Payload};
+
+fn in_axes(forces: &[Wrench<Expr>], axes: Axes) -> Forces<'_, Expr> {
+    match axes {
+        Axes::Link => Forces::InLinkAxes(forces),
+        Axes::World => Forces::InWorldAxes(forces),
+    }
+}
 
 /// A robot on expressions, ready to be traced.
 ///
 /// Each quantity's inputs are numbered group by group in the order of its parameters.
 pub struct Tracer<'a> {
     model: &'a Prepared<f64>,
+    parameters: Parameters,
 }
 
 impl<'a> Tracer<'a> {
-    /// Traces equations of `model`.
+    /// Traces equations of `model`, of which everything is known.
     #[must_use]
     pub fn new(model: &'a Prepared<f64>) -> Self {
-        Self { model }
+        Self::with_parameters(model, Parameters::default())
+    }
+
+    /// Traces equations of `model`; `parameters` are further inputs, behind all others.
+    #[must_use]
+    pub fn with_parameters(model: &'a Prepared<f64>, parameters: Parameters) -> Self {
+        Self { model, parameters }
+    }
+
+    /// What of the model is an input.
+    #[must_use]
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
     }
 
     /// `groups` are the lengths of the inputs.
@@ -32,46 +61,40 @@ impl<'a> Tracer<'a> {
         equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
         Graph::trace(|| {
-            let model = self.model.cast();
+            let mut model = self.model.cast();
             let mut next = 0;
             let groups = lengths.map(|length| {
                 let start = next;
                 next += length;
                 (start..next).map(Expr::input).collect()
             });
+            self.parameters.enter(next, &mut model);
             equations(&model, groups)
         })
     }
 
-    /// All inputs are joint vectors.
-    fn trace<const G: usize>(
+    /// The inputs are coordinates, then vectors of velocities or the like.
+    pub(super) fn trace<const G: usize>(
         &self,
         equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
-        self.trace_groups([self.model.bodies.len(); G], equations)
+        let mut lengths = [self.model.nv; G];
+        lengths[0] = self.model.nq;
+        self.trace_groups(lengths, equations)
     }
 
-    fn workspace(&self, partition: &Partition) -> Workspace<Expr> {
-        Workspace::new(self.model.bodies.len(), partition)
-    }
-
-    fn vector(&self) -> Vec<Expr> {
-        vec![Expr::zero(); self.model.bodies.len()]
+    pub(super) fn vector(&self) -> Vec<Expr> {
+        vec![Expr::zero(); self.model.nv]
     }
 
     /// Accelerations from `q`, `qd`, `tau`, eliminated by these modules.
     #[must_use]
-    pub fn forward_dynamics(&self, partition: &Partition) -> Graph {
+    pub fn forward_dynamics(&self, elimination: &Elimination) -> Graph {
         self.trace(|model, [q, qd, tau]| {
             let mut qdd = self.vector();
-            let workspace = &mut self.workspace(partition);
-            forward_dynamics::forward_dynamics(
-                model,
-                partition,
-                (&q, &qd, &tau),
-                workspace,
-                &mut qdd,
-            );
+            let (state, workspace) = ((&*q, &*qd, &*tau), &mut Workspace::new(model));
+            let solve = forward_dynamics::forward_dynamics;
+            solve(model, elimination, state, None, workspace, &mut qdd);
             qdd
         })
     }
@@ -81,9 +104,46 @@ impl<'a> Tracer<'a> {
     pub fn inverse_dynamics(&self) -> Graph {
         self.trace(|model, [q, qd, qdd]| {
             let mut tau = self.vector();
-            let workspace = &mut self.workspace(&Partition::empty());
-            inverse_dynamics::inverse_dynamics(model, &q, &qd, Some(&qdd), workspace, &mut tau);
+            let (motion, workspace) = ((&*q, &*qd, Some(&*qdd)), &mut Workspace::new(model));
+            inverse_dynamics::inverse_dynamics(model, motion, None, workspace, &mut tau);
             tau
+        })
+    }
+
+    /// Accelerations from `q`, `qd`, `tau` and six numbers (moment, force) a link of the
+    /// description.
+    #[must_use]
+    pub fn forward_dynamics_external(&self, elimination: &Elimination, axes: Axes) -> Graph {
+        self.with_forces(|model, [q, qd, tau], forces| {
+            let mut qdd = self.vector();
+            let (state, workspace) = ((q, qd, tau), &mut Workspace::new(model));
+            let solve = forward_dynamics::forward_dynamics;
+            solve(model, elimination, state, Some(in_axes(forces, axes)), workspace, &mut qdd);
+            qdd
+        })
+    }
+
+    /// Torques from `q`, `qd`, `qdd` and six numbers a link of the description.
+    #[must_use]
+    pub fn inverse_dynamics_external(&self, axes: Axes) -> Graph {
+        self.with_forces(|model, [q, qd, qdd], forces| {
+            let mut tau = self.vector();
+            let (motion, workspace) = ((q, qd, Some(qdd)), &mut Workspace::new(model));
+            let forces = Some(in_axes(forces, axes));
+            inverse_dynamics::inverse_dynamics(model, motion, forces, workspace, &mut tau);
+            tau
+        })
+    }
+
+    fn with_forces(
+        &self,
+        equations: impl FnOnce(&Prepared<Expr>, [&[Expr]; 3], &[Wrench<Expr>]) -> Vec<Expr>,
+    ) -> Graph {
+        let (nq, nv) = (self.model.nq, self.model.nv);
+        self.trace_groups([nq, nv, nv, 6 * self.model.frames.len()], |model, [q, a, b, forces]| {
+            let wrench = |six: &[Expr]| Wrench::from_components(std::array::from_fn(|i| six[i]));
+            let forces: Vec<_> = forces.chunks(6).map(wrench).collect();
+            equations(model, [&q, &a, &b], &forces)
         })
     }
 
@@ -92,8 +152,8 @@ impl<'a> Tracer<'a> {
     pub fn bias_forces(&self) -> Graph {
         self.trace(|model, [q, qd]| {
             let mut tau = self.vector();
-            let workspace = &mut self.workspace(&Partition::empty());
-            inverse_dynamics::inverse_dynamics(model, &q, &qd, None, workspace, &mut tau);
+            let (motion, workspace) = ((&*q, &*qd, None), &mut Workspace::new(model));
+            inverse_dynamics::inverse_dynamics(model, motion, None, workspace, &mut tau);
             tau
         })
     }
@@ -103,7 +163,7 @@ impl<'a> Tracer<'a> {
     pub fn gravity_torques(&self) -> Graph {
         self.trace(|model, [q]| {
             let mut tau = self.vector();
-            gravity::gravity_torques(model, &q, &mut self.workspace(&Partition::empty()), &mut tau);
+            gravity::gravity_torques(model, &q, &mut Workspace::new(model), &mut tau);
             tau
         })
     }
@@ -112,8 +172,8 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn mass_matrix(&self) -> Graph {
         self.trace(|model, [q]| {
-            let mut columns = vec![Expr::zero(); q.len() * q.len()];
-            let workspace = &mut self.workspace(&Partition::empty());
+            let mut columns = vec![Expr::zero(); model.nv * model.nv];
+            let workspace = &mut Workspace::new(model);
             mass_matrix::mass_matrix(model, &q, workspace, &mut columns);
             columns
         })
@@ -124,12 +184,11 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn link_poses(&self) -> Graph {
         self.trace(|model, [q]| {
-            let workspace = &mut self.workspace(&Partition::empty());
+            let workspace = &mut Workspace::new(model);
             let mut bodies = vec![Pose::identity(); model.bodies.len()];
             let mut poses = vec![Pose::identity(); model.frames.len()];
-            kinematics::link_poses(model, &q, workspace, &mut bodies, &mut poses);
-            let numbers = |pose: &Pose<Expr>| [pose.rotation.concat(), pose.translation.to_vec()];
-            poses.iter().flat_map(numbers).flatten().collect()
+            link_poses(model, &q, workspace, &mut bodies, &mut poses);
+            poses.iter().flat_map(kinematics::numbers).collect()
         })
     }
 
@@ -137,7 +196,7 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn kinetic_energy(&self) -> Graph {
         self.trace(|model, [q, qd]| {
-            let workspace = &mut self.workspace(&Partition::empty());
+            let workspace = &mut Workspace::new(model);
             vec![kinetic_energy::kinetic_energy(model, &q, &qd, workspace)]
         })
     }
@@ -146,7 +205,7 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn potential_energy(&self) -> Graph {
         self.trace(|model, [q]| {
-            vec![gravity::potential_energy(model, &q, &mut self.workspace(&Partition::empty()))]
+            vec![gravity::potential_energy(model, &q, &mut Workspace::new(model))]
         })
     }
 
@@ -155,7 +214,7 @@ impl<'a> Tracer<'a> {
     pub fn brge(&self, layout: &Layout) -> Graph {
         self.trace(|model, [q]| {
             let mut factors = vec![Expr::zero(); layout.size()];
-            let workspace = &mut self.workspace(layout.partition());
+            let workspace = &mut Workspace::new(model);
             brge::factorize(model, layout, &q, workspace, &mut factors);
             factors
         })
@@ -163,7 +222,7 @@ impl<'a> Tracer<'a> {
 
     /// A full matrix, column by column, from the packed factors of U D U^T.
     fn matrix(&self, layout: &Layout, fill: impl FnOnce(&[Expr], &mut [Expr])) -> Graph {
-        let n = self.model.bodies.len();
+        let n = self.model.nv;
         self.trace_groups([layout.size()], |_, [factors]| {
             let mut columns = vec![Expr::zero(); n * n];
             fill(&factors, &mut columns);
@@ -206,7 +265,7 @@ impl<'a> Tracer<'a> {
     /// The solution from the packed factors and `rhs`.
     #[must_use]
     pub fn solve(&self, layout: &Layout) -> Graph {
-        self.trace_groups([layout.size(), self.model.bodies.len()], |_, [factors, mut x]| {
+        self.trace_groups([layout.size(), self.model.nv], |_, [factors, mut x]| {
             brge::solve(layout, &factors, &mut x);
             x
         })

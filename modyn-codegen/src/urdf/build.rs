@@ -2,107 +2,58 @@
 
 use modyn_runtime::{
     joint::JointType,
-    model::{Frame, Inertial, InertialDefect, Joint, Link, Model},
+    model::{self, Frame, Inertial, InertialDefect, Joint, Link, Model},
     spatial::Pose,
 };
 
 use super::{
-    Mimic, ReadOptions, felt,
-    parts::{JointPart, Kind, LinkPart, Parts},
+    Base, ReadOptions, felt,
+    joint::{JointPart, Kind, MimicPart},
+    mimics,
+    parts::{LinkPart, Parts},
     report::Report,
     tree::Tree,
 };
-use crate::error::{Code, Severity, Subject};
+use crate::error::{Code, Subject};
 
 /// A moving body: a link that a joint moves, and all that is fixed to it.
 struct Body {
     /// The moving link, then those fixed to it, as indices into the parts.
     links: Vec<usize>,
-    /// The joint.
-    joint: usize,
+    /// The joint; `None` for a base that floats.
+    joint: Option<usize>,
     /// Whether all figures of its inertia could be read.
     sound: bool,
+}
+
+/// The bodies while they are put together.
+struct Assembly {
+    links: Vec<Link>,
+    bodies: Vec<Body>,
+    /// By link of the description: the moving link that carries it, and its pose there.
+    place: Vec<(Option<usize>, Pose<f64>)>,
 }
 
 /// The model; `None` with errors in the report.
 pub fn build(
     parts: &Parts,
     tree: &Tree,
+    leaders: &[Option<usize>],
     options: &ReadOptions,
     report: &mut Report<'_>,
 ) -> Option<Model> {
-    let mut links: Vec<Link> = Vec::new();
-    let mut bodies: Vec<Body> = Vec::new();
-    // By link of the description: the moving link that carries it, and its pose there.
-    let mut place: Vec<(Option<usize>, Pose<f64>)> =
-        vec![(None, Pose::identity()); parts.links.len()];
-    for &link in &tree.order {
-        let part = &parts.links[link];
-        if let Some(joint) = tree.joint[link] {
-            let JointPart { name, kind, origin, axis, limits, .. } = &parts.joints[joint];
-            let (carrier, pose) = tree.parent[joint].map_or((None, Pose::identity()), |p| place[p]);
-            let mut origin = pose.compose(origin);
-            if !origin.translation.iter().all(|x| x.abs() < LARGEST) {
-                let message = "its place is too far away to compute with";
-                let help = "write `xyz` in m";
-                report.error(
-                    Code::NotFinite,
-                    name.at,
-                    Some(&parts.joints[joint].subject()),
-                    message,
-                    help,
-                );
-                origin = Pose::identity();
-            }
-            place[link] = match kind {
-                Kind::Fixed => (carrier, origin),
-                Kind::Moving(_) | Kind::Unknown => {
-                    // An unknown type is an error already; the rest can be checked all the same.
-                    let joint_type = match kind {
-                        Kind::Moving(joint_type) => *joint_type,
-                        _ => JointType::Revolute,
-                    };
-                    let name = name.text.into();
-                    links.push(Link {
-                        name: part.name.text.into(),
-                        parent: carrier,
-                        joint: Joint { name, joint_type, axis: *axis, origin, limits: *limits },
-                        inertial: Inertial::default(),
-                    });
-                    bodies.push(Body { links: Vec::new(), joint, sound: true });
-                    (Some(links.len() - 1), Pose::identity())
-                }
-            };
-        }
-        // What is fixed to the world moves nothing.
-        let (Some(carrier), pose) = &place[link] else {
-            continue;
-        };
-        let body = &mut bodies[*carrier];
-        body.links.push(link);
-        if let Some(own) = &part.inertial {
-            let sum = &mut links[*carrier].inertial;
-            *sum = sum.merged(&own.inertial.transformed(pose));
-            body.sound &= own.sound;
-        }
-    }
-    if parts.joints.iter().all(|joint| joint.kind == Kind::Fixed) {
-        let help = "make a joint `revolute`, `continuous` or `prismatic`";
+    let mut assembly = assemble(parts, tree, options.base, report);
+    assembly.follow(parts, leaders);
+    let Assembly { links, bodies, place } = assembly;
+    if links.is_empty() {
+        let help = "make a joint `revolute`, `continuous` or `prismatic`, or let the base float";
         report.error(Code::NoMovingJoint, parts.at, None, "no joint of the robot moves", help);
     }
-    for (link, body) in links.iter().zip(&bodies).filter(|(_, body)| body.sound) {
-        check_inertia(parts, &body.links, &link.inertial, options, report);
-    }
-    if options.mimic == Mimic::Independent {
-        check_mimics(parts, report);
-    }
-    if report.errors() > 0 {
-        return None;
-    }
-    for i in felt::unfelt(&links) {
-        let joint = &parts.joints[bodies[i].joint];
-        let (message, help) = (felt::message(&links[i].name), felt::HELP);
-        report.error(Code::NoInertiaFelt, joint.name.at, Some(&joint.subject()), message, help);
+    for (link, body) in links.iter().zip(&bodies) {
+        let negative = check_masses(parts, &body.links, report);
+        if body.sound {
+            check_inertia(parts, &body.links, &link.inertial, negative, options, report);
+        }
     }
     if report.errors() > 0 {
         return None;
@@ -111,9 +62,10 @@ pub fn build(
         name: part.name.text.into(),
         link,
         pose,
+        inertial: part.inertial.as_ref().map_or_else(Inertial::default, |own| own.inertial),
     });
-    match Model::new(parts.name, options.gravity, links, frames.collect()) {
-        Ok(model) => Some(model),
+    let model = match Model::new(parts.name, options.gravity, links, frames.collect()) {
+        Ok(model) => model.with_friction(options.friction),
         Err(errors) => {
             // All of this has been checked. Should a check be missing, the user hears of it here.
             for error in errors {
@@ -121,9 +73,155 @@ pub fn build(
                 let help = "this is a fault of modyn: please report it with the file";
                 report.error(Code::InvalidModel, parts.at, Some(&subject), error.to_string(), help);
             }
-            None
+            return None;
+        }
+    };
+    check_motions(parts, &bodies, &model, report);
+    (report.errors() == 0).then_some(model)
+}
+
+/// Puts each link where it belongs: what is fixed to a moving link is merged into it.
+fn assemble(parts: &Parts, tree: &Tree, base: Base, report: &mut Report<'_>) -> Assembly {
+    let place = vec![(None, Pose::identity()); parts.links.len()];
+    let mut assembly = Assembly { links: Vec::new(), bodies: Vec::new(), place };
+    for &link in &tree.order {
+        let part = &parts.links[link];
+        if let Some(j) = tree.joint[link] {
+            let joint = &parts.joints[j];
+            let above = tree.parent[j].map_or((None, Pose::identity()), |p| assembly.place[p]);
+            let origin = placed(joint, &above.1, report);
+            assembly.place[link] = match moving(joint, origin) {
+                None => (above.0, origin),
+                Some(joint) => assembly.push(part, above.0, joint, Some(j)),
+            };
+        } else if base == Base::Floating {
+            let up = [0.0, 0.0, 1.0];
+            let joint = Joint::new(base_name(parts), JointType::Floating, up, Pose::identity());
+            assembly.place[link] = assembly.push(part, None, joint, None);
+        }
+        assembly.carry(link, part);
+    }
+    assembly
+}
+
+impl Assembly {
+    /// Takes a link that moves; its place is itself.
+    fn push(
+        &mut self,
+        part: &LinkPart,
+        parent: Option<usize>,
+        joint: Joint,
+        index: Option<usize>,
+    ) -> (Option<usize>, Pose<f64>) {
+        let name = part.name.text.into();
+        self.links.push(Link { name, parent, joint, inertial: Inertial::default() });
+        self.bodies.push(Body { links: Vec::new(), joint: index, sound: true });
+        (Some(self.links.len() - 1), Pose::identity())
+    }
+
+    /// Adds the inertia of a link of the description to the moving link that carries it.
+    fn carry(&mut self, link: usize, part: &LinkPart) {
+        // What is fixed to the world moves nothing.
+        let (Some(carrier), pose) = self.place[link] else { return };
+        let body = &mut self.bodies[carrier];
+        body.links.push(link);
+        if let Some(own) = &part.inertial {
+            let sum = &mut self.links[carrier].inertial;
+            *sum = sum.merged(&own.inertial.transformed(&pose));
+            body.sound &= own.sound;
         }
     }
+
+    /// Has joints follow their leaders, which may stand anywhere in the tree.
+    fn follow(&mut self, parts: &Parts, leaders: &[Option<usize>]) {
+        let mut moved_by = vec![None; parts.joints.len()];
+        for (i, body) in self.bodies.iter().enumerate() {
+            if let Some(joint) = body.joint {
+                moved_by[joint] = Some(i);
+            }
+        }
+        for (link, body) in self.links.iter_mut().zip(&self.bodies) {
+            let Some(joint) = body.joint else { continue };
+            if let (Some(mimic), Some(leader)) = (&parts.joints[joint].mimic, leaders[joint])
+                && let Some(leader) = moved_by[leader]
+            {
+                let MimicPart { multiplier, offset, .. } = *mimic;
+                link.joint.mimic = Some(model::Mimic { leader, multiplier, offset });
+            }
+        }
+    }
+}
+
+/// A joint's frame in that of the body that carries it, where its parent stands at `above`.
+fn placed(joint: &JointPart, above: &Pose<f64>, report: &mut Report<'_>) -> Pose<f64> {
+    let origin = above.compose(&joint.origin);
+    if origin.translation.iter().all(|x| x.abs() < LARGEST) {
+        return origin;
+    }
+    let message = "its place is too far away to compute with";
+    let help = "write `xyz` in m";
+    report.error(Code::NotFinite, joint.name.at, Some(&joint.subject()), message, help);
+    Pose::identity()
+}
+
+/// The joint, if it moves.
+fn moving(part: &JointPart, origin: Pose<f64>) -> Option<Joint> {
+    let joint_type = match part.kind {
+        Kind::Fixed => return None,
+        Kind::Moving(joint_type) => joint_type,
+        // It is an error already; the rest can be checked all the same.
+        Kind::Unknown => JointType::Revolute,
+    };
+    Some(Joint {
+        second_axis: part.second_axis,
+        limits: part.limits,
+        drive: part.drive,
+        ..Joint::new(part.name.text, joint_type, part.axis, origin)
+    })
+}
+
+/// What the joint is called that the base floats by: a name that no other joint has.
+fn base_name(parts: &Parts) -> String {
+    let taken = parts.joints_by_name();
+    let numbered = (1..).map(|n| format!("floating_base_{n}"));
+    let mut names = std::iter::once("floating_base".into()).chain(numbered);
+    names.find(|name: &String| !taken.contains_key(name.as_str())).unwrap_or_default()
+}
+
+/// Whether each joint feels inertia, and follows in a ratio that one can compute with.
+fn check_motions(parts: &Parts, bodies: &[Body], model: &Model, report: &mut Report<'_>) {
+    for i in mimics::too_large(model) {
+        let joint = bodies[i].joint.map(|j| &parts.joints[j]);
+        if let Some((joint, mimic)) = joint.and_then(|j| Some((j, j.mimic.as_ref()?))) {
+            let (message, help) = (mimics::TOO_LARGE, mimics::TOO_LARGE_HELP);
+            let subject = joint.subject();
+            report.error(Code::NotFinite, mimic.leader.at, Some(&subject), message, help);
+        }
+    }
+    for i in felt::unfelt(model) {
+        let code = Code::NoInertiaFelt;
+        if let Some(joint) = bodies[i].joint.map(|j| &parts.joints[j]) {
+            let message = felt::message(&model.links()[i].name);
+            report.error(code, joint.name.at, Some(&joint.subject()), message, felt::HELP);
+        } else if let Some(root) = bodies[i].links.first().map(|&link| &parts.links[link]) {
+            let (message, help) = (felt::BASE_MESSAGE, felt::BASE_HELP);
+            report.error(code, root.name.at, Some(&root.subject()), message, help);
+        }
+    }
+}
+
+/// Whether a link of these has a mass below 0. That is wrong wherever it hangs: in a sum it would go
+/// unseen. No option lets it through, since the equations have no meaning with it.
+fn check_masses(parts: &Parts, links: &[usize], report: &mut Report<'_>) -> bool {
+    let errors = report.errors();
+    for link in links.iter().map(|&link| &parts.links[link]) {
+        if let Some(own) = link.inertial.as_ref().filter(|own| own.inertial.mass < 0.0) {
+            let message = format!("the mass is {} kg", own.inertial.mass);
+            let help = "write a mass of at least 0";
+            report.error(Code::NegativeMass, own.mass_at, Some(&link.subject()), message, help);
+        }
+    }
+    report.errors() > errors
 }
 
 /// Whether a body made of these links can exist.
@@ -131,22 +229,12 @@ fn check_inertia(
     parts: &Parts,
     links: &[usize],
     whole: &Inertial,
+    negative: bool,
     options: &ReadOptions,
     report: &mut Report<'_>,
 ) {
-    // A mass below 0 is wrong wherever it hangs: in a sum it would go unseen. No option lets it
-    // through, since the equations have no meaning with it.
-    let mut negative = false;
     let with_inertial =
         |link: &usize| Some((&parts.links[*link], parts.links[*link].inertial.as_ref()?));
-    for (link, own) in links.iter().filter_map(with_inertial) {
-        if own.inertial.mass < 0.0 {
-            negative = true;
-            let message = format!("the mass is {} kg", own.inertial.mass);
-            let help = "write a mass of at least 0";
-            report.error(Code::NegativeMass, own.mass_at, Some(&link.subject()), message, help);
-        }
-    }
     let Some((&moving, fixed)) = links.split_first() else {
         return;
     };
@@ -214,24 +302,5 @@ fn fixed_names(parts: &Parts, fixed: &[usize]) -> String {
         String::new()
     } else {
         format!(" (together with what is fixed to it: {}{more})", names.join(", "))
-    }
-}
-
-/// A mimic joint that is independent anyway may name whatever it likes, but it is worth a word.
-fn check_mimics(parts: &Parts, report: &mut Report<'_>) {
-    let names: rustc_hash::FxHashSet<&str> = parts.joints.iter().map(|j| j.name.text).collect();
-    for joint in &parts.joints {
-        if let Some(target) = joint.mimic.filter(|target| !names.contains(target.text)) {
-            let message = format!("it mimics joint `{}`, which does not exist", target.text);
-            let help = "name a joint, or remove `<mimic>`: the joint is independent here";
-            report.add(
-                Severity::Warning,
-                Code::MimicTarget,
-                target.at,
-                Some(&joint.subject()),
-                message,
-                help,
-            );
-        }
     }
 }

@@ -6,8 +6,10 @@ use super::report::Report;
 use crate::error::{Code, Diagnostic, Position, Severity};
 
 /// The elements of a joint or an inertial whose figures are read.
-const USED: &[&str] =
-    &["inertial", "origin", "mass", "inertia", "parent", "child", "axis", "limit", "mimic"];
+const USED: &[&str] = &[
+    "inertial", "origin", "mass", "inertia", "parent", "child", "axis", "axis2", "limit", "mimic",
+    "dynamics",
+];
 
 /// Blanks out what XML forbids but robot files have all the same, byte for byte, so that
 /// positions stay: comments (people draw lines of dashes in them), and whatever

@@ -1,7 +1,8 @@
 //! From the text of a URDF to a [`Model`].
 //!
 //! ```text
-//! text ─ document ─▶ XML ─ parts ─▶ links and joints ─ tree ─▶ order ─ build ─▶ Model
+//! text ─ document ─▶ XML ─ parts, joint ─▶ links and joints ─ tree ─▶ order ─ build ─▶ Model
+//!                                              └ mimics ─▶ leaders ──────────┘
 //! ```
 //!
 //! Each step reports all that is wrong with it and goes on as far as it can, so that a user sees
@@ -16,16 +17,21 @@
 //! of what well-formed files say.
 
 mod build;
+mod circles;
 mod document;
 mod felt;
+mod joint;
 mod locate;
-mod nearest;
+mod mimics;
+pub(crate) mod nearest;
 mod numbers;
 mod parts;
 mod physical;
 mod report;
+mod rotors;
 mod tree;
 
+pub use modyn_runtime::model::Friction;
 use modyn_runtime::model::{DEFAULT_GRAVITY, Model};
 
 use crate::error::{Code, Diagnostic, Diagnostics, Severity};
@@ -40,11 +46,24 @@ pub struct ReadOptions {
     pub unphysical_inertia: Severity,
     /// How to take joints that mimic another one.
     pub mimic: Mimic,
+    /// What the root link stands on.
+    pub base: Base,
+    /// The rotors of joints; each replaces what the description says about its joint's.
+    pub rotors: Vec<Rotor>,
+    /// Which torques damping and friction exert.
+    pub friction: Friction,
 }
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { gravity: DEFAULT_GRAVITY, unphysical_inertia: Severity::Error, mimic: Mimic::Refuse }
+        Self {
+            gravity: DEFAULT_GRAVITY,
+            unphysical_inertia: Severity::Error,
+            mimic: Mimic::default(),
+            base: Base::default(),
+            rotors: Vec::new(),
+            friction: Friction::default(),
+        }
     }
 }
 
@@ -52,11 +71,36 @@ impl Default for ReadOptions {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Mimic {
-    /// As an error.
+    /// As it is written: the joint follows, and has no coordinate of its own.
     #[default]
-    Refuse,
+    Follow,
     /// As if the joint did not mimic: it has a coordinate of its own.
     Independent,
+    /// As an error.
+    Refuse,
+}
+
+/// What the root link stands on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Base {
+    /// It is fixed to the world.
+    #[default]
+    Fixed,
+    /// Nothing: a joint of type floating, called `floating_base`, is between it and the world.
+    Floating,
+}
+
+/// The rotor that drives a joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rotor {
+    /// The joint's name.
+    pub joint: String,
+    /// Its inertia about its own axis, kg m^2 (or kg, for a joint that slides).
+    pub inertia: f64,
+    /// How many times faster it turns than the joint; the joint feels the square of that times the
+    /// inertia.
+    pub gear_ratio: f64,
 }
 
 /// A robot that was read.
@@ -82,7 +126,8 @@ pub fn read(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Di
         options.gravity = DEFAULT_GRAVITY; // To find what else is wrong.
     }
     let model = read_into(text, &options, &mut report);
-    let found = Diagnostics::new(report.finish().into_iter().chain(gravity).collect());
+    let options = gravity.into_iter().chain(friction_error(options.friction));
+    let found = Diagnostics::new(report.finish().into_iter().chain(options).collect());
     match model {
         Some(model) if !found.has_errors() => Ok(Reading { model, warnings: found.into_vec() }),
         _ => Err(found),
@@ -102,12 +147,22 @@ pub(crate) fn gravity_error(gravity: [f64; 3]) -> Option<Diagnostic> {
     (!good).then(|| Diagnostic::error(Code::Gravity, message).with_help(help))
 }
 
+/// What is wrong with a friction.
+pub(crate) fn friction_error(friction: Friction) -> Option<Diagnostic> {
+    let Friction::Smooth(width) = friction else { return None };
+    let message = format!("{width} is no velocity to smooth friction by");
+    let help = "give a finite velocity above 0 in rad/s or m/s, such as 0.01";
+    let good = width > 0.0 && width < build::LARGEST;
+    (!good).then(|| Diagnostic::error(Code::Option, message).with_help(help))
+}
+
 /// Checks a model that was made by hand, or by other means, for what a description is checked for.
 pub(crate) fn check(model: Model, unphysical_inertia: Severity) -> Result<Reading, Diagnostics> {
     let found = Diagnostics::new(
         physical::check(&model, unphysical_inertia)
             .into_iter()
             .chain(gravity_error(model.gravity()))
+            .chain(friction_error(model.friction()))
             .collect(),
     );
     if found.has_errors() {
@@ -121,7 +176,9 @@ fn read_into(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Opti
     let text = document::tidied(text);
     let document = document::parse(&text, report)?;
     let robot = document::robot(&document, report)?;
-    let parts = parts::read(robot, options, report);
+    let mut parts = parts::read(robot, options, report);
+    rotors::apply(&mut parts, &options.rotors, report);
+    let leaders = mimics::leaders(&parts, options.mimic, report);
     let tree = tree::grow(&parts, report)?;
-    build::build(&parts, &tree, options, report)
+    build::build(&parts, &tree, &leaders, options, report)
 }

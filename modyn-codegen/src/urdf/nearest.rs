@@ -18,6 +18,26 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     best.map(|(_, candidate)| candidate)
 }
 
+/// What the first misspelt names of a file meant; each is a search through all names, so there is
+/// an end to it.
+pub struct Suggestions(usize);
+
+impl Suggestions {
+    pub fn new() -> Self {
+        Self(20)
+    }
+
+    /// The same as [`nearest`], or nothing once there were enough.
+    pub fn nearest<'a>(
+        &mut self,
+        name: &str,
+        candidates: impl IntoIterator<Item = &'a str>,
+    ) -> Option<&'a str> {
+        self.0 = self.0.checked_sub(1)?;
+        nearest(name, candidates)
+    }
+}
+
 /// How many letters have to be put in, taken out or changed.
 fn distance(a: &[char], b: &[char]) -> usize {
     let mut row: Vec<usize> = (0..=b.len()).collect();

@@ -3,14 +3,13 @@
 //! What could not be read stands in as its default, so that reading can go on and find the next
 //! error; the report holds the reason, and nothing is built from it.
 
-use modyn_runtime::{
-    joint::JointType,
-    model::{Inertial, Limits},
-    spatial::Pose,
-};
+use modyn_runtime::{model::Inertial, spatial::Pose};
 use roxmltree::Node;
+use rustc_hash::FxHashMap;
 
-use super::{Mimic, ReadOptions, document::is, nearest::nearest, numbers::numbers, report::Report};
+use super::{
+    ReadOptions, document::is, joint::JointPart, nearest::nearest, numbers::numbers, report::Report,
+};
 use crate::error::{Code, Severity, Subject};
 
 /// A robot in parts.
@@ -20,6 +19,17 @@ pub struct Parts<'a> {
     pub at: usize,
     pub links: Vec<LinkPart<'a>>,
     pub joints: Vec<JointPart<'a>>,
+}
+
+impl<'a> Parts<'a> {
+    /// The joints' indices by their names; the first of a name counts.
+    pub fn joints_by_name(&self) -> FxHashMap<&'a str, usize> {
+        let mut indices = FxHashMap::default();
+        for (i, joint) in self.joints.iter().enumerate() {
+            indices.entry(joint.name.text).or_insert(i);
+        }
+        indices
+    }
 }
 
 /// A text and where it stands.
@@ -44,37 +54,6 @@ pub struct InertialPart {
     pub mass_at: usize,
     /// Whether all of it could be read.
     pub sound: bool,
-}
-
-/// A `<joint>`.
-pub struct JointPart<'a> {
-    pub name: Located<'a>,
-    pub kind: Kind,
-    /// `None` where it is missing.
-    pub parent: Option<Located<'a>>,
-    /// `None` where it is missing.
-    pub child: Option<Located<'a>>,
-    pub origin: Pose<f64>,
-    /// Of unit length.
-    pub axis: [f64; 3],
-    pub limits: Option<Limits>,
-    /// The joint it mimics.
-    pub mimic: Option<Located<'a>>,
-}
-
-/// What a joint does.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Kind {
-    Fixed,
-    Moving(JointType),
-    /// It could not be read.
-    Unknown,
-}
-
-impl JointPart<'_> {
-    pub fn subject(&self) -> Subject {
-        Subject::Joint(self.name.text.into())
-    }
 }
 
 impl LinkPart<'_> {
@@ -112,10 +91,11 @@ pub fn read<'a>(robot: Node<'a, '_>, options: &ReadOptions, report: &mut Report<
     parts
 }
 
-struct Reader<'a, 't, 'r, 'f> {
+/// Reads elements; what a `<joint>` has is in `joint`.
+pub struct Reader<'a, 't, 'r, 'f> {
     robot: Node<'a, 't>,
-    options: &'r ReadOptions,
-    report: &'r mut Report<'f>,
+    pub options: &'r ReadOptions,
+    pub report: &'r mut Report<'f>,
 }
 
 impl<'a> Reader<'a, '_, '_, '_> {
@@ -161,76 +141,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
     }
 
-    fn joint(&mut self, node: Node<'a, '_>) -> JointPart<'a> {
-        let name = self.attribute(node, "name", None);
-        let subject = name.map(|name| Subject::Joint(name.text.into()));
-        let subject = subject.as_ref();
-        let kind = self.kind(node, subject);
-        let known = [
-            "origin",
-            "parent",
-            "child",
-            "axis",
-            "limit",
-            "mimic",
-            "dynamics",
-            "calibration",
-            "safety_controller",
-        ];
-        self.misspelt(node, &known, &["origin", "axis", "limit", "mimic"], subject);
-        let mut joint = JointPart {
-            name: name.unwrap_or(Located { text: "", at: node.range().start }),
-            kind,
-            parent: self.end(node, "parent", subject),
-            child: self.end(node, "child", subject),
-            origin: self.origin(node, subject),
-            axis: [1.0, 0.0, 0.0],
-            limits: None,
-            mimic: None,
-        };
-        // A fixed joint has none of these, whatever is written.
-        if let Kind::Moving(joint_type) = kind {
-            joint.axis = self.axis(node, subject);
-            joint.limits = self.limits(node, joint_type, subject);
-            joint.mimic = self.mimic(node, subject);
-        }
-        joint
-    }
-
-    fn kind(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Kind {
-        const SUPPORTED: &str = "supported are: revolute, continuous, prismatic, fixed";
-        let Some(text) = self.attribute(node, "type", subject) else {
-            return Kind::Unknown;
-        };
-        match text.text {
-            "revolute" => return Kind::Moving(JointType::Revolute),
-            "continuous" => return Kind::Moving(JointType::Continuous),
-            "prismatic" => return Kind::Moving(JointType::Prismatic),
-            "fixed" => return Kind::Fixed,
-            "floating" | "planar" | "spherical" => {
-                let message = format!("joints of type `{}` are not supported yet", text.text);
-                self.report.error(Code::UnsupportedJointType, text.at, subject, message, SUPPORTED);
-            }
-            other => {
-                let message = format!("`{other}` is no joint type");
-                self.report.error(Code::UnknownJointType, text.at, subject, message, SUPPORTED);
-            }
-        }
-        Kind::Unknown
-    }
-
-    fn end(
-        &mut self,
-        node: Node<'a, '_>,
-        name: &str,
-        subject: Option<&Subject>,
-    ) -> Option<Located<'a>> {
-        let node = self.required(node, name, "link=\"...\"", subject)?;
-        self.attribute(node, "link", subject)
-    }
-
     /// The `<origin>` of this element; identity where there is none.
-    fn origin(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Pose<f64> {
+    pub fn origin(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Pose<f64> {
         let Some(node) = self.single(node, "origin", subject) else {
             return Pose::identity();
         };
@@ -249,86 +161,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Pose { rotation: roll_pitch_yaw(roll, pitch, yaw), translation }
     }
 
-    /// The axis, of unit length.
-    fn axis(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> [f64; 3] {
-        const X: [f64; 3] = [1.0, 0.0, 0.0];
-        let Some(node) = self.single(node, "axis", subject) else {
-            return X;
-        };
-        self.known(node, &["xyz"], subject);
-        let Some(text) = self.attribute(node, "xyz", subject) else {
-            return X;
-        };
-        let Some(axis) = self.numbers::<3>(text, subject) else {
-            return X;
-        };
-        // Scaled first, so that no square overflows or vanishes.
-        let largest = axis.iter().fold(0.0, |max: f64, x| max.max(x.abs()));
-        if largest == 0.0 {
-            let help = "write the direction of the axis, such as `0 0 1`";
-            self.report.error(Code::ZeroAxis, text.at, subject, "the axis is zero", help);
-            return X;
-        }
-        let scaled = axis.map(|x| x / largest);
-        let scaled_length = libm::sqrt(scaled.iter().map(|x| x * x).sum());
-        let unit = scaled.map(|x| x / scaled_length);
-        let length = largest * scaled_length;
-        if (length - 1.0).abs() > 1e-6 {
-            let message = format!("the axis is of length {length}; it is normalised");
-            let help = format!("write `{} {} {}`", unit[0], unit[1], unit[2]);
-            self.report.add(Severity::Warning, Code::AxisLength, text.at, subject, message, help);
-        }
-        unit
-    }
-
-    fn limits(
-        &mut self,
-        node: Node<'a, '_>,
-        joint_type: JointType,
-        subject: Option<&Subject>,
-    ) -> Option<Limits> {
-        let node = self.single(node, "limit", subject)?;
-        let names =
-            ["lower", "upper", "velocity", "effort", "acceleration", "deceleration", "jerk"];
-        self.known(node, &names, subject);
-        let mut figure = |name| {
-            let text = located(node, name)?;
-            self.numbers::<1>(text, subject).map(|[value]| value)
-        };
-        // URDF's defaults: a bound that is not written is 0; no figure for speed or effort is
-        // refused by some readers and no limit for others: no limit here.
-        let (mut lower, mut upper) = (None, None);
-        if joint_type != JointType::Continuous {
-            lower = Some(figure("lower").unwrap_or(0.0));
-            upper = Some(figure("upper").unwrap_or(0.0));
-        }
-        let velocity = figure("velocity");
-        let effort = figure("effort");
-        if let (Some(lower), Some(upper)) = (lower, upper)
-            && lower > upper
-        {
-            let at = node.range().start;
-            let message = format!("the lower limit {lower} is above the upper limit {upper}");
-            let help = "exchange them; a bound that is not written is 0";
-            self.report.add(Severity::Warning, Code::InvertedLimits, at, subject, message, help);
-        }
-        Some(Limits { lower, upper, velocity, effort })
-    }
-
-    fn mimic(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Option<Located<'a>> {
-        let node = self.single(node, "mimic", subject)?;
-        let target = located(node, "joint").unwrap_or(Located { text: "", at: node.range().start });
-        if self.options.mimic == Mimic::Refuse {
-            let message = format!("it mimics joint `{}`, which is not supported", target.text);
-            let help = "remove `<mimic>`, or set the option `mimic = independent`: \
-                        the joint is then moved by its own coordinate";
-            self.report.error(Code::Mimic, node.range().start, subject, message, help);
-        }
-        Some(target)
-    }
-
     /// An attribute that must be there and not empty.
-    fn attribute(
+    pub fn attribute(
         &mut self,
         node: Node<'a, '_>,
         name: &str,
@@ -349,7 +183,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         None
     }
 
-    fn numbers<const N: usize>(
+    pub fn numbers<const N: usize>(
         &mut self,
         text: Located,
         subject: Option<&Subject>,
@@ -363,26 +197,44 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
     }
 
+    /// A number that need not be there.
+    pub fn figure(
+        &mut self,
+        node: Node<'a, '_>,
+        name: &str,
+        subject: Option<&Subject>,
+    ) -> Option<f64> {
+        self.numbers::<1>(located(node, name)?, subject).map(|[value]| value)
+    }
+
+    /// The child elements of this name.
+    pub fn named<'t>(&self, node: Node<'a, 't>, name: &str) -> impl Iterator<Item = Node<'a, 't>> {
+        let robot = self.robot;
+        node.children().filter(move |child| is(robot, *child, name))
+    }
+
     /// The child element of this name; an error where there are several.
-    fn single<'t>(
+    pub fn single<'t>(
         &mut self,
         node: Node<'a, 't>,
         name: &str,
         subject: Option<&Subject>,
     ) -> Option<Node<'a, 't>> {
-        let mut found = node.children().filter(|child| is(self.robot, *child, name));
-        let first = found.next()?;
-        if let Some(second) = found.next() {
+        let [first, second] = {
+            let mut found = self.named(node, name);
+            [found.next(), found.next()]
+        };
+        if let (Some(first), Some(second)) = (first, second) {
             let line = self.report.position(first.range().start).line;
             let message = format!("a second `<{name}>`; the first is in line {line}");
             let help = "leave one of them";
             self.report.error(Code::RepeatedElement, second.range().start, subject, message, help);
         }
-        Some(first)
+        first
     }
 
     /// The same; an error where there is none.
-    fn required<'t>(
+    pub fn required<'t>(
         &mut self,
         node: Node<'a, 't>,
         name: &str,
@@ -399,7 +251,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     /// Warns of attributes that are not read: a misspelt one would silently count as 0.
-    fn known(&mut self, node: Node<'a, '_>, names: &[&str], subject: Option<&Subject>) {
+    pub fn known(&mut self, node: Node<'a, '_>, names: &[&str], subject: Option<&Subject>) {
         for attribute in node.attributes() {
             if attribute.namespace().is_none() && !names.contains(&attribute.name()) {
                 let element = node.tag_name().name();
@@ -412,9 +264,32 @@ impl<'a> Reader<'a, '_, '_, '_> {
         }
     }
 
+    /// Warns of attributes that look like one of these. (Others are extensions, which abound.)
+    pub fn misspelt_attribute(
+        &mut self,
+        node: Node<'a, '_>,
+        names: &[&str],
+        subject: Option<&Subject>,
+    ) {
+        for attribute in node.attributes() {
+            let name = attribute.name();
+            if attribute.namespace().is_none()
+                && !names.contains(&name)
+                && name.len() > 2
+                && let Some(meant) = nearest(name, names.iter().copied())
+            {
+                let element = node.tag_name().name();
+                let message = format!("the attribute `{name}` of `<{element}>` is not read");
+                let help = format!("did you mean `{meant}`?");
+                let at = attribute.range().start;
+                self.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
+            }
+        }
+    }
+
     /// Warns of elements that look like one that is optional: it would silently be missing.
     /// (Others are extensions, which abound.)
-    fn misspelt(
+    pub fn misspelt(
         &mut self,
         node: Node<'a, '_>,
         known: &[&str],
@@ -437,7 +312,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 }
 
-fn located<'a>(node: Node<'a, '_>, name: &str) -> Option<Located<'a>> {
+/// An attribute, if it is there.
+pub fn located<'a>(node: Node<'a, '_>, name: &str) -> Option<Located<'a>> {
     let attribute = node.attribute_node(name)?;
     Some(Located { text: attribute.value(), at: attribute.range().start })
 }

@@ -3,7 +3,8 @@
 use rustc_hash::FxHashMap;
 
 use super::{
-    nearest::nearest,
+    circles::circles,
+    nearest::Suggestions,
     parts::{Located, Parts},
     report::Report,
 };
@@ -99,18 +100,15 @@ fn ends(parts: &Parts, links: &FxHashMap<&str, usize>, report: &mut Report<'_>) 
     let mut joint_of: Vec<Option<usize>> = vec![None; parts.links.len()];
     let mut parents = vec![None; parts.joints.len()];
     let mut complete = true;
-    // Each is a search through all names: only for the first errors.
-    let mut suggestions = 20_usize;
+    let mut suggestions = Suggestions::new();
     for (j, joint) in parts.joints.iter().enumerate() {
         let mut find = |end: Option<Located>, code, what| {
             let end = end?;
             let found = links.get(end.text).copied();
             if found.is_none() {
                 let message = format!("its {what} `{}` does not exist", end.text);
-                let near = (suggestions > 0)
-                    .then(|| nearest(end.text, parts.links.iter().map(|l| l.name.text)));
-                suggestions = suggestions.saturating_sub(1);
-                let help = match near.flatten() {
+                let names = parts.links.iter().map(|l| l.name.text);
+                let help = match suggestions.nearest(end.text, names) {
                     Some(name) => format!("did you mean `{name}`?"),
                     None => format!("name a link, or write `<link name=\"{}\"/>`", end.text),
                 };
@@ -155,28 +153,12 @@ fn cycles(
     parent: &[Option<usize>],
     report: &mut Report<'_>,
 ) {
-    // By link: the walk that came here first. Every walk goes rootwards until known ground.
-    let mut walked = vec![usize::MAX; joint.len()];
-    for start in 0..joint.len() {
-        let mut link = start;
-        let mut path = Vec::new();
-        while walked[link] == usize::MAX {
-            walked[link] = start;
-            let Some((j, p)) = joint[link].and_then(|j| Some((j, parent[j]?))) else {
-                break;
-            };
-            path.push((link, j));
-            link = p;
-        }
-        // On a cycle if this very walk has been here, and left by a joint.
-        let Some(begin) = path.iter().position(|&(l, _)| l == link) else {
-            continue;
-        };
-        let mut on_cycle: Vec<usize> = path[begin..].iter().map(|&(_, j)| j).collect();
-        // From parent to child, beginning with the joint that stands first in the file.
-        on_cycle.reverse();
-        let first = on_cycle.iter().enumerate().min_by_key(|&(_, &j)| j).map_or(0, |(i, _)| i);
-        on_cycle.rotate_left(first);
+    // By joint: the one above it.
+    let above: Vec<Option<usize>> =
+        parent.iter().map(|parent| parent.and_then(|link| joint[link])).collect();
+    for mut on_cycle in circles(&above) {
+        // From parent to child.
+        on_cycle[1..].reverse();
         let names: Vec<String> =
             on_cycle.iter().map(|&j| format!("`{}`", parts.joints[j].name.text)).collect();
         let joint = &parts.joints[on_cycle[0]];

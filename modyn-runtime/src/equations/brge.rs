@@ -1,15 +1,17 @@
 //! Block reverse Gaussian elimination of the GIM: I = U D U^T by modules, (35)-(57).
 //!
-//! All factors are kept packed, without the zeros of other branches: see [`Layout`].
+//! All factors are kept packed, without the zeros of other branches: see [`Layout`]. They come from
+//! the recursion over the tree, or, where joints mimic others, from the GIM itself.
 
-use alloc::vec::Vec;
+use alloc::{collections::BTreeSet, vec, vec::Vec};
 use core::ops::Range;
 
-use super::Workspace;
 use super::elimination::{
-    eliminate, factor, freed, pivot, reduce_columns, solve_lower, solve_upper, split, start,
+    eliminate, factor, freed, pivot, reduce_columns, solve_lower, solve_upper, split, split_block,
+    start,
 };
 use super::partition::{Block, Partition};
+use super::{Workspace, mass_matrix};
 use crate::model::ModuleTree;
 use crate::model::prepare::Prepared;
 use crate::spatial::Wrench;
@@ -19,46 +21,44 @@ use crate::{Scalar, jacobi};
 ///
 /// First D: each module's block, by rows, module after module. Then its factors, block =
 /// V Delta V^T: what stands above the diagonal of V, by columns, module after module, and the
-/// reciprocals of Delta, one a joint. Then U: for each module, for each link in front of it on the
-/// way from the root, a row as long as the module.
+/// reciprocals of Delta, one a degree of freedom. Then U: for each module, for each degree of
+/// freedom in front of it that it is coupled with, a row as long as the module.
 #[derive(Clone, Debug)]
 pub struct Layout {
     partition: Partition,
     /// Where each module's V starts.
     factors: Vec<usize>,
-    /// For each module the links in front of it, from the root outwards.
-    ancestors: Vec<Vec<usize>>,
+    /// For each module the degrees of freedom in front of it that it is coupled with, ascending:
+    /// those on the way from the root, and with mimics some of other branches.
+    in_front: Vec<Vec<usize>>,
     /// Where each module's rows of U start, counted from the first number of U.
     rows: Vec<usize>,
     reciprocals: usize,
     coupling: usize,
-    links: usize,
+    n: usize,
 }
 
 impl Layout {
-    /// The layout for a module tree of a model with `links` links.
+    /// The layout for a model's modules.
     #[must_use]
-    pub fn new(modules: &ModuleTree, links: usize) -> Self {
-        let mut ancestors: Vec<Vec<usize>> = Vec::new();
-        let mut rows = Vec::new();
-        let mut coupling = 0;
-        let partition = Partition::from(modules);
-        let mut factors = Vec::new();
-        let mut next = partition.pivots;
-        for module in modules.modules() {
-            let in_front = module.parent.map_or_else(Vec::new, |parent| {
-                let mut in_front = ancestors[parent].clone();
-                in_front.extend(modules.modules()[parent].links.clone());
-                in_front
-            });
-            let size = module.links.len();
+    pub fn new<S: Scalar>(model: &Prepared<S>, modules: &ModuleTree) -> Self {
+        let (partition, in_front) = if model.has_mimics() {
+            coupled(model, modules)
+        } else {
+            let partition = Partition::new(model, modules);
+            let in_front = ancestors(&partition, modules);
+            (partition, in_front)
+        };
+        let (mut rows, mut factors) = (Vec::new(), Vec::new());
+        let (mut coupling, mut next) = (0, partition.pivots);
+        for (block, in_front) in partition.blocks.iter().zip(&in_front) {
+            let size = block.dofs.len();
             factors.push(next);
             next += size * size.saturating_sub(1) / 2;
             rows.push(coupling);
             coupling += in_front.len() * size;
-            ancestors.push(in_front);
         }
-        Self { partition, factors, ancestors, rows, reciprocals: next, coupling, links }
+        Self { partition, factors, in_front, rows, reciprocals: next, coupling, n: model.nv }
     }
 
     /// The modules.
@@ -67,10 +67,10 @@ impl Layout {
         &self.partition.blocks
     }
 
-    /// The partition to give a workspace room for.
+    /// How many numbers all pivot blocks hold together.
     #[must_use]
-    pub fn partition(&self) -> &Partition {
-        &self.partition
+    pub fn pivots(&self) -> usize {
+        self.partition.pivots
     }
 
     /// How many numbers the factorization holds.
@@ -83,7 +83,7 @@ impl Layout {
     #[must_use]
     pub fn d(&self, m: usize) -> Range<usize> {
         let block = &self.partition.blocks[m];
-        block.pivot..block.pivot + block.links.len() * block.links.len()
+        block.pivot..block.pivot + block.dofs.len() * block.dofs.len()
     }
 
     /// V of module `m` above its diagonal, by row and column.
@@ -99,7 +99,7 @@ impl Layout {
     /// Where the reciprocals of Delta lie.
     #[must_use]
     pub fn reciprocals(&self) -> Range<usize> {
-        self.reciprocals..self.reciprocals + self.links
+        self.reciprocals..self.reciprocals + self.n
     }
 
     /// Where U lies.
@@ -109,12 +109,70 @@ impl Layout {
         start..start + self.coupling
     }
 
-    /// The rows of U above module `m`: pairs of a link and where its row starts in U.
+    /// The rows of U above module `m`: pairs of a degree of freedom and where its row starts in U.
     fn rows(&self, m: usize) -> impl DoubleEndedIterator<Item = (usize, usize)> + '_ {
-        let size = self.partition.blocks[m].links.len();
+        let size = self.partition.blocks[m].dofs.len();
         let start = self.rows[m];
-        self.ancestors[m].iter().enumerate().map(move |(k, &link)| (link, start + k * size))
+        self.in_front[m].iter().enumerate().map(move |(k, &dof)| (dof, start + k * size))
     }
+}
+
+/// For each module the degrees of freedom on the way to it from the root.
+fn ancestors(partition: &Partition, modules: &ModuleTree) -> Vec<Vec<usize>> {
+    let mut ancestors: Vec<Vec<usize>> = Vec::new();
+    for module in modules.modules() {
+        ancestors.push(module.parent.map_or_else(Vec::new, |parent| {
+            let mut in_front = ancestors[parent].clone();
+            in_front.extend(partition.blocks[parent].dofs.clone());
+            in_front
+        }));
+    }
+    ancestors
+}
+
+/// The same where joints mimic others: each module has the entries of the joint vectors that its
+/// own joints have (none, if all follow others), and the GIM's pattern is followed through the
+/// elimination.
+fn coupled<S: Scalar>(model: &Prepared<S>, modules: &ModuleTree) -> (Partition, Vec<Vec<usize>>) {
+    let mut partition = Partition::new(model, modules);
+    let mut module_of = vec![0; model.nv];
+    let (mut next, mut pivots) = (0, 0);
+    for (m, block) in partition.blocks.iter_mut().enumerate() {
+        let own = model.dofs[block.dofs.clone()].iter().filter(|dof| dof.multiplier.is_none());
+        block.dofs = next..next + own.count();
+        module_of[block.dofs.clone()].fill(m);
+        block.pivot = pivots;
+        next = block.dofs.end;
+        pivots += block.dofs.len() * block.dofs.len();
+    }
+    partition.pivots = pivots;
+    let mut in_front = vec![BTreeSet::new(); partition.blocks.len()];
+    let couple = |a: usize, b: usize, in_front: &mut [BTreeSet<usize>]| {
+        let (a, b) = (a.min(b), a.max(b));
+        if module_of[a] != module_of[b] {
+            in_front[module_of[b]].insert(a);
+        }
+    };
+    for (i, body) in model.bodies.iter().enumerate() {
+        let mut at = Some(body);
+        while let Some(other) = at {
+            for dof in model.dofs_of(i) {
+                for other in &model.dofs[other.dofs.clone()] {
+                    couple(dof.v, other.v, &mut in_front);
+                }
+            }
+            at = other.parent.map(|parent| &model.bodies[parent]);
+        }
+    }
+    for m in (0..in_front.len()).rev() {
+        let rows: Vec<usize> = in_front[m].iter().copied().collect();
+        for (k, &a) in rows.iter().enumerate() {
+            for &b in &rows[k + 1..] {
+                couple(a, b, &mut in_front);
+            }
+        }
+    }
+    (partition, in_front.into_iter().map(|rows| rows.into_iter().collect()).collect())
 }
 
 /// Fills `factors` with D, its factors and U at `q`, laid out by `layout`.
@@ -125,59 +183,130 @@ pub fn factorize<S: Scalar>(
     workspace: &mut Workspace<S>,
     factors: &mut [S],
 ) {
+    if model.has_mimics() {
+        workspace.make_room(layout.pivots(), model.nv * model.nv, 0);
+        let mut matrix = core::mem::take(&mut workspace.matrix);
+        mass_matrix::mass_matrix(model, q, workspace, &mut matrix);
+        factorize_matrix(layout, &mut matrix, &mut workspace.pivots, factors);
+        workspace.matrix = matrix;
+        return;
+    }
+    workspace.make_room(layout.pivots(), 0, 0);
     workspace.move_to(model, q);
     start(model, workspace);
     for (m, block) in layout.blocks().iter().enumerate().rev() {
-        let first = block.links.start;
+        let first = block.bodies.start;
         pivot(model, block, workspace);
         factors[layout.d(m)].copy_from_slice(&workspace.pivots[layout.d(m)]);
         split(block, workspace);
-        let mut entries = factors[layout.factors[m]..].iter_mut();
-        for column in 0..block.links.len() {
-            for (row, entry) in (0..column).zip(&mut entries) {
-                *entry = factor(block, &workspace.pivots)(row, column);
-            }
-        }
-        for i in block.links.clone() {
-            factors[layout.reciprocals().start + i] = workspace.reciprocals[i];
+        store_v(layout, m, &workspace.pivots, factors);
+        for d in block.dofs.clone() {
+            factors[layout.reciprocals().start + d] = workspace.reciprocals[d];
         }
         if model.bodies[first].parent.is_none() {
             continue;
         }
-        reduce_columns(block, workspace);
+        reduce_columns(model, block, workspace);
         eliminate(model, block, workspace);
         // (46): the columns of Psi I_hat^-1, carried inwards, as each joint there feels them.
-        finish_gains(block, workspace);
-        for (j, i) in block.links.clone().enumerate() {
+        finish_gains(model, block, workspace);
+        for (j, d) in block.dofs.clone().enumerate() {
             let mut wrench =
-                Wrench::from_components(core::array::from_fn(|row| workspace.gains[row][i]));
-            let mut behind = first;
-            for (link, row) in layout.rows(m).rev() {
-                wrench = model.bodies[behind].wrench_to_parent(&workspace.motions[behind], wrench);
-                factors[layout.u().start + row + j] = workspace.motions[link].project(&wrench);
-                behind = link;
+                Wrench::from_components(core::array::from_fn(|row| workspace.gains[row][d]));
+            let mut at = first;
+            for (other, row) in layout.rows(m).rev() {
+                while at != model.dofs[other].body {
+                    let body = &model.bodies[at];
+                    wrench = body.wrench_to_parent(&workspace.motions[at], wrench);
+                    let Some(parent) = body.parent else { break };
+                    at = parent;
+                }
+                let component = model.dofs[other].component;
+                factors[layout.u().start + row + j] = wrench.components()[component];
             }
+        }
+    }
+}
+
+/// The same from the GIM itself, by columns, which is used up: (16)-(45), block by block, where
+/// nothing is known of the GIM but which entries are zero.
+pub fn factorize_matrix<S: Scalar>(
+    layout: &Layout,
+    matrix: &mut [S],
+    pivots: &mut [S],
+    factors: &mut [S],
+) {
+    let n = layout.n;
+    for (m, block) in layout.blocks().iter().enumerate().rev() {
+        let (start, size) = (block.dofs.start, block.dofs.len());
+        for (row, entries) in factors[layout.d(m)].chunks_mut(size.max(1)).enumerate() {
+            for (column, entry) in entries.iter_mut().enumerate() {
+                *entry = matrix[(start + column) * n + start + row];
+            }
+        }
+        pivots[layout.d(m)].copy_from_slice(&factors[layout.d(m)]);
+        let reciprocals = layout.reciprocals();
+        let own = reciprocals.start + start..reciprocals.start + start + size;
+        split_block(&mut pivots[layout.d(m)], size, &mut factors[own.clone()]);
+        store_v(layout, m, pivots, factors);
+        let v = factor(block, pivots);
+        for (dof, row) in layout.rows(m) {
+            let row = layout.u().start + row;
+            for j in 0..size {
+                factors[row + j] = matrix[(start + j) * n + dof];
+            }
+            let (before, after) = factors.split_at_mut(row);
+            let entries = &mut after[..size];
+            solve_upper(v, entries);
+            for (entry, &reciprocal) in entries.iter_mut().zip(&before[own.clone()]) {
+                *entry = *entry * reciprocal;
+            }
+            solve_lower(v, entries);
+        }
+        for (a, row) in layout.rows(m) {
+            let row = &factors[layout.u().start + row..][..size];
+            for &b in layout.in_front[m].iter().filter(|&&b| b <= a) {
+                let taken = (0..size).map(|j| row[j] * matrix[(start + j) * n + b]);
+                if let Some(taken) = taken.reduce(|sum, x| sum + x) {
+                    let left = matrix[a * n + b] - taken;
+                    (matrix[a * n + b], matrix[b * n + a]) = (left, left);
+                }
+            }
+        }
+    }
+}
+
+/// Keeps V of a split pivot block.
+fn store_v<S: Scalar>(layout: &Layout, m: usize, pivots: &[S], factors: &mut [S]) {
+    let block = &layout.blocks()[m];
+    let v = factor(block, pivots);
+    let mut entries = factors[layout.factors[m]..].iter_mut();
+    for column in 0..block.dofs.len() {
+        for (row, entry) in (0..column).zip(&mut entries) {
+            *entry = v(row, column);
         }
     }
 }
 
 /// Turns the gains Psi V^-T Delta^-1 into Psi I_hat^-1, all six rows.
-fn finish_gains<S: Scalar>(block: &Block, workspace: &mut Workspace<S>) {
-    let freed = freed(block, workspace);
-    for row in (0..6).filter(|&row| row != freed) {
-        let gains = &mut workspace.gains[row][block.links.clone()];
-        solve_lower(factor(block, &workspace.pivots), gains);
+fn finish_gains<S: Scalar>(model: &Prepared<S>, block: &Block, workspace: &mut Workspace<S>) {
+    let freed = freed(model, block);
+    for (row, freed) in freed.into_iter().enumerate() {
+        let gains = &mut workspace.gains[row][block.dofs.clone()];
+        if let Some(d) = freed {
+            // Psi's row along a freed component is a row of I_hat itself.
+            gains.fill(S::zero());
+            gains[d - block.dofs.start] = S::one();
+        } else {
+            solve_lower(factor(block, &workspace.pivots), gains);
+        }
     }
-    // Psi's row along the first joint is the first row of I_hat itself.
-    let gains = &mut workspace.gains[freed][block.links.clone()];
-    gains.fill(S::zero());
-    gains[0] = S::one();
 }
 
 /// x := I_hat^-1 x for module `m`.
 fn solve_block<S: Scalar>(layout: &Layout, factors: &[S], m: usize, x: &mut [S]) {
     let v = layout.v(m, factors);
-    let reciprocals = &factors[layout.reciprocals()][layout.blocks()[m].links.clone()];
+    let reciprocals = &factors[layout.reciprocals()][layout.blocks()[m].dofs.clone()];
     solve_upper(v, x);
     for (x, &reciprocal) in x.iter_mut().zip(reciprocals) {
         *x = *x * reciprocal;
@@ -189,17 +318,17 @@ fn solve_block<S: Scalar>(layout: &Layout, factors: &[S], m: usize, x: &mut [S])
 pub fn solve<S: Scalar>(layout: &Layout, factors: &[S], x: &mut [S]) {
     let u = &factors[layout.u()];
     for (m, block) in layout.blocks().iter().enumerate().rev() {
-        for (link, row) in layout.rows(m) {
-            for (j, i) in block.links.clone().enumerate() {
-                x[link] = x[link] - u[row + j] * x[i];
+        for (dof, row) in layout.rows(m) {
+            for (j, i) in block.dofs.clone().enumerate() {
+                x[dof] = x[dof] - u[row + j] * x[i];
             }
         }
     }
     for (m, block) in layout.blocks().iter().enumerate() {
-        solve_block(layout, factors, m, &mut x[block.links.clone()]);
-        for (link, row) in layout.rows(m) {
-            for (j, i) in block.links.clone().enumerate() {
-                x[i] = x[i] - u[row + j] * x[link];
+        solve_block(layout, factors, m, &mut x[block.dofs.clone()]);
+        for (dof, row) in layout.rows(m) {
+            for (j, i) in block.dofs.clone().enumerate() {
+                x[i] = x[i] - u[row + j] * x[dof];
             }
         }
     }
@@ -207,12 +336,12 @@ pub fn solve<S: Scalar>(layout: &Layout, factors: &[S], x: &mut [S]) {
 
 /// D as a full matrix by columns, (45).
 pub fn diagonal<S: Scalar>(layout: &Layout, factors: &[S], columns: &mut [S]) {
-    let n = layout.links;
+    let n = layout.n;
     columns.fill(S::zero());
     for block in layout.blocks() {
-        let size = block.links.len();
-        for (j, column) in block.links.clone().enumerate() {
-            for (i, row) in block.links.clone().enumerate() {
+        let size = block.dofs.len();
+        for (j, column) in block.dofs.clone().enumerate() {
+            for (i, row) in block.dofs.clone().enumerate() {
                 columns[column * n + row] = factors[block.pivot + i * size + j];
             }
         }
@@ -221,15 +350,15 @@ pub fn diagonal<S: Scalar>(layout: &Layout, factors: &[S], columns: &mut [S]) {
 
 /// D^-1 as a full matrix by columns, (54).
 pub fn diagonal_inverse<S: Scalar>(layout: &Layout, factors: &[S], columns: &mut [S]) {
-    let n = layout.links;
+    let n = layout.n;
     columns.fill(S::zero());
     for (m, block) in layout.blocks().iter().enumerate() {
-        for column in block.links.clone() {
+        for column in block.dofs.clone() {
             columns[column * n + column] = S::one();
-            let rows = column * n + block.links.start..column * n + block.links.end;
+            let rows = column * n + block.dofs.start..column * n + block.dofs.end;
             solve_block(layout, factors, m, &mut columns[rows]);
         }
-        mirror(n, block.links.clone(), columns);
+        mirror(n, block.dofs.clone(), columns);
     }
 }
 
@@ -244,13 +373,13 @@ fn mirror<S: Scalar>(n: usize, range: Range<usize>, columns: &mut [S]) {
 
 /// U as a full matrix by columns, (43).
 pub fn upper<S: Scalar>(layout: &Layout, u: &[S], columns: &mut [S]) {
-    let n = layout.links;
+    let n = layout.n;
     columns.fill(S::zero());
     for (m, block) in layout.blocks().iter().enumerate() {
-        for (j, column) in block.links.clone().enumerate() {
+        for (j, column) in block.dofs.clone().enumerate() {
             columns[column * n + column] = S::one();
-            for (link, row) in layout.rows(m) {
-                columns[column * n + link] = u[row + j];
+            for (dof, row) in layout.rows(m) {
+                columns[column * n + dof] = u[row + j];
             }
         }
     }
@@ -259,16 +388,17 @@ pub fn upper<S: Scalar>(layout: &Layout, u: &[S], columns: &mut [S]) {
 /// U^-1 as a full matrix by columns, (53)-(54): each block column of U is carried through the
 /// block columns of the modules in front of it.
 pub fn upper_inverse<S: Scalar>(layout: &Layout, u: &[S], columns: &mut [S]) {
-    let n = layout.links;
+    let n = layout.n;
     columns.fill(S::zero());
     for (m, block) in layout.blocks().iter().enumerate() {
-        for (j, column) in block.links.clone().enumerate() {
+        for (j, column) in block.dofs.clone().enumerate() {
             columns[column * n + column] = S::one();
-            // Column `column` of U^-1 is e - sum over links in front of U's entry times their column.
-            for (link, row) in layout.rows(m) {
+            // Column `column` of U^-1 is e - sum over what stands in front of U's entry times their
+            // column. (With mimics that reaches more entries than U has.)
+            for (dof, row) in layout.rows(m) {
                 let factor = u[row + j];
-                for (above, _) in layout.rows(m).take_while(|&(above, _)| above <= link) {
-                    let entry = columns[link * n + above];
+                for above in 0..=dof {
+                    let entry = columns[dof * n + above];
                     columns[column * n + above] = columns[column * n + above] - factor * entry;
                 }
             }
@@ -279,9 +409,9 @@ pub fn upper_inverse<S: Scalar>(layout: &Layout, u: &[S], columns: &mut [S]) {
 /// The inverse of the GIM as a full matrix by columns, (50): U^-T D^-1 U^-1, applied to each
 /// column of the identity.
 pub fn inverse<S: Scalar>(layout: &Layout, factors: &[S], columns: &mut [S]) {
-    let n = layout.links;
+    let n = layout.n;
     columns.fill(S::zero());
-    for (j, column) in columns.chunks_mut(n).enumerate() {
+    for (j, column) in columns.chunks_mut(n.max(1)).enumerate() {
         column[j] = S::one();
         solve(layout, factors, column);
     }
@@ -297,5 +427,5 @@ pub fn log_determinant<S: Scalar>(layout: &Layout, factors: &[S]) -> S {
 /// The condition number of module `m`'s pivot block, in the 2-norm.
 pub fn condition_number<S: Scalar>(layout: &Layout, factors: &[S], m: usize) -> S {
     let mut block = factors[layout.d(m)].to_vec();
-    jacobi::condition_number(&mut block, layout.blocks()[m].links.len())
+    jacobi::condition_number(&mut block, layout.blocks()[m].dofs.len())
 }

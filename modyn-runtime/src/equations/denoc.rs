@@ -68,18 +68,19 @@ impl<S: Scalar> Dense<S> {
     }
 }
 
-/// M, N_l and N_d with the GIM = N_d^T N_l^T M N_l N_d, (5a).
+/// M, N_l and N_d with the GIM = N_d^T N_l^T M N_l N_d, (5a), without the rotors' inertia.
 ///
-/// Rows and columns stand link by link, each link in its own frame as the model has it, angular
-/// before linear; modules are consecutive links, so these are the module-level matrices of (4) as
-/// well.
+/// Rows stand body by body: the links, each in its own frame as the model has it, angular before
+/// linear, and before a link on a universal or planar joint the massless bodies inside that joint.
+/// Columns of N_d are those of qd. Modules are consecutive links, so these are the module-level
+/// matrices of (4) as well.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeNoc<S> {
-    /// The 6n times 6n mass matrix of the free links, (1)-(2).
+    /// The 6n times 6n mass matrix of the n free bodies, (1)-(2).
     pub mass: Dense<S>,
     /// The 6n times 6n matrix of twist propagations, (A.12).
     pub propagation: Dense<S>,
-    /// The 6n times n matrix of joint-motion propagations, (A.5).
+    /// The 6n times nv matrix of joint-motion propagations, (A.5).
     pub joints: Dense<S>,
 }
 
@@ -99,11 +100,14 @@ pub fn denoc<S: Scalar>(model: &Prepared<S>, q: &[S], workspace: &mut Workspace<
     let n = model.bodies.len();
     let mut mass = Dense::zero(6 * n, 6 * n);
     let mut propagation = Dense::zero(6 * n, 6 * n);
-    let mut joints = Dense::zero(6 * n, n);
+    let mut joints = Dense::zero(6 * n, model.nv);
     for (i, body) in model.bodies.iter().enumerate() {
         let motion = &workspace.motions[i];
         let inertia = body.inertia.articulated();
-        joints.set_column(6 * i, i, to_link(body, motion.add_rate(Twist::zero(), S::one())));
+        for dof in model.dofs_of(i) {
+            let column = unit(dof.component).scale(dof.scale(S::one()));
+            joints.set_column(6 * i, dof.v, to_link(body, column));
+        }
         for k in 0..6 {
             propagation.set_column(6 * i, 6 * i + k, unit(k));
             let wrench = wrench_to_link(body, inertia.times(&from_link(body, unit(k))));

@@ -2,9 +2,11 @@
 //!
 //! Inside a module inertia travels as a rigid composite (10 numbers), in the last link together
 //! with what eliminated child modules left there (21 numbers from there on). The module's pivot
-//! is the block I_hat = N^T Psi, (46), with Psi = M_hat N, (47); it is split as V Delta V^T by
-//! reverse Gaussian elimination, and the module's parent then sees Phi M_hat, (48)-(49):
-//! M_hat - Psi I_hat^-1 Psi^T.
+//! is the block I_hat = N^T Psi, (46), with Psi = M_hat N, (47), and the rotors' inertia on its
+//! diagonal; it is split as V Delta V^T by reverse Gaussian elimination, and the module's parent
+//! then sees Phi M_hat, (48)-(49): M_hat - Psi I_hat^-1 Psi^T.
+//!
+//! No joint mimics another here: each degree of freedom is an entry of the joint vectors.
 
 use super::Workspace;
 use super::partition::Block;
@@ -12,7 +14,7 @@ use crate::Scalar;
 use crate::model::prepare::Prepared;
 use crate::spatial::ArticulatedInertia;
 
-/// Sets each link's inertia to its own.
+/// Sets each body's inertia to its own.
 pub(super) fn start<S: Scalar>(model: &Prepared<S>, workspace: &mut Workspace<S>) {
     for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
         *composite = body.minimal;
@@ -20,38 +22,47 @@ pub(super) fn start<S: Scalar>(model: &Prepared<S>, workspace: &mut Workspace<S>
     workspace.articulated.fill(None);
 }
 
-/// Forms the module's pivot block and its columns Psi at the module's first link, and gathers the
-/// inertia of the links behind there.
+/// Forms the module's pivot block and its columns Psi at the module's first body, and gathers the
+/// inertia of the bodies behind there.
 pub(super) fn pivot<S: Scalar>(model: &Prepared<S>, block: &Block, workspace: &mut Workspace<S>) {
-    let (first, size) = (block.links.start, block.links.len());
-    for j in (0..size).rev() {
-        let i = first + j;
-        let motion = workspace.motions[i];
+    let (start, size) = (block.dofs.start, block.dofs.len());
+    for i in block.bodies.clone().rev() {
         let (composite, articulated) = (workspace.composite[i], workspace.articulated[i]);
         let whole = articulated.map(|a| a + composite.articulated());
-        let mut wrench = match &whole {
-            Some(whole) => whole.column(motion.component()),
-            None => motion.unit_wrench(&composite),
-        };
-        workspace.pivots[block.pivot + j * size + j] = motion.project(&wrench);
-        for row in (0..j).rev() {
-            let behind = first + row + 1;
-            let carried = model.bodies[behind].wrench_to_parent(&workspace.motions[behind], wrench);
-            wrench = carried;
-            let felt = workspace.motions[first + row].project(&wrench);
-            workspace.pivots[block.pivot + row * size + j] = felt;
-            workspace.pivots[block.pivot + j * size + row] = felt;
+        for d in model.bodies[i].dofs.clone() {
+            let dof = &model.dofs[d];
+            let mut wrench = match &whole {
+                Some(whole) => whole.column(dof.component),
+                None => composite.column(dof.component),
+            };
+            let j = d - start;
+            let mut own = wrench.components()[dof.component];
+            if let Some(armature) = dof.armature {
+                own = own + armature;
+            }
+            workspace.pivots[block.pivot + j * size + j] = own;
+            let mut at = i;
+            for row in (0..j).rev() {
+                let other = &model.dofs[start + row];
+                while at > other.body {
+                    wrench = model.bodies[at].wrench_to_parent(&workspace.motions[at], wrench);
+                    at -= 1;
+                }
+                let felt = wrench.components()[other.component];
+                workspace.pivots[block.pivot + row * size + j] = felt;
+                workspace.pivots[block.pivot + j * size + row] = felt;
+            }
+            for (column, component) in workspace.columns.iter_mut().zip(wrench.components()) {
+                column[d] = component;
+            }
         }
-        for (column, component) in workspace.columns.iter_mut().zip(wrench.components()) {
-            column[i] = component;
-        }
-        if j == 0 {
+        if i == block.bodies.start {
             continue;
         }
         if let Some(whole) = whole {
             leave(model, workspace, i, &whole);
         } else {
-            let carried = model.bodies[i].rigid_to_parent(&motion, &composite);
+            let carried = model.bodies[i].rigid_to_parent(&workspace.motions[i], &composite);
             workspace.composite[i - 1] = workspace.composite[i - 1] + carried;
         }
     }
@@ -59,11 +70,16 @@ pub(super) fn pivot<S: Scalar>(model: &Prepared<S>, block: &Block, workspace: &m
 
 /// Splits the pivot block as V Delta V^T in place: V above the diagonal, Delta's reciprocals aside.
 pub(super) fn split<S: Scalar>(block: &Block, workspace: &mut Workspace<S>) {
-    let (first, size) = (block.links.start, block.links.len());
+    let size = block.dofs.len();
     let v = &mut workspace.pivots[block.pivot..block.pivot + size * size];
+    split_block(v, size, &mut workspace.reciprocals[block.dofs.clone()]);
+}
+
+/// The same of a block by rows.
+pub(super) fn split_block<S: Scalar>(v: &mut [S], size: usize, reciprocals: &mut [S]) {
     for a in (0..size).rev() {
         let reciprocal = v[a * size + a].recip();
-        workspace.reciprocals[first + a] = reciprocal;
+        reciprocals[a] = reciprocal;
         for b in 0..a {
             let factor = v[b * size + a] * reciprocal;
             for c in 0..=b {
@@ -99,25 +115,35 @@ pub(super) fn factor<'a, S: Scalar>(
     block: &Block,
     pivots: &'a [S],
 ) -> impl Fn(usize, usize) -> S + Copy + 'a {
-    let (start, size) = (block.pivot, block.links.len());
+    let (start, size) = (block.pivot, block.dofs.len());
     move |row, column| pivots[start + row * size + column]
 }
 
-/// The component of the module's first joint, in which nothing is left for its parent: what the
-/// joint does not hold, it gives way to.
-pub(super) fn freed<S: Scalar>(block: &Block, workspace: &Workspace<S>) -> usize {
-    workspace.motions[block.links.start].component()
+/// By component: the degree of freedom of the module's first joint that moves it, where nothing
+/// is left for the parent: what the joint does not hold, it gives way to. (A rotor holds.)
+pub(super) fn freed<S: Scalar>(model: &Prepared<S>, block: &Block) -> [Option<usize>; 6] {
+    let mut freed = [None; 6];
+    for d in model.bodies[block.bodies.start].dofs.clone() {
+        if model.dofs[d].armature.is_none() {
+            freed[model.dofs[d].component] = Some(d);
+        }
+    }
+    freed
 }
 
 /// Turns the columns Psi into V^-1 Psi^T and, over Delta, into `gains`: row by row but the freed
-/// one. Expects the split pivot.
-pub(super) fn reduce_columns<S: Scalar>(block: &Block, workspace: &mut Workspace<S>) {
-    let freed = freed(block, workspace);
+/// ones. Expects the split pivot.
+pub(super) fn reduce_columns<S: Scalar>(
+    model: &Prepared<S>,
+    block: &Block,
+    workspace: &mut Workspace<S>,
+) {
+    let freed = freed(model, block);
     let v = factor(block, &workspace.pivots);
-    for row in (0..6).filter(|&row| row != freed) {
-        solve_upper(v, &mut workspace.columns[row][block.links.clone()]);
-        for i in block.links.clone() {
-            workspace.gains[row][i] = workspace.columns[row][i] * workspace.reciprocals[i];
+    for row in (0..6).filter(|&row| freed[row].is_none()) {
+        solve_upper(v, &mut workspace.columns[row][block.dofs.clone()]);
+        for d in block.dofs.clone() {
+            workspace.gains[row][d] = workspace.columns[row][d] * workspace.reciprocals[d];
         }
     }
 }
@@ -128,25 +154,28 @@ pub(super) fn eliminate<S: Scalar>(
     block: &Block,
     workspace: &mut Workspace<S>,
 ) {
-    let first = block.links.start;
-    let freed = freed(block, workspace);
+    let first = block.bodies.start;
+    let freed = freed(model, block);
+    if freed.iter().all(Option::is_some) {
+        return;
+    }
     let rigid = workspace.composite[first].articulated();
     let whole = workspace.articulated[first].map_or(rigid, |a| a + rigid);
     let left = ArticulatedInertia::from_fn(|row, column| {
-        if row == freed || column == freed {
+        if freed[row].is_some() || freed[column].is_some() {
             return S::zero();
         }
         let taken = block
-            .links
+            .dofs
             .clone()
-            .map(|i| workspace.columns[row][i] * workspace.gains[column][i])
+            .map(|d| workspace.columns[row][d] * workspace.gains[column][d])
             .reduce(|sum, x| sum + x);
         taken.map_or(whole.entry(row, column), |taken| whole.entry(row, column) - taken)
     });
     leave(model, workspace, first, &left);
 }
 
-/// Adds an articulated inertia at link `i` to what its parent carries.
+/// Adds an articulated inertia at body `i` to what its parent carries.
 fn leave<S: Scalar>(
     model: &Prepared<S>,
     workspace: &mut Workspace<S>,

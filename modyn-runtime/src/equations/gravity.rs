@@ -19,11 +19,14 @@ pub fn gravity_torques<S: Scalar>(
         workspace.twists[i].linear = body.to_child(&workspace.motions[i], a);
     }
     gather(model, workspace, |body| body.minimal);
-    for (i, tau) in tau.iter_mut().enumerate() {
+    tau.fill(S::zero());
+    for i in 0..model.bodies.len() {
         let (composite, a) = (&workspace.composite[i], workspace.twists[i].linear);
         let wrench =
             Wrench { moment: composite.first_moment.cross(a), force: a.scale(composite.mass) };
-        *tau = workspace.motions[i].project(&wrench);
+        for dof in model.dofs_of(i) {
+            dof.add(wrench.components()[dof.component], tau);
+        }
     }
 }
 
@@ -36,18 +39,27 @@ pub fn potential_energy<S: Scalar>(
     workspace: &mut Workspace<S>,
 ) -> S {
     workspace.move_to(model, q);
-    gather(model, workspace, |body| body.inertia);
+    -model.gravity.dot(first_moment(model, workspace, |body| body.inertia))
+}
+
+/// The first moment of mass in the world. Expects the joints at q.
+pub(super) fn first_moment<S: Scalar>(
+    model: &Prepared<S>,
+    workspace: &mut Workspace<S>,
+    inertia: impl Fn(&Body<S>) -> RigidInertia<S>,
+) -> Vector3<S> {
+    gather(model, workspace, inertia);
     let mut first_moment = Vector3::zero();
     for (i, body) in model.bodies.iter().enumerate() {
         if body.parent.is_none() {
             first_moment += carried(body, workspace, i).1;
         }
     }
-    -model.gravity.dot(first_moment)
+    first_moment
 }
 
 /// Sums masses and first moments towards the root.
-fn gather<S: Scalar>(
+pub(super) fn gather<S: Scalar>(
     model: &Prepared<S>,
     workspace: &mut Workspace<S>,
     inertia: impl Fn(&Body<S>) -> RigidInertia<S>,

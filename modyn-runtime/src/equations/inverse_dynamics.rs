@@ -1,28 +1,42 @@
 //! Inverse dynamics: the joint torques of a motion.
 
-use super::Workspace;
-use super::newton_euler::link_wrenches;
+use super::newton_euler::{Accelerations, link_wrenches};
+use super::{Forces, Workspace};
 use crate::Scalar;
 use crate::model::prepare::Prepared;
 
-/// tau = I(q) qdd + h(q, qd), gravity included: the recursive Newton-Euler algorithm.
+/// tau = I(q) qdd + h(q, qd) - the external `forces`' share, gravity, rotors and what resists the
+/// joints' motion included: the recursive Newton-Euler algorithm.
 ///
 /// Without `qdd` these are the bias forces h(q, qd).
 pub fn inverse_dynamics<S: Scalar>(
     model: &Prepared<S>,
-    q: &[S],
-    qd: &[S],
-    qdd: Option<&[S]>,
+    (q, qd, qdd): (&[S], &[S], Option<&[S]>),
+    forces: Option<Forces<'_, S>>,
     workspace: &mut Workspace<S>,
     tau: &mut [S],
 ) {
     workspace.move_to(model, q);
-    link_wrenches(model, qd, qdd, workspace);
+    let accelerations = qdd.map_or(Accelerations::None, Accelerations::Given);
+    link_wrenches(model, qd, accelerations, workspace);
+    if let Some(forces) = forces {
+        forces.subtract(model, workspace);
+    }
+    tau.fill(S::zero());
     for (i, body) in model.bodies.iter().enumerate().rev() {
-        let (motion, wrench) = (&workspace.motions[i], workspace.wrenches[i]);
-        tau[i] = motion.project(&wrench);
+        let wrench = workspace.wrenches[i];
+        for dof in model.dofs_of(i) {
+            let mut felt = wrench.components()[dof.component];
+            if let (Some(armature), Some(qdd)) = (dof.armature, qdd) {
+                felt = felt + armature * dof.rate(qdd);
+            }
+            if let Some(resistance) = model.resistance(dof, qd) {
+                felt = felt + resistance;
+            }
+            dof.add(felt, tau);
+        }
         if let Some(parent) = body.parent {
-            let carried = body.wrench_to_parent(motion, wrench);
+            let carried = body.wrench_to_parent(&workspace.motions[i], wrench);
             workspace.wrenches[parent] += carried;
         }
     }

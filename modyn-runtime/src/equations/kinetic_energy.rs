@@ -5,7 +5,7 @@ use crate::Scalar;
 use crate::model::prepare::Prepared;
 use crate::spatial::Twist;
 
-/// The kinetic energy of the moving links, J.
+/// The kinetic energy of the moving links and of the rotors, J.
 ///
 /// Minimal parameters do: mass is only moved where it moves with parent and child alike.
 pub fn kinetic_energy<S: Scalar>(
@@ -21,7 +21,7 @@ pub fn kinetic_energy<S: Scalar>(
         let carried = body
             .parent
             .map_or_else(Twist::zero, |p| body.twist_to_child(motion, workspace.twists[p]));
-        let twist = motion.add_rate(carried, qd[i]);
+        let twist = model.add_rates(i, carried, qd);
         workspace.twists[i] = twist;
         let (omega, v) = (twist.angular, twist.linear);
         let inertia = &body.minimal;
@@ -29,6 +29,12 @@ pub fn kinetic_energy<S: Scalar>(
         let turning = omega.dot(inertia.rotational().full().mul_vector(omega));
         let mixed = v.dot(omega.cross(inertia.first_moment));
         twice = twice + (turning + (mixed + mixed) + inertia.mass * v.dot(v));
+    }
+    for dof in &model.dofs {
+        if let Some(armature) = dof.armature {
+            let rate = dof.rate(qd);
+            twice = twice + armature * (rate * rate);
+        }
     }
     twice * S::from_f64(0.5)
 }

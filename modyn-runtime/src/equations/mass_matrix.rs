@@ -4,7 +4,7 @@ use super::Workspace;
 use crate::Scalar;
 use crate::model::prepare::Prepared;
 
-/// The GIM by columns into `columns` (n times n, column by column), both triangles.
+/// The GIM by columns into `columns` (nv times nv, column by column), both triangles.
 ///
 /// Composite inertias by (8); element (i, j) is the part that joint j feels of the wrench that a
 /// unit acceleration of joint i needs on its composite, (10). With modules of one link that is
@@ -16,25 +16,41 @@ pub fn mass_matrix<S: Scalar>(
     workspace: &mut Workspace<S>,
     columns: &mut [S],
 ) {
-    let n = model.bodies.len();
+    let n = model.nv;
     workspace.move_to(model, q);
     columns.fill(S::zero());
     for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
         *composite = body.minimal;
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
-        let motion = &workspace.motions[i];
-        let mut wrench = motion.unit_wrench(&workspace.composite[i]);
-        columns[i * n + i] = motion.project(&wrench);
-        let mut at = i;
-        while let Some(parent) = model.bodies[at].parent {
-            wrench = model.bodies[at].wrench_to_parent(&workspace.motions[at], wrench);
-            let felt = workspace.motions[parent].project(&wrench);
-            (columns[i * n + parent], columns[parent * n + i]) = (felt, felt);
-            at = parent;
+        for (d, dof) in body.dofs.clone().zip(model.dofs_of(i)) {
+            let mut add = |row: usize, column: usize, entry: S| {
+                let entry_of = &mut columns[column * n + row];
+                *entry_of = *entry_of + entry;
+            };
+            let mut wrench = workspace.composite[i].column(dof.component);
+            let mut own = wrench.components()[dof.component];
+            if let Some(armature) = dof.armature {
+                own = own + armature;
+            }
+            add(dof.v, dof.v, dof.scale(dof.scale(own)));
+            let mut at = i;
+            let mut others = body.dofs.start..d;
+            loop {
+                for other in model.dofs[others].iter() {
+                    let felt = other.scale(dof.scale(wrench.components()[other.component]));
+                    // Where one follows the other both are the same entry, and both count.
+                    add(other.v, dof.v, felt);
+                    add(dof.v, other.v, felt);
+                }
+                let Some(parent) = model.bodies[at].parent else { break };
+                wrench = model.bodies[at].wrench_to_parent(&workspace.motions[at], wrench);
+                at = parent;
+                others = model.bodies[at].dofs.clone();
+            }
         }
         if let Some(parent) = body.parent {
-            let carried = body.rigid_to_parent(motion, &workspace.composite[i]);
+            let carried = body.rigid_to_parent(&workspace.motions[i], &workspace.composite[i]);
             workspace.composite[parent] = workspace.composite[parent] + carried;
         }
     }

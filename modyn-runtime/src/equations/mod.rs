@@ -7,8 +7,11 @@
 //!
 //! | file | quantity | source |
 //! |---|---|---|
-//! | `kinematics` | link poses | A.1 of the paper |
+//! | `kinematics` | poses and motion of the links, Jacobians | A.1 of the paper |
+//! | `center_of_mass` | centre of mass, its Jacobian | |
+//! | `centroidal` | momentum about the centre of mass, its matrix | Orin, Goswami and Lee 2013 |
 //! | `newton_euler` | wrenches of the links' motion | Newton and Euler; Luh, Walker and Paul 1980 |
+//! | `external` | wrenches on links from outside | |
 //! | `inverse_dynamics` | joint torques, bias forces | (5a) |
 //! | `gravity` | gravity torques, potential energy | |
 //! | `mass_matrix` | the GIM from composite modules | (7)-(10) |
@@ -16,11 +19,20 @@
 //! | `brge` | U D U^T, inverse, solve | (35)-(57) |
 //! | `forward_dynamics` | accelerations by inter- and intra-modular recursion | (60), Table 6 |
 //! | `kinetic_energy` | kinetic energy | |
+//! | `regressor` | inverse dynamics as linear in the inertias | Atkeson, An and Hollerbach 1986 |
+//! | `coordinates` | steps, differences, rates and random values of the coordinates | Murray, Li and Sastry 1994 |
+//! | `derivatives` | derivatives of inverse and forward dynamics | Singh, Russell and Wensing 2022 |
 //! | `denoc` | the DeNOC matrices, dense | (1)-(5), A.1, A.2 |
 
 pub mod brge;
+pub mod center_of_mass;
+pub mod centroidal;
+mod chain;
+pub mod coordinates;
 pub mod denoc;
+pub mod derivatives;
 mod elimination;
+pub mod external;
 pub mod forward_dynamics;
 pub mod gravity;
 pub mod inverse_dynamics;
@@ -29,6 +41,7 @@ pub mod kinetic_energy;
 pub mod mass_matrix;
 mod newton_euler;
 pub mod partition;
+pub mod regressor;
 mod workspace;
 
-pub use {partition::Partition, workspace::Workspace};
+pub use {external::Forces, partition::Partition, workspace::Workspace};

@@ -4,13 +4,16 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use crate::model::ModuleTree;
+use crate::model::prepare::Prepared;
 
 /// A module, with where its block pivot lies in a packed array.
 #[derive(Clone, Debug)]
 pub struct Block {
-    /// Its links.
-    pub links: Range<usize>,
-    /// Where its pivot block starts: `links.len()` squared numbers, by rows.
+    /// Its bodies.
+    pub bodies: Range<usize>,
+    /// Their degrees of freedom.
+    pub dofs: Range<usize>,
+    /// Where its pivot block starts: `dofs.len()` squared numbers, by rows.
     pub pivot: usize,
     /// Whether other modules hang on it.
     pub has_children: bool,
@@ -26,21 +29,23 @@ pub struct Partition {
 }
 
 impl Partition {
-    /// No module, for quantities that eliminate nothing.
+    /// The modules of a model, which they fit.
     #[must_use]
-    pub fn empty() -> Self {
-        Self { blocks: Vec::new(), pivots: 0 }
-    }
-}
-
-impl From<&ModuleTree> for Partition {
-    fn from(modules: &ModuleTree) -> Self {
+    pub fn new<S>(model: &Prepared<S>, modules: &ModuleTree) -> Self {
         let mut pivots = 0;
         let blocks = modules.modules().iter().map(|module| {
+            let bodies = bodies(model, &module.links);
+            let dofs = model.bodies[bodies.start].dofs.start..model.bodies[bodies.end - 1].dofs.end;
             let pivot = pivots;
-            pivots += module.links.len() * module.links.len();
-            Block { links: module.links.clone(), pivot, has_children: !module.children.is_empty() }
+            pivots += dofs.len() * dofs.len();
+            Block { bodies, dofs, pivot, has_children: !module.children.is_empty() }
         });
         Self { blocks: blocks.collect(), pivots }
     }
+}
+
+/// The bodies of these links, which are in a row.
+fn bodies<S>(model: &Prepared<S>, links: &Range<usize>) -> Range<usize> {
+    let start = links.start.checked_sub(1).map_or(0, |before| model.links[before] + 1);
+    start..model.links[links.end - 1] + 1
 }

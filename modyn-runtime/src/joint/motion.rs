@@ -1,19 +1,76 @@
-//! A joint at a value of its coordinate: the one place where the equations meet joint types.
+//! A joint at values of its coordinates: the one place where the equations meet joint types.
+//!
+//! The equations know four primitives. A universal joint is two revolute ones with nothing between
+//! them, a planar joint two prismatic ones and a revolute one (`model::prepare` takes them apart).
 
-use super::{JointType, prismatic, revolute};
+use super::{floating, prismatic, revolute, rotated, spherical};
 use crate::Scalar;
 use crate::model::prepare::Zero;
 use crate::spatial::{
-    ArticulatedInertia, Axis, Field, Matrix3, RigidInertia, Turn, Twist, Vector3, Wrench,
+    ArticulatedInertia, Axis, Field, Matrix3, RigidInertia, Turn, Twist, Vector3, VelocityMoments,
+    Wrench,
 };
 
-/// The motion of a joint along the z axis of its frame, at a value of its coordinate.
+/// What a joint allows, in the frame behind it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Primitive {
+    /// Rotation about z.
+    Revolute,
+    /// Translation along z.
+    Prismatic,
+    /// Any rotation.
+    Spherical,
+    /// Any motion.
+    Floating,
+}
+
+impl Primitive {
+    /// How many coordinates it takes.
+    #[must_use]
+    pub fn nq(self) -> usize {
+        match self {
+            Self::Revolute | Self::Prismatic => 1,
+            Self::Spherical => 4,
+            Self::Floating => 7,
+        }
+    }
+
+    /// Whether it moves along an axis, z: the same one seen from in front of the joint and from
+    /// behind it, so that its degree of freedom may be described in either frame.
+    #[must_use]
+    pub fn has_axis(self) -> bool {
+        matches!(self, Self::Revolute | Self::Prismatic)
+    }
+
+    /// Which of the six components (angular x, y, z, linear x, y, z) its degrees of freedom move,
+    /// one each: where the paper's joint-motion propagation vectors p are not zero.
+    #[must_use]
+    pub fn components(self) -> &'static [usize] {
+        match self {
+            Self::Revolute => &[2],
+            Self::Prismatic => &[5],
+            Self::Spherical => &[0, 1, 2],
+            Self::Floating => &[3, 4, 5, 0, 1, 2],
+        }
+    }
+}
+
+/// The motion of a joint, at values of its coordinates.
 #[derive(Clone, Copy, Debug)]
 pub enum Motion<S> {
     /// Turned about z.
     Revolute(Turn<S>),
     /// Shifted along z by so much.
     Prismatic(S),
+    /// Turned by this matrix, whose columns are the axes behind the joint.
+    Spherical(Matrix3<S>),
+    /// Shifted and turned.
+    Floating {
+        /// The axes behind the joint.
+        rotation: Matrix3<S>,
+        /// Where the frame behind the joint stands, in the axes in front of it.
+        position: Vector3<S>,
+    },
 }
 
 /// The motion in front of a joint, in the axes behind it.
@@ -28,51 +85,54 @@ pub struct Carried<S> {
 }
 
 impl<S: Scalar> Motion<S> {
-    /// The joint at coordinate `q`, where the frame's own zero stands at `zero`.
+    /// The joint at coordinates `q`, where the frame's own zero stands at `zero`.
     #[must_use]
-    pub fn new(joint_type: JointType, zero: Zero<S>, q: S) -> Self {
-        match joint_type {
-            JointType::Revolute | JointType::Continuous => Self::Revolute(revolute::turn(zero, q)),
-            JointType::Prismatic => Self::Prismatic(q),
+    pub fn new(primitive: Primitive, zero: Zero<S>, q: &[S]) -> Self {
+        match (primitive, q) {
+            (Primitive::Prismatic, &[q]) => Self::Prismatic(q),
+            (Primitive::Spherical, &[x, y, z, w]) => {
+                Self::Spherical(spherical::rotation(zero, [x, y, z, w]))
+            }
+            (Primitive::Floating, &[px, py, pz, x, y, z, w]) => Self::Floating {
+                rotation: spherical::rotation(zero, [x, y, z, w]),
+                position: zero.turn().vector(Axis::Z, Vector3([px, py, pz])),
+            },
+            (_, q) => Self::Revolute(revolute::turn(zero, q[0])),
         }
     }
 
-    /// Which of the six components (angular x, y, z, linear x, y, z) the joint moves: the one
-    /// that is not zero in the paper's joint-motion propagation vector p.
-    #[must_use]
-    pub fn component(&self) -> usize {
-        match self {
-            Self::Revolute(_) => 2,
-            Self::Prismatic(_) => 5,
-        }
-    }
-
-    /// Where the joint has carried its frame's origin, in the axes behind the joint; `None` where
-    /// it stays.
+    /// Where the joint has carried its frame's origin, in the axes in front of the joint; `None`
+    /// where it stays.
     #[must_use]
     pub fn displacement(&self) -> Option<Vector3<S>> {
         match self {
-            Self::Revolute(_) => None,
+            Self::Revolute(_) | Self::Spherical(_) => None,
             Self::Prismatic(q) => Some(Vector3::along_z(*q)),
+            Self::Floating { position, .. } => Some(*position),
         }
     }
 
-    /// The motion behind the joint, from what is carried across it and the joint's own rate and
-    /// acceleration; `None` where it has no acceleration.
+    /// The motion behind the joint, from what is carried across it and the joint's own rates and
+    /// accelerations; `None` where it has no acceleration.
     #[must_use]
-    pub fn accelerate(&self, carried: Carried<S>, rate: S, acceleration: Option<S>) -> Field<S> {
+    pub fn accelerate(
+        &self,
+        carried: Carried<S>,
+        rates: &[S],
+        accelerations: Option<&[S]>,
+    ) -> Field<S> {
         match self {
-            Self::Revolute(_) => revolute::accelerate(carried, rate, acceleration),
-            Self::Prismatic(q) => prismatic::accelerate(*q, carried, rate, acceleration),
-        }
-    }
-
-    /// p^T w: the part of a wrench that the joint feels.
-    #[must_use]
-    pub fn project(&self, w: &Wrench<S>) -> S {
-        match self {
-            Self::Revolute(_) => w.moment[2],
-            Self::Prismatic(_) => w.force[2],
+            Self::Revolute(_) => {
+                revolute::accelerate(carried, rates[0], accelerations.map(|a| a[0]))
+            }
+            Self::Prismatic(q) => {
+                prismatic::accelerate(*q, carried, rates[0], accelerations.map(|a| a[0]))
+            }
+            Self::Spherical(_) => spherical::accelerate(carried, rates, accelerations),
+            Self::Floating { rotation, position } => {
+                let displacement = rotation.transposed().mul_vector(*position);
+                floating::accelerate(displacement, carried, rates, accelerations)
+            }
         }
     }
 
@@ -82,6 +142,9 @@ impl<S: Scalar> Motion<S> {
         match self {
             Self::Revolute(turn) => turn.inverse().vector(Axis::Z, v),
             Self::Prismatic(_) => v,
+            Self::Spherical(rotation) | Self::Floating { rotation, .. } => {
+                rotation.transposed().mul_vector(v)
+            }
         }
     }
 
@@ -91,7 +154,21 @@ impl<S: Scalar> Motion<S> {
         match self {
             Self::Revolute(turn) => turn.vector(Axis::Z, v),
             Self::Prismatic(_) => v,
+            Self::Spherical(rotation) | Self::Floating { rotation, .. } => rotation.mul_vector(v),
         }
+    }
+
+    /// A point in front of the joint, seen from behind it.
+    #[must_use]
+    pub fn point_to_child(&self, point: Vector3<S>) -> Vector3<S> {
+        self.to_child(self.displacement().map_or(point, |displacement| point - displacement))
+    }
+
+    /// A point behind the joint, seen from in front of it.
+    #[must_use]
+    pub fn point_to_parent(&self, point: Vector3<S>) -> Vector3<S> {
+        let turned = self.to_parent(point);
+        self.displacement().map_or(turned, |displacement| turned + displacement)
     }
 
     /// The axes in front of the joint (as columns, in some third frame), turned behind it.
@@ -100,6 +177,7 @@ impl<S: Scalar> Motion<S> {
         match self {
             Self::Revolute(turn) => turn.columns(Axis::Z, axes),
             Self::Prismatic(_) => *axes,
+            Self::Spherical(rotation) | Self::Floating { rotation, .. } => axes.times(rotation),
         }
     }
 
@@ -109,17 +187,12 @@ impl<S: Scalar> Motion<S> {
         match self {
             Self::Revolute(turn) => revolute::twist_to_child(*turn, t),
             Self::Prismatic(q) => prismatic::twist_to_child(*q, t),
+            Self::Spherical(rotation) => rotated::twist_to_child(rotation, t),
+            Self::Floating { rotation, position } => {
+                let linear = t.linear + t.angular.cross(*position);
+                rotated::twist_to_child(rotation, Twist { linear, ..t })
+            }
         }
-    }
-
-    /// `t` with the joint's own rate (or acceleration) added: t + p rate.
-    #[must_use]
-    pub fn add_rate(&self, mut t: Twist<S>, rate: S) -> Twist<S> {
-        match self {
-            Self::Revolute(_) => t.angular[2] = t.angular[2] + rate,
-            Self::Prismatic(_) => t.linear[2] = t.linear[2] + rate,
-        }
-        t
     }
 
     /// A wrench behind the joint, carried in front of it.
@@ -128,6 +201,11 @@ impl<S: Scalar> Motion<S> {
         match self {
             Self::Revolute(turn) => revolute::wrench_to_parent(*turn, w),
             Self::Prismatic(q) => prismatic::wrench_to_parent(*q, w),
+            Self::Spherical(rotation) => rotated::wrench_to_parent(rotation, w),
+            Self::Floating { rotation, position } => {
+                let w = rotated::wrench_to_parent(rotation, w);
+                Wrench { moment: w.moment + position.cross(w.force), ..w }
+            }
         }
     }
 
@@ -137,6 +215,57 @@ impl<S: Scalar> Motion<S> {
         match self {
             Self::Revolute(turn) => revolute::rigid_to_parent(*turn, i),
             Self::Prismatic(q) => prismatic::rigid_to_parent(*q, i),
+            Self::Spherical(rotation) => i.rotated(rotation),
+            Self::Floating { rotation, position } => i.rotated(rotation).shifted(*position),
+        }
+    }
+
+    /// The moments of the velocities that the points behind the joint, of inertia `body`, have
+    /// against the frame in front of it, there; `velocities` are against the frame behind it.
+    #[must_use]
+    pub fn velocities_to_parent(
+        &self,
+        velocities: &VelocityMoments<S>,
+        body: &RigidInertia<S>,
+        rates: &[S],
+    ) -> VelocityMoments<S> {
+        let twice = |own: &[S]| Vector3(core::array::from_fn(|k| own[k] + own[k]));
+        match self {
+            Self::Revolute(turn) => {
+                let turned = self.rigid_to_parent(body);
+                let spin = Vector3::along_z(rates[0] + rates[0]);
+                velocities.turned(*turn, Axis::Z).spun(spin, &turned)
+            }
+            Self::Prismatic(q) => {
+                let slide = Vector3::along_z(rates[0] + rates[0]);
+                velocities.slid(slide, body).shifted(Vector3::along_z(*q))
+            }
+            Self::Spherical(rotation) => {
+                let spin = rotation.mul_vector(twice(rates));
+                velocities.rotated(rotation).spun(spin, &body.rotated(rotation))
+            }
+            Self::Floating { rotation, position } => {
+                let (slide, spin) = (twice(rates), twice(&rates[3..]));
+                let turned = body.rotated(rotation);
+                velocities
+                    .rotated(rotation)
+                    .spun(rotation.mul_vector(spin), &turned)
+                    .slid(rotation.mul_vector(slide), &turned)
+                    .shifted(*position)
+            }
+        }
+    }
+
+    /// The velocity of the frame's origin behind the joint against the frame in front of it, there;
+    /// `None` where it stays.
+    #[must_use]
+    pub fn drift(&self, rates: &[S]) -> Option<Vector3<S>> {
+        match self {
+            Self::Revolute(_) | Self::Spherical(_) => None,
+            Self::Prismatic(_) => Some(Vector3::along_z(rates[0])),
+            Self::Floating { rotation, .. } => {
+                Some(rotation.mul_vector(Vector3([rates[0], rates[1], rates[2]])))
+            }
         }
     }
 
@@ -146,15 +275,8 @@ impl<S: Scalar> Motion<S> {
         match self {
             Self::Revolute(turn) => revolute::articulated_to_parent(*turn, i),
             Self::Prismatic(q) => prismatic::articulated_to_parent(*q, i),
-        }
-    }
-
-    /// The wrench of a unit joint acceleration on a rigid inertia: M p.
-    #[must_use]
-    pub fn unit_wrench(&self, i: &RigidInertia<S>) -> Wrench<S> {
-        match self {
-            Self::Revolute(_) => revolute::unit_wrench(i),
-            Self::Prismatic(_) => prismatic::unit_wrench(i),
+            Self::Spherical(rotation) => i.rotated(rotation),
+            Self::Floating { rotation, position } => i.rotated(rotation).shifted(*position),
         }
     }
 }

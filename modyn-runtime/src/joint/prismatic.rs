@@ -24,12 +24,6 @@ pub(super) fn articulated_to_parent<S: Scalar>(
     i.shifted(Vector3::along_z(q))
 }
 
-/// A unit linear acceleration along z.
-pub(super) fn unit_wrench<S: Scalar>(i: &RigidInertia<S>) -> Wrench<S> {
-    let c = i.first_moment;
-    Wrench { moment: Vector3([c[1], -c[0], S::zero()]), force: Vector3::along_z(i.mass) }
-}
-
 pub(super) fn accelerate<S: Scalar>(
     q: S,
     Carried { omega, alpha, a }: Carried<S>,

@@ -49,15 +49,6 @@ pub(super) fn articulated_to_parent<S: Scalar>(
     i.turned(turn, Axis::Z)
 }
 
-/// A unit angular acceleration about z.
-pub(super) fn unit_wrench<S: Scalar>(i: &RigidInertia<S>) -> Wrench<S> {
-    let (c, s) = (i.first_moment, i.second_moment);
-    Wrench {
-        moment: Vector3([-s.xz, -s.yz, s.xx + s.yy]),
-        force: Vector3([-c[1], c[0], S::zero()]),
-    }
-}
-
 pub(super) fn accelerate<S: Scalar>(
     Carried { omega, mut alpha, a }: Carried<S>,
     rate: S,

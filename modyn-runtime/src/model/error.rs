@@ -4,6 +4,7 @@ use alloc::{collections::BTreeMap, string::String, vec::Vec};
 use core::fmt;
 
 use super::Model;
+use crate::joint::JointType;
 use crate::spatial::Pose;
 
 /// A defect of a model's parts, and where it is.
@@ -31,8 +32,15 @@ pub enum ModelErrorKind {
     NotFinite,
     /// The axis is not of unit length.
     Axis,
+    /// The two axes of a universal joint are parallel, or the second is not of unit length.
+    SecondAxis,
     /// The rotation matrix is not orthonormal and right-handed.
     Rotation,
+    /// A joint of several coordinates follows one, or is followed, or the leader does not exist, or
+    /// joints follow each other in a circle.
+    Mimic,
+    /// Armature, damping or friction below zero.
+    Drive,
 }
 
 impl fmt::Display for ModelError {
@@ -44,7 +52,15 @@ impl fmt::Display for ModelError {
             ModelErrorKind::Order => "is out of order; links must stand depth first",
             ModelErrorKind::NotFinite => "has a figure that is NaN or infinite",
             ModelErrorKind::Axis => "has an axis that is not of unit length",
+            ModelErrorKind::SecondAxis => {
+                "has a second axis that is not of unit length, or parallel to the first"
+            }
             ModelErrorKind::Rotation => "has a rotation that is not orthonormal and right-handed",
+            ModelErrorKind::Mimic => {
+                "follows a joint that does not exist or follows it in turn, or one of the two has \
+                 several coordinates"
+            }
+            ModelErrorKind::Drive => "has a negative armature, damping or friction",
         };
         write!(f, "`{}` {what}", self.name)
     }
@@ -62,6 +78,7 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
     if !finite(&model.gravity) {
         report(&model.name, ModelErrorKind::NotFinite);
     }
+    let leads = lead_somewhere(model);
     let mut joints = BTreeMap::new();
     let mut names = BTreeMap::new();
     // The links on the path from the root to the one before: a depth-first successor hangs on one of them.
@@ -89,6 +106,9 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
         if !(pose.0.iter().all(|row| finite(row))
             && finite(&pose.1)
             && finite(&joint.axis)
+            && finite(&joint.second_axis)
+            && finite(&[joint.drive.armature, joint.drive.damping, joint.drive.friction])
+            && joint.mimic.is_none_or(|mimic| finite(&[mimic.multiplier, mimic.offset]))
             && finite(&[inertial.mass])
             && finite(&inertial.center_of_mass)
             && finite(&inertial.inertia))
@@ -96,9 +116,25 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
             report(&link.name, ModelErrorKind::NotFinite);
             continue;
         }
-        let length_squared: f64 = joint.axis.iter().map(|x| x * x).sum();
-        if (length_squared - 1.0).abs() > 1e-9 {
+        let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let is_unit = |axis| (dot(axis, axis) - 1.0).abs() < 1e-9;
+        if !is_unit(&joint.axis) {
             report(&joint.name, ModelErrorKind::Axis);
+        }
+        let second = &joint.second_axis;
+        if joint.joint_type == JointType::Universal
+            && (!is_unit(second) || dot(&joint.axis, second).abs() > 1.0 - 1e-6)
+        {
+            report(&joint.name, ModelErrorKind::SecondAxis);
+        }
+        if [joint.drive.armature, joint.drive.damping, joint.drive.friction]
+            .iter()
+            .any(|x| *x < 0.0)
+        {
+            report(&joint.name, ModelErrorKind::Drive);
+        }
+        if !leads[i] {
+            report(&joint.name, ModelErrorKind::Mimic);
         }
         if !is_rotation(&pose.0) {
             report(&joint.name, ModelErrorKind::Rotation);
@@ -122,6 +158,32 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
     errors
 }
 
+/// By link: whether its joint has coordinates of its own, or follows, at last, one that has. Every
+/// mimic is followed once.
+fn lead_somewhere(model: &Model) -> Vec<bool> {
+    let single = |i: usize| model.links.get(i).is_some_and(|link| link.joint.joint_type.nq() == 1);
+    let mut known: Vec<Option<bool>> = alloc::vec![None; model.links.len()];
+    for start in 0..model.links.len() {
+        let mut at = start;
+        let mut path = Vec::new();
+        let good = loop {
+            if let Some(known) = known[at] {
+                break known;
+            }
+            // Whoever comes back here goes in a circle.
+            known[at] = Some(false);
+            path.push(at);
+            match model.links[at].joint.mimic {
+                None => break true,
+                Some(mimic) if !(single(at) && single(mimic.leader)) => break false,
+                Some(mimic) => at = mimic.leader,
+            }
+        };
+        path.into_iter().for_each(|i| known[i] = Some(good));
+    }
+    known.into_iter().map(|known| known == Some(true)).collect()
+}
+
 fn finite(figures: &[f64]) -> bool {
     figures.iter().all(|x| x.is_finite())
 }
@@ -135,4 +197,45 @@ fn is_rotation(r: &[[f64; 3]; 3]) -> bool {
         && near(dot(y, y), 1.0)
         && near(dot(x, y), 0.0)
         && cross.iter().zip(z).all(|(a, b)| near(*a, *b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{DEFAULT_GRAVITY, Inertial, Joint, Link, Mimic};
+
+    /// Links beside each other, whose joints follow these; the last turns any way.
+    fn model(leaders: &[Option<usize>]) -> Result<Model, Vec<ModelError>> {
+        let link = |(i, leader): (usize, &Option<usize>)| {
+            let last = i + 1 == leaders.len();
+            let joint_type = if last { JointType::Spherical } else { JointType::Revolute };
+            let name = alloc::format!("{i}");
+            let mut joint = Joint::new(name.clone(), joint_type, [0.0, 0.0, 1.0], Pose::identity());
+            joint.mimic = leader.map(|leader| Mimic { leader, multiplier: -2.0, offset: 1.0 });
+            Link { name, parent: None, joint, inertial: Inertial::default() }
+        };
+        let links = leaders.iter().enumerate().map(link).collect();
+        Model::new("r", DEFAULT_GRAVITY, links, Vec::new())
+    }
+
+    #[test]
+    fn whoever_follows_must_get_somewhere() {
+        let bad = |leaders: &[Option<usize>]| -> Vec<String> {
+            let errors = model(leaders).expect_err("refused");
+            assert!(errors.iter().all(|error| error.kind == ModelErrorKind::Mimic));
+            errors.into_iter().map(|error| error.name).collect()
+        };
+        // A circle, and who leads into it; itself; nobody; several coordinates, also at last.
+        assert_eq!(bad(&[Some(1), Some(2), Some(1), None, None]), ["0", "1", "2"]);
+        assert_eq!(bad(&[Some(0), None, None]), ["0"]);
+        assert_eq!(bad(&[Some(9), Some(0), None]), ["0", "1"]);
+        assert_eq!(bad(&[Some(1), Some(3), None, None]), ["0", "1"]);
+        assert_eq!(bad(&[None, Some(0), Some(0)]), ["2"]);
+
+        let model = model(&[Some(2), Some(3), Some(1), None, None]).expect("good");
+        let resolved = |i| model.mimic(i).map(|m| (m.leader, m.multiplier, m.offset));
+        let expected = [Some((3, -8.0, 3.0)), Some((3, -2.0, 1.0)), Some((3, 4.0, -1.0)), None];
+        assert_eq!([0, 1, 2, 3].map(resolved), expected);
+        assert_eq!((model.q_range(0), model.v_range(2), model.nq()), (0..1, 0..1, 5));
+    }
 }

@@ -5,16 +5,19 @@
 //! one joint, towards its parent. Links that are fixed to another link are [`Frame`]s; what they
 //! weigh has been merged into the link that carries them.
 
+mod base_parameters;
+pub mod coordinates;
 mod error;
-mod inertial;
 mod modules;
 pub mod prepare;
 
+pub use crate::inertial::{INERTIAL_PARAMETERS, Inertial, InertialDefect, PARAMETERS_PER_LINK};
+pub use base_parameters::{BaseParameter, BaseParameters};
 pub use error::{ModelError, ModelErrorKind};
-pub use inertial::{Inertial, InertialDefect};
 pub use modules::{Module, ModuleError, ModuleTree};
 
 use alloc::{string::String, vec::Vec};
+use core::ops::Range;
 
 use crate::joint::JointType;
 use crate::spatial::Pose;
@@ -30,12 +33,67 @@ pub struct Joint {
     pub name: String,
     /// What motion it allows.
     pub joint_type: JointType,
-    /// The axis, a unit vector in the joint's (and so the link's) frame.
+    /// The axis, a unit vector in the joint's (and so the link's) frame; without meaning for
+    /// spherical and floating joints.
     pub axis: [f64; 3],
+    /// A universal joint's second axis, a unit vector in the frame behind the first rotation;
+    /// without meaning for other types.
+    pub second_axis: [f64; 3],
     /// The joint's frame at coordinate zero, in the frame of the parent link (or of the world).
     pub origin: Pose<f64>,
     /// Limits, where the description states them.
     pub limits: Option<Limits>,
+    /// The joint that it follows; it then has no coordinate of its own.
+    pub mimic: Option<Mimic>,
+    /// What its drive and bearing add.
+    pub drive: Drive,
+}
+
+impl Joint {
+    /// A joint of its own along `axis`, without limits, rotor or friction.
+    #[must_use]
+    pub fn new(
+        name: impl Into<String>,
+        joint_type: JointType,
+        axis: [f64; 3],
+        origin: Pose<f64>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            joint_type,
+            axis,
+            second_axis: [0.0, 1.0, 0.0],
+            origin,
+            limits: None,
+            mimic: None,
+            drive: Drive::default(),
+        }
+    }
+}
+
+/// How a joint of one coordinate follows another: q = multiplier q(leader) + offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Mimic {
+    /// The link, as an index, whose joint is followed; that one may follow another in turn.
+    pub leader: usize,
+    /// The ratio of the velocities.
+    pub multiplier: f64,
+    /// The coordinate where the leader's is zero.
+    pub offset: f64,
+}
+
+/// What a joint's drive and bearing add to each of its degrees of freedom.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Drive {
+    /// The rotor's inertia as the joint feels it, gear ratio squared times rotor inertia: kg m^2,
+    /// or kg for a joint that slides.
+    pub armature: f64,
+    /// Viscous damping, N m s/rad or N s/m.
+    pub damping: f64,
+    /// Coulomb friction, N m or N.
+    pub friction: f64,
 }
 
 /// Limits of a joint, as the description states them: rad or m, rad/s or m/s, N m or N.
@@ -76,6 +134,25 @@ pub struct Frame {
     pub link: Option<usize>,
     /// Its pose in that link's frame (identity for the moving link itself), or in the world.
     pub pose: Pose<f64>,
+    /// Its own inertia in its own frame: its share of the moving link's.
+    pub inertial: Inertial,
+}
+
+/// Which joint torques [`Drive`]s exert against the motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Friction {
+    /// None; damping and friction are figures only.
+    #[default]
+    None,
+    /// Damping.
+    Viscous,
+    /// Damping, and Coulomb friction: its sign jumps at rest, where it is zero.
+    Coulomb,
+    /// Damping, and Coulomb friction times v / sqrt(v^2 + w^2) with this w: without a jump. In
+    /// rad/s or m/s, positive.
+    Smooth(f64),
 }
 
 /// A validated robot.
@@ -87,8 +164,21 @@ pub struct Frame {
 pub struct Model {
     name: String,
     gravity: [f64; 3],
+    friction: Friction,
     links: Vec<Link>,
     frames: Vec<Frame>,
+    /// By link: where its joint's coordinates and velocities stand.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    places: Vec<Place>,
+}
+
+/// Where a joint stands in the joint vectors, or how it follows the one that does.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Place {
+    q: Range<usize>,
+    v: Range<usize>,
+    /// Resolved through chains of mimics: the leader has coordinates of its own.
+    mimic: Option<Mimic>,
 }
 
 impl Model {
@@ -109,9 +199,74 @@ impl Model {
         links: Vec<Link>,
         frames: Vec<Frame>,
     ) -> Result<Self, Vec<ModelError>> {
-        let model = Self { name: name.into(), gravity, links, frames };
+        let friction = Friction::None;
+        let places = Vec::new();
+        let mut model = Self { name: name.into(), gravity, friction, links, frames, places };
         let errors = error::check(&model);
-        if errors.is_empty() { Ok(model) } else { Err(errors) }
+        if !errors.is_empty() {
+            return Err(errors);
+        }
+        model.places = model.placed();
+        Ok(model)
+    }
+
+    /// Where the joints stand in the joint vectors.
+    fn placed(&self) -> Vec<Place> {
+        let mut places: Vec<Place> = Vec::with_capacity(self.links.len());
+        let (mut q, mut v) = (0, 0);
+        for link in &self.links {
+            let own = link.joint.mimic.is_none();
+            let joint_type = link.joint.joint_type;
+            let (nq, nv) = if own { (joint_type.nq(), joint_type.nv()) } else { (0, 0) };
+            places.push(Place { q: q..q + nq, v: v..v + nv, mimic: None });
+            (q, v) = (q + nq, v + nv);
+        }
+        for (i, mimic) in self.resolved_mimics().into_iter().enumerate() {
+            if let Some(mimic) = mimic {
+                // A leader that is followed at last has a place of its own.
+                places[i] = Place { mimic: Some(mimic), ..places[mimic.leader].clone() };
+            }
+        }
+        places
+    }
+
+    /// By link: how its joint follows one that has coordinates of its own. Every mimic is followed
+    /// once, so that chains of them take linear time.
+    fn resolved_mimics(&self) -> Vec<Option<Mimic>> {
+        let mut resolved: Vec<Option<Mimic>> = alloc::vec![None; self.links.len()];
+        let mut waiting = Vec::new();
+        for start in 0..self.links.len() {
+            let mut at = start;
+            while resolved[at].is_none()
+                && let Some(mimic) = self.links[at].joint.mimic
+            {
+                waiting.push((at, mimic));
+                at = mimic.leader;
+            }
+            let mut known = resolved[at];
+            while let Some((follower, own)) = waiting.pop() {
+                known = Some(known.map_or(own, |next| Mimic {
+                    leader: next.leader,
+                    multiplier: own.multiplier * next.multiplier,
+                    offset: own.multiplier * next.offset + own.offset,
+                }));
+                resolved[follower] = known;
+            }
+        }
+        resolved
+    }
+
+    /// The same robot with joints that resist their motion in this way.
+    #[must_use]
+    pub fn with_friction(mut self, friction: Friction) -> Self {
+        self.friction = friction;
+        self
+    }
+
+    /// How joints resist their motion.
+    #[must_use]
+    pub fn friction(&self) -> Friction {
+        self.friction
     }
 
     /// The robot's name.
@@ -138,16 +293,95 @@ impl Model {
         &self.frames
     }
 
+    /// The link of the description of that name, as an index of [`frames`](Self::frames).
+    #[must_use]
+    pub fn frame_index(&self, name: &str) -> Option<usize> {
+        self.frames.iter().position(|frame| frame.name == name)
+    }
+
+    /// The ten parameters of moving link `link` that torques are linear in: see
+    /// [`Inertial::parameters`]. Those of all moving links, one after the other, are the pi of
+    /// tau = Y pi.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such link.
+    #[must_use]
+    pub fn inertial_parameters(&self, link: usize) -> [f64; PARAMETERS_PER_LINK] {
+        self.links[link].inertial.parameters()
+    }
+
     /// Length of the coordinate vector q.
     #[must_use]
     pub fn nq(&self) -> usize {
-        self.links.len()
+        self.places.iter().map(|place| place.q.end).max().unwrap_or(0)
     }
 
     /// Length of the velocity vector qd: the degrees of freedom.
     #[must_use]
     pub fn nv(&self) -> usize {
-        self.links.len()
+        self.places.iter().map(|place| place.v.end).max().unwrap_or(0)
+    }
+
+    /// Where the coordinates of link `link`'s joint stand in q: its leader's for one that mimics.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such link.
+    #[must_use]
+    pub fn q_range(&self, link: usize) -> Range<usize> {
+        self.places[link].q.clone()
+    }
+
+    /// Where its velocities stand in qd, and its torques in tau.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such link.
+    #[must_use]
+    pub fn v_range(&self, link: usize) -> Range<usize> {
+        self.places[link].v.clone()
+    }
+
+    /// How the joint of link `link` follows one that has a coordinate of its own, chains of mimics
+    /// resolved; `None` if it has its own.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such link.
+    #[must_use]
+    pub fn mimic(&self, link: usize) -> Option<Mimic> {
+        self.places[link].mimic
+    }
+
+    /// Whether a joint follows another one.
+    #[must_use]
+    pub fn has_mimics(&self) -> bool {
+        self.places.iter().any(|place| place.mimic.is_some())
+    }
+
+    /// What each entry of q is called: by its joint, and its part of the joint where that has
+    /// several (`hip.qw`).
+    #[must_use]
+    pub fn coordinate_names(&self) -> Vec<String> {
+        self.entry_names(JointType::coordinates)
+    }
+
+    /// What each entry of qd is called.
+    #[must_use]
+    pub fn velocity_names(&self) -> Vec<String> {
+        self.entry_names(JointType::velocities)
+    }
+
+    fn entry_names(&self, parts: fn(JointType) -> &'static [&'static str]) -> Vec<String> {
+        let own = self.links.iter().map(|link| &link.joint).filter(|joint| joint.mimic.is_none());
+        own.flat_map(|joint| {
+            parts(joint.joint_type).iter().map(|part| match *part {
+                "" => joint.name.clone(),
+                part => alloc::format!("{}.{part}", joint.name),
+            })
+        })
+        .collect()
     }
 
     /// The links that hang directly on each link, in order.
@@ -172,11 +406,13 @@ impl<'de> serde::Deserialize<'de> for Model {
         struct Parts {
             name: String,
             gravity: [f64; 3],
+            friction: Friction,
             links: Vec<Link>,
             frames: Vec<Frame>,
         }
-        let Parts { name, gravity, links, frames } = Parts::deserialize(deserializer)?;
-        Self::new(name, gravity, links, frames).map_err(|errors| {
+        let Parts { name, gravity, friction, links, frames } = Parts::deserialize(deserializer)?;
+        let model = Self::new(name, gravity, links, frames).map(|m| m.with_friction(friction));
+        model.map_err(|errors| {
             let all: Vec<String> = errors.iter().map(alloc::string::ToString::to_string).collect();
             serde::de::Error::custom(all.join("; "))
         })

@@ -1,6 +1,8 @@
 //! Exact rewrites that make a model cheap to compute with: [`Model`] to [`Prepared`].
 //!
-//! 1. **z axes.** Link frames are turned so that every joint's axis is z.
+//! 0. **Primitives.** Universal and planar joints are taken apart into revolute and prismatic ones
+//!    with massless bodies between them.
+//! 1. **z axes.** Frames are turned so that the axis of every revolute or prismatic joint is z.
 //! 2. **Turned frames.** A rotation between two frames is Rz Rx Rz. The last factor joins the
 //!    child's joint angle; the first is taken over by the parent's joint angle for one child of
 //!    each link (the one that carries most). What is left is a rotation about x.
@@ -9,24 +11,27 @@
 //!    argument, carried over to trees.)
 //! 4. **Minimal parameters.** Mass on a revolute axis moves with parent and child alike, so the
 //!    child's mass, first moment along z and second moment along z may be counted with the parent;
-//!    behind a prismatic joint the same holds for the whole second moment. What is then left on
+//!    behind a prismatic joint the same holds for the whole second moment, behind a spherical one
+//!    for the mass. What is then left on
 //!    the child are the parameters its joint can feel (Gautier and Khalil 1990, "Direct calculation
 //!    of minimum set of inertial parameters of serial robots").
 //! 5. **Snapping.** Constant turns within 1e-11 rad of a quarter turn become that; translations and
 //!    components of axes below 1e-11 become 0.
 //!
-//! All five leave the joint coordinates, and so every joint-space quantity, as they were. The
+//! All of them leave the joint coordinates, and so every joint-space quantity, as they were. The
 //! fourth changes single links' inertias, and on a fixed base it drops mass that cannot move,
 //! with its constant share of the potential energy; so [`Body::inertia`] keeps what was written.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
-use super::{Inertial, Model};
+use super::coordinates::{Coordinates, coordinates};
+use super::{Friction, Inertial, Joint, Model};
 use crate::Scalar;
-use crate::joint::{JointType, Motion};
+use crate::joint::{JointType, Motion, Primitive, planar};
 use crate::spatial::{
     ArticulatedInertia, Axis, Matrix3, Placement, Pose, RigidInertia, Symmetric3, Turn, Twist,
-    Vector3, Wrench,
+    Vector3, VelocityMoments, Wrench,
 };
 
 /// Sines, cosines, translations (m) and components of axes nearer to 0 than this are taken for it.
@@ -41,23 +46,96 @@ pub enum Zero<S> {
     Angle(S),
 }
 
-/// A moving link in its turned and shifted frame, whose z axis is the joint's.
-#[derive(Clone, Copy, Debug)]
+impl<S: Scalar> Zero<S> {
+    /// The turn by it.
+    #[must_use]
+    pub fn turn(self) -> Turn<S> {
+        match self {
+            Self::Quarters(n) => Turn::Quarters(n),
+            Self::Angle(angle) => {
+                let (sin, cos) = angle.sin_cos();
+                Turn::Angle { cos, sin }
+            }
+        }
+    }
+}
+
+/// A moving link, or a massless body inside a universal or planar joint, in its turned and shifted
+/// frame.
+#[derive(Clone, Debug)]
 pub struct Body<S> {
     /// The body it hangs on; `None` for the world.
     pub parent: Option<usize>,
-    /// What motion its joint allows along z.
-    pub joint_type: JointType,
+    /// What motion its joint allows, along z if along an axis.
+    pub primitive: Primitive,
+    /// Where its first coordinate stands in q.
+    pub q: usize,
+    /// The ratio and offset of its coordinate to that one, for a joint that mimics.
+    pub mimic: Option<(S, S)>,
+    /// Its degrees of freedom, among those of [`Prepared::dofs`].
+    pub dofs: Range<usize>,
     /// The joint's zero.
     pub zero: Zero<S>,
     /// Where the joint stands on the parent.
     pub placement: Placement<S>,
-    /// The model's link frame in this one.
+    /// The model's link frame in this one; without meaning for a body inside a joint.
     pub link: Pose<S>,
     /// The inertia as the model has it.
     pub inertia: RigidInertia<S>,
     /// The inertia in minimal parameters: equal to `inertia` for all joint-space dynamics.
     pub minimal: RigidInertia<S>,
+}
+
+/// A degree of freedom: the unit motion of a body in one component.
+#[derive(Clone, Copy, Debug)]
+pub struct Dof<S> {
+    /// The body that it moves.
+    pub body: usize,
+    /// The component (angular x, y, z, linear x, y, z) of the body's twist.
+    pub component: usize,
+    /// The entry of qd, qdd and tau.
+    pub v: usize,
+    /// The ratio to that entry, for a joint that mimics.
+    pub multiplier: Option<S>,
+    /// Inertia of the rotor as this motion feels it, if there is one.
+    pub armature: Option<S>,
+    /// Viscous damping, if it acts.
+    pub damping: Option<S>,
+    /// Coulomb friction, if it acts.
+    pub friction: Option<S>,
+}
+
+impl<S: Scalar> Dof<S> {
+    /// Its rate (or acceleration), of the joint vector `x`.
+    #[must_use]
+    pub fn rate(&self, x: &[S]) -> S {
+        self.scale(x[self.v])
+    }
+
+    /// `x` as the joint that it belongs to has it, with the ratio of a joint that mimics.
+    #[must_use]
+    pub fn scale(&self, x: S) -> S {
+        self.multiplier.map_or(x, |multiplier| multiplier * x)
+    }
+
+    /// Adds what it feels to the joint vector `sum`.
+    pub fn add(&self, felt: S, sum: &mut [S]) {
+        sum[self.v] = sum[self.v] + self.scale(felt);
+    }
+}
+
+/// The rates of a joint: as many numbers as it has degrees of freedom.
+#[derive(Clone, Copy, Debug)]
+pub struct Rates<S> {
+    numbers: [S; 6],
+    count: usize,
+}
+
+impl<S> core::ops::Deref for Rates<S> {
+    type Target = [S];
+    fn deref(&self) -> &[S] {
+        &self.numbers[..self.count]
+    }
 }
 
 /// A link of the description, as a frame on a body.
@@ -74,17 +152,38 @@ pub struct BodyFrame<S> {
 pub struct Prepared<S> {
     /// The acceleration of free fall in world axes.
     pub gravity: Vector3<S>,
-    /// One body a moving link, in the model's order.
+    /// One body (or more, see [`Primitive`]) a moving link, in the model's order.
     pub bodies: Vec<Body<S>>,
+    /// The degrees of freedom in the order of their bodies. Without mimics, in that of qd.
+    pub dofs: Vec<Dof<S>>,
+    /// What minimal parameters leave to the world: inertia of bodies that no joint moves, about the
+    /// world's origin.
+    pub immobile: RigidInertia<S>,
+    /// By moving link of the model: its body, which is the last one of its joint.
+    pub links: Vec<usize>,
+    /// Length of q.
+    pub nq: usize,
+    /// Length of qd.
+    pub nv: usize,
+    /// The coordinates, by what they are.
+    pub coordinates: Vec<Coordinates<S>>,
+    /// Over which velocity Coulomb friction rises; `None` where its sign jumps.
+    pub smooth: Option<S>,
     /// One frame a link of the description, in the model's order.
     pub frames: Vec<BodyFrame<S>>,
 }
 
 impl<S: Scalar> Body<S> {
-    /// The joint at coordinate `q`.
+    /// The joint where the robot's coordinates are `q`.
     #[must_use]
-    pub fn motion(&self, q: S) -> Motion<S> {
-        Motion::new(self.joint_type, self.zero, q)
+    pub fn motion(&self, q: &[S]) -> Motion<S> {
+        let own = &q[self.q..self.q + self.primitive.nq()];
+        match (self.mimic, own) {
+            (Some((multiplier, offset)), &[q]) => {
+                Motion::new(self.primitive, self.zero, &[multiplier * q + offset])
+            }
+            _ => Motion::new(self.primitive, self.zero, own),
+        }
     }
 
     /// A direction of the parent's frame, seen from this body.
@@ -117,6 +216,19 @@ impl<S: Scalar> Body<S> {
         self.placement.rigid_to_parent(&motion.rigid_to_parent(i))
     }
 
+    /// Moments of velocities against this body's frame, of points of inertia `i`, at its parent and
+    /// against the parent's frame.
+    #[must_use]
+    pub fn velocities_to_parent(
+        &self,
+        motion: &Motion<S>,
+        velocities: &VelocityMoments<S>,
+        i: &RigidInertia<S>,
+        rates: &[S],
+    ) -> VelocityMoments<S> {
+        self.placement.velocities_to_parent(&motion.velocities_to_parent(velocities, i, rates))
+    }
+
     /// An articulated inertia on this body at its parent: A^T M A.
     #[must_use]
     pub fn articulated_to_parent(
@@ -128,14 +240,99 @@ impl<S: Scalar> Body<S> {
     }
 }
 
+impl<S: Scalar> Prepared<S> {
+    /// The degrees of freedom of body `i`.
+    #[must_use]
+    pub fn dofs_of(&self, i: usize) -> &[Dof<S>] {
+        &self.dofs[self.bodies[i].dofs.clone()]
+    }
+
+    /// The rates of body `i`'s joint, of the joint vector `x`.
+    #[must_use]
+    pub fn rates(&self, i: usize, x: &[S]) -> Rates<S> {
+        let dofs = self.dofs_of(i);
+        let mut rates = Rates { numbers: [S::zero(); 6], count: dofs.len() };
+        for (rate, dof) in rates.numbers.iter_mut().zip(dofs) {
+            *rate = dof.rate(x);
+        }
+        rates
+    }
+
+    /// `t` with body `i`'s joint's own rates (or accelerations) added: t + P qd.
+    #[must_use]
+    pub fn add_rates(&self, i: usize, t: Twist<S>, x: &[S]) -> Twist<S> {
+        let mut components = t.components();
+        for dof in self.dofs_of(i) {
+            components[dof.component] = components[dof.component] + dof.rate(x);
+        }
+        Twist::from_components(components)
+    }
+
+    /// Whether joints follow others: degrees of freedom then share entries of the joint vectors.
+    #[must_use]
+    pub fn has_mimics(&self) -> bool {
+        self.dofs.len() != self.nv
+    }
+
+    /// The torque that joints hold against the rates `qd` by damping and friction, at `dof`.
+    #[must_use]
+    pub fn resistance(&self, dof: &Dof<S>, qd: &[S]) -> Option<S> {
+        let rate = dof.rate(qd);
+        let viscous = dof.damping.map(|damping| damping * rate);
+        let dry = dof.friction.map(|friction| match self.smooth {
+            Some(w) => friction * (rate / (rate * rate + w * w).sqrt()),
+            None => {
+                let backwards = (-rate).select_nonnegative(S::zero(), friction);
+                rate.select_nonnegative(backwards, -friction)
+            }
+        });
+        match (viscous, dry) {
+            (Some(viscous), Some(dry)) => Some(viscous + dry),
+            (viscous, dry) => viscous.or(dry),
+        }
+    }
+
+    /// The derivative of [`resistance`](Self::resistance) by the degree of freedom's own rate; that
+    /// of Coulomb friction counts as 0 at the jump too.
+    #[must_use]
+    pub fn resistance_slope(&self, dof: &Dof<S>, qd: &[S]) -> Option<S> {
+        let smooth = dof.friction.zip(self.smooth).map(|(friction, w)| {
+            let (rate, square) = (dof.rate(qd), w * w);
+            let steep = (rate * rate + square).sqrt().recip();
+            friction * square * (steep * steep * steep)
+        });
+        match (dof.damping, smooth) {
+            (Some(damping), Some(smooth)) => Some(damping + smooth),
+            (damping, smooth) => damping.or(smooth),
+        }
+    }
+
+    /// Gives link `frame` of the description (as an index) another inertia in place of its own:
+    /// `own`, which a [`Model`]'s frame states, and `other`, both about the link's origin in its
+    /// own axes. On a link that is fixed to the world this changes nothing.
+    pub fn replace_inertia(
+        &mut self,
+        frame: usize,
+        own: &RigidInertia<S>,
+        other: &RigidInertia<S>,
+    ) {
+        let BodyFrame { body: Some(body), pose } = self.frames[frame] else { return };
+        let body = &mut self.bodies[body];
+        let (own, other) = (own.placed(&pose), other.placed(&pose));
+        body.inertia = body.inertia.minus(&own) + other;
+        body.minimal = body.minimal.minus(&own) + other;
+    }
+}
+
 impl Prepared<f64> {
     /// Rewrites `model`.
     #[must_use]
     pub fn new(model: &Model) -> Self {
-        let mut frames = Frames::on_axes(model);
-        frames.turn(model);
+        let atoms = atoms(model);
+        let mut frames = Frames::on_axes(&atoms);
+        frames.turn(&atoms);
         frames.shift();
-        let mut prepared = frames.finish(model);
+        let mut prepared = frames.finish(model, &atoms);
         prepared.minimize();
         prepared
     }
@@ -151,7 +348,10 @@ impl Prepared<f64> {
                 .iter()
                 .map(|b| Body {
                     parent: b.parent,
-                    joint_type: b.joint_type,
+                    primitive: b.primitive,
+                    q: b.q,
+                    mimic: b.mimic.map(|(multiplier, offset)| (f(multiplier), f(offset))),
+                    dofs: b.dofs.clone(),
                     zero: match b.zero {
                         Zero::Quarters(n) => Zero::Quarters(n),
                         Zero::Angle(x) => Zero::Angle(f(x)),
@@ -162,6 +362,25 @@ impl Prepared<f64> {
                     minimal: b.minimal.map(f),
                 })
                 .collect(),
+            dofs: self
+                .dofs
+                .iter()
+                .map(|d| Dof {
+                    body: d.body,
+                    component: d.component,
+                    v: d.v,
+                    multiplier: d.multiplier.map(f),
+                    armature: d.armature.map(f),
+                    damping: d.damping.map(f),
+                    friction: d.friction.map(f),
+                })
+                .collect(),
+            immobile: self.immobile.map(f),
+            links: self.links.clone(),
+            nq: self.nq,
+            nv: self.nv,
+            coordinates: self.coordinates.iter().map(|c| c.map(|x| f(*x))).collect(),
+            smooth: self.smooth.map(f),
             frames: self
                 .frames
                 .iter()
@@ -173,43 +392,95 @@ impl Prepared<f64> {
     /// Moves what joints cannot feel towards the root, leaves first.
     fn minimize(&mut self) {
         for i in (0..self.bodies.len()).rev() {
-            let body = self.bodies[i];
-            let own = body.minimal;
-            let (kept, moved) = match body.joint_type {
-                JointType::Revolute | JointType::Continuous => {
-                    let (c, s) = (own.first_moment, own.second_moment);
-                    let on_axis = Symmetric3 { zz: s.zz, ..Symmetric3::zero() };
-                    (
-                        RigidInertia {
-                            mass: 0.0,
-                            first_moment: Vector3([c[0], c[1], 0.0]),
-                            second_moment: Symmetric3 { zz: 0.0, ..s },
-                        },
-                        RigidInertia {
-                            mass: own.mass,
-                            first_moment: Vector3::along_z(c[2]),
-                            second_moment: on_axis,
-                        },
-                    )
-                }
-                JointType::Prismatic => (
-                    RigidInertia { second_moment: Symmetric3::zero(), ..own },
-                    RigidInertia { second_moment: own.second_moment, ..RigidInertia::zero() },
-                ),
+            let Body { minimal: own, primitive, .. } = self.bodies[i];
+            let (c, s) = (own.first_moment, own.second_moment);
+            let moved = match primitive {
+                Primitive::Revolute => RigidInertia {
+                    mass: own.mass,
+                    first_moment: Vector3::along_z(c[2]),
+                    second_moment: Symmetric3 { zz: s.zz, ..Symmetric3::zero() },
+                },
+                Primitive::Prismatic => RigidInertia { second_moment: s, ..RigidInertia::zero() },
+                Primitive::Spherical => RigidInertia { mass: own.mass, ..RigidInertia::zero() },
+                Primitive::Floating => continue,
             };
-            self.bodies[i].minimal = kept;
-            if let Some(parent) = body.parent {
-                let sum = self.bodies[parent].minimal + body.placement.rigid_to_parent(&moved);
-                self.bodies[parent].minimal = sum;
+            self.bodies[i].minimal = own.minus(&moved);
+            let carried = self.bodies[i].placement.rigid_to_parent(&moved);
+            if let Some(parent) = self.bodies[i].parent {
+                self.bodies[parent].minimal = self.bodies[parent].minimal + carried;
+            } else {
+                self.immobile = self.immobile + carried;
             }
         }
     }
 }
 
+/// A body with its primitive joint, before frames are turned.
+struct Atom<'a> {
+    parent: Option<usize>,
+    primitive: Primitive,
+    /// The frame whose z is the axis, in the atom's own; identity where there is no axis.
+    frame: Matrix3<f64>,
+    /// Where the atom stands in its parent at coordinate zero.
+    origin: Pose<f64>,
+    joint: &'a Joint,
+    inertial: Inertial,
+    q: usize,
+    v: usize,
+    mimic: Option<(f64, f64)>,
+}
+
+/// The bodies of a model, universal and planar joints taken apart.
+fn atoms(model: &Model) -> Vec<Atom<'_>> {
+    let mut atoms: Vec<Atom<'_>> = Vec::with_capacity(model.links().len());
+    // By link: its body.
+    let mut bodies: Vec<usize> = Vec::with_capacity(model.links().len());
+    for (i, link) in model.links().iter().enumerate() {
+        let joint = &link.joint;
+        let axis = joint.axis;
+        let plane = planar::plane(axis);
+        let across = |column: usize| plane.map(|row| row[column]);
+        let along = |primitive, axis| (primitive, frame_along(axis));
+        let free = Matrix3(Pose::identity().rotation);
+        let parts: &[(Primitive, Matrix3<f64>)] = match joint.joint_type {
+            JointType::Revolute | JointType::Continuous => &[along(Primitive::Revolute, axis)],
+            JointType::Prismatic => &[along(Primitive::Prismatic, axis)],
+            JointType::Universal => {
+                &[along(Primitive::Revolute, axis), along(Primitive::Revolute, joint.second_axis)]
+            }
+            JointType::Planar => &[
+                along(Primitive::Prismatic, across(0)),
+                along(Primitive::Prismatic, across(1)),
+                along(Primitive::Revolute, axis),
+            ],
+            JointType::Spherical => &[(Primitive::Spherical, free)],
+            JointType::Floating => &[(Primitive::Floating, free)],
+        };
+        let mimic = model.mimic(i).map(|mimic| (mimic.multiplier, mimic.offset));
+        for (k, &(primitive, frame)) in parts.iter().enumerate() {
+            let first = k == 0;
+            let last = k + 1 == parts.len();
+            atoms.push(Atom {
+                parent: if first { link.parent.map(|p| bodies[p]) } else { Some(atoms.len() - 1) },
+                primitive,
+                frame,
+                origin: if first { joint.origin } else { Pose::identity() },
+                joint,
+                inertial: if last { link.inertial } else { Inertial::default() },
+                q: model.q_range(i).start + k,
+                v: model.v_range(i).start + k,
+                mimic,
+            });
+        }
+        bodies.push(atoms.len() - 1);
+    }
+    atoms
+}
+
 /// The model's frames while they are being turned and shifted.
 struct Frames {
     children: Vec<Vec<usize>>,
-    revolute: Vec<bool>,
+    primitive: Vec<Primitive>,
     /// Rz(azimuth) Trans(translation) Rx(tilt) Rz(zero) from the parent's frame, joint at 0.
     azimuth: Vec<Direction>,
     translation: Vec<Vector3<f64>>,
@@ -220,28 +491,25 @@ struct Frames {
 }
 
 impl Frames {
-    /// Every joint's axis as z.
-    fn on_axes(model: &Model) -> Self {
-        let links = model.links();
-        let axes: Vec<Matrix3<f64>> = links.iter().map(|l| frame_along(l.joint.axis)).collect();
+    /// Every axis as z.
+    fn on_axes(atoms: &[Atom<'_>]) -> Self {
         let mut frames = Self {
-            children: main_child_first(model),
-            revolute: links.iter().map(|l| l.joint.joint_type != JointType::Prismatic).collect(),
-            azimuth: Vec::with_capacity(links.len()),
-            translation: Vec::with_capacity(links.len()),
-            tilt: Vec::with_capacity(links.len()),
-            zero: Vec::with_capacity(links.len()),
-            link: axes
+            children: main_child_first(atoms),
+            primitive: atoms.iter().map(|atom| atom.primitive).collect(),
+            azimuth: Vec::with_capacity(atoms.len()),
+            translation: Vec::with_capacity(atoms.len()),
+            tilt: Vec::with_capacity(atoms.len()),
+            zero: Vec::with_capacity(atoms.len()),
+            link: atoms
                 .iter()
-                .map(|a| Pose { rotation: a.transposed().0, translation: [0.0; 3] })
+                .map(|a| Pose { rotation: a.frame.transposed().0, translation: [0.0; 3] })
                 .collect(),
         };
-        for (link, axis) in links.iter().zip(&axes) {
-            let origin = &link.joint.origin;
-            let mut rotation = Matrix3(origin.rotation).times(axis);
-            let mut translation = Vector3(origin.translation);
-            if let Some(parent) = link.parent {
-                let back = axes[parent].transposed();
+        for atom in atoms {
+            let mut rotation = Matrix3(atom.origin.rotation).times(&atom.frame);
+            let mut translation = Vector3(atom.origin.translation);
+            if let Some(parent) = atom.parent {
+                let back = atoms[parent].frame.transposed();
                 rotation = back.times(&rotation);
                 translation = back.mul_vector(translation);
             }
@@ -255,16 +523,18 @@ impl Frames {
     }
 
     /// Turns each frame about its own z: a prismatic joint's by what stands behind its tilt, a
-    /// revolute one's towards its main child (or a leaf's towards its centre of mass).
-    fn turn(&mut self, model: &Model) {
-        for (i, link) in model.links().iter().enumerate() {
+    /// revolute one's towards its main child (or a leaf's towards its centre of mass). Frames of
+    /// joints without an axis stay the links', whose axes their velocities are in.
+    fn turn(&mut self, atoms: &[Atom<'_>]) {
+        for (i, atom) in atoms.iter().enumerate() {
             let by = match self.children[i].first() {
-                _ if !self.revolute[i] => inverse(self.zero[i]),
+                _ if self.primitive[i] == Primitive::Prismatic => inverse(self.zero[i]),
+                _ if self.primitive[i] != Primitive::Revolute => continue,
                 // Parallel axes need no azimuth, so the turn is free for the translation.
                 Some(&main) if self.tilt[main].1 == 0.0 => towards(self.translation[main]),
                 Some(&main) => self.azimuth[main],
                 None => {
-                    towards(Vector3(self.link[i].transform_point(link.inertial.center_of_mass)))
+                    towards(Vector3(self.link[i].transform_point(atom.inertial.center_of_mass)))
                 }
             };
             // Rz(q) Rz(by): the new frame is ahead of the old one.
@@ -293,7 +563,7 @@ impl Frames {
     /// from its parent vanishes.
     fn shift(&mut self) {
         for i in 0..self.children.len() {
-            if !self.revolute[i] {
+            if self.primitive[i] != Primitive::Revolute {
                 continue;
             }
             // Behind the azimuth the axis is (0, -sin, cos).
@@ -312,12 +582,33 @@ impl Frames {
         }
     }
 
-    fn finish(self, model: &Model) -> Prepared<f64> {
-        let bodies = model.links().iter().enumerate().map(|(i, link)| {
-            let inertia = rigid_inertia(&link.inertial.transformed(&self.link[i]));
-            Body {
-                parent: link.parent,
-                joint_type: link.joint.joint_type,
+    fn finish(self, model: &Model, atoms: &[Atom<'_>]) -> Prepared<f64> {
+        let mut dofs = Vec::with_capacity(model.nv());
+        let mut bodies: Vec<Body<f64>> = Vec::with_capacity(atoms.len());
+        let friction = model.friction();
+        for (i, atom) in atoms.iter().enumerate() {
+            let inertia = rigid_inertia(&atom.inertial.transformed(&self.link[i]));
+            let first = dofs.len();
+            dofs.extend(atom.primitive.components().iter().enumerate().map(|(k, &component)| {
+                let drive = &atom.joint.drive;
+                let acting = |x: f64, acts: bool| (acts && x != 0.0).then_some(x);
+                let dry = matches!(friction, Friction::Coulomb | Friction::Smooth(_));
+                Dof {
+                    body: i,
+                    component,
+                    v: atom.v + k,
+                    multiplier: atom.mimic.map(|(multiplier, _)| multiplier),
+                    armature: acting(drive.armature, true),
+                    damping: acting(drive.damping, friction != Friction::None),
+                    friction: acting(drive.friction, dry),
+                }
+            }));
+            bodies.push(Body {
+                parent: atom.parent,
+                primitive: atom.primitive,
+                q: atom.q,
+                mimic: atom.mimic,
+                dofs: first..dofs.len(),
                 zero: match turn_of(self.zero[i]) {
                     Turn::Quarters(n) => Zero::Quarters(n),
                     Turn::Angle { cos, sin } => Zero::Angle(libm::atan2(sin, cos)),
@@ -330,16 +621,34 @@ impl Frames {
                 link: self.link[i],
                 inertia,
                 minimal: inertia,
+            });
+        }
+        let mut links = Vec::with_capacity(model.links().len());
+        for (i, atom) in atoms.iter().enumerate() {
+            // A link's body is the last one of its joint.
+            if atoms.get(i + 1).is_none_or(|next| !core::ptr::eq(next.joint, atom.joint)) {
+                links.push(i);
             }
-        });
-        let frames = model.frames().iter().map(|frame| BodyFrame {
-            body: frame.link,
-            pose: frame.link.map_or(frame.pose, |link| self.link[link].compose(&frame.pose)),
+        }
+        let frames = model.frames().iter().map(|frame| {
+            let body = frame.link.map(|link| links[link]);
+            let pose = body.map_or(frame.pose, |body| self.link[body].compose(&frame.pose));
+            BodyFrame { body, pose }
         });
         Prepared {
             gravity: Vector3(model.gravity()),
-            bodies: bodies.collect(),
             frames: frames.collect(),
+            bodies,
+            dofs,
+            immobile: RigidInertia::zero(),
+            links,
+            nq: model.nq(),
+            nv: model.nv(),
+            coordinates: coordinates(model),
+            smooth: match friction {
+                Friction::Smooth(w) => Some(w),
+                _ => None,
+            },
         }
     }
 }
@@ -414,37 +723,27 @@ fn frame_along(axis: [f64; 3]) -> Matrix3<f64> {
     Matrix3([y.cross(z).0, y.0, z.0]).transposed()
 }
 
-/// The children of each link, the one that most links hang on first.
-fn main_child_first(model: &Model) -> Vec<Vec<usize>> {
-    let mut size = alloc::vec![1usize; model.links().len()];
-    for (i, link) in model.links().iter().enumerate().rev() {
-        if let Some(parent) = link.parent {
+/// The children of each body, the one that most bodies hang on first.
+fn main_child_first(atoms: &[Atom<'_>]) -> Vec<Vec<usize>> {
+    let mut size = alloc::vec![1usize; atoms.len()];
+    let mut children = alloc::vec![Vec::new(); atoms.len()];
+    for (i, atom) in atoms.iter().enumerate().rev() {
+        if let Some(parent) = atom.parent {
             size[parent] += size[i];
+            children[parent].push(i);
         }
     }
-    let mut children = model.children();
     for siblings in &mut children {
+        siblings.reverse();
         siblings.sort_by_key(|&child| core::cmp::Reverse(size[child]));
     }
     children
 }
 
 /// Mass and moments about the frame's origin.
-fn rigid_inertia(inertial: &Inertial) -> RigidInertia<f64> {
-    let m = inertial.mass;
-    let c = inertial.center_of_mass;
+#[must_use]
+pub fn rigid_inertia(inertial: &Inertial) -> RigidInertia<f64> {
     let [xx, xy, xz, yy, yz, zz] = inertial.inertia;
-    let half_trace = 0.5 * (xx + yy + zz);
-    RigidInertia {
-        mass: m,
-        first_moment: Vector3(c.map(|x| m * x)),
-        second_moment: Symmetric3 {
-            xx: half_trace - xx + m * c[0] * c[0],
-            xy: m * c[0] * c[1] - xy,
-            xz: m * c[0] * c[2] - xz,
-            yy: half_trace - yy + m * c[1] * c[1],
-            yz: m * c[1] * c[2] - yz,
-            zz: half_trace - zz + m * c[2] * c[2],
-        },
-    }
+    let inertia = Symmetric3 { xx, xy, xz, yy, yz, zz };
+    RigidInertia::new(inertial.mass, Vector3(inertial.center_of_mass), &inertia)
 }

@@ -1,6 +1,6 @@
 //! `f64` and `f32` as scalars.
 
-use super::{Scalar, trig};
+use super::{Scalar, elementary, native, trig};
 
 impl Scalar for f64 {
     #[inline]
@@ -9,18 +9,33 @@ impl Scalar for f64 {
     }
 
     #[inline]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        native::mul_add_f64(self, factor, term)
+    }
+
+    #[inline]
     fn sin_cos(self) -> (Self, Self) {
-        trig::sin_cos_f64(self)
+        trig::sin_cos(self)
+    }
+
+    #[inline]
+    fn sin_cos_all<const N: usize>(angles: [Self; N]) -> [(Self, Self); N] {
+        trig::sin_cos_all(angles)
+    }
+
+    #[inline]
+    fn atan2(self, x: Self) -> Self {
+        elementary::atan2_f64(self, x)
     }
 
     #[inline]
     fn sqrt(self) -> Self {
-        libm::sqrt(self)
+        native::sqrt_f64(self)
     }
 
     #[inline]
     fn ln(self) -> Self {
-        libm::log(self)
+        elementary::ln_f64(self)
     }
 
     #[inline]
@@ -47,18 +62,33 @@ impl Scalar for f32 {
     }
 
     #[inline]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        native::mul_add_f32(self, factor, term)
+    }
+
+    #[inline]
     fn sin_cos(self) -> (Self, Self) {
-        trig::sin_cos_f32(self)
+        trig::sin_cos(self)
+    }
+
+    #[inline]
+    fn sin_cos_all<const N: usize>(angles: [Self; N]) -> [(Self, Self); N] {
+        trig::sin_cos_all(angles)
+    }
+
+    #[inline]
+    fn atan2(self, x: Self) -> Self {
+        elementary::atan2_f32(self, x)
     }
 
     #[inline]
     fn sqrt(self) -> Self {
-        libm::sqrtf(self)
+        native::sqrt_f32(self)
     }
 
     #[inline]
     fn ln(self) -> Self {
-        libm::logf(self)
+        elementary::ln_f32(self)
     }
 
     #[inline]
@@ -93,6 +123,12 @@ mod tests {
         assert_eq!(Scalar::max(number(-2.0), number(3.0)), number(3.0));
         assert_eq!(Scalar::max(number(f64::NAN), number(3.0)), number(3.0));
         assert_eq!(Scalar::recip(number(4.0)), number(0.25));
+        for angle in [0.5, 2.5, -2.5, -0.5, 0.0, core::f64::consts::PI] {
+            let (y, x) = (3.0 * libm::sin(angle), 3.0 * libm::cos(angle));
+            let error = Scalar::abs(Scalar::atan2(number(y), number(x)) - number(angle));
+            let within = (number(3e-7) - error).select_nonnegative(S::one(), S::zero());
+            assert_eq!(within, S::one(), "{angle}");
+        }
         let (then, otherwise) = (number(1.0), number(2.0));
         for (x, expected) in
             [(0.0, then), (-0.0, then), (5.0, then), (-1e-9, otherwise), (f64::NAN, otherwise)]

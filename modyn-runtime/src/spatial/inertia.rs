@@ -2,7 +2,7 @@
 
 use core::ops::Add;
 
-use super::{Axis, Matrix3, Symmetric3, Turn, Twist, Vector3, Wrench};
+use super::{Axis, Matrix3, Pose, Symmetric3, Turn, Twist, Vector3, Wrench};
 use crate::Scalar;
 
 /// The inertia of a rigid (or composite) body about its frame's origin.
@@ -21,6 +21,25 @@ pub struct RigidInertia<S> {
 }
 
 impl<S: Scalar> RigidInertia<S> {
+    /// From mass, centre of mass and the rotational inertia about that.
+    #[must_use]
+    pub fn new(mass: S, center: Vector3<S>, inertia: &Symmetric3<S>) -> Self {
+        let Symmetric3 { xx, xy, xz, yy, yz, zz } = *inertia;
+        let half_trace = (xx + yy + zz) * S::from_f64(0.5);
+        let [x, y, z] = center.0;
+        let first_moment = center.scale(mass);
+        let [mx, my, mz] = first_moment.0;
+        let second_moment = Symmetric3 {
+            xx: half_trace - xx + mx * x,
+            xy: mx * y - xy,
+            xz: mx * z - xz,
+            yy: half_trace - yy + my * y,
+            yz: my * z - yz,
+            zz: half_trace - zz + mz * z,
+        };
+        Self { mass, first_moment, second_moment }
+    }
+
     /// Nothing there.
     #[must_use]
     pub fn zero() -> Self {
@@ -47,6 +66,51 @@ impl<S: Scalar> RigidInertia<S> {
             first_moment: shifted,
             // S + p c^T + c p^T + m p p^T
             second_moment: Symmetric3::from_fn(|i, j| s[i][j] + (p[i] * shifted[j] + c[i] * p[j])),
+        }
+    }
+
+    /// The body without `other`.
+    #[must_use]
+    pub fn minus(&self, other: &Self) -> Self {
+        *self + other.map(|x| -x)
+    }
+
+    /// The body seen from a frame in which this one stands at `pose`.
+    #[must_use]
+    pub fn placed(&self, pose: &Pose<S>) -> Self {
+        self.rotated(&Matrix3(pose.rotation)).shifted(Vector3(pose.translation))
+    }
+
+    /// The body in axes whose columns, seen from the new ones, are those of `rotation`.
+    #[must_use]
+    pub fn rotated(&self, rotation: &Matrix3<S>) -> Self {
+        let second_moment = rotation.congruence(&self.second_moment.full()).0;
+        Self {
+            mass: self.mass,
+            first_moment: rotation.mul_vector(self.first_moment),
+            second_moment: Symmetric3::from_fn(|i, j| second_moment[i][j]),
+        }
+    }
+
+    /// The wrench of an acceleration; or, about the origin, the momentum of a velocity.
+    #[must_use]
+    pub fn times(&self, t: &Twist<S>) -> Wrench<S> {
+        let c = self.first_moment;
+        Wrench {
+            moment: self.rotational().full().mul_vector(t.angular) + c.cross(t.linear),
+            force: t.linear.scale(self.mass) + t.angular.cross(c),
+        }
+    }
+
+    /// The wrench of a unit acceleration in component `j` (angular x, y, z, linear x, y, z).
+    #[must_use]
+    pub fn column(&self, j: usize) -> Wrench<S> {
+        if j < 3 {
+            let moment = self.rotational().full().column(j);
+            Wrench { moment, force: Vector3::unit(j).cross(self.first_moment) }
+        } else {
+            let axis = Vector3::unit(j - 3);
+            Wrench { moment: self.first_moment.cross(axis), force: axis.scale(self.mass) }
         }
     }
 
@@ -145,6 +209,20 @@ impl<S: Scalar> ArticulatedInertia<S> {
             rotational: turn.symmetric(about, &self.rotational),
             coupling: turn.matrix(about, &self.coupling),
             translational: turn.symmetric(about, &self.translational),
+        }
+    }
+
+    /// The inertia in axes whose columns, seen from the new ones, are those of `rotation`.
+    #[must_use]
+    pub fn rotated(&self, rotation: &Matrix3<S>) -> Self {
+        let turned = |m: &Symmetric3<S>| {
+            let turned = rotation.congruence(&m.full()).0;
+            Symmetric3::from_fn(|i, j| turned[i][j])
+        };
+        Self {
+            rotational: turned(&self.rotational),
+            coupling: rotation.congruence(&self.coupling),
+            translational: turned(&self.translational),
         }
     }
 

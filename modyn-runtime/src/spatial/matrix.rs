@@ -23,6 +23,12 @@ impl<S: Scalar> Matrix3<S> {
         Self([[o, -z, y], [z, o, -x], [-y, x, o]])
     }
 
+    /// The matrix a b^T.
+    #[must_use]
+    pub fn outer(a: Vector3<S>, b: Vector3<S>) -> Self {
+        Self(a.0.map(|a| b.0.map(|b| a * b)))
+    }
+
     /// The matrix times a vector.
     #[must_use]
     pub fn mul_vector(&self, v: Vector3<S>) -> Vector3<S> {
@@ -33,6 +39,12 @@ impl<S: Scalar> Matrix3<S> {
     #[must_use]
     pub fn times(&self, other: &Self) -> Self {
         Self(self.0.map(|row| core::array::from_fn(|j| Vector3(row).dot(other.column(j)))))
+    }
+
+    /// R M R^T, where this is R.
+    #[must_use]
+    pub fn congruence(&self, m: &Self) -> Self {
+        self.times(m).times(&self.transposed())
     }
 
     /// The transposed matrix.

@@ -17,10 +17,12 @@ mod matrix;
 #[cfg(feature = "alloc")]
 mod placement;
 #[cfg(feature = "alloc")]
-mod turn;
+mod quaternion;
 #[cfg(feature = "alloc")]
+mod turn;
 mod vector;
 #[cfg(feature = "alloc")]
+mod velocity;
 mod wrench;
 
 #[cfg(feature = "alloc")]
@@ -29,7 +31,11 @@ pub use {
     inertia::{ArticulatedInertia, RigidInertia},
     matrix::{Matrix3, Symmetric3},
     placement::Placement,
+    quaternion::{Quaternion, screw_translation, screw_velocity},
     turn::{Axis, Turn},
+    velocity::VelocityMoments,
+};
+pub use {
     vector::Vector3,
-    wrench::{Twist, Wrench},
+    wrench::{Momentum, Twist, Wrench},
 };

@@ -1,6 +1,8 @@
 //! Where a joint stands on the link that carries it.
 
-use super::{ArticulatedInertia, Axis, Matrix3, RigidInertia, Turn, Twist, Vector3, Wrench};
+use super::{
+    ArticulatedInertia, Axis, Matrix3, RigidInertia, Turn, Twist, Vector3, VelocityMoments, Wrench,
+};
 use crate::Scalar;
 
 /// The constant pose of a joint's frame in the frame of the parent link:
@@ -40,8 +42,21 @@ impl<S: Scalar> Placement<S> {
         self.azimuth.vector(Axis::Z, self.tilt.vector(Axis::X, v))
     }
 
-    /// The same for the twist (or deviation of acceleration) of a rigid continuation of the
-    /// parent: the matrix A of the paper's twist propagation.
+    /// A point of the parent's frame, seen from the joint's.
+    #[must_use]
+    pub fn point_to_child(&self, point: Vector3<S>) -> Vector3<S> {
+        let shifted = self.azimuth.inverse().vector(Axis::Z, point) - self.translation;
+        self.tilt.inverse().vector(Axis::X, shifted)
+    }
+
+    /// A point of the joint's frame, seen from the parent's.
+    #[must_use]
+    pub fn point_to_parent(&self, point: Vector3<S>) -> Vector3<S> {
+        self.azimuth.vector(Axis::Z, self.tilt.vector(Axis::X, point) + self.translation)
+    }
+
+    /// The twist (or deviation of acceleration) of a rigid continuation of the parent, seen from
+    /// the joint's frame: the matrix A of the paper's twist propagation.
     #[must_use]
     pub fn twist_to_child(&self, t: Twist<S>) -> Twist<S> {
         let to_axes = |v| self.azimuth.inverse().vector(Axis::Z, v);
@@ -76,6 +91,12 @@ impl<S: Scalar> Placement<S> {
             first_moment: self.azimuth.vector(Axis::Z, tilted.first_moment),
             second_moment: self.azimuth.symmetric(Axis::Z, &tilted.second_moment),
         }
+    }
+
+    /// Moments of velocities against the joint's frame, at the parent.
+    #[must_use]
+    pub fn velocities_to_parent(&self, v: &VelocityMoments<S>) -> VelocityMoments<S> {
+        v.turned(self.tilt, Axis::X).shifted(self.translation).turned(self.azimuth, Axis::Z)
     }
 
     /// An articulated inertia at the joint's frame, at the parent: A^T M A.

@@ -15,6 +15,12 @@ impl<S: Scalar> Vector3<S> {
         Self([S::zero(); 3])
     }
 
+    /// The unit vector along axis `k`.
+    #[must_use]
+    pub fn unit(k: usize) -> Self {
+        Self(core::array::from_fn(|i| if i == k { S::one() } else { S::zero() }))
+    }
+
     /// `value` along z.
     #[must_use]
     pub fn along_z(value: S) -> Self {

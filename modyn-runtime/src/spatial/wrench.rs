@@ -1,6 +1,6 @@
-//! Twists and wrenches.
+//! Twists, wrenches and momenta.
 
-use core::ops::{Add, AddAssign};
+use core::ops::{Add, AddAssign, Sub};
 
 use super::Vector3;
 use crate::Scalar;
@@ -27,11 +27,67 @@ impl<S: Scalar> Twist<S> {
         Self { angular: Vector3::zero(), linear: Vector3::zero() }
     }
 
+    /// The twist times a number.
+    #[must_use]
+    pub fn scale(self, factor: S) -> Self {
+        Self { angular: self.angular.scale(factor), linear: self.linear.scale(factor) }
+    }
+
     /// The six numbers, angular first.
     #[must_use]
     pub fn components(&self) -> [S; 6] {
         let ([a, b, c], [d, e, f]) = (self.angular.0, self.linear.0);
         [a, b, c, d, e, f]
+    }
+}
+
+impl<S: Scalar> Add for Twist<S> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { angular: self.angular + other.angular, linear: self.linear + other.linear }
+    }
+}
+
+/// An angular and a linear momentum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Momentum<S> {
+    /// Angular part, about the point that the momentum is referred to, kg m^2/s.
+    pub angular: Vector3<S>,
+    /// Linear part, kg m/s.
+    pub linear: Vector3<S>,
+}
+
+impl<S: Scalar> Momentum<S> {
+    /// From six numbers, angular first.
+    #[must_use]
+    pub fn from_components([a, b, c, d, e, f]: [S; 6]) -> Self {
+        Self { angular: Vector3([a, b, c]), linear: Vector3([d, e, f]) }
+    }
+
+    /// At rest.
+    #[must_use]
+    pub fn zero() -> Self {
+        Self { angular: Vector3::zero(), linear: Vector3::zero() }
+    }
+
+    /// The momentum times a number.
+    #[must_use]
+    pub fn scale(self, factor: S) -> Self {
+        Self { angular: self.angular.scale(factor), linear: self.linear.scale(factor) }
+    }
+
+    /// The six numbers, angular first.
+    #[must_use]
+    pub fn components(&self) -> [S; 6] {
+        let ([a, b, c], [d, e, f]) = (self.angular.0, self.linear.0);
+        [a, b, c, d, e, f]
+    }
+}
+
+impl<S: Scalar> Add for Momentum<S> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { angular: self.angular + other.angular, linear: self.linear + other.linear }
     }
 }
 
@@ -75,5 +131,12 @@ impl<S: Scalar> Add for Wrench<S> {
 impl<S: Scalar> AddAssign for Wrench<S> {
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
+    }
+}
+
+impl<S: Scalar> Sub for Wrench<S> {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self { moment: self.moment - other.moment, force: self.force - other.force }
     }
 }

@@ -19,6 +19,19 @@ modyn::modyn! {
 modyn::modyn!(Others = "../good.urdf", modules = links, scalar = f64, mimic = independent);
 modyn::modyn!(r#Chains = "../good.urdf", modules = chains,);
 modyn::modyn!(Mimicking = "../mimic.urdf", mimic = independent);
+modyn::modyn!(Following = "../mimic.urdf", mimic = follow, friction = none);
+modyn::modyn!(
+    Floating = "../floating.urdf",
+    base = floating,
+    gravity = runtime,
+    payload = ["hand", "arm"],
+    functions = all,
+    friction = smooth(1e-2),
+    rotors = ["elbow": (1e-4, 100)],
+);
+modyn::modyn!(Little = "../good.urdf", functions = [forward_dynamics], friction = coulomb);
+modyn::modyn!(More = "../good.urdf", functions = [default, regressor], friction = viscous);
+modyn::modyn!(Default = "../good.urdf", functions = default, payload = [], rotors = []);
 modyn::modyn!(Unphysical = "../triangle-inequality.urdf", unphysical_inertia = warn);
 
 fn main() {
@@ -26,6 +39,16 @@ fn main() {
     assert!(all > 0.0 || all <= 0.0);
     assert_eq!((TwoLinks::MODULES.len(), Others::MODULES.len(), All::MODULES.len()), (1, 2, 2));
     assert_eq!((Chains::MODULES.len(), Mimicking::NV, Unphysical::NV), (1, 2, 1));
+    assert_eq!((Following::NV, Floating::NV, Floating::NQ), (1, 8, 9));
+    assert_eq!(Floating::ARMATURE[7], 1.0);
+    assert_eq!(Floating::VELOCITY_NAMES[6..], ["shoulder", "elbow"]);
+    let mut params = FloatingParams::DEFAULT;
+    params.gravity[2] = -1.62;
+    params.hand = modyn::Payload::NONE;
+    assert_eq!((params.arm.inertial().mass, FloatingParams::default().gravity[2]), (1.0, -9.81));
+    let _ = Floating::forward_dynamics_with(&params, &Floating::NEUTRAL, &[0.0; 8], &[0.0; 8]);
+    let _ = (Little::forward_dynamics(&[0.0; 2], &[0.0; 2], &[0.0; 2]), Default::brge(&[0.0; 2]));
+    assert_eq!(More::regressor(&[0.0; 2], &[0.0; 2], &[0.0; 2]).len(), More::PARAMETERS.len());
     assert_eq!((All::GRAVITY, Others::GRAVITY[2]), ([0.0, -9.81, 0.001], -9.81));
     assert_eq!((TwoLinks::NAME, TwoLinksJoint::Elbow.name()), ("two links", "elbow"));
 }

@@ -5,9 +5,20 @@
 
 use core::hint::black_box;
 
+use modyn::simulate::{Gains, Reference, State};
+use modyn::spatial::Wrench;
+use modyn::{Inertial, Payload};
+
 modyn::modyn!("../../../../robots/gripper.urdf");
 modyn::modyn!(Arm = "../../../../robots/arm7.urdf");
 modyn::modyn!(Small = "../../../../robots/arm7.urdf", scalar = f32, modules = links);
+modyn::modyn!(
+    Zoo = "../../../../robots/joint_zoo.urdf",
+    functions = all,
+    friction = coulomb,
+    gravity = runtime,
+    payload = ["tip"],
+);
 
 // The C library starts `main`. What no crate defines cannot be declared without `unsafe`; nothing else here is.
 #[link(name = "c")]
@@ -42,11 +53,51 @@ macro_rules! call_everything {
     }};
 }
 
+/// All functions there are.
+fn call_all() {
+    let (q, v) = black_box((Zoo::NEUTRAL, [0.5; Zoo::NV]));
+    let forces = black_box([Wrench::<f64>::zero(); Zoo::LINK_NAMES.len()]);
+    let gravity = black_box([0.0, 0.0, -1.0]);
+    let tip = Payload::new(black_box(Inertial::default())).unwrap_or(Payload::NONE);
+    let params = ZooParams { gravity, tip };
+    black_box(Zoo::forward_dynamics_with(&params, &q, &v, &v));
+    black_box(Zoo::inverse_dynamics_with(&params, &q, &v, &v));
+    black_box(Zoo::brge_with(&params, &q).condition_numbers());
+    black_box(Zoo::forward_dynamics_external(&q, &v, &v, &forces));
+    black_box(Zoo::forward_dynamics_external_world(&q, &v, &v, &forces));
+    black_box(Zoo::inverse_dynamics_external(&q, &v, &v, &forces));
+    black_box(Zoo::inverse_dynamics_external_world(&q, &v, &v, &forces));
+    black_box(Zoo::inverse_dynamics_derivatives(&q, &v, &v));
+    black_box(Zoo::forward_dynamics_derivatives_with(&params, &q, &v, &v));
+    black_box(Zoo::regressor(&q, &v, &v));
+    black_box((Zoo::center_of_mass(&q), Zoo::center_of_mass_jacobian(&q)));
+    black_box((Zoo::centroidal_momentum_matrix(&q), Zoo::centroidal_momentum(&q, &v)));
+    let link = black_box(ZooLink::Hand);
+    black_box((Zoo::link_pose(&q, link), Zoo::link_velocity(&q, &v, link)));
+    black_box((Zoo::local_link_velocity(&q, &v, link), Zoo::jacobian(&q, link)));
+    black_box(Zoo::link_acceleration(&q, &v, &v, link));
+    black_box(Zoo::local_link_acceleration(&q, &v, &v, link));
+    black_box((Zoo::local_jacobian(&q, link), Zoo::jacobian_rate(&q, &v, link)));
+    black_box(Zoo::local_jacobian_rate(&q, &v, link));
+    let moved = black_box(Zoo::integrate(&q, &v));
+    black_box((Zoo::difference(&q, &moved), Zoo::coordinate_rates(&q, &v)));
+    black_box((Zoo::normalize(&moved), Zoo::random(|| black_box(0.5))));
+    black_box((black_box(ZooJoint::Wrist).coordinates(), black_box(ZooJoint::Wrist).velocities()));
+    let goal = Reference::<Zoo>::standing(moved);
+    let gains = Gains { stiffness: 1.0, damping: 2.0 };
+    let next = State::<Zoo>::at_rest(q).runge_kutta_4(0.01, |state| {
+        let tau = state.computed_torque(&goal, gains);
+        Zoo::forward_dynamics(&state.q, &state.qd, &tau)
+    });
+    black_box(next.semi_implicit_euler(0.01, |state| state.qd).q);
+}
+
 #[unsafe(no_mangle)]
 extern "C" fn main() -> i32 {
     call_everything!(Gripper, GripperJoint, GripperLink, f64);
     call_everything!(Arm, ArmJoint, ArmLink, f64);
     call_everything!(Small, SmallJoint, SmallLink, f32);
+    call_all();
     #[cfg(feature = "panics")]
     black_box([1, 2, 3][black_box(3)]);
     0

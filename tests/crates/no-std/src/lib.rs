@@ -6,6 +6,7 @@
 
 modyn::modyn!(pub Arm = "../../../../robots/arm7.urdf", scalar = f32);
 modyn::modyn!("../../../../robots/gripper.urdf");
+modyn::modyn!(pub Zoo = "../../../../robots/joint_zoo.urdf", functions = all, scalar = f32);
 
 /// Torques that hold the arm and carry it along.
 #[must_use]

@@ -37,6 +37,14 @@ pub mod names {
     modyn::modyn!(pub Poses = "../robots/clash.urdf");
     modyn::modyn!(pub Params = "../robots/clash.urdf");
     modyn::modyn!(pub Brge = "../robots/clash.urdf");
+    modyn::modyn!(pub FnMut = "../robots/clash.urdf");
+    modyn::modyn!(pub Into = "../robots/clash.urdf");
+    modyn::modyn!(
+        pub Loaded = "../robots/clash.urdf",
+        functions = all,
+        gravity = runtime,
+        payload = ["Some", "None", "\u{202e}Ok"],
+    );
 }
 
 #[cfg(test)]

@@ -4,6 +4,12 @@
 
 modyn::modyn!("../../../../robots/gripper.urdf");
 modyn::modyn!(Private = "../../../../robots/gripper.urdf");
+modyn::modyn!(
+    Complete = "../../../../robots/joint_zoo.urdf",
+    functions = all,
+    gravity = runtime,
+    payload = ["hand"],
+);
 
 mod included {
     modyn::include_model!(gripper);

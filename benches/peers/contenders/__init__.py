@@ -1,0 +1,14 @@
+"""The contenders, each in a file: a function that builds it and returns its programs.
+
+To add one, write such a file and a line here.
+"""
+
+from . import casadi, crates, modyn, mujoco, pinocchio
+
+CONTENDERS = {
+    "modyn": modyn.build,
+    "pinocchio": pinocchio.build,
+    "casadi": casadi.build,
+    "mujoco": mujoco.build,
+    "crates": crates.build,
+}

@@ -1,0 +1,37 @@
+"""Crates that compute dynamics in Rust, from `crates-runner`; robots on a fixed base."""
+
+import os
+
+from environment import HERE, OUTPUT, call
+from measure import Program
+
+#: What they offer.
+CRATES = {
+    "phyz": ["forward_dynamics", "inverse_dynamics", "mass_matrix"],
+    "dynamics-rs": ["forward_dynamics", "inverse_dynamics"],
+}
+WHY_NOT = {
+    "Rust crate featherstone 0.1":
+        "f32 alone; what it reads of a description with turned placements has other dynamics (errors of 1), "
+        "and its joints turn the other way",
+    "Rust crate k": "kinematics only",
+    "Rust crate rapier3d": "a simulator: no forward dynamics as a function of q, qd and tau",
+}
+
+
+def build(toolbox):
+    models = toolbox.pinocchio_models()
+    toolbox.missing.update(WHY_NOT)
+    folder = OUTPUT / "crates"
+    call(["cargo", "build", "--release", "--manifest-path", HERE / "crates-runner" / "Cargo.toml",
+          "--target-dir", folder], env={**os.environ, "RUSTFLAGS": "-C target-cpu=native"})
+    programs = []
+    for crate, quantities in CRATES.items():
+        for robot in toolbox.robots:
+            if robot.base == "floating":
+                continue
+            for quantity in quantities:
+                after = (robot.description if crate != "phyz" else models[robot.name],)
+                programs.append(Program(crate, "native", robot.name, quantity,
+                                        folder / "release" / "crates-runner", before=(crate,), after=after))
+    return programs

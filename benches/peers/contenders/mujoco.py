@@ -1,0 +1,31 @@
+"""MuJoCo's smooth dynamics, from the C library of its wheel."""
+
+from environment import HERE, SITE, Unavailable, call, newer, python
+from measure import Program
+
+
+def build(toolbox):
+    models = toolbox.pinocchio_models()
+    toolbox.wheel("mujoco")
+    package = SITE / "mujoco"
+    library = next(iter(package.glob("libmujoco.so*")), None)
+    if library is None or not toolbox.compilers:
+        raise Unavailable("no library or no compiler")
+    source = HERE / "cpp" / "mujoco.cpp"
+    # What is timed is the library; the compiler of the harness does not matter.
+    executable = toolbox.build / "mujoco"
+    if not newer(executable, [source, HERE / "cpp" / "harness.hpp"]):
+        call([toolbox.compilers[-1][2], "-std=c++17", "-O3", "-march=native", "-I", package / "include", source, library,
+              "-Wl,-rpath,$ORIGIN", "-o", executable])
+    toolbox.missing["MuJoCo, forward_dynamics_derivatives"] = "finite differences only"
+    programs = []
+    for robot in toolbox.robots:
+        model = toolbox.build / f"{robot.name}.mjb"
+        python("mujoco_model.py", models[robot.name], model)
+        for quantity in robot.quantities:
+            if quantity == "forward_dynamics_derivatives":
+                continue
+            for how in ["forward", "pieces"] if quantity == "forward_dynamics" else ["pieces"]:
+                programs.append(Program("MuJoCo", how, robot.name, quantity, executable,
+                                        after=(model, how), libraries=(library,)))
+    return programs

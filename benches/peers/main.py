@@ -1,0 +1,65 @@
+"""Builds all contenders, measures them, and writes a table and a plot: `run --help`."""
+
+import argparse
+import json
+import sys
+
+import environment
+import measure
+import plot
+import table
+from contenders import CONTENDERS, modyn
+from environment import OUTPUT, QUANTITIES, Unavailable
+
+
+def options():
+    parser = argparse.ArgumentParser(prog="run", description=__doc__)
+    parser.add_argument("--robots", metavar="NAME,...", help="only these of robots.txt")
+    parser.add_argument("--only", metavar="NAME,...", help=f"only these contenders: {', '.join(CONTENDERS)}")
+    parser.add_argument("--quick", action="store_true", help="2 processes of 5 repetitions instead of 5 of 21")
+    parser.add_argument("--install", action="store_true", help="install missing compilers with apt-get")
+    parser.add_argument("--output", default=OUTPUT, help="where to put the table and the plot (target/peers)")
+    return parser.parse_args()
+
+
+def chosen(names, all_names, what):
+    names = names.split(",") if names else list(all_names)
+    unknown = set(names) - set(all_names)
+    if unknown:
+        sys.exit(f"no {what} {', '.join(sorted(unknown))}: there are {', '.join(all_names)}")
+    return names
+
+
+def main():
+    arguments = options()
+    robots = environment.robots()
+    names = chosen(arguments.robots, [robot.name for robot in robots], "robot")
+    robots = [robot for robot in robots if robot.name in names]
+    only = chosen(arguments.only, CONTENDERS, "contender")
+    toolbox = environment.Toolbox(robots, arguments.install)
+
+    modyn.states(toolbox)
+    measurer = measure.Measurer(toolbox.data, arguments.quick)
+    results, missing = [], {}
+    for name in only:
+        print(f"{name}: building", flush=True)
+        try:
+            programs = CONTENDERS[name](toolbox)
+        except Unavailable as why:
+            print(f"{name}: left out: {why}", flush=True)
+            missing[name] = str(why)
+            continue
+        results += measurer.all(programs)
+    missing.update(toolbox.missing)
+
+    report = dict(machine=environment.machine(), versions=toolbox.versions, quick=arguments.quick,
+                  robots=names, quantities=QUANTITIES, results=results, missing=missing)
+    output = environment.folder(arguments.output)
+    (output / "results.json").write_text(json.dumps(report, indent=1))
+    (output / "table.md").write_text(table.markdown(report))
+    (output / "plot.svg").write_text(plot.svg(report))
+    print((output / "table.md").read_text())
+
+
+if __name__ == "__main__":
+    main()

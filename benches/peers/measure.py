@@ -1,0 +1,76 @@
+"""Runs programs: several copies each, and the best of all.
+
+Where a program's code and data lie in physical memory changes its times, by up to a factor of two;
+a fresh copy of the file lies elsewhere.
+"""
+
+import dataclasses
+import math
+import os
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+#: As the programs have it too.
+LARGEST_ERROR = 1e-8
+
+
+@dataclasses.dataclass
+class Program:
+    """`executable *before DATA ROBOT QUANTITY REPETITIONS *after` prints its error and its time."""
+
+    contender: str
+    #: Which of the contender's programs; the fastest is what the contender is said to reach.
+    variant: str
+    robot: str
+    quantity: str
+    executable: Path
+    before: tuple = ()
+    after: tuple = ()
+    #: Shared libraries that are copied with it, found by an rpath of $ORIGIN.
+    libraries: tuple = ()
+
+
+class Measurer:
+    def __init__(self, data, quick):
+        self.data = data
+        self.copies, self.repetitions = (2, 5) if quick else (5, 21)
+        # The last core: the first one serves interrupts.
+        self.pin = []
+        if shutil.which("taskset"):
+            self.pin = ["taskset", "-c", str(max(os.sched_getaffinity(0)))]
+
+    def all(self, programs):
+        return [self.one(program) for program in programs]
+
+    def one(self, program):
+        result = dict(contender=program.contender, variant=program.variant, robot=program.robot,
+                      quantity=program.quantity, error=math.nan, ns=None, runs=[], why=None)
+        for _ in range(self.copies):
+            said = self._run(program)
+            if isinstance(said, str):
+                result["why"] = said
+                break
+            result["error"] = said["error"]
+            result["runs"].append(said["ns"])
+        if result["why"] is None:
+            result["ns"] = min(result["runs"])
+        print("{contender:24} {variant:28} {robot:10} {quantity:30} error {error:8.1e}  "
+              .format(**result) + (f"{result['ns']:10.1f} ns" if result["ns"] else result["why"]), flush=True)
+        return result
+
+    def _run(self, program):
+        """What a fresh copy of the program says, or why it says nothing."""
+        with tempfile.TemporaryDirectory(dir=self.data.parent) as place:
+            for file in [program.executable, *program.libraries]:
+                shutil.copy2(file, place)
+            executable = Path(place) / Path(program.executable).name
+            command = [*self.pin, executable, *program.before, self.data, program.robot, program.quantity,
+                       self.repetitions, *program.after]
+            done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+        said = dict(line.split() for line in done.stdout.splitlines() if len(line.split()) == 2)
+        said = {key: float(value) for key, value in said.items()}
+        if not said.get("error", math.inf) < LARGEST_ERROR:
+            return f"wrong: error {said['error']:.1e}" if "error" in said else done.stderr.strip()[-160:] or "crashed"
+        return said if "ns" in said else "no time"

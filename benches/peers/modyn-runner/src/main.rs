@@ -1,0 +1,34 @@
+//! modyn's part in the comparison with other software.
+//!
+//! `modyn-runner states FOLDER` writes the states and modyn's interpreter's results, which every
+//! contender is checked against. `modyn-runner CONTENDER FOLDER ROBOT QUANTITY REPETITIONS` times.
+
+mod generated;
+mod interpreted;
+mod measure;
+mod robots;
+mod states;
+
+use std::path::Path;
+
+use measure::Job;
+
+/// The contenders: add lanes or batches here, and in `../contenders/modyn.py`.
+const CONTENDERS: [(&str, fn(&Job)); 2] =
+    [("generated", generated::measure), ("interpreted", interpreted::measure)];
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match arguments[..] {
+        ["states", folder] => robots::all().iter().for_each(|robot| {
+            states::write(robot, Path::new(folder));
+        }),
+        [contender, folder, robot, quantity, repetitions] => {
+            let (_, measure) =
+                CONTENDERS.iter().find(|(name, _)| *name == contender).expect("a contender");
+            measure(&Job::read(Path::new(folder), robot, quantity, repetitions));
+        }
+        _ => panic!("states FOLDER, or CONTENDER FOLDER ROBOT QUANTITY REPETITIONS"),
+    }
+}

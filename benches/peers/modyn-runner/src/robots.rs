@@ -1,0 +1,41 @@
+//! The list of robots, for the build script and the program alike.
+
+use std::path::{Path, PathBuf};
+
+use modyn_codegen::urdf::Base;
+
+/// A line of `robots.txt`.
+pub struct Robot {
+    pub name: String,
+    pub description: PathBuf,
+    pub base: Base,
+    /// Whether its derivatives are timed.
+    #[allow(dead_code)]
+    pub derivatives: bool,
+}
+
+impl Robot {
+    /// The name in upper camel case.
+    #[allow(dead_code)]
+    pub fn type_name(&self) -> String {
+        let upper = |word: &str| word[..1].to_uppercase() + &word[1..];
+        self.name.split('_').map(upper).collect()
+    }
+}
+
+/// All of them.
+pub fn all() -> Vec<Robot> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..");
+    let lines = include_str!("../../robots.txt").lines().filter(|line| !line.starts_with('#'));
+    let robot = |line: &str| {
+        let [name, description, base, derivatives] =
+            line.split_whitespace().collect::<Vec<_>>().try_into().expect("four columns");
+        Robot {
+            name: String::from(name),
+            description: root.join(description),
+            base: if base == "floating" { Base::Floating } else { Base::Fixed },
+            derivatives: derivatives == "derivatives",
+        }
+    };
+    lines.map(robot).collect()
+}

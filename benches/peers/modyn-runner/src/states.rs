@@ -1,0 +1,84 @@
+//! States at random, and what the interpreter makes of them.
+
+use std::fs;
+use std::path::Path;
+
+use modyn::{Interpreter, model::Model};
+use modyn_codegen::urdf::{Base, ReadOptions, read};
+
+use crate::interpreted::results;
+use crate::measure::CHECKED;
+use crate::robots::Robot;
+
+/// How many states a robot has.
+const STATES: usize = 1024;
+/// What is timed.
+pub const QUANTITIES: [&str; 4] =
+    ["forward_dynamics", "inverse_dynamics", "mass_matrix", "forward_dynamics_derivatives"];
+
+/// The robot's model.
+pub fn model(robot: &Robot) -> Model {
+    let file = &robot.description;
+    let text = fs::read_to_string(file).expect("a description");
+    let mut options = ReadOptions::default();
+    options.base = robot.base;
+    read(&text, &file.to_string_lossy(), &options).expect("a robot").model
+}
+
+/// Numbers in -1..1, the same on every machine: a linear congruential generator.
+fn numbers() -> impl FnMut() -> f64 {
+    let mut state = 1u64;
+    move || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Coordinates (of a floating base: position and a unit quaternion, x y z w, in front).
+fn coordinates(robot: &Robot, nq: usize, number: &mut impl FnMut() -> f64) -> Vec<f64> {
+    let mut q: Vec<f64> = (0..nq).map(|_| 3.0 * number()).collect();
+    if robot.base == Base::Floating {
+        let norm = q[3..7].iter().map(|x| x * x).sum::<f64>().sqrt();
+        q[3..7].iter_mut().for_each(|x| *x /= norm);
+    }
+    q
+}
+
+/// Writes, as little-endian doubles, `ROBOT.states`: q, qd, tau, qdd of one state after the other,
+/// and `ROBOT.QUANTITY`: the results at the first states; as text `ROBOT.model`: nq, nv, then the
+/// joints in modyn's order.
+pub fn write(robot: &Robot, folder: &Path) {
+    let model = model(robot);
+    let (nq, nv) = (model.nq(), model.nv());
+    let mut number = numbers();
+    let states: Vec<[Vec<f64>; 4]> = (0..STATES)
+        .map(|_| {
+            let q = coordinates(robot, nq, &mut number);
+            let [qd, tau, qdd] =
+                [2.0, 5.0, 5.0].map(|size| (0..nv).map(|_| size * number()).collect());
+            [q, qd, tau, qdd]
+        })
+        .collect();
+    let file = |extension: &str| folder.join(format!("{}.{extension}", robot.name));
+    let save = |extension: &str, numbers: &[f64]| {
+        let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+        fs::write(file(extension), bytes).expect("a folder to write to");
+    };
+    save("states", &states.concat().concat());
+    let joints = model.links().iter().map(|link| format!("{}\n", link.joint.name));
+    let text = format!("{nq} {nv}\n{}", joints.collect::<String>());
+    fs::write(file("model"), text).expect("a folder to write to");
+
+    let mut interpreter = Interpreter::<f64>::new(model);
+    for quantity in QUANTITIES {
+        let mut all = Vec::new();
+        let mut one = vec![0.0; results(quantity, nv)];
+        let function = crate::interpreted::function(quantity);
+        for [q, qd, tau, qdd] in &states[..CHECKED] {
+            function(&mut interpreter, [q, qd, tau, qdd], &mut one);
+            all.extend_from_slice(&one);
+        }
+        save(quantity, &all);
+    }
+}

@@ -1,0 +1,66 @@
+"""The results as Markdown."""
+
+
+def best(report, contender, robot, quantity):
+    """The fastest of a contender's programs that was right, if any; else one that says why not."""
+    rows = [row for row in report["results"]
+            if (row["contender"], row["robot"], row["quantity"]) == (contender, robot, quantity)]
+    right = [row for row in rows if row["ns"] is not None]
+    return min(right, key=lambda row: row["ns"]) if right else next(iter(rows), None)
+
+
+def contenders(report):
+    return list(dict.fromkeys(row["contender"] for row in report["results"]))
+
+
+def cases(report):
+    """Each robot and quantity that something was measured for."""
+    done = {(row["robot"], row["quantity"]) for row in report["results"]}
+    return [(robot, quantity) for quantity in report["quantities"] for robot in report["robots"]
+            if (robot, quantity) in done]
+
+
+def number(ns):
+    return f"{ns:.0f}" if ns >= 100 else f"{ns:.1f}"
+
+
+def cell(report, row, reference):
+    if row is None:
+        return ""
+    if row["ns"] is None:
+        return "failed"
+    text = number(row["ns"])
+    if reference and reference["ns"] and row is not reference:
+        text += f" ({row['ns'] / reference['ns']:.2g}x)"
+    return f"{text} {row['variant']}" if row["contender"] not in OWN else text
+
+
+#: Of one program each, so that the column's head says all.
+OWN = ["modyn native", "modyn x86-64", "modyn interpreter"]
+#: What the ratios are to.
+REFERENCE = "modyn native"
+
+
+def markdown(report):
+    columns = contenders(report)
+    lines = ["# Nanoseconds a call", ""]
+    if report["quick"]:
+        lines += ["**A quick run: for debugging, not for quoting.**", ""]
+    lines += [f"{report['machine']}. f64, one state a call, one core; in brackets times {REFERENCE}'s; then which "
+              "of the contender's programs was the fastest (+F: `-ffp-contract=fast -fno-math-errno`).", ""]
+    lines += ["| quantity | robot | " + " | ".join(columns) + " |", "|---" * (len(columns) + 2) + "|"]
+    for robot, quantity in cases(report):
+        reference = best(report, REFERENCE, robot, quantity)
+        cells = [cell(report, best(report, column, robot, quantity), reference) for column in columns]
+        lines.append(f"| {quantity.replace('_', ' ')} | {robot} | " + " | ".join(cells) + " |")
+    lines += ["", "Largest error against modyn's interpreter, in parts of the largest number of a result:", ""]
+    for column in columns:
+        errors = [row["error"] for row in report["results"] if row["contender"] == column and row["ns"]]
+        lines.append(f"- {column}: {max(errors):.1e}" if errors else f"- {column}: nothing timed")
+    failed = {f"{row['contender']}, {row['variant']}, {row['robot']}, {row['quantity']}": row["why"]
+              for row in report["results"] if row["why"]}
+    missing = {**report["missing"], **failed}
+    if missing:
+        lines += ["", "Left out:", "", *[f"- {name}: {why}" for name, why in missing.items()]]
+    versions = ", ".join(f"{name} {version}" for name, version in report["versions"].items())
+    return "\n".join([*lines, "", f"Versions: {versions}.", ""])

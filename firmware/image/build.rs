@@ -1,0 +1,101 @@
+//! Runs the robots on the host, and writes down what they say bit for bit; lays out memory.
+
+use std::error::Error;
+use std::fmt::{LowerHex, Write as _};
+use std::path::Path;
+
+use robots::{double, single};
+
+/// Every second one turned far beyond the fast argument reduction.
+const STATES: usize = 6;
+
+/// Numbers from `low` to `high`, spread by steps of the golden ratio.
+fn spread(count: usize, seed: usize, low: f64, high: f64) -> Vec<f64> {
+    let number =
+        |i: usize| ((i + 1) as f64 * 0.618_033_988_749_894_9 + seed as f64 * 0.377).fract();
+    (0..count).map(|i| low + (high - low) * number(i)).collect()
+}
+
+fn list<T: LowerHex>(bits: impl IntoIterator<Item = T>) -> String {
+    let bits: Vec<String> = bits.into_iter().map(|bits| format!("{bits:#x}")).collect();
+    format!("[{}]", bits.join(", "))
+}
+
+macro_rules! cases {
+    ($text:ident, $scalar:ident, $float:ty, $name:ident, $robot:ident) => {{
+        use $scalar::$name::$robot as Robot;
+        const N: usize = Robot::NV;
+        let bits = <$float>::to_bits;
+        writeln!(
+            $text,
+            "pub const {}: [Case<{N}>; {STATES}] = [",
+            stringify!($name).to_uppercase()
+        )?;
+        for state in 0..STATES {
+            let turns = if state % 2 == 1 { 1e6 } else { 1.0 };
+            let vector = |seed, size: f64| -> [$float; N] {
+                let numbers = spread(N, 10 * state + seed, -size, size);
+                std::array::from_fn(|i| numbers[i] as $float)
+            };
+            let (q, qd, tau) = (vector(0, 3.0 * turns), vector(1, 2.0), vector(2, 20.0));
+            let brge = Robot::brge(&q);
+            let numbers = [brge.log_determinant(), brge.condition_numbers()[0]];
+            let poses = Robot::link_poses(&q);
+            let pose = poses[poses.len() - 1];
+            writeln!(
+                $text,
+                "Case {{ q: {}, qd: {}, tau: {}, forward: {}, inverse: {}, mass: [{}], solved: {}, \
+                 numbers: {}, place: {} }},",
+                list(q.map(bits)),
+                list(qd.map(bits)),
+                list(tau.map(bits)),
+                list(Robot::forward_dynamics(&q, &qd, &tau).map(bits)),
+                list(Robot::inverse_dynamics(&q, &qd, &tau).map(bits)),
+                Robot::mass_matrix(&q).map(|column| list(column.map(bits))).join(", "),
+                list(brge.solve(&tau).map(bits)),
+                list(numbers.map(bits)),
+                list(pose.translation.map(bits)),
+            )?;
+        }
+        writeln!($text, "];")?;
+    }};
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("cargo::rerun-if-changed=build.rs");
+    let out = std::env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
+    let out = Path::new(&out);
+    let (mut f32s, mut f64s) = (String::new(), String::new());
+    cases!(f32s, single, f32, gripper, Gripper);
+    cases!(f32s, single, f32, arm7, Arm7);
+    cases!(f32s, single, f32, leg, Leg);
+    cases!(f64s, double, f64, gripper, Gripper);
+    cases!(f64s, double, f64, arm7, Arm7);
+    cases!(f64s, double, f64, leg, Leg);
+    std::fs::write(out.join("cases_f32.rs"), f32s)?;
+    std::fs::write(out.join("cases_f64.rs"), f64s)?;
+
+    let memory = match std::env::var("CARGO_CFG_TARGET_ARCH")?.as_str() {
+        // mps2-an386 and mps2-an500.
+        "arm" => {
+            "MEMORY { FLASH : ORIGIN = 0x00000000, LENGTH = 4M  RAM : ORIGIN = 0x20000000, LENGTH = 4M }\n"
+        }
+        // virt.
+        "riscv32" => {
+            "MEMORY { RAM : ORIGIN = 0x80000000, LENGTH = 16M }\n\
+             REGION_ALIAS(\"REGION_TEXT\", RAM); REGION_ALIAS(\"REGION_RODATA\", RAM);\n\
+             REGION_ALIAS(\"REGION_DATA\", RAM); REGION_ALIAS(\"REGION_BSS\", RAM);\n\
+             REGION_ALIAS(\"REGION_HEAP\", RAM); REGION_ALIAS(\"REGION_STACK\", RAM);\n"
+        }
+        // Checked on the host only, if at all.
+        _ => return Ok(()),
+    };
+    std::fs::write(out.join("memory.x"), memory)?;
+    println!("cargo::rustc-link-search={}", out.display());
+    if std::env::var("CARGO_CFG_TARGET_ARCH")? == "riscv32" {
+        println!("cargo::rustc-link-arg=-Tmemory.x");
+    }
+    println!("cargo::rustc-link-arg=-Tlink.x");
+    println!("cargo::rustc-link-arg=--nmagic");
+    Ok(())
+}

@@ -1,0 +1,55 @@
+//! Compiles the robots: self-contained for `f32` and `f64`, and the arm over `modyn-runtime` too.
+
+use std::error::Error;
+use std::path::Path;
+
+use modyn_codegen::urdf::{ReadOptions, read};
+use modyn_codegen::{Builder, FloatType, Function};
+use modyn_runtime::model::Model;
+
+const FUNCTIONS: [Function; 5] = [
+    Function::ForwardDynamics,
+    Function::InverseDynamics,
+    Function::MassMatrix,
+    Function::Brge,
+    Function::LinkPoses,
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let out = std::env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
+    for name in ["gripper", "arm7", "quadruped"] {
+        let path = folder.join(format!("{name}.urdf"));
+        println!("cargo::rerun-if-changed={}", path.display());
+        let text = std::fs::read_to_string(path)?;
+        let file = format!("{name}.urdf");
+        let model = read(&text, &file, &ReadOptions::default())?.model;
+        let name = if name == "quadruped" { "leg" } else { name };
+        let model = if name == "leg" { first_leg(&model)? } else { model };
+        for (float, scalar) in [(FloatType::F32, "f32"), (FloatType::F64, "f64")] {
+            let builder = Builder::new().model(model.clone()).float(float).functions(FUNCTIONS);
+            let file = Path::new(&out).join(format!("{name}_{scalar}.rs"));
+            builder.clone().self_contained().write(&file)?;
+            if builder.is_stale(&file)? != true || builder.self_contained().is_stale(&file)? {
+                return Err("what was just written must be up to date with its options".into());
+            }
+        }
+        if name == "arm7" {
+            for (float, scalar) in [(FloatType::F32, "f32"), (FloatType::F64, "f64")] {
+                let builder = Builder::new().model(model.clone()).krate("::modyn_runtime");
+                let file = Path::new(&out).join(format!("ordinary_{scalar}.rs"));
+                builder.float(float).functions([Function::ForwardDynamics]).write(&file)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The quadruped's first three joints and what is fixed to their links: a leg on a stand.
+fn first_leg(model: &Model) -> Result<Model, Box<dyn Error>> {
+    let links = model.links()[..3].to_vec();
+    let own = |link: Option<usize>| link.is_none_or(|link| link < links.len());
+    let frames = model.frames().iter().filter(|frame| own(frame.link)).cloned().collect();
+    Model::new("leg", model.gravity(), links.clone(), frames)
+        .map_err(|errors| errors[0].to_string().into())
+}

@@ -1,0 +1,25 @@
+//! The robots of the images, compiled by modyn. The images' build script runs the same code on
+//! the host.
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(warnings)]
+
+macro_rules! robots {
+    ($($module:ident: $($name:ident = $file:literal),*;)*) => {
+        $(
+            pub mod $module {
+                $(
+                    pub mod $name {
+                        include!(concat!(env!("OUT_DIR"), "/", $file, ".rs"));
+                    }
+                )*
+            }
+        )*
+    };
+}
+
+// Self-contained, but for `ordinary`, which stands on `modyn-runtime`.
+robots! {
+    single: arm7 = "arm7_f32", gripper = "gripper_f32", leg = "leg_f32", ordinary = "ordinary_f32";
+    double: arm7 = "arm7_f64", gripper = "gripper_f64", leg = "leg_f64", ordinary = "ordinary_f64";
+}

@@ -1,0 +1,216 @@
+//! The functions for many states at a time: a kernel for the runtime's batches, and the doors to it.
+//!
+//! A kernel has a text of its own, all of which is inlined into the runtime's functions for each set of
+//! vector instructions; the functions for one state stay as they are.
+
+use std::fmt::Write as _;
+
+use super::Robot;
+use super::function::{Parameter, lanes_function};
+use super::quantities::{Graphs, Quantity};
+use super::shape::Shape;
+
+impl Robot<'_> {
+    /// All that belongs to the batches of a quantity.
+    pub(super) fn batches(&self, text: &mut String, quantity: &Quantity) {
+        let Graphs::One(graph) = &quantity.graphs else { return };
+        let name = name(quantity);
+        let mut parameters = quantity.parameters.clone();
+        parameters.extend(self.runtime_parameter(quantity));
+        let inlined = format!("{name}_lanes");
+        *text += &lanes_function(&inlined, &parameters, &quantity.shape, graph);
+        self.kernel(text, quantity);
+        self.batch_functions(text, quantity);
+    }
+
+    /// The type that loads states, calls the inlined function and stores what it returns.
+    fn kernel(&self, text: &mut String, quantity: &Quantity) {
+        let float = self.options.float.name();
+        let runtime = self.runtime_parameter(quantity).map_or(0, |p| p.shape.len());
+        let (inputs, outputs) = (count(&quantity.parameters), quantity.shape.len());
+        let mut body = String::new();
+        let mut first = 0;
+        for Parameter { name, shape } in &quantity.parameters {
+            let loads = (first..first + shape.len()).map(|i| format!("inputs.get::<{i}>()"));
+            let loads: Vec<String> = loads.collect();
+            let _ = writeln!(body, "    let {name} = {};", shape.value(&loads));
+            first += shape.len();
+        }
+        let mut arguments: Vec<String> =
+            quantity.parameters.iter().map(|p| format!("&{}", p.name)).collect();
+        if runtime > 0 {
+            let all: Vec<String> = (0..runtime).map(|i| format!("T::splat(self.0[{i}])")).collect();
+            let _ = writeln!(body, "    let params = [{}];", all.join(", "));
+            arguments.push("&params".into());
+        }
+        let results: Vec<String> = (0..outputs).map(|i| format!("y{i}")).collect();
+        let _ = writeln!(
+            body,
+            "    let {} = {}_lanes({});",
+            quantity.shape.value(&results),
+            name(quantity),
+            arguments.join(", ")
+        );
+        for i in 0..outputs {
+            let _ = writeln!(body, "    outputs.set::<{i}>(y{i});");
+        }
+        let kernel = kernel_name(quantity);
+        let _ = writeln!(
+            text,
+            "struct {kernel}([{float}; {runtime}]);\n\
+             impl __modyn::batch::Kernel<{float}, {inputs}, {outputs}> for {kernel} {{\n\
+             #[inline(always)]\n\
+             fn run<T: __modyn::batch::Lanes<Lane = {float}>>(\n    &self,\n    \
+             inputs: __modyn::batch::Inputs<'_, T, {inputs}>,\n    \
+             outputs: __modyn::batch::Outputs<'_, T, {outputs}>,\n) {{\n{body}}}\n}}\n"
+        );
+    }
+
+    /// The public functions: over slices for each coordinate, the same on all cores, over slices of
+    /// states; and all of them with parameters, if there are any.
+    fn batch_functions(&self, text: &mut String, quantity: &Quantity) {
+        let (robot, float) = (self.name, self.options.float.name());
+        let name = name(quantity);
+        let result = result_name(name);
+        let output = Parameter::new(result, quantity.shape.clone());
+        let all = || quantity.parameters.iter().chain([&output]);
+        let table: Vec<String> = all().map(|p| self.argument(p)).collect();
+        let _ = writeln!(
+            text,
+            "impl {robot} {{\n\
+             const {}: &'static [__modyn::batch::Argument] = &[{}];",
+            table_name(quantity),
+            table.join(", ")
+        );
+        let summary: Vec<&str> = quantity.docs.lines().collect();
+        let summary = summary.join("\n/// ");
+        let columns = |p: &Parameter| format!("{}: {}", p.name, columns_of(&p.shape, "&", float));
+        let mut by_columns: Vec<String> = quantity.parameters.iter().map(columns).collect();
+        by_columns.push(format!("{result}: {}", columns_of(&quantity.shape, "&mut ", float)));
+        let unpacked: Vec<String> = all()
+            .map(|p| format!("    let {} = {};\n", p.shape.value(&numbered(p)), p.name))
+            .collect();
+        let inputs: Vec<String> = quantity.parameters.iter().flat_map(numbered).collect();
+        let split = (unpacked.concat(), inputs.join(", "), numbered(&output).join(", "));
+
+        let mut by_states: Vec<String> = quantity
+            .parameters
+            .iter()
+            .map(|p| format!("{}: &[{}]", p.name, p.shape.type_of(float)))
+            .collect();
+        by_states.push(format!("{result}: &mut [{}]", quantity.shape.type_of(float)));
+        let flat: Vec<String> =
+            quantity.parameters.iter().map(|p| format!("{}.as_flattened()", p.name)).collect();
+        let flat_result =
+            format!("{result}{}", ".as_flattened_mut()".repeat(depth(&quantity.shape)));
+
+        let dynamic = self.runtime_parameter(quantity).is_some();
+        let doors: &[(&str, &str)] =
+            if dynamic { &[("_with", "params"), ("", "DEFAULT")] } else { &[("", "")] };
+        for (with, params) in doors {
+            let mut first = String::new();
+            let numbers = match *params {
+                "params" => {
+                    let _ = write!(first, "params: &{robot}Params, ");
+                    "params.numbers()".to_string()
+                }
+                "DEFAULT" => format!("{robot}Params::DEFAULT.numbers()"),
+                _ => "[]".into(),
+            };
+            let kernel =
+                format!("&{}({numbers}), Self::{}", kernel_name(quantity), table_name(quantity));
+            let door = |suffix: &str, arguments: &[String], docs: &str, body: &str| {
+                format!(
+                    "/// {summary}\n///\n/// {docs}\n///\n/// # Errors\n///\n\
+                     /// If they hold different numbers of states.\n\
+                     pub fn {name}_{suffix}{with}({first}{}) -> ::core::result::Result<(), __modyn::BatchError> {{\n{body}}}\n",
+                    arguments.join(", ")
+                )
+            };
+            let (unpacked, inputs, outputs) = &split;
+            *text += &door(
+                "batch",
+                &by_columns,
+                "Of many states at a time: each slice holds one number of every state.",
+                &format!("{unpacked}    __modyn::batch::run({kernel}, [{inputs}], [{outputs}])\n"),
+            );
+            let parallel = door(
+                "batch_par",
+                &by_columns,
+                "Of many states at a time, on all cores: each slice holds one number of every state.",
+                &format!(
+                    "{unpacked}    __modyn::batch::run_parallel({kernel}, [{inputs}], [{outputs}])\n"
+                ),
+            );
+            let _ = writeln!(text, "__modyn::__with_rayon! {{\n{parallel}}}");
+            *text += &door(
+                "each",
+                &by_states,
+                "Of each state in a slice, many at a time.",
+                &format!(
+                    "    __modyn::batch::run_each({kernel}, [{}], {flat_result})\n",
+                    flat.join(", ")
+                ),
+            );
+        }
+        text.push_str("}\n\n");
+    }
+
+    /// A row of the table by which errors name arguments.
+    fn argument(&self, Parameter { name, shape }: &Parameter) -> String {
+        let coordinates = match shape {
+            Shape::Array(..) if *name == "q" => "&Self::COORDINATE_NAMES",
+            Shape::Array(..) => "&Self::VELOCITY_NAMES",
+            _ => "&[]",
+        };
+        format!(
+            "__modyn::batch::Argument {{ name: {name:?}, numbers: {}, coordinates: {coordinates} }}",
+            shape.len()
+        )
+    }
+}
+
+/// The name of the function for one state.
+fn name(quantity: &Quantity) -> &'static str {
+    quantity.function.batched().unwrap_or(quantity.function).name()
+}
+
+/// What the slices for the results are called.
+fn result_name(name: &'static str) -> &'static str {
+    match name {
+        "forward_dynamics" => "qdd",
+        "inverse_dynamics" => "tau",
+        name => name,
+    }
+}
+
+fn kernel_name(quantity: &Quantity) -> String {
+    format!("{}Kernel", crate::names::type_name(name(quantity)))
+}
+
+fn table_name(quantity: &Quantity) -> String {
+    format!("{}_ARGUMENTS", name(quantity).to_uppercase())
+}
+
+/// How many numbers a state has.
+fn count(parameters: &[Parameter]) -> usize {
+    parameters.iter().map(|p| p.shape.len()).sum()
+}
+
+/// Names of a parameter's slices.
+fn numbered(parameter: &Parameter) -> Vec<String> {
+    (0..parameter.shape.len()).map(|i| format!("{}{i}", parameter.name)).collect()
+}
+
+/// The type of a slice for each number of a state.
+fn columns_of(shape: &Shape, reference: &str, float: &str) -> String {
+    shape.type_of(&format!("{reference}[{float}]"))
+}
+
+/// How many arrays stand one in another.
+fn depth(shape: &Shape) -> usize {
+    match shape {
+        Shape::Array(of, _) => 1 + depth(of),
+        _ => 0,
+    }
+}

@@ -1,0 +1,51 @@
+//! Indentation by the depth of brackets.
+
+/// `text` with every line where its brackets put it. Strings must end in the line they begin in.
+pub(super) fn indented(text: &str) -> String {
+    let mut depth = 0_usize;
+    let mut out = String::with_capacity(text.len() * 5 / 4);
+    for line in text.lines().map(str::trim) {
+        let (closing, change) = brackets(line);
+        if !line.is_empty() {
+            out.extend(std::iter::repeat_n("    ", depth.saturating_sub(closing)));
+            out.push_str(line);
+        }
+        out.push('\n');
+        depth = depth.saturating_add_signed(change);
+    }
+    out
+}
+
+/// How many brackets a line closes before it says anything else, and how many more it opens than
+/// it closes.
+fn brackets(line: &str) -> (usize, isize) {
+    if line.starts_with("//") {
+        return (0, 0);
+    }
+    let closing = line.chars().take_while(|c| matches!(c, ')' | ']' | '}')).count();
+    let (mut change, mut in_string, mut escaped) = (0, false, false);
+    for c in line.chars() {
+        match c {
+            _ if escaped => escaped = false,
+            '\\' if in_string => escaped = true,
+            '"' => in_string = !in_string,
+            '(' | '[' | '{' if !in_string => change += 1,
+            ')' | ']' | '}' if !in_string => change -= 1,
+            _ => {}
+        }
+    }
+    (closing, change)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::indented;
+
+    #[test]
+    fn lines_stand_by_their_brackets() {
+        let text = "fn f() {\nlet x = [\n\"(\\\"[\",\n];\n// }\n}\n\nstruct S;\n";
+        let expected =
+            "fn f() {\n    let x = [\n        \"(\\\"[\",\n    ];\n    // }\n}\n\nstruct S;\n";
+        assert_eq!(indented(text), expected);
+    }
+}

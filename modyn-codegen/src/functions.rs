@@ -1,0 +1,177 @@
+//! The functions that a generated robot can have, and which it has by default.
+
+macro_rules! functions {
+    ($($(#[$docs:meta])* $variant:ident $name:literal;)*) => {
+        /// A function of generated robots.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[non_exhaustive]
+        pub enum Function {
+            $($(#[$docs])* $variant,)*
+        }
+
+        impl Function {
+            /// All, in the order in which they stand in the text.
+            pub const ALL: &[Self] = &[$(Self::$variant),*];
+
+            /// What it is called.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)*
+                }
+            }
+        }
+    };
+}
+
+functions! {
+    /// Accelerations under torques.
+    ForwardDynamics "forward_dynamics";
+    /// Torques of accelerations.
+    InverseDynamics "inverse_dynamics";
+    /// Coriolis, centrifugal and gravity torques.
+    BiasForces "bias_forces";
+    /// Torques at rest.
+    GravityTorques "gravity_torques";
+    /// The generalized inertia matrix.
+    MassMatrix "mass_matrix";
+    /// The generalized inertia matrix as U D U^T by modules.
+    Brge "brge";
+    /// Kinetic energy.
+    KineticEnergy "kinetic_energy";
+    /// Potential energy.
+    PotentialEnergy "potential_energy";
+    /// Forward dynamics with wrenches on links, in the links' axes.
+    ForwardDynamicsExternal "forward_dynamics_external";
+    /// Forward dynamics with wrenches on links, in the world's axes.
+    ForwardDynamicsExternalWorld "forward_dynamics_external_world";
+    /// Inverse dynamics with wrenches on links, in the links' axes.
+    InverseDynamicsExternal "inverse_dynamics_external";
+    /// Inverse dynamics with wrenches on links, in the world's axes.
+    InverseDynamicsExternalWorld "inverse_dynamics_external_world";
+    /// Derivatives of inverse dynamics.
+    InverseDynamicsDerivatives "inverse_dynamics_derivatives";
+    /// Derivatives of forward dynamics.
+    ForwardDynamicsDerivatives "forward_dynamics_derivatives";
+    /// The regressor of inverse dynamics.
+    Regressor "regressor";
+    /// The centre of mass.
+    CenterOfMass "center_of_mass";
+    /// The derivative of the centre of mass.
+    CenterOfMassJacobian "center_of_mass_jacobian";
+    /// The centroidal momentum matrix.
+    CentroidalMomentumMatrix "centroidal_momentum_matrix";
+    /// The momentum about the centre of mass.
+    CentroidalMomentum "centroidal_momentum";
+    /// Poses of all links.
+    LinkPoses "link_poses";
+    /// The pose of a link.
+    LinkPose "link_pose";
+    /// The velocity of a link, in world axes.
+    LinkVelocity "link_velocity";
+    /// The velocity of a link, in its own axes.
+    LocalLinkVelocity "local_link_velocity";
+    /// The acceleration of a link, in world axes.
+    LinkAcceleration "link_acceleration";
+    /// The acceleration of a link, in its own axes.
+    LocalLinkAcceleration "local_link_acceleration";
+    /// The Jacobian of a link, in world axes.
+    Jacobian "jacobian";
+    /// The Jacobian of a link, in its own axes.
+    LocalJacobian "local_jacobian";
+    /// The time derivative of the Jacobian times the velocities.
+    JacobianRate "jacobian_rate";
+    /// The time derivative of the local Jacobian times the velocities.
+    LocalJacobianRate "local_jacobian_rate";
+    /// Coordinates behind a displacement.
+    Integrate "integrate";
+    /// The displacement between coordinates.
+    Difference "difference";
+    /// Rates of the coordinates.
+    CoordinateRates "coordinate_rates";
+    /// Quaternions brought to unit length.
+    Normalize "normalize";
+    /// Coordinates within the limits.
+    Random "random";
+    /// `forward_dynamics` of many states at a time.
+    ForwardDynamicsBatch "forward_dynamics_batch";
+    /// `inverse_dynamics` of many states at a time.
+    InverseDynamicsBatch "inverse_dynamics_batch";
+    /// `bias_forces` of many states at a time.
+    BiasForcesBatch "bias_forces_batch";
+    /// `gravity_torques` of many states at a time.
+    GravityTorquesBatch "gravity_torques_batch";
+    /// `mass_matrix` of many states at a time.
+    MassMatrixBatch "mass_matrix_batch";
+    /// `kinetic_energy` of many states at a time.
+    KineticEnergyBatch "kinetic_energy_batch";
+    /// `potential_energy` of many states at a time.
+    PotentialEnergyBatch "potential_energy_batch";
+}
+
+impl Function {
+    /// Those that a robot has unless others are chosen.
+    pub const DEFAULT: &[Self] = &[
+        Self::ForwardDynamics,
+        Self::InverseDynamics,
+        Self::BiasForces,
+        Self::GravityTorques,
+        Self::MassMatrix,
+        Self::Brge,
+        Self::KineticEnergy,
+        Self::PotentialEnergy,
+        Self::CenterOfMass,
+        Self::LinkPoses,
+        Self::LinkPose,
+        Self::Jacobian,
+        Self::Integrate,
+        Self::Difference,
+        Self::CoordinateRates,
+        Self::Normalize,
+        Self::Random,
+    ];
+
+    /// The function that this one computes of many states at a time.
+    #[must_use]
+    pub const fn batched(self) -> Option<Self> {
+        Some(match self {
+            Self::ForwardDynamicsBatch => Self::ForwardDynamics,
+            Self::InverseDynamicsBatch => Self::InverseDynamics,
+            Self::BiasForcesBatch => Self::BiasForces,
+            Self::GravityTorquesBatch => Self::GravityTorques,
+            Self::MassMatrixBatch => Self::MassMatrix,
+            Self::KineticEnergyBatch => Self::KineticEnergy,
+            Self::PotentialEnergyBatch => Self::PotentialEnergy,
+            _ => return None,
+        })
+    }
+
+    /// Whether run-time parameters (gravity, payloads) can matter to it.
+    #[must_use]
+    pub const fn depends_on_parameters(self) -> bool {
+        !matches!(
+            self,
+            Self::LinkPoses
+                | Self::LinkPose
+                | Self::LinkVelocity
+                | Self::LocalLinkVelocity
+                | Self::LinkAcceleration
+                | Self::LocalLinkAcceleration
+                | Self::Jacobian
+                | Self::LocalJacobian
+                | Self::JacobianRate
+                | Self::LocalJacobianRate
+                | Self::Integrate
+                | Self::Difference
+                | Self::CoordinateRates
+                | Self::Normalize
+                | Self::Random
+        )
+    }
+
+    /// The function of that name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|function| function.name() == name)
+    }
+}

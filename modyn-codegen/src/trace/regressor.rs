@@ -1,0 +1,23 @@
+//! The regressor as a graph.
+
+use modyn_runtime::Scalar;
+use modyn_runtime::equations::{Workspace, regressor};
+use modyn_runtime::model::PARAMETERS_PER_LINK;
+
+use super::Tracer;
+use crate::expr::{Expr, Graph};
+
+impl Tracer<'_> {
+    /// The regressor of the inertial parameters from `q`, `qd`, `qdd`, column by column: ten for
+    /// each moving link.
+    #[must_use]
+    pub fn regressor(&self) -> Graph {
+        self.trace(|model, [q, qd, qdd]| {
+            let size = model.nv * PARAMETERS_PER_LINK * model.links.len();
+            let mut columns = vec![Expr::zero(); size];
+            let workspace = &mut Workspace::new(model);
+            regressor::regressor(model, (&q, &qd, &qdd), workspace, &mut columns);
+            columns
+        })
+    }
+}

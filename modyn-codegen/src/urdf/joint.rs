@@ -1,0 +1,358 @@
+//! A `<joint>` as it is written.
+
+use modyn_runtime::{
+    joint::JointType,
+    model::{Drive, Limits},
+    spatial::Pose,
+};
+use roxmltree::Node;
+
+use super::{
+    Mimic,
+    build::LARGEST,
+    parts::{Located, Reader, located},
+};
+use crate::error::{Code, Severity, Subject};
+
+/// A `<joint>`.
+pub struct JointPart<'a> {
+    pub name: Located<'a>,
+    pub kind: Kind,
+    /// `None` where it is missing.
+    pub parent: Option<Located<'a>>,
+    /// `None` where it is missing.
+    pub child: Option<Located<'a>>,
+    pub origin: Pose<f64>,
+    /// Of unit length.
+    pub axis: [f64; 3],
+    /// A universal joint's; of unit length.
+    pub second_axis: [f64; 3],
+    pub limits: Option<Limits>,
+    pub mimic: Option<MimicPart<'a>>,
+    pub drive: Drive,
+}
+
+impl JointPart<'_> {
+    pub fn subject(&self) -> Subject {
+        Subject::Joint(self.name.text.into())
+    }
+}
+
+/// What a joint does.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Kind {
+    Fixed,
+    Moving(JointType),
+    /// It could not be read.
+    Unknown,
+}
+
+/// A `<mimic>`.
+pub struct MimicPart<'a> {
+    /// The joint that is followed.
+    pub leader: Located<'a>,
+    pub multiplier: f64,
+    pub offset: f64,
+}
+
+/// The types that move.
+const MOVING: [JointType; 7] = [
+    JointType::Revolute,
+    JointType::Continuous,
+    JointType::Prismatic,
+    JointType::Universal,
+    JointType::Planar,
+    JointType::Spherical,
+    JointType::Floating,
+];
+
+const X: [f64; 3] = [1.0, 0.0, 0.0];
+const Y: [f64; 3] = [0.0, 1.0, 0.0];
+const Z: [f64; 3] = [0.0, 0.0, 1.0];
+
+impl<'a> Reader<'a, '_, '_, '_> {
+    pub fn joint(&mut self, node: Node<'a, '_>) -> JointPart<'a> {
+        let name = self.attribute(node, "name", None);
+        let subject = name.map(|name| Subject::Joint(name.text.into()));
+        let subject = subject.as_ref();
+        let kind = self.kind(node, subject);
+        let known = [
+            "origin",
+            "parent",
+            "child",
+            "axis",
+            "axis2",
+            "limit",
+            "mimic",
+            "dynamics",
+            "calibration",
+            "safety_controller",
+        ];
+        self.misspelt(node, &known, &["origin", "axis", "limit", "mimic", "dynamics"], subject);
+        let mut joint = JointPart {
+            name: name.unwrap_or(Located { text: "", at: node.range().start }),
+            kind,
+            parent: self.end(node, "parent", subject),
+            child: self.end(node, "child", subject),
+            origin: self.origin(node, subject),
+            axis: X,
+            second_axis: Y,
+            limits: None,
+            mimic: None,
+            drive: Drive::default(),
+        };
+        // A fixed joint has none of these, whatever is written.
+        if kind != Kind::Fixed {
+            [joint.axis, joint.second_axis] = self.axes(node, kind, subject);
+            joint.drive = self.drive(node, subject);
+        }
+        if let Kind::Moving(joint_type) = kind {
+            joint.limits = self.limits(node, joint_type, subject);
+            joint.mimic = self.mimic(node, subject);
+        }
+        self.no_second_axis(node, kind, subject);
+        joint
+    }
+
+    fn kind(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Kind {
+        let Some(text) = self.attribute(node, "type", subject) else {
+            return Kind::Unknown;
+        };
+        if text.text == "fixed" {
+            return Kind::Fixed;
+        }
+        if let Some(found) = MOVING.into_iter().find(|known| known.name() == text.text) {
+            return Kind::Moving(found);
+        }
+        let message = format!("`{}` is no joint type", text.text);
+        let help = format!("supported are: {}, fixed", MOVING.map(JointType::name).join(", "));
+        self.report.error(Code::UnknownJointType, text.at, subject, message, help);
+        Kind::Unknown
+    }
+
+    fn end(
+        &mut self,
+        node: Node<'a, '_>,
+        name: &str,
+        subject: Option<&Subject>,
+    ) -> Option<Located<'a>> {
+        let node = self.required(node, name, "link=\"...\"", subject)?;
+        self.attribute(node, "link", subject)
+    }
+
+    /// The axis and the second axis, of unit length.
+    fn axes(&mut self, node: Node<'a, '_>, kind: Kind, subject: Option<&Subject>) -> [[f64; 3]; 2] {
+        if let Kind::Moving(JointType::Spherical | JointType::Floating) = kind {
+            // It has no meaning there, but files often have one, also of zeros.
+            let axis = self.single(node, "axis", subject);
+            if let Some(text) = axis.and_then(|axis| located(axis, "xyz")) {
+                self.numbers::<3>(text, subject);
+            }
+            return [Z, Y];
+        }
+        let first = self.axis(node, "axis", X, subject);
+        if kind != Kind::Moving(JointType::Universal) {
+            return [first.unwrap_or(X), Y];
+        }
+        let second = self.axis(node, "axis2", Y, subject);
+        // What could not be read is parallel to nothing.
+        let (Some(first), Some(second)) = (first, second) else {
+            return [X, Y];
+        };
+        let cos: f64 = first.iter().zip(&second).map(|(a, b)| a * b).sum();
+        if cos.abs() > PARALLEL {
+            let place = ["axis2", "axis"].iter().find_map(|name| self.named(node, name).next());
+            let at = place.unwrap_or(node).range().start;
+            let message = "its two axes are parallel";
+            let help = "write `<axis2 xyz=\"...\"/>` across `<axis>`: the second axis, by default \
+                        `0 1 0`; the first is `1 0 0` by default";
+            self.report.error(Code::ParallelAxes, at, subject, message, help);
+        }
+        [first, second]
+    }
+
+    /// An axis, of unit length; `None` if it cannot be read.
+    fn axis(
+        &mut self,
+        node: Node<'a, '_>,
+        name: &str,
+        default: [f64; 3],
+        subject: Option<&Subject>,
+    ) -> Option<[f64; 3]> {
+        let Some(node) = self.single(node, name, subject) else {
+            return Some(default);
+        };
+        self.known(node, &["xyz"], subject);
+        let text = self.attribute(node, "xyz", subject)?;
+        let axis = self.numbers::<3>(text, subject)?;
+        // Scaled first, so that no square overflows or vanishes.
+        let largest = axis.iter().fold(0.0, |max: f64, x| max.max(x.abs()));
+        if largest == 0.0 {
+            let help = "write the direction of the axis, such as `0 0 1`";
+            self.report.error(Code::ZeroAxis, text.at, subject, "the axis is zero", help);
+            return None;
+        }
+        let scaled = axis.map(|x| x / largest);
+        let scaled_length = libm::sqrt(scaled.iter().map(|x| x * x).sum());
+        let unit = scaled.map(|x| x / scaled_length);
+        let length = largest * scaled_length;
+        if (length - 1.0).abs() > 1e-6 {
+            let message = format!("the axis is of length {length}; it is normalised");
+            let help = format!("write `{} {} {}`", unit[0], unit[1], unit[2]);
+            self.report.add(Severity::Warning, Code::AxisLength, text.at, subject, message, help);
+        }
+        Some(unit)
+    }
+
+    /// Warns of a second axis where there can be none.
+    fn no_second_axis(&mut self, node: Node<'a, '_>, kind: Kind, subject: Option<&Subject>) {
+        if matches!(kind, Kind::Unknown | Kind::Moving(JointType::Universal)) {
+            return;
+        }
+        if let Some(axis) = self.single(node, "axis2", subject) {
+            let message = "the element `<axis2>` is not read: only universal joints have two axes";
+            let help = "remove it, or make the joint `universal`";
+            let at = axis.range().start;
+            self.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
+        }
+    }
+
+    fn limits(
+        &mut self,
+        node: Node<'a, '_>,
+        joint_type: JointType,
+        subject: Option<&Subject>,
+    ) -> Option<Limits> {
+        let node = self.single(node, "limit", subject)?;
+        let names =
+            ["lower", "upper", "velocity", "effort", "acceleration", "deceleration", "jerk"];
+        self.known(node, &names, subject);
+        // URDF's defaults: a bound that is not written is 0; no figure for speed or effort is
+        // refused by some readers and no limit for others: no limit here.
+        let (mut lower, mut upper) = (None, None);
+        if matches!(joint_type, JointType::Revolute | JointType::Prismatic) {
+            lower = Some(self.figure(node, "lower", subject).unwrap_or(0.0));
+            upper = Some(self.figure(node, "upper", subject).unwrap_or(0.0));
+        }
+        if joint_type.nv() > 1 {
+            self.no_bounds(node, subject);
+        }
+        let velocity = self.figure(node, "velocity", subject);
+        let effort = self.figure(node, "effort", subject);
+        if let (Some(lower), Some(upper)) = (lower, upper)
+            && lower > upper
+        {
+            let at = node.range().start;
+            let message = format!("the lower limit {lower} is above the upper limit {upper}");
+            let help = "exchange them; a bound that is not written is 0";
+            self.report.add(Severity::Warning, Code::InvertedLimits, at, subject, message, help);
+        }
+        Some(Limits { lower, upper, velocity, effort })
+    }
+
+    /// Warns of bounds of a joint that has several coordinates.
+    fn no_bounds(&mut self, limit: Node<'a, '_>, subject: Option<&Subject>) {
+        for bound in ["lower", "upper"].into_iter().filter_map(|name| limit.attribute_node(name)) {
+            let message = format!(
+                "the attribute `{}` of `<limit>` is not read: the joint has several coordinates",
+                bound.name()
+            );
+            let help = "remove it; such a joint has limits of velocity and effort alone";
+            let at = bound.range().start;
+            self.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
+        }
+    }
+
+    fn mimic(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Option<MimicPart<'a>> {
+        let node = self.single(node, "mimic", subject)?;
+        let at = node.range().start;
+        if self.options.mimic == Mimic::Follow {
+            return self.followed(node, subject);
+        }
+        let leader = located(node, "joint").unwrap_or(Located { text: "", at });
+        if self.options.mimic == Mimic::Refuse {
+            let message = format!("it mimics joint `{}`, which is refused here", leader.text);
+            let help = "remove `<mimic>`, or set the option `mimic = follow`, or \
+                        `mimic = independent`: the joint is then moved by its own coordinate";
+            self.report.error(Code::Mimic, at, subject, message, help);
+        }
+        Some(MimicPart { leader, multiplier: 1.0, offset: 0.0 })
+    }
+
+    /// A `<mimic>` with all its figures.
+    fn followed(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Option<MimicPart<'a>> {
+        self.known(node, &["joint", "multiplier", "offset"], subject);
+        let multiplier = self.figure(node, "multiplier", subject).unwrap_or(1.0);
+        let offset = self.figure(node, "offset", subject).unwrap_or(0.0);
+        if let (Some(text), 0.0) = (located(node, "multiplier"), multiplier) {
+            let message = "the multiplier is 0, so the joint never moves";
+            let help = "write the ratio of the velocities, or make the joint `fixed`";
+            let code = Code::MimicMultiplier;
+            self.report.add(Severity::Warning, code, text.at, subject, message, help);
+        }
+        let leader = self.attribute(node, "joint", subject)?;
+        Some(MimicPart { leader, multiplier, offset })
+    }
+
+    fn drive(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Drive {
+        let Some(node) = self.single(node, "dynamics", subject) else {
+            return Drive::default();
+        };
+        let names = ["damping", "friction", "armature", "rotor_inertia", "gear_ratio"];
+        self.misspelt_attribute(node, &names, subject);
+        let [damping, friction, armature, rotor] =
+            ["damping", "friction", "armature", "rotor_inertia"]
+                .map(|name| self.resistance(node, name, subject));
+        let gear = self.figure(node, "gear_ratio", subject).unwrap_or(1.0);
+        self.one_armature(node, subject);
+        let drive = Drive { armature: armature + gear * gear * rotor, damping, friction };
+        if !drive_is_finite(&drive) {
+            let at = node.range().start;
+            self.report.error(Code::NotFinite, at, subject, DRIVE_TOO_LARGE, DRIVE_HELP);
+        }
+        drive
+    }
+
+    /// A figure of `<dynamics>` that is at least zero, and zero where it is not written.
+    fn resistance(&mut self, node: Node<'a, '_>, name: &str, subject: Option<&Subject>) -> f64 {
+        let value = self.figure(node, name, subject).unwrap_or(0.0);
+        if let Some(text) = located(node, name)
+            && value < 0.0
+        {
+            let message = format!("the attribute `{name}` of `<dynamics>` is {value}");
+            let help = "write a figure of at least 0: it works against the motion";
+            self.report.error(Code::NegativeDrive, text.at, subject, message, help);
+            return 0.0;
+        }
+        value
+    }
+
+    /// The rotor is given either as the joint feels it, or by itself with a gear.
+    fn one_armature(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) {
+        let armature = located(node, "armature");
+        let rotor = located(node, "rotor_inertia");
+        let gear = located(node, "gear_ratio");
+        if let Some(text) = armature.filter(|_| rotor.is_some() || gear.is_some()) {
+            let message =
+                "`armature` stands beside `rotor_inertia` or `gear_ratio`, which say the same";
+            let help = "leave one: armature = gear_ratio^2 * rotor_inertia";
+            self.report.error(Code::RepeatedArmature, text.at, subject, message, help);
+        } else if let (Some(text), None) = (gear, rotor) {
+            let message =
+                "the attribute `gear_ratio` of `<dynamics>` is not read: there is no rotor";
+            let help = "write `rotor_inertia` as well: armature = gear_ratio^2 * rotor_inertia";
+            self.report.add(Severity::Warning, Code::NotRead, text.at, subject, message, help);
+        }
+    }
+}
+
+/// A cosine above which two axes are taken for parallel, as [`modyn_runtime::model::Model`] does.
+const PARALLEL: f64 = 1.0 - 1e-6;
+
+pub const DRIVE_TOO_LARGE: &str = "the figures of its drive are too large to compute with";
+pub const DRIVE_HELP: &str = "write kg m^2 (or kg), N m s/rad (or N s/m) and N m (or N)";
+
+/// Whether one can compute with it.
+pub fn drive_is_finite(drive: &Drive) -> bool {
+    [drive.armature, drive.damping, drive.friction].iter().all(|x| x.abs() < LARGEST)
+}

@@ -1,0 +1,112 @@
+//! Files that depend on `core` alone, and how they are kept.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use modyn_codegen::{Builder, FloatType, Function};
+
+fn robot(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots").join(name)
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+/// Whether rustc takes the file as a module of a crate with these attributes.
+fn compiles(file: &Path, attributes: &str) -> bool {
+    let root = file.with_extension("crate.rs");
+    let module = file.file_stem().expect("a name").to_string_lossy();
+    let text = format!(
+        "//! A crate.\n#![no_std]\n{attributes}\n/// A robot.\n#[path = {file:?}]\npub mod {module};\n"
+    );
+    std::fs::write(&root, text).expect("writes");
+    let rustc = std::env::var_os("RUSTC").unwrap_or("rustc".into());
+    let arguments = [
+        "--edition=2024",
+        "--crate-type=lib",
+        "--crate-name=robot",
+        "--emit=metadata",
+        "--out-dir",
+    ];
+    let mut command = Command::new(rustc);
+    let output = command.args(arguments).arg(file.parent().expect("a folder")).arg(root).output();
+    let output = output.expect("rustc runs");
+    println!("{}", String::from_utf8_lossy(&output.stderr));
+    output.status.success()
+}
+
+#[test]
+fn a_file_needs_nothing_but_core() {
+    let folder = folder("needs");
+    for (name, float) in [("joint_zoo", FloatType::F32), ("gripper", FloatType::F64)] {
+        let builder = Builder::new().urdf(robot(&format!("{name}.urdf"))).float(float);
+        let builder = builder.functions(Function::ALL.iter().copied()).self_contained();
+        let file = folder.join(format!("{name}.rs"));
+        builder.write(&file).expect("good");
+        let text = std::fs::read_to_string(&file).expect("written");
+        for foreign in ["::modyn", "modyn_runtime::", "libm::", "feature =", "std::", "alloc::"] {
+            assert!(!text.contains(foreign), "{foreign}");
+        }
+        syn::parse_file(&text).expect("Rust");
+        assert!(compiles(&file, "#![forbid(unsafe_code)]\n#![deny(warnings, missing_docs)]"));
+        // Payloads bring more of the runtime with them.
+        let link = builder.generate().expect("good").model.links()[0].name.clone();
+        let file = folder.join(format!("{name}_payload.rs"));
+        builder.payload([link]).runtime_gravity().write(&file).expect("good");
+        assert!(compiles(&file, "#![forbid(unsafe_code)]\n#![deny(warnings, missing_docs)]"));
+    }
+}
+
+#[test]
+fn functions_for_c_compile_where_their_names_may_stand() {
+    let file = folder("c").join("arm.rs");
+    let builder = Builder::new().urdf(robot("gripper.urdf")).self_contained().c_functions("grip");
+    builder.functions(Function::ALL.iter().copied()).write(&file).expect("good");
+    let text = std::fs::read_to_string(&file).expect("written");
+    assert!(text.contains(
+        "pub extern \"C\" fn grip_forward_dynamics(q: &[f64; 4], qd: &[f64; 4], tau: &[f64; 4], out: &mut [f64; 4]) {"
+    ));
+    assert!(text.contains("fn grip_kinetic_energy(q: &[f64; 4], qd: &[f64; 4]) -> f64 {"));
+    assert!(compiles(&file, "#![deny(warnings, missing_docs, unsafe_code)]"));
+    for name in ["", "4", "a b", "a\n"] {
+        assert!(Builder::new().urdf(robot("gripper.urdf")).c_functions(name).generate().is_err());
+    }
+}
+
+#[test]
+fn a_file_says_how_it_was_made_and_knows_when_it_is_stale() {
+    let folder = folder("stale");
+    let (urdf, file) = (folder.join("gripper.urdf"), folder.join("gripper.rs"));
+    let description = std::fs::read_to_string(robot("gripper.urdf")).expect("a robot");
+    std::fs::write(&urdf, &description).expect("writes");
+    let _ = std::fs::remove_file(&file);
+    let builder = Builder::new().urdf(&urdf).float(FloatType::F32).self_contained();
+    let builder = builder.functions([Function::ForwardDynamics]);
+    assert!(builder.is_stale(&file).expect("good"), "there is none yet");
+    builder.write(&file).expect("good");
+    assert!(!builder.is_stale(&file).expect("good"));
+
+    let text = std::fs::read_to_string(&file).expect("written");
+    let head =
+        text.lines().take_while(|line| line.starts_with("//")).collect::<Vec<_>>().join("\n");
+    assert!(head.contains(env!("CARGO_PKG_VERSION")) && head.contains(".float(FloatType::F32)"));
+    assert!(
+        head.contains(".urdf(\"gripper.urdf\")") && head.contains(".self_contained()"),
+        "{head}"
+    );
+    assert!(!text.contains(&*folder.to_string_lossy()), "no path of this machine");
+
+    // How a checkout ends lines is no matter; anything else is.
+    std::fs::write(&file, text.replace('\n', "\r\n")).expect("writes");
+    assert!(!builder.is_stale(&file).expect("good"));
+    std::fs::write(&file, text.replacen("0.", "1.", 1)).expect("writes");
+    assert!(builder.is_stale(&file).expect("good"), "edited by hand");
+    builder.write(&file).expect("good");
+    assert!(builder.clone().float(FloatType::F64).is_stale(&file).expect("good"), "an option");
+    std::fs::write(&urdf, format!("{description}<!-- more -->")).expect("writes");
+    assert!(builder.is_stale(&file).expect("good"), "another description");
+    assert!(builder.write(folder.join("no/such/folder.rs")).is_err());
+}

@@ -1,0 +1,115 @@
+//! How many digits forward dynamics keeps in single precision, for every robot of `robots/`.
+
+use modyn_codegen::partition::{Choice, choose};
+use modyn_codegen::trace::Tracer;
+use modyn_codegen::urdf::{ReadOptions, read};
+use modyn_codegen::{Builder, FloatType, condition_number, error::Code};
+use modyn_runtime::equations::coordinates;
+use modyn_runtime::model::Model;
+use modyn_runtime::model::prepare::Prepared;
+
+fn text(name: &str) -> String {
+    let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
+    std::fs::read_to_string(path).expect("a robot")
+}
+
+fn model(name: &str) -> Model {
+    read(&text(name), name, &ReadOptions::default()).expect("good").model
+}
+
+/// The largest error of an acceleration over 200 states, relative to the largest acceleration of its
+/// state; `f64` sees the same rounded inputs.
+fn error(model: &Model) -> f64 {
+    let prepared = Prepared::new(model);
+    let tracer = Tracer::new(&prepared);
+    let Choice { graph, .. } = choose(model, &prepared, &tracer);
+    let mut number = 0.3_f64;
+    let mut uniform = || {
+        number = (number + 0.618_033_988_749_894_9).fract();
+        number
+    };
+    let mut worst = 0.0_f64;
+    for _ in 0..200 {
+        let mut inputs = vec![0.0; model.nq()];
+        coordinates::random(&prepared, &mut uniform, &mut inputs);
+        inputs.extend((0..model.nv()).map(|_| 4.0 * uniform() - 2.0));
+        inputs.extend((0..model.nv()).map(|_| 20.0 * uniform() - 10.0));
+        let inputs: Vec<f32> = inputs.iter().map(|&x| x as f32).collect();
+        let single = graph.evaluate(&inputs);
+        let double = graph.evaluate(&inputs.iter().map(|&x| f64::from(x)).collect::<Vec<_>>());
+        let largest = double.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+        let pairs = single.iter().zip(&double);
+        worst = pairs.fold(worst, |worst, (s, d)| worst.max((f64::from(*s) - d).abs() / largest));
+    }
+    worst
+}
+
+/// The bounds stand in docs/firmware.md.
+#[test]
+fn forward_dynamics_keeps_its_digits() {
+    let bounds = [
+        ("double_pendulum", 2e-6),
+        ("gripper", 2e-6),
+        ("mimic_gripper", 2e-6),
+        ("joint_zoo", 2e-6),
+        ("arm6", 2e-6),
+        ("arm7", 1e-5),
+        ("quadruped", 2e-5),
+        ("humanoid", 5e-6),
+    ];
+    let mut failures = Vec::new();
+    for (name, bound) in bounds {
+        let model = model(name);
+        let (found, condition) = (error(&model), condition_number(&model).expect("small"));
+        println!("| `{name}` | {condition:.0} | {found:.1e} | {bound:.0e} |");
+        if found > bound {
+            failures.push(name);
+        }
+        let builder = Builder::new().model(model).float(FloatType::F32).functions([]);
+        let warnings = builder.generate().expect("good").warnings;
+        assert!(warnings.iter().all(|w| w.code != Code::IllConditioned), "{name}");
+    }
+    assert!(failures.is_empty(), "{failures:?}");
+}
+
+/// A light link between two parallel joints that are `offset` m apart, and a heavy one a metre long:
+/// which of them moves can hardly be told.
+fn light_between(offset: f64) -> String {
+    let link = |name: &str, x: f64, mass: f64, inertia: f64| {
+        format!(
+            "<link name='{name}'><inertial><origin xyz='{x} 0 0'/><mass value='{mass}'/><inertia \
+             ixx='{inertia}' iyy='{inertia}' izz='{inertia}' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+        )
+    };
+    let joint = |name: &str, parent: &str, child: &str, x: f64| {
+        format!(
+            "<joint name='{name}' type='continuous'><origin xyz='{x} 0 0'/><parent link='{parent}'/>\
+             <child link='{child}'/><axis xyz='0 0 1'/></joint>"
+        )
+    };
+    let joints = [joint("j", "world", "light", 0.0), joint("k", "light", "heavy", offset)].concat();
+    let links = [link("light", 0.0, 1e-3, 1e-8), link("heavy", 1.0, 1.0, 1e-3)].concat();
+    format!("<robot name='light'><link name='world'/>{joints}{links}</robot>")
+}
+
+#[test]
+fn a_robot_that_single_precision_does_not_carry_is_warned_of() {
+    let warned = |offset: f64, float: FloatType| {
+        let builder = Builder::new().urdf_text(light_between(offset), "a.urdf").float(float);
+        let generated = builder.functions([]).generate().expect("good");
+        let warned = generated.warnings.iter().any(|w| w.code == Code::IllConditioned);
+        // It stands in the type's documentation too.
+        assert_eq!(warned, generated.text.contains("ill-conditioned"));
+        warned
+    };
+    assert!(warned(1e-3, FloatType::F32));
+    assert!(!warned(1e-3, FloatType::F64));
+    assert!(!warned(0.3, FloatType::F32));
+    // The number bounds what is lost; what is lost is often far less.
+    for offset in [1e-3, 1e-2, 0.3] {
+        let reading = read(&light_between(offset), "a.urdf", &ReadOptions::default());
+        let model = reading.expect("good").model;
+        let (found, condition) = (error(&model), condition_number(&model).expect("small"));
+        assert!(found < 1e-6 * condition, "{offset} {condition:e} {found:e}");
+    }
+}

@@ -1,0 +1,143 @@
+//! How a degree of freedom changes the accelerations of the points behind it.
+
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::newton_euler::{carried, is_base};
+use crate::joint::Primitive;
+use crate::model::prepare::Prepared;
+use crate::spatial::{Field, Matrix3, Vector3};
+
+/// A change of the accelerations of all points behind a joint: at x, moving with x', by
+/// gradient x x + turning x 2 x' + uniform.
+///
+/// In the axes of the joint's body, about its origin, x' against fixed axes. A displacement of the
+/// whole with its motion is left out.
+#[derive(Clone, Copy, Debug)]
+pub struct Deviation<S> {
+    pub(super) gradient: Vector3<S>,
+    /// gradient - 2 omega x turning, with the body's omega: what is left of the gradient where x'
+    /// is against the body, since then there is 2 omega x (turning x x) as well.
+    pub(super) relative: Vector3<S>,
+    pub(super) turning: Vector3<S>,
+    pub(super) uniform: Vector3<S>,
+}
+
+impl<S: Scalar> Deviation<S> {
+    /// None.
+    #[must_use]
+    pub fn zero() -> Self {
+        let zero = Vector3::zero();
+        Self { gradient: zero, relative: zero, turning: zero, uniform: zero }
+    }
+}
+
+/// Fills in the deviations by the coordinates. Expects the bodies' accelerations.
+///
+/// `falling` takes a floating base to be in free fall, whatever its place and velocity.
+pub(super) fn by_coordinates<S: Scalar>(
+    model: &Prepared<S>,
+    qd: &[S],
+    falling: bool,
+    workspace: &mut Workspace<S>,
+) {
+    for i in 0..model.bodies.len() {
+        let in_front = InFront::of(model, i, qd, falling, workspace);
+        for d in model.bodies[i].dofs.clone() {
+            workspace.deviations[d] = in_front.displaced(model.dofs[d].component);
+        }
+    }
+}
+
+/// Fills in the deviations by the rates. Expects the bodies' angular velocities.
+pub(super) fn by_rates<S: Scalar>(
+    model: &Prepared<S>,
+    qd: &[S],
+    falling: bool,
+    workspace: &mut Workspace<S>,
+) {
+    for i in 0..model.bodies.len() {
+        let in_front = InFront::of(model, i, qd, falling, workspace);
+        let sum = in_front.omega + workspace.fields[i].omega;
+        for d in model.bodies[i].dofs.clone() {
+            workspace.deviations[d] = match model.dofs[d].component.checked_sub(3) {
+                Some(_) if falling && is_base(model, i) => Deviation::zero(),
+                Some(k) => Deviation { uniform: sum.cross(Vector3::unit(k)), ..Deviation::zero() },
+                None => {
+                    let s = Vector3::unit(model.dofs[d].component);
+                    Deviation {
+                        gradient: sum.cross(s),
+                        relative: in_front.back.cross(s),
+                        turning: s,
+                        uniform: s.cross(in_front.velocity),
+                    }
+                }
+            };
+        }
+    }
+}
+
+/// How the frame in front of a joint moves, in the axes behind it, at the point that the origin
+/// behind it passes.
+struct InFront<S> {
+    omega: Vector3<S>,
+    /// E of [`Field`].
+    gradient: Matrix3<S>,
+    a: Vector3<S>,
+    /// With what velocity it is passed.
+    velocity: Vector3<S>,
+    /// Its angular velocity over the body's.
+    back: Vector3<S>,
+}
+
+impl<S: Scalar> InFront<S> {
+    fn of(
+        model: &Prepared<S>,
+        i: usize,
+        qd: &[S],
+        falling: bool,
+        workspace: &Workspace<S>,
+    ) -> Self {
+        let (motion, field) = (&workspace.motions[i], &workspace.fields[i]);
+        let zero = Vector3::zero();
+        match model.bodies[i].primitive {
+            // Along an axis that is fixed on both sides, either side will do.
+            Primitive::Revolute | Primitive::Prismatic => Self {
+                omega: field.omega,
+                gradient: field.gradient,
+                a: field.a,
+                velocity: zero,
+                back: zero,
+            },
+            Primitive::Spherical | Primitive::Floating => {
+                let carried = carried(model, i, workspace);
+                let back = carried.omega - field.omega;
+                let field = Field::turning(carried.omega, carried.alpha);
+                let mut a = carried.a;
+                let mut velocity = zero;
+                if let Some(displacement) = motion.displacement() {
+                    let rates = model.rates(i, qd);
+                    a += field.over_origin(motion.to_child(displacement));
+                    velocity = Vector3([rates[0], rates[1], rates[2]]);
+                }
+                if falling && is_base(model, i) {
+                    (a, velocity) = (zero, zero);
+                }
+                Self { omega: carried.omega, gradient: field.gradient, a, velocity, back }
+            }
+        }
+    }
+
+    /// The deviation by a displacement in `component`, which stays as it is in front of the joint.
+    fn displaced(&self, component: usize) -> Deviation<S> {
+        if let Some(k) = component.checked_sub(3) {
+            return Deviation { uniform: self.gradient.column(k), ..Deviation::zero() };
+        }
+        let s = Vector3::unit(component);
+        let turning = self.omega.cross(s);
+        let passing = turning.cross(self.velocity);
+        let uniform = self.a.cross(s) + (passing + passing);
+        // E_p s - 2 omega_p x (omega_p x s) = -E_p^T s
+        let relative = (self.back + self.back).cross(turning) - self.gradient.row(component);
+        Deviation { gradient: self.gradient.column(component), relative, turning, uniform }
+    }
+}

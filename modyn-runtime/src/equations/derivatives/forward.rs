@@ -1,0 +1,160 @@
+//! Derivatives of forward dynamics.
+
+use super::composite::{angular_velocities, gather, gather_wrenches};
+use super::deviation::{by_coordinates, by_rates};
+use super::inverse::add_resistance;
+use super::projection::{By, project};
+use crate::Scalar;
+use crate::equations::brge::{self, Layout};
+use crate::equations::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
+use crate::equations::{Workspace, mass_matrix};
+use crate::model::prepare::Prepared;
+use crate::spatial::Vector3;
+
+/// Where the accelerations and their derivatives go, matrices nv x nv by columns.
+#[derive(Debug)]
+pub struct ForwardDerivatives<'a, S> {
+    /// The accelerations.
+    pub qdd: &'a mut [S],
+    /// Their derivatives by q, in the tangent space.
+    pub dqdd_dq: &'a mut [S],
+    /// Their derivatives by qd.
+    pub dqdd_dqd: &'a mut [S],
+    /// Their derivatives by tau: the inverse of the GIM, exactly symmetric.
+    pub dqdd_dtau: &'a mut [S],
+}
+
+/// The accelerations under the torques `tau` and their derivatives, through the factors of the GIM:
+/// d qdd = -I^-1 d tau at these accelerations.
+///
+/// d tau / d qd does not depend on accelerations, and the forces of velocities are quadratic in
+/// them: half of (d tau / d qd) qd (Euler). So no pass over unaccelerated motion is needed.
+///
+/// A floating base's origin is accelerated against free fall, whose derivatives are known: place
+/// and velocity of the base then change nothing else.
+pub fn forward_dynamics_derivatives<S: Scalar>(
+    model: &Prepared<S>,
+    layout: &Layout,
+    (q, qd, tau): (&[S], &[S], &[S]),
+    workspace: &mut Workspace<S>,
+    outputs: ForwardDerivatives<'_, S>,
+) {
+    let ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau } = outputs;
+    let n = model.nv;
+    workspace.make_room(layout.pivots(), n * n, layout.size());
+    workspace.move_to(model, q);
+    angular_velocities(model, qd, workspace);
+    gather(model, qd, workspace);
+    by_rates(model, qd, true, workspace);
+    project(model, By::Rates, workspace, dqdd_dqd);
+
+    qdd.copy_from_slice(tau);
+    subtract_forces(model, (qd, dqdd_dqd), workspace, qdd);
+    let mut matrix = core::mem::take(&mut workspace.matrix);
+    let mut factors = core::mem::take(&mut workspace.factors);
+    mass_matrix::mass_matrix(model, q, workspace, &mut matrix);
+    brge::factorize_matrix(layout, &mut matrix, &mut workspace.pivots, &mut factors);
+    brge::solve(layout, &factors, qdd);
+
+    link_wrenches(model, qd, Accelerations::AgainstFall(qdd), workspace);
+    gather_wrenches(model, |d| felt(model, d, (qd, qdd, tau)), workspace);
+    by_coordinates(model, qd, true, workspace);
+    project(model, By::Coordinates, workspace, dqdd_dq);
+    add_resistance(model, qd, dqdd_dqd);
+    for columns in [&mut *dqdd_dq, &mut *dqdd_dqd] {
+        for column in columns.chunks_mut(n.max(1)) {
+            for entry in &mut *column {
+                *entry = -*entry;
+            }
+            brge::solve(layout, &factors, column);
+        }
+    }
+    brge::inverse(layout, &factors, dqdd_dtau);
+    (workspace.matrix, workspace.factors) = (matrix, factors);
+    fall(model, qd, workspace, (qdd, dqdd_dq, dqdd_dqd));
+}
+
+/// Takes the forces of velocities, gravity and resistance off the torques `tau`; a floating base is
+/// in free fall. `dtau_dqd` is without resistance.
+fn subtract_forces<S: Scalar>(
+    model: &Prepared<S>,
+    (qd, dtau_dqd): (&[S], &[S]),
+    workspace: &mut Workspace<S>,
+    tau: &mut [S],
+) {
+    let half = S::from_f64(0.5);
+    for (row, tau) in tau.iter_mut().enumerate() {
+        let columns = dtau_dqd.chunks(model.nv.max(1));
+        let twice = columns.zip(qd).map(|(column, &rate)| column[row] * rate);
+        if let Some(twice) = twice.reduce(|sum, x| sum + x) {
+            *tau = *tau - half * twice;
+        }
+    }
+    for (i, body) in model.bodies.iter().enumerate() {
+        let a = match body.parent {
+            Some(parent) => workspace.twists[parent].linear,
+            None if is_base(model, i) => Vector3::zero(),
+            None => -model.gravity,
+        };
+        let a = body.to_child(&workspace.motions[i], a);
+        workspace.twists[i].linear = a;
+        for dof in model.dofs_of(i) {
+            let weight = workspace.composite[i].column(dof.component).force.dot(a);
+            dof.add(-weight, tau);
+            if let Some(resistance) = model.resistance(dof, qd) {
+                dof.add(-resistance, tau);
+            }
+        }
+    }
+}
+
+/// What degree of freedom `d` feels of its composite's wrench, where the torque says so.
+fn felt<S: Scalar>(model: &Prepared<S>, d: usize, (qd, qdd, tau): (&[S], &[S], &[S])) -> Option<S> {
+    let dof = &model.dofs[d];
+    if model.has_mimics() {
+        return None;
+    }
+    let mut felt = tau[dof.v];
+    if let Some(resistance) = model.resistance(dof, qd) {
+        felt = felt - resistance;
+    }
+    if let Some(armature) = dof.armature {
+        felt = felt - armature * dof.rate(qdd);
+    }
+    Some(felt)
+}
+
+/// Adds floating bases' free fall g - omega x v to their accelerations, and its derivatives.
+fn fall<S: Scalar>(
+    model: &Prepared<S>,
+    qd: &[S],
+    workspace: &Workspace<S>,
+    (qdd, dqdd_dq, dqdd_dqd): (&mut [S], &mut [S], &mut [S]),
+) {
+    let n = model.nv;
+    for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
+        let rates = model.rates(i, qd);
+        let velocity = Vector3([rates[0], rates[1], rates[2]]);
+        let omega = workspace.fields[i].omega;
+        let g = model.bodies[i].to_child(&workspace.motions[i], model.gravity);
+        let dofs = model.dofs_of(i);
+        // The base's numbers stand in a row, the linear ones first.
+        let linear = dofs[0].v..dofs[0].v + 3;
+        let add = |column: usize, columns: &mut [S], change: Vector3<S>| {
+            let entries = &mut columns[column * n..][linear.clone()];
+            for (entry, change) in entries.iter_mut().zip(change.0) {
+                *entry = *entry + change;
+            }
+        };
+        add(0, qdd, free_fall(model, i, qd, workspace));
+        for dof in dofs {
+            if let Some(k) = dof.component.checked_sub(3) {
+                add(dof.v, dqdd_dqd, -omega.cross(Vector3::unit(k)));
+            } else {
+                let s = Vector3::unit(dof.component);
+                add(dof.v, dqdd_dq, g.cross(s));
+                add(dof.v, dqdd_dqd, -s.cross(velocity));
+            }
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! What generated robots say of themselves, and results that have parts.
+
+use core::fmt;
+
+/// A kinematic module of a generated robot: links in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct KinematicModule {
+    /// The module whose last link it leaves, as an index; `None` for the base.
+    pub parent: Option<usize>,
+    /// The modules that leave its last link.
+    pub children: &'static [usize],
+    /// Its links from the inside out.
+    pub links: &'static [&'static str],
+    /// Their joints, in the same order.
+    pub joints: &'static [&'static str],
+    /// Where its first entry stands in velocity vectors; the others follow.
+    pub first: usize,
+    /// How many entries it has there.
+    pub dofs: usize,
+}
+
+/// The derivatives of the inverse dynamics: square matrices by columns, a column for each entry
+/// of what is derived by.
+///
+/// The derivative by the accelerations is the mass matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InverseDynamicsDerivatives<M> {
+    /// d tau / d q, in tangent space.
+    pub dq: M,
+    /// d tau / d qd.
+    pub dqd: M,
+}
+
+/// The derivatives of the forward dynamics, and the accelerations at which they are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForwardDynamicsDerivatives<V, M> {
+    /// The accelerations.
+    pub qdd: V,
+    /// d qdd / d q, in tangent space.
+    pub dq: M,
+    /// d qdd / d qd.
+    pub dqd: M,
+    /// d qdd / d tau: the inverse of the mass matrix.
+    pub dtau: M,
+}
+
+/// The limits of a robot's joints, infinite where the description states none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointLimits<'a> {
+    /// Smallest coordinates, rad or m; one for each entry of `q`.
+    pub lower: &'a [f64],
+    /// Largest coordinates, rad or m.
+    pub upper: &'a [f64],
+    /// Largest speeds, rad/s or m/s; one for each entry of `qd`.
+    pub velocity: &'a [f64],
+    /// Largest efforts, N m or N.
+    pub effort: &'a [f64],
+}
+
+/// How many operations a function takes; changes of sign are free.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OperationCount {
+    /// Multiplications.
+    pub multiplications: usize,
+    /// Additions and subtractions.
+    pub additions: usize,
+    /// Divisions.
+    pub divisions: usize,
+    /// Angles whose sine, cosine or both are taken.
+    pub sin_cos: usize,
+    /// Square roots and logarithms, absolute values, maxima and selections.
+    pub others: usize,
+}
+
+impl OperationCount {
+    /// Multiplications, additions and divisions together.
+    #[must_use]
+    pub const fn total(&self) -> usize {
+        self.multiplications + self.additions + self.divisions
+    }
+}
+
+impl fmt::Display for OperationCount {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { multiplications, additions, divisions, sin_cos, .. } = self;
+        write!(
+            f,
+            "{} operations ({multiplications} multiplications, {additions} additions, \
+             {divisions} divisions) and {sin_cos} sin/cos",
+            self.total()
+        )
+    }
+}

@@ -1,0 +1,68 @@
+//! Derivatives of inverse and forward dynamics.
+
+use super::{Interpreter, ShapeError, check};
+use crate::Scalar;
+use crate::equations::brge::Layout;
+use crate::equations::derivatives;
+pub use crate::equations::derivatives::ForwardDerivatives;
+use crate::model::ModuleTree;
+
+impl<S: Scalar> Interpreter<S> {
+    /// The derivatives of the joint torques of a motion by q (in the tangent space: for spherical
+    /// and floating joints, by displacements in the link's own axes) and by qd, nv x nv by columns.
+    ///
+    /// That by qdd is the [`mass_matrix`](Self::mass_matrix). Where friction jumps its slope counts
+    /// as 0.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn inverse_dynamics_derivatives(
+        &mut self,
+        q: &[S],
+        qd: &[S],
+        qdd: &[S],
+        dtau_dq: &mut [S],
+        dtau_dqd: &mut [S],
+    ) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        check("q", q, self.model.nq())?;
+        check("qd", qd, n)?;
+        check("qdd", qdd, n)?;
+        check("dtau_dq", dtau_dq, n * n)?;
+        check("dtau_dqd", dtau_dqd, n * n)?;
+        let Self { prepared, workspace, .. } = self;
+        let motion = (q, qd, qdd);
+        derivatives::inverse_dynamics_derivatives(prepared, motion, workspace, dtau_dq, dtau_dqd);
+        Ok(())
+    }
+
+    /// The joint accelerations under the torques `tau` and their derivatives by q (in the tangent
+    /// space), qd and tau, nv x nv by columns. That by tau is the inverse of the GIM, exactly
+    /// symmetric. The first call allocates what it works in.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn forward_dynamics_derivatives(
+        &mut self,
+        q: &[S],
+        qd: &[S],
+        tau: &[S],
+        outputs: ForwardDerivatives<'_, S>,
+    ) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        check("q", q, self.model.nq())?;
+        check("qd", qd, n)?;
+        check("tau", tau, n)?;
+        check("qdd", outputs.qdd, n)?;
+        check("dqdd_dq", outputs.dqdd_dq, n * n)?;
+        check("dqdd_dqd", outputs.dqdd_dqd, n * n)?;
+        check("dqdd_dtau", outputs.dqdd_dtau, n * n)?;
+        let Self { prepared, workspace, model, links, .. } = self;
+        let layout = links.get_or_insert_with(|| Layout::new(prepared, &ModuleTree::links(model)));
+        let state = (q, qd, tau);
+        derivatives::forward_dynamics_derivatives(prepared, layout, state, workspace, outputs);
+        Ok(())
+    }
+}

@@ -1,0 +1,90 @@
+//! Which vector instructions there are.
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+use core::sync::atomic::{AtomicU8, Ordering};
+
+/// The vector instructions that batches run on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Level {
+    /// None: one state at a time.
+    Single,
+    /// x86-64's baseline: 2 `f64` or 4 `f32`.
+    Sse2,
+    /// AVX2 and FMA: 4 `f64` or 8 `f32`.
+    Avx2,
+    /// AVX-512F: 8 `f64` or 16 `f32`.
+    Avx512,
+    /// aarch64's baseline: 2 `f64` or 4 `f32`.
+    Neon,
+}
+
+/// What was asked for in place of the best, plus one; 0 for nothing.
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+static FORCED: AtomicU8 = AtomicU8::new(0);
+
+/// What batches run on: with `std` the best that the processor has, without it the best that the
+/// target is known to have.
+#[inline]
+#[must_use]
+pub fn level() -> Level {
+    #[cfg(all(feature = "std", target_arch = "x86_64"))]
+    {
+        let forced = FORCED.load(Ordering::Relaxed);
+        X86.into_iter().find(|&level| level as u8 + 1 == forced).unwrap_or_else(best)
+    }
+    #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
+    best()
+}
+
+/// Runs batches on `level`, or again on the best if there is none; false where the processor lacks
+/// it, or where another is compiled in. For tests, and for benchmarks.
+#[doc(hidden)]
+pub fn force_level(level: Option<Level>) -> bool {
+    #[cfg(all(feature = "std", target_arch = "x86_64"))]
+    {
+        let available = level.is_none_or(|level| (lowest()..=best()).contains(&level));
+        if available {
+            FORCED.store(level.map_or(0, |level| level as u8 + 1), Ordering::Relaxed);
+        }
+        available
+    }
+    #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
+    level.is_none_or(|level| level == best())
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+const X86: [Level; 3] = [Level::Sse2, Level::Avx2, Level::Avx512];
+
+/// What every processor has that the program can run on.
+#[cfg(target_arch = "x86_64")]
+fn lowest() -> Level {
+    if cfg!(target_feature = "avx512f") {
+        Level::Avx512
+    } else if cfg!(all(target_feature = "avx2", target_feature = "fma")) {
+        Level::Avx2
+    } else {
+        Level::Sse2
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn best() -> Level {
+    #[cfg(feature = "std")]
+    if std::is_x86_feature_detected!("avx512f") {
+        return Level::Avx512;
+    } else if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
+        return Level::Avx2;
+    }
+    lowest()
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn best() -> Level {
+    // Soft-float targets for kernels lack it.
+    if cfg!(all(target_arch = "aarch64", target_feature = "neon")) {
+        Level::Neon
+    } else {
+        Level::Single
+    }
+}

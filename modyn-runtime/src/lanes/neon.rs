@@ -1,0 +1,33 @@
+//! NEON, aarch64's baseline: 2 `f64` or 4 `f32`, products fused into sums.
+//!
+//! Unsafe code: `load` and `store` go through pointers, which is sound by what their callers promise;
+//! the instructions themselves are there wherever `level` says `Level::Neon`, as the target says so.
+#![allow(unsafe_code, unused_unsafe)]
+
+use core::arch::aarch64::*;
+
+use super::vector::vector;
+
+vector! {
+    F64x2: [f64; 2] in float64x2_t;
+    vdupq_n_f64 vld1q_f64 vst1q_f64 vaddq_f64 vsubq_f64 vmulq_f64 vdivq_f64 vsqrtq_f64 vabsq_f64;
+    mul_add(a, b, c) vfmaq_f64(c, a, b);
+    max(a, b) vmaxnmq_f64(a, b);
+    select(x, then, otherwise) vbslq_f64(vcgezq_f64(x), then, otherwise);
+    below(x, limit) vminvq_u32(vreinterpretq_u32_u64(vcltq_f64(x, limit))) != 0;
+    flip(x, by) vreinterpretq_f64_u64(veorq_u64(
+        vreinterpretq_u64_f64(x), vshlq_n_u64::<63>(vreinterpretq_u64_f64(by))
+    ));
+}
+
+vector! {
+    F32x4: [f32; 4] in float32x4_t;
+    vdupq_n_f32 vld1q_f32 vst1q_f32 vaddq_f32 vsubq_f32 vmulq_f32 vdivq_f32 vsqrtq_f32 vabsq_f32;
+    mul_add(a, b, c) vfmaq_f32(c, a, b);
+    max(a, b) vmaxnmq_f32(a, b);
+    select(x, then, otherwise) vbslq_f32(vcgezq_f32(x), then, otherwise);
+    below(x, limit) vminvq_u32(vcltq_f32(x, limit)) != 0;
+    flip(x, by) vreinterpretq_f32_u32(veorq_u32(
+        vreinterpretq_u32_f32(x), vshlq_n_u32::<31>(vreinterpretq_u32_f32(by))
+    ));
+}

@@ -1,0 +1,130 @@
+//! Every operation in every lane is the scalar's: bit for bit where products are not fused.
+
+use std::vec::Vec;
+
+use super::{Float, Lanes, Level, Work, force_level};
+use crate::Scalar;
+
+/// All operations on one number (or several), as an array of numbers.
+#[inline(always)]
+fn operations<S: Scalar>([a, b, c]: [S; 3]) -> [S; 20] {
+    let (sin, cos) = a.sin_cos();
+    let [(s0, c0), (s1, c1)] = S::sin_cos_all([b, c]);
+    [
+        a + b,
+        a - b,
+        a * b,
+        a / b,
+        -a,
+        a.recip(),
+        a.abs(),
+        a.sqrt(),
+        a.ln(),
+        a.atan2(b),
+        a.max(b),
+        a.select_nonnegative(b, c),
+        S::zero() + S::one(),
+        a.mul_add(b, c),
+        sin,
+        cos,
+        s0,
+        c0,
+        s1,
+        c1,
+    ]
+}
+
+/// The first ones, which are the scalar's on all levels.
+const EXACT: usize = 13;
+
+/// Runs the operations on numbers that hold every lane's.
+struct All<'a, F> {
+    numbers: [&'a [F]; 3],
+    results: &'a mut Vec<[F; 20]>,
+}
+
+impl<F: Float> Work<F> for All<'_, F> {
+    #[inline(always)]
+    #[allow(unsafe_code)] // Loads and stores.
+    fn run<L: Lanes<Lane = F>>(self) {
+        let count = self.numbers[0].len();
+        let mut at = 0;
+        while at + L::LANES <= count {
+            // SAFETY: there are `count` numbers in each slice.
+            let loaded = self.numbers.map(|x| unsafe { L::load(x[at..].as_ptr()) });
+            let found = operations(loaded).map(|x| {
+                let mut lanes = [F::zero(); 16];
+                // SAFETY: no vector has more lanes.
+                unsafe { x.store(lanes.as_mut_ptr()) }
+                lanes
+            });
+            for lane in 0..L::LANES {
+                self.results.push(found.map(|lanes| lanes[lane]));
+            }
+            at += L::LANES;
+        }
+    }
+}
+
+fn check<F: Float + Into<f64>>(bits: fn(F) -> u64, odd: &[F], tolerance: f64) {
+    let ordinary = (1..60u32).map(|i| F::from_f64(f64::from(i) * 0.37 - 9.0));
+    let values: Vec<F> = ordinary.chain(odd.iter().copied()).collect();
+    let [mut a, mut b, mut c] = [Vec::new(), Vec::new(), Vec::new()];
+    for (i, x) in values.iter().enumerate() {
+        for (j, y) in values.iter().enumerate() {
+            a.push(*x);
+            b.push(*y);
+            c.push(values[(i * 7 + j * 3) % values.len()]);
+        }
+    }
+    while a.len() % 16 != 0 {
+        for x in [&mut a, &mut b, &mut c] {
+            x.push(F::one());
+        }
+    }
+    for level in [Level::Single, Level::Sse2, Level::Avx2, Level::Avx512, Level::Neon] {
+        if !force_level(Some(level)) {
+            continue;
+        }
+        let mut results = Vec::new();
+        F::dispatch(All { numbers: [&a, &b, &c], results: &mut results });
+        assert_eq!(results.len(), a.len());
+        let fused = !matches!(level, Level::Single | Level::Sse2);
+        for (i, found) in results.iter().enumerate() {
+            let expected = operations([a[i], b[i], c[i]]);
+            for (k, (&x, &y)) in found.iter().zip(&expected).enumerate() {
+                let (p, q): (f64, f64) = (x.into(), y.into());
+                // Zeros of both signs are equally large.
+                let same = bits(x) == bits(y) || (p.is_nan() && q.is_nan()) || (k == 10 && p == q);
+                let close = fused && k >= EXACT && (p - q).abs() <= tolerance * (1.0 + q.abs());
+                assert!(same || close || rounded_once(k, p, q), "{level:?} {k} {i}: {p:e} {q:e}");
+            }
+        }
+    }
+    assert!(force_level(None));
+}
+
+/// A fused product may be finite or even exact where the unfused one overflows.
+fn rounded_once(operation: usize, fused: f64, unfused: f64) -> bool {
+    operation == 13 && (fused.is_infinite() != unfused.is_infinite() || unfused.is_nan())
+}
+
+#[test]
+fn lanes_compute_as_scalars_do() {
+    let odd = [
+        0.0,
+        -0.0,
+        f64::NAN,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        1e9,
+        -3e5,
+        262_144.0,
+        1e-310,
+        1e300,
+    ];
+    check::<f64>(f64::to_bits, &odd, 1e-15);
+    let odd =
+        [0.0, -0.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e6, -5e3, 4096.0, 1e-40, 1e30];
+    check::<f32>(|x| x.to_bits().into(), &odd, 1e-6);
+}

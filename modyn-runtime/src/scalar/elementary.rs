@@ -1,0 +1,173 @@
+//! Logarithm and arctangent on `core` alone, each precision in itself: series on a short interval.
+
+#![allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_precision_loss)]
+#![allow(clippy::cast_sign_loss, clippy::excessive_precision)]
+
+macro_rules! elementary {
+    ($ln:ident, $atan2:ident, $float:ident, $bits:ty, terms: $ln_terms:literal $atan_terms:literal,
+     ln_2: $ln_2:literal + $ln_2_rest:literal, two_up: $two_up:literal, rests of pi: $pi:literal $half:literal $sixth:literal) => {
+        /// The natural logarithm, to 2 units in the last place.
+        ///
+        /// x = m 2^k with m between the roots of 1/2 and 2; with f = m - 1 and s = f / (2 + f),
+        /// ln m = 2 artanh s = f - f^2 / 2 + s (f^2 / 2 + R), R the series behind its first term.
+        pub(super) fn $ln(x: $float) -> $float {
+            const MANTISSA: u32 = $float::MANTISSA_DIGITS - 1;
+            const SERIES: [$float; $ln_terms] = {
+                let mut series = [0.0; $ln_terms];
+                let mut i = 0;
+                while i < $ln_terms {
+                    series[i] = 2.0 / (2 * i + 3) as $float;
+                    i += 1;
+                }
+                series
+            };
+            if x == 0.0 {
+                return -$float::INFINITY;
+            }
+            if x.is_nan() || x < 0.0 {
+                return $float::NAN;
+            }
+            if x == $float::INFINITY {
+                return x;
+            }
+            let subnormal = x < $float::MIN_POSITIVE;
+            let (x, up) = if subnormal { (x * $two_up, $float::MANTISSA_DIGITS) } else { (x, 0) };
+            // Counted from the root of 1/2, the exponent changes where m does.
+            let root = core::$float::consts::FRAC_1_SQRT_2.to_bits();
+            let shifted = x.to_bits().wrapping_sub(root);
+            let k = (shifted as <$bits as Signed>::Type >> MANTISSA) as i32;
+            let m = $float::from_bits((shifted & ((1 << MANTISSA) - 1)) + root);
+            let k = (k - up as i32) as $float;
+            let f = m - 1.0;
+            let s = f / (2.0 + f);
+            let z = s * s;
+            let rest = z * SERIES.iter().rev().fold(0.0, |sum, c| c + z * sum);
+            let half = 0.5 * f * f;
+            s * (half + rest) + k * $ln_2_rest - half + f + k * $ln_2
+        }
+
+        /// The angle from the x axis to (x, y), to 3 units in the last place; conventions for zeros
+        /// and infinities as in IEEE 754.
+        ///
+        /// The smaller coordinate over the larger is a tangent t of at most 1; beyond tan 15 deg,
+        /// atan t = 30 deg + atan((t sqrt 3 - 1) / (t + sqrt 3)).
+        pub(super) fn $atan2(y: $float, x: $float) -> $float {
+            use core::$float::consts::{FRAC_PI_2, FRAC_PI_6, PI};
+            const ROOT_3: $float = 1.732_050_807_568_877_293_53;
+            const TAN_15: $float = 0.267_949_192_431_122_706_47;
+            const SERIES: [$float; $atan_terms] = {
+                let mut series = [0.0; $atan_terms];
+                let mut i = 0;
+                while i < $atan_terms {
+                    let sign = if i % 2 == 0 { -1.0 } else { 1.0 };
+                    series[i] = sign / (2 * i + 3) as $float;
+                    i += 1;
+                }
+                series
+            };
+            if x.is_nan() || y.is_nan() {
+                return $float::NAN;
+            }
+            let (width, height) = (x.abs(), y.abs());
+            let steep = height > width;
+            let (short, long) = if steep { (width, height) } else { (height, width) };
+            let t = if short == $float::INFINITY {
+                1.0
+            } else if long == 0.0 {
+                0.0
+            } else {
+                short / long
+            };
+            let beyond = t > TAN_15;
+            let u = if beyond { (t * ROOT_3 - 1.0) / (t + ROOT_3) } else { t };
+            let z = u * u;
+            let rest = u * z * SERIES.iter().rev().fold(0.0, |sum, c| c + z * sum);
+            // Angles are added with what their constants lack.
+            let (angle, rest) = if beyond { (FRAC_PI_6, u + (rest + $sixth)) } else { (u, rest) };
+            let angle = if steep { FRAC_PI_2 - (angle - ($half - rest)) } else { angle + rest };
+            let angle = if x.is_sign_negative() { PI - (angle - $pi) } else { angle };
+            if y.is_sign_negative() { -angle } else { angle }
+        }
+    };
+}
+
+/// The signed integers of the same length.
+trait Signed {
+    type Type;
+}
+
+impl Signed for u64 {
+    type Type = i64;
+}
+
+impl Signed for u32 {
+    type Type = i32;
+}
+
+elementary!(ln_f64, atan2_f64, f64, u64, terms: 9 14, ln_2: 0.6931471801362932 + 4.236521365809284e-10,
+    two_up: 9007199254740992.0, rests of pi: 1.2246467991473532e-16 6.123233995736766e-17 -5.360408832255455e-17);
+elementary!(ln_f32, atan2_f32, f32, u32, terms: 4 6, ln_2: 0.693145751953125 + 1.428606765330187e-06,
+    two_up: 16777216.0, rests of pi: -8.742277657347586e-08 -4.371138828673793e-08 -1.457046305830545e-08);
+
+#[cfg(test)]
+mod tests {
+    use super::{atan2_f32, atan2_f64, ln_f32, ln_f64};
+
+    /// How many units in the last place of `expected` lie between the two.
+    fn ulps(found: f64, expected: f64) -> f64 {
+        if found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan() {
+            return 0.0;
+        }
+        (found - expected).abs() / (libm::nextafter(expected.abs(), f64::INFINITY) - expected.abs())
+    }
+
+    fn ulps_f32(found: f32, expected: f64) -> f64 {
+        let nearest = expected as f32;
+        if found.to_bits() == nearest.to_bits() || found.is_nan() && expected.is_nan() {
+            return 0.0;
+        }
+        let unit = libm::nextafterf(nearest.abs(), f32::INFINITY) - nearest.abs();
+        (f64::from(found) - expected).abs() / f64::from(unit)
+    }
+
+    #[test]
+    fn logarithms_are_within_their_bound() {
+        let (mut worst, mut worst_f32): (f64, f64) = (0.0, 0.0);
+        for i in 0..400_000u64 {
+            let bits = i.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            for x in [f64::from_bits(bits), 0.5 + i as f64 / 2e5] {
+                worst = worst.max(ulps(ln_f64(x), libm::log(x)));
+            }
+            for x in [f32::from_bits((bits >> 32) as u32), 0.5 + i as f32 / 2e5] {
+                worst_f32 = worst_f32.max(ulps_f32(ln_f32(x), libm::log(x.into())));
+            }
+        }
+        assert!(worst <= 2.0 && worst_f32 <= 2.0, "{worst} {worst_f32}");
+        for x in [0.0, -0.0, -1.0, f64::INFINITY, f64::NAN, f64::from_bits(1), 1.0] {
+            assert!(ulps(ln_f64(x), libm::log(x)) <= 1.0, "{x}");
+            assert!(ulps_f32(ln_f32(x as f32), libm::log((x as f32).into())) <= 1.0, "{x}");
+        }
+    }
+
+    #[test]
+    fn arctangents_are_within_their_bound() {
+        let (mut worst, mut worst_f32): (f64, f64) = (0.0, 0.0);
+        let mut compare = |y: f64, x: f64| {
+            worst = worst.max(ulps(atan2_f64(y, x), libm::atan2(y, x)));
+            let (y, x) = (y as f32, x as f32);
+            worst_f32 = worst_f32.max(ulps_f32(atan2_f32(y, x), libm::atan2(y.into(), x.into())));
+        };
+        for i in 0..400_000 {
+            let (sin, cos) = libm::sincos(f64::from(i) * 7e-5 - 10.0);
+            compare(sin, cos);
+            compare(3.0 * sin * sin * sin, cos);
+        }
+        let special = [0.0, 1.0, 1e-30, 1e30, f64::INFINITY, f64::NAN];
+        for y in special.into_iter().flat_map(|y| [y, -y]) {
+            for x in special.into_iter().flat_map(|x| [x, -x]) {
+                compare(y, x);
+            }
+        }
+        assert!(worst <= 3.0 && worst_f32 <= 3.0, "{worst} {worst_f32}");
+    }
+}

@@ -1,0 +1,24 @@
+//! What some processors have instructions for, and `core` has no function.
+
+// An instruction where there is one; `root` computes the same without.
+pub(super) use libm::{sqrt as sqrt_f64, sqrtf as sqrt_f32};
+
+macro_rules! mul_add {
+    ($name:ident, $float:ident) => {
+        /// a * b + c: fused by an instruction, never by a call of a slow function.
+        #[inline]
+        pub(super) fn $name(a: $float, b: $float, c: $float) -> $float {
+            #[cfg(all(feature = "std", any(target_feature = "fma", target_arch = "aarch64")))]
+            let fused = $float::mul_add(a, b, c);
+            #[cfg(not(all(
+                feature = "std",
+                any(target_feature = "fma", target_arch = "aarch64")
+            )))]
+            let fused = a * b + c;
+            fused
+        }
+    };
+}
+
+mul_add!(mul_add_f64, f64);
+mul_add!(mul_add_f32, f32);

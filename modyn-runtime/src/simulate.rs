@@ -1,0 +1,172 @@
+//! Simulation and control, written once for any robot.
+//!
+//! ```no_run
+//! use modyn_runtime::simulate::{Gains, Reference, State};
+//! use modyn_runtime::Robot;
+//!
+//! /// A second of computed torque towards `goal`.
+//! fn steer<R: Robot>(mut state: State<R>, goal: R::Q<f64>) -> State<R> {
+//!     let reference = Reference::<R>::standing(goal);
+//!     for _ in 0..1000 {
+//!         state = state.runge_kutta_4(0.001, |state| {
+//!             let gains = Gains { stiffness: 225.0, damping: 30.0 };
+//!             let tau = state.computed_torque(&reference, gains);
+//!             R::forward_dynamics(&state.q, &state.qd, &tau)
+//!         });
+//!     }
+//!     state
+//! }
+//! ```
+//!
+//! Nothing here allocates. Accelerations come from a function of the state, so that external
+//! forces, contacts, changed payloads or another integrator's input are the caller's to add.
+
+use core::fmt;
+
+use crate::{Array, Robot, Scalar};
+
+/// Where a robot is and how it moves.
+pub struct State<R: Robot, T: Scalar = f64> {
+    /// Coordinates.
+    pub q: R::Q<T>,
+    /// Velocities.
+    pub qd: R::V<T>,
+}
+
+/// What a robot is to do at an instant.
+pub struct Reference<R: Robot, T: Scalar = f64> {
+    /// Coordinates.
+    pub q: R::Q<T>,
+    /// Velocities.
+    pub qd: R::V<T>,
+    /// Accelerations.
+    pub qdd: R::V<T>,
+}
+
+/// The gains of a proportional and derivative controller, of accelerations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gains<T = f64> {
+    /// Acceleration for a displacement, 1/s^2.
+    pub stiffness: T,
+    /// Acceleration for a velocity, 1/s.
+    pub damping: T,
+}
+
+/// a + factor b, entry by entry.
+fn plus<T: Scalar, V: Array<T>>(a: &V, factor: T, b: &V) -> V {
+    let mut sum = *a;
+    for (sum, &b) in sum.as_mut().iter_mut().zip(b.as_ref()) {
+        *sum = *sum + factor * b;
+    }
+    sum
+}
+
+/// a + (b + 2 c + 2 d + e) factor.
+fn weighted<T: Scalar, V: Array<T>>(a: &V, factor: T, [b, c, d, e]: [&V; 4]) -> V {
+    let twice = factor + factor;
+    let sum = plus(&plus(a, factor, b), twice, c);
+    plus(&plus(&sum, twice, d), factor, e)
+}
+
+impl<R: Robot, T: Scalar> State<R, T> {
+    /// Standing still.
+    #[must_use]
+    pub fn at_rest(q: R::Q<T>) -> Self {
+        Self { q, qd: R::V::<T>::from_fn(|_| T::zero()) }
+    }
+
+    /// The state a time `dt` (s) later, by semi-implicit Euler: the new velocity moves the robot.
+    ///
+    /// Of first order, and stable for stiff springs and long runs: the energy error of an
+    /// oscillation stays bounded. One evaluation of `accelerations` (rad/s^2, m/s^2) a step.
+    #[must_use]
+    pub fn semi_implicit_euler(&self, dt: T, accelerations: impl FnOnce(&Self) -> R::V<T>) -> Self {
+        let qd = plus(&self.qd, dt, &accelerations(self));
+        let zero = R::V::<T>::from_fn(|_| T::zero());
+        Self { q: R::integrate(&self.q, &plus(&zero, dt, &qd)), qd }
+    }
+
+    /// The state a time `dt` (s) later, by the classical Runge-Kutta method of fourth order.
+    ///
+    /// Four evaluations of `accelerations` (rad/s^2, m/s^2) a step. Quaternions are integrated as
+    /// four numbers and brought back to unit length at the end of the step, which keeps the order.
+    #[must_use]
+    pub fn runge_kutta_4(&self, dt: T, mut accelerations: impl FnMut(&Self) -> R::V<T>) -> Self {
+        let half = dt * T::from_f64(0.5);
+        let mut rates =
+            |state: &Self| (R::coordinate_rates(&state.q, &state.qd), accelerations(state));
+        let moved = |time: T, (q, qd): &(R::Q<T>, R::V<T>)| Self {
+            q: plus(&self.q, time, q),
+            qd: plus(&self.qd, time, qd),
+        };
+        let first = rates(self);
+        let second = rates(&moved(half, &first));
+        let third = rates(&moved(half, &second));
+        let last = rates(&moved(dt, &third));
+        let sixth = dt * T::from_f64(1.0 / 6.0);
+        let q = weighted(&self.q, sixth, [&first.0, &second.0, &third.0, &last.0]);
+        let qd = weighted(&self.qd, sixth, [&first.1, &second.1, &third.1, &last.1]);
+        Self { q: R::normalize(&q), qd }
+    }
+
+    /// The joint torques that make the robot follow `reference`: inverse dynamics of the
+    /// reference's acceleration and the errors' share of it (computed torque control).
+    #[must_use]
+    pub fn computed_torque(&self, reference: &Reference<R, T>, gains: Gains<T>) -> R::V<T> {
+        self.computed_torque_with(&R::Params::default(), reference, gains)
+    }
+
+    /// The same with a robot's run-time parameters.
+    #[must_use]
+    pub fn computed_torque_with(
+        &self,
+        params: &R::Params,
+        reference: &Reference<R, T>,
+        gains: Gains<T>,
+    ) -> R::V<T> {
+        let displacement = R::difference(&self.q, &reference.q);
+        let velocity = plus(&reference.qd, -T::one(), &self.qd);
+        let qdd = plus(&reference.qdd, gains.stiffness, &displacement);
+        let qdd = plus(&qdd, gains.damping, &velocity);
+        R::inverse_dynamics_with(params, &self.q, &self.qd, &qdd)
+    }
+}
+
+impl<R: Robot, T: Scalar> Reference<R, T> {
+    /// To stand there.
+    #[must_use]
+    pub fn standing(q: R::Q<T>) -> Self {
+        let zero = R::V::<T>::from_fn(|_| T::zero());
+        Self { q, qd: zero, qdd: zero }
+    }
+}
+
+impl<R: Robot, T: Scalar> Clone for State<R, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<R: Robot, T: Scalar> Copy for State<R, T> {}
+
+impl<R: Robot, T: Scalar + fmt::Debug> fmt::Debug for State<R, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (q, qd) = (self.q.as_ref(), self.qd.as_ref());
+        f.debug_struct("State").field("q", &q).field("qd", &qd).finish()
+    }
+}
+
+impl<R: Robot, T: Scalar> Clone for Reference<R, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<R: Robot, T: Scalar> Copy for Reference<R, T> {}
+
+impl<R: Robot, T: Scalar + fmt::Debug> fmt::Debug for Reference<R, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (q, qd, qdd) = (self.q.as_ref(), self.qd.as_ref(), self.qdd.as_ref());
+        f.debug_struct("Reference").field("q", &q).field("qd", &qd).field("qdd", &qdd).finish()
+    }
+}

@@ -1,0 +1,31 @@
+//! Robots taken off the ground.
+
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::{Frame, Inertial, Joint, Link, Model};
+use modyn_runtime::spatial::Pose;
+
+/// The robot with a floating base: what was fixed to the world, with the mass that the frames
+/// there say (and `extra`), becomes its first link.
+#[must_use]
+pub fn floated(model: &Model, extra: Inertial) -> Model {
+    let world = model.frames().iter().filter(|frame| frame.link.is_none());
+    let inertial =
+        world.fold(extra, |sum, frame| sum.merged(&frame.inertial.transformed(&frame.pose)));
+    let joint = Joint::new("floating_base", JointType::Floating, [0.0, 0.0, 1.0], Pose::identity());
+    let mut links = vec![Link { name: "floating_body".into(), parent: None, joint, inertial }];
+    links.extend(model.links().iter().cloned().map(|mut link| {
+        link.parent = Some(link.parent.map_or(0, |parent| parent + 1));
+        if let Some(mimic) = &mut link.joint.mimic {
+            mimic.leader += 1;
+        }
+        link
+    }));
+    let frames = model
+        .frames()
+        .iter()
+        .cloned()
+        .map(|frame| Frame { link: Some(frame.link.map_or(0, |link| link + 1)), ..frame });
+    Model::new(model.name(), model.gravity(), links, frames.collect())
+        .unwrap_or_else(|errors| panic!("{errors:?}"))
+        .with_friction(model.friction())
+}

@@ -1,0 +1,54 @@
+//! What velocities do to coordinates, for differences along a motion.
+
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::Model;
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+use crate::random::normalize;
+
+/// The rates of the coordinates at `q` and velocities `qd`: of a quaternion q (w, 0) / 2, of a
+/// floating joint's position R v, else the velocities themselves.
+#[must_use]
+pub fn rates(model: &Model, q: &[f64], qd: &[f64]) -> Vec<f64> {
+    let mut rates = Vec::with_capacity(q.len());
+    for (i, link) in model.links().iter().enumerate() {
+        if link.joint.mimic.is_some() {
+            continue;
+        }
+        let (q, qd) = (&q[model.q_range(i)], &qd[model.v_range(i)]);
+        match link.joint.joint_type {
+            JointType::Spherical => rates.extend(turning(q, qd)),
+            JointType::Floating => {
+                let turn = UnitQuaternion::new_unchecked(quaternion(&q[3..]));
+                rates.extend(turn.transform_vector(&vector(&qd[..3])).iter());
+                rates.extend(turning(&q[3..], &qd[3..]));
+            }
+            _ => rates.extend(qd),
+        }
+    }
+    rates
+}
+
+/// `q` moved with velocities `qd` for `time`: up to terms in the square of the time the motion that
+/// keeps them, and for coordinates without a quaternion that one.
+#[must_use]
+pub fn along(model: &Model, q: &[f64], time: f64, qd: &[f64]) -> Vec<f64> {
+    let mut moved = rates(model, q, qd);
+    moved.iter_mut().zip(q).for_each(|(rate, q)| *rate = q + time * *rate);
+    normalize(model, &mut moved);
+    moved
+}
+
+fn turning(q: &[f64], omega: &[f64]) -> [f64; 4] {
+    let rate = quaternion(q) * Quaternion::from_imag(vector(omega)) / 2.0;
+    rate.coords.into()
+}
+
+/// Of x, y, z, w.
+fn quaternion(q: &[f64]) -> Quaternion<f64> {
+    Quaternion::new(q[3], q[0], q[1], q[2])
+}
+
+fn vector(x: &[f64]) -> Vector3<f64> {
+    Vector3::new(x[0], x[1], x[2])
+}

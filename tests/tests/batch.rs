@@ -1,0 +1,339 @@
+//! Many states at a time are each what the function for one state gives: on every level of vector
+//! instructions that this machine has, for every remainder, bit for bit where products are not fused.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use modyn::Scalar;
+use modyn::batch::{Level, force_level};
+
+macro_rules! robots {
+    ($($Robot:ident = $file:literal $(, $key:ident = $choice:tt)*;)*) => {$(
+        modyn::modyn! {
+            $Robot = $file,
+            functions = [
+                default, forward_dynamics_batch, inverse_dynamics_batch, bias_forces_batch,
+                gravity_torques_batch, mass_matrix_batch, kinetic_energy_batch, potential_energy_batch
+            ]
+            $(, $key = $choice)*
+        }
+    )*};
+}
+
+robots! {
+    Gripper = "../../robots/gripper.urdf";
+    Arm = "../../robots/arm7.urdf", gravity = runtime, payload = ["link7"];
+    Single = "../../robots/arm7.urdf", scalar = f32;
+    Mimic = "../../robots/mimic_gripper.urdf";
+    Zoo = "../../robots/joint_zoo.urdf";
+    Flying = "../../robots/quadruped.urdf", base = floating;
+    FlyingSingle = "../../robots/quadruped.urdf", base = floating, scalar = f32;
+}
+
+/// Alone in its own function for long texts in parts.
+mod long {
+    modyn::modyn! {
+        pub Humanoid = "../../robots/humanoid.urdf",
+        functions = [forward_dynamics, forward_dynamics_batch]
+    }
+}
+
+/// A scalar of results.
+trait Number: Scalar + PartialEq + Into<f64> {
+    /// How far fused products may lead from unfused ones, relative to the largest number of a result.
+    const FUSED: f64;
+}
+
+impl Number for f64 {
+    const FUSED: f64 = 1e-11;
+}
+
+impl Number for f32 {
+    const FUSED: f64 = 5e-3;
+}
+
+/// The level is the process's: one test at a time.
+fn alone() -> MutexGuard<'static, ()> {
+    static ONE: Mutex<()> = Mutex::new(());
+    ONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Does something on every level that there is; says whether products are fused on it.
+fn on_every_level(mut f: impl FnMut(bool)) {
+    let _alone = alone();
+    let mut levels = 0;
+    for level in [Level::Single, Level::Sse2, Level::Avx2, Level::Avx512, Level::Neon] {
+        if force_level(Some(level)) {
+            f(!matches!(level, Level::Single | Level::Sse2) || cfg!(target_feature = "fma"));
+            levels += 1;
+        } else {
+            eprintln!("left out: {level:?}");
+        }
+    }
+    assert!(levels > 0 && force_level(None));
+}
+
+/// Numbers in -1..1.
+fn numbers() -> impl FnMut() -> f64 {
+    let mut state = 7u64;
+    move || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+fn vectors<T: Scalar, const N: usize>(states: usize, size: f64) -> Vec<[T; N]> {
+    let mut number = numbers();
+    (0..states).map(|_| std::array::from_fn(|_| T::from_f64(size * number()))).collect()
+}
+
+/// A slice's worth of numbers for each coordinate.
+fn columns<T: Copy, const N: usize>(states: &[[T; N]]) -> [Vec<T>; N] {
+    std::array::from_fn(|j| states.iter().map(|state| state[j]).collect())
+}
+
+fn slices<T, const N: usize>(columns: &[Vec<T>; N]) -> [&[T]; N] {
+    columns.each_ref().map(|column| &column[..])
+}
+
+fn slices_mut<T, const N: usize>(columns: &mut [Vec<T>; N]) -> [&mut [T]; N] {
+    columns.each_mut().map(|column| &mut column[..])
+}
+
+#[track_caller]
+fn same<T: Number, const N: usize>(found: &[[T; N]], expected: &[[T; N]], fused: bool, what: &str) {
+    assert_eq!(found.len(), expected.len());
+    for (state, (found, expected)) in found.iter().zip(expected).enumerate() {
+        let numbers = |x: &[T; N]| x.map(Into::<f64>::into);
+        let (found, expected) = (numbers(found), numbers(expected));
+        let largest = expected.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        for (a, b) in found.iter().zip(&expected) {
+            let within = if fused { (a - b).abs() <= T::FUSED * largest } else { a == b };
+            assert!(within, "{what} of state {state}: {found:?} {expected:?}");
+        }
+    }
+}
+
+/// Compares all functions, over slices of both kinds, with what they give for each state.
+macro_rules! robot {
+    ($Robot:ident, $T:ty) => {{
+        const NV: usize = $Robot::NV;
+        type Name = $Robot;
+        // The widest vectors have 16 lanes.
+        for states in (0..=33).chain([100, 1000]) {
+            let mut uniform = numbers();
+            let q: Vec<_> =
+                (0..states).map(|_| Name::random(|| (0.5 + 0.5 * uniform()) as $T)).collect();
+            let qd: Vec<[$T; NV]> = vectors(states, 2.0);
+            let tau: Vec<[$T; NV]> = vectors(states, 5.0);
+            let (qs, qds, taus) = (columns(&q), columns(&qd), columns(&tau));
+            let (qs, qds, taus) = (slices(&qs), slices(&qds), slices(&taus));
+            let all = || (0..states);
+            let zero = vec![0.0 as $T; states];
+            let vector = || -> [Vec<$T>; NV] { std::array::from_fn(|_| zero.clone()) };
+            let back = |columns: [Vec<$T>; NV]| -> Vec<[$T; NV]> {
+                all().map(|i| std::array::from_fn(|j| columns[j][i])).collect()
+            };
+            on_every_level(|fused| {
+                let mut each = vec![[0.0; NV]; states];
+
+                let expected: Vec<_> =
+                    all().map(|i| Name::forward_dynamics(&q[i], &qd[i], &tau[i])).collect();
+                let mut found = vector();
+                Name::forward_dynamics_batch(qs, qds, taus, slices_mut(&mut found)).expect("sizes");
+                same(&back(found), &expected, fused, "forward dynamics");
+                Name::forward_dynamics_each(&q, &qd, &tau, &mut each).expect("sizes");
+                same(&each, &expected, fused, "forward dynamics");
+
+                let expected: Vec<_> =
+                    all().map(|i| Name::inverse_dynamics(&q[i], &qd[i], &tau[i])).collect();
+                let mut found = vector();
+                Name::inverse_dynamics_batch(qs, qds, taus, slices_mut(&mut found)).expect("sizes");
+                same(&back(found), &expected, fused, "inverse dynamics");
+                Name::inverse_dynamics_each(&q, &qd, &tau, &mut each).expect("sizes");
+                same(&each, &expected, fused, "inverse dynamics");
+
+                let expected: Vec<_> = all().map(|i| Name::bias_forces(&q[i], &qd[i])).collect();
+                let mut found = vector();
+                Name::bias_forces_batch(qs, qds, slices_mut(&mut found)).expect("sizes");
+                same(&back(found), &expected, fused, "bias forces");
+                Name::bias_forces_each(&q, &qd, &mut each).expect("sizes");
+                same(&each, &expected, fused, "bias forces");
+
+                let expected: Vec<_> = all().map(|i| Name::gravity_torques(&q[i])).collect();
+                let mut found = vector();
+                Name::gravity_torques_batch(qs, slices_mut(&mut found)).expect("sizes");
+                same(&back(found), &expected, fused, "gravity torques");
+                Name::gravity_torques_each(&q, &mut each).expect("sizes");
+                same(&each, &expected, fused, "gravity torques");
+
+                let expected: Vec<_> = all().map(|i| Name::mass_matrix(&q[i])).collect();
+                let mut found: [[Vec<$T>; NV]; NV] = std::array::from_fn(|_| vector());
+                Name::mass_matrix_batch(qs, found.each_mut().map(slices_mut)).expect("sizes");
+                let mut matrices = vec![[[0.0; NV]; NV]; states];
+                Name::mass_matrix_each(&q, &mut matrices).expect("sizes");
+                for (j, column) in found.into_iter().enumerate() {
+                    let expected: Vec<[$T; NV]> = expected.iter().map(|m| m[j]).collect();
+                    let each: Vec<[$T; NV]> = matrices.iter().map(|m| m[j]).collect();
+                    same(&back(column), &expected, fused, "the mass matrix");
+                    same(&each, &expected, fused, "the mass matrix");
+                }
+
+                let expected: Vec<_> =
+                    all().map(|i| [Name::kinetic_energy(&q[i], &qd[i])]).collect();
+                let mut found = vec![0.0; states];
+                Name::kinetic_energy_batch(qs, qds, &mut found).expect("sizes");
+                same(found.as_chunks().0, &expected, fused, "kinetic energy");
+                Name::kinetic_energy_each(&q, &qd, &mut found).expect("sizes");
+                same(found.as_chunks().0, &expected, fused, "kinetic energy");
+
+                let expected: Vec<_> = all().map(|i| [Name::potential_energy(&q[i])]).collect();
+                Name::potential_energy_batch(qs, &mut found).expect("sizes");
+                same(found.as_chunks().0, &expected, fused, "potential energy");
+                Name::potential_energy_each(&q, &mut found).expect("sizes");
+                same(found.as_chunks().0, &expected, fused, "potential energy");
+            });
+        }
+    }};
+}
+
+#[test]
+fn revolute_joints() {
+    robot!(Gripper, f64);
+    robot!(Arm, f64);
+}
+
+#[test]
+fn single_precision() {
+    robot!(Single, f32);
+    robot!(FlyingSingle, f32);
+}
+
+#[test]
+fn other_joints_and_mimics() {
+    robot!(Mimic, f64);
+    robot!(Zoo, f64);
+}
+
+#[test]
+fn floating_base() {
+    robot!(Flying, f64);
+}
+
+#[test]
+fn long_texts() {
+    use long::Humanoid;
+    const N: usize = Humanoid::NV;
+    let [q, qd, tau]: [Vec<[f64; N]>; 3] = [3.0, 2.0, 5.0].map(|size| vectors(37, size));
+    let expected: Vec<_> =
+        (0..37).map(|i| Humanoid::forward_dynamics(&q[i], &qd[i], &tau[i])).collect();
+    on_every_level(|fused| {
+        let mut found = vec![[0.0; N]; 37];
+        Humanoid::forward_dynamics_each(&q, &qd, &tau, &mut found).expect("sizes");
+        same(&found, &expected, fused, "forward dynamics");
+    });
+}
+
+#[test]
+fn parameters() {
+    const STATES: usize = 19;
+    let [q, qd, tau]: [Vec<[f64; 7]>; 3] = [3.0, 2.0, 5.0].map(|size| vectors(STATES, size));
+    let params = ArmParams { gravity: [1.0, -2.0, 3.0], ..ArmParams::DEFAULT };
+    let expected: Vec<_> =
+        (0..STATES).map(|i| Arm::forward_dynamics_with(&params, &q[i], &qd[i], &tau[i])).collect();
+    on_every_level(|fused| {
+        let mut each = vec![[0.0; 7]; STATES];
+        Arm::forward_dynamics_each_with(&params, &q, &qd, &tau, &mut each).expect("sizes");
+        same(&each, &expected, fused, "forward dynamics");
+        let (q, qd, tau) = (columns(&q), columns(&qd), columns(&tau));
+        let mut found = columns(&[[0.0; 7]; STATES]);
+        let out = slices_mut(&mut found);
+        Arm::forward_dynamics_batch_with(&params, slices(&q), slices(&qd), slices(&tau), out)
+            .expect("sizes");
+        let found: Vec<_> = (0..STATES).map(|i| std::array::from_fn(|j| found[j][i])).collect();
+        same(&found, &expected, fused, "forward dynamics");
+    });
+}
+
+/// Angles beyond the fast reduction, and what is no number, are their own state's matter.
+#[test]
+fn states_do_not_disturb_each_other() {
+    const STATES: usize = 32;
+    let [q, qd, tau]: [Vec<[f64; 7]>; 3] = [3.0, 2.0, 5.0].map(|size| vectors(STATES, size));
+    let forward = |q: &Vec<[f64; 7]>| {
+        let mut qdd = vec![[0.0; 7]; STATES];
+        Arm::forward_dynamics_each(q, &qd, &tau, &mut qdd).expect("sizes");
+        qdd
+    };
+    on_every_level(|fused| {
+        let good = forward(&q);
+        for odd in [f64::NAN, f64::INFINITY, 1e9, -3e5] {
+            for state in [0, 3, 17, 31] {
+                let mut q = q.clone();
+                q[state][2] = odd;
+                let found = forward(&q);
+                let expected = Arm::forward_dynamics(&q[state], &qd[state], &tau[state]);
+                for i in 0..STATES {
+                    if i != state {
+                        assert_eq!(found[i], good[i], "beside {odd}");
+                    } else if odd.is_finite() {
+                        same(&[found[i]], &[expected], fused, "a huge angle");
+                    } else {
+                        assert!(found[i].iter().any(|x| x.is_nan()));
+                    }
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn wrong_lengths() {
+    let good = [0.0; 6];
+    let (q, bad) = ([&good[..]; 7], [0.0; 5]);
+    let message = |error: modyn::BatchError| error.to_string();
+    let mut out: [Vec<f64>; 7] = std::array::from_fn(|_| vec![1.0; 6]);
+    let mut tau = q;
+    tau[3] = &bad;
+    let error = Arm::forward_dynamics_batch(q, q, tau, slices_mut(&mut out)).expect_err("a length");
+    assert_eq!((error.argument, error.states, error.expected), ("tau", 5, 6));
+    assert_eq!(
+        message(error),
+        format!("`tau[3]` ({}) holds 5 states, `q[0]` holds 6", Arm::VELOCITY_NAMES[3])
+    );
+    assert!(out.iter().flatten().all(|&x| x == 1.0), "nothing was written");
+    out[6].push(1.0);
+    let error = Arm::forward_dynamics_batch(q, q, q, slices_mut(&mut out)).expect_err("a length");
+    assert_eq!((error.argument, error.coordinate.expect("one").0), ("qdd", 6));
+
+    let mut matrix: [[Vec<f64>; 7]; 7] =
+        std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; 6]));
+    matrix[2][1].pop();
+    let error = Arm::mass_matrix_batch(q, matrix.each_mut().map(slices_mut)).expect_err("a length");
+    assert!(message(error).starts_with("`mass_matrix[2][1]` ("), "{error}");
+
+    let error = Arm::kinetic_energy_batch(q, q, &mut [0.0; 7]).expect_err("a length");
+    assert_eq!(message(error), "`kinetic_energy` holds 7 states, `q[0]` holds 6");
+    let (six, five) = ([[0.0; 7]; 6], [[0.0; 7]; 5]);
+    let error = Arm::bias_forces_each(&six, &five, &mut six.clone()).expect_err("a length");
+    assert_eq!(message(error), "`qd` holds 5 states, `q` holds 6");
+    let error = Arm::bias_forces_each(&six, &six, &mut five.clone()).expect_err("a length");
+    assert_eq!(message(error), "`bias_forces` holds 5 states, `q` holds 6");
+}
+
+/// The same numbers from all cores.
+#[test]
+fn in_parallel() {
+    let _alone = alone();
+    for states in [0, 5, 511, 512, 2050] {
+        let [q, qd, tau]: [Vec<[f64; 7]>; 3] = [3.0, 2.0, 5.0].map(|size| vectors(states, size));
+        let (q, qd, tau) = (columns(&q), columns(&qd), columns(&tau));
+        let (q, qd, tau) = (slices(&q), slices(&qd), slices(&tau));
+        let mut found: [[Vec<f64>; 7]; 2] =
+            std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; states]));
+        let [one, all] = &mut found;
+        Arm::forward_dynamics_batch(q, qd, tau, slices_mut(one)).expect("sizes");
+        Arm::forward_dynamics_batch_par(q, qd, tau, slices_mut(all)).expect("sizes");
+        assert!(one == all, "{states} states");
+    }
+}

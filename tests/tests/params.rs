@@ -1,0 +1,298 @@
+//! Robots with run-time parameters: as if the description had said so.
+
+use std::hint::black_box;
+
+use modyn::{Factorization, Inertial, InertialDefect, Payload, Robot};
+use modyn_runtime::model::{Model, ModuleTree};
+use modyn_tests::changed::{changed, under};
+use modyn_tests::close::assert_close;
+use modyn_tests::compiled::robots::{
+    GoldenPandaLoaded, GoldenPandaLoadedParams, Zoo10153_8Loaded, Zoo10153_8LoadedParams,
+};
+use modyn_tests::compiled::{Compiled, ROBOTS};
+use modyn_tests::counting::{Counting, measure};
+use modyn_tests::random::{Random, state};
+use modyn_tests::values::{
+    Given, GivenTo, Inputs, Named, columns, each, interpreted, list, momentum, vector,
+};
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+const TOLERANCE: f64 = 1e-10;
+
+/// The robot of that name, its model and its modules.
+fn compiled(name: &str) -> (&'static Compiled, Model, ModuleTree) {
+    let robot = ROBOTS.iter().find(|robot| robot.name() == name).expect("compiled");
+    let model = robot.spec.model();
+    let modules = robot.spec.modules(&model);
+    (robot, model, modules)
+}
+
+/// All default functions that parameters matter to.
+fn defaults<R: Robot>(params: &R::Params, given: &GivenTo<R, f64>) -> Named<f64> {
+    let Given { q, qd, qdd, tau, .. } = given;
+    let brge = R::brge_with(params, q);
+    vec![
+        ("forward_dynamics", list(&R::forward_dynamics_with(params, q, qd, tau))),
+        ("inverse_dynamics", list(&R::inverse_dynamics_with(params, q, qd, qdd))),
+        ("bias_forces", list(&R::bias_forces_with(params, q, qd))),
+        ("gravity_torques", list(&R::gravity_torques_with(params, q))),
+        ("mass_matrix", columns(&R::mass_matrix_with(params, q))),
+        ("kinetic_energy", vec![R::kinetic_energy_with(params, q, qd)]),
+        ("potential_energy", vec![R::potential_energy_with(params, q)]),
+        ("center_of_mass", vector(&R::center_of_mass_with(params, q))),
+        ("u", columns(&brge.u())),
+        ("d", columns(&brge.d())),
+        ("solve", list(&brge.solve(tau))),
+    ]
+}
+
+/// All others.
+fn others<R: Robot>(params: &R::Params, given: &GivenTo<R, f64>) -> Named<f64> {
+    let Given { q, qd, qdd, tau, forces, .. } = given;
+    let inverse = R::inverse_dynamics_derivatives_with(params, q, qd, qdd);
+    let forward = R::forward_dynamics_derivatives_with(params, q, qd, tau);
+    vec![
+        (
+            "forward_dynamics_external",
+            list(&R::forward_dynamics_external_with(params, q, qd, tau, forces)),
+        ),
+        (
+            "forward_dynamics_external_world",
+            list(&R::forward_dynamics_external_world_with(params, q, qd, tau, forces)),
+        ),
+        (
+            "inverse_dynamics_external",
+            list(&R::inverse_dynamics_external_with(params, q, qd, qdd, forces)),
+        ),
+        (
+            "inverse_dynamics_external_world",
+            list(&R::inverse_dynamics_external_world_with(params, q, qd, qdd, forces)),
+        ),
+        ("dtau_dq", columns(&inverse.dq)),
+        ("dtau_dqd", columns(&inverse.dqd)),
+        ("qdd", list(&forward.qdd)),
+        ("dqdd_dq", columns(&forward.dq)),
+        ("dqdd_dqd", columns(&forward.dqd)),
+        ("dqdd_dtau", columns(&forward.dtau)),
+        ("regressor", columns(&R::regressor_with(params, q, qd, qdd))),
+        ("center_of_mass_jacobian", each(&R::center_of_mass_jacobian_with(params, q), vector)),
+        (
+            "centroidal_momentum_matrix",
+            each(&R::centroidal_momentum_matrix_with(params, q), momentum),
+        ),
+        ("centroidal_momentum", momentum(&R::centroidal_momentum_with(params, q, qd))),
+    ]
+}
+
+/// [`others`] of a robot that has them.
+type Others<R> = fn(&<R as Robot>::Params, &GivenTo<R, f64>) -> Named<f64>;
+
+/// What is changed: the acceleration of free fall, and inertias by link.
+#[derive(Clone, Debug, Default)]
+struct Change {
+    gravity: Option<[f64; 3]>,
+    inertias: Vec<(&'static str, Inertial)>,
+}
+
+impl Change {
+    /// A model of a description that says so.
+    fn of(&self, model: &Model) -> Model {
+        let fallen = self.gravity.map_or_else(|| model.clone(), |gravity| under(model, gravity));
+        self.inertias.iter().fold(fallen, |model, (link, inertial)| {
+            let at = model.frame_index(link).expect("a link");
+            changed(&model, at, *inertial)
+        })
+    }
+}
+
+/// Changes of two links' inertias and of gravity, each alone and all together.
+fn changes(links: [&'static str; 2]) -> Vec<Change> {
+    let mut random = Random::new(7);
+    let [first, second] = links.map(|link| (link, random.inertial()));
+    let none = (links[0], Inertial::default());
+    let gravity = Some([1.0, 2.0, -3.0]);
+    let change = |gravity, inertias: &[_]| Change { gravity, inertias: inertias.to_vec() };
+    vec![
+        Change::default(),
+        change(gravity, &[]),
+        change(Some([0.0; 3]), &[]),
+        change(None, &[first]),
+        change(None, &[none]),
+        change(None, &[second]),
+        change(gravity, &[first, second]),
+    ]
+}
+
+/// Asserts that the robot with parameters is the interpreter of the changed model.
+fn check<R: Robot>(
+    name: &str,
+    links: [&'static str; 2],
+    others: Option<Others<R>>,
+    params: impl Fn(&Change) -> R::Params,
+) {
+    let (_, described, modules) = compiled(name);
+    for change in changes(links) {
+        let (model, params) = (change.of(&described), params(&change));
+        for seed in 0..3 {
+            let inputs = Inputs::from(&state(seed, &model));
+            let given = GivenTo::<R, f64>::new(&inputs);
+            let mut found = defaults::<R>(&params, &given);
+            found.extend(others.into_iter().flat_map(|others| others(&params, &given)));
+            let expected = interpreted(&model, &modules, &inputs, others.is_some()).named();
+            for (quantity, found) in found {
+                let expected = expected.iter().find(|(name, _)| *name == quantity);
+                let (_, expected) = expected.unwrap_or_else(|| panic!("no {quantity}"));
+                let what = format!("{name}, {change:?}: {quantity}");
+                assert_close(&what, &found, expected, TOLERANCE);
+            }
+        }
+    }
+}
+
+fn payload(inertial: Inertial) -> Payload {
+    Payload::new(inertial).expect("a body's")
+}
+
+/// The parameters of a robot with that change.
+macro_rules! params {
+    ($params:ident, [$first:ident, $second:ident], $change:expr) => {{
+        let Change { gravity, inertias } = $change;
+        let mut params = $params::default();
+        params.gravity = gravity.unwrap_or(params.gravity);
+        for (link, inertial) in inertias {
+            if *link == stringify!($first) {
+                params.$first = payload(*inertial);
+            }
+            if *link == stringify!($second) {
+                params.$second = payload(*inertial);
+            }
+        }
+        params
+    }};
+}
+
+#[test]
+fn parameters_are_another_description() {
+    check::<GoldenPandaLoaded>(
+        "golden_panda_loaded",
+        ["panda_hand", "panda_link4"],
+        None,
+        |change| params!(GoldenPandaLoadedParams, [panda_hand, panda_link4], change),
+    );
+    check::<Zoo10153_8Loaded>(
+        "zoo10153_8_loaded",
+        ["fixed6", "link2"],
+        Some(others::<Zoo10153_8Loaded>),
+        |change| params!(Zoo10153_8LoadedParams, [fixed6, link2], change),
+    );
+}
+
+#[test]
+fn the_default_is_the_description() {
+    let (_, model, _) = compiled("golden_panda_loaded");
+    let GoldenPandaLoadedParams { gravity, panda_hand, panda_link4 } =
+        GoldenPandaLoadedParams::DEFAULT;
+    assert_eq!(GoldenPandaLoadedParams::default(), GoldenPandaLoadedParams::DEFAULT);
+    assert_eq!(gravity, model.gravity());
+    for (link, payload) in [("panda_hand", panda_hand), ("panda_link4", panda_link4)] {
+        let frame = &model.frames()[model.frame_index(link).expect("a link")];
+        assert_eq!(payload.inertial(), frame.inertial, "{link}");
+    }
+    // A hand is fixed to another link, the other is a moving one.
+    let fixed = |link: &str| model.links().iter().all(|moving| moving.name != link);
+    assert!(fixed("panda_hand") && !fixed("panda_link4"));
+}
+
+#[test]
+fn a_types_own_functions_take_parameters_as_the_traits_do() {
+    type R = Zoo10153_8Loaded;
+    let (_, model, _) = compiled("zoo10153_8_loaded");
+    let change = changes(["fixed6", "link2"]).pop().expect("a change");
+    let described = Zoo10153_8LoadedParams::DEFAULT;
+    let params = params!(Zoo10153_8LoadedParams, [fixed6, link2], &change);
+    assert_ne!(params, described);
+    let given = GivenTo::<R, f64>::new(&Inputs::from(&state(3, &model)));
+    let Given { q, qd, qdd, tau, forces, .. } = &given;
+    // Every function with these and with the default parameters, and without any.
+    macro_rules! same {
+        ($($function:ident($($argument:expr),*);)*) => {$({
+            let own = R::$function($($argument),*);
+            assert_eq!(own, <R as Robot>::$function($($argument),*), stringify!($function));
+            pastes!($function, own, $($argument),*);
+        })*};
+    }
+    macro_rules! pastes {
+        (forward_dynamics, $($rest:tt)*) => { with!(forward_dynamics_with, $($rest)*) };
+        (inverse_dynamics, $($rest:tt)*) => { with!(inverse_dynamics_with, $($rest)*) };
+        (bias_forces, $($rest:tt)*) => { with!(bias_forces_with, $($rest)*) };
+        (mass_matrix, $($rest:tt)*) => { with!(mass_matrix_with, $($rest)*) };
+        (potential_energy, $($rest:tt)*) => { with!(potential_energy_with, $($rest)*) };
+        (inverse_dynamics_external, $($rest:tt)*) => {
+            with!(inverse_dynamics_external_with, $($rest)*)
+        };
+        (forward_dynamics_derivatives, $($rest:tt)*) => {
+            with!(forward_dynamics_derivatives_with, $($rest)*)
+        };
+        (centroidal_momentum, $($rest:tt)*) => { with!(centroidal_momentum_with, $($rest)*) };
+    }
+    macro_rules! with {
+        ($function:ident, $default:expr, $($argument:expr),*) => {
+            assert_eq!(R::$function(&described, $($argument),*), $default);
+            let own = R::$function(&params, $($argument),*);
+            assert_eq!(own, <R as Robot>::$function(&params, $($argument),*));
+            assert_ne!(own, $default, stringify!($function));
+        };
+    }
+    same! {
+        forward_dynamics(q, qd, tau);
+        inverse_dynamics(q, qd, qdd);
+        bias_forces(q, qd);
+        mass_matrix(q);
+        potential_energy(q);
+        inverse_dynamics_external(q, qd, qdd, forces);
+        forward_dynamics_derivatives(q, qd, tau);
+        centroidal_momentum(q, qd);
+    }
+}
+
+#[test]
+fn a_payload_is_a_bodys_inertia() {
+    let good = Random::new(1).inertial();
+    assert_eq!(payload(good).inertial(), good);
+    assert_eq!(Payload::try_from(good), Ok(payload(good)));
+    assert_eq!([Payload::NONE, Payload::default()].map(|none| none.inertial().mass), [0.0; 2]);
+    let unequal = Inertial { inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 3.0], ..good };
+    let indefinite = Inertial { inertia: [1.0, 2.0, 0.0, 1.0, 0.0, 1.0], ..good };
+    for (nonsense, expected) in [
+        (Inertial { mass: -1.0, ..good }, InertialDefect::NegativeMass(-1.0)),
+        (Inertial { mass: 0.0, ..good }, InertialDefect::InertiaWithoutMass),
+        (Inertial { mass: f64::NAN, ..good }, InertialDefect::NotFinite),
+        (Inertial { center_of_mass: [0.0, f64::INFINITY, 0.0], ..good }, InertialDefect::NotFinite),
+        (Inertial { inertia: [f64::NAN; 6], ..good }, InertialDefect::NotFinite),
+        (unequal, InertialDefect::TriangleInequality([1.0, 1.0, 3.0])),
+        (indefinite, InertialDefect::NotPositiveSemidefinite([-1.0, 1.0, 3.0])),
+    ] {
+        let found = Payload::new(nonsense).expect_err("no body's");
+        assert_eq!(std::mem::discriminant(&found), std::mem::discriminant(&expected), "{found}");
+    }
+}
+
+#[test]
+fn a_change_allocates_nothing() {
+    let inertial = black_box(Random::new(2).inertial());
+    let (q, qd) = black_box((GoldenPandaLoaded::NEUTRAL, [0.1; GoldenPandaLoaded::NV]));
+    let ((), allocated) = measure(|| {
+        let mut params = GoldenPandaLoadedParams::DEFAULT;
+        for scale in [1.0, 2.0] {
+            params.gravity[2] *= scale;
+            params.panda_hand = Payload::new(inertial).unwrap_or(Payload::NONE);
+            black_box(GoldenPandaLoaded::forward_dynamics_with(&params, &q, &qd, &qd));
+            black_box(GoldenPandaLoaded::brge_with(&params, &q));
+        }
+        let nonsense = Inertial { mass: -1.0, ..inertial };
+        black_box(Payload::new(nonsense)).ok();
+    });
+    assert_eq!((allocated.calls, allocated.peak), (0, 0));
+}

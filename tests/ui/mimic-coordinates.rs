@@ -1,0 +1,3 @@
+modyn::modyn!("mimic-coordinates.urdf");
+
+fn main() {}

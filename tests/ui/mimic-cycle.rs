@@ -1,0 +1,3 @@
+modyn::modyn!("mimic-cycle.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("mimic-target.urdf");
+
+fn main() {}

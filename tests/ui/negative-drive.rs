@@ -1,0 +1,3 @@
+modyn::modyn!("negative-drive.urdf");
+
+fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("parallel-axes.urdf");
+
+fn main() {}

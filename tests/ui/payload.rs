@@ -1,0 +1,3 @@
+modyn::modyn!("good.urdf", payload = ["base", "hands", "arm", "arm"]);
+
+fn main() {}

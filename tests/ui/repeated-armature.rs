@@ -1,0 +1,3 @@
+modyn::modyn!("repeated-armature.urdf");
+
+fn main() {}

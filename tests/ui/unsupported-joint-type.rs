@@ -1,3 +1,0 @@
-modyn::modyn!("unsupported-joint-type.urdf");
-
-fn main() {}
