@@ -15,6 +15,8 @@ use core::marker::PhantomData;
 pub use crate::lanes::force_level;
 pub use crate::lanes::{Float, Lanes, Level, Part, level};
 use crate::lanes::{MOST_LANES, Work};
+#[doc(hidden)]
+pub use crate::scalar::abreast::{Abreast, Beside, Vectors};
 
 /// What is computed of each state: `O` numbers of `I`, on any lanes.
 ///

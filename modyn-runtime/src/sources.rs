@@ -19,6 +19,6 @@ macro_rules! sources {
 /// All, by their paths.
 pub const SOURCES: &[Source] = sources!(
     "figures" "inertial" "jacobi"
-    "scalar/elementary" "scalar/float" "scalar/real" "scalar/root" "scalar/trig"
+    "scalar/abreast" "scalar/elementary" "scalar/float" "scalar/real" "scalar/root" "scalar/trig"
     "spatial/pose" "spatial/vector" "spatial/wrench"
 );

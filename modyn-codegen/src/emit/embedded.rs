@@ -24,6 +24,18 @@ pub(super) fn mul_add_f64(a: f64, b: f64, c: f64) -> f64 {
 pub(super) fn mul_add_f32(a: f32, b: f32, c: f32) -> f32 {
     a * b + c
 }
+
+/// Equal limbs, one after the other.
+#[inline]
+pub(super) fn abreast_f64<W: super::abreast::Abreast<f64>>(work: W) -> W::Output {
+    work.scalar()
+}
+
+/// Equal limbs, one after the other.
+#[inline]
+pub(super) fn abreast_f32<W: super::abreast::Abreast<f32>>(work: W) -> W::Output {
+    work.scalar()
+}
 ";
 
 /// The module: what `items` mention of the runtime, and what that needs.
@@ -45,7 +57,7 @@ pub(super) fn module(items: &str) -> String {
     if jacobi {
         module_of(&mut text, &["jacobi"]);
     }
-    let scalar = ["elementary", "float", "native", "real", "root", "trig"];
+    let scalar = ["abreast", "elementary", "float", "native", "real", "root", "trig"];
     folder_of(&mut text, "scalar", &scalar, "pub use real::Scalar;");
     if spatial {
         let exported = "pub use {\n        pose::Pose,\n        vector::Vector3,\n        \

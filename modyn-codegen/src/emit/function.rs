@@ -46,7 +46,7 @@ pub(super) fn function(
     shape: &Shape,
     graph: &Graph,
 ) -> String {
-    Writer::new(name, parameters, graph).write(shape, false)
+    Writer::new(name, parameters, graph, On::Numbers).write(shape)
 }
 
 /// The same for lanes: always inlined into what is compiled for their instructions, with parts that the
@@ -57,8 +57,32 @@ pub(super) fn lanes_function(
     shape: &Shape,
     graph: &Graph,
 ) -> String {
-    Writer::new(name, parameters, graph).write(shape, true)
+    Writer::new(name, parameters, graph, On::States).write(shape)
 }
+
+/// The same for one state with some numbers side by side: over vectors `V`, inlined likewise.
+pub(super) fn abreast_function(
+    name: &str,
+    parameters: &[Parameter],
+    shape: &Shape,
+    graph: &Graph,
+) -> String {
+    Writer::new(name, parameters, graph, On::Vectors).write(shape)
+}
+
+/// What a function is written on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum On {
+    /// Numbers of type `T`.
+    Numbers,
+    /// Lanes of type `T`, each of which is a state.
+    States,
+    /// Numbers of one state, some of them side by side, of the types of `V`.
+    Vectors,
+}
+
+/// The associated types of `V` by their lanes.
+const VECTORS: [(u8, &str); 4] = [(1, "V::One"), (2, "V::Two"), (4, "V::Four"), (8, "V::Eight")];
 
 /// What one `let` computes.
 #[derive(Clone, Debug)]
@@ -73,6 +97,7 @@ struct Writer<'a> {
     name: &'a str,
     parameters: &'a [Parameter],
     graph: &'a Graph,
+    on: On,
     /// For each node the statement that computes it; `None` for what is written where it is used.
     statement_of: Vec<Option<usize>>,
     /// What is computed, statement by statement.
@@ -83,17 +108,20 @@ struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    fn new(name: &'a str, parameters: &'a [Parameter], graph: &'a Graph) -> Self {
+    fn new(name: &'a str, parameters: &'a [Parameter], graph: &'a Graph, on: On) -> Self {
         let (live, uses) = (graph.live(), graph.uses());
         let nodes = graph.nodes();
-        // A product used once, in a sum, is written there.
+        // A product used once, in a sum, is written there; numbers side by side that are used once,
+        // beside others, likewise.
         let mut in_place = vec![false; nodes.len()];
-        for (node, &live) in nodes.iter().zip(&live) {
-            if let (true, Node::Add(..) | Node::Sub(..)) = (live, node) {
-                for operand in node.operands().map(|id| id as usize) {
-                    in_place[operand] |=
-                        uses[operand] == 1 && matches!(nodes[operand], Node::Mul(..));
-                }
+        for (i, (node, _)) in nodes.iter().zip(&live).enumerate().filter(|(_, (_, live))| **live) {
+            let width = graph.width(i as Id);
+            for operand in node.operands().filter(|&operand| uses[operand as usize] == 1) {
+                in_place[operand as usize] |= match (node, graph.node(operand)) {
+                    (Node::Add(..) | Node::Sub(..), Node::Mul(..)) => graph.width(operand) == width,
+                    (Node::Beside(..), Node::Beside(..)) => true,
+                    _ => false,
+                };
             }
         }
         let mut statement_of = vec![None; nodes.len()];
@@ -101,17 +129,24 @@ impl<'a> Writer<'a> {
         // Sines and cosines of what is known at once come first, together: they share vector
         // instructions, and the rest need not wait for them one by one.
         let early = early_angles(graph, &live);
-        for &angle in &early {
-            if !matches!(graph.node(angle), Node::Input(_)) {
-                statement_of[angle as usize] = Some(statements.len());
-                statements.push(Statement::Node(angle));
+        for &angle in early.iter().flatten() {
+            let beside = graph.node(angle).operands();
+            let beside = beside.filter(|&id| matches!(graph.node(id), Node::Beside(..)));
+            for id in beside.chain([angle]) {
+                let index = id as usize;
+                let known = matches!(graph.node(id), Node::Input(_)) || in_place[index];
+                if !known && statement_of[index].is_none() {
+                    statement_of[index] = Some(statements.len());
+                    statements.push(Statement::Node(id));
+                }
             }
         }
-        let mut angles: BTreeMap<Id, usize> =
-            early.iter().map(|&angle| (angle, statements.len())).collect();
-        if !early.is_empty() {
+        let mut angles: BTreeMap<Id, usize> = BTreeMap::new();
+        for early in early {
+            angles.extend(early.iter().map(|&angle| (angle, statements.len())));
             statements.push(Statement::Angles(early));
         }
+        let mut apart: BTreeMap<Id, usize> = BTreeMap::new();
         for (i, node) in nodes.iter().enumerate() {
             let id = i as Id;
             match node {
@@ -119,6 +154,13 @@ impl<'a> Writer<'a> {
                 Node::Constant(_) | Node::Input(_) | Node::Neg(_) => {}
                 Node::Sin(angle) | Node::Cos(angle) => {
                     let statement = *angles.entry(*angle).or_insert_with(|| {
+                        statements.push(Statement::Node(id));
+                        statements.len() - 1
+                    });
+                    statement_of[i] = Some(statement);
+                }
+                Node::Lane(lanes, _) => {
+                    let statement = *apart.entry(*lanes).or_insert_with(|| {
                         statements.push(Statement::Node(id));
                         statements.len() - 1
                     });
@@ -134,6 +176,7 @@ impl<'a> Writer<'a> {
             name,
             parameters,
             graph,
+            on,
             statement_of,
             last_use: vec![0; statements.len()],
             statements,
@@ -181,44 +224,82 @@ impl<'a> Writer<'a> {
         match (self.statement_of[id as usize], node) {
             (Some(s), Node::Sin(angle)) => format!("s{}", self.turn(s, angle)),
             (Some(s), Node::Cos(angle)) => format!("c{}", self.turn(s, angle)),
+            (Some(s), Node::Lane(_, lane)) => format!("x{s}_{lane}"),
             (Some(s), _) => format!("x{s}"),
-            (None, node) => self.operation(node),
+            (None, _) => self.operation(id),
         }
     }
 
-    fn operation(&self, node: Node) -> String {
-        let t = |id| self.text(id);
-        match node {
-            Node::Constant(bits) => constant(f64::from_bits(bits)),
+    /// The text of a node's value for an operation on so many lanes.
+    fn wide(&self, id: Id, width: u8) -> String {
+        match (self.graph.width(id), self.graph.node(id)) {
+            (own, _) if own == width => self.text(id),
+            (_, Node::Constant(bits)) => constant(f64::from_bits(bits), width),
+            _ => format!("all{width}({})", self.text(id)),
+        }
+    }
+
+    /// The text of node `id`'s operation.
+    fn operation(&self, id: Id) -> String {
+        let width = self.graph.width(id);
+        let t = |id| self.wide(id, width);
+        let f = |function: &str, of: Id, rest: &[String]| {
+            // Methods need no type: what is written in front of one is an operand.
+            let of = operand(t(of));
+            format!("{of}.{function}({})", rest.join(", "))
+        };
+        let mul_add = |x: String, y: String, z: String| format!("{}.mul_add({y}, {z})", operand(x));
+        match self.graph.node(id) {
+            Node::Constant(bits) => constant(f64::from_bits(bits), 1),
             Node::Input(number) => self.input(number as usize),
             // Only sums have products written in place.
             Node::Neg(a) => negated(t(a)),
             Node::Add(a, b) => match (self.product(a), self.product(b)) {
-                (Some([x, y]), _) => format!("T::mul_add({x}, {y}, {})", t(b)),
-                (None, Some([x, y])) => format!("T::mul_add({x}, {y}, {})", t(a)),
+                (Some([x, y]), _) => mul_add(x, y, t(b)),
+                (None, Some([x, y])) => mul_add(x, y, t(a)),
                 (None, None) => format!("{} + {}", t(a), t(b)),
             },
             Node::Sub(a, b) => match (self.product(a), self.product(b)) {
-                (_, Some([x, y])) => format!("T::mul_add({}, {y}, {})", negated(x), t(a)),
-                (Some([x, y]), None) => format!("T::mul_add({x}, {y}, {})", negated(t(b))),
+                (_, Some([x, y])) => mul_add(negated(x), y, t(a)),
+                (Some([x, y]), None) => mul_add(x, y, negated(t(b))),
                 (None, None) => format!("{} - {}", t(a), t(b)),
             },
             Node::Mul(a, b) => format!("{} * {}", t(a), t(b)),
-            Node::Recip(a) => format!("T::recip({})", t(a)),
-            Node::Sin(a) | Node::Cos(a) => format!("T::sin_cos({})", t(a)),
-            Node::Atan2(a, b) => format!("T::atan2({}, {})", t(a), t(b)),
-            Node::Sqrt(a) => format!("T::sqrt({})", t(a)),
-            Node::Ln(a) => format!("T::ln({})", t(a)),
-            Node::Abs(a) => format!("T::abs({})", t(a)),
-            Node::Max(a, b) => format!("T::max({}, {})", t(a), t(b)),
-            Node::Select(a, b, c) => format!("T::select_nonnegative({}, {}, {})", t(a), t(b), t(c)),
+            Node::Recip(a) => f("recip", a, &[]),
+            Node::Sin(a) | Node::Cos(a) => f("sin_cos", a, &[]),
+            Node::Atan2(a, b) => f("atan2", a, &[t(b)]),
+            Node::Sqrt(a) => f("sqrt", a, &[]),
+            Node::Ln(a) => f("ln", a, &[]),
+            Node::Abs(a) => f("abs", a, &[]),
+            Node::Max(a, b) => f("max", a, &[t(b)]),
+            Node::Select(a, b, c) => f("select_nonnegative", a, &[t(b), t(c)]),
+            Node::Beside(..) => {
+                let mut lanes = Vec::new();
+                self.lanes(id, usize::from(width), &mut lanes);
+                format!("beside{width}([{}])", lanes.join(", "))
+            }
+            Node::Lane(a, _) => format!("{}.apart()", operand(self.text(a))),
+        }
+    }
+
+    /// The texts of what stands side by side in so many lanes.
+    fn lanes(&self, id: Id, width: usize, lanes: &mut Vec<String>) {
+        match self.graph.node(id) {
+            Node::Beside(a, b, _) => {
+                self.lanes(a, width / 2, lanes);
+                self.lanes(b, width / 2, lanes);
+            }
+            _ => lanes.extend(std::iter::repeat_n(self.text(id), width)),
         }
     }
 
     /// The factors of a product that is written in place.
     fn product(&self, id: Id) -> Option<[String; 2]> {
         match (self.statement_of[id as usize], self.graph.node(id)) {
-            (None, Node::Mul(a, b)) => Some([self.text(a), self.text(b)]),
+            (None, Node::Mul(a, b)) => {
+                let width = self.graph.width(id);
+                Some([self.wide(a, width), self.wide(b, width)])
+            }
             _ => None,
         }
     }
@@ -253,12 +334,30 @@ impl<'a> Writer<'a> {
         })
     }
 
+    /// The names of the lanes of a node that are used, lane by lane.
+    fn lane_names(&self, lanes: Id) -> Vec<Option<String>> {
+        let name = |lane| {
+            let found = self.graph.find(Node::Lane(lanes, lane));
+            found.filter(|&id| self.live[id as usize]).map(|id| self.text(id))
+        };
+        (0..self.graph.width(lanes)).map(name).collect()
+    }
+
+    /// How many lanes what statement `s` defines has.
+    fn width(&self, s: usize) -> u8 {
+        match &self.statements[s] {
+            Statement::Node(id) => self.graph.width(*id),
+            Statement::Angles(angles) => self.graph.width(angles[0]),
+        }
+    }
+
     /// The names that statement `s` defines; a sine or cosine that nothing uses is left out.
     fn names(&self, s: usize) -> Vec<String> {
         let turns = |angle: Id| self.turn_names(angle).into_iter().flatten();
         match &self.statements[s] {
             Statement::Node(id) => match self.graph.node(*id) {
                 Node::Sin(angle) | Node::Cos(angle) => turns(angle).collect(),
+                Node::Lane(lanes, _) => self.lane_names(lanes).into_iter().flatten().collect(),
                 _ => vec![format!("x{s}")],
             },
             Statement::Angles(angles) => angles.iter().copied().flat_map(turns).collect(),
@@ -272,11 +371,15 @@ impl<'a> Writer<'a> {
         };
         match &self.statements[s] {
             Statement::Node(id) => {
-                let node = self.graph.node(*id);
-                let value = self.operation(node);
-                match node {
+                let value = self.operation(*id);
+                match self.graph.node(*id) {
                     Node::Sin(angle) | Node::Cos(angle) => {
                         format!("let {} = {value};", pattern(angle))
+                    }
+                    Node::Lane(lanes, _) => {
+                        let names = self.lane_names(lanes).into_iter();
+                        let names: Vec<String> = names.map(|n| n.unwrap_or("_".into())).collect();
+                        format!("let [{}] = {value};", names.join(", "))
                     }
                     _ => format!("let x{s} = {value};"),
                 }
@@ -285,68 +388,118 @@ impl<'a> Writer<'a> {
                 let patterns: Vec<String> = angles.iter().map(|&angle| pattern(angle)).collect();
                 let values: Vec<String> = angles.iter().map(|&angle| self.text(angle)).collect();
                 let (patterns, values) = (patterns.join(", "), values.join(", "));
-                format!("let [{patterns}] = T::sin_cos_all([{values}]);")
+                let all = match self.on {
+                    On::Vectors => self.vector_type(self.width(s)),
+                    On::Numbers | On::States => "T",
+                };
+                format!("let [{patterns}] = <{all}>::sin_cos_all([{values}]);")
             }
         }
     }
 
+    /// The type of so many numbers side by side.
+    fn vector_type(&self, width: u8) -> &'static str {
+        VECTORS.iter().find(|(lanes, _)| *lanes == width).map_or("T", |(_, name)| name)
+    }
+
     /// What is defined before `end` (and not before `start`) and used from `end` on.
-    fn needed_after(&self, start: usize, end: usize) -> Vec<String> {
-        (start..end).filter(|&s| self.last_use[s] >= end).flat_map(|s| self.names(s)).collect()
+    fn needed_after(&self, start: usize, end: usize) -> Values {
+        self.values((start..end).filter(|&s| self.last_use[s] >= end))
     }
 
     /// What is defined before the range and used in it.
-    fn mentioned_before(&self, range: Range<usize>) -> Vec<String> {
+    fn mentioned_before(&self, range: Range<usize>) -> Values {
         let used: BTreeSet<usize> = range.clone().flat_map(|s| self.uses_of(s)).collect();
-        used.range(..range.start).flat_map(|&s| self.names(s)).collect()
+        self.values(used.range(..range.start).copied())
     }
 
-    fn write(&self, shape: &Shape, lanes: bool) -> String {
+    /// What statements define.
+    fn values(&self, statements: impl Iterator<Item = usize>) -> Values {
+        let mut values = Values { on: self.on, names: Default::default() };
+        for s in statements {
+            let place = VECTORS.iter().position(|(lanes, _)| *lanes == self.width(s));
+            values.names[place.unwrap_or_default()].extend(self.names(s));
+        }
+        values
+    }
+
+    fn write(&self, shape: &Shape) -> String {
         let count = self.statements.len();
-        let parts = count.div_ceil(if lanes { LANES_PART } else { PART }).max(1);
+        let inlined = self.on != On::Numbers;
+        let parts = count.div_ceil(if inlined { LANES_PART } else { PART }).max(1);
         // Parts of equal length, the last one with the result.
         let bounds: Vec<Range<usize>> =
             (0..parts).map(|k| k * count / parts..(k + 1) * count / parts).collect();
+        let scalar = if self.on == On::Vectors { "V::One" } else { "T" };
         let mut text = String::new();
         for (k, range) in bounds.iter().enumerate() {
             let last = k + 1 == parts;
             let handed = self.mentioned_before(range.clone());
             let needed = self.needed_after(range.start, range.end);
-            let returned = if last { shape.type_of("T") } else { format!("[T; {}]", needed.len()) };
+            let returned = match (last, self.on) {
+                (false, _) => needed.types(),
+                (true, On::Vectors) => shape.type_of("V::Number"),
+                (true, _) => shape.type_of("T"),
+            };
             let name = if last { self.name.to_string() } else { format!("{}_part{k}", self.name) };
-            let mut inputs: Vec<String> = self.parameters.iter().map(|p| p.typed("T")).collect();
+            let mut inputs: Vec<String> = self.parameters.iter().map(|p| p.typed(scalar)).collect();
             if k > 0 && !last {
-                inputs.push(format!("live: &[T; {}]", handed.len()));
+                inputs.push(format!("live: &{}", handed.types()));
             }
-            text += &match (lanes, last) {
-                (false, _) => head(&name, "Scalar", &inputs, &returned),
-                (true, true) => {
-                    let head = head(&name, "batch::Lanes", &inputs, &returned);
+            text += &match (self.on, last) {
+                (On::Numbers, _) => head(&name, "T: __modyn::Scalar", &inputs, &returned),
+                (On::States, true) => {
+                    let head = head(&name, "T: __modyn::batch::Lanes", &inputs, &returned);
                     format!("#[inline(always)]\n{head}")
                 }
-                (true, false) => self.part_head(&name, &inputs, &returned),
+                (On::Vectors, true) => {
+                    let head = head(&name, "V: __modyn::batch::Vectors", &inputs, &returned);
+                    format!("#[inline(always)]\n{head}")
+                }
+                (On::States | On::Vectors, false) => self.part_head(&name, &inputs, &returned),
             };
-            let _ = writeln!(text, "    let k = T::from_f64;");
+            text += self.prelude();
             for parameter in self.parameters {
                 let _ = writeln!(text, "    {}", unpacked(parameter));
             }
             if last {
-                self.call_parts(&mut text, &bounds[..k], lanes);
+                self.call_parts(&mut text, &bounds[..k]);
             } else if k > 0 {
-                let _ = writeln!(text, "    let [{}] = *live;", handed.join(", "));
+                let _ = writeln!(text, "    let {} = *live;", handed.text());
             }
             self.blocks(&mut text, range.clone());
             let value = if last {
-                let outputs: Vec<String> =
-                    self.graph.outputs.iter().map(|&id| self.text(id)).collect();
+                let output = |&id: &Id| match self.on {
+                    On::Vectors => format!("V::number({})", self.text(id)),
+                    On::Numbers | On::States => self.text(id),
+                };
+                let outputs: Vec<String> = self.graph.outputs.iter().map(output).collect();
                 shape.value(&outputs)
             } else {
-                format!("[{}]", needed.join(", "))
+                needed.text()
             };
-            let end = if lanes && !last { "}\n}" } else { "}" };
+            let end = if inlined && !last { "}\n}" } else { "}" };
             let _ = writeln!(text, "    {value}\n{end}\n");
         }
         text
+    }
+
+    /// What the text of a function's statements begins with.
+    fn prelude(&self) -> &'static str {
+        match self.on {
+            On::Numbers | On::States => "    let k = T::from_f64;\n",
+            On::Vectors => {
+                "    use __modyn::Scalar as _;\n    use __modyn::batch::Beside;\n    \
+                 let k = <V::One>::from_f64;\n    \
+                 let (k2, k4, k8) = (<V::Two>::from_f64, <V::Four>::from_f64, <V::Eight>::from_f64);\n    \
+                 let all2 = <V::Two as Beside<V::One, 2>>::all;\n    \
+                 let all4 = <V::Four as Beside<V::One, 4>>::all;\n    \
+                 let all8 = <V::Eight as Beside<V::One, 8>>::all;\n    \
+                 let beside2 = <V::Two as Beside<V::One, 2>>::beside;\n    \
+                 let beside4 = <V::Four as Beside<V::One, 4>>::beside;\n    \
+                 let beside8 = <V::Eight as Beside<V::One, 8>>::beside;\n"
+            }
+        }
     }
 
     /// Where the text of a part begins that lanes outline: a type that holds the arguments, and what it
@@ -355,9 +508,13 @@ impl<'a> Writer<'a> {
         let fields: Vec<String> = inputs.iter().map(|input| input.replace('&', "&'a ")).collect();
         let names: Vec<&str> = inputs.iter().filter_map(|i| i.split(':').next()).collect();
         let kind = type_name(name);
+        let (own, bound, generic) = match self.on {
+            On::Vectors => ("V: __modyn::batch::Vectors", "V: __modyn::batch::Vectors", "V"),
+            On::Numbers | On::States => ("T", "T: __modyn::batch::Lanes", "T"),
+        };
         format!(
-            "struct {kind}<'a, T> {{ {} }}\n\
-             impl<T: __modyn::batch::Lanes> __modyn::batch::Part for {kind}<'_, T> {{\n\
+            "struct {kind}<'a, {own}> {{ {} }}\n\
+             impl<{bound}> __modyn::batch::Part for {kind}<'_, {generic}> {{\n\
              type Output = {returned};\n\
              #[inline(always)]\nfn run(self) -> {returned} {{\n    let Self {{ {} }} = self;\n",
             fields.join(", "),
@@ -366,23 +523,25 @@ impl<'a> Writer<'a> {
     }
 
     /// The calls of the earlier parts, in the last one.
-    fn call_parts(&self, text: &mut String, parts: &[Range<usize>], lanes: bool) {
+    fn call_parts(&self, text: &mut String, parts: &[Range<usize>]) {
         for (k, range) in parts.iter().enumerate() {
-            let needed = self.needed_after(range.start, range.end).join(", ");
-            let handed = self.mentioned_before(range.clone()).join(", ");
+            let needed = self.needed_after(range.start, range.end).text();
+            let handed = self.mentioned_before(range.clone()).text();
             let mut arguments: Vec<String> =
                 self.parameters.iter().map(|p| p.name.to_string()).collect();
             if k > 0 {
-                let name = if lanes { "live: " } else { "" };
-                arguments.push(format!("{name}&[{handed}]"));
+                let name = if self.on == On::Numbers { "" } else { "live: " };
+                arguments.push(format!("{name}&{handed}"));
             }
             let (name, arguments) = (format!("{}_part{k}", self.name), arguments.join(", "));
-            let call = if lanes {
-                format!("T::outlined({} {{ {arguments} }})", type_name(&name))
-            } else {
-                format!("{name}({arguments})")
+            let call = match self.on {
+                On::Numbers => format!("{name}({arguments})"),
+                On::States => format!("T::outlined({} {{ {arguments} }})", type_name(&name)),
+                On::Vectors => {
+                    format!("V::outlined({}::<'_, V> {{ {arguments} }})", type_name(&name))
+                }
             };
-            let _ = writeln!(text, "    let [{needed}] = {call};");
+            let _ = writeln!(text, "    let {needed} = {call};");
         }
     }
 
@@ -396,7 +555,7 @@ impl<'a> Writer<'a> {
         let mut start = range.start;
         while start < range.end {
             let end = (start + BLOCK).min(range.end);
-            let needed = self.needed_after(start, end).join(", ");
+            let needed = self.needed_after(start, end).names.concat().join(", ");
             let _ = writeln!(text, "    let ({needed},) = {{");
             for s in start..end {
                 let _ = writeln!(text, "        {}", self.statement(s));
@@ -407,29 +566,67 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Where the text of a function begins.
-fn head(name: &str, bound: &str, inputs: &[String], returned: &str) -> String {
-    format!("fn {name}<T: __modyn::{bound}>({}) -> {returned} {{\n", inputs.join(", "))
+/// Named values that a part hands on.
+struct Values {
+    on: On,
+    /// By their lanes, as in [`VECTORS`].
+    names: [Vec<String>; VECTORS.len()],
 }
 
-/// The angles, of which sine or cosine are needed, that are inputs or inputs turned by a constant;
-/// none if there is one alone.
-fn early_angles(graph: &Graph, live: &[bool]) -> Vec<Id> {
-    let mut angles = Vec::new();
+impl Values {
+    /// As a pattern or an expression.
+    fn text(&self) -> String {
+        let lists = self.names.each_ref().map(|names| format!("[{}]", names.join(", ")));
+        if self.on == On::Vectors { format!("({})", lists.join(", ")) } else { lists[0].clone() }
+    }
+
+    /// Their type.
+    fn types(&self) -> String {
+        if self.on != On::Vectors {
+            return format!("[T; {}]", self.names[0].len());
+        }
+        let types = VECTORS.iter().zip(&self.names);
+        let types = types.map(|((_, name), names)| format!("[{name}; {}]", names.len()));
+        format!("({})", types.collect::<Vec<_>>().join(", "))
+    }
+}
+
+/// Where the text of a function begins.
+fn head(name: &str, bound: &str, inputs: &[String], returned: &str) -> String {
+    format!("fn {name}<{bound}>({}) -> {returned} {{\n", inputs.join(", "))
+}
+
+/// The angles, of which sine or cosine are needed, that are inputs or inputs turned by a constant, by
+/// their lanes; none if there is one alone.
+fn early_angles(graph: &Graph, live: &[bool]) -> Vec<Vec<Id>> {
+    let mut angles: BTreeMap<u8, Vec<Id>> = BTreeMap::new();
     for (node, _) in graph.nodes().iter().zip(live).filter(|&(_, &live)| live) {
         let (Node::Sin(angle) | Node::Cos(angle)) = *node else { continue };
         let known = match graph.node(angle) {
-            Node::Input(_) => true,
-            node @ (Node::Add(..) | Node::Sub(..)) => node
-                .operands()
-                .all(|operand| matches!(graph.node(operand), Node::Input(_) | Node::Constant(_))),
-            _ => false,
+            node @ (Node::Add(..) | Node::Sub(..)) => node.operands().all(|id| is_known(graph, id)),
+            _ => is_known(graph, angle),
         };
-        if known && !angles.contains(&angle) {
-            angles.push(angle);
+        let same = angles.entry(graph.width(angle)).or_default();
+        if known && !same.contains(&angle) {
+            same.push(angle);
         }
     }
-    if angles.len() < 2 { Vec::new() } else { angles }
+    angles.into_values().filter(|same| same.len() > 1).collect()
+}
+
+/// Whether a node is an input or a constant, or such side by side.
+fn is_known(graph: &Graph, id: Id) -> bool {
+    match graph.node(id) {
+        Node::Input(_) | Node::Constant(_) => true,
+        Node::Beside(a, b, _) => is_known(graph, a) && is_known(graph, b),
+        _ => false,
+    }
+}
+
+/// What a method can be called on: a name, a call, or something in brackets.
+fn operand(text: String) -> String {
+    let bare = text.chars().all(|c| c.is_alphanumeric() || c == '_');
+    if bare || (text.starts_with('k') && text.ends_with(')')) { text } else { format!("({text})") }
 }
 
 /// The negative of what an operand's text gives.
@@ -437,18 +634,15 @@ fn negated(text: String) -> String {
     text.strip_prefix('-').map_or_else(|| format!("-{text}"), String::from)
 }
 
-/// A constant as an expression of type T.
-fn constant(value: f64) -> String {
-    if value == 0.0 {
-        "T::zero()".into()
-    } else if value == 1.0 {
-        "T::one()".into()
-    } else if value.is_finite() {
-        format!("k({value:?})")
+/// A constant as an expression, the same in so many lanes.
+fn constant(value: f64, width: u8) -> String {
+    let k = if width == 1 { "k".to_string() } else { format!("k{width}") };
+    if value.is_finite() {
+        format!("{k}({value:?})")
     } else {
         // Figures are below 1e60 (`urdf::build::LARGEST`), but folding multiplies them, along a
         // chain without end: what overflows is written as what it would be at run time.
-        format!("k(f64::from_bits({}))", value.to_bits())
+        format!("{k}(f64::from_bits({}))", value.to_bits())
     }
 }
 

@@ -5,6 +5,7 @@
 //! The text uses `core` and the crate `modyn` only. It is the same for the same input, in every
 //! process: nothing in here depends on an address or on a hash map's order.
 
+mod abreast;
 mod batch;
 mod c;
 mod constants;
@@ -31,7 +32,7 @@ use crate::expr::Graph;
 use crate::functions::Function;
 use crate::names;
 use crate::partition::{self, Choice};
-use crate::trace::{Parameters, Tracer};
+use crate::trace::{Limbs, Parameters, Tracer};
 use function::{Parameter, function};
 use quantities::{Graphs, Quantity, Source};
 use shape::Shape;
@@ -128,9 +129,17 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let layout = Layout::new(&prepared, modules);
     let robot =
         Robot { model, modules, options, layout: &layout, tracer: &tracer, name: &type_name };
+    let elimination = Elimination::new(&prepared, &eliminated);
+    // A file of its own has no vectors, and a link that is given at run time has no equal.
+    let limbs = if options.self_contained || !options.payload.is_empty() {
+        None
+    } else {
+        Limbs::find(&prepared)
+    };
     let source = Source {
         tracer: &tracer,
-        elimination: &Elimination::new(&prepared, &eliminated),
+        limbs: limbs.as_ref(),
+        elimination: &elimination,
         layout: &layout,
         for_derivatives: &Layout::new(&prepared, &partition::whole_chains(model)),
         forward_dynamics: &forward_dynamics,
@@ -219,7 +228,10 @@ impl Robot<'_> {
         parameters.extend(self.runtime_parameter(quantity));
         let name = quantity.function.name();
         match &quantity.graphs {
-            Graphs::One(graph) => *text += &function(name, &parameters, &quantity.shape, graph),
+            Graphs::One(graph) => match &quantity.abreast {
+                Some(vectors) => Self::abreast(text, quantity, &parameters, (graph, vectors)),
+                None => *text += &function(name, &parameters, &quantity.shape, graph),
+            },
             Graphs::ByLink(graphs) => {
                 for (i, graph) in graphs.iter().enumerate() {
                     let name = format!("{name}_{i}");

@@ -12,7 +12,7 @@ use super::shape::Shape;
 use crate::expr::Graph;
 use crate::functions::Function;
 use crate::passes::optimize;
-use crate::trace::Tracer;
+use crate::trace::{Limbs, Tracer};
 
 /// A quantity's function: how it is called, and its graph.
 pub(super) struct Quantity {
@@ -22,6 +22,8 @@ pub(super) struct Quantity {
     /// Whether it depends on what is known at run time only, if there is such a thing.
     pub dynamic: bool,
     pub graphs: Graphs,
+    /// The same with equal limbs side by side, if that is cheaper where there are vectors.
+    pub abreast: Option<Graph>,
     /// The lines of its documentation.
     pub docs: &'static str,
 }
@@ -45,6 +47,8 @@ impl Graphs {
 /// What the graphs are traced from.
 pub(super) struct Source<'a> {
     pub tracer: &'a Tracer<'a>,
+    /// Equal limbs, to be computed side by side.
+    pub limbs: Option<&'a Limbs>,
     pub elimination: &'a Elimination,
     pub layout: &'a Layout,
     /// The factorization that derivatives are solved by.
@@ -57,7 +61,7 @@ impl Robot<'_> {
     /// The quantity that a function computes.
     #[allow(clippy::too_many_lines)] // A table.
     pub(super) fn quantity(&self, function: Function, source: &Source<'_>) -> Quantity {
-        let Source { tracer, elimination, layout, for_derivatives, forward_dynamics } = source;
+        let Source { tracer, elimination, layout, for_derivatives, forward_dynamics, .. } = source;
         let (nq, nv, links) = (self.model.nq(), self.model.nv(), self.model.frames().len());
         let q = || Parameter::new("q", Shape::vector(nq));
         let v = |name| Parameter::new(name, Shape::vector(nv));
@@ -319,6 +323,29 @@ impl Robot<'_> {
             ),
         };
         let dynamic = function.depends_on_parameters();
-        Quantity { function, parameters, shape, dynamic, graphs, docs }
+        let abreast = match &graphs {
+            Graphs::One(graph) => abreast(function, source, graph),
+            Graphs::ByLink(_) => None,
+        };
+        Quantity { function, parameters, shape, dynamic, graphs, abreast, docs }
     }
+}
+
+/// The function with equal limbs side by side, if that takes clearly fewer operations than `alone`.
+fn abreast(function: Function, source: &Source<'_>, alone: &Graph) -> Option<Graph> {
+    let limbs = source.limbs?;
+    let tracer = source.tracer.abreast(limbs);
+    let graph = match function {
+        Function::ForwardDynamics => {
+            let Elimination::Recursive(partition) = source.elimination else { return None };
+            tracer.forward_dynamics(&Elimination::Recursive(limbs.partition(partition)))
+        }
+        Function::InverseDynamics => tracer.inverse_dynamics(),
+        Function::BiasForces => tracer.bias_forces(),
+        Function::GravityTorques => tracer.gravity_torques(),
+        Function::MassMatrix => tracer.mass_matrix(),
+        _ => return None,
+    };
+    let graph = optimize(graph);
+    (graph.count().total() * 5 < alone.count().total() * 4).then_some(graph)
 }

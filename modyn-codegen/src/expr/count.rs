@@ -7,7 +7,8 @@ use modyn_runtime::OperationCount;
 use super::{Graph, Node};
 
 impl Graph {
-    /// The operations that the outputs need.
+    /// The operations that the outputs need; one on lanes counts once, putting them together and
+    /// apart does not.
     #[must_use]
     pub fn count(&self) -> OperationCount {
         let mut count = OperationCount::default();
@@ -15,7 +16,11 @@ impl Graph {
         for (node, live) in self.nodes().iter().zip(self.live()) {
             match node {
                 _ if !live => {}
-                Node::Constant(_) | Node::Input(_) | Node::Neg(_) => {}
+                Node::Constant(_)
+                | Node::Input(_)
+                | Node::Neg(_)
+                | Node::Beside(..)
+                | Node::Lane(..) => {}
                 Node::Add(..) | Node::Sub(..) => count.additions += 1,
                 Node::Mul(..) => count.multiplications += 1,
                 Node::Recip(_) => count.divisions += 1,

@@ -38,6 +38,11 @@ pub enum Node {
     Max(Id, Id),
     /// b where a >= 0, else c.
     Select(Id, Id, Id),
+    /// The lanes of a, then those of b: so many together, half of them each (one number stands for
+    /// all of its half).
+    Beside(Id, Id, u8),
+    /// The number in that lane of a.
+    Lane(Id, u8),
 }
 
 impl Node {
@@ -59,6 +64,8 @@ impl Node {
             Self::Abs(a) => Self::Abs(f(a)),
             Self::Max(a, b) => Self::Max(f(a), f(b)),
             Self::Select(a, b, c) => Self::Select(f(a), f(b), f(c)),
+            Self::Beside(a, b, width) => Self::Beside(f(a), f(b), width),
+            Self::Lane(a, lane) => Self::Lane(f(a), lane),
         }
     }
 
@@ -72,12 +79,14 @@ impl Node {
             | Self::Cos(a)
             | Self::Sqrt(a)
             | Self::Ln(a)
-            | Self::Abs(a) => (Some(a), None, None),
+            | Self::Abs(a)
+            | Self::Lane(a, _) => (Some(a), None, None),
             Self::Add(a, b)
             | Self::Sub(a, b)
             | Self::Mul(a, b)
             | Self::Atan2(a, b)
-            | Self::Max(a, b) => (Some(a), Some(b), None),
+            | Self::Max(a, b)
+            | Self::Beside(a, b, _) => (Some(a), Some(b), None),
             Self::Select(a, b, c) => (Some(a), Some(b), Some(c)),
         };
         [a, b, c].into_iter().flatten()
@@ -85,9 +94,14 @@ impl Node {
 }
 
 /// Expressions over numbered inputs, with some of them as outputs.
+///
+/// A node is a number, or several side by side: lanes, which an operation treats alike. A number
+/// among lanes stands for all of them.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
+    /// By node: how many lanes it has; 1 for a number.
+    widths: Vec<u8>,
     known: FxHashMap<Node, Id>,
     /// The nodes that are wanted.
     pub outputs: Vec<Id>,
@@ -104,6 +118,12 @@ impl Graph {
     #[must_use]
     pub fn node(&self, id: Id) -> Node {
         self.nodes[id as usize]
+    }
+
+    /// How many lanes a node has; 1 for a number.
+    #[must_use]
+    pub fn width(&self, id: Id) -> u8 {
+        self.widths[id as usize]
     }
 
     /// Which nodes the outputs need.
@@ -155,15 +175,23 @@ impl Graph {
     }
 
     fn insert(&mut self, node: Node) -> Id {
-        let nodes = &mut self.nodes;
+        let (nodes, widths) = (&mut self.nodes, &mut self.widths);
         *self.known.entry(node).or_insert_with(|| {
             nodes.push(node);
+            widths.push(match node {
+                Node::Beside(_, _, width) => width,
+                Node::Lane(..) => 1,
+                _ => node.operands().map(|a| widths[a as usize]).max().unwrap_or(1),
+            });
             Id::try_from(nodes.len() - 1).expect("a graph has fewer than 2^32 nodes")
         })
     }
 
     /// Makes `node`, whose operands are nodes of this graph, or finds what it equals.
     pub fn make(&mut self, node: Node) -> Id {
+        if let Some(folded) = self.fold_lanes(node) {
+            return folded;
+        }
         match node {
             Node::Constant(bits) => self.constant(f64::from_bits(bits)),
             Node::Input(_) => self.insert(node),
@@ -180,6 +208,64 @@ impl Graph {
             Node::Abs(a) => self.fold(a, f64::abs, Node::Abs),
             Node::Max(a, b) => self.max(a, b),
             Node::Select(a, b, c) => self.select(a, b, c),
+            Node::Beside(a, b, width) => self.beside(a, b, width),
+            Node::Lane(a, lane) => self.lane(a, lane),
+        }
+    }
+
+    /// What an operation on constants comes to, lane by lane, where some are lanes of constants.
+    fn fold_lanes(&mut self, node: Node) -> Option<Id> {
+        if matches!(node, Node::Constant(_) | Node::Input(_) | Node::Beside(..) | Node::Lane(..)) {
+            return None;
+        }
+        let width = node.operands().map(|a| self.width(a)).max()?;
+        if width == 1 || !node.operands().all(|a| self.is_constant(a)) {
+            return None;
+        }
+        let lanes: Vec<Id> = (0..width)
+            .map(|lane| {
+                let mut operands = node.operands().map(|a| self.lane(a, lane)).collect::<Vec<_>>();
+                operands.reverse();
+                let of = std::cell::RefCell::new(operands);
+                self.make(node.map(|_| of.borrow_mut().pop().expect("one an operand")))
+            })
+            .collect();
+        Some(self.all_beside(&lanes))
+    }
+
+    /// Whether it is a constant, or lanes of constants.
+    fn is_constant(&self, id: Id) -> bool {
+        match self.node(id) {
+            Node::Constant(_) => true,
+            Node::Beside(a, b, _) => self.is_constant(a) && self.is_constant(b),
+            _ => false,
+        }
+    }
+
+    /// Numbers side by side, a power of two of them.
+    fn all_beside(&mut self, numbers: &[Id]) -> Id {
+        let [number] = numbers else {
+            let (a, b) = numbers.split_at(numbers.len() / 2);
+            let (a, b) = (self.all_beside(a), self.all_beside(b));
+            return self.beside(a, b, u8::try_from(numbers.len()).expect("few lanes"));
+        };
+        *number
+    }
+
+    fn beside(&mut self, a: Id, b: Id, width: u8) -> Id {
+        if a == b && self.width(a) == 1 { a } else { self.insert(Node::Beside(a, b, width)) }
+    }
+
+    fn lane(&mut self, a: Id, lane: u8) -> Id {
+        match self.node(a) {
+            _ if self.width(a) == 1 => a,
+            Node::Beside(first, _, width) if lane < width / 2 => self.lane(first, lane),
+            Node::Beside(_, second, width) => self.lane(second, lane - width / 2),
+            Node::Neg(inner) => {
+                let inner = self.lane(inner, lane);
+                self.neg(inner)
+            }
+            _ => self.insert(Node::Lane(a, lane)),
         }
     }
 

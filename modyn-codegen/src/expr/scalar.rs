@@ -36,6 +36,32 @@ impl Expr {
         Self::make(Node::Input(u32::try_from(number).expect("fewer than 2^32 inputs")))
     }
 
+    /// Numbers side by side; the last one fills them up to a power of two.
+    ///
+    /// # Panics
+    ///
+    /// If there are none, or more than 128.
+    #[must_use]
+    pub fn beside(numbers: &[Self]) -> Self {
+        fn filled(numbers: &[Expr], lanes: usize) -> Expr {
+            if lanes == 1 {
+                return numbers[0];
+            }
+            let (a, b) = numbers.split_at((lanes / 2).min(numbers.len()));
+            let first = filled(a, lanes / 2);
+            let rest = if b.is_empty() { &a[a.len() - 1..] } else { b };
+            let width = u8::try_from(lanes).expect("few lanes");
+            Expr::make(Node::Beside(first.0, filled(rest, lanes / 2).0, width))
+        }
+        filled(numbers, numbers.len().next_power_of_two())
+    }
+
+    /// The number in a lane.
+    #[must_use]
+    pub fn lane(self, lane: usize) -> Self {
+        Self::make(Node::Lane(self.0, u8::try_from(lane).expect("few lanes")))
+    }
+
     fn make(node: Node) -> Self {
         Self(TRACED.with_borrow_mut(|graph| graph.make(node)))
     }
@@ -113,5 +139,17 @@ impl Scalar for Expr {
 
     fn select_nonnegative(self, then: Self, otherwise: Self) -> Self {
         Self::make(Node::Select(self.0, then.0, otherwise.0))
+    }
+
+    fn over_limbs(self, limbs: usize) -> Self {
+        // In pairs: as few additions one behind the other as can be.
+        fn sum(x: Expr, lanes: std::ops::Range<usize>) -> Expr {
+            if lanes.len() == 1 {
+                return x.lane(lanes.start);
+            }
+            let middle = lanes.start + lanes.len() / 2;
+            sum(x, lanes.start..middle) + sum(x, middle..lanes.end)
+        }
+        if limbs == 1 { self } else { sum(self, 0..limbs) }
     }
 }

@@ -3,6 +3,7 @@
 mod coordinates;
 mod derivatives;
 mod kinematics;
+mod limbs;
 mod parameters;
 mod regressor;
 
@@ -18,6 +19,7 @@ use modyn_runtime::spatial::{Pose, Wrench};
 
 use crate::expr::{Expr, Graph};
 
+pub use limbs::Limbs;
 pub use parameters::{Parameters, Payload};
 
 fn in_axes(forces: &[Wrench<Expr>], axes: Axes) -> Forces<'_, Expr> {
@@ -33,6 +35,8 @@ fn in_axes(forces: &[Wrench<Expr>], axes: Axes) -> Forces<'_, Expr> {
 pub struct Tracer<'a> {
     model: &'a Prepared<f64>,
     parameters: Parameters,
+    /// Equal limbs that are computed side by side.
+    limbs: Option<&'a Limbs>,
 }
 
 impl<'a> Tracer<'a> {
@@ -45,7 +49,14 @@ impl<'a> Tracer<'a> {
     /// Traces equations of `model`; `parameters` are further inputs, behind all others.
     #[must_use]
     pub fn with_parameters(model: &'a Prepared<f64>, parameters: Parameters) -> Self {
-        Self { model, parameters }
+        Self { model, parameters, limbs: None }
+    }
+
+    /// The same with equal limbs side by side. What is known of single links at run time only can't be.
+    #[must_use]
+    pub fn abreast(&self, limbs: &'a Limbs) -> Self {
+        let parameters = Parameters { gravity: self.parameters.gravity, payload: Vec::new() };
+        Self { model: self.model, parameters, limbs: Some(limbs) }
     }
 
     /// What of the model is an input.
@@ -87,11 +98,38 @@ impl<'a> Tracer<'a> {
         vec![Expr::zero(); self.model.nv]
     }
 
+    /// The same, for what equal limbs can be computed side by side: one joint vector, or matrices behind
+    /// joint vectors (so many of each).
+    fn trace_joints<const G: usize>(
+        &self,
+        (vectors, matrices): (usize, usize),
+        equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
+    ) -> Graph {
+        let Some(limbs) = self.limbs else { return self.trace(equations) };
+        let nv = self.model.nv;
+        self.trace(|whole, groups| {
+            let mut model = limbs.merged(self.model);
+            model.gravity = whole.gravity;
+            let mut place = 0..;
+            let groups = groups.map(|group| match place.next() {
+                Some(0) => limbs.coordinates(&group),
+                _ => limbs.vector(&group),
+            });
+            let n = model.nv;
+            let computed = equations(&model, groups);
+            let (first, rest) = computed.split_at(vectors * n);
+            let first = first.chunks(n).flat_map(|x| limbs.vector_apart(x, nv));
+            let rest = rest.chunks(n * n).flat_map(|x| limbs.matrix_apart(x, nv));
+            debug_assert_eq!(computed.len(), vectors * n + matrices * n * n);
+            first.chain(rest).collect()
+        })
+    }
+
     /// Accelerations from `q`, `qd`, `tau`, eliminated by these modules.
     #[must_use]
     pub fn forward_dynamics(&self, elimination: &Elimination) -> Graph {
-        self.trace(|model, [q, qd, tau]| {
-            let mut qdd = self.vector();
+        self.trace_joints((1, 0), |model, [q, qd, tau]| {
+            let mut qdd = vec![Expr::zero(); model.nv];
             let (state, workspace) = ((&*q, &*qd, &*tau), &mut Workspace::new(model));
             let solve = forward_dynamics::forward_dynamics;
             solve(model, elimination, state, None, workspace, &mut qdd);
@@ -102,8 +140,8 @@ impl<'a> Tracer<'a> {
     /// Torques from `q`, `qd`, `qdd`.
     #[must_use]
     pub fn inverse_dynamics(&self) -> Graph {
-        self.trace(|model, [q, qd, qdd]| {
-            let mut tau = self.vector();
+        self.trace_joints((1, 0), |model, [q, qd, qdd]| {
+            let mut tau = vec![Expr::zero(); model.nv];
             let (motion, workspace) = ((&*q, &*qd, Some(&*qdd)), &mut Workspace::new(model));
             inverse_dynamics::inverse_dynamics(model, motion, None, workspace, &mut tau);
             tau
@@ -150,8 +188,8 @@ impl<'a> Tracer<'a> {
     /// Bias forces from `q`, `qd`.
     #[must_use]
     pub fn bias_forces(&self) -> Graph {
-        self.trace(|model, [q, qd]| {
-            let mut tau = self.vector();
+        self.trace_joints((1, 0), |model, [q, qd]| {
+            let mut tau = vec![Expr::zero(); model.nv];
             let (motion, workspace) = ((&*q, &*qd, None), &mut Workspace::new(model));
             inverse_dynamics::inverse_dynamics(model, motion, None, workspace, &mut tau);
             tau
@@ -161,8 +199,8 @@ impl<'a> Tracer<'a> {
     /// Gravity torques from `q`.
     #[must_use]
     pub fn gravity_torques(&self) -> Graph {
-        self.trace(|model, [q]| {
-            let mut tau = self.vector();
+        self.trace_joints((1, 0), |model, [q]| {
+            let mut tau = vec![Expr::zero(); model.nv];
             gravity::gravity_torques(model, &q, &mut Workspace::new(model), &mut tau);
             tau
         })
@@ -171,7 +209,7 @@ impl<'a> Tracer<'a> {
     /// The mass matrix from `q`, column by column.
     #[must_use]
     pub fn mass_matrix(&self) -> Graph {
-        self.trace(|model, [q]| {
+        self.trace_joints((0, 1), |model, [q]| {
             let mut columns = vec![Expr::zero(); model.nv * model.nv];
             let workspace = &mut Workspace::new(model);
             mass_matrix::mass_matrix(model, &q, workspace, &mut columns);

@@ -183,7 +183,7 @@ fn leave<S: Scalar>(
     inertia: &ArticulatedInertia<S>,
 ) {
     if let Some(parent) = model.bodies[i].parent {
-        let carried = model.bodies[i].articulated_to_parent(&workspace.motions[i], inertia);
+        let carried = model.bodies[i].articulateds_to_parent(&workspace.motions[i], inertia);
         let sum = workspace.articulated[parent].map_or(carried, |a| a + carried);
         workspace.articulated[parent] = Some(sum);
     }

@@ -122,7 +122,7 @@ fn recursive<S: Scalar>(
             reduce_columns(model, block, workspace);
             eliminate(model, block, workspace);
             let left = wrench_left(model, block, workspace, torque);
-            let carried = model.bodies[first].wrench_to_parent(&workspace.motions[first], left);
+            let carried = model.bodies[first].wrenches_to_parent(&workspace.motions[first], left);
             workspace.wrenches[parent] += carried;
         }
         for d in block.dofs.clone() {

@@ -71,8 +71,8 @@ pub(super) fn gather<S: Scalar>(
         if let Some(parent) = body.parent {
             let (mass, first_moment) = carried(body, workspace, i);
             let composite = &mut workspace.composite[parent];
-            composite.mass = composite.mass + mass;
-            composite.first_moment += first_moment;
+            composite.mass = composite.mass + mass.over_limbs(body.limbs);
+            composite.first_moment += Vector3(first_moment.0.map(|x| x.over_limbs(body.limbs)));
         }
     }
 }

@@ -36,7 +36,7 @@ pub fn inverse_dynamics<S: Scalar>(
             dof.add(felt, tau);
         }
         if let Some(parent) = body.parent {
-            let carried = body.wrench_to_parent(&workspace.motions[i], wrench);
+            let carried = body.wrenches_to_parent(&workspace.motions[i], wrench);
             workspace.wrenches[parent] += carried;
         }
     }

@@ -50,7 +50,7 @@ pub fn mass_matrix<S: Scalar>(
             }
         }
         if let Some(parent) = body.parent {
-            let carried = body.rigid_to_parent(&workspace.motions[i], &workspace.composite[i]);
+            let carried = body.rigids_to_parent(&workspace.motions[i], &workspace.composite[i]);
             workspace.composite[parent] = workspace.composite[parent] + carried;
         }
     }

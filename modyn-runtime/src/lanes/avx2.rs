@@ -8,7 +8,9 @@
 
 use core::arch::x86_64::*;
 
-use super::vector::vector;
+use super::abreast::{beside, vectors};
+use super::pair::Pair;
+use super::vector::{vector, work};
 
 /// Without its sign.
 #[inline]
@@ -53,4 +55,85 @@ vector! {
     flip(x, by) _mm256_xor_ps(
         x, _mm256_castsi256_ps(_mm256_slli_epi32::<31>(_mm256_castps_si256(by)))
     );
+}
+
+// Half vectors, and numbers alone, whose sums are fused too.
+
+/// Without its sign.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn abs_half_pd(x: __m128d) -> __m128d {
+    _mm_andnot_pd(_mm_set1_pd(-0.0), x)
+}
+
+/// Without its sign.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn abs_half_ps(x: __m128) -> __m128 {
+    _mm_andnot_ps(_mm_set1_ps(-0.0), x)
+}
+
+/// The root of the first alone.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn sqrt_sd(x: __m128d) -> __m128d {
+    _mm_sqrt_sd(x, x)
+}
+
+vector! {
+    F64x2: [f64; 2] in __m128d, "avx2,fma";
+    _mm_set1_pd _mm_loadu_pd _mm_storeu_pd _mm_add_pd _mm_sub_pd _mm_mul_pd _mm_div_pd _mm_sqrt_pd abs_half_pd;
+    mul_add(a, b, c) _mm_fmadd_pd(a, b, c);
+    max(a, b) _mm_blendv_pd(_mm_max_pd(a, b), a, _mm_cmpunord_pd(b, b));
+    select(x, then, otherwise) _mm_blendv_pd(otherwise, then, _mm_cmpge_pd(x, _mm_setzero_pd()));
+    below(x, limit) _mm_movemask_pd(_mm_cmplt_pd(x, limit)) == 0x3;
+    flip(x, by) _mm_xor_pd(x, _mm_castsi128_pd(_mm_slli_epi64::<63>(_mm_castpd_si128(by))));
+}
+
+vector! {
+    F64x1: [f64; 1] in __m128d, "avx2,fma";
+    _mm_set_sd _mm_load_sd _mm_store_sd _mm_add_sd _mm_sub_sd _mm_mul_sd _mm_div_sd sqrt_sd abs_half_pd;
+    mul_add(a, b, c) _mm_fmadd_sd(a, b, c);
+    max(a, b) _mm_blendv_pd(_mm_max_sd(a, b), a, _mm_cmpunord_pd(b, b));
+    select(x, then, otherwise) _mm_blendv_pd(otherwise, then, _mm_cmpge_pd(x, _mm_setzero_pd()));
+    below(x, limit) _mm_comilt_sd(x, limit) != 0;
+    flip(x, by) _mm_xor_pd(x, _mm_castsi128_pd(_mm_slli_epi64::<63>(_mm_castpd_si128(by))));
+}
+
+vector! {
+    F32x4: [f32; 4] in __m128, "avx2,fma";
+    _mm_set1_ps _mm_loadu_ps _mm_storeu_ps _mm_add_ps _mm_sub_ps _mm_mul_ps _mm_div_ps _mm_sqrt_ps abs_half_ps;
+    mul_add(a, b, c) _mm_fmadd_ps(a, b, c);
+    max(a, b) _mm_blendv_ps(_mm_max_ps(a, b), a, _mm_cmpunord_ps(b, b));
+    select(x, then, otherwise) _mm_blendv_ps(otherwise, then, _mm_cmpge_ps(x, _mm_setzero_ps()));
+    below(x, limit) _mm_movemask_ps(_mm_cmplt_ps(x, limit)) == 0xf;
+    flip(x, by) _mm_xor_ps(x, _mm_castsi128_ps(_mm_slli_epi32::<31>(_mm_castps_si128(by))));
+}
+
+vector! {
+    F32x1: [f32; 1] in __m128, "avx2,fma";
+    _mm_set_ss _mm_load_ss _mm_store_ss _mm_add_ss _mm_sub_ss _mm_mul_ss _mm_div_ss _mm_sqrt_ss abs_half_ps;
+    mul_add(a, b, c) _mm_fmadd_ss(a, b, c);
+    max(a, b) _mm_blendv_ps(_mm_max_ss(a, b), a, _mm_cmpunord_ps(b, b));
+    select(x, then, otherwise) _mm_blendv_ps(otherwise, then, _mm_cmpge_ps(x, _mm_setzero_ps()));
+    below(x, limit) _mm_comilt_ss(x, limit) != 0;
+    flip(x, by) _mm_xor_ps(x, _mm_castsi128_ps(_mm_slli_epi32::<31>(_mm_castps_si128(by))));
+}
+
+work! {
+    f64 on F64x4, "avx2,fma";
+    f32 on F32x8, "avx2,fma";
+}
+
+beside! {
+    F64x2: 2 of F64x1;
+    F64x4: 4 of F64x1;
+    F32x4: 2 of F32x1;
+    F32x4: 4 of F32x1;
+    F32x8: 8 of F32x1;
+}
+
+vectors! {
+    f64 by abreast_f64 on Doubles "avx2,fma": F64x1, F64x2, F64x4, Pair<F64x4>;
+    f32 by abreast_f32 on Singles "avx2,fma": F32x1, F32x4, F32x4, F32x8;
 }

@@ -1,4 +1,4 @@
-//! AVX-512F: 8 `f64` or 16 `f32`, products fused into sums.
+//! AVX-512 (F and VL): 8 `f64` or 16 `f32`, products fused into sums.
 //!
 //! Unsafe code: these instructions may only run on a processor that has them, and the compiler can't
 //! see that it does. It does wherever these types exist: they can't be named outside of `lanes`, and
@@ -8,10 +8,12 @@
 
 use core::arch::x86_64::*;
 
-use super::vector::vector;
+use super::abreast::{beside, vectors};
+use super::avx2::{F32x1, F32x4, F32x8, F64x1, F64x2, F64x4};
+use super::vector::{vector, work};
 
 vector! {
-    F64x8: [f64; 8] in __m512d, "avx512f";
+    F64x8: [f64; 8] in __m512d, "avx512f,avx512vl";
     _mm512_set1_pd _mm512_loadu_pd _mm512_storeu_pd _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd
     _mm512_sqrt_pd _mm512_abs_pd;
     mul_add(a, b, c) _mm512_fmadd_pd(a, b, c);
@@ -27,7 +29,7 @@ vector! {
 }
 
 vector! {
-    F32x16: [f32; 16] in __m512, "avx512f";
+    F32x16: [f32; 16] in __m512, "avx512f,avx512vl";
     _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps
     _mm512_sqrt_ps _mm512_abs_ps;
     mul_add(a, b, c) _mm512_fmadd_ps(a, b, c);
@@ -39,4 +41,19 @@ vector! {
     flip(x, by) _mm512_castsi512_ps(_mm512_xor_si512(
         _mm512_castps_si512(x), _mm512_slli_epi32::<31>(_mm512_castps_si512(by))
     ));
+}
+
+work! {
+    f64 on F64x8, "avx512f,avx512vl";
+    f32 on F32x16, "avx512f,avx512vl";
+}
+
+beside! {
+    F64x8: 8 of F64x1;
+}
+
+// Shorter vectors are AVX2's, with twice the registers.
+vectors! {
+    f64 by abreast_f64 on Doubles "avx2,fma,avx512f,avx512vl": F64x1, F64x2, F64x4, F64x8;
+    f32 by abreast_f32 on Singles "avx2,fma,avx512f,avx512vl": F32x1, F32x4, F32x4, F32x8;
 }

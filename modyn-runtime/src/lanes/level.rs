@@ -13,7 +13,7 @@ pub enum Level {
     Sse2,
     /// AVX2 and FMA: 4 `f64` or 8 `f32`.
     Avx2,
-    /// AVX-512F: 8 `f64` or 16 `f32`.
+    /// AVX-512 (F and VL): 8 `f64` or 16 `f32`.
     Avx512,
     /// aarch64's baseline: 2 `f64` or 4 `f32`.
     Neon,
@@ -59,7 +59,7 @@ const X86: [Level; 3] = [Level::Sse2, Level::Avx2, Level::Avx512];
 /// What every processor has that the program can run on.
 #[cfg(target_arch = "x86_64")]
 fn lowest() -> Level {
-    if cfg!(target_feature = "avx512f") {
+    if cfg!(all(target_feature = "avx512f", target_feature = "avx512vl")) {
         Level::Avx512
     } else if cfg!(all(target_feature = "avx2", target_feature = "fma")) {
         Level::Avx2
@@ -71,7 +71,7 @@ fn lowest() -> Level {
 #[cfg(target_arch = "x86_64")]
 fn best() -> Level {
     #[cfg(feature = "std")]
-    if std::is_x86_feature_detected!("avx512f") {
+    if std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512vl") {
         return Level::Avx512;
     } else if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
         return Level::Avx2;

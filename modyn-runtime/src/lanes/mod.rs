@@ -6,6 +6,8 @@
 //! operations need no proof each time. All of it is inlined into that one function: what were
 //! not would lose the instruction set, and with it the speed.
 
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+mod abreast;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -13,6 +15,8 @@ mod avx512;
 mod level;
 #[cfg(target_arch = "aarch64")]
 mod neon;
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+mod pair;
 mod single;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
@@ -20,6 +24,8 @@ mod sse2;
 mod vector;
 
 use crate::Scalar;
+use crate::scalar::abreast::Abreast;
+pub use crate::scalar::abreast::Part;
 use crate::scalar::trig::Precision;
 pub use level::{Level, force_level, level};
 
@@ -59,15 +65,6 @@ pub trait Lanes: Scalar {
     unsafe fn store(self, to: *mut Self::Lane);
 }
 
-/// A part of the work on lanes. Its `run` must be `#[inline(always)]`, and all that it calls.
-pub trait Part {
-    /// What it comes to.
-    type Output;
-
-    /// Does it.
-    fn run(self) -> Self::Output;
-}
-
 /// A floating-point number that there are lanes of: `f64` or `f32`.
 #[allow(private_bounds)] // Nobody else can implement it.
 pub trait Float: Scalar + Precision + Send + Sync {
@@ -87,7 +84,26 @@ pub trait Work<F> {
 pub(crate) const MOST_LANES: usize = 16;
 
 macro_rules! dispatch {
-    ($($float:ident)*) => {$(
+    ($($float:ident by $abreast:ident)*) => {$(
+        /// Runs `work` on the best vectors for numbers of one state.
+        #[inline]
+        #[allow(unsafe_code)] // Calls of functions for the instructions found to be there.
+        pub(crate) fn $abreast<W: Abreast<$float>>(work: W) -> W::Output {
+            match level() {
+                // SAFETY: `level` names what the processor has.
+                #[cfg(target_arch = "x86_64")]
+                Level::Avx512 => unsafe { avx512::$abreast(work) },
+                // SAFETY: as above.
+                #[cfg(all(target_arch = "x86_64", not(target_feature = "avx512vl")))]
+                Level::Avx2 => unsafe { avx2::$abreast(work) },
+                #[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
+                Level::Sse2 => sse2::$abreast(work),
+                #[cfg(target_arch = "aarch64")]
+                Level::Neon => neon::$abreast(work),
+                _ => work.scalar(),
+            }
+        }
+
         impl Float for $float {
             #[inline]
             #[allow(unsafe_code)] // Calls of functions for the instructions found to be there.
@@ -97,7 +113,7 @@ macro_rules! dispatch {
                     #[cfg(target_arch = "x86_64")]
                     Level::Avx512 => unsafe { avx512::$float(work) },
                     // SAFETY: as above.
-                    #[cfg(all(target_arch = "x86_64", not(target_feature = "avx512f")))]
+                    #[cfg(all(target_arch = "x86_64", not(target_feature = "avx512vl")))]
                     Level::Avx2 => unsafe { avx2::$float(work) },
                     #[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
                     Level::Sse2 => sse2::$float(work),
@@ -110,7 +126,7 @@ macro_rules! dispatch {
     )*};
 }
 
-dispatch!(f64 f32);
+dispatch!(f64 by abreast_f64 f32 by abreast_f32);
 
 #[cfg(test)]
 mod tests;

@@ -6,7 +6,9 @@
 
 use core::arch::aarch64::*;
 
-use super::vector::vector;
+use super::abreast::{beside, vectors};
+use super::pair::Pair;
+use super::vector::{vector, work};
 
 vector! {
     F64x2: [f64; 2] in float64x2_t;
@@ -30,4 +32,20 @@ vector! {
     flip(x, by) vreinterpretq_f32_u32(veorq_u32(
         vreinterpretq_u32_f32(x), vshlq_n_u32::<31>(vreinterpretq_u32_f32(by))
     ));
+}
+
+work! {
+    f64 on F64x2;
+    f32 on F32x4;
+}
+
+beside! {
+    F64x2: 2 of f64;
+    F32x4: 2 of f32;
+    F32x4: 4 of f32;
+}
+
+vectors! {
+    f64 by abreast_f64 on Doubles: f64, F64x2, Pair<F64x2>, Pair<Pair<F64x2>>;
+    f32 by abreast_f32 on Singles: f32, F32x4, F32x4, Pair<F32x4>;
 }

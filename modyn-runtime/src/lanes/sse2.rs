@@ -6,7 +6,9 @@
 
 use core::arch::x86_64::*;
 
-use super::vector::vector;
+use super::abreast::{beside, vectors};
+use super::pair::Pair;
+use super::vector::{vector, work};
 
 /// Without its sign.
 #[inline]
@@ -55,4 +57,20 @@ vector! {
     select(x, then, otherwise) blend_ps(otherwise, then, _mm_cmpge_ps(x, _mm_setzero_ps()));
     below(x, limit) _mm_movemask_ps(_mm_cmplt_ps(x, limit)) == 0xf;
     flip(x, by) _mm_xor_ps(x, _mm_castsi128_ps(_mm_slli_epi32::<31>(_mm_castps_si128(by))));
+}
+
+work! {
+    f64 on F64x2;
+    f32 on F32x4;
+}
+
+beside! {
+    F64x2: 2 of f64;
+    F32x4: 2 of f32;
+    F32x4: 4 of f32;
+}
+
+vectors! {
+    f64 by abreast_f64 on Doubles: f64, F64x2, Pair<F64x2>, Pair<Pair<F64x2>>;
+    f32 by abreast_f32 on Singles: f32, F32x4, F32x4, Pair<F32x4>;
 }

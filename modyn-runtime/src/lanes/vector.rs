@@ -1,7 +1,6 @@
 //! What a vector is, whatever its instructions: written once, over their names.
 
-/// A vector of `$lanes` numbers in `$register`, with the function that does work on it, compiled
-/// with `$attribute`.
+/// A vector of `$lanes` numbers in `$register`, whose instructions need `$features`.
 ///
 /// Operations of a register's own are given by name, others as expressions over registers.
 macro_rules! vector {
@@ -205,12 +204,18 @@ macro_rules! vector {
             }
         }
 
+    };
+}
+
+/// The function that works on a vector for many states, compiled with `$features`.
+macro_rules! work {
+    ($($float:ident on $name:ident $(, $features:literal)?;)*) => {$(
         $(#[target_feature(enable = $features)])?
         #[inline(never)] // To be found in what is compiled, on every level.
         pub(super) fn $float(work: impl crate::lanes::Work<$float>) {
             work.run::<$name>();
         }
-    };
+    )*};
 }
 
 macro_rules! operator {
@@ -227,4 +232,4 @@ macro_rules! operator {
     };
 }
 
-pub(super) use {operator, vector};
+pub(super) use {operator, vector, work};

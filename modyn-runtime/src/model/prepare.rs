@@ -84,6 +84,9 @@ pub struct Body<S> {
     pub inertia: RigidInertia<S>,
     /// The inertia in minimal parameters: equal to `inertia` for all joint-space dynamics.
     pub minimal: RigidInertia<S>,
+    /// How many equal limbs it is the first body of, where they are computed as one; else 1. What
+    /// hangs on a parent adds up over them.
+    pub limbs: usize,
 }
 
 /// A degree of freedom: the unit motion of a body in one component.
@@ -238,6 +241,30 @@ impl<S: Scalar> Body<S> {
     ) -> ArticulatedInertia<S> {
         self.placement.articulated_to_parent(&motion.articulated_to_parent(i))
     }
+
+    /// The same of all equal limbs together.
+    #[must_use]
+    pub fn wrenches_to_parent(&self, motion: &Motion<S>, w: Wrench<S>) -> Wrench<S> {
+        let carried = self.wrench_to_parent(motion, w).components();
+        Wrench::from_components(carried.map(|x| x.over_limbs(self.limbs)))
+    }
+
+    /// The same of all equal limbs together.
+    #[must_use]
+    pub fn rigids_to_parent(&self, motion: &Motion<S>, i: &RigidInertia<S>) -> RigidInertia<S> {
+        self.rigid_to_parent(motion, i).map(|x| x.over_limbs(self.limbs))
+    }
+
+    /// The same of all equal limbs together.
+    #[must_use]
+    pub fn articulateds_to_parent(
+        &self,
+        motion: &Motion<S>,
+        i: &ArticulatedInertia<S>,
+    ) -> ArticulatedInertia<S> {
+        let carried = self.articulated_to_parent(motion, i);
+        ArticulatedInertia::from_fn(|row, column| carried.entry(row, column).over_limbs(self.limbs))
+    }
 }
 
 impl<S: Scalar> Prepared<S> {
@@ -360,6 +387,7 @@ impl Prepared<f64> {
                     link: b.link.map(f),
                     inertia: b.inertia.map(f),
                     minimal: b.minimal.map(f),
+                    limbs: b.limbs,
                 })
                 .collect(),
             dofs: self
@@ -621,6 +649,7 @@ impl Frames {
                 link: self.link[i],
                 inertia,
                 minimal: inertia,
+                limbs: 1,
             });
         }
         let mut links = Vec::with_capacity(model.links().len());

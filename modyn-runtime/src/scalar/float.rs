@@ -1,5 +1,6 @@
 //! `f64` and `f32` as scalars.
 
+use super::abreast::Abreast;
 use super::{Scalar, elementary, native, trig};
 
 impl Scalar for f64 {
@@ -46,6 +47,11 @@ impl Scalar for f64 {
     #[inline]
     fn max(self, other: Self) -> Self {
         f64::max(self, other)
+    }
+
+    #[inline]
+    fn abreast<W: Abreast<Self>>(work: W) -> W::Output {
+        native::abreast_f64(work)
     }
 
     #[inline]
@@ -99,6 +105,11 @@ impl Scalar for f32 {
     #[inline]
     fn max(self, other: Self) -> Self {
         f32::max(self, other)
+    }
+
+    #[inline]
+    fn abreast<W: Abreast<Self>>(work: W) -> W::Output {
+        native::abreast_f32(work)
     }
 
     #[inline]

@@ -1,5 +1,6 @@
 //! The numbers that the equations and the generated code run on.
 
+pub(crate) mod abreast;
 #[cfg(feature = "num-dual")]
 mod dual;
 mod elementary;

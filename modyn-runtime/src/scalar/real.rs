@@ -2,6 +2,8 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::abreast::Abreast;
+
 /// A real number as the equations need it.
 ///
 /// Implemented for `f64` and `f32`, for lanes of them, for num-dual's numbers with feature `num-dual`, and by the
@@ -83,4 +85,20 @@ pub trait Scalar:
     /// `then` where `self >= 0`, `otherwise` elsewhere (and for NaN).
     #[must_use]
     fn select_nonnegative(self, then: Self, otherwise: Self) -> Self;
+
+    /// Does `work` on vectors if there are some for such numbers.
+    #[doc(hidden)]
+    #[inline]
+    fn abreast<W: Abreast<Self>>(work: W) -> W::Output {
+        work.scalar()
+    }
+
+    /// Where the compiler computes equal limbs as one, with a lane for each: the sum over them. All
+    /// other numbers belong to one body, and are that sum themselves.
+    #[doc(hidden)]
+    #[inline]
+    #[must_use]
+    fn over_limbs(self, _limbs: usize) -> Self {
+        self
+    }
 }

@@ -1,0 +1,57 @@
+//! Functions in which equal limbs are computed side by side, where numbers have vectors.
+
+use std::fmt::Write as _;
+
+use super::Robot;
+use super::function::{Parameter, abreast_function, function};
+use super::quantities::Quantity;
+use super::shape::Shape;
+use crate::expr::Graph;
+use crate::names::type_name;
+
+impl Robot<'_> {
+    /// A private function that leaves the choice to its scalar: limbs side by side by `vectors`, or one
+    /// after the other by `scalars`.
+    pub(super) fn abreast(
+        text: &mut String,
+        quantity: &Quantity,
+        parameters: &[Parameter],
+        (scalars, vectors): (&Graph, &Graph),
+    ) {
+        let (name, shape) = (quantity.function.name(), &quantity.shape);
+        let (alone, abreast) = (format!("{name}_alone"), format!("{name}_abreast"));
+        *text += &function(&alone, parameters, shape, scalars);
+        *text += &abreast_function(&abreast, parameters, shape, vectors);
+        let kind = format!("{}Abreast", type_name(name));
+        let fields: Vec<String> =
+            parameters.iter().map(|p| p.typed("T").replace('&', "&'a ")).collect();
+        let typed: Vec<String> = parameters.iter().map(|p| p.typed("T")).collect();
+        let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
+        let own: Vec<String> = names.iter().map(|name| format!("self.{name}")).collect();
+        let ones: Vec<String> = parameters.iter().map(ones).collect();
+        let (returned, names) = (shape.type_of("T"), names.join(", "));
+        let _ = writeln!(
+            text,
+            "struct {kind}<'a, T> {{ {} }}\n\
+             impl<T: __modyn::Scalar> __modyn::batch::Abreast<T> for {kind}<'_, T> {{\n\
+             type Output = {returned};\n\
+             #[inline(always)]\n\
+             fn vectors<V: __modyn::batch::Vectors<Number = T>>(self) -> {returned} {{\n    \
+             {abreast}::<V>({})\n}}\n\
+             #[inline]\nfn scalar(self) -> {returned} {{\n    {alone}({})\n}}\n}}\n\
+             fn {name}<T: __modyn::Scalar>({}) -> {returned} {{\n    \
+             T::abreast({kind} {{ {names} }})\n}}\n",
+            fields.join(", "),
+            ones.join(", "),
+            own.join(", "),
+            typed.join(", "),
+        );
+    }
+}
+
+/// A parameter as numbers to compute with.
+fn ones(Parameter { name, shape }: &Parameter) -> String {
+    let numbers: Vec<String> =
+        (0..shape.len()).map(|i| format!("V::one(self.{name}[{i}])")).collect();
+    format!("&{}", Shape::vector(shape.len()).value(&numbers))
+}

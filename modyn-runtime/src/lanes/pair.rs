@@ -1,0 +1,126 @@
+//! Two vectors as one with twice the lanes.
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::Scalar;
+use crate::scalar::abreast::Beside;
+
+/// The first half of the lanes, and the second.
+#[derive(Clone, Copy)]
+pub struct Pair<V>(V, V);
+
+macro_rules! operator {
+    ($($trait:ident $function:ident)*) => {$(
+        impl<V: Scalar> $trait for Pair<V> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $function(self, other: Self) -> Self {
+                Self(self.0.$function(other.0), self.1.$function(other.1))
+            }
+        }
+    )*};
+}
+
+operator!(Add add Sub sub Mul mul Div div);
+
+impl<V: Scalar> Neg for Pair<V> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0, -self.1)
+    }
+}
+
+impl<V: Scalar> Scalar for Pair<V> {
+    #[inline(always)]
+    fn from_f64(value: f64) -> Self {
+        Self(V::from_f64(value), V::from_f64(value))
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        Self(self.0.recip(), self.1.recip())
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        Self(self.0.mul_add(factor.0, term.0), self.1.mul_add(factor.1, term.1))
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        let [(s, c), (t, d)] = V::sin_cos_all([self.0, self.1]);
+        (Self(s, t), Self(c, d))
+    }
+
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        Self(self.0.atan2(x.0), self.1.atan2(x.1))
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt(), self.1.sqrt())
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        Self(self.0.ln(), self.1.ln())
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.abs(), self.1.abs())
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(self.0.max(other.0), self.1.max(other.1))
+    }
+
+    #[inline(always)]
+    fn select_nonnegative(self, then: Self, otherwise: Self) -> Self {
+        Self(
+            self.0.select_nonnegative(then.0, otherwise.0),
+            self.1.select_nonnegative(then.1, otherwise.1),
+        )
+    }
+}
+
+macro_rules! beside {
+    ($($half:literal $whole:literal),*) => {$(
+        impl<One: Scalar, V: Beside<One, $half>> Beside<One, $whole> for Pair<V> {
+            #[inline(always)]
+            fn all(number: One) -> Self {
+                Self(V::all(number), V::all(number))
+            }
+
+            #[inline(always)]
+            fn beside(numbers: [One; $whole]) -> Self {
+                let mut halves = [[numbers[0]; $half]; 2];
+                let mut i = 0;
+                while i < $whole {
+                    halves[i / $half][i % $half] = numbers[i];
+                    i += 1;
+                }
+                Self(V::beside(halves[0]), V::beside(halves[1]))
+            }
+
+            #[inline(always)]
+            fn apart(self) -> [One; $whole] {
+                let halves = [self.0.apart(), self.1.apart()];
+                let mut numbers = [halves[0][0]; $whole];
+                let mut i = 0;
+                while i < $whole {
+                    numbers[i] = halves[i / $half][i % $half];
+                    i += 1;
+                }
+                numbers
+            }
+        }
+    )*};
+}
+
+beside!(2 4, 4 8);

@@ -1,0 +1,67 @@
+//! Several numbers of one state side by side, such as the angles of equal limbs.
+//!
+//! The compiler writes a function once over [`Vectors`]; a number that has vector instructions runs it
+//! on those ([`Scalar::abreast`]), any other one computes the limbs one after the other.
+
+use super::Scalar;
+
+/// A set of vector instructions: numbers alone, and two, four and eight abreast.
+pub trait Vectors: 'static {
+    /// What they are vectors of.
+    type Number;
+    /// A number, to compute with.
+    type One: Scalar;
+    /// Two abreast.
+    type Two: Beside<Self::One, 2>;
+    /// Four abreast.
+    type Four: Beside<Self::One, 4>;
+    /// Eight abreast.
+    type Eight: Beside<Self::One, 8>;
+
+    /// A number as one.
+    fn one(number: Self::Number) -> Self::One;
+
+    /// And back.
+    fn number(one: Self::One) -> Self::Number;
+
+    /// Does part of the work in a function of its own, compiled for the same instructions: what is too
+    /// long for one takes the compiler more than linear time.
+    fn outlined<P: Part>(part: P) -> P::Output;
+}
+
+/// Numbers side by side.
+pub trait Beside<One, const LANES: usize>: Scalar {
+    /// The same number in all lanes.
+    #[must_use]
+    fn all(number: One) -> Self;
+
+    /// These.
+    #[must_use]
+    fn beside(numbers: [One; LANES]) -> Self;
+
+    /// Each of them.
+    #[must_use]
+    fn apart(self) -> [One; LANES];
+}
+
+/// What can be done with equal limbs abreast, or one after the other. `vectors` must be
+/// `#[inline(always)]`, and all that it calls.
+pub trait Abreast<F> {
+    /// What it comes to.
+    type Output;
+
+    /// Does it on vectors.
+    fn vectors<V: Vectors<Number = F>>(self) -> Self::Output;
+
+    /// Does it number by number.
+    fn scalar(self) -> Self::Output;
+}
+
+/// A part of the work on vectors. Its `run` must be `#[inline(always)]`, and all that it calls.
+pub trait Part {
+    /// What it comes to.
+    type Output;
+
+    /// Does it.
+    fn run(self) -> Self::Output;
+}
