@@ -1,55 +1,190 @@
-//! Equal limbs side by side give what they give one after the other.
+//! Equal limbs side by side give what they give one after the other, by fewer operations.
 
+use modyn_codegen::expr::{Expr, Graph};
 use modyn_codegen::passes::optimize;
-use modyn_codegen::trace::{Limbs, Tracer};
+use modyn_codegen::trace::{Limbs, Parameters, Tracer};
 use modyn_codegen::urdf::{self, Base, ReadOptions};
+use modyn_runtime::Scalar;
 use modyn_runtime::equations::Partition;
+use modyn_runtime::equations::brge::Layout;
 use modyn_runtime::equations::forward_dynamics::Elimination;
-use modyn_runtime::model::ModuleTree;
 use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::model::{Model, ModuleTree};
 
-#[test]
-fn try_out() {
-    for (name, base) in [
-        ("quadruped", Base::Fixed),
-        ("quadruped", Base::Floating),
-        ("humanoid", Base::Fixed),
-        ("humanoid", Base::Floating),
-    ] {
-        let text = std::fs::read_to_string(format!("../robots/{name}.urdf")).unwrap();
-        let options = ReadOptions { base, ..ReadOptions::default() };
-        let model = urdf::read(&text, name, &options).unwrap().model;
-        let prepared = Prepared::new(&model);
-        let limbs = Limbs::find(&prepared).expect("equal limbs");
-        let tracer = Tracer::new(&prepared);
-        for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
-            let partition = Partition::new(&prepared, &modules);
-            let alone =
-                optimize(tracer.forward_dynamics(&Elimination::Recursive(partition.clone())));
-            let abreast = optimize(
-                tracer
-                    .abreast(&limbs)
-                    .forward_dynamics(&Elimination::Recursive(limbs.partition(&partition))),
-            );
-            println!("{name} {base:?} {} -> {}", alone.count().total(), abreast.count().total());
-            let x: Vec<f64> = (0..100).map(|i| (f64::from(i) * 0.7).sin()).collect();
-            let (a, b) = (alone.evaluate(&x), abreast.evaluate(&x));
-            for (a, b) in a.iter().zip(&b) {
-                assert!((a - b).abs() < 1e-9 * a.abs().max(1.0), "{a} {b}");
-            }
-        }
-        let (alone, abreast) = (
-            optimize(tracer.inverse_dynamics()),
-            optimize(tracer.abreast(&limbs).inverse_dynamics()),
+/// Three unequal fingers on a turning palm, and two on it that are no fingers.
+const HAND: &str = r#"
+<robot name="hand">
+  <link name="world">MASS</link>
+  <joint name="wrist" type="revolute"><parent link="world"/><child link="palm"/><axis xyz="0 0.6 0.8"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+  <link name="palm">MASS</link>
+  FINGER(a, 0.1 0 0.2, 0.4 0 0, 0.02)
+  FINGER(b, 0 0.1 0.2, 0 1.5707963267948966 0, 0.03)
+  <joint name="thumb" type="prismatic"><parent link="palm"/><child link="thumb_tip"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+  <link name="thumb_tip">MASS</link>
+  FINGER(c, 0 0 0.3, 0 0 0, 0.04)
+</robot>"#;
+
+/// The hand, with its short forms written out.
+fn hand() -> String {
+    let mass = "<inertial><origin xyz=\"0.01 0.02 0.1\"/><mass value=\"0.3\"/>\
+                <inertia ixx=\"0.02\" iyy=\"0.03\" izz=\"0.02\" ixy=\"0.001\" ixz=\"0\" iyz=\"0\"/></inertial>";
+    let mut text = String::new();
+    for line in HAND.lines() {
+        let Some(list) = line.trim().strip_prefix("FINGER(").and_then(|l| l.strip_suffix(')'))
+        else {
+            text += &line.replace("MASS", mass);
+            continue;
+        };
+        let [name, xyz, rpy, armature] =
+            list.split(", ").collect::<Vec<_>>().try_into().expect("four");
+        // A rotor on some fingers' last joints only.
+        let rotor = if name == "b" {
+            String::new()
+        } else {
+            format!("<dynamics armature=\"{armature}\"/>")
+        };
+        text += &format!(
+            "<joint name=\"{name}1\" type=\"continuous\"><parent link=\"palm\"/><child link=\"{name}1\"/>\
+             <origin xyz=\"{xyz}\" rpy=\"{rpy}\"/><axis xyz=\"1 0 0\"/></joint><link name=\"{name}1\">{mass}</link>\
+             <joint name=\"{name}2\" type=\"continuous\"><parent link=\"{name}1\"/><child link=\"{name}2\"/>\
+             <origin xyz=\"0 {armature} 0.2\"/><axis xyz=\"0 1 0\"/>{rotor}</joint><link name=\"{name}2\">{mass}</link>"
         );
-        println!("{name} {base:?} ID {} -> {}", alone.count().total(), abreast.count().total());
-        let (alone, abreast) =
-            (optimize(tracer.mass_matrix()), optimize(tracer.abreast(&limbs).mass_matrix()));
-        println!("{name} {base:?} M {} -> {}", alone.count().total(), abreast.count().total());
-        let x: Vec<f64> = (0..100).map(|i| (f64::from(i) * 0.7).sin()).collect();
-        let (a, b) = (alone.evaluate(&x), abreast.evaluate(&x));
-        for (a, b) in a.iter().zip(&b) {
-            assert!((a - b).abs() < 1e-9 * a.abs().max(1.0), "{a} {b}");
+    }
+    text
+}
+
+fn read(text: &str, name: &str, base: Base) -> Model {
+    let options = ReadOptions { base, ..ReadOptions::default() };
+    urdf::read(text, name, &options).expect("a good robot").model
+}
+
+/// Robots with equal limbs, and whether their limbs are independent of each other.
+fn robots() -> Vec<(&'static str, Model, bool)> {
+    let quadruped = include_str!("../../robots/quadruped.urdf");
+    let humanoid = include_str!("../../robots/humanoid.urdf");
+    vec![
+        ("quadruped", read(quadruped, "quadruped", Base::Fixed), true),
+        ("floating quadruped", read(quadruped, "quadruped", Base::Floating), false),
+        ("humanoid", read(humanoid, "humanoid", Base::Fixed), false),
+        ("floating humanoid", read(humanoid, "humanoid", Base::Floating), false),
+        ("hand", read(&hand(), "hand", Base::Fixed), false),
+        ("floating hand", read(&hand(), "hand", Base::Floating), false),
+    ]
+}
+
+/// The same outputs; returns the operations of both.
+fn compare(name: &str, quantity: &str, alone: Graph, abreast: Graph) -> [usize; 2] {
+    let (alone, abreast) = (optimize(alone), optimize(abreast));
+    for seed in 0..3 {
+        let inputs: Vec<f64> =
+            (0..200).map(|i| libm::sin(f64::from(i) * 0.7 + f64::from(seed))).collect();
+        let (expected, found) = (alone.evaluate(&inputs), abreast.evaluate(&inputs));
+        assert_eq!(expected.len(), found.len());
+        for (expected, found) in expected.iter().zip(&found) {
+            let error = (expected - found).abs() / expected.abs().max(1.0);
+            assert!(error < 1e-9, "{quantity} of the {name}: {found} for {expected}");
         }
     }
+    [&alone, &abreast].map(|graph| graph.count().total())
+}
+
+#[test]
+fn equal_limbs_side_by_side_give_the_same() {
+    for (name, model, independent) in robots() {
+        let prepared = Prepared::new(&model);
+        let limbs = Limbs::find(&prepared).expect("equal limbs");
+        assert_eq!(limbs.independent(&prepared), independent, "{name}");
+        let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[]));
+        for alone in [Tracer::new(&prepared), gravity] {
+            let abreast = alone.abreast(&limbs);
+            for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
+                let partition = Partition::new(&prepared, &modules);
+                let merged = Elimination::Recursive(limbs.partition(&partition));
+                let [before, after] = compare(
+                    name,
+                    "forward dynamics",
+                    alone.forward_dynamics(&Elimination::Recursive(partition)),
+                    abreast.forward_dynamics(&merged),
+                );
+                assert!(after * 5 < before * 4, "{name}: {before} to {after}");
+            }
+            let pairs = [
+                ("inverse dynamics", alone.inverse_dynamics(), abreast.inverse_dynamics()),
+                ("bias forces", alone.bias_forces(), abreast.bias_forces()),
+                ("gravity torques", alone.gravity_torques(), abreast.gravity_torques()),
+                ("the mass matrix", alone.mass_matrix(), abreast.mass_matrix()),
+            ];
+            for (quantity, alone, abreast) in pairs {
+                let [before, after] = compare(name, quantity, alone, abreast);
+                assert!(after < before, "{quantity} of the {name}: {before} to {after}");
+            }
+            if independent {
+                let layout = Layout::new(&prepared, &ModuleTree::chains(&model));
+                compare(
+                    name,
+                    "derivatives",
+                    alone.forward_dynamics_derivatives(&layout),
+                    abreast.forward_dynamics_derivatives(&layout),
+                );
+                compare(
+                    name,
+                    "derivatives",
+                    alone.inverse_dynamics_derivatives(),
+                    abreast.inverse_dynamics_derivatives(),
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn four_equal_legs_take_a_quarter_of_the_operations() {
+    let model = read(include_str!("../../robots/quadruped.urdf"), "quadruped", Base::Fixed);
+    let prepared = Prepared::new(&model);
+    let limbs = Limbs::find(&prepared).expect("equal limbs");
+    let (alone, abreast) = (Tracer::new(&prepared), Tracer::new(&prepared).abreast(&limbs));
+    let partition = Partition::new(&prepared, &ModuleTree::chains(&model));
+    let merged = Elimination::Recursive(limbs.partition(&partition));
+    let [before, after] = compare(
+        "quadruped",
+        "forward dynamics",
+        alone.forward_dynamics(&Elimination::Recursive(partition)),
+        abreast.forward_dynamics(&merged),
+    );
+    assert!(after * 15 < before * 4, "{before} to {after}");
+}
+
+#[test]
+fn what_has_no_equal_limbs_stays_alone() {
+    let arm = read(include_str!("../../robots/arm7.urdf"), "arm7", Base::Fixed);
+    assert_eq!(Limbs::find(&Prepared::new(&arm)), None);
+    let mimics = read(include_str!("../../robots/mimic_gripper.urdf"), "gripper", Base::Fixed);
+    assert_eq!(Limbs::find(&Prepared::new(&mimics)), None);
+}
+
+#[test]
+fn lanes_are_put_together_and_taken_apart() {
+    let graph = Graph::trace(|| {
+        let numbers: Vec<Expr> = (0..3).map(Expr::input).collect();
+        let constants: Vec<Expr> = [1.0, 2.0, 3.0].map(Expr::from_f64).to_vec();
+        let lanes = Expr::beside(&numbers) * Expr::beside(&constants) + Expr::input(3);
+        vec![lanes.lane(0), lanes.lane(2), lanes.over_limbs(3), (-lanes).lane(1)]
+    });
+    assert_eq!(graph.evaluate(&[2.0, 3.0, 5.0, 7.0]), [9.0, 22.0, 44.0, -13.0]);
+    // A product and a sum, of four lanes each, and a sum over three.
+    assert_eq!(graph.count().total(), 4);
+}
+
+#[test]
+fn lanes_of_constants_are_folded() {
+    let graph = Graph::trace(|| {
+        let [a, b] =
+            [[1.0, 2.0], [3.0, 5.0]].map(|numbers| Expr::beside(&numbers.map(Expr::from_f64)));
+        let sum = a * b + Expr::from_f64(1.0);
+        vec![sum.lane(0), sum.lane(1), Expr::beside(&[Expr::input(0); 4]).lane(3)]
+    });
+    assert_eq!(graph.count().total(), 0);
+    assert_eq!(graph.evaluate(&[9.0]), [4.0, 11.0, 9.0]);
 }

@@ -139,6 +139,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let source = Source {
         tracer: &tracer,
         limbs: limbs.as_ref(),
+        independent: limbs.as_ref().is_some_and(|limbs| limbs.independent(&prepared)),
         elimination: &elimination,
         layout: &layout,
         for_derivatives: &Layout::new(&prepared, &partition::whole_chains(model)),

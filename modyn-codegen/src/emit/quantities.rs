@@ -49,6 +49,8 @@ pub(super) struct Source<'a> {
     pub tracer: &'a Tracer<'a>,
     /// Equal limbs, to be computed side by side.
     pub limbs: Option<&'a Limbs>,
+    /// Whether no limb moves another.
+    pub independent: bool,
     pub elimination: &'a Elimination,
     pub layout: &'a Layout,
     /// The factorization that derivatives are solved by.
@@ -344,6 +346,13 @@ fn abreast(function: Function, source: &Source<'_>, alone: &Graph) -> Option<Gra
         Function::BiasForces => tracer.bias_forces(),
         Function::GravityTorques => tracer.gravity_torques(),
         Function::MassMatrix => tracer.mass_matrix(),
+        // A limb's derivatives by another limb's coordinates have no lane.
+        Function::InverseDynamicsDerivatives if source.independent => {
+            tracer.inverse_dynamics_derivatives()
+        }
+        Function::ForwardDynamicsDerivatives if source.independent => {
+            tracer.forward_dynamics_derivatives(source.for_derivatives)
+        }
         _ => return None,
     };
     let graph = optimize(graph);

@@ -4,6 +4,7 @@ use modyn_runtime::Scalar;
 use modyn_runtime::equations::Workspace;
 use modyn_runtime::equations::brge::Layout;
 use modyn_runtime::equations::derivatives::{self, ForwardDerivatives};
+use modyn_runtime::model::prepare::Prepared;
 
 use super::Tracer;
 use crate::expr::{Expr, Graph};
@@ -12,8 +13,8 @@ impl Tracer<'_> {
     /// The derivatives of the torques from `q`, `qd`, `qdd`: by q, then by qd, column by column.
     #[must_use]
     pub fn inverse_dynamics_derivatives(&self) -> Graph {
-        self.trace(|model, [q, qd, qdd]| {
-            let (mut dq, mut dqd) = (self.square(), self.square());
+        self.trace_joints((0, 2), |model, [q, qd, qdd]| {
+            let (mut dq, mut dqd) = (square(model), square(model));
             let (motion, workspace) = ((&*q, &*qd, &*qdd), &mut Workspace::new(model));
             let derive = derivatives::inverse_dynamics_derivatives;
             derive(model, motion, workspace, &mut dq, &mut dqd);
@@ -25,9 +26,12 @@ impl Tracer<'_> {
     /// column, through the factors of the GIM in this layout.
     #[must_use]
     pub fn forward_dynamics_derivatives(&self, layout: &Layout) -> Graph {
-        self.trace(|model, [q, qd, tau]| {
-            let mut qdd = self.vector();
-            let (mut dq, mut dqd, mut dtau) = (self.square(), self.square(), self.square());
+        self.trace_joints((1, 3), |model, [q, qd, tau]| {
+            let mut qdd = vec![Expr::zero(); model.nv];
+            let (mut dq, mut dqd, mut dtau) = (square(model), square(model), square(model));
+            let merged = self.limbs.map(|limbs| limbs.partition(layout.partition()));
+            let merged = merged.map(|partition| Layout::of(model, partition));
+            let layout = merged.as_ref().unwrap_or(layout);
             let outputs = ForwardDerivatives {
                 qdd: &mut qdd,
                 dqdd_dq: &mut dq,
@@ -39,9 +43,9 @@ impl Tracer<'_> {
             [qdd, dq, dqd, dtau].concat()
         })
     }
+}
 
-    /// Room for a matrix of nv x nv numbers.
-    fn square(&self) -> Vec<Expr> {
-        vec![Expr::zero(); self.model.nv * self.model.nv]
-    }
+/// Room for a matrix of nv x nv numbers.
+fn square(model: &Prepared<Expr>) -> Vec<Expr> {
+    vec![Expr::zero(); model.nv * model.nv]
 }

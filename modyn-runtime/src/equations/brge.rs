@@ -42,13 +42,21 @@ impl Layout {
     /// The layout for a model's modules.
     #[must_use]
     pub fn new<S: Scalar>(model: &Prepared<S>, modules: &ModuleTree) -> Self {
-        let (partition, in_front) = if model.has_mimics() {
-            coupled(model, modules)
-        } else {
-            let partition = Partition::new(model, modules);
-            let in_front = ancestors(&partition, modules);
-            (partition, in_front)
-        };
+        if !model.has_mimics() {
+            return Self::of(model, Partition::new(model, modules));
+        }
+        let (partition, in_front) = coupled(model, modules);
+        Self::with(model.nv, partition, in_front)
+    }
+
+    /// The layout for modules of a model without mimics.
+    #[must_use]
+    pub fn of<S>(model: &Prepared<S>, partition: Partition) -> Self {
+        let in_front = ancestors(model, &partition);
+        Self::with(model.nv, partition, in_front)
+    }
+
+    fn with(n: usize, partition: Partition, in_front: Vec<Vec<usize>>) -> Self {
         let (mut rows, mut factors) = (Vec::new(), Vec::new());
         let (mut coupling, mut next) = (0, partition.pivots);
         for (block, in_front) in partition.blocks.iter().zip(&in_front) {
@@ -58,7 +66,13 @@ impl Layout {
             rows.push(coupling);
             coupling += in_front.len() * size;
         }
-        Self { partition, factors, in_front, rows, reciprocals: next, coupling, n: model.nv }
+        Self { partition, factors, in_front, rows, reciprocals: next, coupling, n }
+    }
+
+    /// The modules, with room for their pivots.
+    #[must_use]
+    pub fn partition(&self) -> &Partition {
+        &self.partition
     }
 
     /// The modules.
@@ -118,10 +132,13 @@ impl Layout {
 }
 
 /// For each module the degrees of freedom on the way to it from the root.
-fn ancestors(partition: &Partition, modules: &ModuleTree) -> Vec<Vec<usize>> {
+fn ancestors<S>(model: &Prepared<S>, partition: &Partition) -> Vec<Vec<usize>> {
     let mut ancestors: Vec<Vec<usize>> = Vec::new();
-    for module in modules.modules() {
-        ancestors.push(module.parent.map_or_else(Vec::new, |parent| {
+    for block in &partition.blocks {
+        let parent = model.bodies[block.bodies.start].parent.and_then(|parent| {
+            partition.blocks.iter().position(|block| block.bodies.contains(&parent))
+        });
+        ancestors.push(parent.map_or_else(Vec::new, |parent| {
             let mut in_front = ancestors[parent].clone();
             in_front.extend(partition.blocks[parent].dofs.clone());
             in_front
