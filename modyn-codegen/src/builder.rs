@@ -81,6 +81,7 @@ pub struct Builder {
     payload: Vec<String>,
     /// `None` for the default ones.
     functions: Option<Vec<Function>>,
+    share: bool,
     self_contained: bool,
     c_prefix: Option<String>,
 }
@@ -261,6 +262,15 @@ impl Builder {
         self
     }
 
+    /// Runs equal limbs (legs, arms, fingers) through one function, with a table of constants for each:
+    /// the smallest code. Without it they run side by side where there are vectors, else one after the
+    /// other.
+    #[must_use]
+    pub fn share(mut self) -> Self {
+        self.share = true;
+        self
+    }
+
     /// Makes text that depends on `core` alone: it carries the part of the runtime that it needs, as a
     /// module `runtime`. Include it as a module of its own (`mod arm;` beside `arm.rs`). The type
     /// has its functions, but not the trait `Robot` nor batches.
@@ -312,6 +322,7 @@ impl Builder {
             visibility: self.visibility.clone().unwrap_or(defaults.visibility),
             krate: self.krate.clone().unwrap_or(defaults.krate),
             float: self.float,
+            share: self.share,
             self_contained: self.self_contained,
             c_prefix: self.c_prefix.clone(),
             functions: self.functions.clone().unwrap_or(defaults.functions),

@@ -8,7 +8,7 @@ use quote::ToTokens as _;
 use syn::ext::IdentExt as _;
 use syn::parse::{Parse, ParseStream};
 use syn::punctuated::Punctuated;
-use syn::{Error, Ident, Lit, LitStr, Path, Result, Token, Visibility};
+use syn::{Error, Ident, Lit, LitBool, LitStr, Path, Result, Token, Visibility};
 
 /// The macro's input.
 pub(crate) struct Input {
@@ -79,6 +79,10 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
             choice(input, &[("runtime", ())]).map(|()| builder.runtime_gravity())
         }
         "gravity" => vector(input).map(|gravity| builder.gravity(gravity)),
+        "share" => input
+            .parse::<LitBool>()
+            .map_err(|error| Error::new(error.span(), "expected `true` or `false`"))
+            .map(|share| if share.value { builder.share() } else { builder }),
         "payload" => strings(input).map(|links| builder.payload(links)),
         "functions" => functions(input).map(|functions| builder.functions(functions)),
         "modules" => modules(input).map(|modules| builder.modules(modules)),
@@ -106,7 +110,7 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
         },
         other => {
             let options = "gravity, payload, functions, modules, scalar, base, mimic, rotors, \
-                           friction, unphysical_inertia, crate";
+                           friction, share, unphysical_inertia, crate";
             let message = format!("there is no option `{other}`; options are {options}");
             Err(Error::new(name.span(), message))
         }

@@ -121,6 +121,9 @@ impl Builder {
             let names: Vec<String> = functions.iter().map(|f| format!("Function::{f:?}")).collect();
             call(format!("functions([{}])", names.join(", ")));
         }
+        if self.share {
+            call("share()".into());
+        }
         if self.self_contained {
             call("self_contained()".into());
         }

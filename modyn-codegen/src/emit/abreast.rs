@@ -50,7 +50,7 @@ impl Robot<'_> {
 }
 
 /// A parameter as numbers to compute with.
-fn ones(Parameter { name, shape }: &Parameter) -> String {
+fn ones(Parameter { name, shape, .. }: &Parameter) -> String {
     let numbers: Vec<String> =
         (0..shape.len()).map(|i| format!("V::one(self.{name}[{i}])")).collect();
     format!("&{}", Shape::vector(shape.len()).value(&numbers))

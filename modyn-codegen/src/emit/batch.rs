@@ -30,7 +30,7 @@ impl Robot<'_> {
         let (inputs, outputs) = (count(&quantity.parameters), quantity.shape.len());
         let mut body = String::new();
         let mut first = 0;
-        for Parameter { name, shape } in &quantity.parameters {
+        for Parameter { name, shape, .. } in &quantity.parameters {
             let loads = (first..first + shape.len()).map(|i| format!("inputs.get::<{i}>()"));
             let loads: Vec<String> = loads.collect();
             let _ = writeln!(body, "    let {name} = {};", shape.value(&loads));
@@ -157,7 +157,7 @@ impl Robot<'_> {
     }
 
     /// A row of the table by which errors name arguments.
-    fn argument(&self, Parameter { name, shape }: &Parameter) -> String {
+    fn argument(&self, Parameter { name, shape, .. }: &Parameter) -> String {
         let coordinates = match shape {
             Shape::Array(..) if *name == "q" => "&Self::COORDINATE_NAMES",
             Shape::Array(..) => "&Self::VELOCITY_NAMES",

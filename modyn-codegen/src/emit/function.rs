@@ -26,16 +26,23 @@ const LANES_PART: usize = 500;
 pub(super) struct Parameter {
     pub name: &'static str,
     pub shape: Shape,
+    /// The type of its numbers, if they are constants.
+    constants: Option<&'static str>,
 }
 
 impl Parameter {
     pub(super) fn new(name: &'static str, shape: Shape) -> Self {
-        Self { name, shape }
+        Self { name, shape, constants: None }
+    }
+
+    /// One of constants, in the type's own scalar.
+    pub(super) fn constants(name: &'static str, shape: Shape, float: &'static str) -> Self {
+        Self { name, shape, constants: Some(float) }
     }
 
     /// With its type over scalar `t`.
     pub(super) fn typed(&self, t: &str) -> String {
-        format!("{}: &{}", self.name, self.shape.type_of(t))
+        format!("{}: &{}", self.name, self.shape.type_of(self.constants.unwrap_or(t)))
     }
 }
 
@@ -319,7 +326,10 @@ impl<'a> Writer<'a> {
         let mut rest = number;
         for parameter in self.parameters {
             if rest < parameter.shape.len() {
-                return format!("{}{rest}", parameter.name);
+                let name = format!("{}{rest}", parameter.name);
+                return parameter
+                    .constants
+                    .map_or(name.clone(), |_| format!("k(f64::from({name}))"));
             }
             rest -= parameter.shape.len();
         }
@@ -647,7 +657,7 @@ fn constant(value: f64, width: u8) -> String {
 }
 
 /// Names for a parameter's entries.
-fn unpacked(Parameter { name, shape }: &Parameter) -> String {
+fn unpacked(Parameter { name, shape, .. }: &Parameter) -> String {
     let names: Vec<String> = (0..shape.len()).map(|i| format!("{name}{i}")).collect();
     format!("let {} = *{name};", shape.value(&names))
 }

@@ -17,6 +17,7 @@ mod layout;
 mod parameters;
 mod quantities;
 mod shape;
+mod shared;
 mod types;
 
 use std::fmt::Write as _;
@@ -76,6 +77,8 @@ pub struct EmitOptions {
     pub functions: Vec<Function>,
     /// Whether gravity is an argument.
     pub runtime_gravity: bool,
+    /// Whether equal limbs run through one function.
+    pub share: bool,
     /// The links, as indices into the model's frames, whose own inertia is an argument.
     pub payload: Vec<usize>,
     /// What was found odd in the description, for the documentation.
@@ -93,6 +96,7 @@ impl Default for EmitOptions {
             c_prefix: None,
             functions: Function::DEFAULT.to_vec(),
             runtime_gravity: false,
+            share: false,
             payload: Vec::new(),
             warnings: Vec::new(),
         }
@@ -131,11 +135,8 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
         Robot { model, modules, options, layout: &layout, tracer: &tracer, name: &type_name };
     let elimination = Elimination::new(&prepared, &eliminated);
     // A file of its own has no vectors, and a link that is given at run time has no equal.
-    let limbs = if options.self_contained || !options.payload.is_empty() {
-        None
-    } else {
-        Limbs::find(&prepared)
-    };
+    let pays = (options.share || !options.self_contained) && options.payload.is_empty();
+    let limbs = pays.then(|| Limbs::find(&prepared)).flatten();
     let source = Source {
         tracer: &tracer,
         limbs: limbs.as_ref(),
@@ -230,6 +231,9 @@ impl Robot<'_> {
         let name = quantity.function.name();
         match &quantity.graphs {
             Graphs::One(graph) => match &quantity.abreast {
+                Some(vectors) if self.options.share => {
+                    self.shared(text, quantity, &parameters, vectors);
+                }
                 Some(vectors) => Self::abreast(text, quantity, &parameters, (graph, vectors)),
                 None => *text += &function(name, &parameters, &quantity.shape, graph),
             },

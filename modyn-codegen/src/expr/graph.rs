@@ -234,7 +234,8 @@ impl Graph {
     }
 
     /// Whether it is a constant, or lanes of constants.
-    fn is_constant(&self, id: Id) -> bool {
+    #[must_use]
+    pub fn is_constant(&self, id: Id) -> bool {
         match self.node(id) {
             Node::Constant(_) => true,
             Node::Beside(a, b, _) => self.is_constant(a) && self.is_constant(b),

@@ -1,0 +1,257 @@
+//! Functions in which equal limbs run through one function, with a table of constants for each limb.
+//!
+//! The graph in which limbs stand side by side falls into pieces: numbers, then limbs that need them,
+//! then numbers that need those, and so on. Each piece becomes a graph of its own over what it is given,
+//! a limb's with one lane in place of all; a limb's function is called once for each lane.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+
+use super::Robot;
+use super::function::{Parameter, function};
+use super::quantities::Quantity;
+use super::shape::Shape;
+use crate::expr::{Graph, Id, Node};
+
+/// What a piece is given from outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Given {
+    /// Constants, one a lane.
+    Table(Id),
+    /// A number of each lane.
+    Own(Id),
+    /// A number that is the same for all lanes.
+    Common(Id),
+}
+
+/// Nodes that are computed by one function.
+struct Piece {
+    /// How many lanes they have; 1 for numbers.
+    width: u8,
+    /// How often it is called: the lanes that are used.
+    calls: u8,
+    given: Vec<Given>,
+    /// The nodes that others need.
+    outputs: Vec<Id>,
+    graph: Graph,
+}
+
+impl Robot<'_> {
+    /// A private function by pieces of `graph`, in which equal limbs stand side by side.
+    pub(super) fn shared(
+        &self,
+        text: &mut String,
+        quantity: &Quantity,
+        parameters: &[Parameter],
+        graph: &Graph,
+    ) {
+        let (name, float) = (quantity.function.name(), self.options.float.name());
+        let pieces = pieces(graph);
+        let mut body = String::new();
+        for (p, piece) in pieces.iter().enumerate() {
+            let [table, own, common] =
+                [Given::Table, Given::Own, Given::Common].map(|kind| piece.given(kind));
+            let (piece_name, constants) =
+                (format!("{name}_piece{p}"), format!("{}_TABLE_{p}", name.to_uppercase()));
+            let mut takes = Vec::new();
+            if !table.is_empty() {
+                let rows = (0..piece.calls).map(|lane| {
+                    let row = table.iter().map(|&id| format!("{:?}", constant(graph, id, lane)));
+                    format!("    [{}],\n", row.collect::<Vec<_>>().join(", "))
+                });
+                let _ = writeln!(
+                    text,
+                    "static {constants}: [[{float}; {}]; {}] = [\n{}];\n",
+                    table.len(),
+                    piece.calls,
+                    rows.collect::<String>()
+                );
+                takes.push(Parameter::constants("table", Shape::vector(table.len()), float));
+            }
+            for (name, given) in [("own", &own), ("common", &common)] {
+                if !given.is_empty() {
+                    takes.push(Parameter::new(name, Shape::vector(given.len())));
+                }
+            }
+            if piece.calls > 1 {
+                *text += "#[inline(never)]\n";
+            }
+            let shape = Shape::vector(piece.outputs.len());
+            *text += &function(&piece_name, &takes, &shape, &piece.graph);
+            let list = |given: &[Id], lane: u8| {
+                let values = given.iter().map(|&id| value(graph, &pieces, parameters, id, lane));
+                format!("&[{}]", values.collect::<Vec<_>>().join(", "))
+            };
+            if !common.is_empty() {
+                let _ = writeln!(body, "    let common = {};", list(&common, 0));
+            }
+            for lane in 0..piece.calls {
+                let table = (!table.is_empty()).then(|| format!("&{constants}[{lane}]"));
+                let own = (!own.is_empty()).then(|| list(&own, lane));
+                let common = (!common.is_empty()).then(|| "common".into());
+                let arguments: Vec<String> = [table, own, common].into_iter().flatten().collect();
+                let arguments = arguments.join(", ");
+                let _ = writeln!(body, "    let p{p}_{lane} = {piece_name}({arguments});");
+            }
+        }
+        let shape = &quantity.shape;
+        let outputs = graph.outputs.iter().map(|&id| value(graph, &pieces, parameters, id, 0));
+        let typed: Vec<String> = parameters.iter().map(|p| p.typed("T")).collect();
+        let _ = writeln!(
+            text,
+            "fn {name}<T: __modyn::Scalar>({}) -> {} {{\n    let k = T::from_f64;\n{body}    {}\n}}\n",
+            typed.join(", "),
+            shape.type_of("T"),
+            shape.value(&outputs.collect::<Vec<_>>())
+        );
+    }
+}
+
+/// The text of one lane of what a piece computed, or of what is known from the beginning.
+fn value(graph: &Graph, pieces: &[Piece], parameters: &[Parameter], id: Id, lane: u8) -> String {
+    match graph.node(id) {
+        Node::Constant(bits) => format!("k({:?})", f64::from_bits(bits)),
+        Node::Input(number) => {
+            let mut rest = number as usize;
+            for parameter in parameters {
+                if rest < parameter.shape.len() {
+                    return format!("{}[{rest}]", parameter.name);
+                }
+                rest -= parameter.shape.len();
+            }
+            unreachable!("the graph's inputs are the function's parameters")
+        }
+        Node::Lane(lanes, lane) => value(graph, pieces, parameters, lanes, lane),
+        Node::Beside(a, b, width) => {
+            let half = width / 2;
+            let (of, lane) = if lane < half { (a, lane) } else { (b, lane - half) };
+            value(graph, pieces, parameters, of, lane)
+        }
+        _ => {
+            let found = pieces.iter().enumerate().find_map(|(p, piece)| {
+                let place = piece.outputs.iter().position(|&output| output == id)?;
+                Some((p, place, if piece.width == 1 { 0 } else { lane }))
+            });
+            let (p, place, lane) = found.expect("what others need is an output of a piece");
+            format!("p{p}_{lane}[{place}]")
+        }
+    }
+}
+
+/// The number in a lane of constants.
+fn constant(graph: &Graph, id: Id, lane: u8) -> f64 {
+    match graph.node(id) {
+        Node::Beside(a, b, width) => {
+            let half = width / 2;
+            let (of, lane) = if lane < half { (a, lane) } else { (b, lane - half) };
+            constant(graph, of, lane)
+        }
+        _ => graph.value(id).unwrap_or(f64::NAN),
+    }
+}
+
+/// Whether a node is taken from where it stands: inputs, constants, and numbers put side by side or
+/// taken from there.
+fn is_known(node: Node) -> bool {
+    matches!(node, Node::Constant(_) | Node::Input(_) | Node::Beside(..) | Node::Lane(..))
+}
+
+/// The pieces of a graph, in an order in which each needs earlier ones only.
+fn pieces(graph: &Graph) -> Vec<Piece> {
+    let (nodes, live) = (graph.nodes(), graph.live());
+    let mut members: BTreeMap<(usize, u8), Vec<Id>> = BTreeMap::new();
+    let mut class = vec![None; nodes.len()];
+    for (i, level) in levels(graph).into_iter().enumerate() {
+        if live[i] && !is_known(nodes[i]) {
+            let id = Id::try_from(i).expect("an index of a node");
+            class[i] = Some((level, graph.width(id)));
+            members.entry((level, graph.width(id))).or_default().push(id);
+        }
+    }
+    // What is needed outside of its piece.
+    let mut needed = vec![false; nodes.len()];
+    for (i, node) in nodes.iter().enumerate().filter(|(i, _)| live[*i]) {
+        for operand in node.operands().map(|id| id as usize) {
+            needed[operand] |= class[operand].is_some() && class[operand] != class[i];
+        }
+    }
+    graph.outputs.iter().for_each(|&id| needed[id as usize] = true);
+    let lanes = |width: u8| {
+        let lanes = nodes.iter().zip(&live).filter_map(|(node, live)| match *node {
+            Node::Lane(of, lane) if *live && graph.width(of) == width => Some(lane + 1),
+            _ => None,
+        });
+        lanes.max().unwrap_or(1)
+    };
+    let piece = |((_, width), ids): (&(usize, u8), &Vec<Id>)| {
+        let outputs = ids.iter().copied().filter(|&id| needed[id as usize]).collect();
+        Piece::new(graph, (*width, lanes(*width)), ids, outputs)
+    };
+    members.iter().map(piece).collect()
+}
+
+/// By node: how often it changes from numbers to lanes and back on the way there. Even for numbers, odd
+/// for lanes.
+fn levels(graph: &Graph) -> Vec<usize> {
+    let mut levels: Vec<usize> = Vec::with_capacity(graph.nodes().len());
+    for (i, node) in graph.nodes().iter().enumerate() {
+        let wide = graph.width(i as Id) > 1;
+        let below = node.operands().map(|operand| {
+            let change = (graph.width(operand) > 1) != wide;
+            levels[operand as usize] + usize::from(change)
+        });
+        levels.push(below.max().unwrap_or(0));
+    }
+    levels
+}
+
+impl Piece {
+    fn new(graph: &Graph, (width, calls): (u8, u8), ids: &[Id], outputs: Vec<Id>) -> Self {
+        let own: BTreeSet<Id> = ids.iter().copied().collect();
+        let given = |id: Id| match graph.node(id) {
+            _ if own.contains(&id) => None,
+            Node::Constant(_) => None,
+            _ if graph.width(id) == 1 => Some(Given::Common(id)),
+            _ if graph.is_constant(id) => Some(Given::Table(id)),
+            _ => Some(Given::Own(id)),
+        };
+        let operands = ids.iter().flat_map(|&id| graph.node(id).operands());
+        let all: BTreeSet<Given> = operands.filter_map(given).collect();
+        let all: Vec<Given> = all.into_iter().collect();
+        let mut made = Graph::default();
+        let mut ids_made: BTreeMap<Id, Id> = BTreeMap::new();
+        for (place, given) in all.iter().enumerate() {
+            let input = Node::Input(u32::try_from(place).expect("fewer than 2^32"));
+            ids_made.insert(given.id(), made.make(input));
+        }
+        for &id in ids {
+            for operand in graph.node(id).operands() {
+                if let Node::Constant(_) = graph.node(operand) {
+                    let constant = made.make(graph.node(operand));
+                    ids_made.insert(operand, constant);
+                }
+            }
+            let node = graph.node(id).map(|operand| ids_made[&operand]);
+            let same = made.make(node);
+            ids_made.insert(id, same);
+        }
+        made.outputs = outputs.iter().map(|id| ids_made[id]).collect();
+        Self { width, calls, given: all, outputs, graph: made }
+    }
+
+    /// What it is given of one kind.
+    fn given(&self, kind: fn(Id) -> Given) -> Vec<Id> {
+        self.given
+            .iter()
+            .map(|given| given.id())
+            .filter(|&id| self.given.contains(&kind(id)))
+            .collect()
+    }
+}
+
+impl Given {
+    fn id(self) -> Id {
+        let (Self::Table(id) | Self::Own(id) | Self::Common(id)) = self;
+        id
+    }
+}
