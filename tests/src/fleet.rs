@@ -46,6 +46,8 @@ pub struct Spec {
     pub all: bool,
     /// Whether its base floats.
     pub floating: bool,
+    /// Whether equal limbs run through one function.
+    pub share: bool,
     /// What resists its joints.
     pub friction: Friction,
     /// Rotors: joint, inertia and gear ratio.
@@ -59,7 +61,7 @@ use FloatType::{F32, F64};
 use Source::{Described, Golden, Random, Zoo};
 
 /// All of them.
-pub const FLEET: [Spec; 38] = [
+pub const FLEET: [Spec; 42] = [
     spec(Golden("double_pendulum"), Chains, F64).all(),
     spec(Golden("double_pendulum_continuous"), Links, F64),
     spec(Golden("ur5"), Chains, F64).all(),
@@ -76,6 +78,10 @@ pub const FLEET: [Spec; 38] = [
     spec(Described("arm7"), List(1), F32),
     spec(Described("quadruped"), List(2), F64),
     spec(Described("humanoid"), Links, F64),
+    spec(Golden("solo12"), Chains, F64).shared(),
+    spec(Golden("solo12"), Chains, F64).floating().shared(),
+    spec(Golden("g1"), Chains, F64).floating().shared(),
+    spec(Described("quadruped"), Chains, F32).floating().shared(),
     spec(Described("mimic_gripper"), Chains, F64).resisted(Friction::Coulomb).all(),
     spec(Described("joint_zoo"), Chains, F64)
         .resisted(Friction::Smooth(0.02))
@@ -104,9 +110,9 @@ pub const FLEET: [Spec; 38] = [
 ];
 
 const fn spec(source: Source, division: Division, float: FloatType) -> Spec {
-    let (all, floating, friction, rotors, payload): (_, _, _, &[_], &[_]) =
-        (false, false, Friction::None, &[], &[]);
-    Spec { source, division, float, all, floating, friction, rotors, payload }
+    let (friction, rotors, payload): (_, &[_], &[_]) = (Friction::None, &[], &[]);
+    let (all, floating, share) = (false, false, false);
+    Spec { source, division, float, all, floating, share, friction, rotors, payload }
 }
 
 impl Spec {
@@ -117,6 +123,11 @@ impl Spec {
 
     const fn floating(mut self) -> Self {
         self.floating = true;
+        self
+    }
+
+    const fn shared(mut self) -> Self {
+        self.share = true;
         self
     }
 
@@ -160,7 +171,8 @@ impl Spec {
         };
         let floating = if self.floating { "_floating" } else { "" };
         let loaded = if self.payload.is_empty() { "" } else { "_loaded" };
-        format!("{name}{floating}{loaded}")
+        let shared = if self.share { "_shared" } else { "" };
+        format!("{name}{floating}{loaded}{shared}")
     }
 
     /// As the reference data has it, or as a description is taken by default.
@@ -235,6 +247,9 @@ impl Spec {
             }
             None => builder.model(model),
         };
+        if self.share {
+            builder = builder.share();
+        }
         if self.all {
             builder = builder.functions(Self::all_functions());
         }

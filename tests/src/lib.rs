@@ -15,6 +15,7 @@ pub mod fleet;
 pub mod floating;
 pub mod golden;
 pub mod naive;
+pub mod plain;
 pub mod quantities;
 pub mod random;
 pub mod tangent;

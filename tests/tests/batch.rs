@@ -1,10 +1,11 @@
-//! Many states at a time are each what the function for one state gives: on every level of vector
+//! Many states at a time are each what the function gives for one state without vectors: on every level of vector
 //! instructions that this machine has, for every remainder, bit for bit where products are not fused.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use modyn::Scalar;
 use modyn::batch::{Level, force_level};
+use modyn::{Robot, Scalar};
+use modyn_tests::plain::{Plain, number, plain};
 
 macro_rules! robots {
     ($($Robot:ident = $file:literal $(, $key:ident = $choice:tt)*;)*) => {$(
@@ -114,6 +115,13 @@ fn same<T: Number, const N: usize>(found: &[[T; N]], expected: &[[T; N]], fused:
     }
 }
 
+/// What a function gives for one state without vectors.
+macro_rules! alone {
+    ($Robot:ident, $T:ty, $function:ident $(, $argument:expr)+) => {
+        number(<$Robot as Robot>::$function::<Plain<$T>>($(&plain(&$argument)),+))
+    };
+}
+
 /// Compares all functions, over slices of both kinds, with what they give for each state.
 macro_rules! robot {
     ($Robot:ident, $T:ty) => {{
@@ -137,37 +145,43 @@ macro_rules! robot {
             on_every_level(|fused| {
                 let mut each = vec![[0.0; NV]; states];
 
-                let expected: Vec<_> =
-                    all().map(|i| Name::forward_dynamics(&q[i], &qd[i], &tau[i])).collect();
+                let expected: Vec<_> = all()
+                    .map(|i| alone!(Name, $T, forward_dynamics, q[i], qd[i], tau[i]))
+                    .collect();
                 let mut found = vector();
                 Name::forward_dynamics_batch(qs, qds, taus, slices_mut(&mut found)).expect("sizes");
                 same(&back(found), &expected, fused, "forward dynamics");
                 Name::forward_dynamics_each(&q, &qd, &tau, &mut each).expect("sizes");
                 same(&each, &expected, fused, "forward dynamics");
 
-                let expected: Vec<_> =
-                    all().map(|i| Name::inverse_dynamics(&q[i], &qd[i], &tau[i])).collect();
+                let expected: Vec<_> = all()
+                    .map(|i| alone!(Name, $T, inverse_dynamics, q[i], qd[i], tau[i]))
+                    .collect();
                 let mut found = vector();
                 Name::inverse_dynamics_batch(qs, qds, taus, slices_mut(&mut found)).expect("sizes");
                 same(&back(found), &expected, fused, "inverse dynamics");
                 Name::inverse_dynamics_each(&q, &qd, &tau, &mut each).expect("sizes");
                 same(&each, &expected, fused, "inverse dynamics");
 
-                let expected: Vec<_> = all().map(|i| Name::bias_forces(&q[i], &qd[i])).collect();
+                let expected: Vec<_> =
+                    all().map(|i| alone!(Name, $T, bias_forces, q[i], qd[i])).collect();
                 let mut found = vector();
                 Name::bias_forces_batch(qs, qds, slices_mut(&mut found)).expect("sizes");
                 same(&back(found), &expected, fused, "bias forces");
                 Name::bias_forces_each(&q, &qd, &mut each).expect("sizes");
                 same(&each, &expected, fused, "bias forces");
 
-                let expected: Vec<_> = all().map(|i| Name::gravity_torques(&q[i])).collect();
+                let expected: Vec<_> =
+                    all().map(|i| alone!(Name, $T, gravity_torques, q[i])).collect();
                 let mut found = vector();
                 Name::gravity_torques_batch(qs, slices_mut(&mut found)).expect("sizes");
                 same(&back(found), &expected, fused, "gravity torques");
                 Name::gravity_torques_each(&q, &mut each).expect("sizes");
                 same(&each, &expected, fused, "gravity torques");
 
-                let expected: Vec<_> = all().map(|i| Name::mass_matrix(&q[i])).collect();
+                let expected: Vec<_> = all()
+                    .map(|i| <Name as Robot>::mass_matrix::<Plain<$T>>(&plain(&q[i])).map(number))
+                    .collect();
                 let mut found: [[Vec<$T>; NV]; NV] = std::array::from_fn(|_| vector());
                 Name::mass_matrix_batch(qs, found.each_mut().map(slices_mut)).expect("sizes");
                 let mut matrices = vec![[[0.0; NV]; NV]; states];
@@ -226,7 +240,7 @@ fn long_texts() {
     const N: usize = Humanoid::NV;
     let [q, qd, tau]: [Vec<[f64; N]>; 3] = [3.0, 2.0, 5.0].map(|size| vectors(37, size));
     let expected: Vec<_> =
-        (0..37).map(|i| Humanoid::forward_dynamics(&q[i], &qd[i], &tau[i])).collect();
+        (0..37).map(|i| alone!(Humanoid, f64, forward_dynamics, q[i], qd[i], tau[i])).collect();
     on_every_level(|fused| {
         let mut found = vec![[0.0; N]; 37];
         Humanoid::forward_dynamics_each(&q, &qd, &tau, &mut found).expect("sizes");
@@ -239,8 +253,11 @@ fn parameters() {
     const STATES: usize = 19;
     let [q, qd, tau]: [Vec<[f64; 7]>; 3] = [3.0, 2.0, 5.0].map(|size| vectors(STATES, size));
     let params = ArmParams { gravity: [1.0, -2.0, 3.0], ..ArmParams::DEFAULT };
-    let expected: Vec<_> =
-        (0..STATES).map(|i| Arm::forward_dynamics_with(&params, &q[i], &qd[i], &tau[i])).collect();
+    let expected = |i: usize| {
+        let [q, qd, tau] = [q[i], qd[i], tau[i]].map(|x| plain(&x));
+        number(<Arm as Robot>::forward_dynamics_with(&params, &q, &qd, &tau))
+    };
+    let expected: Vec<_> = (0..STATES).map(expected).collect();
     on_every_level(|fused| {
         let mut each = vec![[0.0; 7]; STATES];
         Arm::forward_dynamics_each_with(&params, &q, &qd, &tau, &mut each).expect("sizes");
@@ -272,7 +289,7 @@ fn states_do_not_disturb_each_other() {
                 let mut q = q.clone();
                 q[state][2] = odd;
                 let found = forward(&q);
-                let expected = Arm::forward_dynamics(&q[state], &qd[state], &tau[state]);
+                let expected = alone!(Arm, f64, forward_dynamics, q[state], qd[state], tau[state]);
                 for i in 0..STATES {
                     if i != state {
                         assert_eq!(found[i], good[i], "beside {odd}");

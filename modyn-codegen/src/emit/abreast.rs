@@ -21,7 +21,8 @@ impl Robot<'_> {
         let (name, shape) = (quantity.function.name(), &quantity.shape);
         let (alone, abreast) = (format!("{name}_alone"), format!("{name}_abreast"));
         *text += &function(&alone, parameters, shape, scalars);
-        *text += &abreast_function(&abreast, parameters, shape, vectors);
+        let (on_vectors, types) = abreast_function(&abreast, parameters, shape, vectors);
+        *text += &on_vectors;
         let kind = format!("{}Abreast", type_name(name));
         let fields: Vec<String> =
             parameters.iter().map(|p| p.typed("T").replace('&', "&'a ")).collect();
@@ -37,11 +38,12 @@ impl Robot<'_> {
              type Output = {returned};\n\
              #[inline(always)]\n\
              fn vectors<V: __modyn::batch::Vectors<Number = T>>(self) -> {returned} {{\n    \
-             {abreast}::<V>({})\n}}\n\
+             {abreast}::<{}V>({})\n}}\n\
              #[inline]\nfn scalar(self) -> {returned} {{\n    {alone}({})\n}}\n}}\n\
              fn {name}<T: __modyn::Scalar>({}) -> {returned} {{\n    \
              T::abreast({kind} {{ {names} }})\n}}\n",
             fields.join(", "),
+            "_, ".repeat(types),
             ones.join(", "),
             own.join(", "),
             typed.join(", "),

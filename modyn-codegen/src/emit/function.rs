@@ -21,6 +21,9 @@ const PART: usize = 1500;
 /// The same on lanes, which the compiler works on in memory at first, in more than linear time.
 const LANES_PART: usize = 500;
 
+/// The same on vectors for one state, where what a part hands on is not spread over many states.
+const VECTORS_PART: usize = 1000;
+
 /// A parameter, given by reference.
 #[derive(Clone, Debug)]
 pub(super) struct Parameter {
@@ -67,14 +70,16 @@ pub(super) fn lanes_function(
     Writer::new(name, parameters, graph, On::States).write(shape)
 }
 
-/// The same for one state with some numbers side by side: over vectors `V`, inlined likewise.
+/// The same for one state with some numbers side by side: over vectors `V`, inlined likewise. Returns how
+/// many types of `V` stand before it among the parameters, too.
 pub(super) fn abreast_function(
     name: &str,
     parameters: &[Parameter],
     shape: &Shape,
     graph: &Graph,
-) -> String {
-    Writer::new(name, parameters, graph, On::Vectors).write(shape)
+) -> (String, usize) {
+    let writer = Writer::new(name, parameters, graph, On::Vectors);
+    (writer.write(shape), writer.vectors().count())
 }
 
 /// What a function is written on.
@@ -88,8 +93,24 @@ enum On {
     Vectors,
 }
 
-/// The associated types of `V` by their lanes.
-const VECTORS: [(u8, &str); 4] = [(1, "V::One"), (2, "V::Two"), (4, "V::Four"), (8, "V::Eight")];
+/// A type of `V` for so many lanes.
+struct VectorType {
+    lanes: u8,
+    /// As a parameter of functions: those are faster to compile with than projections.
+    name: &'static str,
+    /// What that is of `V`.
+    of: &'static str,
+    /// What it can do.
+    bound: &'static str,
+}
+
+/// The types of `V`.
+const VECTORS: [VectorType; 4] = [
+    VectorType { lanes: 1, name: "A", of: "One", bound: "Scalar" },
+    VectorType { lanes: 2, name: "B", of: "Two", bound: "batch::Beside<A, 2>" },
+    VectorType { lanes: 4, name: "C", of: "Four", bound: "batch::Beside<A, 4>" },
+    VectorType { lanes: 8, name: "D", of: "Eight", bound: "batch::Beside<A, 8>" },
+];
 
 /// What one `let` computes.
 #[derive(Clone, Debug)]
@@ -242,20 +263,19 @@ impl<'a> Writer<'a> {
         match (self.graph.width(id), self.graph.node(id)) {
             (own, _) if own == width => self.text(id),
             (_, Node::Constant(bits)) => constant(f64::from_bits(bits), width),
-            _ => format!("all{width}({})", self.text(id)),
+            _ => format!("{}::all({})", self.kind(width), self.text(id)),
         }
     }
 
     /// The text of node `id`'s operation.
     fn operation(&self, id: Id) -> String {
         let width = self.graph.width(id);
-        let t = |id| self.wide(id, width);
+        let (t, kind) = (|id| self.wide(id, width), self.kind(width));
         let f = |function: &str, of: Id, rest: &[String]| {
-            // Methods need no type: what is written in front of one is an operand.
-            let of = operand(t(of));
-            format!("{of}.{function}({})", rest.join(", "))
+            let all = [&[t(of)], rest].concat();
+            format!("{kind}::{function}({})", all.join(", "))
         };
-        let mul_add = |x: String, y: String, z: String| format!("{}.mul_add({y}, {z})", operand(x));
+        let mul_add = |x: String, y: String, z: String| format!("{kind}::mul_add({x}, {y}, {z})");
         match self.graph.node(id) {
             Node::Constant(bits) => constant(f64::from_bits(bits), 1),
             Node::Input(number) => self.input(number as usize),
@@ -283,9 +303,11 @@ impl<'a> Writer<'a> {
             Node::Beside(..) => {
                 let mut lanes = Vec::new();
                 self.lanes(id, usize::from(width), &mut lanes);
-                format!("beside{width}([{}])", lanes.join(", "))
+                format!("{kind}::beside([{}])", lanes.join(", "))
             }
-            Node::Lane(a, _) => format!("{}.apart()", operand(self.text(a))),
+            Node::Lane(a, _) => {
+                format!("{}::apart({})", self.kind(self.graph.width(a)), self.text(a))
+            }
         }
     }
 
@@ -398,18 +420,33 @@ impl<'a> Writer<'a> {
                 let patterns: Vec<String> = angles.iter().map(|&angle| pattern(angle)).collect();
                 let values: Vec<String> = angles.iter().map(|&angle| self.text(angle)).collect();
                 let (patterns, values) = (patterns.join(", "), values.join(", "));
-                let all = match self.on {
-                    On::Vectors => self.vector_type(self.width(s)),
-                    On::Numbers | On::States => "T",
-                };
-                format!("let [{patterns}] = <{all}>::sin_cos_all([{values}]);")
+                let kind = self.kind(self.width(s));
+                format!("let [{patterns}] = {kind}::sin_cos_all([{values}]);")
             }
         }
     }
 
     /// The type of so many numbers side by side.
-    fn vector_type(&self, width: u8) -> &'static str {
-        VECTORS.iter().find(|(lanes, _)| *lanes == width).map_or("T", |(_, name)| name)
+    fn kind(&self, width: u8) -> &'static str {
+        let vector = VECTORS.iter().find(|kind| self.on == On::Vectors && kind.lanes == width);
+        vector.map_or("T", |kind| kind.name)
+    }
+
+    /// The types of `V` that are mentioned: numbers, and those side by side.
+    fn vectors(&self) -> impl Iterator<Item = &'static VectorType> {
+        let widths: BTreeSet<u8> = (0..self.statements.len()).map(|s| self.width(s)).collect();
+        VECTORS.iter().filter(move |kind| kind.lanes == 1 || widths.contains(&kind.lanes))
+    }
+
+    /// Their parameters, with bounds.
+    fn vector_parameters(&self) -> String {
+        let bounded = self.vectors().map(|kind| format!("{}: __modyn::{}", kind.name, kind.bound));
+        bounded.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Their names.
+    fn vector_names(&self) -> String {
+        self.vectors().map(|kind| kind.name).collect::<Vec<_>>().join(", ")
     }
 
     /// What is defined before `end` (and not before `start`) and used from `end` on.
@@ -427,7 +464,7 @@ impl<'a> Writer<'a> {
     fn values(&self, statements: impl Iterator<Item = usize>) -> Values {
         let mut values = Values { on: self.on, names: Default::default() };
         for s in statements {
-            let place = VECTORS.iter().position(|(lanes, _)| *lanes == self.width(s));
+            let place = VECTORS.iter().position(|kind| kind.lanes == self.width(s));
             values.names[place.unwrap_or_default()].extend(self.names(s));
         }
         values
@@ -436,11 +473,16 @@ impl<'a> Writer<'a> {
     fn write(&self, shape: &Shape) -> String {
         let count = self.statements.len();
         let inlined = self.on != On::Numbers;
-        let parts = count.div_ceil(if inlined { LANES_PART } else { PART }).max(1);
+        let most = match self.on {
+            On::Numbers => PART,
+            On::States => LANES_PART,
+            On::Vectors => VECTORS_PART,
+        };
+        let parts = count.div_ceil(most).max(1);
         // Parts of equal length, the last one with the result.
         let bounds: Vec<Range<usize>> =
             (0..parts).map(|k| k * count / parts..(k + 1) * count / parts).collect();
-        let scalar = if self.on == On::Vectors { "V::One" } else { "T" };
+        let scalar = self.kind(1);
         let mut text = String::new();
         for (k, range) in bounds.iter().enumerate() {
             let last = k + 1 == parts;
@@ -463,12 +505,16 @@ impl<'a> Writer<'a> {
                     format!("#[inline(always)]\n{head}")
                 }
                 (On::Vectors, true) => {
-                    let head = head(&name, "V: __modyn::batch::Vectors", &inputs, &returned);
+                    let of = self.vectors().map(|kind| format!("{} = {}", kind.of, kind.name));
+                    let of = of.collect::<Vec<_>>().join(", ");
+                    let bounds =
+                        format!("{}, V: __modyn::batch::Vectors<{of}>", self.vector_parameters());
+                    let head = head(&name, &bounds, &inputs, &returned);
                     format!("#[inline(always)]\n{head}")
                 }
                 (On::States | On::Vectors, false) => self.part_head(&name, &inputs, &returned),
             };
-            text += self.prelude();
+            text += &self.prelude();
             for parameter in self.parameters {
                 let _ = writeln!(text, "    {}", unpacked(parameter));
             }
@@ -495,38 +541,34 @@ impl<'a> Writer<'a> {
     }
 
     /// What the text of a function's statements begins with.
-    fn prelude(&self) -> &'static str {
+    fn prelude(&self) -> String {
+        let closure = |(width, kind): (u8, &str)| match width {
+            1 => format!("    let k = {kind}::from_f64;\n"),
+            _ => format!("    let k{width} = {kind}::from_f64;\n"),
+        };
         match self.on {
-            On::Numbers | On::States => "    let k = T::from_f64;\n",
-            On::Vectors => {
-                "    use __modyn::Scalar as _;\n    use __modyn::batch::Beside;\n    \
-                 let k = <V::One>::from_f64;\n    \
-                 let (k2, k4, k8) = (<V::Two>::from_f64, <V::Four>::from_f64, <V::Eight>::from_f64);\n    \
-                 let all2 = <V::Two as Beside<V::One, 2>>::all;\n    \
-                 let all4 = <V::Four as Beside<V::One, 4>>::all;\n    \
-                 let all8 = <V::Eight as Beside<V::One, 8>>::all;\n    \
-                 let beside2 = <V::Two as Beside<V::One, 2>>::beside;\n    \
-                 let beside4 = <V::Four as Beside<V::One, 4>>::beside;\n    \
-                 let beside8 = <V::Eight as Beside<V::One, 8>>::beside;\n"
-            }
+            On::Numbers | On::States => closure((1, "T")),
+            On::Vectors => self.vectors().map(|kind| closure((kind.lanes, kind.name))).collect(),
         }
     }
 
     /// Where the text of a part begins that lanes outline: a type that holds the arguments, and what it
     /// does.
     fn part_head(&self, name: &str, inputs: &[String], returned: &str) -> String {
-        let fields: Vec<String> = inputs.iter().map(|input| input.replace('&', "&'a ")).collect();
+        let mut fields: Vec<String> =
+            inputs.iter().map(|input| input.replace('&', "&'a ")).collect();
         let names: Vec<&str> = inputs.iter().filter_map(|i| i.split(':').next()).collect();
         let kind = type_name(name);
-        let (own, bound, generic) = match self.on {
-            On::Vectors => ("V: __modyn::batch::Vectors", "V: __modyn::batch::Vectors", "V"),
-            On::Numbers | On::States => ("T", "T: __modyn::batch::Lanes", "T"),
+        let (bounds, own) = match self.on {
+            On::Vectors => (self.vector_parameters(), self.vector_names()),
+            On::Numbers | On::States => ("T: __modyn::batch::Lanes".into(), "T".into()),
         };
+        fields.push(format!("of: ::core::marker::PhantomData<({own},)>"));
         format!(
             "struct {kind}<'a, {own}> {{ {} }}\n\
-             impl<{bound}> __modyn::batch::Part for {kind}<'_, {generic}> {{\n\
+             impl<{bounds}> __modyn::batch::Part for {kind}<'_, {own}> {{\n\
              type Output = {returned};\n\
-             #[inline(always)]\nfn run(self) -> {returned} {{\n    let Self {{ {} }} = self;\n",
+             #[inline(always)]\nfn run(self) -> {returned} {{\n    let Self {{ {}, .. }} = self;\n",
             fields.join(", "),
             names.join(", "),
         )
@@ -546,9 +588,15 @@ impl<'a> Writer<'a> {
             let (name, arguments) = (format!("{}_part{k}", self.name), arguments.join(", "));
             let call = match self.on {
                 On::Numbers => format!("{name}({arguments})"),
-                On::States => format!("T::outlined({} {{ {arguments} }})", type_name(&name)),
-                On::Vectors => {
-                    format!("V::outlined({}::<'_, V> {{ {arguments} }})", type_name(&name))
+                On::States | On::Vectors => {
+                    let (by, own) = match self.on {
+                        On::Vectors => ("V", self.vector_names()),
+                        On::Numbers | On::States => ("T", "T".into()),
+                    };
+                    let part = format!("{}::<'_, {own}>", type_name(&name));
+                    format!(
+                        "{by}::outlined({part} {{ {arguments}, of: ::core::marker::PhantomData }})"
+                    )
                 }
             };
             let _ = writeln!(text, "    let {needed} = {call};");
@@ -595,8 +643,11 @@ impl Values {
         if self.on != On::Vectors {
             return format!("[T; {}]", self.names[0].len());
         }
-        let types = VECTORS.iter().zip(&self.names);
-        let types = types.map(|((_, name), names)| format!("[{name}; {}]", names.len()));
+        let types = VECTORS.iter().zip(&self.names).map(|(kind, names)| {
+            // No values are of a type that is not mentioned.
+            let kind = if names.is_empty() { "A" } else { kind.name };
+            format!("[{kind}; {}]", names.len())
+        });
         format!("({})", types.collect::<Vec<_>>().join(", "))
     }
 }
@@ -631,12 +682,6 @@ fn is_known(graph: &Graph, id: Id) -> bool {
         Node::Beside(a, b, _) => is_known(graph, a) && is_known(graph, b),
         _ => false,
     }
-}
-
-/// What a method can be called on: a name, a call, or something in brackets.
-fn operand(text: String) -> String {
-    let bare = text.chars().all(|c| c.is_alphanumeric() || c == '_');
-    if bare || (text.starts_with('k') && text.ends_with(')')) { text } else { format!("({text})") }
 }
 
 /// The negative of what an operand's text gives.

@@ -141,6 +141,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
         tracer: &tracer,
         limbs: limbs.as_ref(),
         independent: limbs.as_ref().is_some_and(|limbs| limbs.independent(&prepared)),
+        vectors: !options.self_contained && !options.share,
         elimination: &elimination,
         layout: &layout,
         for_derivatives: &Layout::new(&prepared, &partition::whole_chains(model)),

@@ -51,6 +51,8 @@ pub(super) struct Source<'a> {
     pub limbs: Option<&'a Limbs>,
     /// Whether no limb moves another.
     pub independent: bool,
+    /// Whether the text may use the runtime's vectors.
+    pub vectors: bool,
     pub elimination: &'a Elimination,
     pub layout: &'a Layout,
     /// The factorization that derivatives are solved by.
@@ -333,11 +335,29 @@ impl Robot<'_> {
     }
 }
 
-/// The function with equal limbs side by side, if that takes clearly fewer operations than `alone`.
+/// The function on vectors, if that pays: with equal limbs side by side if that takes clearly fewer
+/// operations than `alone`; else as it is, for products fused into sums where the processor has that and
+/// the program does not count on it.
 fn abreast(function: Function, source: &Source<'_>, alone: &Graph) -> Option<Graph> {
-    let limbs = source.limbs?;
+    let count = |graph: &Graph| graph.count().total();
+    if let Some(graph) = source.limbs.and_then(|limbs| side_by_side(function, source, limbs)) {
+        let graph = optimize(graph);
+        if count(&graph) * 5 < count(alone) * 4 {
+            return Some(graph);
+        }
+    }
+    let often = matches!(function, Function::ForwardDynamics | Function::InverseDynamics);
+    (source.vectors && often && DISPATCHED.contains(&count(alone))).then(|| alone.clone())
+}
+
+/// Operations of functions that are compiled for several instruction sets even if nothing stands side by
+/// side: fewer take no longer than finding out, more cost the compiler more than they are worth.
+const DISPATCHED: std::ops::Range<usize> = 100..3000;
+
+/// The graph with equal limbs side by side.
+fn side_by_side(function: Function, source: &Source<'_>, limbs: &Limbs) -> Option<Graph> {
     let tracer = source.tracer.abreast(limbs);
-    let graph = match function {
+    Some(match function {
         Function::ForwardDynamics => {
             let Elimination::Recursive(partition) = source.elimination else { return None };
             tracer.forward_dynamics(&Elimination::Recursive(limbs.partition(partition)))
@@ -354,7 +374,5 @@ fn abreast(function: Function, source: &Source<'_>, alone: &Graph) -> Option<Gra
             tracer.forward_dynamics_derivatives(source.for_derivatives)
         }
         _ => return None,
-    };
-    let graph = optimize(graph);
-    (graph.count().total() * 5 < alone.count().total() * 4).then_some(graph)
+    })
 }

@@ -8,8 +8,6 @@
 
 use core::arch::x86_64::*;
 
-use super::abreast::{beside, vectors};
-use super::avx2::{F32x1, F32x4, F32x8, F64x1, F64x2, F64x4};
 use super::vector::{vector, work};
 
 vector! {
@@ -46,14 +44,4 @@ vector! {
 work! {
     f64 on F64x8, "avx512f,avx512vl";
     f32 on F32x16, "avx512f,avx512vl";
-}
-
-beside! {
-    F64x8: 8 of F64x1;
-}
-
-// Shorter vectors are AVX2's, with twice the registers.
-vectors! {
-    f64 by abreast_f64 on Doubles "avx2,fma,avx512f,avx512vl": F64x1, F64x2, F64x4, F64x8;
-    f32 by abreast_f32 on Singles "avx2,fma,avx512f,avx512vl": F32x1, F32x4, F32x4, F32x8;
 }

@@ -90,12 +90,10 @@ macro_rules! dispatch {
         #[allow(unsafe_code)] // Calls of functions for the instructions found to be there.
         pub(crate) fn $abreast<W: Abreast<$float>>(work: W) -> W::Output {
             match level() {
-                // SAFETY: `level` names what the processor has.
+                // Few lanes gain nothing by longer vectors.
+                // SAFETY: `level` names what the processor has, and AVX-512 includes AVX2 and FMA.
                 #[cfg(target_arch = "x86_64")]
-                Level::Avx512 => unsafe { avx512::$abreast(work) },
-                // SAFETY: as above.
-                #[cfg(all(target_arch = "x86_64", not(target_feature = "avx512vl")))]
-                Level::Avx2 => unsafe { avx2::$abreast(work) },
+                Level::Avx512 | Level::Avx2 => unsafe { avx2::$abreast(work) },
                 #[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
                 Level::Sse2 => sse2::$abreast(work),
                 #[cfg(target_arch = "aarch64")]
