@@ -61,17 +61,43 @@ macro_rules! cases {
     }};
 }
 
+/// Legs through one function give what they give one by one.
+macro_rules! same_legs {
+    ($scalar:ident, $float:ty, $tolerance:literal) => {
+        for state in 0..STATES {
+            use $scalar::{legs, legs_shared};
+            let vector = |seed, size: f64| -> [$float; 12] {
+                let numbers = spread(12, 10 * state + seed, -size, size);
+                std::array::from_fn(|i| numbers[i] as $float)
+            };
+            let (q, qd, tau) = (vector(0, 3.0), vector(1, 2.0), vector(2, 20.0));
+            let alone = legs::Quadruped::forward_dynamics(&q, &qd, &tau);
+            let shared = legs_shared::Quadruped::forward_dynamics(&q, &qd, &tau);
+            let largest = alone.iter().fold(0.0, |a: $float, b| a.max(b.abs()));
+            if alone.iter().zip(shared).any(|(a, b)| (a - b).abs() > $tolerance * largest) {
+                return Err(format!("shared legs: {shared:?}, not {alone:?}").into());
+            }
+        }
+    };
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=build.rs");
     let out = std::env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
     let out = Path::new(&out);
+    same_legs!(single, f32, 1e-4);
+    same_legs!(double, f64, 1e-12);
     let (mut f32s, mut f64s) = (String::new(), String::new());
     cases!(f32s, single, f32, gripper, Gripper);
     cases!(f32s, single, f32, arm7, Arm7);
     cases!(f32s, single, f32, leg, Leg);
+    cases!(f32s, single, f32, legs, Quadruped);
+    cases!(f32s, single, f32, legs_shared, Quadruped);
     cases!(f64s, double, f64, gripper, Gripper);
     cases!(f64s, double, f64, arm7, Arm7);
     cases!(f64s, double, f64, leg, Leg);
+    cases!(f64s, double, f64, legs, Quadruped);
+    cases!(f64s, double, f64, legs_shared, Quadruped);
     std::fs::write(out.join("cases_f32.rs"), f32s)?;
     std::fs::write(out.join("cases_f64.rs"), f64s)?;
 

@@ -18,16 +18,24 @@ const FUNCTIONS: [Function; 5] = [
 fn main() -> Result<(), Box<dyn Error>> {
     let out = std::env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
-    for name in ["gripper", "arm7", "quadruped"] {
-        let path = folder.join(format!("{name}.urdf"));
+    for (name, of) in [
+        ("gripper", "gripper"),
+        ("arm7", "arm7"),
+        ("leg", "quadruped"),
+        ("legs", "quadruped"),
+        ("legs_shared", "quadruped"),
+    ] {
+        let path = folder.join(format!("{of}.urdf"));
         println!("cargo::rerun-if-changed={}", path.display());
         let text = std::fs::read_to_string(path)?;
-        let file = format!("{name}.urdf");
+        let file = format!("{of}.urdf");
         let model = read(&text, &file, &ReadOptions::default())?.model;
-        let name = if name == "quadruped" { "leg" } else { name };
         let model = if name == "leg" { first_leg(&model)? } else { model };
         for (float, scalar) in [(FloatType::F32, "f32"), (FloatType::F64, "f64")] {
-            let builder = Builder::new().model(model.clone()).float(float).functions(FUNCTIONS);
+            let mut builder = Builder::new().model(model.clone()).float(float).functions(FUNCTIONS);
+            if name == "legs_shared" {
+                builder = builder.share();
+            }
             let file = Path::new(&out).join(format!("{name}_{scalar}.rs"));
             builder.clone().self_contained().write(&file)?;
             if builder.is_stale(&file)? != true || builder.self_contained().is_stale(&file)? {

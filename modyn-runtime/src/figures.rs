@@ -80,6 +80,16 @@ impl OperationCount {
     }
 }
 
+impl core::ops::AddAssign for OperationCount {
+    fn add_assign(&mut self, other: Self) {
+        self.multiplications += other.multiplications;
+        self.additions += other.additions;
+        self.divisions += other.divisions;
+        self.sin_cos += other.sin_cos;
+        self.others += other.others;
+    }
+}
+
 impl fmt::Display for OperationCount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { multiplications, additions, divisions, sin_cos, .. } = self;

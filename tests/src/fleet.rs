@@ -81,7 +81,7 @@ pub const FLEET: [Spec; 42] = [
     spec(Golden("solo12"), Chains, F64).shared(),
     spec(Golden("solo12"), Chains, F64).floating().shared(),
     spec(Golden("g1"), Chains, F64).floating().shared(),
-    spec(Described("quadruped"), Chains, F32).floating().shared(),
+    spec(Described("quadruped"), Links, F64).floating().shared(),
     spec(Described("mimic_gripper"), Chains, F64).resisted(Friction::Coulomb).all(),
     spec(Described("joint_zoo"), Chains, F64)
         .resisted(Friction::Smooth(0.02))

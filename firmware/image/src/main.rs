@@ -152,6 +152,8 @@ macro_rules! robot {
 robot!(gripper, Gripper, GRIPPER);
 robot!(arm7, Arm7, ARM7);
 robot!(leg, Leg, LEG);
+robot!(legs, Quadruped, LEGS);
+robot!(legs_shared, Quadruped, LEGS_SHARED);
 
 /// The same robot over `modyn-runtime` says the same.
 fn ordinary_agrees() -> bool {
@@ -165,8 +167,8 @@ fn main() -> ! {
     #[cfg(feature = "fail")]
     fail();
     measure::prepare();
-    let results = [gripper::run(), arm7::run(), leg::run(), ordinary_agrees()];
-    let good = results.iter().all(|&good| good);
+    let robots = [gripper::run(), arm7::run(), leg::run(), legs::run(), legs_shared::run()];
+    let good = robots.iter().all(|&good| good) && ordinary_agrees();
     Line::default()
         .text(if good { "all agree" } else { "a result differs from the host's" })
         .print();

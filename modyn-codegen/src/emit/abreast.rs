@@ -3,9 +3,8 @@
 use std::fmt::Write as _;
 
 use super::Robot;
-use super::function::{Parameter, abreast_function, function};
+use super::function::{Parameter, abreast_function, function, unpacked};
 use super::quantities::Quantity;
-use super::shape::Shape;
 use crate::expr::Graph;
 use crate::names::type_name;
 
@@ -29,6 +28,8 @@ impl Robot<'_> {
         let typed: Vec<String> = parameters.iter().map(|p| p.typed("T")).collect();
         let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
         let own: Vec<String> = names.iter().map(|name| format!("self.{name}")).collect();
+        let unpacked: Vec<String> =
+            parameters.iter().map(|p| format!("    {}\n", unpacked(p))).collect();
         let ones: Vec<String> = parameters.iter().map(ones).collect();
         let (returned, names) = (shape.type_of("T"), names.join(", "));
         let _ = writeln!(
@@ -38,11 +39,13 @@ impl Robot<'_> {
              type Output = {returned};\n\
              #[inline(always)]\n\
              fn vectors<V: __modyn::batch::Vectors<Number = T>>(self) -> {returned} {{\n    \
+             let Self {{ {names} }} = self;\n{}    \
              {abreast}::<{}V>({})\n}}\n\
              #[inline]\nfn scalar(self) -> {returned} {{\n    {alone}({})\n}}\n}}\n\
              fn {name}<T: __modyn::Scalar>({}) -> {returned} {{\n    \
              T::abreast({kind} {{ {names} }})\n}}\n",
             fields.join(", "),
+            unpacked.concat(),
             "_, ".repeat(types),
             ones.join(", "),
             own.join(", "),
@@ -53,7 +56,6 @@ impl Robot<'_> {
 
 /// A parameter as numbers to compute with.
 fn ones(Parameter { name, shape, .. }: &Parameter) -> String {
-    let numbers: Vec<String> =
-        (0..shape.len()).map(|i| format!("V::one(self.{name}[{i}])")).collect();
-    format!("&{}", Shape::vector(shape.len()).value(&numbers))
+    let numbers: Vec<String> = (0..shape.len()).map(|i| format!("V::one({name}{i})")).collect();
+    format!("&{}", shape.value(&numbers))
 }

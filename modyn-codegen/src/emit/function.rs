@@ -22,7 +22,7 @@ const PART: usize = 1500;
 const LANES_PART: usize = 500;
 
 /// The same on vectors for one state, where what a part hands on is not spread over many states.
-const VECTORS_PART: usize = 1000;
+const VECTORS_PART: usize = 1500;
 
 /// A parameter, given by reference.
 #[derive(Clone, Debug)]
@@ -702,7 +702,7 @@ fn constant(value: f64, width: u8) -> String {
 }
 
 /// Names for a parameter's entries.
-fn unpacked(Parameter { name, shape, .. }: &Parameter) -> String {
+pub(super) fn unpacked(Parameter { name, shape, .. }: &Parameter) -> String {
     let names: Vec<String> = (0..shape.len()).map(|i| format!("{name}{i}")).collect();
     format!("let {} = *{name};", shape.value(&names))
 }

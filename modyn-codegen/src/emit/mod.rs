@@ -153,8 +153,10 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let selected = selected.filter(|function| !left_out(function));
     let (batches, quantities): (Vec<Quantity>, Vec<Quantity>) =
         selected.map(|f| robot.quantity(*f, &source)).partition(|q| q.function.batched().is_some());
-    let count =
-        |q: &Quantity| q.graphs.largest().map_or_else(OperationCount::default, Graph::count);
+    let count = |q: &Quantity| match &q.abreast {
+        Some(graph) if options.share => shared::count(graph),
+        _ => q.graphs.largest().map_or_else(OperationCount::default, Graph::count),
+    };
     let named = |q: &Quantity| (q.function.name(), count(q));
     let mut operations: Vec<_> = quantities.iter().map(named).collect();
 

@@ -7,8 +7,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
+use modyn_runtime::OperationCount;
+
 use super::Robot;
-use super::function::{Parameter, function};
+use super::function::{self, Parameter, function};
 use super::quantities::Quantity;
 use super::shape::Shape;
 use crate::expr::{Graph, Id, Node};
@@ -55,17 +57,12 @@ impl Robot<'_> {
                 (format!("{name}_piece{p}"), format!("{}_TABLE_{p}", name.to_uppercase()));
             let mut takes = Vec::new();
             if !table.is_empty() {
-                let rows = (0..piece.calls).map(|lane| {
+                for lane in 0..piece.calls {
                     let row = table.iter().map(|&id| format!("{:?}", constant(graph, id, lane)));
-                    format!("    [{}],\n", row.collect::<Vec<_>>().join(", "))
-                });
-                let _ = writeln!(
-                    text,
-                    "static {constants}: [[{float}; {}]; {}] = [\n{}];\n",
-                    table.len(),
-                    piece.calls,
-                    rows.collect::<String>()
-                );
+                    let (row, size) = (row.collect::<Vec<_>>().join(", "), table.len());
+                    let _ =
+                        writeln!(text, "static {constants}_{lane}: [{float}; {size}] = [{row}];\n");
+                }
                 takes.push(Parameter::constants("table", Shape::vector(table.len()), float));
             }
             for (name, given) in [("own", &own), ("common", &common)] {
@@ -86,25 +83,40 @@ impl Robot<'_> {
                 let _ = writeln!(body, "    let common = {};", list(&common, 0));
             }
             for lane in 0..piece.calls {
-                let table = (!table.is_empty()).then(|| format!("&{constants}[{lane}]"));
+                let table = (!table.is_empty()).then(|| format!("&{constants}_{lane}"));
                 let own = (!own.is_empty()).then(|| list(&own, lane));
                 let common = (!common.is_empty()).then(|| "common".into());
                 let arguments: Vec<String> = [table, own, common].into_iter().flatten().collect();
                 let arguments = arguments.join(", ");
-                let _ = writeln!(body, "    let p{p}_{lane} = {piece_name}({arguments});");
+                let results = (0..piece.outputs.len()).map(|place| format!("p{p}_{lane}_{place}"));
+                let results = results.collect::<Vec<_>>().join(", ");
+                let _ = writeln!(body, "    let [{results}] = {piece_name}({arguments});");
             }
         }
         let shape = &quantity.shape;
         let outputs = graph.outputs.iter().map(|&id| value(graph, &pieces, parameters, id, 0));
+        let unpacked: String =
+            parameters.iter().map(|p| format!("    {}\n", function::unpacked(p))).collect();
         let typed: Vec<String> = parameters.iter().map(|p| p.typed("T")).collect();
         let _ = writeln!(
             text,
-            "fn {name}<T: __modyn::Scalar>({}) -> {} {{\n    let k = T::from_f64;\n{body}    {}\n}}\n",
+            "fn {name}<T: __modyn::Scalar>({}) -> {} {{\n    let k = T::from_f64;\n{unpacked}{body}    {}\n}}\n",
             typed.join(", "),
             shape.type_of("T"),
             shape.value(&outputs.collect::<Vec<_>>())
         );
     }
+}
+
+/// The operations of a function by pieces, all their calls together.
+pub(super) fn count(graph: &Graph) -> OperationCount {
+    let mut sum = OperationCount::default();
+    for piece in pieces(graph) {
+        for _ in 0..piece.calls {
+            sum += piece.graph.count();
+        }
+    }
+    sum
 }
 
 /// The text of one lane of what a piece computed, or of what is known from the beginning.
@@ -115,7 +127,7 @@ fn value(graph: &Graph, pieces: &[Piece], parameters: &[Parameter], id: Id, lane
             let mut rest = number as usize;
             for parameter in parameters {
                 if rest < parameter.shape.len() {
-                    return format!("{}[{rest}]", parameter.name);
+                    return format!("{}{rest}", parameter.name);
                 }
                 rest -= parameter.shape.len();
             }
@@ -133,7 +145,7 @@ fn value(graph: &Graph, pieces: &[Piece], parameters: &[Parameter], id: Id, lane
                 Some((p, place, if piece.width == 1 { 0 } else { lane }))
             });
             let (p, place, lane) = found.expect("what others need is an output of a piece");
-            format!("p{p}_{lane}[{place}]")
+            format!("p{p}_{lane}_{place}")
         }
     }
 }

@@ -9,6 +9,7 @@
 use core::arch::x86_64::*;
 
 use super::abreast::{beside, vectors};
+use super::fused::{F32x1, F64x1};
 use super::pair::Pair;
 use super::vector::{vector, work};
 
@@ -57,7 +58,7 @@ vector! {
     );
 }
 
-// Half vectors, and numbers alone, whose sums are fused too.
+// Half vectors.
 
 /// Without its sign.
 #[inline]
@@ -73,13 +74,6 @@ fn abs_half_ps(x: __m128) -> __m128 {
     _mm_andnot_ps(_mm_set1_ps(-0.0), x)
 }
 
-/// The root of the first alone.
-#[inline]
-#[target_feature(enable = "avx2")]
-fn sqrt_sd(x: __m128d) -> __m128d {
-    _mm_sqrt_sd(x, x)
-}
-
 vector! {
     F64x2: [f64; 2] in __m128d, "avx2,fma";
     _mm_set1_pd _mm_loadu_pd _mm_storeu_pd _mm_add_pd _mm_sub_pd _mm_mul_pd _mm_div_pd _mm_sqrt_pd abs_half_pd;
@@ -91,32 +85,12 @@ vector! {
 }
 
 vector! {
-    F64x1: [f64; 1] in __m128d, "avx2,fma";
-    _mm_set_sd _mm_load_sd _mm_store_sd _mm_add_sd _mm_sub_sd _mm_mul_sd _mm_div_sd sqrt_sd abs_half_pd;
-    mul_add(a, b, c) _mm_fmadd_sd(a, b, c);
-    max(a, b) _mm_blendv_pd(_mm_max_sd(a, b), a, _mm_cmpunord_pd(b, b));
-    select(x, then, otherwise) _mm_blendv_pd(otherwise, then, _mm_cmpge_pd(x, _mm_setzero_pd()));
-    below(x, limit) _mm_comilt_sd(x, limit) != 0;
-    flip(x, by) _mm_xor_pd(x, _mm_castsi128_pd(_mm_slli_epi64::<63>(_mm_castpd_si128(by))));
-}
-
-vector! {
     F32x4: [f32; 4] in __m128, "avx2,fma";
     _mm_set1_ps _mm_loadu_ps _mm_storeu_ps _mm_add_ps _mm_sub_ps _mm_mul_ps _mm_div_ps _mm_sqrt_ps abs_half_ps;
     mul_add(a, b, c) _mm_fmadd_ps(a, b, c);
     max(a, b) _mm_blendv_ps(_mm_max_ps(a, b), a, _mm_cmpunord_ps(b, b));
     select(x, then, otherwise) _mm_blendv_ps(otherwise, then, _mm_cmpge_ps(x, _mm_setzero_ps()));
     below(x, limit) _mm_movemask_ps(_mm_cmplt_ps(x, limit)) == 0xf;
-    flip(x, by) _mm_xor_ps(x, _mm_castsi128_ps(_mm_slli_epi32::<31>(_mm_castps_si128(by))));
-}
-
-vector! {
-    F32x1: [f32; 1] in __m128, "avx2,fma";
-    _mm_set_ss _mm_load_ss _mm_store_ss _mm_add_ss _mm_sub_ss _mm_mul_ss _mm_div_ss _mm_sqrt_ss abs_half_ps;
-    mul_add(a, b, c) _mm_fmadd_ss(a, b, c);
-    max(a, b) _mm_blendv_ps(_mm_max_ss(a, b), a, _mm_cmpunord_ps(b, b));
-    select(x, then, otherwise) _mm_blendv_ps(otherwise, then, _mm_cmpge_ps(x, _mm_setzero_ps()));
-    below(x, limit) _mm_comilt_ss(x, limit) != 0;
     flip(x, by) _mm_xor_ps(x, _mm_castsi128_ps(_mm_slli_epi32::<31>(_mm_castps_si128(by))));
 }
 

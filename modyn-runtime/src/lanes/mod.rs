@@ -12,6 +12,8 @@ mod abreast;
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod fused;
 mod level;
 #[cfg(target_arch = "aarch64")]
 mod neon;
