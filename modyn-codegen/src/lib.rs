@@ -21,6 +21,7 @@ pub mod names;
 pub mod partition;
 pub mod passes;
 pub mod source;
+mod tame;
 pub mod trace;
 pub mod urdf;
 
@@ -28,3 +29,4 @@ pub use builder::{Builder, Generated, ModuleChoice};
 pub use condition::condition_number;
 pub use emit::FloatType;
 pub use functions::Function;
+pub use tame::tame;
