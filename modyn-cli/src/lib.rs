@@ -19,7 +19,13 @@ mod diagnostics;
 #[cfg(feature = "command")]
 mod escape;
 #[cfg(feature = "command")]
+mod generate;
+#[cfg(feature = "command")]
+mod header;
+#[cfg(feature = "command")]
 mod outcome;
+#[cfg(feature = "command")]
+mod progress;
 #[cfg(feature = "command")]
 mod robot;
 pub mod viewer;

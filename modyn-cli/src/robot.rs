@@ -9,7 +9,8 @@ use modyn_codegen::error::{Code, Diagnostic, Diagnostics, Severity};
 use modyn_codegen::source::read_first;
 use modyn_codegen::urdf::{self, Friction, ReadOptions, Reading, Rotor};
 
-use crate::outcome::Failure;
+use crate::diagnostics;
+use crate::outcome::{Failure, to_stderr};
 
 /// A description, and how to read it.
 #[derive(Args)]
@@ -105,6 +106,11 @@ impl Description {
         urdf::read(&self.text, &self.name, options)
     }
 
+    /// Tells the user what is odd in it.
+    pub fn warn(&self, warnings: Diagnostics) {
+        to_stderr(&diagnostics::render(warnings.as_slice(), Some(&self.text)));
+    }
+
     /// What went wrong with it, for the user.
     pub fn failure(&self, found: Diagnostics) -> Failure {
         Failure::Diagnostics(found, Some(self.text.clone()))
@@ -125,6 +131,16 @@ impl Robot {
             None => Builder::new().urdf_text(&description.text, &description.name),
         };
         self.options.configure(builder)
+    }
+}
+
+impl Robot {
+    /// The same, with the description called as the user calls it: compilers are given its full path.
+    pub fn named(&self, found: Diagnostics) -> Diagnostics {
+        let name = self.path.display().to_string();
+        let mut found = found.into_vec();
+        found.iter_mut().filter_map(|one| one.file.as_mut()).for_each(|file| file.clone_from(&name));
+        Diagnostics::new(found)
     }
 }
 
