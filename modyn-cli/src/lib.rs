@@ -23,11 +23,15 @@ mod generate;
 #[cfg(feature = "command")]
 mod header;
 #[cfg(feature = "command")]
+mod inspect;
+#[cfg(feature = "command")]
 mod outcome;
 #[cfg(feature = "command")]
 mod progress;
 #[cfg(feature = "command")]
 mod robot;
+#[cfg(feature = "command")]
+mod table;
 pub mod viewer;
 
 #[cfg(feature = "command")]
