@@ -100,7 +100,8 @@ fn write(
 ) -> Result<(), Failure> {
     let generated = builder.write(output).map_err(named)?;
     if let Some(path) = &arguments.c_header {
-        let header = header::text(output, &arguments.prefix(description)?, arguments.scalar.into())?;
+        let header =
+            header::text(output, &arguments.prefix(description)?, arguments.scalar.into())?;
         if !std::fs::read_to_string(path).is_ok_and(|found| found == header) {
             to_file(path, &header)?;
         }
@@ -194,8 +195,12 @@ pub fn functions(text: &str) -> Result<Functions, String> {
             "all" => functions.extend(Function::ALL),
             "default" => functions.extend(Function::DEFAULT),
             _ => functions.push(Function::from_name(name).ok_or_else(|| {
-                let names: Vec<&str> = Function::ALL.iter().map(|function| function.name()).collect();
-                format!("there is no function `{name}`; there are: default, all, {}", names.join(", "))
+                let names: Vec<&str> =
+                    Function::ALL.iter().map(|function| function.name()).collect();
+                format!(
+                    "there is no function `{name}`; there are: default, all, {}",
+                    names.join(", ")
+                )
             })?),
         }
     }
@@ -208,7 +213,9 @@ pub fn modules(text: &str) -> Result<ModuleChoice, String> {
         "chains" => Ok(ModuleChoice::Chains),
         "links" => Ok(ModuleChoice::Links),
         list => serde_json::from_str(list).map(ModuleChoice::List).map_err(|error| {
-            format!("expected `chains`, `links` or a list such as [[\"a\", \"b\"], [\"c\"]]: {error}")
+            format!(
+                "expected `chains`, `links` or a list such as [[\"a\", \"b\"], [\"c\"]]: {error}"
+            )
         }),
     }
 }

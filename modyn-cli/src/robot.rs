@@ -139,7 +139,10 @@ impl Robot {
     pub fn named(&self, found: Diagnostics) -> Diagnostics {
         let name = self.path.display().to_string();
         let mut found = found.into_vec();
-        found.iter_mut().filter_map(|one| one.file.as_mut()).for_each(|file| file.clone_from(&name));
+        found
+            .iter_mut()
+            .filter_map(|one| one.file.as_mut())
+            .for_each(|file| file.clone_from(&name));
         Diagnostics::new(found)
     }
 }
