@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::{check, generate, inspect};
+use crate::{check, generate, inspect, simulate};
 
 /// Rigid-body dynamics from a robot description (URDF).
 ///
@@ -22,6 +22,7 @@ enum Command {
     Inspect(inspect::Arguments),
     Check(check::Arguments),
     Generate(generate::Arguments),
+    Simulate(simulate::Arguments),
 }
 
 /// Carries out what stands on the command line.
@@ -31,6 +32,7 @@ pub fn run() -> ExitCode {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -123,7 +123,7 @@ mod tests {
         assert_eq!(mark(9), "value=\"-1\"");
         assert_eq!(mark(16), "-1");
         assert_eq!(mark(21), "<é a='x'/>");
-        assert_eq!(mark(25), "a='x'");
+        assert_eq!(mark(24), "a='x'");
         assert_eq!(mark(2), " ");
         assert_eq!(mark(1000), "");
         let open = "<mass value=\"-1  ";

@@ -16,7 +16,6 @@ mod check;
 mod command;
 #[cfg(feature = "command")]
 mod diagnostics;
-#[cfg(feature = "command")]
 mod escape;
 #[cfg(feature = "command")]
 mod generate;
@@ -29,7 +28,11 @@ mod outcome;
 #[cfg(feature = "command")]
 mod progress;
 #[cfg(feature = "command")]
+mod random;
+#[cfg(feature = "command")]
 mod robot;
+#[cfg(feature = "command")]
+mod simulate;
 #[cfg(feature = "command")]
 mod table;
 pub mod viewer;
