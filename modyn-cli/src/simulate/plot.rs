@@ -70,7 +70,8 @@ fn panels(model: &Model, samples: &[&Sample]) -> Vec<Panel> {
         left.extend(part("torques", &velocities, &v, |s| &s.tau, Kind::torque));
     }
     let curve = |name: &str, get: fn(&Sample) -> f64| {
-        (String::from(name), samples.iter().map(|sample| get(sample)).collect())
+        let values: Vec<f64> = samples.iter().map(|sample| get(sample)).collect();
+        (String::from(name), values)
     };
     let mut curves = vec![
         curve("kinetic", |s| s.kinetic),
