@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::{check, generate, inspect, simulate};
+use crate::{check, compare, generate, inspect, simulate};
 
 /// Rigid-body dynamics from a robot description (URDF).
 ///
@@ -23,6 +23,7 @@ enum Command {
     Check(check::Arguments),
     Generate(generate::Arguments),
     Simulate(simulate::Arguments),
+    Compare(compare::Arguments),
 }
 
 /// Carries out what stands on the command line.
@@ -33,6 +34,7 @@ pub fn run() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -15,6 +15,8 @@ mod check;
 #[cfg(feature = "command")]
 mod command;
 #[cfg(feature = "command")]
+mod compare;
+#[cfg(feature = "command")]
 mod diagnostics;
 mod escape;
 #[cfg(feature = "command")]

@@ -1,7 +1,7 @@
 //! How a command ends, and how it writes.
 
 use std::fmt;
-use std::io::{ErrorKind, IsTerminal, Write};
+use std::io::{ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -77,11 +77,6 @@ pub fn to_stdout(text: &str) -> Result<(), Failure> {
 pub fn to_stderr(text: &str) {
     // There is nobody else to tell.
     let _ = anstream::stderr().lock().write_all(text.as_bytes());
-}
-
-/// Whether somebody watches standard error.
-pub fn is_watched() -> bool {
-    std::io::stderr().is_terminal()
 }
 
 /// Writes a file.
