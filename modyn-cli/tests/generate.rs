@@ -71,7 +71,8 @@ fn a_build_script_would_write_the_same() {
         ];
         modyn(&[&common[..], extra].concat())
     };
-    let extra = ["--base", "floating", "--payload", "trunk", "--rotor", "front_left_knee=0.0001,100"];
+    let extra =
+        ["--base", "floating", "--payload", "trunk", "--rotor", "front_left_knee=0.0001,100"];
     let found = options("robots/quadruped.urdf", &extra);
     assert_eq!(found.code, 0, "{}", found.err);
     let builder = modyn_codegen::Builder::new()

@@ -1,5 +1,7 @@
 //! What is physically possible in a model, but probably not meant.
 
+use std::collections::{HashMap, HashSet};
+
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Frame, Inertial, Model};
 use modyn_runtime::spatial::Pose;
@@ -14,7 +16,7 @@ pub struct Advice {
 
 /// A link whose mass is spread over more than so many times the robot's size.
 const SPREAD: f64 = 2.0;
-/// A link that is as small as this against the robot's size, by its inertia.
+/// A link that is as small as this against the robot's size, and in metres, by its inertia.
 const SMALL: f64 = 1e-3;
 /// A link of less than this share of the robot's mass.
 const LIGHT: f64 = 1e-6;
@@ -59,7 +61,7 @@ pub fn about(model: &Model) -> Vec<Advice> {
                  {size:.4} m large; in kg m^2?"
             ));
         }
-        if radius < SMALL * size {
+        if radius < SMALL * size.min(1.0) {
             say(format!(
                 "its inertia is tiny: as if its {mass} kg were within {radius:.1e} m; in kg m^2?"
             ));
@@ -117,18 +119,29 @@ fn carried(model: &Model) -> Vec<f64> {
     carried
 }
 
+/// An inertia, to the last bit.
+type Bits = [u64; 6];
+
+fn bits(frame: &Frame) -> Bits {
+    frame.inertial.inertia.map(f64::to_bits)
+}
+
 /// Whether a link has a round inertia that several links of other masses have.
 fn repeated(model: &Model) -> impl Fn(&Frame) -> bool + '_ {
-    let is_round = |[xx, xy, xz, yy, yz, zz]: [f64; 6]| {
-        [xy, xz, yz] == [0.0; 3] && xx.to_bits() == yy.to_bits() && yy.to_bits() == zz.to_bits()
-    };
+    let mut masses: HashMap<Bits, Vec<u64>> = HashMap::new();
+    for frame in model.frames().iter().filter(|frame| frame.link.is_some()) {
+        masses.entry(bits(frame)).or_default().push(frame.inertial.mass.to_bits());
+    }
+    // Of each inertia: whether enough links have it, and not all weigh the same.
+    let suspicious: HashSet<Bits> = masses
+        .into_iter()
+        .filter(|(_, m)| m.len() >= REPEATED && m.iter().any(|mass| *mass != m[0]))
+        .map(|(inertia, _)| inertia)
+        .collect();
     move |frame| {
-        let same = |other: &&Frame| {
-            other.inertial.inertia == frame.inertial.inertia && other.link.is_some()
-        };
-        let masses = || model.frames().iter().filter(same).map(|other| other.inertial.mass);
-        is_round(frame.inertial.inertia)
-            && masses().count() >= REPEATED
-            && masses().any(|mass| mass.to_bits() != frame.inertial.mass.to_bits())
+        let inertia = bits(frame);
+        let [xx, xy, xz, yy, yz, zz] = inertia;
+        let is_round = [xy, xz, yz] == [0; 3] && xx == yy && yy == zz;
+        is_round && suspicious.contains(&inertia)
     }
 }

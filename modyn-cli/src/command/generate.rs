@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use modyn_codegen::error::Diagnostics;
-use modyn_codegen::{Builder, FloatType, Function, ModuleChoice, names, tame};
+use modyn_codegen::{Builder, FloatType, ModuleChoice, names, tame};
 
-use crate::header;
-use crate::outcome::{Failure, to_file, to_stderr, to_stdout};
-use crate::progress::Progress;
-use crate::robot::{Description, Robot};
+use crate::command::choices::{Functions, functions, modules};
+use crate::command::header;
+use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
+use crate::command::progress::Progress;
+use crate::command::robot::{Description, Robot};
 
 /// Compile a description to Rust
 ///
@@ -66,10 +67,6 @@ enum Scalar {
     F64,
     F32,
 }
-
-/// Clap takes a `Vec` for an option that is given several times.
-#[derive(Clone)]
-pub struct Functions(pub Vec<Function>);
 
 /// Writes, or compares.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -184,38 +181,5 @@ impl From<Scalar> for FloatType {
             Scalar::F64 => Self::F64,
             Scalar::F32 => Self::F32,
         }
-    }
-}
-
-/// `default,regressor`
-pub fn functions(text: &str) -> Result<Functions, String> {
-    let mut functions = Vec::new();
-    for name in text.split(',').map(str::trim) {
-        match name {
-            "all" => functions.extend(Function::ALL),
-            "default" => functions.extend(Function::DEFAULT),
-            _ => functions.push(Function::from_name(name).ok_or_else(|| {
-                let names: Vec<&str> =
-                    Function::ALL.iter().map(|function| function.name()).collect();
-                format!(
-                    "there is no function `{name}`; there are: default, all, {}",
-                    names.join(", ")
-                )
-            })?),
-        }
-    }
-    Ok(Functions(functions))
-}
-
-/// `chains`, `links` or `[["link", ...], ...]`
-pub fn modules(text: &str) -> Result<ModuleChoice, String> {
-    match text {
-        "chains" => Ok(ModuleChoice::Chains),
-        "links" => Ok(ModuleChoice::Links),
-        list => serde_json::from_str(list).map(ModuleChoice::List).map_err(|error| {
-            format!(
-                "expected `chains`, `links` or a list such as [[\"a\", \"b\"], [\"c\"]]: {error}"
-            )
-        }),
     }
 }

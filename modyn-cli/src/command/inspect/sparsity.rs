@@ -3,7 +3,7 @@
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
 
-use crate::outcome::Failure;
+use crate::command::outcome::Failure;
 
 /// At how many states it is looked: an entry that is zero at all of them is zero.
 const STATES: usize = 4;

@@ -6,7 +6,7 @@ use modyn_runtime::model::Model;
 use serde_json::{Value, json};
 
 use super::{Cost, Inspection, advice};
-use crate::diagnostics;
+use crate::command::diagnostics;
 
 /// All of it, in SI units.
 pub fn of(inspection: &Inspection) -> String {

@@ -10,7 +10,7 @@ use modyn_runtime::model::Model;
 use tempfile::TempDir;
 
 use super::quantities::{Quantity, State};
-use crate::outcome::{Failure, to_file};
+use crate::command::outcome::{Failure, to_file};
 
 /// Reads states, writes results and times; what depends on the robot is put in at the marks.
 const MAIN: &str = include_str!("main.rs.txt");

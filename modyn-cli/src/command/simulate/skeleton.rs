@@ -6,7 +6,7 @@ use modyn_runtime::model::Model;
 use modyn_runtime::spatial::Pose;
 
 use super::motion::Motion;
-use crate::outcome::Failure;
+use crate::command::outcome::Failure;
 use crate::viewer::Frame;
 
 /// What the viewer shows.
@@ -37,7 +37,12 @@ type Tip = (usize, [f64; 3]);
 
 fn edges(model: &Model) -> (Vec<(usize, usize)>, Vec<Tip>) {
     let (links, frames) = (model.links(), model.frames());
-    let own: Vec<Option<usize>> = links.iter().map(|link| model.frame_index(&link.name)).collect();
+    let mut own: Vec<Option<usize>> = vec![None; links.len()];
+    for (f, frame) in frames.iter().enumerate() {
+        if let Some(link) = frame.link.filter(|&link| links[link].name == frame.name) {
+            own[link] = Some(f);
+        }
+    }
     let root = frames.iter().position(|frame| frame.link.is_none());
     let mut edges = Vec::new();
     let mut ends = vec![true; links.len()];

@@ -9,8 +9,8 @@ use modyn_codegen::error::{Code, Diagnostic, Diagnostics, Severity};
 use modyn_codegen::source::read_first;
 use modyn_codegen::urdf::{self, Friction, ReadOptions, Reading, Rotor};
 
-use crate::diagnostics;
-use crate::outcome::{Failure, to_stderr};
+use crate::command::diagnostics;
+use crate::command::outcome::{Failure, to_stderr};
 
 /// A description, and how to read it.
 #[derive(Args)]

@@ -6,10 +6,16 @@ use modyn_codegen::{CARRIED_BY_F32, tame};
 use modyn_runtime::model::{Link, Model, ModuleTree};
 
 use super::{Cost, Inspection, advice};
-use crate::table::Table;
+use crate::command::table::Table;
 
 /// Of 24 bits.
 const F32_DIGITS: f64 = 7.2;
+
+/// So many modules are drawn: the tree of a chain is as wide as it is high.
+const MOST_DRAWN: usize = 1000;
+
+/// So many are told; JSON has all.
+const MOST_ADVICE: usize = 40;
 
 /// All of it.
 pub fn of(inspection: &Inspection) -> String {
@@ -36,7 +42,11 @@ pub fn of(inspection: &Inspection) -> String {
     section(&mut out, "Conditioning", &conditioning(*condition));
     if !advice.is_empty() {
         let line = |one: &advice::Advice| format!("link `{}`: {}\n", tame(&one.link), one.message);
-        section(&mut out, "To look at", &advice.iter().map(line).collect::<String>());
+        let mut lines: String = advice.iter().take(MOST_ADVICE).map(line).collect();
+        if advice.len() > MOST_ADVICE {
+            let _ = writeln!(lines, "... and {} more", advice.len() - MOST_ADVICE);
+        }
+        section(&mut out, "To look at", &lines);
     }
     out.push('\n');
     out
@@ -125,18 +135,19 @@ fn notes(model: &Model, link: usize) -> String {
 
 fn links(model: &Model) -> String {
     let mut table = Table::new(&["link", "mass", "centre of mass", "principal moments", "carries"]);
-    for (i, link) in model.links().iter().enumerate() {
-        let fixed = model
-            .frames()
-            .iter()
-            .filter(|frame| frame.link == Some(i) && frame.name != link.name)
-            .map(|frame| tame(&frame.name));
+    let mut carried = vec![Vec::new(); model.links().len()];
+    for frame in model.frames() {
+        if let Some(link) = frame.link.filter(|&link| model.links()[link].name != frame.name) {
+            carried[link].push(tame(&frame.name));
+        }
+    }
+    for (link, carried) in model.links().iter().zip(&carried) {
         table.row([
             tame(&link.name),
             figure(link.inertial.mass),
             vector(&link.inertial.center_of_mass),
             vector(&link.inertial.principal_moments()),
-            fixed.collect::<Vec<_>>().join(", "),
+            carried.join(", "),
         ]);
     }
     table.text()
@@ -145,6 +156,9 @@ fn links(model: &Model) -> String {
 /// The modules as a tree, without recursion: a chain of them may be long.
 fn tree(model: &Model, tree: &ModuleTree) -> String {
     let modules = tree.modules();
+    if modules.len() > MOST_DRAWN {
+        return format!("{} modules: too many to draw\n", modules.len());
+    }
     let mut out = String::from("the base\n");
     let roots = (0..modules.len()).filter(|&m| modules[m].parent.is_none()).collect::<Vec<_>>();
     let mut waiting: Vec<(usize, String, bool)> = Vec::new();

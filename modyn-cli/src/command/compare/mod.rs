@@ -9,16 +9,16 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use modyn_codegen::error::Diagnostics;
 use modyn_codegen::{Function, ModuleChoice, condition_number, tame};
-use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::model::Model;
 use modyn_runtime::{Interpreter, ShapeError};
 use serde_json::{Value, json};
 
-use crate::generate::{Functions, functions, modules};
-use crate::outcome::{Failure, to_stderr, to_stdout};
-use crate::progress::Progress;
-use crate::random::Random;
-use crate::robot::Robot;
-use crate::table::Table;
+use crate::command::choices::{Functions, functions, module_tree, modules};
+use crate::command::outcome::{Failure, to_stderr, to_stdout};
+use crate::command::progress::Progress;
+use crate::command::random::Random;
+use crate::command::robot::Robot;
+use crate::command::table::Table;
 use harness::Harness;
 use quantities::{QUANTITIES, Quantity, State};
 
@@ -141,12 +141,7 @@ impl Arguments {
     }
 
     fn interpreter(&self, model: &Model) -> Result<Interpreter<f64>, Failure> {
-        let modules = match &self.modules {
-            Some(ModuleChoice::Links) => ModuleTree::links(model),
-            Some(ModuleChoice::List(list)) => ModuleTree::from_names(model, list)
-                .map_err(|_| Failure::usage("error: the list is no partition into modules"))?,
-            _ => ModuleTree::chains(model),
-        };
+        let modules = module_tree(model, self.modules.as_ref())?;
         Interpreter::with_modules(model.clone(), modules)
             .map_err(|error| Failure::usage(format!("error: {error}")))
     }

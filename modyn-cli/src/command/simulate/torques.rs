@@ -6,8 +6,8 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 use modyn_codegen::tame;
 use modyn_runtime::model::Model;
 
+use crate::command::outcome::Failure;
 use crate::escape::cell;
-use crate::outcome::Failure;
 
 /// Torques at ascending times; none is zero.
 pub struct Torques {

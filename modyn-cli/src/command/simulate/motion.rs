@@ -4,8 +4,8 @@ use modyn_runtime::model::{Friction, Model};
 use modyn_runtime::{Interpreter, ShapeError};
 
 use super::torques::Torques;
-use crate::outcome::Failure;
-use crate::random::Random;
+use crate::command::outcome::Failure;
+use crate::command::random::Random;
 
 /// How a motion is computed.
 pub struct Settings {

@@ -8,9 +8,9 @@ use modyn_codegen::tame;
 use modyn_codegen::urdf::ReadOptions;
 use serde_json::json;
 
-use crate::diagnostics;
-use crate::outcome::{Failure, to_stdout};
-use crate::robot::{Description, Options};
+use crate::command::diagnostics;
+use crate::command::outcome::{Failure, to_stdout};
+use crate::command::robot::{Description, Options};
 
 /// Say all that is wrong with descriptions
 ///

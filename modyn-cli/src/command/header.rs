@@ -4,7 +4,7 @@ use std::path::Path;
 
 use modyn_codegen::FloatType;
 
-use crate::outcome::Failure;
+use crate::command::outcome::Failure;
 
 /// Made by cbindgen from the generated file, with assertions that sizes are the C compiler's too.
 pub fn text(source: &Path, prefix: &str, float: FloatType) -> Result<String, Failure> {

@@ -10,7 +10,7 @@ use plotters::prelude::*;
 
 use super::motion::{Motion, Sample};
 use super::units::{self, Kind};
-use crate::outcome::Failure;
+use crate::command::outcome::Failure;
 
 /// Curves that can be told apart in one panel: by their dashes, and by colour (Okabe and Ito).
 const CURVES: [(RGBColor, i32, i32); 6] = [

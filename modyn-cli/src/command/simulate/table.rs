@@ -7,8 +7,8 @@ use modyn_runtime::model::Model;
 
 use super::motion::{Motion, Sample};
 use super::units;
+use crate::command::outcome::Failure;
 use crate::escape::cell;
-use crate::outcome::Failure;
 
 /// As CSV, with the units in its head.
 pub fn of(model: &Model, motion: &Motion) -> Result<String, Failure> {

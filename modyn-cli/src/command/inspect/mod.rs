@@ -12,15 +12,16 @@ use std::path::PathBuf;
 
 use clap::Args;
 use modyn_codegen::error::{Code, Diagnostic, Diagnostics};
+use modyn_codegen::urdf::Reading;
 use modyn_codegen::{Builder, Function, ModuleChoice, condition_number};
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Model, ModuleTree};
 
-use crate::diagnostics;
-use crate::generate::{Functions, functions, modules};
-use crate::outcome::{Failure, to_file, to_stdout};
-use crate::progress::Progress;
-use crate::robot::Robot;
+use crate::command::choices::{Functions, functions, module_tree, modules};
+use crate::command::diagnostics;
+use crate::command::outcome::{Failure, to_file, to_stdout};
+use crate::command::progress::Progress;
+use crate::command::robot::Robot;
 use advice::Advice;
 use sparsity::Sparsity;
 
@@ -83,10 +84,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let progress = Progress::start("counting operations");
     let builder = arguments.robot.builder(&description);
-    let mut inspection = inspect(reading.model, builder, arguments)
+    let costs = costs(builder, arguments)
         .map_err(|found| description.failure(arguments.robot.named(found)))?;
+    let Reading { model, warnings, .. } = reading;
+    let inspection = Inspection {
+        modules: module_tree(&model, arguments.modules.as_ref())?,
+        advice: advice::about(&model),
+        condition: condition_number(&model),
+        costs,
+        model,
+        warnings,
+    };
     progress.stop();
-    inspection.warnings = reading.warnings;
     if let Some(path) = &arguments.svg {
         let sparsity = Sparsity::of(&inspection.model, &inspection.modules)?;
         to_file(path, &picture::draw(&inspection.model, &inspection.modules, &sparsity))?;
@@ -98,40 +107,28 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     to_stdout(&(text::of(&inspection) + &warnings))
 }
 
-fn inspect(
-    model: Model,
+/// By function; or why there can be no code.
+fn costs(
     builder: Builder,
     arguments: &Arguments,
-) -> Result<Inspection, Diagnostics> {
+) -> Result<Result<Vec<Cost>, Diagnostics>, Diagnostics> {
     let mut builder = builder.functions(match &arguments.functions {
         Some(Functions(functions)) => functions.clone(),
         None => Function::ALL.iter().copied().filter(|one| one.batched().is_none()).collect(),
     });
-    let mut tree = ModuleTree::chains(&model);
     if let Some(choice) = &arguments.modules {
         builder = builder.modules(choice.clone());
-        match choice {
-            ModuleChoice::Links => tree = ModuleTree::links(&model),
-            ModuleChoice::List(list) => {
-                // What is wrong with the list, the compiler says.
-                tree = ModuleTree::from_names(&model, list).unwrap_or(tree);
-            }
-            _ => {}
-        }
     }
-    let costs = match builder.generate() {
+    match builder.generate() {
         Ok(generated) => {
             let written: BTreeMap<_, _> = generated.written.into_iter().collect();
             let cost = |(name, operations)| {
                 let bytes = written.get(name).map(size::bytes);
                 Cost { name, operations, bytes }
             };
-            Ok(generated.operations.into_iter().map(cost).collect())
+            Ok(Ok(generated.operations.into_iter().map(cost).collect()))
         }
-        Err(found) if found.iter().all(|one| one.code == Code::TooLarge) => Err(found),
-        Err(found) => return Err(found),
-    };
-    let advice = advice::about(&model);
-    let condition = condition_number(&model);
-    Ok(Inspection { model, modules: tree, warnings: Vec::new(), advice, condition, costs })
+        Err(found) if found.iter().all(|one| one.code == Code::TooLarge) => Ok(Err(found)),
+        Err(found) => Err(found),
+    }
 }

@@ -1,10 +1,22 @@
 //! What can be typed, and what the exit code says.
 
+mod check;
+mod choices;
+mod compare;
+mod diagnostics;
+mod generate;
+mod header;
+mod inspect;
+mod outcome;
+mod progress;
+mod random;
+mod robot;
+mod simulate;
+mod table;
+
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-
-use crate::{check, compare, generate, inspect, simulate};
 
 /// Rigid-body dynamics from a robot description (URDF).
 ///

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use modyn_codegen::error::{Code, Diagnostics};
 use modyn_codegen::tame;
 
-use crate::diagnostics;
+use crate::command::diagnostics;
 
 /// Why a command did not do what it was to do.
 #[derive(Debug)]
