@@ -6,6 +6,8 @@
 //!                                  ├─ generate  its dynamics as Rust, and functions for C
 //!                                  ├─ simulate  how it moves: figures, plots, a page to watch
 //!                                  └─ compare   its code against the interpreter
+//!
+//! explain: what a diagnostic means
 //! ```
 //!
 //! Without the feature `command` this is the viewer alone, which depends on nothing.

@@ -4,6 +4,7 @@ mod check;
 mod choices;
 mod compare;
 mod diagnostics;
+mod explain;
 mod generate;
 mod header;
 mod inspect;
@@ -36,6 +37,7 @@ enum Command {
     Generate(generate::Arguments),
     Simulate(simulate::Arguments),
     Compare(compare::Arguments),
+    Explain(explain::Arguments),
 }
 
 /// Carries out what stands on the command line.
@@ -47,6 +49,7 @@ pub fn run() -> ExitCode {
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Explain(arguments) => explain::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
