@@ -70,6 +70,19 @@ fn the_picture_shows_modules_and_sparsity() {
     assert_eq!(counts.len(), 3);
 }
 
+/// The README shows what the command draws.
+#[test]
+fn the_readmes_picture_is_what_is_drawn() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("humanoid.svg").to_string_lossy().into_owned();
+    let robot = "robots/humanoid.urdf";
+    let found = modyn(&["inspect", robot, "--functions", "mass_matrix", "--svg", &path]);
+    assert_eq!(found.code, 0, "{}", found.err);
+    let [drawn, shown] = [path.into(), root().join("docs/humanoid.svg")]
+        .map(|path| std::fs::read_to_string(path).expect("a picture").replace("\r\n", "\n"));
+    assert!(drawn == shown, "modyn inspect {robot} --svg docs/humanoid.svg");
+}
+
 #[test]
 fn modules_are_the_users_choice() {
     let modules = |choice: &str| {
