@@ -54,3 +54,43 @@ fn commands_in_the_documentation_run() {
     }
     assert!(count >= 15, "only {count} commands were found");
 }
+
+/// What stands in backticks.
+fn quoted(text: &str) -> impl Iterator<Item = &str> {
+    text.split('`').skip(1).step_by(2)
+}
+
+#[test]
+fn the_page_on_extending_names_what_there_is() {
+    let page = std::fs::read_to_string(root().join("docs/extending.md")).expect("a page");
+    let mut rows = 0;
+    for line in page.lines().filter(|line| line.starts_with("| `")) {
+        let (_, rest) = line.split_once("| ").expect("a row");
+        let (file, what) = rest.split_once(" | ").expect("two cells");
+        let path = quoted(file).next().expect("a file");
+        let text = std::fs::read_to_string(root().join(path)).unwrap_or_else(|_| panic!("{path}"));
+        for word in quoted(what) {
+            // Folders and files are there, words stand in the file.
+            let found = text.contains(word) || root().join(word).exists();
+            assert!(found || ["bad", "good"].contains(&word), "{path} has no {word}");
+        }
+        rows += 1;
+    }
+    assert!(rows > 30, "{rows}");
+    // Links lead somewhere.
+    for page in ["README.md", "ARCHITECTURE.md"].map(String::from).into_iter().chain(
+        std::fs::read_dir(root().join("docs"))
+            .expect("docs")
+            .map(|entry| format!("docs/{}", entry.expect("an entry").file_name().to_string_lossy()))
+            .filter(|name| name.ends_with(".md")),
+    ) {
+        let text = std::fs::read_to_string(root().join(&page)).expect("a page");
+        let folder = root().join(&page).parent().expect("a folder").to_owned();
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let file = link.split('#').next().unwrap_or_default();
+            if !link.contains("://") && !file.is_empty() && !file.contains(char::is_whitespace) {
+                assert!(folder.join(file).exists(), "{page}: {link}");
+            }
+        }
+    }
+}

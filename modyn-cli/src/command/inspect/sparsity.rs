@@ -4,6 +4,7 @@ use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::command::outcome::Failure;
+use crate::command::random::Random;
 
 /// At how many states it is looked: an entry that is zero at all of them is zero.
 const STATES: usize = 4;
@@ -37,14 +38,9 @@ impl Sparsity {
         let mut found = Self { n, gim: vec![], u: vec![], d: vec![] };
         let mut q = vec![0.0; model.nq()];
         let mut matrix = vec![0.0; n * n];
-        let mut number = 0.0_f64;
-        let mut uniform = || {
-            // Steps of the golden ratio are spread evenly.
-            number = (number + 0.618_033_988_749_894_9).fract();
-            number
-        };
+        let mut random = Random::new(0);
         for _ in 0..STATES {
-            interpreter.random(&mut uniform, &mut q).map_err(|error| wrong(&error))?;
+            interpreter.random(|| random.uniform(), &mut q).map_err(|error| wrong(&error))?;
             interpreter.mass_matrix(&q, &mut matrix).map_err(|error| wrong(&error))?;
             let factors = interpreter.brge(&q).map_err(|error| wrong(&error))?;
             mark(&mut found.gim, &matrix);

@@ -21,6 +21,8 @@ use crate::viewer;
 use motion::{Motion, Settings};
 use torques::Torques;
 
+/// So many joints are named in a line.
+const MOST_NAMES: usize = 8;
 /// The most steps that are taken, and samples that are kept.
 const MOST_STEPS: f64 = 1e8;
 const MOST_SAMPLES: f64 = 1e6;
@@ -148,8 +150,13 @@ fn summary(model: &Model, motion: &Motion) -> String {
     );
     let beyond = motion.beyond_limits(model);
     if !beyond.is_empty() {
-        out +=
-            &format!("beyond their limits, which are not enforced: {}\n", tame(&beyond.join(", ")));
+        let shown = &beyond[..beyond.len().min(MOST_NAMES)];
+        let more = match beyond.len() - shown.len() {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let shown = tame(&shown.join(", "));
+        out += &format!("beyond their limits, which are not enforced: {shown}{more}\n");
     }
     out
 }

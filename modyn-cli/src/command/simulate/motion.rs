@@ -1,4 +1,7 @@
 //! The motion of a robot: Runge-Kutta steps of the interpreter's forward dynamics.
+//!
+//! `modyn::simulate` has such steps for generated robots, whose states are arrays; here their sizes are known at
+//! run time only, and the work of what drives and brakes the joints is integrated along.
 
 use modyn_runtime::model::{Friction, Model};
 use modyn_runtime::{Interpreter, ShapeError};
