@@ -25,6 +25,9 @@ const PANEL: (u32, u32) = (640, 300);
 /// The most points of a curve: more cannot be seen.
 const POINTS: usize = 500;
 
+/// Figures beyond this are left out.
+const LARGEST: f64 = 1e100;
+
 /// A panel's curves.
 struct Panel {
     title: String,
@@ -81,7 +84,9 @@ fn panels(model: &Model, samples: &[&Sample]) -> Vec<Panel> {
         curve("dissipated", |s| s.dissipated),
     ];
     curves.retain(|(_, values)| values.iter().any(|&x| x != 0.0));
-    right.push(Panel { title: "energies".into(), unit: "J", curves });
+    if !curves.is_empty() {
+        right.push(Panel { title: "energies".into(), unit: "J", curves });
+    }
     // Side by side as long as both last.
     let mut all = Vec::new();
     let (mut left, mut right) = (left.into_iter(), right.into_iter());
@@ -125,8 +130,9 @@ fn draw_panel(
 ) -> Result<(), Box<dyn Error>> {
     let times: Vec<f64> = samples.iter().map(|sample| sample.time).collect();
     let end = times.last().copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
-    let all = panel.curves.iter().flat_map(|(_, values)| values).filter(|x| x.is_finite());
+    let all = panel.curves.iter().flat_map(|(_, values)| values).filter(|x| drawn(**x));
     let (low, high) = all.fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
+    let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
     let size = high.abs().max(low.abs());
     // What is constant, or zero but for rounding, needs room all the same.
     let room = if size < 1e-9 { 1.0 } else { ((high - low) * 0.08).max(size * 0.05) };
@@ -147,7 +153,7 @@ fn draw_panel(
         .light_line_style(WHITE)
         .draw()?;
     for ((name, values), (color, dash, gap)) in panel.curves.iter().zip(CURVES) {
-        let points = times.iter().copied().zip(values.iter().copied());
+        let points = times.iter().copied().zip(values.iter().copied()).filter(|(_, x)| drawn(*x));
         let style = color.stroke_width(2);
         let legend =
             move |(x, y)| DashedPathElement::new([(x, y), (x + 36, y)], dash.max(4), gap, style);
@@ -168,6 +174,11 @@ fn draw_panel(
         .label_font(("sans-serif", 12))
         .draw()?;
     Ok(())
+}
+
+/// Whether a figure can be drawn: axes and dashes have no end otherwise.
+fn drawn(x: f64) -> bool {
+    x.abs() < LARGEST
 }
 
 /// A figure at an axis.
