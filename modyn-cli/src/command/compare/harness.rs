@@ -15,6 +15,9 @@ use crate::command::outcome::{Failure, to_file};
 /// Reads states, writes results and times; what depends on the robot is put in at the marks.
 const MAIN: &str = include_str!("main.rs.txt");
 
+/// The program's clock is the command's.
+const TIMING: &str = include_str!("timing.rs");
+
 /// The compiler.
 pub struct Rustc {
     path: OsString,
@@ -87,6 +90,7 @@ impl Harness<'_> {
         let (robot, main) = (folder.join("robot.rs"), folder.join("main.rs"));
         to_file(&robot, self.robot)?;
         to_file(&main, &self.main(model))?;
+        to_file(&folder.join("timing.rs"), TIMING)?;
         let program = folder.join(format!("compare{}", std::env::consts::EXE_SUFFIX));
         let mut command = Command::new(&self.rustc.path);
         command.args([

@@ -2,7 +2,9 @@
 
 mod harness;
 mod quantities;
+mod timing;
 
+use std::hint::black_box;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -178,17 +180,17 @@ fn interpret(
         (quantity.interpret)(interpreter, state, &mut out).map_err(shape)?;
         results.push(out);
     }
-    let (start, mut calls) = (Instant::now(), 0_u32);
-    let mut out = Vec::new();
-    while start.elapsed() < Duration::from_millis(50) {
-        for state in states.iter().take(100) {
+    let (mut out, mut result) = (Vec::new(), Ok(()));
+    let some = &states[..states.len().min(100)];
+    let nanoseconds = timing::nanoseconds(some.len(), || {
+        for state in some {
             out.clear();
-            (quantity.interpret)(interpreter, std::hint::black_box(state), &mut out)
-                .map_err(shape)?;
-            calls += 1;
+            let done = (quantity.interpret)(interpreter, black_box(state), &mut out);
+            result = result.and(done);
         }
-    }
-    Ok((results, start.elapsed().as_secs_f64() * 1e9 / f64::from(calls)))
+    });
+    result.map_err(shape)?;
+    Ok((results, nanoseconds))
 }
 
 /// The largest difference of all states, relative to the largest number of each state's result.
