@@ -80,13 +80,16 @@ impl OperationCount {
     }
 }
 
-impl core::ops::AddAssign for OperationCount {
-    fn add_assign(&mut self, other: Self) {
-        self.multiplications += other.multiplications;
-        self.additions += other.additions;
-        self.divisions += other.divisions;
-        self.sin_cos += other.sin_cos;
-        self.others += other.others;
+impl core::ops::Add for OperationCount {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self {
+            multiplications: self.multiplications + other.multiplications,
+            additions: self.additions + other.additions,
+            divisions: self.divisions + other.divisions,
+            sin_cos: self.sin_cos + other.sin_cos,
+            others: self.others + other.others,
+        }
     }
 }
 

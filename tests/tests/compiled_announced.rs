@@ -281,7 +281,7 @@ impl Functions {
             }
             ["__modyn", "spatial", "Vector3"] => {}
             [part] => {
-                *count += self.count(part);
+                *count = *count + self.count(part);
             }
             _ => panic!("a call of {}", names.join("::")),
         }

@@ -113,7 +113,7 @@ pub(super) fn count(graph: &Graph) -> OperationCount {
     let mut sum = OperationCount::default();
     for piece in pieces(graph) {
         for _ in 0..piece.calls {
-            sum += piece.graph.count();
+            sum = sum + piece.graph.count();
         }
     }
     sum

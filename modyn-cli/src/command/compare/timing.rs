@@ -1,0 +1,26 @@
+//! How long a call takes: for the command, and as text for the program that it compiles.
+
+use std::time::{Duration, Instant};
+
+/// How long it is looked.
+const LOOKED: Duration = Duration::from_millis(30);
+/// What is shorter, s, is not measured well.
+const SHORTEST: f64 = 1e-4;
+
+/// Nanoseconds a call, of so many calls in a pass: the best of many rounds, since others use the
+/// processor too.
+pub fn nanoseconds(calls: usize, mut pass: impl FnMut()) -> f64 {
+    let (mut passes, mut best) = (1, f64::INFINITY);
+    let start = Instant::now();
+    while start.elapsed() < LOOKED {
+        let round = Instant::now();
+        (0..passes).for_each(|_| pass());
+        let seconds = round.elapsed().as_secs_f64();
+        if seconds < SHORTEST {
+            passes *= 2;
+        } else {
+            best = best.min(seconds / f64::from(passes));
+        }
+    }
+    best * 1e9 / calls as f64
+}
