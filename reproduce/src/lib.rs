@@ -8,6 +8,7 @@ pub mod dense;
 pub mod gait;
 pub mod gripper;
 pub mod plot;
+pub mod precision;
 pub mod report;
 pub mod robots;
 pub mod scalar;
@@ -27,5 +28,6 @@ pub fn run(folder: &Path) -> Result<PathBuf, Failure> {
     let mut report = Report::new(folder)?;
     gripper::report(&mut report);
     stability::report(&mut report)?;
+    precision::report(&mut report)?;
     Ok(report.write()?)
 }
