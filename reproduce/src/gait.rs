@@ -242,8 +242,8 @@ mod tests {
             let (before, now, after) = (desired(t - h), desired(t), desired(t + h));
             let mut step = [0.0; 12];
             interpreter.difference(&before.q, &after.q, &mut step).expect("lengths");
-            for i in 0..12 {
-                assert!((step[i] / (2.0 * h) - now.qd[i]).abs() < 1e-6, "rate {i} at {t}");
+            for (i, step) in step.into_iter().enumerate() {
+                assert!((step / (2.0 * h) - now.qd[i]).abs() < 1e-6, "rate {i} at {t}");
                 let change = (after.qd[i] - before.qd[i]) / (2.0 * h);
                 assert!((change - now.qdd[i]).abs() < 1e-6, "acceleration {i} at {t}");
             }

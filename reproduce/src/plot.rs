@@ -31,17 +31,20 @@ impl<'a> Axis<'a> {
     }
 
     fn text(self, at: f64) -> String {
-        if !self.logarithmic {
-            // Ticks are sums of steps: what is left of a zero is none.
-            let text = format!("{:.3e}", if at.abs() < 1e-12 { 0.0 } else { at });
-            let value: f64 = text.parse().unwrap_or(at);
-            return format!("{value}");
-        }
-        let power = at.round();
-        if (at - power).abs() < 1e-6 {
-            format!("1e{power}")
+        // Ticks are sums of steps: what is left of a zero is none.
+        let value = if self.logarithmic {
+            10f64.powf(at)
+        } else if at.abs() < 1e-12 {
+            0.0
         } else {
-            format!("{:.1e}", 10f64.powf(at))
+            at
+        };
+        let digits = if self.logarithmic { 1 } else { 3 };
+        let rounded: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
+        if rounded == 0.0 || (1e-3..1e5).contains(&rounded.abs()) {
+            rounded.to_string()
+        } else {
+            format!("{rounded:e}")
         }
     }
 }
@@ -75,7 +78,20 @@ pub struct Chart<'a> {
     pub lines: Vec<Line>,
 }
 
-const SIZE: (u32, u32) = (860, 520);
+const SIZE: (u32, u32) = (960, 500);
+
+/// Where the legend begins.
+const LEGEND: i32 = 700;
+
+/// Dark enough for white paper.
+const COLOURS: [RGBColor; 6] = [
+    RGBColor(0, 0, 0),
+    RGBColor(200, 30, 30),
+    RGBColor(20, 90, 200),
+    RGBColor(10, 130, 60),
+    RGBColor(190, 100, 0),
+    RGBColor(120, 40, 160),
+];
 
 /// Markers on a line at most.
 const MARKERS: usize = 14;
@@ -114,7 +130,8 @@ impl Chart<'_> {
         };
         let root = SVGBackend::new(path, SIZE).into_drawing_area();
         root.fill(&WHITE)?;
-        let mut chart = ChartBuilder::on(&root)
+        let (left, right) = root.split_horizontally(LEGEND);
+        let mut chart = ChartBuilder::on(&left)
             .caption(self.title, ("sans-serif", 20))
             .margin(12)
             .x_label_area_size(48)
@@ -131,37 +148,28 @@ impl Chart<'_> {
             .label_style(("sans-serif", 15))
             .draw()?;
         for (i, (line, points)) in self.lines.iter().zip(lines).enumerate() {
-            let style = Palette99::pick(i).to_rgba().stroke_width(2);
-            let (dash, gap, legend) = DASHES[i % DASHES.len()];
+            let style = COLOURS[i % COLOURS.len()].stroke_width(2);
+            let (dash, gap, pieces) = DASHES[i % DASHES.len()];
             let every = points.len().div_ceil(MARKERS).max(1);
             // Lines that lie on each other have their markers at different places.
             let first = (i * every / 5) % every;
             let marked: Vec<_> = points.iter().copied().skip(first).step_by(every).collect();
-            let series = if gap == 0 {
-                chart.draw_series(LineSeries::new(points, style))?
+            if gap == 0 {
+                chart.draw_series(LineSeries::new(points, style))?;
             } else {
-                chart.draw_series(DashedLineSeries::new(points, dash, gap, style))?
-            };
+                chart.draw_series(DashedLineSeries::new(points, dash, gap, style))?;
+            }
             let shape = SHAPES[i % SHAPES.len()];
-            series.label(line.name.clone()).legend(move |at| {
-                let part = |[from, to]: [i32; 2]| PathElement::new([(from, 0), (to, 0)], style);
-                let marker = shape.iter().map(|&(x, y)| (15 + x, y)).collect::<Vec<_>>();
-                EmptyElement::at(at)
-                    + part(legend[0])
-                    + part(legend[1])
-                    + PathElement::new(marker, style)
-            });
             let marker = |at| EmptyElement::at(at) + PathElement::new(shape, style);
             chart.draw_series(marked.into_iter().map(marker))?;
+            let (x, y) = (4, 60 + 26 * i32::try_from(i)?);
+            for [from, to] in pieces {
+                right.draw(&PathElement::new([(x + from, y), (x + to, y)], style))?;
+            }
+            let shape = shape.iter().map(|(dx, dy)| (x + 15 + dx, y + dy));
+            right.draw(&PathElement::new(shape.collect::<Vec<_>>(), style))?;
+            right.draw(&Text::new(line.name.clone(), (x + 38, y - 8), ("sans-serif", 15)))?;
         }
-        chart
-            .configure_series_labels()
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK)
-            .legend_area_size(36)
-            .label_font(("sans-serif", 15))
-            .position(SeriesLabelPosition::UpperLeft)
-            .draw()?;
         root.present()?;
         Ok(())
     }

@@ -117,6 +117,13 @@ pub fn median(mut errors: Vec<f64>) -> f64 {
 /// kilograms the gripper's inertias would be a few units of the last place.
 #[must_use]
 pub fn for_fixed_point(subject: Subject) -> Subject {
+    with_largest(subject, 64.0)
+}
+
+/// The robot in a unit of mass, a power of two in kilograms, in which the largest entry of its GIM is
+/// about `size`.
+#[must_use]
+pub fn with_largest(subject: Subject, size: f64) -> Subject {
     let mut interpreter = Interpreter::<f64>::new(subject.model.clone());
     let n = subject.model.nv();
     let mut gim = vec![0.0; n * n];
@@ -125,7 +132,7 @@ pub fn for_fixed_point(subject: Subject) -> Subject {
         interpreter.mass_matrix(q, &mut gim).expect("lengths");
         largest = gim.iter().fold(largest, |largest, x| largest.max(x.abs()));
     }
-    let unit = (64.0 / largest).log2().round().exp2();
+    let unit = (size / largest).log2().round().exp2();
     Subject { model: robots::in_mass_unit(&subject.model, unit), ..subject }
 }
 
@@ -171,6 +178,19 @@ pub fn against_pieces<S: Number>(subject: &Subject) -> Line {
     Line::new(subject.name.clone(), points)
 }
 
+/// Median errors in Q16.16 against the unit of mass, said by the largest entry of the GIM.
+#[must_use]
+pub fn against_unit(subject: fn() -> Subject) -> Vec<Line> {
+    let names = ways(&subject().model);
+    let point = |k: usize, size: i32| {
+        let subject = with_largest(subject(), 2f64.powi(size));
+        let way = &ways(&subject.model)[k].1;
+        (2f64.powi(size), median(errors::<Fixed>(&subject, way)))
+    };
+    let line = |k: usize| Line::new(names[k].0.clone(), (-2..=12).map(|size| point(k, size)));
+    (0..names.len()).map(line).collect()
+}
+
 /// The section of the page.
 ///
 /// # Errors
@@ -208,6 +228,12 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     report.plot(
         "stability-fixed.svg",
         &chart("Q16.16: error against the length of a chain", links, lines),
+    )?;
+    let unit = Axis::logarithmic("largest entry of the GIM in the unit of mass chosen");
+    let lines = against_unit(|| subjects().remove(2));
+    report.plot(
+        "stability-unit.svg",
+        &chart("Q16.16: error of the 7-joint arm by unit of mass", unit, lines),
     )?;
     let pieces = Axis::linear("links a module, at most");
     let mut lines: Vec<Line> = subjects().iter().map(against_pieces::<f32>).collect();

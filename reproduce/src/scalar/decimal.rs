@@ -90,6 +90,6 @@ mod tests {
         assert_eq!((number(1.0) / number(3.0)).0, 0.3333);
         assert_eq!((number(0.01) * number(0.01)).0, 0.0001);
         assert_eq!((number(0.001) * number(0.01)).0, 0.0);
-        assert_eq!(number(2.0).sqrt().0, 1.4142);
+        assert_eq!(number(3.0).sqrt().0, 1.7321);
     }
 }
