@@ -4,6 +4,7 @@
 //! page, the paper's figures beside ours. One file a topic; `docs/paper.md` says which equation is
 //! where.
 
+pub mod complexity;
 pub mod dense;
 pub mod gait;
 pub mod gripper;
@@ -29,5 +30,6 @@ pub fn run(folder: &Path) -> Result<PathBuf, Failure> {
     gripper::report(&mut report);
     stability::report(&mut report)?;
     precision::report(&mut report)?;
+    complexity::report(&mut report)?;
     Ok(report.write()?)
 }
