@@ -113,6 +113,9 @@ pub struct Generated {
     pub warnings: Vec<Diagnostic>,
     /// The operations that each function takes.
     pub operations: Vec<(&'static str, OperationCount)>,
+    /// The operations that stand in the text of each function but batches: for a function of a link, those of all links
+    /// together, where [`operations`](Self::operations) has those of the most expensive one.
+    pub written: Vec<(&'static str, OperationCount)>,
     /// The modules that forward dynamics is eliminated by.
     pub partition: ModuleTree,
     /// What each partition that was considered costs, the chosen one first.
@@ -319,10 +322,20 @@ impl Builder {
             payload: payload.unwrap_or_default(),
             warnings,
         };
-        let Emitted { text, type_name, operations, partition: (partition, partition_costs) } =
+        let Emitted { text, type_name, operations, written, partition } =
             emit(&model, &modules, &options);
+        let (partition, partition_costs) = partition;
         let warnings = options.warnings;
-        Ok(Generated { text, type_name, model, warnings, operations, partition, partition_costs })
+        Ok(Generated {
+            text,
+            type_name,
+            model,
+            warnings,
+            operations,
+            written,
+            partition,
+            partition_costs,
+        })
     }
 
     /// From a build script: compiles to `OUT_DIR`, for `modyn::include_model!`, and has Cargo run

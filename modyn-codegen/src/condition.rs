@@ -15,7 +15,7 @@ const MOST_VELOCITIES: usize = 100;
 
 /// The largest condition number for which single precision, with its 24 bits, is sure to be left two
 /// digits.
-const CARRIED_BY_F32: f64 = 1e5;
+pub const CARRIED_BY_F32: f64 = 1e5;
 
 /// The largest condition number (2-norm) of the mass matrix at a few states spread over the
 /// joints' ranges, its rows and columns scaled to a diagonal of ones: elimination does not see the

@@ -21,10 +21,12 @@ pub mod names;
 pub mod partition;
 pub mod passes;
 pub mod source;
+mod tame;
 pub mod trace;
 pub mod urdf;
 
 pub use builder::{Builder, Generated, ModuleChoice};
-pub use condition::condition_number;
+pub use condition::{CARRIED_BY_F32, condition_number};
 pub use emit::FloatType;
 pub use functions::Function;
+pub use tame::tame;

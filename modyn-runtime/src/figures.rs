@@ -80,6 +80,19 @@ impl OperationCount {
     }
 }
 
+impl core::ops::Add for OperationCount {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self {
+            multiplications: self.multiplications + other.multiplications,
+            additions: self.additions + other.additions,
+            divisions: self.divisions + other.divisions,
+            sin_cos: self.sin_cos + other.sin_cos,
+            others: self.others + other.others,
+        }
+    }
+}
+
 impl fmt::Display for OperationCount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { multiplications, additions, divisions, sin_cos, .. } = self;

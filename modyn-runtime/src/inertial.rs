@@ -79,14 +79,10 @@ impl Inertial {
         if self.mass < 0.0 {
             return Some(InertialDefect::NegativeMass(self.mass));
         }
-        let [xx, xy, xz, yy, yz, zz] = self.inertia;
         if self.mass == 0.0 && self.inertia.iter().any(|&x| x != 0.0) {
             return Some(InertialDefect::InertiaWithoutMass);
         }
-        let mut full = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
-        crate::jacobi::diagonalize(&mut full, 3);
-        let mut moments = [full[0], full[4], full[8]];
-        moments.sort_unstable_by(f64::total_cmp);
+        let moments = self.principal_moments();
         let slack = SLACK * moments[2].abs().max(moments[0].abs());
         if moments[0] < -slack {
             Some(InertialDefect::NotPositiveSemidefinite(moments))
@@ -95,6 +91,17 @@ impl Inertial {
         } else {
             None
         }
+    }
+
+    /// The principal moments of inertia about the centre of mass, kg m^2, ascending.
+    #[must_use]
+    pub fn principal_moments(&self) -> [f64; 3] {
+        let [xx, xy, xz, yy, yz, zz] = self.inertia;
+        let mut full = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
+        crate::jacobi::diagonalize(&mut full, 3);
+        let mut moments = [full[0], full[4], full[8]];
+        moments.sort_unstable_by(f64::total_cmp);
+        moments
     }
 
     /// The parameters that the dynamics are linear in: `[m, m cx, m cy, m cz, Ixx, Ixy, Ixz, Iyy,

@@ -7,24 +7,12 @@ use modyn_runtime::model::ModuleTree;
 
 use super::Robot;
 use crate::error::{Diagnostic, Diagnostics};
+use crate::tame::tame;
 
 /// `name` as code in a doc comment, whatever stands in it.
 pub(super) fn code(name: &str) -> String {
     // A backtick would end the code, a bar a table's cell.
     format!("`{}`", tame(name).replace(['`', '|'], "\u{fffd}"))
-}
-
-/// `text` in one line, and as it looks: a line break would end a comment, and rustc denies
-/// characters that change the direction of what follows them.
-fn tame(text: &str) -> String {
-    text.replace(|c: char| c.is_control() || is_invisible(c), "\u{fffd}")
-}
-
-/// Characters that show nothing themselves: marks of direction, joiners, separators of lines.
-fn is_invisible(c: char) -> bool {
-    matches!(c,
-        '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
-        | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
 }
 
 /// The doc comment of the robot's type.

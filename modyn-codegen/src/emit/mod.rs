@@ -107,6 +107,8 @@ pub struct Emitted {
     pub type_name: String,
     /// What each function takes, by name.
     pub operations: Vec<(&'static str, OperationCount)>,
+    /// What stands in the text of each function, by name: that of all links together for one of a link.
+    pub written: Vec<(&'static str, OperationCount)>,
     /// The modules of the forward recursion, and what each candidate would have cost.
     pub partition: (ModuleTree, Vec<(&'static str, usize)>),
 }
@@ -145,6 +147,11 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
         |q: &Quantity| q.graphs.largest().map_or_else(OperationCount::default, Graph::count);
     let named = |q: &Quantity| (q.function.name(), count(q));
     let mut operations: Vec<_> = quantities.iter().map(named).collect();
+    let written = quantities.iter().map(|q| {
+        let counts = q.graphs.all().iter().map(Graph::count);
+        (q.function.name(), counts.fold(OperationCount::default(), |sum, count| sum + count))
+    });
+    let written = written.collect();
 
     let mut text = String::new();
     docs::robot(&mut text, &robot, &operations, (&eliminated, &candidates));
@@ -181,7 +188,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
         text = layout::indented(&text);
         text += &embedded::module(&text);
     }
-    Emitted { text, type_name, operations, partition: (eliminated, candidates) }
+    Emitted { text, type_name, operations, written, partition: (eliminated, candidates) }
 }
 
 /// What the parts of the text are written from.

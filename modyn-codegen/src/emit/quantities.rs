@@ -33,12 +33,17 @@ pub(super) enum Graphs {
 }
 
 impl Graphs {
+    /// All of them.
+    pub fn all(&self) -> &[Graph] {
+        match self {
+            Self::One(graph) => std::slice::from_ref(graph),
+            Self::ByLink(graphs) => graphs,
+        }
+    }
+
     /// The most expensive one.
     pub fn largest(&self) -> Option<&Graph> {
-        match self {
-            Self::One(graph) => Some(graph),
-            Self::ByLink(graphs) => graphs.iter().max_by_key(|graph| graph.count().total()),
-        }
+        self.all().iter().max_by_key(|graph| graph.count().total())
     }
 }
 

@@ -1,0 +1,132 @@
+//! Diagnostics for people, with the line that is wrong, and for programs.
+
+use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
+use modyn_codegen::error::{Diagnostic, Diagnostics, Position, Severity, Subject};
+use modyn_codegen::tame;
+use serde_json::{Value, json};
+
+/// The longest line that is shown: a file may be one line of a million characters.
+const LONGEST_LINE: usize = 10_000;
+
+/// As compilers show them, one below the other. `text` is the description.
+pub fn render(found: &[Diagnostic], text: Option<&str>) -> String {
+    let lines: Vec<&str> = text.map(|text| text.lines().collect()).unwrap_or_default();
+    let renderer = Renderer::styled();
+    let mut out = String::new();
+    for diagnostic in found.iter().take(Diagnostics::SHOWN) {
+        out += &renderer.render(&[group(diagnostic, &lines)]);
+        out += "\n\n";
+    }
+    if found.len() > Diagnostics::SHOWN {
+        out += &format!("... and {} more\n\n", found.len() - Diagnostics::SHOWN);
+    }
+    out
+}
+
+fn group<'a>(diagnostic: &Diagnostic, lines: &[&str]) -> Group<'a> {
+    let level = match diagnostic.severity {
+        Severity::Error => Level::ERROR,
+        Severity::Warning => Level::WARNING,
+    };
+    let title = match &diagnostic.subject {
+        Some(subject) => format!("{subject}: {}", diagnostic.message),
+        None => diagnostic.message.clone(),
+    };
+    let mut group = Group::with_title(level.primary_title(tame(&title)).id(diagnostic.code.name()));
+    let file = tame(diagnostic.file.as_deref().unwrap_or_default());
+    let line = diagnostic.position.and_then(|at| Some((at, *lines.get(at.line.checked_sub(1)?)?)));
+    match (line.filter(|(_, line)| line.len() <= LONGEST_LINE), diagnostic.position) {
+        (Some((at, line)), _) => {
+            let line = tame_line(line);
+            let span = AnnotationKind::Primary.span(marked(&line, at));
+            let snippet = Snippet::source(line).line_start(at.line).path(file);
+            group = group.element(snippet.annotation(span));
+        }
+        (None, Some(at)) => {
+            group = group.element(Origin::path(file).line(at.line).char_column(at.column));
+        }
+        (None, None) if !file.is_empty() => group = group.element(Origin::path(file)),
+        (None, None) => {}
+    }
+    match &diagnostic.help {
+        Some(text) => group.element(Level::HELP.message(tame(text))),
+        None => group,
+    }
+}
+
+/// Character for character, so that columns stay; tabs may stay too.
+fn tame_line(line: &str) -> String {
+    line.split('\t').map(tame).collect::<Vec<_>>().join("\t")
+}
+
+/// The bytes of a line that a mark belongs under: the tag, the attribute or the value that begins at the
+/// position.
+fn marked(line: &str, at: Position) -> std::ops::Range<usize> {
+    let start = line.char_indices().nth(at.column - 1).map_or(line.len(), |(i, _)| i);
+    let rest = &line[start..];
+    let name = rest.find(|c: char| !c.is_alphanumeric() && !"_:-.".contains(c));
+    let name = name.unwrap_or(rest.len());
+    let before = line[..start].chars().next_back();
+    let length = if let Some(quote) = before.filter(|c| matches!(c, '"' | '\'')) {
+        rest.find(quote)
+    } else if rest.starts_with('<') {
+        rest.find('>').map(|end| end + 1)
+    } else if let Some(quote) = rest[name..].strip_prefix('=').and_then(|v| v.chars().next()) {
+        let value = name + 1 + quote.len_utf8();
+        rest.get(value..).and_then(|rest| rest.find(quote)).map(|end| value + end + 1)
+    } else {
+        Some(name)
+    };
+    let length = length.unwrap_or(rest.trim_end().len());
+    let one = rest.chars().next().map_or(0, char::len_utf8);
+    start..start + length.max(one)
+}
+
+/// For programs: what [`Diagnostic`] has, by the same names.
+pub fn to_json(found: &[Diagnostic]) -> Value {
+    found.iter().map(one_to_json).collect()
+}
+
+fn one_to_json(diagnostic: &Diagnostic) -> Value {
+    let subject = diagnostic.subject.as_ref().map(|subject| {
+        let (kind, name) = match subject {
+            Subject::Joint(name) => ("joint", name),
+            Subject::Link(name) => ("link", name),
+            Subject::Robot(name) => ("robot", name),
+            other => ("other", &other.to_string()),
+        };
+        json!({ "kind": kind, "name": name })
+    });
+    json!({
+        "severity": match diagnostic.severity {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+        },
+        "code": diagnostic.code.name(),
+        "line": diagnostic.position.map(|at| at.line),
+        "column": diagnostic.position.map(|at| at.column),
+        "subject": subject,
+        "message": diagnostic.message,
+        "help": diagnostic.help,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mark_covers_what_begins_where_it_stands() {
+        let line = "  <mass value=\"-1\"/><é a='x'/>";
+        let mark = |column| &line[marked(line, Position { line: 1, column })];
+        assert_eq!(mark(3), "<mass value=\"-1\"/>");
+        assert_eq!(mark(9), "value=\"-1\"");
+        assert_eq!(mark(16), "-1");
+        assert_eq!(mark(21), "<é a='x'/>");
+        assert_eq!(mark(24), "a='x'");
+        assert_eq!(mark(2), " ");
+        assert_eq!(mark(1000), "");
+        let open = "<mass value=\"-1  ";
+        assert_eq!(&open[marked(open, Position { line: 1, column: 7 })], "value=\"-1");
+    }
+}
