@@ -4,10 +4,14 @@
 //! page, the paper's figures beside ours. One file a topic; `docs/paper.md` says which equation is
 //! where.
 
+pub mod biped;
 pub mod complexity;
+pub mod conditioning;
 pub mod dense;
+pub mod energy;
 pub mod gait;
 pub mod gripper;
+pub mod motion;
 pub mod plot;
 pub mod precision;
 pub mod report;
@@ -31,5 +35,8 @@ pub fn run(folder: &Path) -> Result<PathBuf, Failure> {
     stability::report(&mut report)?;
     precision::report(&mut report)?;
     complexity::report(&mut report)?;
+    biped::report(&mut report)?;
+    energy::report(&mut report)?;
+    conditioning::report(&mut report)?;
     Ok(report.write()?)
 }
