@@ -59,17 +59,15 @@ pub type Published = (&'static str, fn(f64) -> f64);
 
 /// Published counts of forward dynamics, multiplications and additions together.
 pub const PUBLISHED: [Published; 3] = [
-    ("articulated body (McMillan; Featherstone 2008)", |n| {
-        (224.0 * n - 259.0) + (205.0 * n - 248.0)
-    }),
-    ("RNEA, CRBA, factor and solve (Featherstone 2008)", |n| {
+    ("articulated body (published)", |n| (224.0 * n - 259.0) + (205.0 * n - 248.0)),
+    ("RNEA, CRBA, solve (published)", |n| {
         let rnea = (93.0 * n - 108.0) + (81.0 * n - 100.0);
         let crba = (10.0 * n * n + 22.0 * n - 32.0) + (6.0 * n * n + 37.0 * n - 43.0);
         let cube = n * n * n / 6.0;
         let solve = (cube + 1.5 * n * n - 2.0 * n / 3.0) + (cube + n * n - 7.0 * n / 6.0);
         rnea + crba + solve
     }),
-    ("reverse Gaussian elimination (Saha)", |n| (191.0 * n - 284.0) + (187.0 * n - 325.0)),
+    ("RGE (as quoted)", |n| (191.0 * n - 284.0) + (187.0 * n - 325.0)),
 ];
 
 /// The interpreter's time for forward dynamics of a chain, s: the least of several calls.
@@ -119,8 +117,10 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     report.heading("Complexity: Fig. 6");
     report.text(
         "Operations of forward dynamics: multiplications, additions and divisions of the traced equations, of \
-         revolute chains and trees in general position; published counts without divisions. The paper prints its \
-         Fig. 6 as a plot alone. The search for modules stops at its budget of 80,000 operations traced.",
+         revolute chains and trees in general position. Published counts have no divisions: articulated body \
+         after McMillan, RNEA after Balafoutis and Patel, CRBA, factoring and solving as in Featherstone 2008, \
+         Table 10.1; reverse Gaussian elimination after Saha, as others quote it. A chain as one module is composite \
+         inertias and elimination, so both have the same count. The paper prints its Fig. 6 as a plot alone. The search for modules stops at its budget of 80,000 operations traced.",
     );
     let (joints, operations) = (Axis::linear("joints n"), Axis::linear("operations"));
     let (counts, mut all) = lines(&CHAINS.map(robots::chain));

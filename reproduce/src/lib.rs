@@ -12,6 +12,7 @@ pub mod energy;
 pub mod gait;
 pub mod gripper;
 pub mod motion;
+pub mod parallel;
 pub mod plot;
 pub mod precision;
 pub mod report;
@@ -38,5 +39,6 @@ pub fn run(folder: &Path) -> Result<PathBuf, Failure> {
     biped::report(&mut report)?;
     energy::report(&mut report)?;
     conditioning::report(&mut report)?;
+    parallel::report(&mut report)?;
     Ok(report.write()?)
 }
