@@ -39,12 +39,12 @@ fn anywhere(model: &Model, count: usize) -> States {
 #[must_use]
 pub fn subjects() -> Vec<Subject> {
     let [gripper, arm7] = [robots::gripper(), robots::arm7()];
-    let step = (0..40).map(|k| gait::desired(f64::from(k) / 39.0));
+    let step = (0..100).map(|k| gait::desired(f64::from(k) / 99.0));
     let states = step.map(|posture| (posture.q.to_vec(), posture.qd.to_vec())).collect();
     vec![
-        Subject { name: "gripper".into(), states: anywhere(&gripper, 40), model: gripper },
+        Subject { name: "gripper".into(), states: anywhere(&gripper, 100), model: gripper },
         Subject { name: "biped".into(), states, model: robots::biped() },
-        Subject { name: "arm7".into(), states: anywhere(&arm7, 40), model: arm7 },
+        Subject { name: "arm7".into(), states: anywhere(&arm7, 100), model: arm7 },
     ]
 }
 
@@ -178,6 +178,34 @@ pub fn against_pieces<S: Number>(subject: &Subject) -> Line {
     Line::new(subject.name.clone(), points)
 }
 
+/// Every way to cut a robot that is one chain into modules, by their lengths, with the median error on
+/// scalar `S`; the best first.
+///
+/// # Panics
+///
+/// If the robot branches.
+#[must_use]
+pub fn by_cuts<S: Number>(subject: &Subject) -> Vec<(Vec<usize>, f64)> {
+    let links: Vec<&str> = subject.model.links().iter().map(|link| link.name.as_str()).collect();
+    let mut cuts: Vec<(Vec<usize>, f64)> = (0..1_usize << (links.len() - 1))
+        .map(|cut| {
+            // Bit k: whether a module ends behind link k.
+            let mut modules = vec![vec![links[0]]];
+            for (k, link) in links.iter().enumerate().skip(1) {
+                if cut >> (k - 1) & 1 == 1 {
+                    modules.push(Vec::new());
+                }
+                modules.last_mut().expect("one at least").push(link);
+            }
+            let lengths = modules.iter().map(Vec::len).collect();
+            let modules = ModuleTree::from_names(&subject.model, &modules).expect("one chain");
+            (lengths, median(errors::<S>(subject, &Way::Modules(modules))))
+        })
+        .collect();
+    cuts.sort_by(|a, b| a.1.total_cmp(&b.1));
+    cuts
+}
+
 /// Median errors in Q16.16 against the unit of mass, said by the largest entry of the GIM.
 #[must_use]
 pub fn against_unit(subject: fn() -> Subject) -> Vec<Line> {
@@ -212,6 +240,23 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
         }
     }
     report.table(&["robot", "way", "f32", "Q16.16, mass in a fitting unit"], rows);
+    report.text(
+        "Every way to cut the robots that are one chain, in single precision: the best and the worst, by the lengths of \
+         their modules from the base on, and how many ways are better than by links.",
+    );
+    let rows = subjects().into_iter().skip(1).map(|subject| {
+        let cuts = by_cuts::<f32>(&subject);
+        let shown = |(lengths, error): &(Vec<usize>, f64)| {
+            let lengths: Vec<String> = lengths.iter().map(usize::to_string).collect();
+            format!("{}: {}", lengths.join(" "), power(*error))
+        };
+        let by_links =
+            cuts.iter().position(|(lengths, _)| lengths.iter().all(|&length| length == 1));
+        let better = by_links.unwrap_or(0);
+        let (best, worst) = (shown(&cuts[0]), shown(&cuts[cuts.len() - 1]));
+        vec![subject.name, best, shown(&cuts[better]), worst, format!("{better} of {}", cuts.len())]
+    });
+    report.table(&["robot", "best", "by links", "worst", "better than by links"], rows.collect());
     let chart = |title, x, lines| Chart {
         title,
         x,

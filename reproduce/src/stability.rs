@@ -310,6 +310,26 @@ mod tests {
     }
 
     #[test]
+    fn errors_of_the_forces_grow_by_the_condition_number_at_most() {
+        // (65)-(67).
+        for problem in [Problem::gripper(), Problem::biped()] {
+            let condition = crate::dense::condition_number(&problem.gim);
+            let mut grown: f64 = 0.0;
+            for seed in 0..200 {
+                let small = crate::robots::spread(seed).map(|x| 1e-6 * x);
+                let delta: Vec<f64> = small.take(problem.phi.len()).collect();
+                let phi: Vec<f64> = problem.phi.iter().zip(&delta).map(|(a, b)| a + b).collect();
+                let moved = Problem { phi, ..problem.clone() }.reverse_gaussian::<f64>();
+                let difference: Vec<f64> =
+                    moved.iter().zip(&problem.qdd).map(|(a, b)| a - b).collect();
+                let relative = norm(&difference) / norm(&problem.qdd);
+                grown = grown.max(relative / (norm(&delta) / norm(&problem.phi)));
+            }
+            assert!(grown > 0.01 * condition && grown <= condition, "{grown}, {condition}");
+        }
+    }
+
+    #[test]
     fn all_solvers_agree_in_double_precision() {
         for problem in [Problem::gripper(), Problem::biped()] {
             let found = [

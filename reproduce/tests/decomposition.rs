@@ -229,6 +229,16 @@ fn elementary_matrices_annihilate_block_columns() {
             let sum = d.ebutm_inverse(j).plus(&d.ebutm_inverse(j - 1)).minus(&Dense::identity(n));
             let product = d.ebutm_inverse(j).times(&d.ebutm_inverse(j - 1));
             assert_same("(41)", &case, &product, &sum);
+            // (51): without the inverses one product is left.
+            let (before, column) = (d.u_column(j - 1), d.u_column(j));
+            let left = if d.originates(j, j - 1) {
+                column.minus(&before.times(&d.u_block(j - 1, j)))
+            } else {
+                column
+            };
+            let by = |column: &Matrix, j: usize| column.times(&d.unit_column(j).transposed());
+            let expected = Dense::identity(n).minus(&by(&before, j - 1)).minus(&by(&left, j));
+            assert_same("(51)", &case, &d.ebutm(j - 1).times(&d.ebutm(j)), &expected);
         }
         // (35), (33): what is left is lower triangular, D U^T.
         assert_same("(33), (35)", &case, &d.eliminated(1), &d.d().times(&d.u().transposed()));
@@ -397,6 +407,22 @@ fn one_link_a_module_is_the_articulated_body_inertia() {
     }
 }
 
+/// Table 6 as printed against the interpreter, whose elimination it shares nothing with.
+#[test]
+fn table_6_is_the_recursion_on_any_tree() {
+    for seed in 0..4 * SEEDS {
+        let links = 1 + usize::try_from(seed % 14).expect("small");
+        let zoo = random::zoo(seed, links);
+        let model = if zoo.has_mimics() { random::tree(seed, links) } else { zoo };
+        let random::State { q, tau, .. } = random::state(seed, &model);
+        let found = modyn_reproduce::table6::Table6::<f64>::new(&model).solve(&q, &tau);
+        let expected = Interpreter::<f64>::new(model).brge(&q).and_then(|brge| brge.solve(&tau));
+        let expected = expected.expect("lengths");
+        let difference: Vec<f64> = found.iter().zip(&expected).map(|(a, b)| a - b).collect();
+        assert!(dense::norm(&difference) <= 1e-8 * dense::norm(&expected), "seed {seed}");
+    }
+}
+
 #[test]
 fn the_gripper_is_eliminated_in_two_stages() {
     let model = robots::gripper();
@@ -407,6 +433,21 @@ fn the_gripper_is_eliminated_in_two_stages() {
     let d = &case.decomposition;
     let (gim, third, second) = (d.gim(), d.eliminated(2), d.eliminated(1));
     let block = |matrix: &Matrix, i: usize, j: usize| matrix.block(d.entries(i), d.entries(j));
+    // (11), (12): blocks of the modules' own matrices.
+    for (i, j) in [(0, 0), (1, 0), (1, 1), (2, 0), (2, 2)] {
+        let wrench = d.composite(i).times(&d.propagation(i, j)).times(&d.joints(j));
+        let expected = d.joints(i).transposed().times(&wrench);
+        assert_same("(11)", &case, &block(&gim, i, j), &expected);
+    }
+    for (module, single) in [(0, true), (1, false), (2, true)] {
+        let (within, alone) = (d.propagation_within(module), d.joints_alone(module));
+        assert_same("(12)", &case, &d.joints(module), &within.times(&alone));
+        assert_eq!(d.joints(module).rows, if single { 6 } else { 12 });
+    }
+    let links = d.mass(1);
+    for (row, column) in [(0, 6), (6, 0)] {
+        assert_eq!(largest(&links.block(row..row + 6, column..column + 6)), 0.0, "(14)");
+    }
     // (12)-(14): terminal modules are their own composites.
     for module in [1, 2] {
         assert_same("(13)", &case, &d.composite(module), &d.mass(module));
@@ -433,9 +474,69 @@ fn the_gripper_is_eliminated_in_two_stages() {
     for (i, j) in [(0, 1), (0, 2), (1, 2)] {
         assert!(largest(&block(&second, i, j)) < 1e-17, "(29)");
     }
+    let upper = |i: usize, j: usize| d.u_block(i, j);
+    assert_same("(17), (25)", &case, &d.ebutm(1).times(&d.ebutm(2)).times(&gim), &second);
+    assert_same("(18)", &case, &upper(0, 2).times(d.pivot(2)), &block(&gim, 0, 2));
+    assert_same(
+        "(22)",
+        &case,
+        &block(&third, 0, 0),
+        &block(&gim, 0, 0).minus(&upper(0, 2).times(&block(&gim, 2, 0))),
+    );
+    assert_same("(26)", &case, &upper(0, 1).times(&block(&third, 1, 1)), &block(&third, 0, 1));
+    let taken = d.psi(2).times(&d.joints(2).transposed());
+    let unity = Dense::identity(6).minus(&d.phi(2));
+    let held = d.pivot(2).get(0, 0).expect("one joint");
+    assert_same(
+        "(24)",
+        &case,
+        &Dense { entries: unity.entries.iter().map(|x| x * held).collect(), ..unity },
+        &taken,
+    );
+    let sum = [1, 2].iter().fold(d.mass(0), |sum, &j| {
+        sum.plus(&d.phi(j).times(d.articulated(j)).congruence(&d.propagation(j, 0)))
+    });
+    assert_same("(28)", &case, d.articulated(0), &sum);
+    let inverses = d.ebutm_inverse(2).times(&d.ebutm_inverse(1));
+    assert_same("(31), (32)", &case, &inverses.times(&second), &gim);
+    assert_same("(33)", &case, &d.u().times(&second), &gim);
+    assert_same("(34)", &case, &d.d().congruence(&d.u().transposed()), &gim);
+    for j in [1, 2] {
+        assert_same("(30)", &case, &d.articulated(j).congruence(&d.joints(j)), d.pivot(j));
+        let zero = Dense::zero(1, d.entries(j).len());
+        assert_same("(58)", &case, &block(&d.u_inverse(), 0, j), &zero.minus(&upper(0, j)));
+    }
     // (59): both hang on module 1.
     for j in [1, 2] {
         assert_same("(59)", &case, &d.articulated_propagation(j, 0), &d.propagation(j, 0));
+    }
+}
+
+#[test]
+fn twists_of_neighbouring_links_are_appendix_a1() {
+    let model = robots::gripper();
+    let modules = ModuleTree::links(&model);
+    let mut interpreter =
+        Interpreter::<f64>::with_modules(model, modules).expect("its own modules");
+    let d = interpreter.decomposition(&[0.0; 4]).expect("lengths");
+    // At zero all axes are parallel, as in the paper: A = [1, 0; a x, 1], a from link 1^2 back to 1^1, which
+    // is 0.1 m along x, and p = [e; 0].
+    let a = d.propagation(1, 0);
+    for i in 0..6 {
+        for j in 0..6 {
+            let expected = match (i, j) {
+                _ if i == j => 1.0,
+                (4, 2) => 0.1,
+                (5, 1) => -0.1,
+                _ => 0.0,
+            };
+            let found = a.get(i, j).expect("inside");
+            assert!((found - expected).abs() < 1e-15, "(A.2), row {i}, column {j}: {found}");
+        }
+    }
+    let axis = d.joints_alone(1);
+    for (found, expected) in axis.entries.iter().zip([0.0, -1.0, 0.0, 0.0, 0.0, 0.0]) {
+        assert!((found - expected).abs() < 1e-15, "(A.2)");
     }
 }
 
