@@ -90,15 +90,18 @@ pub fn seconds(links: usize) -> f64 {
     (0..calls).map(|_| call()).fold(f64::INFINITY, f64::min)
 }
 
+/// One of the counts.
+type Column = fn(&Counts) -> usize;
+
 fn lines(models: &[Model]) -> (Vec<Counts>, Vec<Line>) {
     let counts: Vec<Counts> = models.iter().map(counts).collect();
-    let parts: [(&str, fn(&Counts) -> usize); 4] = [
+    let parts: [(&str, Column); 4] = [
         ("BRGE by links", |c| c.by_links),
         ("BRGE by chains", |c| c.by_chains),
         ("composite inertias and elimination", |c| c.by_matrix),
         ("BRGE by the modules found", |c| c.searched),
     ];
-    let line = |(name, part): (&str, fn(&Counts) -> usize)| {
+    let line = |(name, part): (&str, Column)| {
         Line::new(name, counts.iter().map(|c| (c.n as f64, part(c) as f64)))
     };
     let lines = parts.map(line).into();
