@@ -1,9 +1,11 @@
 //! Every identity of the block decomposition, on random trees with joints of all types and rotors, by
 //! chains, by links and by partitions between.
 
+use modyn_codegen::expr::{Expr, Graph};
 use modyn_reproduce::{dense, robots};
-use modyn_runtime::equations::{Decomposition, Dense};
+use modyn_runtime::equations::{Decomposition, Dense, Workspace};
 use modyn_runtime::joint::JointType;
+use modyn_runtime::model::prepare::Prepared;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{DecompositionError, Interpreter};
 
@@ -420,6 +422,38 @@ fn table_6_is_the_recursion_on_any_tree() {
         let expected = expected.expect("lengths");
         let difference: Vec<f64> = found.iter().zip(&expected).map(|(a, b)| a - b).collect();
         assert!(dense::norm(&difference) <= 1e-8 * dense::norm(&expected), "seed {seed}");
+    }
+}
+
+/// The same matrices on the compiler's expressions: their symbolic form.
+#[test]
+fn the_matrices_are_symbolic_too() {
+    for model in [robots::gripper(), random::chain(3, 3)] {
+        let modules = ModuleTree::links(&model);
+        let case = case(&model, modules.clone(), 3).expect("no mimics");
+        let d = &case.decomposition;
+        let graph = Graph::trace(|| {
+            let prepared = Prepared::new(&model).cast::<Expr>();
+            let q: Vec<Expr> = (0..model.nq()).map(Expr::input).collect();
+            let workspace = &mut Workspace::new(&prepared);
+            let d = Decomposition::new(&prepared, &modules, &q, workspace).expect("no mimics");
+            let matrices =
+                [d.u(), d.d(), d.articulated(0).clone(), d.articulated_propagation(2, 0)];
+            matrices.into_iter().flat_map(|matrix| matrix.entries).collect()
+        });
+        let found = graph.evaluate(&case.q);
+        let matrices = [d.u(), d.d(), d.articulated(0).clone(), d.articulated_propagation(2, 0)];
+        let expected: Vec<f64> = matrices.into_iter().flat_map(|matrix| matrix.entries).collect();
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found - expected).abs() <= 1e-12 * (1.0 + expected.abs()));
+        }
+        // What no posture moves is known without one.
+        assert!(
+            graph.count().total() > 0 && graph.count().total() < 2000,
+            "{}",
+            graph.count().total()
+        );
     }
 }
 

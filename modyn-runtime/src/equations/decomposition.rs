@@ -173,7 +173,7 @@ impl<S: Scalar> Decomposition<S> {
     #[must_use]
     pub fn propagations(&self) -> Dense<S> {
         let size = self.denoc.mass.rows;
-        self.assembled(size, size, |s, i| s.rows(i), |s, j| s.rows(j), Self::propagation)
+        self.assembled(size, size, Self::rows, Self::rows, Self::propagation)
     }
 
     /// N_d of all modules, (4).
@@ -208,13 +208,9 @@ impl<S: Scalar> Decomposition<S> {
     #[must_use]
     pub fn gim(&self) -> Dense<S> {
         let n = self.denoc.joints.columns;
-        self.assembled(n, n, Self::entries_of, Self::entries_of, |s, i, j| {
+        self.assembled(n, n, Self::entries, Self::entries, |s, i, j| {
             if i >= j { s.gim_block(i, j) } else { s.gim_block(j, i).transposed() }
         })
-    }
-
-    fn entries_of(&self, i: usize) -> Range<usize> {
-        self.entries(i)
     }
 
     /// A matrix of a block for each pair of modules.
