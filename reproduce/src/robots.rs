@@ -157,3 +157,37 @@ pub fn spread(seed: usize) -> impl Iterator<Item = f64> {
     const STEP: f64 = 0.618_033_988_749_894_9;
     (1..).map(move |k| 2.0 * ((k + 31 * seed * seed + seed) as f64 * STEP).fract() - 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use modyn_runtime::Interpreter;
+
+    use super::{arm7, in_mass_unit, pieces};
+
+    #[test]
+    fn a_unit_of_mass_changes_forces_alone() {
+        let (plain, scaled) = (arm7(), in_mass_unit(&arm7(), 8.0));
+        let (q, qd) = ([0.3, -0.5, 0.7, -1.1, 0.2, 0.9, -0.4], [0.5; 7]);
+        let [found, expected] = [scaled, plain].map(|model| {
+            let mut interpreter = Interpreter::<f64>::new(model);
+            let (mut qdd, mut tau) = ([0.0; 7], [0.0; 7]);
+            interpreter.forward_dynamics(&q, &qd, &[0.0; 7], &mut qdd).expect("lengths");
+            interpreter.bias_forces(&q, &qd, &mut tau).expect("lengths");
+            (qdd, tau)
+        });
+        for i in 0..7 {
+            assert!((found.0[i] - expected.0[i]).abs() < 1e-9);
+            assert!((found.1[i] - 8.0 * expected.1[i]).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn pieces_are_of_that_length() {
+        let lengths = |length: usize| -> Vec<usize> {
+            pieces(&arm7(), length).modules().iter().map(|module| module.links.len()).collect()
+        };
+        assert_eq!(lengths(3), [3, 3, 1]);
+        assert_eq!(lengths(7), [7]);
+        assert_eq!(lengths(1), [1; 7]);
+    }
+}

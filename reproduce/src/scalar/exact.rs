@@ -70,3 +70,20 @@ impl<S: Number> Number for Exact<S> {
         self.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use modyn_runtime::Scalar;
+
+    use super::Exact;
+    use crate::scalar::{Decimal, Number};
+
+    #[test]
+    fn figures_are_rounded_and_results_are_not() {
+        let number = Exact::<Decimal<2>>::from_f64;
+        assert_eq!(number(0.126).to_f64(), 0.13);
+        let third = number(1.0) / number(3.0);
+        assert_eq!(third.to_f64(), 1.0 / 3.0);
+        assert_eq!((third * number(3.0) - number(1.0)).to_f64().abs().max(1e-30), 1e-30);
+    }
+}
