@@ -40,3 +40,16 @@ mod conventions_page {}
 #[cfg(doctest)]
 #[doc = include_str!("../docs/batch.md")]
 mod batch_page {}
+
+/// The tutorials.
+#[cfg(doctest)]
+mod tutorials {
+    #[doc = include_str!("../docs/tutorial-controller.md")]
+    mod controller {}
+    #[doc = include_str!("../docs/tutorial-firmware.md")]
+    mod firmware {}
+    #[doc = include_str!("../docs/tutorial-sampling.md")]
+    mod sampling {}
+    #[doc = include_str!("../docs/tutorial-method.md")]
+    mod method {}
+}

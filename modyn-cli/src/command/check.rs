@@ -1,0 +1,108 @@
+//! `modyn check`: what is wrong with descriptions, and where.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use modyn_codegen::error::{Diagnostics, Severity};
+use modyn_codegen::tame;
+use modyn_codegen::urdf::ReadOptions;
+use serde_json::json;
+
+use crate::command::diagnostics;
+use crate::command::outcome::{Failure, to_stdout};
+use crate::command::robot::{Description, Options};
+
+/// Say all that is wrong with descriptions
+///
+/// Exit code 0 if all are usable, 1 if one is refused, 2 if one cannot be read.
+#[derive(Args)]
+pub struct Arguments {
+    /// The descriptions (URDF); `-` for standard input
+    #[arg(value_name = "ROBOT.urdf", required = true)]
+    paths: Vec<PathBuf>,
+    /// Refuse what there are warnings about, too
+    #[arg(long)]
+    deny_warnings: bool,
+    /// Print JSON: for each file its name, whether it is usable, and the diagnostics
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    options: Options,
+}
+
+/// One file's answer.
+struct Answer {
+    name: String,
+    text: Option<String>,
+    found: Diagnostics,
+    usable: bool,
+}
+
+/// Answers for all files, in their order.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let options = arguments.options.read_options();
+    let mut answers = Vec::new();
+    let mut unread = false;
+    for path in &arguments.paths {
+        match Description::open(path) {
+            Ok(description) => answers.push(answer(description, &options, arguments)),
+            Err(found) => {
+                let refused = found.iter().any(|one| one.position.is_some());
+                unread |= !refused;
+                let name = path.display().to_string();
+                answers.push(Answer { name, text: None, found, usable: false });
+            }
+        }
+    }
+    to_stdout(&if arguments.json { as_json(&answers) } else { as_text(&answers) })?;
+    if unread {
+        return Err(Failure::Usage(String::from("error: not all files could be read")));
+    }
+    if answers.iter().all(|answer| answer.usable) { Ok(()) } else { Err(Failure::Said) }
+}
+
+fn answer(description: Description, options: &ReadOptions, arguments: &Arguments) -> Answer {
+    let (found, usable) = match description.read(options) {
+        Ok(reading) => {
+            let usable = !arguments.deny_warnings || reading.warnings.is_empty();
+            (Diagnostics::new(reading.warnings), usable)
+        }
+        Err(found) => (found, false),
+    };
+    let Description { name, text, .. } = description;
+    Answer { name, text: Some(text), found, usable }
+}
+
+fn as_text(answers: &[Answer]) -> String {
+    let mut out = String::new();
+    for Answer { name, text, found, usable } in answers {
+        out += &diagnostics::render(found.as_slice(), text.as_deref());
+        let count = |severity, what: &str| {
+            let count = found.iter().filter(|one| one.severity == severity).count();
+            match count {
+                0 => String::new(),
+                1 => format!(", 1 {what}"),
+                _ => format!(", {count} {what}s"),
+            }
+        };
+        let errors = count(Severity::Error, "error");
+        let warnings = count(Severity::Warning, "warning");
+        let verdict = if *usable { "usable" } else { "refused" };
+        out += &format!("{}: {verdict}{errors}{warnings}\n", tame(name));
+    }
+    out
+}
+
+fn as_json(answers: &[Answer]) -> String {
+    let all: Vec<_> = answers
+        .iter()
+        .map(|answer| {
+            json!({
+                "file": answer.name,
+                "usable": answer.usable,
+                "diagnostics": diagnostics::to_json(answer.found.as_slice()),
+            })
+        })
+        .collect();
+    format!("{:#}\n", serde_json::Value::from(all))
+}

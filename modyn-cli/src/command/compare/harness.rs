@@ -1,0 +1,190 @@
+//! The program that runs generated code: written, compiled by rustc alone, and run.
+
+use std::ffi::OsString;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use modyn_codegen::{Function, tame};
+use modyn_runtime::model::Model;
+use tempfile::TempDir;
+
+use super::quantities::{Quantity, State};
+use crate::command::outcome::{Failure, to_file};
+
+/// Reads states, writes results and times; what depends on the robot is put in at the marks.
+const MAIN: &str = include_str!("main.rs.txt");
+
+/// The compiler.
+pub struct Rustc {
+    path: OsString,
+    /// As it calls itself.
+    pub version: String,
+}
+
+/// Finds the compiler: what `RUSTC` says, or `rustc`.
+pub fn rustc() -> Result<Rustc, Failure> {
+    let path = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output = Command::new(&path).arg("--version").output();
+    match output {
+        Ok(output) if output.status.success() => {
+            let version = tame(String::from_utf8_lossy(&output.stdout).trim());
+            Ok(Rustc { path, version })
+        }
+        other => {
+            let why = match other {
+                Ok(output) => tame(String::from_utf8_lossy(&output.stderr).trim()),
+                Err(error) => error.to_string(),
+            };
+            let path = tame(&path.to_string_lossy());
+            Err(Failure::usage(format!(
+                "error: `compare` compiles the robot's code with rustc, and `{path}` cannot be run ({why})\n\
+                 help: install Rust {} or later (rustup.rs), or set RUSTC to the path of a rustc",
+                env!("CARGO_PKG_RUST_VERSION")
+            )))
+        }
+    }
+}
+
+/// What the program is made of.
+pub struct Harness<'a> {
+    pub rustc: &'a Rustc,
+    pub robot: &'a str,
+    pub type_name: &'a str,
+    pub quantities: &'a [&'static Quantity],
+    pub native: bool,
+    pub keep: Option<&'a Path>,
+}
+
+/// What was compiled; its folder goes with it, unless it is kept.
+pub struct Program {
+    program: PathBuf,
+    states: PathBuf,
+    /// How many functions it has.
+    functions: usize,
+    _folder: Option<TempDir>,
+}
+
+impl Harness<'_> {
+    /// Writes and compiles it.
+    pub fn compile(&self, model: &Model) -> Result<Program, Failure> {
+        let cannot = |what: &str, error: &dyn std::fmt::Display| {
+            Failure::usage(format!("error: {what}: {error}"))
+        };
+        let (folder, temporary) = match self.keep {
+            Some(folder) => {
+                let made = std::fs::create_dir_all(folder);
+                made.map_err(|error| cannot("the folder cannot be made", &error))?;
+                (folder.to_owned(), None)
+            }
+            None => {
+                let temporary = tempfile::tempdir();
+                let temporary =
+                    temporary.map_err(|error| cannot("no temporary folder can be made", &error))?;
+                (temporary.path().to_owned(), Some(temporary))
+            }
+        };
+        let (robot, main) = (folder.join("robot.rs"), folder.join("main.rs"));
+        to_file(&robot, self.robot)?;
+        to_file(&main, &self.main(model))?;
+        let program = folder.join(format!("compare{}", std::env::consts::EXE_SUFFIX));
+        let mut command = Command::new(&self.rustc.path);
+        command.args([
+            "--edition=2024",
+            "--crate-name=compare",
+            "-Copt-level=3",
+            "-Ccodegen-units=1",
+        ]);
+        if self.native {
+            command.arg("-Ctarget-cpu=native");
+        }
+        let output = command.arg("-o").arg(&program).arg(&main).output();
+        let output = output.map_err(|error| cannot("rustc cannot be run", &error))?;
+        if !output.status.success() {
+            let kept = temporary.map(TempDir::keep).unwrap_or(folder);
+            let said = String::from_utf8_lossy(&output.stderr);
+            let said: Vec<String> = said.lines().take(40).map(tame).collect();
+            return Err(Failure::No(format!(
+                "{}\nerror: {} does not compile the generated code, which is kept in {}\n\
+                 help: it needs Rust {} or later; if that is so, please report this with the description",
+                said.join("\n"),
+                self.rustc.version,
+                tame(&kept.display().to_string()),
+                env!("CARGO_PKG_RUST_VERSION"),
+            )));
+        }
+        let (states, functions) = (folder.join("states.bin"), self.quantities.len());
+        Ok(Program { program, states, functions, _folder: temporary })
+    }
+
+    fn main(&self, model: &Model) -> String {
+        let mut calls = String::new();
+        for quantity in self.quantities {
+            let call = quantity.call;
+            let _ = writeln!(calls, "    run(&states, |s| Robot::{call});");
+        }
+        let has = |function| self.quantities.iter().any(|one| one.function == function);
+        // Only what the file has brought with it can be named.
+        let mut types = String::new();
+        if has(Function::LinkPoses) {
+            types += "flat!(robot::runtime::spatial::Pose<f64>, rotation, translation);\n";
+        }
+        if has(Function::CenterOfMass) {
+            types += "flat!(robot::runtime::spatial::Vector3<f64>, 0);\n";
+        }
+        if has(Function::InverseDynamicsDerivatives) {
+            types +=
+                "flat!(robot::runtime::InverseDynamicsDerivatives<[[f64; NV]; NV]>, dq, dqd);\n";
+        }
+        if has(Function::ForwardDynamicsDerivatives) {
+            types += "flat!(robot::runtime::ForwardDynamicsDerivatives<[f64; NV], [[f64; NV]; NV]>, qdd, dq, dqd, dtau);\n";
+        }
+        MAIN.replace("__ROBOT__", self.type_name)
+            .replace("__NQ__", &model.nq().to_string())
+            .replace("__NV__", &model.nv().to_string())
+            .replace("// __TYPES__\n", &types)
+            .replace("    // __CALLS__\n", &calls)
+    }
+}
+
+/// By state, the numbers of a result; and nanoseconds a call.
+pub type Measured = (Vec<Vec<f64>>, f64);
+
+impl Program {
+    /// Runs it on these states; by function what it found.
+    pub fn run(&self, states: &[State]) -> Result<Vec<Measured>, Failure> {
+        let numbers = states.iter().flat_map(|State { q, qd, u }| q.iter().chain(qd).chain(u));
+        let bytes: Vec<u8> = numbers.flat_map(|x| x.to_le_bytes()).collect();
+        std::fs::write(&self.states, bytes).map_err(|error| {
+            Failure::usage(format!("error: the states cannot be written: {error}"))
+        })?;
+        let output = Command::new(&self.program).arg(&self.states).output();
+        let output = output.map_err(|error| {
+            Failure::usage(format!("error: the compiled program cannot be run: {error}"))
+        })?;
+        if !output.status.success() {
+            let said = tame(String::from_utf8_lossy(&output.stderr).trim());
+            return Err(Failure::No(format!("error: the compiled program fails: {said}")));
+        }
+        let mut numbers = output
+            .stdout
+            .chunks_exact(8)
+            .map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap_or_default()));
+        let mut next = || {
+            numbers
+                .next()
+                .ok_or_else(|| Failure::No("error: the compiled program broke off".into()))
+        };
+        let mut all = Vec::new();
+        for _ in 0..self.functions {
+            let (nanoseconds, length) = (next()?, next()? as usize);
+            let result = |next: &mut dyn FnMut() -> Result<f64, Failure>| {
+                (0..length).map(|_| next()).collect::<Result<Vec<f64>, Failure>>()
+            };
+            let results: Result<Vec<_>, Failure> =
+                states.iter().map(|_| result(&mut next)).collect();
+            all.push((results?, nanoseconds));
+        }
+        Ok(all)
+    }
+}

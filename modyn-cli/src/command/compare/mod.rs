@@ -1,0 +1,296 @@
+//! `modyn compare`: a robot's generated code, compiled on the spot, against the interpreter.
+
+mod harness;
+mod quantities;
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use modyn_codegen::error::Diagnostics;
+use modyn_codegen::{Function, ModuleChoice, condition_number, tame};
+use modyn_runtime::model::Model;
+use modyn_runtime::{Interpreter, ShapeError};
+use serde_json::{Value, json};
+
+use crate::command::choices::{Functions, functions, module_tree, modules};
+use crate::command::outcome::{Failure, to_stderr, to_stdout};
+use crate::command::progress::Progress;
+use crate::command::random::Random;
+use crate::command::robot::Robot;
+use crate::command::table::Table;
+use harness::Harness;
+use quantities::{QUANTITIES, Quantity, State};
+
+/// Compile a robot's code with rustc and compare it with the interpreter on random states
+///
+/// Exit code 0 if they agree, 1 if they differ or the description is refused, 2 if rustc is missing.
+#[derive(Args)]
+pub struct Arguments {
+    /// How many random states
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    states: u32,
+    /// For other random states
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// The largest difference relative to the largest number of a result; times the condition number of the mass
+    /// matrix for what is divided by it
+    #[arg(long, value_name = "X", default_value_t = 1e-10)]
+    tolerance: f64,
+    /// The functions to compare: their names with commas; else all that can be
+    #[arg(long, value_name = "NAMES", value_parser = functions)]
+    functions: Option<Functions>,
+    /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
+    #[arg(long, value_name = "MODULES", value_parser = modules)]
+    modules: Option<ModuleChoice>,
+    /// Compile for this very processor
+    #[arg(long)]
+    native: bool,
+    /// Keep the sources and the program in this folder
+    #[arg(long, value_name = "FOLDER")]
+    keep: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    robot: Robot,
+}
+
+/// How a function compares.
+struct Row {
+    name: &'static str,
+    difference: f64,
+    bound: f64,
+    /// Nanoseconds a call.
+    interpreted: f64,
+    generated: f64,
+}
+
+impl Row {
+    fn agrees(&self) -> bool {
+        // What is no number agrees with nothing.
+        self.difference <= self.bound
+    }
+}
+
+/// Compares, and says how it went.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let rustc = harness::rustc()?;
+    let description = arguments.robot.open()?;
+    let quantities = arguments.quantities()?;
+    let mut builder = arguments.robot.builder(&description).self_contained();
+    builder = builder.functions(quantities.iter().map(|quantity| quantity.function));
+    if let Some(choice) = &arguments.modules {
+        builder = builder.modules(choice.clone());
+    }
+    let progress = Progress::start("generating");
+    let generated = builder.generate();
+    let generated = generated.map_err(|found| description.failure(arguments.robot.named(found)))?;
+    description.warn(arguments.robot.named(Diagnostics::new(generated.warnings)));
+    let model = generated.model;
+    let mut interpreter = arguments.interpreter(&model)?;
+    let states = arguments.states(&interpreter)?;
+    progress.then("compiling with rustc");
+    let start = Instant::now();
+    let harness = Harness {
+        rustc: &rustc,
+        robot: &generated.text,
+        type_name: &generated.type_name,
+        quantities: &quantities,
+        native: arguments.native,
+        keep: arguments.keep.as_deref(),
+    };
+    let program = harness.compile(&model)?;
+    let compiled_in = start.elapsed();
+    progress.then("comparing");
+    let measured = program.run(&states)?;
+    // An unknown or infinite condition number excuses nothing beyond this.
+    let condition = condition_number(&model).unwrap_or(1e6).clamp(1.0, 1e6);
+    let mut rows = Vec::new();
+    for (quantity, (results, generated)) in quantities.iter().zip(&measured) {
+        let (expected, interpreted) = interpret(&mut interpreter, quantity, &states)?;
+        let (difference, factor) =
+            (largest(results, &expected), if quantity.solves { condition } else { 1.0 });
+        let bound = arguments.tolerance * factor;
+        let name = quantity.function.name();
+        rows.push(Row { name, difference, bound, interpreted, generated: *generated });
+    }
+    progress.stop();
+    to_stdout(&if arguments.json {
+        as_json(&model, &rows, compiled_in)
+    } else {
+        as_text(&model, &rows, arguments, compiled_in, &rustc.version)
+    })?;
+    if let Some(folder) = &arguments.keep {
+        to_stderr(&format!("kept in {}\n", tame(&folder.display().to_string())));
+    }
+    if rows.iter().all(Row::agrees) { Ok(()) } else { Err(Failure::Said) }
+}
+
+impl Arguments {
+    fn quantities(&self) -> Result<Vec<&'static Quantity>, Failure> {
+        let chosen = |function: Function| {
+            self.functions.as_ref().is_none_or(|Functions(list)| list.contains(&function))
+        };
+        let quantities: Vec<_> = QUANTITIES.iter().filter(|one| chosen(one.function)).collect();
+        if quantities.is_empty() {
+            let names: Vec<&str> = QUANTITIES.iter().map(|one| one.function.name()).collect();
+            return Err(Failure::usage(format!("error: compared can be: {}", names.join(", "))));
+        }
+        Ok(quantities)
+    }
+
+    fn interpreter(&self, model: &Model) -> Result<Interpreter<f64>, Failure> {
+        let modules = module_tree(model, self.modules.as_ref())?;
+        Interpreter::with_modules(model.clone(), modules)
+            .map_err(|error| Failure::usage(format!("error: {error}")))
+    }
+
+    /// Coordinates within the limits, velocities up to 2 and torques or accelerations up to 10.
+    fn states(&self, interpreter: &Interpreter<f64>) -> Result<Vec<State>, Failure> {
+        let mut random = Random::new(self.seed);
+        let (nq, nv) = (interpreter.model().nq(), interpreter.model().nv());
+        (0..self.states)
+            .map(|_| {
+                let mut q = vec![0.0; nq];
+                interpreter.random(|| random.uniform(), &mut q).map_err(shape)?;
+                let qd = (0..nv).map(|_| random.within(2.0)).collect();
+                let u = (0..nv).map(|_| random.within(10.0)).collect();
+                Ok(State { q, qd, u })
+            })
+            .collect()
+    }
+}
+
+fn shape(error: ShapeError) -> Failure {
+    Failure::usage(format!("error: {error}"))
+}
+
+/// The results of all states, and nanoseconds a call.
+fn interpret(
+    interpreter: &mut Interpreter<f64>,
+    quantity: &Quantity,
+    states: &[State],
+) -> Result<(Vec<Vec<f64>>, f64), Failure> {
+    let mut results = Vec::with_capacity(states.len());
+    for state in states {
+        let mut out = Vec::new();
+        (quantity.interpret)(interpreter, state, &mut out).map_err(shape)?;
+        results.push(out);
+    }
+    let (start, mut calls) = (Instant::now(), 0_u32);
+    let mut out = Vec::new();
+    while start.elapsed() < Duration::from_millis(50) {
+        for state in states.iter().take(100) {
+            out.clear();
+            (quantity.interpret)(interpreter, std::hint::black_box(state), &mut out)
+                .map_err(shape)?;
+            calls += 1;
+        }
+    }
+    Ok((results, start.elapsed().as_secs_f64() * 1e9 / f64::from(calls)))
+}
+
+/// The largest difference of all states, relative to the largest number of each state's result.
+fn largest(found: &[Vec<f64>], expected: &[Vec<f64>]) -> f64 {
+    let mut worst = 0.0_f64;
+    for (found, expected) in found.iter().zip(expected) {
+        let size = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let size = if size > 0.0 { size } else { 1.0 };
+        if found.len() != expected.len() {
+            return f64::INFINITY;
+        }
+        for (a, b) in found.iter().zip(expected) {
+            let difference = (a - b).abs() / size;
+            // Not a number is as wrong as can be.
+            worst = if difference.is_nan() { f64::INFINITY } else { worst.max(difference) };
+        }
+    }
+    worst
+}
+
+fn as_text(
+    model: &Model,
+    rows: &[Row],
+    arguments: &Arguments,
+    compiled_in: Duration,
+    version: &str,
+) -> String {
+    let head = [
+        "function",
+        "largest difference",
+        "allowed",
+        "interpreter, ns",
+        "generated, ns",
+        "times as fast",
+        "",
+    ];
+    let mut table = Table::new(&head);
+    for row in rows {
+        table.row([
+            row.name.into(),
+            format!("{:.1e}", row.difference),
+            format!("{:.1e}", row.bound),
+            format!("{:.0}", row.interpreted),
+            format!("{:.0}", row.generated),
+            format!("{:.0}", row.interpreted / row.generated.max(1e-3)),
+            if row.agrees() { "" } else { "DIFFERS" }.into(),
+        ]);
+    }
+    let differing = rows.iter().filter(|row| !row.agrees()).count();
+    let verdict = match differing {
+        0 => "all agree".into(),
+        count => format!("{count} of {} differ", rows.len()),
+    };
+    let note = if cfg!(debug_assertions) {
+        "\n(this `modyn` is a debug build: the interpreter is many times slower in it)"
+    } else {
+        ""
+    };
+    format!(
+        "{}: {} states (seed {}), {version}, compiled in {:.1} s{note}\n\n{}\n{verdict}\n",
+        tame(model.name()),
+        arguments.states,
+        arguments.seed,
+        compiled_in.as_secs_f64(),
+        table.right_from(1).text(),
+    )
+}
+
+fn as_json(model: &Model, rows: &[Row], compiled_in: Duration) -> String {
+    let row = |row: &Row| {
+        json!({
+            "name": row.name,
+            // JSON has no infinity.
+            "difference": row.difference.is_finite().then_some(row.difference),
+            "allowed": row.bound,
+            "agrees": row.agrees(),
+            "interpreter_ns": row.interpreted,
+            "generated_ns": row.generated,
+        })
+    };
+    let all = json!({
+        "robot": model.name(),
+        "agrees": rows.iter().all(Row::agrees),
+        "compiled_in_s": compiled_in.as_secs_f64(),
+        "functions": rows.iter().map(row).collect::<Value>(),
+    });
+    format!("{all:#}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_are_found() {
+        let differ = |a: &[f64], b: &[f64]| largest(&[a.to_vec()], &[b.to_vec()]);
+        assert!((differ(&[1.0, 10.5], &[1.0, 10.0]) - 0.05).abs() < 1e-15);
+        assert!((differ(&[0.1], &[0.0]) - 0.1).abs() < 1e-15);
+        assert!(differ(&[f64::NAN, 1.0], &[1.0, 1.0]).is_infinite());
+        assert!(differ(&[1.0], &[1.0, 1.0]).is_infinite());
+        let row =
+            Row { name: "", difference: f64::NAN, bound: 1.0, interpreted: 1.0, generated: 1.0 };
+        assert!(!row.agrees());
+    }
+}

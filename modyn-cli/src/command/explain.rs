@@ -1,0 +1,29 @@
+//! `modyn explain`: what a diagnostic means, and what to do about it.
+
+use clap::Args;
+use modyn_codegen::error::Code;
+use modyn_codegen::tame;
+
+use crate::command::outcome::{Failure, to_stdout};
+
+/// Say what a diagnostic means and what to do about it
+///
+/// Exit code 0, or 2 for a code that there is not.
+#[derive(Args)]
+pub struct Arguments {
+    /// The code that stands in brackets, such as `no-inertia-felt`; all of them without it
+    code: Option<String>,
+}
+
+/// Says it.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let Some(name) = &arguments.code else {
+        let line = |code: &Code| format!("{code}: {}\n", code.cause());
+        return to_stdout(&Code::ALL.iter().map(line).collect::<String>());
+    };
+    let code = Code::from_name(name).ok_or_else(|| {
+        let name = tame(name);
+        Failure::usage(format!("error: there is no code `{name}`; `modyn explain` lists all"))
+    })?;
+    to_stdout(&format!("{code}: {}\n\n{}\n", code.cause(), code.remedy()))
+}

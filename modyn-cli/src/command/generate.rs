@@ -1,0 +1,185 @@
+//! `modyn generate`: a robot's dynamics as Rust, in a file that is kept, and a header for C.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use modyn_codegen::error::Diagnostics;
+use modyn_codegen::{Builder, FloatType, ModuleChoice, names, tame};
+
+use crate::command::choices::{Functions, functions, modules};
+use crate::command::header;
+use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
+use crate::command::progress::Progress;
+use crate::command::robot::{Description, Robot};
+
+/// Compile a description to Rust
+///
+/// Exit code 0 when it is written (or, with `--check`, as it should be), 1 when the description is
+/// refused (or the file stale), 2 when an option or a file is not what it may be.
+#[derive(Args)]
+pub struct Arguments {
+    /// The file to write; standard output without it
+    #[arg(short, long, value_name = "FILE.rs")]
+    output: Option<PathBuf>,
+    /// Write nothing, but say whether FILE.rs (and the header) is what would be written: 0 if so, 1 if stale
+    #[arg(long, requires = "output")]
+    check: bool,
+    /// Make a file that depends on `core` alone, not on modyn
+    #[arg(long)]
+    self_contained: bool,
+    /// The functions that the robot has: their names with commas, `default`, `all`
+    #[arg(long, value_name = "NAMES", value_parser = functions)]
+    functions: Option<Functions>,
+    /// The scalar of the type's own functions
+    #[arg(long, value_enum, default_value_t)]
+    scalar: Scalar,
+    /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
+    #[arg(long, value_name = "MODULES", value_parser = modules)]
+    modules: Option<ModuleChoice>,
+    /// A link whose inertia becomes an argument
+    #[arg(long, value_name = "LINK")]
+    payload: Vec<String>,
+    /// Make gravity an argument
+    #[arg(long)]
+    runtime_gravity: bool,
+    /// The name of the generated type [default: from the robot's name]
+    #[arg(long, value_name = "NAME")]
+    type_name: Option<String>,
+    /// The visibility of the generated types, such as `pub(crate)` [default: pub]
+    #[arg(long)]
+    visibility: Option<String>,
+    /// The path of the crate `modyn` where the file goes [default: ::modyn]
+    #[arg(long = "crate", value_name = "PATH", conflicts_with = "self_contained")]
+    krate: Option<String>,
+    /// Add functions for C with this prefix: `prefix_forward_dynamics` and so on
+    #[arg(long, value_name = "PREFIX")]
+    c_functions: Option<String>,
+    /// Write the header of the functions for C; without `--c-functions` their prefix is the robot's name
+    #[arg(long, value_name = "FILE.h", requires = "output")]
+    c_header: Option<PathBuf>,
+    #[command(flatten)]
+    robot: Robot,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum Scalar {
+    #[default]
+    F64,
+    F32,
+}
+
+/// Writes, or compares.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let description = arguments.robot.open()?;
+    let builder = arguments.builder(&description)?;
+    let named = |found: Diagnostics| description.failure(arguments.robot.named(found));
+    let progress = Progress::start("compiling");
+    let result = match &arguments.output {
+        Some(output) if arguments.check => stale(arguments, &builder, output, &named),
+        Some(output) => write(arguments, &builder, output, &description, &named),
+        None => {
+            let generated = builder.generate().map_err(named)?;
+            progress.stop();
+            description.warn(arguments.robot.named(Diagnostics::new(generated.warnings)));
+            return to_stdout(&generated.text);
+        }
+    };
+    progress.stop();
+    result
+}
+
+fn write(
+    arguments: &Arguments,
+    builder: &Builder,
+    output: &Path,
+    description: &Description,
+    named: &impl Fn(Diagnostics) -> Failure,
+) -> Result<(), Failure> {
+    let generated = builder.write(output).map_err(named)?;
+    if let Some(path) = &arguments.c_header {
+        let header =
+            header::text(output, &arguments.prefix(description)?, arguments.scalar.into())?;
+        if !std::fs::read_to_string(path).is_ok_and(|found| found == header) {
+            to_file(path, &header)?;
+        }
+    }
+    description.warn(arguments.robot.named(Diagnostics::new(generated.warnings)));
+    Ok(())
+}
+
+fn stale(
+    arguments: &Arguments,
+    builder: &Builder,
+    output: &Path,
+    named: &impl Fn(Diagnostics) -> Failure,
+) -> Result<(), Failure> {
+    let is = |path: &Path, stale: bool| {
+        let what = if stale { "stale" } else { "up to date" };
+        to_stderr(&format!("{} is {what}\n", tame(&path.display().to_string())));
+        stale
+    };
+    let mut stale = is(output, builder.is_stale(output).map_err(named)?);
+    if let Some(path) = &arguments.c_header {
+        // That of the file as it would be, which is there only if it is not stale.
+        let same = !stale && {
+            let prefix = arguments.prefix(&arguments.robot.open()?)?;
+            let header = header::text(output, &prefix, arguments.scalar.into())?;
+            std::fs::read_to_string(path).is_ok_and(|found| found.replace("\r\n", "\n") == header)
+        };
+        stale |= is(path, !same);
+    }
+    if stale { Err(Failure::Said) } else { Ok(()) }
+}
+
+impl Arguments {
+    fn builder(&self, description: &Description) -> Result<Builder, Failure> {
+        let mut builder = self.robot.builder(description).float(self.scalar.into());
+        if self.self_contained {
+            builder = builder.self_contained();
+        }
+        if let Some(Functions(functions)) = &self.functions {
+            builder = builder.functions(functions.iter().copied());
+        }
+        if let Some(modules) = &self.modules {
+            builder = builder.modules(modules.clone());
+        }
+        if !self.payload.is_empty() {
+            builder = builder.payload(&self.payload);
+        }
+        if self.runtime_gravity {
+            builder = builder.runtime_gravity();
+        }
+        if let Some(name) = &self.type_name {
+            builder = builder.type_name(name);
+        }
+        if let Some(visibility) = &self.visibility {
+            builder = builder.visibility(visibility);
+        }
+        if let Some(path) = &self.krate {
+            builder = builder.krate(path);
+        }
+        if self.c_functions.is_some() || self.c_header.is_some() {
+            builder = builder.c_functions(self.prefix(description)?);
+        }
+        Ok(builder)
+    }
+
+    /// What the names of functions for C begin with.
+    fn prefix(&self, description: &Description) -> Result<String, Failure> {
+        if let Some(prefix) = &self.c_functions {
+            return Ok(prefix.clone());
+        }
+        let reading = description.read(&self.robot.options.read_options());
+        let reading = reading.map_err(|found| description.failure(found))?;
+        Ok(names::snake(reading.model.name()))
+    }
+}
+
+impl From<Scalar> for FloatType {
+    fn from(scalar: Scalar) -> Self {
+        match scalar {
+            Scalar::F64 => Self::F64,
+            Scalar::F32 => Self::F32,
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! What is physically possible in a model, but probably not meant.
+
+use std::collections::{HashMap, HashSet};
+
+use modyn_runtime::Interpreter;
+use modyn_runtime::model::{Frame, Inertial, Model};
+use modyn_runtime::spatial::Pose;
+
+/// Something that a user should look at.
+pub struct Advice {
+    /// The link concerned.
+    pub link: String,
+    /// What is odd, and what may be meant.
+    pub message: String,
+}
+
+/// A link whose mass is spread over more than so many times the robot's size.
+const SPREAD: f64 = 2.0;
+/// A link that is as small as this against the robot's size, and in metres, by its inertia.
+const SMALL: f64 = 1e-3;
+/// A link of less than this share of the robot's mass.
+const LIGHT: f64 = 1e-6;
+/// A link that carries more than so many times its own mass (elimination loses digits then).
+const CARRIES: f64 = 1e4;
+/// So many links with one and the same inertia, whatever they weigh.
+const REPEATED: usize = 3;
+
+/// About all links that move, in their order.
+pub fn about(model: &Model) -> Vec<Advice> {
+    let (size, total) = (size(model), total_mass(model));
+    let carried = carried(model);
+    let repeated = repeated(model);
+    let mut all = Vec::new();
+    for frame in model.frames().iter().filter(|frame| frame.link.is_some()) {
+        let mut say = |message| all.push(Advice { link: frame.name.clone(), message });
+        let Inertial { mass, center_of_mass, inertia } = frame.inertial;
+        if mass == 0.0 {
+            continue;
+        }
+        if mass < LIGHT * total {
+            say(format!(
+                "its mass of {mass} kg is less than a millionth of the robot's {total:.4} kg; in kilograms?"
+            ));
+        }
+        let distance = center_of_mass.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if size > 0.0 && distance > SPREAD * size {
+            say(format!(
+                "its centre of mass is {distance:.4} m away from its origin, in a robot that is {size:.4} m large; \
+                 in metres?"
+            ));
+        }
+        if inertia == [0.0; 6] {
+            say("it has mass but no rotational inertia: all of its mass is in one point".into());
+            continue;
+        }
+        let moments = frame.inertial.principal_moments();
+        let radius = (moments.iter().sum::<f64>() / (2.0 * mass)).sqrt();
+        if size > 0.0 && radius > SPREAD * size {
+            say(format!(
+                "its inertia is as if its {mass} kg were {radius:.4} m away from its centre, in a robot that is \
+                 {size:.4} m large; in kg m^2?"
+            ));
+        }
+        if radius < SMALL * size.min(1.0) {
+            say(format!(
+                "its inertia is tiny: as if its {mass} kg were within {radius:.1e} m; in kg m^2?"
+            ));
+        }
+        if repeated(frame) {
+            say("its inertia is that of other links of other masses, and the same about all axes: a placeholder?".into());
+        }
+        // What is carried is a matter of the moving body; of its links the first one tells.
+        let body = frame.link.filter(|&link| model.links()[link].name == frame.name);
+        if let Some(link) = body
+            && carried[link] > CARRIES * model.links()[link].inertial.mass
+        {
+            say(format!(
+                "it carries {:.4} kg, with {:.1e} kg of its own: simulation needs small steps, and single precision \
+                 may not do",
+                carried[link],
+                model.links()[link].inertial.mass
+            ));
+        }
+    }
+    all
+}
+
+/// The diagonal of the box around all links' origins, at coordinates zero.
+fn size(model: &Model) -> f64 {
+    let mut interpreter = Interpreter::<f64>::new(model.clone());
+    let mut q = vec![0.0; model.nq()];
+    let mut poses = vec![Pose::identity(); model.frames().len()];
+    if interpreter.neutral(&mut q).is_err() || interpreter.link_poses(&q, &mut poses).is_err() {
+        return 0.0;
+    }
+    let side = |k: usize| {
+        let along = poses.iter().map(|pose| pose.translation[k]);
+        let (low, high) = along.fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
+        high - low
+    };
+    (0..3).map(|k| side(k) * side(k)).sum::<f64>().sqrt()
+}
+
+/// Of all links, fixed ones too.
+pub fn total_mass(model: &Model) -> f64 {
+    model.frames().iter().map(|frame| frame.inertial.mass).sum()
+}
+
+/// By moving link: the mass of all that hangs on it.
+fn carried(model: &Model) -> Vec<f64> {
+    let links = model.links();
+    let mut carried = vec![0.0; links.len()];
+    // Children come after their parents.
+    for (i, link) in links.iter().enumerate().rev() {
+        if let Some(parent) = link.parent {
+            carried[parent] += link.inertial.mass + carried[i];
+        }
+    }
+    carried
+}
+
+/// An inertia, to the last bit.
+type Bits = [u64; 6];
+
+fn bits(frame: &Frame) -> Bits {
+    frame.inertial.inertia.map(f64::to_bits)
+}
+
+/// Whether a link has a round inertia that several links of other masses have.
+fn repeated(model: &Model) -> impl Fn(&Frame) -> bool + '_ {
+    let mut masses: HashMap<Bits, Vec<u64>> = HashMap::new();
+    for frame in model.frames().iter().filter(|frame| frame.link.is_some()) {
+        masses.entry(bits(frame)).or_default().push(frame.inertial.mass.to_bits());
+    }
+    // Of each inertia: whether enough links have it, and not all weigh the same.
+    let suspicious: HashSet<Bits> = masses
+        .into_iter()
+        .filter(|(_, m)| m.len() >= REPEATED && m.iter().any(|mass| *mass != m[0]))
+        .map(|(inertia, _)| inertia)
+        .collect();
+    move |frame| {
+        let inertia = bits(frame);
+        let [xx, xy, xz, yy, yz, zz] = inertia;
+        let is_round = [xy, xz, yz] == [0; 3] && xx == yy && yy == zz;
+        is_round && suspicious.contains(&inertia)
+    }
+}

@@ -1,0 +1,96 @@
+//! For programs.
+
+use modyn_codegen::CARRIED_BY_F32;
+use modyn_runtime::OperationCount;
+use modyn_runtime::model::Model;
+use serde_json::{Value, json};
+
+use super::{Cost, Inspection, advice};
+use crate::command::diagnostics;
+
+/// All of it, in SI units.
+pub fn of(inspection: &Inspection) -> String {
+    let Inspection { model, modules, warnings, advice, condition, costs } = inspection;
+    let modules: Vec<Value> = modules
+        .modules()
+        .iter()
+        .map(|module| {
+            let links = &model.links()[module.links.clone()];
+            json!({
+                "parent": module.parent,
+                "children": module.children,
+                "links": links.iter().map(|link| &link.name).collect::<Vec<_>>(),
+            })
+        })
+        .collect();
+    let advice: Vec<Value> =
+        advice.iter().map(|one| json!({ "link": one.link, "message": one.message })).collect();
+    let all = json!({
+        "usable": true,
+        "robot": model.name(),
+        "nq": model.nq(),
+        "nv": model.nv(),
+        "mass": advice::total_mass(model),
+        "gravity": model.gravity(),
+        "coordinates": model.coordinate_names(),
+        "velocities": model.velocity_names(),
+        "joints": (0..model.links().len()).map(|i| joint(model, i)).collect::<Vec<_>>(),
+        "links": model.links().iter().map(|link| json!({
+            "name": link.name,
+            "mass": link.inertial.mass,
+            "center_of_mass": link.inertial.center_of_mass,
+            "principal_moments": link.inertial.principal_moments(),
+        })).collect::<Vec<_>>(),
+        "modules": modules,
+        "condition_number": condition.filter(|number| number.is_finite()),
+        "f32_will_do": condition.map(|number| number <= CARRIED_BY_F32),
+        "functions": costs.as_ref().ok().map(|costs| costs.iter().map(cost).collect::<Vec<_>>()),
+        "not_compiled": costs.as_ref().err().map(|why| diagnostics::to_json(why.as_slice())),
+        "diagnostics": diagnostics::to_json(warnings),
+        "advice": advice,
+    });
+    format!("{all:#}\n")
+}
+
+fn joint(model: &Model, link: usize) -> Value {
+    let moved = &model.links()[link];
+    let joint = &moved.joint;
+    let (q, v) = (model.q_range(link), model.v_range(link));
+    json!({
+        "name": joint.name,
+        "type": joint.joint_type.name(),
+        "link": moved.name,
+        "parent": moved.parent.map(|parent| &model.links()[parent].name),
+        "axis": joint.axis,
+        "q": [q.start, q.end],
+        "v": [v.start, v.end],
+        "limits": joint.limits.as_ref().map(|limits| json!({
+            "lower": limits.lower,
+            "upper": limits.upper,
+            "velocity": limits.velocity,
+            "effort": limits.effort,
+        })),
+        "mimic": model.mimic(link).map(|mimic| json!({
+            "joint": model.links()[mimic.leader].joint.name,
+            "multiplier": mimic.multiplier,
+            "offset": mimic.offset,
+        })),
+        "armature": joint.drive.armature,
+        "damping": joint.drive.damping,
+        "friction": joint.drive.friction,
+    })
+}
+
+fn cost(Cost { name, operations, bytes }: &Cost) -> Value {
+    let OperationCount { multiplications, additions, divisions, sin_cos, others } = operations;
+    json!({
+        "name": name,
+        "multiplications": multiplications,
+        "additions": additions,
+        "divisions": divisions,
+        "sin_cos": sin_cos,
+        "others": others,
+        "operations": operations.total(),
+        "estimated_code_bytes": bytes.map(f64::round),
+    })
+}

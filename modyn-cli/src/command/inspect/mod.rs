@@ -1,0 +1,134 @@
+//! `modyn inspect`: what a robot is, and what its functions cost.
+
+mod advice;
+mod json;
+mod picture;
+mod size;
+mod sparsity;
+mod text;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use clap::Args;
+use modyn_codegen::error::{Code, Diagnostic, Diagnostics};
+use modyn_codegen::urdf::Reading;
+use modyn_codegen::{Builder, Function, ModuleChoice, condition_number};
+use modyn_runtime::OperationCount;
+use modyn_runtime::model::{Model, ModuleTree};
+
+use crate::command::choices::{Functions, functions, module_tree, modules};
+use crate::command::diagnostics;
+use crate::command::outcome::{Failure, to_file, to_stdout};
+use crate::command::progress::Progress;
+use crate::command::robot::Robot;
+use advice::Advice;
+use sparsity::Sparsity;
+
+/// Show a robot: joints, modules, masses, what its functions cost, what is odd in it
+///
+/// Exit code 0 where the description is usable, 1 where it is refused.
+#[derive(Args)]
+pub struct Arguments {
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Draw the module tree and the sparsity of the inertia matrix and its factors U and D
+    #[arg(long, value_name = "FILE.svg")]
+    svg: Option<PathBuf>,
+    /// The functions to count: their names with commas, `default`, `all`; else all but batches
+    #[arg(long, value_name = "NAMES", value_parser = functions)]
+    functions: Option<Functions>,
+    /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
+    #[arg(long, value_name = "MODULES", value_parser = modules)]
+    modules: Option<ModuleChoice>,
+    #[command(flatten)]
+    robot: Robot,
+}
+
+/// All that is shown.
+struct Inspection {
+    model: Model,
+    modules: ModuleTree,
+    warnings: Vec<Diagnostic>,
+    advice: Vec<Advice>,
+    /// The scaled mass matrix's, if the robot is not too large for it.
+    condition: Option<f64>,
+    /// Nothing for a robot that is too large for code: then why.
+    costs: Result<Vec<Cost>, Diagnostics>,
+}
+
+/// What a function costs.
+struct Cost {
+    name: &'static str,
+    /// Of a call.
+    operations: OperationCount,
+    /// Of its machine code, about; batches have code for each kind of processor.
+    bytes: Option<f64>,
+}
+
+/// Shows it.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let description = arguments.robot.open()?;
+    let reading = description.read(&arguments.robot.options.read_options());
+    let reading = match reading {
+        Err(found) if arguments.json => {
+            let refused = serde_json::json!({
+                "usable": false,
+                "diagnostics": diagnostics::to_json(found.as_slice()),
+            });
+            to_stdout(&format!("{refused:#}\n"))?;
+            return Err(Failure::Said);
+        }
+        reading => reading.map_err(|found| description.failure(found))?,
+    };
+    let progress = Progress::start("counting operations");
+    let builder = arguments.robot.builder(&description);
+    let costs = costs(builder, arguments)
+        .map_err(|found| description.failure(arguments.robot.named(found)))?;
+    let Reading { model, warnings, .. } = reading;
+    let inspection = Inspection {
+        modules: module_tree(&model, arguments.modules.as_ref())?,
+        advice: advice::about(&model),
+        condition: condition_number(&model),
+        costs,
+        model,
+        warnings,
+    };
+    progress.stop();
+    if let Some(path) = &arguments.svg {
+        let sparsity = Sparsity::of(&inspection.model, &inspection.modules)?;
+        to_file(path, &picture::draw(&inspection.model, &inspection.modules, &sparsity))?;
+    }
+    if arguments.json {
+        return to_stdout(&json::of(&inspection));
+    }
+    let warnings = diagnostics::render(&inspection.warnings, Some(&description.text));
+    to_stdout(&(text::of(&inspection) + &warnings))
+}
+
+/// By function; or why there can be no code.
+fn costs(
+    builder: Builder,
+    arguments: &Arguments,
+) -> Result<Result<Vec<Cost>, Diagnostics>, Diagnostics> {
+    let mut builder = builder.functions(match &arguments.functions {
+        Some(Functions(functions)) => functions.clone(),
+        None => Function::ALL.iter().copied().filter(|one| one.batched().is_none()).collect(),
+    });
+    if let Some(choice) = &arguments.modules {
+        builder = builder.modules(choice.clone());
+    }
+    match builder.generate() {
+        Ok(generated) => {
+            let written: BTreeMap<_, _> = generated.written.into_iter().collect();
+            let cost = |(name, operations)| {
+                let bytes = written.get(name).map(size::bytes);
+                Cost { name, operations, bytes }
+            };
+            Ok(Ok(generated.operations.into_iter().map(cost).collect()))
+        }
+        Err(found) if found.iter().all(|one| one.code == Code::TooLarge) => Ok(Err(found)),
+        Err(found) => Err(found),
+    }
+}

@@ -1,0 +1,210 @@
+//! For a terminal.
+
+use std::fmt::Write as _;
+
+use modyn_codegen::{CARRIED_BY_F32, tame};
+use modyn_runtime::model::{Link, Model, ModuleTree};
+
+use super::{Cost, Inspection, advice};
+use crate::command::table::Table;
+
+/// Of 24 bits.
+const F32_DIGITS: f64 = 7.2;
+
+/// So many modules are drawn: the tree of a chain is as wide as it is high.
+const MOST_DRAWN: usize = 1000;
+
+/// So many are told; JSON has all.
+const MOST_ADVICE: usize = 40;
+
+/// All of it.
+pub fn of(inspection: &Inspection) -> String {
+    let Inspection { model, modules, advice, condition, costs, .. } = inspection;
+    let mut out = format!(
+        "{}: {} moving links, {} coordinates, {} velocities, {} kg\n",
+        tame(model.name()),
+        model.links().len(),
+        model.nq(),
+        model.nv(),
+        figure(advice::total_mass(model)),
+    );
+    section(&mut out, "Joints (rad, m, s, N m, N)", &joints(model));
+    section(&mut out, "Moving links, with what is fixed to them (kg, m, kg m^2)", &links(model));
+    section(&mut out, "Kinematic modules", &tree(model, modules));
+    match costs {
+        Ok(costs) => section(
+            &mut out,
+            "Functions: operations of a call, and machine code (about; x86-64, f64)",
+            &functions(costs),
+        ),
+        Err(why) => section(&mut out, "Functions", &format!("{}\n", tame(&why.to_string()))),
+    }
+    section(&mut out, "Conditioning", &conditioning(*condition));
+    if !advice.is_empty() {
+        let line = |one: &advice::Advice| format!("link `{}`: {}\n", tame(&one.link), one.message);
+        let mut lines: String = advice.iter().take(MOST_ADVICE).map(line).collect();
+        if advice.len() > MOST_ADVICE {
+            let _ = writeln!(lines, "... and {} more", advice.len() - MOST_ADVICE);
+        }
+        section(&mut out, "To look at", &lines);
+    }
+    out.push('\n');
+    out
+}
+
+fn section(out: &mut String, title: &str, body: &str) {
+    // Bold, where there is a terminal.
+    let _ = writeln!(out, "\n\u{1b}[1m{title}\u{1b}[0m");
+    body.lines().for_each(|line| {
+        let _ = writeln!(out, "  {line}");
+    });
+}
+
+/// As short as it can be with four digits.
+fn figure(x: f64) -> String {
+    let size = x.abs();
+    if size == 0.0 {
+        "0".into()
+    } else if (1e-3..1e5).contains(&size) {
+        let text = format!("{x:.4}");
+        text.trim_end_matches('0').trim_end_matches('.').into()
+    } else {
+        format!("{x:.2e}")
+    }
+}
+
+fn optional(x: Option<f64>) -> String {
+    x.map_or_else(|| "-".into(), figure)
+}
+
+fn vector(x: &[f64]) -> String {
+    x.iter().map(|&x| figure(x)).collect::<Vec<_>>().join(" ")
+}
+
+fn joints(model: &Model) -> String {
+    let mut table = Table::new(&[
+        "q", "joint", "type", "axis", "parent", "lower", "upper", "velocity", "effort", "",
+    ]);
+    for (i, link) in model.links().iter().enumerate() {
+        let joint = &link.joint;
+        let limits = joint.limits.as_ref();
+        let q = model.q_range(i);
+        let place = match q.len() {
+            1 => format!("{}", q.start),
+            _ => format!("{}..{}", q.start, q.end),
+        };
+        table.row([
+            place,
+            tame(&joint.name),
+            joint.joint_type.name().into(),
+            vector(&joint.axis),
+            parent(model, link),
+            optional(limits.and_then(|l| l.lower)),
+            optional(limits.and_then(|l| l.upper)),
+            optional(limits.and_then(|l| l.velocity)),
+            optional(limits.and_then(|l| l.effort)),
+            notes(model, i),
+        ]);
+    }
+    table.text()
+}
+
+fn parent(model: &Model, link: &Link) -> String {
+    link.parent.map_or_else(|| "the base".into(), |p| tame(&model.links()[p].name))
+}
+
+/// What a joint has besides.
+fn notes(model: &Model, link: usize) -> String {
+    let joint = &model.links()[link].joint;
+    let mut notes = Vec::new();
+    if let Some(mimic) = model.mimic(link) {
+        let leader = tame(&model.links()[mimic.leader].joint.name);
+        let (ratio, offset) = (figure(mimic.multiplier), figure(mimic.offset));
+        notes.push(format!("follows {leader} times {ratio} plus {offset}"));
+    }
+    let drive = &joint.drive;
+    for (what, x) in
+        [("rotor", drive.armature), ("damping", drive.damping), ("friction", drive.friction)]
+    {
+        if x != 0.0 {
+            notes.push(format!("{what} {}", figure(x)));
+        }
+    }
+    notes.join(", ")
+}
+
+fn links(model: &Model) -> String {
+    let mut table = Table::new(&["link", "mass", "centre of mass", "principal moments", "carries"]);
+    let mut carried = vec![Vec::new(); model.links().len()];
+    for frame in model.frames() {
+        if let Some(link) = frame.link.filter(|&link| model.links()[link].name != frame.name) {
+            carried[link].push(tame(&frame.name));
+        }
+    }
+    for (link, carried) in model.links().iter().zip(&carried) {
+        table.row([
+            tame(&link.name),
+            figure(link.inertial.mass),
+            vector(&link.inertial.center_of_mass),
+            vector(&link.inertial.principal_moments()),
+            carried.join(", "),
+        ]);
+    }
+    table.text()
+}
+
+/// The modules as a tree, without recursion: a chain of them may be long.
+fn tree(model: &Model, tree: &ModuleTree) -> String {
+    let modules = tree.modules();
+    if modules.len() > MOST_DRAWN {
+        return format!("{} modules: too many to draw\n", modules.len());
+    }
+    let mut out = String::from("the base\n");
+    let roots = (0..modules.len()).filter(|&m| modules[m].parent.is_none()).collect::<Vec<_>>();
+    let mut waiting: Vec<(usize, String, bool)> = Vec::new();
+    let put = |waiting: &mut Vec<_>, children: &[usize], indent: &str| {
+        for (i, &child) in children.iter().enumerate().rev() {
+            waiting.push((child, indent.to_string(), i + 1 == children.len()));
+        }
+    };
+    put(&mut waiting, &roots, "");
+    while let Some((m, indent, last)) = waiting.pop() {
+        let links = modules[m].links.clone();
+        let names: Vec<String> = links.map(|i| tame(&model.links()[i].name)).collect();
+        let (branch, below) = if last { ("└─", "   ") } else { ("├─", "│  ") };
+        let _ = writeln!(out, "{indent}{branch} {m}: {}", names.join(" ─ "));
+        put(&mut waiting, &modules[m].children, &format!("{indent}{below}"));
+    }
+    out
+}
+
+fn functions(costs: &[Cost]) -> String {
+    let mut table = Table::new(&["function", "mul", "add", "div", "sin/cos", "in all", "code, kB"]);
+    for Cost { name, operations, bytes } in costs {
+        table.row([
+            (*name).into(),
+            operations.multiplications.to_string(),
+            operations.additions.to_string(),
+            operations.divisions.to_string(),
+            operations.sin_cos.to_string(),
+            operations.total().to_string(),
+            bytes.map_or_else(|| "-".into(), |bytes| format!("{:.1}", bytes / 1000.0)),
+        ]);
+    }
+    table.right_from(1).text()
+}
+
+fn conditioning(condition: Option<f64>) -> String {
+    match condition {
+        None => "not computed: the robot is too large\n".into(),
+        Some(number) => format!(
+            "mass matrix, scaled to a diagonal of ones: up to {number:.1e}; f32 {}\n",
+            if number > CARRIED_BY_F32 {
+                "may be left no digits of the accelerations: use f64, or compare with it".into()
+            } else {
+                let digits = (F32_DIGITS - number.log10()).floor();
+                format!("is left about {digits} digits of the accelerations")
+            }
+        ),
+    }
+}

@@ -1,0 +1,58 @@
+//! What can be typed, and what the exit code says.
+
+mod check;
+mod choices;
+mod compare;
+mod diagnostics;
+mod explain;
+mod generate;
+mod header;
+mod inspect;
+mod outcome;
+mod progress;
+mod random;
+mod robot;
+mod simulate;
+mod table;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Rigid-body dynamics from a robot description (URDF).
+///
+/// Exit codes: 0 where all is well; 1 where the answer is no (a description is refused, a file is
+/// stale, results differ); 2 where the command cannot be carried out as it was given.
+#[derive(Parser)]
+#[command(name = "modyn", version, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Inspect(inspect::Arguments),
+    Check(check::Arguments),
+    Generate(generate::Arguments),
+    Simulate(simulate::Arguments),
+    Compare(compare::Arguments),
+    Explain(explain::Arguments),
+}
+
+/// Carries out what stands on the command line.
+#[must_use]
+pub fn run() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Generate(arguments) => generate::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
+        Command::Explain(arguments) => explain::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

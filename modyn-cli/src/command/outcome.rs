@@ -1,0 +1,88 @@
+//! How a command ends, and how it writes.
+
+use std::fmt;
+use std::io::{ErrorKind, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use modyn_codegen::error::{Code, Diagnostics};
+use modyn_codegen::tame;
+
+use crate::command::diagnostics;
+
+/// Why a command did not do what it was to do.
+#[derive(Debug)]
+pub enum Failure {
+    /// What the compiler says of a description (whose text is the second) or of the options.
+    Diagnostics(Diagnostics, Option<String>),
+    /// The answer is no.
+    No(String),
+    /// The command cannot be carried out as it was given.
+    Usage(String),
+    /// The answer is no, and has been given.
+    Said,
+}
+
+impl Failure {
+    /// A command that cannot be carried out.
+    pub fn usage(message: impl fmt::Display) -> Self {
+        Self::Usage(message.to_string())
+    }
+
+    /// Tells the user, and the script that ran us.
+    pub fn report(&self) -> ExitCode {
+        let text = match self {
+            Self::Diagnostics(found, text) => {
+                diagnostics::render(found.as_slice(), text.as_deref())
+            }
+            Self::No(message) | Self::Usage(message) => format!("{message}\n"),
+            Self::Said => String::new(),
+        };
+        to_stderr(&text);
+        ExitCode::from(self.code())
+    }
+
+    fn code(&self) -> u8 {
+        match self {
+            Self::Diagnostics(found, _) => {
+                let options = [
+                    Code::MissingFile,
+                    Code::Gravity,
+                    Code::Modules,
+                    Code::Payload,
+                    Code::TypeName,
+                    Code::Option,
+                    Code::Output,
+                ];
+                if found.iter().all(|one| options.contains(&one.code)) { 2 } else { 1 }
+            }
+            Self::No(_) | Self::Said => 1,
+            Self::Usage(_) => 2,
+        }
+    }
+}
+
+/// Writes to standard output, with colours if it is a terminal. Who stops reading has read enough.
+pub fn to_stdout(text: &str) -> Result<(), Failure> {
+    let mut out = anstream::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::usage(format!("error: standard output cannot be written: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes to standard error, with colours if it is a terminal.
+pub fn to_stderr(text: &str) {
+    // There is nobody else to tell.
+    let _ = anstream::stderr().lock().write_all(text.as_bytes());
+}
+
+/// Writes a file.
+pub fn to_file(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|error| {
+        let path = tame(&path.display().to_string());
+        Failure::usage(format!("error: `{path}` cannot be written: {error}"))
+    })
+}

@@ -1,0 +1,243 @@
+//! The robot that a command is about: where its description is, and how it is to be read.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use modyn_codegen::Builder;
+use modyn_codegen::error::{Code, Diagnostic, Diagnostics, Severity};
+use modyn_codegen::source::read_first;
+use modyn_codegen::urdf::{self, Friction, ReadOptions, Reading, Rotor};
+
+use crate::command::diagnostics;
+use crate::command::outcome::{Failure, to_stderr};
+
+/// A description, and how to read it.
+#[derive(Args)]
+pub struct Robot {
+    /// The description (URDF); `-` for standard input
+    #[arg(value_name = "ROBOT.urdf")]
+    pub path: PathBuf,
+    #[command(flatten)]
+    pub options: Options,
+}
+
+/// How to read a description.
+#[derive(Args)]
+#[command(next_help_heading = "Reading the description")]
+pub struct Options {
+    /// What the root link stands on
+    #[arg(long, value_enum, default_value_t)]
+    base: Base,
+    /// How to take joints that mimic another one
+    #[arg(long, value_enum, default_value_t)]
+    mimic: Mimic,
+    /// A drive's rotor: inertia (kg m^2) and gear ratio, in place of what the description says
+    #[arg(long = "rotor", value_name = "JOINT=INERTIA,RATIO", value_parser = rotor)]
+    rotors: Vec<Rotor>,
+    /// Which of the description's damping and friction acts: none, viscous, coulomb, smooth=VELOCITY
+    #[arg(long, value_name = "KIND", default_value = "none", value_parser = friction)]
+    friction: Friction,
+    /// The acceleration of free fall in world axes, m/s^2 [default: 0,0,-9.81]
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    gravity: Option<[f64; 3]>,
+    /// How to take inertias that no rigid body has
+    #[arg(long, value_enum, default_value_t)]
+    unphysical_inertia: Unphysical,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum Base {
+    #[default]
+    Fixed,
+    Floating,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum Mimic {
+    #[default]
+    Follow,
+    Independent,
+    Refuse,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum Unphysical {
+    #[default]
+    Error,
+    Warn,
+}
+
+/// A description that was found.
+pub struct Description {
+    /// What the user calls it.
+    pub name: String,
+    /// What stands in it.
+    pub text: String,
+    /// Where it is, unless it came through standard input.
+    path: Option<PathBuf>,
+}
+
+impl Description {
+    /// Finds the description that the user means.
+    pub fn open(path: &Path) -> Result<Self, Diagnostics> {
+        let name = path.display().to_string();
+        if path == Path::new("-") {
+            let name = String::from("standard input");
+            let mut text = String::new();
+            std::io::stdin().lock().read_to_string(&mut text).map_err(|error| {
+                Diagnostic::error(Code::MissingFile, format!("{name} cannot be read: {error}"))
+                    .with_help("give a URDF as UTF-8 text")
+            })?;
+            return Ok(Self { name, text, path: None });
+        }
+        if !path.exists() {
+            let missing = Diagnostic::error(Code::MissingFile, format!("`{name}` does not exist"));
+            let help = "give the path of a URDF file, or `-` for standard input";
+            return Err(missing.with_help(help).into());
+        }
+        let (_, text) = read_first(&name, &[path.to_owned()])?;
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        Ok(Self { name, text, path: Some(path) })
+    }
+
+    /// Reads it.
+    pub fn read(&self, options: &ReadOptions) -> Result<Reading, Diagnostics> {
+        urdf::read(&self.text, &self.name, options)
+    }
+
+    /// Tells the user what is odd in it.
+    pub fn warn(&self, warnings: Diagnostics) {
+        to_stderr(&diagnostics::render(warnings.as_slice(), Some(&self.text)));
+    }
+
+    /// What went wrong with it, for the user.
+    pub fn failure(&self, found: Diagnostics) -> Failure {
+        Failure::Diagnostics(found, Some(self.text.clone()))
+    }
+}
+
+impl Robot {
+    /// Finds the description.
+    pub fn open(&self) -> Result<Description, Failure> {
+        Description::open(&self.path).map_err(|found| Failure::Diagnostics(found, None))
+    }
+
+    /// The compiler with these options, for this description.
+    pub fn builder(&self, description: &Description) -> Builder {
+        let builder = match &description.path {
+            // A kept file then says what a build script's would.
+            Some(path) => Builder::new().urdf(path),
+            None => Builder::new().urdf_text(&description.text, &description.name),
+        };
+        self.options.configure(builder)
+    }
+}
+
+impl Robot {
+    /// The same, with the description called as the user calls it: compilers are given its full path.
+    pub fn named(&self, found: Diagnostics) -> Diagnostics {
+        let name = self.path.display().to_string();
+        let mut found = found.into_vec();
+        found
+            .iter_mut()
+            .filter_map(|one| one.file.as_mut())
+            .for_each(|file| file.clone_from(&name));
+        Diagnostics::new(found)
+    }
+}
+
+impl Options {
+    /// For the reader alone.
+    pub fn read_options(&self) -> ReadOptions {
+        let default = ReadOptions::default();
+        ReadOptions {
+            gravity: self.gravity.unwrap_or(default.gravity),
+            unphysical_inertia: self.unphysical_inertia.into(),
+            mimic: self.mimic.into(),
+            base: self.base.into(),
+            rotors: self.rotors.clone(),
+            friction: self.friction,
+        }
+    }
+
+    fn configure(&self, builder: Builder) -> Builder {
+        let builder = builder
+            .base(self.base.into())
+            .mimic(self.mimic.into())
+            .friction(self.friction)
+            .unphysical_inertia(self.unphysical_inertia.into());
+        let builder = self.rotors.iter().fold(builder, |builder, rotor| {
+            builder.rotor(&rotor.joint, rotor.inertia, rotor.gear_ratio)
+        });
+        match self.gravity {
+            Some(gravity) => builder.gravity(gravity),
+            None => builder,
+        }
+    }
+}
+
+impl From<Base> for urdf::Base {
+    fn from(base: Base) -> Self {
+        match base {
+            Base::Fixed => Self::Fixed,
+            Base::Floating => Self::Floating,
+        }
+    }
+}
+
+impl From<Mimic> for urdf::Mimic {
+    fn from(mimic: Mimic) -> Self {
+        match mimic {
+            Mimic::Follow => Self::Follow,
+            Mimic::Independent => Self::Independent,
+            Mimic::Refuse => Self::Refuse,
+        }
+    }
+}
+
+impl From<Unphysical> for Severity {
+    fn from(unphysical: Unphysical) -> Self {
+        match unphysical {
+            Unphysical::Error => Self::Error,
+            Unphysical::Warn => Self::Warning,
+        }
+    }
+}
+
+/// `elbow=0.0001,100`
+fn rotor(text: &str) -> Result<Rotor, String> {
+    let expected = || "expected JOINT=INERTIA,RATIO, such as elbow=0.0001,100".to_string();
+    let (joint, figures) = text.rsplit_once('=').ok_or_else(expected)?;
+    let (inertia, ratio) = figures.split_once(',').ok_or_else(expected)?;
+    Ok(Rotor { joint: joint.into(), inertia: number(inertia)?, gear_ratio: number(ratio)? })
+}
+
+/// `none`, `viscous`, `coulomb` or `smooth=0.01`
+fn friction(text: &str) -> Result<Friction, String> {
+    match (text, text.strip_prefix("smooth=")) {
+        ("none", _) => Ok(Friction::None),
+        ("viscous", _) => Ok(Friction::Viscous),
+        ("coulomb", _) => Ok(Friction::Coulomb),
+        (_, Some(velocity)) => number(velocity).map(Friction::Smooth),
+        _ => Err("expected none, viscous, coulomb or smooth=VELOCITY (rad/s or m/s)".into()),
+    }
+}
+
+/// `0,0,-9.81`
+fn vector(text: &str) -> Result<[f64; 3], String> {
+    let numbers = numbers(text)?;
+    let count = numbers.len();
+    numbers.try_into().map_err(|_| format!("expected three numbers, there are {count}"))
+}
+
+/// Numbers with commas between them.
+pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
+    text.split(',').map(number).collect()
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let number: f64 = text.parse().map_err(|_| format!("`{text}` is no number"))?;
+    if number.is_finite() { Ok(number) } else { Err(format!("`{text}` is not finite")) }
+}

@@ -1,0 +1,210 @@
+//! The motion of a robot: Runge-Kutta steps of the interpreter's forward dynamics.
+//!
+//! `modyn::simulate` has such steps for generated robots, whose states are arrays; here their sizes are known at
+//! run time only, and the work of what drives and brakes the joints is integrated along.
+
+use modyn_runtime::model::{Friction, Model};
+use modyn_runtime::{Interpreter, ShapeError};
+
+use super::torques::Torques;
+use crate::command::outcome::Failure;
+use crate::command::random::Random;
+
+/// How a motion is computed.
+pub struct Settings {
+    /// Of the integration, s.
+    pub step: f64,
+    /// How many.
+    pub steps: usize,
+    /// After so many a sample is kept.
+    pub every: usize,
+}
+
+/// A robot at an instant.
+#[derive(Clone)]
+pub struct Sample {
+    pub time: f64,
+    pub q: Vec<f64>,
+    pub qd: Vec<f64>,
+    pub tau: Vec<f64>,
+    pub kinetic: f64,
+    pub potential: f64,
+    /// Of the joint torques since the start, J.
+    pub work: f64,
+    /// By friction and damping since the start, J.
+    pub dissipated: f64,
+}
+
+impl Sample {
+    /// What does not change: the energy, less what came in, plus what went out.
+    pub fn balance(&self) -> f64 {
+        self.kinetic + self.potential - self.work + self.dissipated
+    }
+}
+
+/// What is kept of a motion.
+pub struct Motion {
+    pub samples: Vec<Sample>,
+    pub steps: usize,
+}
+
+/// Something that has a rate of change: coordinates, velocities, work and what is dissipated.
+#[derive(Clone)]
+struct State {
+    q: Vec<f64>,
+    qd: Vec<f64>,
+    energy: [f64; 2],
+}
+
+/// What moves a robot.
+struct Dynamics<'a> {
+    interpreter: Interpreter<f64>,
+    /// The same without friction, if there is friction.
+    smooth: Option<Interpreter<f64>>,
+    torques: &'a Torques,
+    tau: Vec<f64>,
+}
+
+impl Motion {
+    /// From coordinates and velocities on.
+    pub fn simulate(
+        model: &Model,
+        (q, qd): (Vec<f64>, Vec<f64>),
+        torques: &Torques,
+        settings: &Settings,
+    ) -> Result<Self, Failure> {
+        let shape = |error: ShapeError| Failure::usage(format!("error: {error}"));
+        let smooth = (model.friction() != Friction::None)
+            .then(|| Interpreter::new(model.clone().with_friction(Friction::None)));
+        let interpreter = Interpreter::new(model.clone());
+        let tau = vec![0.0; model.nv()];
+        let mut dynamics = Dynamics { interpreter, smooth, torques, tau };
+        let mut state = State { q, qd, energy: [0.0; 2] };
+        let mut samples = vec![dynamics.sample(0.0, &state).map_err(shape)?];
+        for i in 1..=settings.steps {
+            let before = settings.step * (i - 1) as f64;
+            state = dynamics.step(before, settings.step, &state).map_err(shape)?;
+            let time = settings.step * i as f64;
+            if !state.q.iter().chain(&state.qd).all(|x| x.is_finite()) {
+                return Err(Failure::No(format!(
+                    "error: the motion leaves all bounds at {time:.4} s: take a smaller `--step`, or \
+                     smaller torques"
+                )));
+            }
+            if i % settings.every == 0 || i == settings.steps {
+                samples.push(dynamics.sample(time, &state).map_err(shape)?);
+            }
+        }
+        Ok(Self { samples, steps: settings.steps })
+    }
+
+    /// The largest change of what should not change, J.
+    pub fn drift(&self) -> f64 {
+        let start = self.samples.first().map_or(0.0, Sample::balance);
+        self.samples.iter().map(|s| (s.balance() - start).abs()).fold(0.0, f64::max)
+    }
+
+    /// The joints that were beyond their limits.
+    pub fn beyond_limits(&self, model: &Model) -> Vec<String> {
+        let beyond = |&link: &usize| {
+            let joint = &model.links()[link].joint;
+            let Some(limits) = joint.limits.as_ref().filter(|_| joint.mimic.is_none()) else {
+                return false;
+            };
+            let range = model.q_range(link);
+            self.samples.iter().flat_map(|sample| &sample.q[range.clone()]).any(|&q| {
+                limits.lower.is_some_and(|lower| q < lower - 1e-9)
+                    || limits.upper.is_some_and(|upper| q > upper + 1e-9)
+            })
+        };
+        (0..model.links().len())
+            .filter(beyond)
+            .map(|link| model.links()[link].joint.name.clone())
+            .collect()
+    }
+}
+
+impl Dynamics<'_> {
+    fn sample(&mut self, time: f64, state: &State) -> Result<Sample, ShapeError> {
+        self.torques.at(time, &mut self.tau);
+        let State { q, qd, energy: [work, dissipated] } = state.clone();
+        Ok(Sample {
+            time,
+            kinetic: self.interpreter.kinetic_energy(&q, &qd)?,
+            potential: self.interpreter.potential_energy(&q)?,
+            tau: self.tau.clone(),
+            q,
+            qd,
+            work,
+            dissipated,
+        })
+    }
+
+    /// The classical Runge-Kutta method of fourth order; quaternions are brought back to length 1.
+    fn step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, ShapeError> {
+        let first = self.rates(time, state)?;
+        let second = self.rates(time + dt / 2.0, &state.plus(dt / 2.0, &first))?;
+        let third = self.rates(time + dt / 2.0, &state.plus(dt / 2.0, &second))?;
+        let last = self.rates(time + dt, &state.plus(dt, &third))?;
+        let (ends, middles) = (first.plus(1.0, &last), second.plus(1.0, &third));
+        let mut next = state.plus(dt / 6.0, &ends).plus(dt / 3.0, &middles);
+        self.interpreter.normalize(&mut next.q)?;
+        Ok(next)
+    }
+
+    fn rates(&mut self, time: f64, State { q, qd, .. }: &State) -> Result<State, ShapeError> {
+        self.torques.at(time, &mut self.tau);
+        let mut rates = State { q: vec![0.0; q.len()], qd: vec![0.0; qd.len()], energy: [0.0; 2] };
+        self.interpreter.coordinate_rates(q, qd, &mut rates.q)?;
+        self.interpreter.forward_dynamics(q, qd, &self.tau, &mut rates.qd)?;
+        rates.energy = [power(&self.tau, qd), self.friction_power(q, qd)?];
+        Ok(rates)
+    }
+
+    /// What friction and damping take: the part of the inverse dynamics that is theirs, times the velocities.
+    fn friction_power(&mut self, q: &[f64], qd: &[f64]) -> Result<f64, ShapeError> {
+        let Some(smooth) = &mut self.smooth else { return Ok(0.0) };
+        let (mut with, mut without) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
+        self.interpreter.bias_forces(q, qd, &mut with)?;
+        smooth.bias_forces(q, qd, &mut without)?;
+        Ok(power(&with, qd) - power(&without, qd))
+    }
+}
+
+fn power(tau: &[f64], qd: &[f64]) -> f64 {
+    tau.iter().zip(qd).map(|(a, b)| a * b).sum()
+}
+
+impl State {
+    /// This, and `factor` times the other.
+    fn plus(&self, factor: f64, other: &Self) -> Self {
+        let add = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + factor * b).collect();
+        Self {
+            q: add(&self.q, &other.q),
+            qd: add(&self.qd, &other.qd),
+            energy: [0, 1].map(|i| self.energy[i] + factor * other.energy[i]),
+        }
+    }
+}
+
+/// The coordinates to start from: these, or random ones, or zero.
+pub fn place(
+    model: &Model,
+    given: Option<Vec<f64>>,
+    seed: Option<u64>,
+) -> Result<Vec<f64>, Failure> {
+    let interpreter = Interpreter::<f64>::new(model.clone());
+    let mut q = vec![0.0; model.nq()];
+    let done = match (given, seed) {
+        (Some(given), _) => {
+            q = given;
+            interpreter.normalize(&mut q)
+        }
+        (None, Some(seed)) => {
+            let mut random = Random::new(seed);
+            interpreter.random(|| random.uniform(), &mut q)
+        }
+        (None, None) => interpreter.neutral(&mut q),
+    };
+    done.map(|()| q).map_err(|error| Failure::usage(format!("error: {error}")))
+}

@@ -1,0 +1,144 @@
+//! Torques over time, from a table.
+
+use std::path::Path;
+
+use csv::{ReaderBuilder, StringRecord, Trim};
+use modyn_codegen::tame;
+use modyn_runtime::model::Model;
+
+use crate::command::outcome::Failure;
+use crate::escape::cell;
+
+/// Torques at ascending times; none is zero.
+pub struct Torques {
+    times: Vec<f64>,
+    /// By time: one for each velocity.
+    rows: Vec<Vec<f64>>,
+}
+
+impl Torques {
+    /// Zero at all times.
+    pub fn none() -> Self {
+        Self { times: Vec::new(), rows: Vec::new() }
+    }
+
+    /// From a file: rows of a time and a torque for each velocity; or under a row that names the velocities in
+    /// any order, of which those that are left out are zero.
+    pub fn read(path: &Path, model: &Model) -> Result<Self, Failure> {
+        let name = tame(&path.display().to_string());
+        let bad = |line: u64, message: String| {
+            Failure::usage(format!("error: {name}:{line}: {}", tame(&message)))
+        };
+        let reader = ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .trim(Trim::All)
+            .comment(Some(b'#'))
+            .from_path(path);
+        let mut reader = reader
+            .map_err(|error| Failure::usage(format!("error: `{name}` cannot be read: {error}")))?;
+        let names = model.velocity_names();
+        let mut columns: Vec<usize> = (0..names.len()).collect();
+        let mut torques = Self::none();
+        for (i, record) in reader.records().enumerate() {
+            let record = record.map_err(|error| bad(i as u64 + 1, error.to_string()))?;
+            let line = record.position().map_or(i as u64 + 1, csv::Position::line);
+            if i == 0 && record.get(0).is_some_and(|first| first.parse::<f64>().is_err()) {
+                columns = named(&record, &names).map_err(|message| bad(line, message))?;
+                continue;
+            }
+            if record.len() != columns.len() + 1 {
+                let (found, count) = (record.len(), columns.len());
+                let expected =
+                    format!("expected a time and {count} torques, there are {found} cells");
+                return Err(bad(line, expected));
+            }
+            let numbers: Result<Vec<f64>, String> = record.iter().map(number).collect();
+            let numbers = numbers.map_err(|message| bad(line, message))?;
+            if torques.times.last().is_some_and(|&last| numbers[0] <= last) {
+                return Err(bad(line, "times must ascend".into()));
+            }
+            torques.times.push(numbers[0]);
+            let mut row = vec![0.0; names.len()];
+            columns.iter().zip(&numbers[1..]).for_each(|(&column, &x)| row[column] = x);
+            torques.rows.push(row);
+        }
+        if torques.times.is_empty() {
+            return Err(bad(1, "there is no row of figures".into()));
+        }
+        Ok(torques)
+    }
+
+    /// Those at a time into `tau`: linear between rows, held before the first and behind the last one.
+    pub fn at(&self, time: f64, tau: &mut [f64]) {
+        let above = self.times.partition_point(|&t| t <= time);
+        let (Some(&below), Some(&above)) =
+            (self.place(above.saturating_sub(1)).as_ref(), self.place(above).as_ref())
+        else {
+            return tau.fill(0.0);
+        };
+        let span = self.times[above] - self.times[below];
+        let part =
+            if span > 0.0 { ((time - self.times[below]) / span).clamp(0.0, 1.0) } else { 0.0 };
+        for (k, tau) in tau.iter_mut().enumerate() {
+            let (a, b) = (self.rows[below][k], self.rows[above][k]);
+            *tau = a + (b - a) * part;
+        }
+    }
+
+    /// A row's index, or the last one's.
+    fn place(&self, row: usize) -> Option<usize> {
+        self.times.len().checked_sub(1).map(|last| row.min(last))
+    }
+}
+
+/// Which velocity each column belongs to.
+fn named(head: &StringRecord, names: &[String]) -> Result<Vec<usize>, String> {
+    let mut columns = Vec::new();
+    for found in head.iter().skip(1) {
+        // As a table of ours has it: with the unit behind it, perhaps.
+        let bare =
+            found.strip_suffix(" (N m)").or_else(|| found.strip_suffix(" (N)")).unwrap_or(found);
+        let bare = bare.strip_prefix("tau ").unwrap_or(bare);
+        let column = names.iter().position(|name| name == bare || cell(name) == bare);
+        match column {
+            Some(column) if columns.contains(&column) => {
+                return Err(format!("`{found}` is there twice"));
+            }
+            Some(column) => columns.push(column),
+            None => {
+                return Err(format!("`{found}` is no velocity; there are: {}", names.join(", ")));
+            }
+        }
+    }
+    Ok(columns)
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        _ => Err(format!("`{text}` is no finite number")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn torques_are_linear_between_rows_and_held_outside() {
+        let torques =
+            Torques { times: vec![0.0, 1.0, 3.0], rows: vec![vec![0.0], vec![2.0], vec![4.0]] };
+        let at = |time| {
+            let mut tau = [f64::NAN];
+            torques.at(time, &mut tau);
+            tau[0]
+        };
+        let found = [-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 9.0].map(at);
+        let expected = [0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0];
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{found:?}");
+        let mut tau = [f64::NAN];
+        Torques::none().at(1.0, &mut tau);
+        assert_eq!(tau, [0.0]);
+    }
+}

@@ -1,0 +1,102 @@
+//! `modyn check`: exit codes, what is shown, JSON.
+#![cfg(feature = "command")]
+
+mod common;
+
+use common::{assert_snapshot, command, descriptions, modyn, run};
+
+#[test]
+fn every_bad_file_is_refused_with_its_line_and_a_caret() {
+    for (path, flags) in descriptions("bad") {
+        let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
+        let found = modyn(&[&["check", &path][..], &flags].concat());
+        assert_eq!(found.code, 1, "{path}: {}{}", found.out, found.err);
+        assert!(found.out.contains("error["), "{}", found.out);
+        assert!(
+            found.out.contains(&format!("{path}:")) && found.out.contains('^'),
+            "{}",
+            found.out
+        );
+        assert!(found.out.trim_end().lines().last().is_some_and(|l| l.contains("refused")));
+        assert!(found.err.is_empty(), "{}", found.err);
+
+        let json = modyn(&[&["check", &path, "--json"][..], &flags].concat());
+        assert_eq!(json.code, 1, "{path}");
+        let json = json.json();
+        assert_eq!(json[0]["usable"], false);
+        let all = json[0]["diagnostics"].as_array().expect("diagnostics");
+        assert!(all.iter().any(|one| one["severity"] == "error"));
+        for one in all {
+            assert!(one["line"].as_u64().is_some_and(|line| line > 0), "{path}: {one}");
+            assert!(one["help"].as_str().is_some_and(|help| !help.is_empty()), "{path}: {one}");
+        }
+    }
+}
+
+#[test]
+fn every_good_file_is_usable() {
+    let mut warned = 0;
+    for (path, flags) in descriptions("good") {
+        let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
+        let found = modyn(&[&["check", &path][..], &flags].concat());
+        assert_eq!(found.code, 0, "{path}: {}{}", found.out, found.err);
+        let warns = found.out.contains("warning[");
+        let denied = modyn(&[&["check", "--deny-warnings", &path][..], &flags].concat());
+        assert_eq!(denied.code, i32::from(warns), "{path}");
+        warned += i32::from(warns);
+    }
+    assert!(warned > 0);
+}
+
+#[test]
+fn all_that_is_wrong_is_shown() {
+    let found = modyn(&["check", "modyn-codegen/tests/bad/everything_at_once.urdf"]);
+    assert_snapshot("everything_at_once.txt", &found.out);
+}
+
+#[test]
+fn several_files_have_an_answer_each() {
+    let found =
+        modyn(&["check", "--json", "robots/arm6.urdf", "modyn-codegen/tests/bad/cycle.urdf"]);
+    assert_eq!(found.code, 1);
+    let json = found.json();
+    assert_eq!(json[0]["usable"], true);
+    assert_eq!(json[1]["usable"], false);
+}
+
+#[test]
+fn what_cannot_be_read_is_another_matter_than_what_is_refused() {
+    let missing = modyn(&["check", "robots/no_such.urdf"]);
+    assert_eq!(missing.code, 2);
+    assert!(missing.out.contains("error[missing-file]"), "{}", missing.out);
+    assert_eq!(modyn(&["check", "robots"]).code, 2);
+    assert_eq!(modyn(&["check"]).code, 2);
+    assert_eq!(modyn(&["check", "robots/arm6.urdf", "--base", "flying"]).code, 2);
+    assert_eq!(modyn(&["check", "robots/arm6.urdf", "--gravity", "1,2"]).code, 2);
+    let rotor = modyn(&["check", "robots/arm6.urdf", "--rotor", "nobody=1,1"]);
+    assert_eq!(rotor.code, 1);
+    assert!(rotor.out.contains("nobody"), "{}", rotor.out);
+}
+
+#[test]
+fn a_description_may_come_through_a_pipe() {
+    let mut piped = command(&["check", "-"]);
+    let file = std::fs::File::open(common::root().join("robots/gripper.urdf")).expect("a robot");
+    piped.stdin(file);
+    let found = run(piped);
+    assert_eq!((found.code, &*found.out), (0, "standard input: usable\n"));
+}
+
+#[test]
+fn a_line_of_a_million_characters_is_not_shown() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("long.urdf");
+    let text = format!(
+        "<robot name='a'><link name='b'/>{}<link name='b'/></robot>",
+        " ".repeat(1_000_000)
+    );
+    std::fs::write(&path, text).expect("writes");
+    let found = modyn(&["check", &path.to_string_lossy()]);
+    assert_eq!(found.code, 1);
+    assert!(found.out.len() < 10_000 && found.out.contains(":1:100003"), "{}", found.out);
+}

@@ -1,0 +1,31 @@
+//! What the command says of itself.
+#![cfg(feature = "command")]
+
+mod common;
+
+use common::modyn;
+
+#[test]
+fn help_and_version_are_there() {
+    let help = modyn(&["--help"]);
+    assert_eq!(help.code, 0);
+    for command in ["inspect", "generate", "check", "simulate", "compare", "explain"] {
+        assert!(help.out.contains(command), "{}", help.out);
+        let own = modyn(&[command, "--help"]);
+        assert_eq!(own.code, 0);
+        assert!(own.out.contains("Exit code"), "{}", own.out);
+    }
+    assert_eq!(modyn(&["--version"]).out, format!("modyn {}\n", env!("CARGO_PKG_VERSION")));
+    assert_eq!(modyn(&[]).code, 2);
+    assert_eq!(modyn(&["fly"]).code, 2);
+}
+
+#[test]
+fn codes_are_explained() {
+    let one = modyn(&["explain", "no-inertia-felt"]);
+    assert_eq!(one.code, 0);
+    assert!(one.out.contains("moves nothing that has inertia") && one.out.contains("armature"));
+    let all = modyn(&["explain"]);
+    assert_eq!(all.out.lines().count(), modyn_codegen::error::Code::ALL.len());
+    assert_eq!(modyn(&["explain", "nonsense"]).code, 2);
+}

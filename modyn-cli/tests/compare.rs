@@ -1,0 +1,64 @@
+//! `modyn compare`: generated code against the interpreter, on the spot.
+#![cfg(feature = "command")]
+
+mod common;
+
+use common::{command, modyn, run};
+
+#[test]
+fn generated_code_agrees_with_the_interpreter() {
+    for (robot, options) in [
+        ("robots/joint_zoo.urdf", &["--friction", "smooth=0.1"][..]),
+        ("robots/quadruped.urdf", &["--base", "floating", "--modules", "links"]),
+    ] {
+        let arguments = ["compare", robot, "--json", "--states", "20"];
+        let functions = ["--functions", "default,inverse_dynamics_derivatives"];
+        let found = modyn(&[&arguments[..], &functions, options].concat());
+        assert_eq!(found.code, 0, "{robot}: {}{}", found.out, found.err);
+        let json = found.json();
+        assert_eq!(json["agrees"], true);
+        let functions = json["functions"].as_array().expect("functions");
+        assert!(functions.len() >= 12, "{functions:?}");
+        for one in functions {
+            assert!(one["difference"].as_f64().is_some_and(|x| x < 1e-9), "{one}");
+            assert!(one["generated_ns"].as_f64().is_some_and(|x| x > 0.0), "{one}");
+        }
+    }
+}
+
+#[test]
+fn a_difference_is_an_answer_of_its_own() {
+    let arguments =
+        ["compare", "robots/gripper.urdf", "--functions", "forward_dynamics", "--tolerance", "0"];
+    let found = modyn(&arguments);
+    assert_eq!(found.code, 1, "{}", found.err);
+    assert!(found.out.contains("DIFFERS") && found.out.contains("1 of 1 differ"), "{}", found.out);
+}
+
+#[test]
+fn what_is_kept_can_be_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let kept = folder.path().join("kept");
+    let found = modyn(&[
+        "compare",
+        "robots/gripper.urdf",
+        "--functions",
+        "mass_matrix",
+        "--keep",
+        &kept.to_string_lossy(),
+    ]);
+    assert_eq!(found.code, 0, "{}", found.err);
+    assert!(kept.join("main.rs").is_file() && kept.join("robot.rs").is_file());
+    assert!(found.out.contains("mass_matrix") && found.out.contains("all agree"), "{}", found.out);
+}
+
+#[test]
+fn without_rustc_it_says_what_is_missing() {
+    let mut without = command(&["compare", "robots/gripper.urdf"]);
+    without.env("RUSTC", "no such rustc");
+    let found = run(without);
+    assert_eq!(found.code, 2);
+    assert!(found.err.contains("rustup.rs") && found.err.contains("RUSTC"), "{}", found.err);
+    assert_eq!(modyn(&["compare", "robots/gripper.urdf", "--functions", "jacobian"]).code, 2);
+    assert_eq!(modyn(&["compare", "modyn-codegen/tests/bad/cycle.urdf"]).code, 1);
+}

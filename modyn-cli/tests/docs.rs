@@ -1,0 +1,96 @@
+//! The commands that the documentation shows, run as they stand there.
+#![cfg(feature = "command")]
+
+mod common;
+
+use std::path::Path;
+
+use common::{command, root, run};
+
+/// The lines of all blocks of commands in a page that begin with `modyn`, without remarks.
+fn commands(page: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for block in page.split("```console\n").skip(1) {
+        let block = block.split("```").next().unwrap_or_default().replace("\\\n", " ");
+        let lines = block.lines().map(|line| line.split(" #").next().unwrap_or_default().trim());
+        found.extend(lines.filter(|line| line.starts_with("modyn ")).map(String::from));
+    }
+    found
+}
+
+#[test]
+fn commands_in_the_documentation_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let robots = folder.path().join("robots");
+    std::fs::create_dir(&robots).expect("a folder");
+    std::fs::create_dir(folder.path().join("src")).expect("a folder");
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(root().join("robots")).expect("robots") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_name().expect("a name").to_string_lossy().into_owned();
+        std::fs::copy(&path, robots.join(&name)).expect("a copy");
+        names.push(format!("robots/{name}"));
+    }
+    let mut pages = vec![root().join("README.md")];
+    let docs = std::fs::read_dir(root().join("docs")).expect("docs");
+    let docs = docs.map(|entry| entry.expect("an entry").path());
+    pages.extend(docs.filter(|path| path.extension().is_some_and(|end| end == "md")));
+    let mut count = 0;
+    for page in &pages {
+        for line in commands(&std::fs::read_to_string(page).expect("a page")) {
+            let mut arguments: Vec<&str> = line.split_whitespace().skip(1).collect();
+            if let Some(at) = arguments.iter().position(|one| *one == "robots/*.urdf") {
+                // As a shell does.
+                let urdf =
+                    |one: &&String| Path::new(one).extension().is_some_and(|end| end == "urdf");
+                arguments.splice(at..=at, names.iter().filter(urdf).map(String::as_str));
+            }
+            let mut shown = command(&arguments);
+            shown.current_dir(folder.path());
+            let found = run(shown);
+            assert_eq!(found.code, 0, "{}: {line}\n{}{}", page.display(), found.out, found.err);
+            count += 1;
+        }
+    }
+    assert!(count >= 15, "only {count} commands were found");
+}
+
+/// What stands in backticks.
+fn quoted(text: &str) -> impl Iterator<Item = &str> {
+    text.split('`').skip(1).step_by(2)
+}
+
+#[test]
+fn the_page_on_extending_names_what_there_is() {
+    let page = std::fs::read_to_string(root().join("docs/extending.md")).expect("a page");
+    let mut rows = 0;
+    for line in page.lines().filter(|line| line.starts_with("| `")) {
+        let (_, rest) = line.split_once("| ").expect("a row");
+        let (file, what) = rest.split_once(" | ").expect("two cells");
+        let path = quoted(file).next().expect("a file");
+        let text = std::fs::read_to_string(root().join(path)).unwrap_or_else(|_| panic!("{path}"));
+        for word in quoted(what) {
+            // Folders and files are there, words stand in the file.
+            let found = text.contains(word) || root().join(word).exists();
+            assert!(found || ["bad", "good"].contains(&word), "{path} has no {word}");
+        }
+        rows += 1;
+    }
+    assert!(rows > 30, "{rows}");
+    // Links lead somewhere.
+    for page in ["README.md", "ARCHITECTURE.md"].map(String::from).into_iter().chain(
+        std::fs::read_dir(root().join("docs"))
+            .expect("docs")
+            .map(|entry| format!("docs/{}", entry.expect("an entry").file_name().to_string_lossy()))
+            .filter(|name| name.ends_with(".md")),
+    ) {
+        let text = std::fs::read_to_string(root().join(&page)).expect("a page");
+        let folder = root().join(&page).parent().expect("a folder").to_owned();
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let file = link.split('#').next().unwrap_or_default();
+            if !link.contains("://") && !file.is_empty() && !file.contains(char::is_whitespace) {
+                assert!(folder.join(file).exists(), "{page}: {link}");
+            }
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! `modyn generate`: files, staleness, headers, options.
+#![cfg(feature = "command")]
+
+mod common;
+
+use std::path::Path;
+use std::process::Command;
+
+use common::{modyn, root};
+
+/// The path of a file in a folder, as an argument.
+fn at(folder: &Path, name: &str) -> String {
+    folder.join(name).to_string_lossy().into_owned()
+}
+
+#[test]
+fn a_file_is_written_and_known_to_be_stale() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (urdf, file) = (at(folder.path(), "arm.urdf"), at(folder.path(), "arm.rs"));
+    let description = std::fs::read_to_string(root().join("robots/arm6.urdf")).expect("a robot");
+    std::fs::write(&urdf, &description).expect("writes");
+    let arguments =
+        ["generate", &urdf, "-o", &file, "--self-contained", "--functions", "mass_matrix"];
+    let with = |more: &[&str]| modyn(&[&arguments[..], more].concat()).code;
+    assert_eq!(with(&["--check"]), 1, "there is none yet");
+    assert_eq!(with(&[]), 0);
+    assert_eq!(with(&["--check"]), 0);
+    assert_eq!(with(&["--check", "--scalar", "f32"]), 1, "an option");
+    std::fs::write(&urdf, format!("{description}<!-- more -->")).expect("writes");
+    assert_eq!(with(&["--check"]), 1, "another description");
+    assert_eq!(with(&[]), 0);
+    assert_eq!(with(&["--check"]), 0);
+    let text = std::fs::read_to_string(&file).expect("a file");
+    std::fs::write(&file, text.replacen("0.", "1.", 1)).expect("writes");
+    assert_eq!(with(&["--check"]), 1, "edited by hand");
+}
+
+#[test]
+fn a_build_script_would_write_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = at(folder.path(), "gripper.rs");
+    let options = |robot: &str, extra: &[&str]| {
+        let common = [
+            "generate",
+            robot,
+            "-o",
+            &file,
+            "--scalar",
+            "f32",
+            "--friction",
+            "smooth=0.01",
+            "--gravity",
+            "0,0,-1.62",
+            "--modules",
+            "links",
+            "--runtime-gravity",
+            "--type-name",
+            "Hand",
+            "--visibility",
+            "pub(crate)",
+            "--crate",
+            "::other",
+            "--functions",
+            "default,regressor",
+            "--unphysical-inertia",
+            "warn",
+            "--mimic",
+            "independent",
+            "--c-functions",
+            "hand",
+        ];
+        modyn(&[&common[..], extra].concat())
+    };
+    let extra =
+        ["--base", "floating", "--payload", "trunk", "--rotor", "front_left_knee=0.0001,100"];
+    let found = options("robots/quadruped.urdf", &extra);
+    assert_eq!(found.code, 0, "{}", found.err);
+    let builder = modyn_codegen::Builder::new()
+        .urdf(root().join("robots/quadruped.urdf").canonicalize().expect("a robot"))
+        .float(modyn_codegen::FloatType::F32)
+        .base(modyn_codegen::urdf::Base::Floating)
+        .rotor("front_left_knee", 0.0001, 100.0)
+        .friction(modyn_codegen::urdf::Friction::Smooth(0.01))
+        .gravity([0.0, 0.0, -1.62])
+        .modules(modyn_codegen::ModuleChoice::Links)
+        .payload(["trunk"])
+        .runtime_gravity()
+        .type_name("Hand")
+        .visibility("pub(crate)")
+        .krate("::other")
+        .functions(
+            modyn_codegen::Function::DEFAULT
+                .iter()
+                .copied()
+                .chain([modyn_codegen::Function::Regressor]),
+        )
+        .unphysical_inertia(modyn_codegen::error::Severity::Warning)
+        .mimic(modyn_codegen::urdf::Mimic::Independent)
+        .c_functions("hand");
+    assert!(!builder.is_stale(&file).expect("good"));
+}
+
+#[test]
+fn without_a_file_the_text_goes_to_standard_output() {
+    let found = modyn(&["generate", "robots/gripper.urdf", "--functions", "mass_matrix"]);
+    assert_eq!(found.code, 0);
+    assert!(found.out.contains("pub struct Gripper;"));
+    assert!(
+        found.out.contains("pub fn mass_matrix") && !found.out.contains("fn forward_dynamics(")
+    );
+}
+
+#[test]
+fn a_header_for_c_is_written_and_checked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (file, header) = (at(folder.path(), "arm.rs"), at(folder.path(), "arm.h"));
+    let arguments = [
+        "generate",
+        "robots/arm6.urdf",
+        "-o",
+        &file,
+        "--c-header",
+        &header,
+        "--self-contained",
+        "--scalar",
+        "f32",
+        "--functions",
+        "forward_dynamics",
+    ];
+    let check = || modyn(&[&arguments[..], &["--check"]].concat());
+    assert_eq!(check().code, 1);
+    let found = modyn(&arguments);
+    assert_eq!(found.code, 0, "{}", found.err);
+    let text = std::fs::read_to_string(&header).expect("a header");
+    for wanted in
+        ["#ifndef ARM6_H", "void arm6_forward_dynamics(const float (*q)[6]", "#define ARM6_NV 6"]
+    {
+        assert!(text.contains(wanted), "{text}");
+    }
+    assert_eq!(check().code, 0);
+    std::fs::write(&header, text.replace("void", "int")).expect("writes");
+    let stale = check();
+    assert_eq!(stale.code, 1);
+    assert!(stale.err.contains("arm.rs is up to date") && stale.err.contains("arm.h is stale"));
+}
+
+#[test]
+fn what_is_written_compiles() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = at(folder.path(), "arm.rs");
+    let found = modyn(&["generate", "robots/gripper.urdf", "-o", &file, "--self-contained"]);
+    assert_eq!(found.code, 0, "{}", found.err);
+    let crate_root = at(folder.path(), "lib.rs");
+    let text = "//! A robot.\n#![no_std]\n#![forbid(unsafe_code)]\n#![deny(warnings)]\n/// An arm.\npub mod arm;\n";
+    std::fs::write(&crate_root, text).expect("writes");
+    let rustc = std::env::var_os("RUSTC").unwrap_or("rustc".into());
+    let arguments = ["--edition=2024", "--crate-type=lib", "--emit=metadata", "--out-dir"];
+    let status = Command::new(rustc).args(arguments).arg(folder.path()).arg(crate_root).status();
+    assert!(status.expect("rustc runs").success());
+}
+
+#[test]
+fn options_that_are_wrong_are_usage_and_refused_models_are_not() {
+    let code = |arguments: &[&str]| {
+        modyn(&[&["generate", "robots/gripper.urdf"][..], arguments].concat()).code
+    };
+    assert_eq!(code(&["--functions", "fly"]), 2);
+    assert_eq!(code(&["--payload", "nobody"]), 2);
+    assert_eq!(code(&["--type-name", "my arm"]), 2);
+    assert_eq!(code(&["--modules", r#"[["nobody"]]"#]), 2);
+    assert_eq!(code(&["--check"]), 2, "without a file");
+    assert_eq!(code(&["--c-header", "a.h"]), 2, "without a file");
+    assert_eq!(code(&["-o", "no/such/folder/arm.rs"]), 2);
+    assert_eq!(modyn(&["generate", "no_such.urdf"]).code, 2);
+    assert_eq!(modyn(&["generate", "modyn-codegen/tests/bad/cycle.urdf"]).code, 1);
+    // Diagnostics call the file as the user does.
+    let found = modyn(&["generate", "modyn-codegen/tests/bad/cycle.urdf"]);
+    assert!(found.err.contains("--> modyn-codegen/tests/bad/cycle.urdf:"), "{}", found.err);
+}

@@ -1,0 +1,194 @@
+//! `modyn inspect`: what is shown, JSON, the picture.
+#![cfg(feature = "command")]
+
+mod common;
+
+use std::collections::BTreeMap;
+
+use common::{assert_snapshot, modyn, root};
+use roxmltree::Document;
+
+#[test]
+fn a_robot_is_shown() {
+    let found = modyn(&["inspect", "robots/gripper.urdf"]);
+    assert_eq!(found.code, 0, "{}", found.err);
+    assert_snapshot("gripper.txt", &found.out);
+}
+
+#[test]
+fn json_has_what_the_terminal_shows() {
+    let found = modyn(&["inspect", "--json", "robots/mimic_gripper.urdf"]).json();
+    assert_eq!(found["usable"], true);
+    assert_eq!(found["nv"], 5);
+    assert_eq!(found["coordinates"].as_array().map(Vec::len), Some(5));
+    let follower = &found["joints"][5];
+    assert_eq!(follower["mimic"]["joint"], "left_slide");
+    assert_eq!(follower["q"], found["joints"][4]["q"]);
+    assert_eq!(found["modules"][1]["parent"], 0);
+    assert_eq!(found["modules"][0]["children"], serde_json::json!([1, 2]));
+    let functions = found["functions"].as_array().expect("functions");
+    let forward = functions.iter().find(|one| one["name"] == "forward_dynamics").expect("it");
+    assert!(forward["operations"].as_u64() > Some(50));
+    assert!(forward["estimated_code_bytes"].as_f64() > Some(1000.0));
+    assert!((found["mass"].as_f64().expect("a mass") - 5.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_refused_description_is_json_too() {
+    let found = modyn(&["inspect", "--json", "modyn-codegen/tests/bad/negative_mass.urdf"]);
+    assert_eq!(found.code, 1);
+    assert_eq!(found.json()["diagnostics"][0]["code"], "negative-mass");
+    let plain = modyn(&["inspect", "modyn-codegen/tests/bad/negative_mass.urdf"]);
+    assert_eq!((plain.code, &*plain.out), (1, ""));
+    assert!(plain.err.contains("error[negative-mass]"), "{}", plain.err);
+}
+
+#[test]
+fn the_picture_shows_modules_and_sparsity() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("gripper.svg");
+    let found = modyn(&[
+        "inspect",
+        "robots/gripper.urdf",
+        "--functions",
+        "mass_matrix",
+        "--svg",
+        &path.to_string_lossy(),
+    ]);
+    assert_eq!(found.code, 0, "{}", found.err);
+    let text = std::fs::read_to_string(path).expect("a picture");
+    let svg = Document::parse(&text).expect("XML");
+    let texts: Vec<&str> =
+        svg.descendants().filter(|node| node.is_text()).filter_map(|node| node.text()).collect();
+    for wanted in ["gripper", "base", "link11", "to link22", "U", "D"] {
+        assert!(texts.contains(&wanted), "{wanted}: {texts:?}");
+    }
+    // The paper's gripper: fingers 2 and 3 do not meet, and U has nothing below its blocks.
+    let counts: Vec<&&str> = texts.iter().filter(|text| text.contains("are not zero")).collect();
+    let expected = [12, 7, 6].map(|count| format!("{count} of 16 entries are not zero"));
+    assert!(counts.iter().zip(&expected).all(|(a, b)| **a == b), "{counts:?}");
+    assert_eq!(counts.len(), 3);
+}
+
+/// The README shows what the command draws.
+#[test]
+fn the_readmes_picture_is_what_is_drawn() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("humanoid.svg").to_string_lossy().into_owned();
+    let robot = "robots/humanoid.urdf";
+    let found = modyn(&["inspect", robot, "--functions", "mass_matrix", "--svg", &path]);
+    assert_eq!(found.code, 0, "{}", found.err);
+    let [drawn, shown] = [path.into(), root().join("docs/humanoid.svg")]
+        .map(|path| std::fs::read_to_string(path).expect("a picture").replace("\r\n", "\n"));
+    assert!(drawn == shown, "modyn inspect {robot} --svg docs/humanoid.svg");
+}
+
+#[test]
+fn modules_are_the_users_choice() {
+    let modules = |choice: &str| {
+        let found = modyn(&["inspect", "--json", "robots/gripper.urdf", "--modules", choice]);
+        (
+            found.code,
+            if found.code == 0 { found.json()["modules"].as_array().map(Vec::len) } else { None },
+        )
+    };
+    assert_eq!(modules("chains"), (0, Some(3)));
+    assert_eq!(modules("links"), (0, Some(4)));
+    assert_eq!(modules(r#"[["link11"], ["link12"], ["link22"], ["link13"]]"#), (0, Some(4)));
+    assert_eq!(modules(r#"[["link11"]]"#), (2, None));
+    assert_eq!(modules("link11"), (2, None));
+}
+
+#[test]
+fn what_is_probably_not_meant_is_said() {
+    let link = |name: &str, mass: f64, center: f64, inertia: f64| {
+        format!(
+            "<joint name='j{name}' type='continuous'><parent link='base'/><child link='{name}'/>\
+             <origin xyz='0.1 0 0.2'/></joint><link name='{name}'><inertial><origin xyz='{center} 0 0'/>\
+             <mass value='{mass}'/><inertia ixx='{inertia}' iyy='{inertia}' izz='{inertia}' ixy='0' ixz='0' \
+             iyz='0'/></inertial></link>"
+        )
+    };
+    let urdf = format!(
+        "<robot name='odd'><link name='base'/>{}{}{}{}{}</robot>",
+        link("plain", 1.0, 0.1, 0.01),
+        link("far", 1.0, 50.0, 0.01),
+        link("wide", 1.0, 0.1, 100.0),
+        link("tiny", 1.0, 0.1, 1e-12),
+        link("light", 1e-7, 0.1, 1e-9),
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("odd.urdf");
+    std::fs::write(&path, urdf).expect("writes");
+    let path = path.to_string_lossy();
+    let found = modyn(&["inspect", "--json", "--functions", "mass_matrix", &path]).json();
+    let advice = found["advice"].as_array().expect("advice");
+    let about = |name: &str| {
+        let mine = advice.iter().filter(|one| one["link"] == name);
+        mine.map(|one| one["message"].to_string()).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(about("plain"), "");
+    for (name, what) in [
+        ("far", "in metres?"),
+        ("wide", "in kg m^2?"),
+        ("tiny", "tiny"),
+        ("light", "in kilograms?"),
+    ] {
+        assert!(about(name).contains(what), "{name}: {}", about(name));
+    }
+    // The robots in this repository are as they are meant.
+    for robot in ["arm6", "arm7", "gripper", "quadruped", "mimic_gripper"] {
+        let path = format!("robots/{robot}.urdf");
+        let found = modyn(&["inspect", "--json", "--functions", "mass_matrix", &path]).json();
+        let links: Vec<_> = found["advice"].as_array().expect("advice").iter().collect();
+        assert!(links.is_empty(), "{robot}: {links:?}");
+    }
+}
+
+#[test]
+fn a_robot_too_large_for_code_is_inspected_all_the_same() {
+    let mut urdf = String::from("<robot name='chain'><link name='0'/>");
+    for i in 1..=200 {
+        urdf += &format!(
+            "<joint name='{i}' type='continuous'><parent link='{}'/><child link='{i}'/><origin xyz='0 0 1'/>\
+             <axis xyz='1 0 0'/></joint><link name='{i}'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' \
+             ixy='0' ixz='0' iyz='0'/></inertial></link>",
+            i - 1
+        );
+    }
+    urdf += "</robot>";
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("chain.urdf");
+    std::fs::write(&path, urdf).expect("writes");
+    let path = path.to_string_lossy();
+    let found = modyn(&["inspect", "--json", &path]);
+    assert_eq!(found.code, 0, "{}", found.err);
+    assert_eq!(found.json()["not_compiled"][0]["code"], "too-large");
+    assert_eq!(modyn(&["generate", &path]).code, 1);
+}
+
+/// The estimate is of the same size as what `docs/functions.md` has measured.
+#[test]
+fn code_is_estimated_within_a_factor_of_two() {
+    let table = std::fs::read_to_string(root().join("docs/functions.md")).expect("a page");
+    let mut measured: BTreeMap<String, Vec<(String, f64)>> = BTreeMap::new();
+    for row in table.lines().filter(|line| line.starts_with("| ") && line.contains('`')) {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let [_, robot, function, _, _, kilobytes, _] = cells[..] else { continue };
+        let bytes = 1000.0 * kilobytes.parse::<f64>().expect("a figure");
+        if bytes >= 2000.0 {
+            let row = (function.trim_matches('`').to_string(), bytes);
+            measured.entry(robot.into()).or_default().push(row);
+        }
+    }
+    assert_eq!(measured.len(), 3, "{measured:?}");
+    for (robot, rows) in measured {
+        let found = modyn(&["inspect", "--json", &format!("robots/{robot}.urdf")]).json();
+        for (function, bytes) in rows {
+            let functions = found["functions"].as_array().expect("functions");
+            let one = functions.iter().find(|one| one["name"] == *function).expect("a function");
+            let ratio = one["estimated_code_bytes"].as_f64().expect("an estimate") / bytes;
+            assert!((0.5..=2.0).contains(&ratio), "{robot} {function}: {ratio}");
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! `modyn simulate`: physics, tables, plots, the page.
+#![cfg(feature = "command")]
+
+mod common;
+
+use std::path::Path;
+
+use common::modyn;
+use roxmltree::Document;
+use serde_json::Value;
+
+/// A table: its head, and its rows.
+fn table(text: &str) -> (Vec<String>, Vec<Vec<f64>>) {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let head = reader.headers().expect("a head").iter().map(String::from).collect();
+    let row =
+        |row: csv::StringRecord| row.iter().map(|cell| cell.parse().expect("a number")).collect();
+    (head, reader.records().map(|record| row(record.expect("a row"))).collect())
+}
+
+fn column(head: &[String], name: &str) -> usize {
+    head.iter().position(|found| found == name).unwrap_or_else(|| panic!("{name}: {head:?}"))
+}
+
+/// The largest change of what the energies come to.
+fn drift(text: &str) -> f64 {
+    let (head, rows) = table(text);
+    let [kinetic, potential, work, dissipated] =
+        ["kinetic (J)", "potential (J)", "work (J)", "dissipated (J)"].map(|n| column(&head, n));
+    let balance = |row: &Vec<f64>| row[kinetic] + row[potential] - row[work] + row[dissipated];
+    let start = balance(&rows[0]);
+    rows.iter().map(|row| (balance(row) - start).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn free_fall_keeps_energy_and_smaller_steps_keep_it_better() {
+    for (robot, base) in [
+        ("double_pendulum", "fixed"),
+        ("arm7", "fixed"),
+        ("joint_zoo", "fixed"),
+        ("quadruped", "floating"),
+    ] {
+        let path = format!("robots/{robot}.urdf");
+        let run = |step: &str| {
+            let found = modyn(&[
+                "simulate", &path, "--base", base, "--random", "3", "--time", "0.5", "--step", step,
+            ]);
+            assert_eq!(found.code, 0, "{robot}: {}", found.err);
+            let (head, rows) = table(&found.out);
+            let kinetic = column(&head, "kinetic (J)");
+            let most = rows.iter().map(|row| row[kinetic]).fold(0.0, f64::max);
+            assert!(most > 0.01, "{robot} does not move");
+            drift(&found.out) / most
+        };
+        let (coarse, fine) = (run("0.002"), run("0.0005"));
+        assert!(fine < 1e-6, "{robot}: {fine}");
+        // Of fourth order, until rounding.
+        assert!(fine < coarse / 50.0 || fine < 1e-12, "{robot}: {coarse} {fine}");
+    }
+}
+
+#[test]
+fn a_body_without_joints_falls_as_galilei_says() {
+    let found = modyn(&["simulate", "robots/quadruped.urdf", "--base", "floating", "--time", "1"]);
+    let (head, rows) = table(&found.out);
+    let height = column(&head, "floating_base.z (m)");
+    let last = rows.last().expect("a row");
+    assert!((last[height] + 9.81 / 2.0).abs() < 1e-9, "{}", last[height]);
+    assert_eq!(rows.len(), 51);
+}
+
+#[test]
+fn friction_takes_what_is_missing() {
+    let found = modyn(&[
+        "simulate",
+        "robots/mimic_gripper.urdf",
+        "--friction",
+        "smooth=0.05",
+        "--q",
+        "0.5,0.5,0.5,0,0.01",
+        "--time",
+        "0.5",
+    ]);
+    assert_eq!(found.code, 0, "{}", found.err);
+    let (head, rows) = table(&found.out);
+    let dissipated = column(&head, "dissipated (J)");
+    assert!(rows.windows(2).all(|pair| pair[1][dissipated] >= pair[0][dissipated] - 1e-12));
+    assert!(rows.last().expect("a row")[dissipated] > 0.1);
+    assert!(drift(&found.out) < 1e-6, "{}", drift(&found.out));
+}
+
+#[test]
+fn torques_come_from_a_table_and_do_work() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("writes");
+        path.to_string_lossy().into_owned()
+    };
+    let run = |path: &str| {
+        modyn(&["simulate", "robots/double_pendulum.urdf", "--time", "0.5", "--torques", path])
+    };
+    let plain = run(&file("plain.csv", "0,0,0\n0.25, 0, 1\n# a remark\n1,0,4\n"));
+    assert_eq!(plain.code, 0, "{}", plain.err);
+    let (head, rows) = table(&plain.out);
+    let [tau, work] = ["tau elbow (N m)", "work (J)"].map(|name| column(&head, name));
+    let at = |time: f64| rows.iter().find(|row| (row[0] - time).abs() < 1e-9).expect("a row");
+    assert!((at(0.24)[tau] - 0.96).abs() < 1e-9 && (at(0.5)[tau] - 2.0).abs() < 1e-9);
+    assert!(at(0.5)[work] > 0.01);
+    assert!(drift(&plain.out) < 1e-6, "{}", drift(&plain.out));
+    // Named columns may stand in any order, or be left out.
+    let named = run(&file("named.csv", "time,elbow\n0,0\n0.25,1\n1,4\n"));
+    assert_eq!(named.out, plain.out, "{}", named.err);
+    for (text, line) in [
+        ("time,wrist\n0,1\n", ":1: "),
+        ("0,1,1\n0,1,1\n", ":2: "),
+        ("0,1\n", ":1: "),
+        ("0,1,x\n", ":1: "),
+        ("0,1,inf\n", ":1: "),
+        ("time,elbow,elbow\n0,1,1\n", ":1: "),
+        ("", ":1: "),
+    ] {
+        let bad = run(&file("bad.csv", text));
+        assert_eq!(bad.code, 2, "{text}");
+        assert!(bad.err.contains(&format!("bad.csv{line}")), "{text}: {}", bad.err);
+    }
+    assert_eq!(run("no such.csv").code, 2);
+}
+
+#[test]
+fn what_is_given_is_checked() {
+    let code =
+        |more: &[&str]| modyn(&[&["simulate", "robots/gripper.urdf"][..], more].concat()).code;
+    assert_eq!(code(&["--q", "1,2"]), 2);
+    assert_eq!(code(&["--qd", "1,x,3,4"]), 2);
+    assert_eq!(code(&["--time", "-1"]), 2);
+    assert_eq!(code(&["--step", "0"]), 2);
+    assert_eq!(code(&["--time", "1e9"]), 2);
+    assert_eq!(code(&["--csv", "no/such/folder.csv"]), 2);
+    assert_eq!(code(&["--time", "0.1", "--q", "-0.1,0,0,0", "--qd", "-1,0,0,0"]), 0);
+    // Too fast for the step: it does not pretend.
+    let wild = modyn(&[
+        "simulate",
+        "robots/arm6.urdf",
+        "--qd",
+        "1e8,1e8,1e8,1e8,1e8,1e8",
+        "--step",
+        "0.1",
+        "--time",
+        "20",
+    ]);
+    assert_eq!(wild.code, 1, "{}", wild.err);
+    assert!(wild.err.contains("leaves all bounds"), "{}", wild.err);
+}
+
+/// What the page of a robot's motion holds.
+fn motion(html: &str) -> Value {
+    let mark = "<script type=\"application/json\" id=\"motion\">";
+    let data = html.split(mark).nth(1).and_then(|rest| rest.split("</script>").next());
+    serde_json::from_str(data.expect("the motion")).expect("JSON")
+}
+
+#[test]
+fn the_page_has_the_skeleton_in_motion() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let found = modyn(&[
+        "simulate",
+        "robots/double_pendulum.urdf",
+        "--q",
+        "1,0.5",
+        "--time",
+        "1",
+        "--html",
+        &path("p.html"),
+        "--plot",
+        &path("p.svg"),
+        "--csv",
+        &path("p.csv"),
+    ]);
+    assert_eq!((found.code, &*found.out), (0, ""), "{}", found.err);
+    let read = |name: &str| std::fs::read_to_string(Path::new(&path(name))).expect("a file");
+    let html = read("p.html");
+    assert!(html.contains("<canvas") && html.contains("<title>double_pendulum</title>"));
+    let motion = motion(&html);
+    let edges = motion["edges"].as_array().expect("edges");
+    let frames = motion["points"].as_array().expect("frames");
+    assert_eq!(frames.len(), 51);
+    assert_eq!(motion["times"].as_array().map(Vec::len), Some(51));
+    let points = |frame: &Value| -> Vec<f64> {
+        frame.as_array().expect("points").iter().map(|x| x.as_f64().expect("a number")).collect()
+    };
+    // Rods are rigid: no line changes its length; and the robot moves.
+    let length = |p: &[f64], edge: &Value| {
+        let [a, b] = [0, 1].map(|k| edge[k].as_u64().expect("an index") as usize);
+        (0..3).map(|k| (p[3 * a + k] - p[3 * b + k]).powi(2)).sum::<f64>().sqrt()
+    };
+    let first = points(&frames[0]);
+    assert!(edges.iter().filter(|edge| length(&first, edge) > 0.01).count() >= 2, "{edges:?}");
+    for frame in frames {
+        let now = points(frame);
+        assert!(edges.iter().all(|edge| (length(&now, edge) - length(&first, edge)).abs() < 5e-4));
+    }
+    let last = points(&frames[50]);
+    assert!(first.iter().zip(&last).any(|(a, b)| (a - b).abs() > 0.1));
+
+    let svg = read("p.svg");
+    let svg = Document::parse(&svg).expect("XML");
+    let texts: Vec<&str> =
+        svg.descendants().filter_map(|node| node.text()).map(str::trim).collect();
+    for wanted in
+        ["coordinates (rad)", "velocities (rad/s)", "energies (J)", "time (s)", "shoulder", "elbow"]
+    {
+        assert!(texts.contains(&wanted), "{wanted}: {texts:?}");
+    }
+    assert_eq!(table(&read("p.csv")).1.len(), 51);
+}
+
+#[test]
+fn whatever_moves_can_be_drawn() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let svg = folder.path().join("a.svg").to_string_lossy().into_owned();
+    // What does not move at all, and what moves beyond all measure.
+    for qd in ["0,0", "1e60,-1e60", "1e140,1e140", "1e-200,0"] {
+        let robot =
+            ["simulate", "robots/double_pendulum.urdf", "--gravity", "0,0,0", "--plot", &svg];
+        let found = modyn(&[&robot[..], &["--time", "0.002", "--qd", qd]].concat());
+        assert!(found.code <= 1, "{qd}: {}", found.err);
+        if found.code == 0 {
+            let text = std::fs::read_to_string(&svg).expect("plots");
+            assert!(text.len() < 100_000 && Document::parse(&text).is_ok(), "{qd}");
+        }
+    }
+}

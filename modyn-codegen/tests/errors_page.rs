@@ -1,0 +1,47 @@
+//! `docs/errors.md` is what the table of diagnostics says.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use modyn_codegen::error::Code;
+
+/// The page.
+fn page() -> String {
+    let mut page = String::from(
+        "# Errors and warnings\n\n\
+         Every diagnostic has a code, which never changes: `robots/arm.urdf:12:13: error[negative-mass]: ...`. \
+         `modyn explain CODE` says what follows here of one; `modyn check ROBOT.urdf` shows all that a description \
+         has, with its lines. This page is made from the table in `modyn-codegen/src/error.rs`.\n",
+    );
+    for code in Code::ALL {
+        let (name, cause, remedy) = (code.name(), code.cause(), code.remedy());
+        // Writing to a string cannot fail.
+        let _ = write!(page, "\n## {name}\n\n{cause}\n\n**Remedy.** {remedy}\n");
+    }
+    page
+}
+
+#[test]
+fn every_code_has_a_cause_and_a_remedy() {
+    for code in Code::ALL {
+        for text in [code.cause(), code.remedy()] {
+            assert!(
+                text.len() > 10 && text.ends_with('.') && text == text.trim(),
+                "{code}: {text:?}"
+            );
+        }
+        assert_eq!(Code::from_name(code.name()), Some(*code));
+    }
+    assert_eq!(Code::from_name("no-such-code"), None);
+}
+
+/// With the variable `UPDATE_SNAPSHOTS`, it is written.
+#[test]
+fn the_page_is_what_the_table_says() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/errors.md");
+    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        std::fs::write(&path, page()).expect("the page is written");
+    }
+    let found = std::fs::read_to_string(&path).expect("the page").replace("\r\n", "\n");
+    assert_eq!(found, page(), "UPDATE_SNAPSHOTS=1 writes it");
+}
