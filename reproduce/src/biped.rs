@@ -4,6 +4,7 @@
 use modyn::simulate::{Gains, Reference, State as RobotState};
 use modyn_cli::viewer;
 use modyn_runtime::Interpreter;
+use modyn_runtime::model::Inertial;
 use modyn_runtime::spatial::Pose;
 
 use crate::motion::{State, instants, integrate};
@@ -134,6 +135,19 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
          y-x-z of the trunk against the thigh for the stance hip, x-y-z of the thigh against the trunk for the swing \
          hip, axes turning along.",
     );
+    let model = robots::biped();
+    let rows = model.links().iter().map(|link| {
+        let Inertial { mass, center_of_mass: [_, _, height], inertia: [xx, _, _, yy, _, zz] } =
+            link.inertial;
+        let numbers = [mass, height, xx, yy, zz].map(|x| x.to_string());
+        [link.name.clone(), link.joint.joint_type.name().into()]
+            .into_iter()
+            .chain(numbers)
+            .collect()
+    });
+    let head =
+        ["link", "joint", "mass (kg)", "centre above the joint (m)", "Ixx (kg m^2)", "Iyy", "Izz"];
+    report.table(&head, rows.collect());
     let times = instants(gait::DURATION, 101);
     let curve = |f: &dyn Fn(f64) -> f64| times.iter().map(|&t| (t, f(t))).collect::<Vec<_>>();
     let lines = vec![

@@ -109,7 +109,7 @@ impl Report {
             "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>The paper, reproduced</title>\n\
              <style>body{font-family:sans-serif;max-width:60em;margin:2em auto;padding:0 1em}\
              table{border-collapse:collapse;margin:1em 0}td,th{border:1px solid #aaa;padding:.2em .6em;\
-             text-align:right}td:first-child,th:first-child{text-align:left}img{max-width:100%}</style>\n\
+             text-align:right;white-space:pre-wrap}td:first-child,th:first-child{text-align:left}img{max-width:100%}</style>\n\
              <h1>The paper, reproduced</h1>\n",
         );
         let escape = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;");
