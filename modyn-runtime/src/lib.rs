@@ -44,8 +44,8 @@ pub use ::num_dual;
 pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
-    Brge, ForwardDerivatives, FrameError, InertialError, Interpreter, ModuleMismatch, ShapeError,
-    UpdateError,
+    Brge, DecompositionError, ForwardDerivatives, FrameError, InertialError, Interpreter,
+    ModuleMismatch, ShapeError, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]

@@ -1,79 +1,17 @@
-//! The decoupled natural orthogonal complement (DeNOC) matrices, dense, for study: (1)-(5),
-//! A.1 and A.2.
+//! The decoupled natural orthogonal complement (DeNOC) matrices, dense, for study: (1)-(5), A.1
+//! and A.2, link by link; `decomposition` has them module by module.
 
-use alloc::{vec, vec::Vec};
-
-use super::Workspace;
+use super::{Dense, Workspace};
 use crate::Scalar;
 use crate::model::prepare::{Body, Prepared};
 use crate::spatial::{Matrix3, Twist, Vector3, Wrench};
-
-/// A dense matrix by rows, to be handed to whatever linear algebra is at hand.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Dense<S> {
-    /// Number of rows.
-    pub rows: usize,
-    /// Number of columns.
-    pub columns: usize,
-    /// Its entries, row by row.
-    pub entries: Vec<S>,
-}
-
-impl<S: Scalar> Dense<S> {
-    /// All zeros.
-    #[must_use]
-    pub fn zero(rows: usize, columns: usize) -> Self {
-        Self { rows, columns, entries: vec![S::zero(); rows * columns] }
-    }
-
-    /// The entry in row `i` and column `j`, if it exists.
-    #[must_use]
-    pub fn get(&self, i: usize, j: usize) -> Option<S> {
-        (j < self.columns).then(|| self.entries.get(i * self.columns + j).copied()).flatten()
-    }
-
-    fn transposed(&self) -> Self {
-        let mut transposed = Self::zero(self.columns, self.rows);
-        for (i, row) in self.entries.chunks(self.columns).enumerate() {
-            for (j, &entry) in row.iter().enumerate() {
-                transposed.set(j, i, entry);
-            }
-        }
-        transposed
-    }
-
-    /// The product; the sizes fit.
-    fn times(&self, other: &Self) -> Self {
-        let mut product = Self::zero(self.rows, other.columns);
-        let rows = product.entries.chunks_mut(other.columns).zip(self.entries.chunks(self.columns));
-        for (sums, row) in rows {
-            for (&factor, terms) in row.iter().zip(other.entries.chunks(other.columns)) {
-                for (sum, &term) in sums.iter_mut().zip(terms) {
-                    *sum = *sum + factor * term;
-                }
-            }
-        }
-        product
-    }
-
-    fn set(&mut self, i: usize, j: usize, value: S) {
-        self.entries[i * self.columns + j] = value;
-    }
-
-    /// Writes a twist into column `j`, from row `i` down.
-    fn set_column(&mut self, i: usize, j: usize, twist: Twist<S>) {
-        for (k, entry) in twist.components().into_iter().enumerate() {
-            self.set(i + k, j, entry);
-        }
-    }
-}
 
 /// M, N_l and N_d with the GIM = N_d^T N_l^T M N_l N_d, (5a), without the rotors' inertia.
 ///
 /// Rows stand body by body: the links, each in its own frame as the model has it, angular before
 /// linear, and before a link on a universal or planar joint the massless bodies inside that joint.
-/// Columns of N_d are those of qd. Modules are consecutive links, so these are the module-level
-/// matrices of (4) as well.
+/// Columns of N_d are those of qd. This is link level, where every link is a module: the N_l and N_d of
+/// (4) for other modules, with the same product, are those of [`Decomposition`](super::Decomposition).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeNoc<S> {
     /// The 6n times 6n mass matrix of the n free bodies, (1)-(2).
@@ -154,29 +92,4 @@ fn wrench_to_link<S: Scalar>(body: &Body<S>, w: Wrench<S>) -> Wrench<S> {
     let back = Matrix3(body.link.rotation).transposed();
     let moment = w.moment - Vector3(body.link.translation).cross(w.force);
     Wrench { moment: back.mul_vector(moment), force: back.mul_vector(w.force) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Dense;
-
-    #[test]
-    fn entries_are_found_by_row_and_column() {
-        let mut matrix = Dense::<f64>::zero(2, 3);
-        matrix.set(1, 0, 5.0);
-        matrix.set(0, 2, 7.0);
-        assert_eq!(matrix.entries, [0.0, 0.0, 7.0, 5.0, 0.0, 0.0]);
-        assert_eq!((matrix.get(1, 0), matrix.get(0, 2)), (Some(5.0), Some(7.0)));
-        assert_eq!((matrix.get(2, 0), matrix.get(0, 3)), (None, None));
-    }
-
-    #[test]
-    fn products_are_products() {
-        let matrix =
-            |rows, columns, entries: &[f64]| Dense { rows, columns, entries: entries.to_vec() };
-        let a = matrix(2, 3, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-        let b = matrix(3, 1, &[7.0, 8.0, 9.0]);
-        assert_eq!(a.times(&b), matrix(2, 1, &[50.0, 122.0]));
-        assert_eq!(a.transposed(), matrix(3, 2, &[1.0, 4.0, 2.0, 5.0, 3.0, 6.0]));
-    }
 }

@@ -22,14 +22,17 @@
 //! | `regressor` | inverse dynamics as linear in the inertias | Atkeson, An and Hollerbach 1986 |
 //! | `coordinates` | steps, differences, rates and random values of the coordinates | Murray, Li and Sastry 1994 |
 //! | `derivatives` | derivatives of inverse and forward dynamics | Singh, Russell and Wensing 2022 |
-//! | `denoc` | the DeNOC matrices, dense | (1)-(5), A.1, A.2 |
+//! | `denoc` | the DeNOC matrices, dense, link by link | (1)-(5), A.1, A.2 |
+//! | `decomposition` | composite and articulated modules, EBUTMs, U, D and their inverses, dense | (1)-(57) |
 
 pub mod brge;
 pub mod center_of_mass;
 pub mod centroidal;
 mod chain;
 pub mod coordinates;
+pub mod decomposition;
 pub mod denoc;
+mod dense;
 pub mod derivatives;
 mod elimination;
 pub mod external;
@@ -44,4 +47,7 @@ pub mod partition;
 pub mod regressor;
 mod workspace;
 
-pub use {external::Forces, partition::Partition, workspace::Workspace};
+pub use {
+    decomposition::Decomposition, dense::Dense, external::Forces, partition::Partition,
+    workspace::Workspace,
+};

@@ -14,7 +14,8 @@ use crate::equations::denoc::{self, DeNoc};
 use crate::equations::forward_dynamics::Elimination;
 use crate::equations::kinematics::link_poses;
 use crate::equations::{
-    Forces, Workspace, forward_dynamics, gravity, inverse_dynamics, kinetic_energy, mass_matrix,
+    Decomposition, Forces, Workspace, forward_dynamics, gravity, inverse_dynamics, kinetic_energy,
+    mass_matrix,
 };
 use crate::model::prepare::{Prepared, rigid_inertia};
 use crate::model::{Inertial, InertialDefect, Model, ModuleTree};
@@ -93,8 +94,8 @@ impl core::error::Error for InertialError {}
 
 /// Dynamics of a model that is only known at run time.
 ///
-/// Calls work in memory that was allocated once (but for [`brge`](Self::brge) and
-/// [`denoc`](Self::denoc), which return new objects, and the first call of
+/// Calls work in memory that was allocated once (but for [`brge`](Self::brge), [`denoc`](Self::denoc)
+/// and [`decomposition`](Self::decomposition), which return new objects, and the first call of
 /// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives)), in time and memory linear in the number of
 /// links (but for dense results); nothing recurses on the call stack. Vectors stand in the order of
 /// [`Model::links`]; matrices are given by columns.
@@ -406,7 +407,42 @@ impl<S: Scalar> Interpreter<S> {
         check("q", q, self.model.nq())?;
         Ok(denoc::denoc(&self.prepared, q, &mut self.workspace))
     }
+
+    /// The paper's dense matrices of the block decomposition at `q`, (1)-(57), by the modules of
+    /// [`brge`](Self::brge), with the links' inertias as the model has them.
+    ///
+    /// # Errors
+    ///
+    /// If `q` does not have the model's length, or if joints mimic others.
+    pub fn decomposition(&mut self, q: &[S]) -> Result<Decomposition<S>, DecompositionError> {
+        check("q", q, self.model.nq()).map_err(DecompositionError::Shape)?;
+        let Self { prepared, modules, workspace, .. } = self;
+        Decomposition::new(prepared, modules, q, workspace).ok_or(DecompositionError::Mimics)
+    }
 }
+
+/// Why a model has no block decomposition in the paper's matrices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DecompositionError {
+    /// `q` has the wrong length.
+    Shape(ShapeError),
+    /// Joints mimic others, which couples modules across the tree.
+    Mimics,
+}
+
+impl fmt::Display for DecompositionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Shape(error) => error.fmt(f),
+            Self::Mimics => write!(
+                f,
+                "joints mimic others, which couples modules across the tree; `brge` factorizes such models"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for DecompositionError {}
 
 /// An inertia about the origin of its frame.
 fn inertia<S: Scalar>(inertial: &Inertial) -> RigidInertia<S> {

@@ -1,0 +1,213 @@
+//! Fig. 6: operations of forward dynamics against the number of joints, and the interpreter's time.
+//!
+//! Operations are counted on the traced equations (multiplications, additions and divisions; sines and
+//! cosines apart), of chains and trees in general position: no angle, offset or inertia is special.
+
+use std::time::Instant;
+
+use modyn_codegen::expr::Graph;
+use modyn_codegen::partition;
+use modyn_codegen::trace::Tracer;
+use modyn_runtime::Interpreter;
+use modyn_runtime::equations::brge::Layout;
+use modyn_runtime::equations::forward_dynamics::Elimination;
+use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::model::{Model, ModuleTree};
+
+use crate::plot::{Axis, Chart, Line};
+use crate::report::{Failure, Report, power};
+use crate::robots;
+
+/// Operations of one robot's forward dynamics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counts {
+    /// Joints.
+    pub n: usize,
+    /// The recursion, every link a module.
+    pub by_links: usize,
+    /// The recursion, every chain a module.
+    pub by_chains: usize,
+    /// GIM from composite inertias and bias forces, eliminated as one matrix.
+    pub by_matrix: usize,
+    /// The recursion by the modules that the compiler's search finds.
+    pub searched: usize,
+}
+
+/// Counts them.
+#[must_use]
+pub fn counts(model: &Model) -> Counts {
+    let prepared = Prepared::new(model);
+    let tracer = Tracer::new(&prepared);
+    let total = |graph: &Graph| graph.count().total();
+    let by = |elimination: &Elimination| total(&tracer.forward_dynamics(elimination));
+    let chains = ModuleTree::chains(model);
+    Counts {
+        n: model.nv(),
+        by_links: by(&Elimination::new(&prepared, &ModuleTree::links(model))),
+        by_chains: by(&Elimination::new(&prepared, &chains)),
+        by_matrix: by(&Elimination::Matrix(Layout::new(&prepared, &chains))),
+        searched: partition::choose(model, &prepared, &tracer)
+            .candidates
+            .first()
+            .map_or(0, |&(_, cost)| cost),
+    }
+}
+
+/// A published count: multiplications and additions for n revolute joints in a row on a fixed base, as
+/// collected by Featherstone (2008, "Rigid Body Dynamics Algorithms", Table 10.1) but for the last.
+pub type Published = (&'static str, fn(f64) -> f64);
+
+/// Published counts of forward dynamics, multiplications and additions together.
+pub const PUBLISHED: [Published; 3] = [
+    ("articulated body (published)", |n| (224.0 * n - 259.0) + (205.0 * n - 248.0)),
+    ("RNEA, CRBA, solve (published)", |n| {
+        let rnea = (93.0 * n - 108.0) + (81.0 * n - 100.0);
+        let crba = (10.0 * n * n + 22.0 * n - 32.0) + (6.0 * n * n + 37.0 * n - 43.0);
+        let cube = n * n * n / 6.0;
+        let solve = (cube + 1.5 * n * n - 2.0 * n / 3.0) + (cube + n * n - 7.0 * n / 6.0);
+        rnea + crba + solve
+    }),
+    ("RGE (as quoted)", |n| (191.0 * n - 284.0) + (187.0 * n - 325.0)),
+];
+
+/// The interpreter's time for forward dynamics of a chain, s: the least of several calls.
+///
+/// # Panics
+///
+/// Never: the lengths are the chain's.
+#[must_use]
+pub fn seconds(links: usize) -> f64 {
+    let mut interpreter = Interpreter::<f64>::new(robots::chain(links));
+    let numbers: Vec<f64> = robots::spread(links).take(2 * links).collect();
+    let (q, qd) = numbers.split_at(links);
+    let (tau, mut qdd) = (vec![0.0; links], vec![0.0; links]);
+    let mut call = || {
+        let start = Instant::now();
+        interpreter.forward_dynamics(q, qd, &tau, &mut qdd).expect("lengths");
+        start.elapsed().as_secs_f64()
+    };
+    let calls = (200_000 / links).clamp(5, 2000);
+    (0..calls).map(|_| call()).fold(f64::INFINITY, f64::min)
+}
+
+/// One of the counts.
+type Column = fn(&Counts) -> usize;
+
+fn lines(models: &[Model]) -> (Vec<Counts>, Vec<Line>) {
+    let counts: Vec<Counts> = models.iter().map(counts).collect();
+    let parts: [(&str, Column); 4] = [
+        ("BRGE by links", |c| c.by_links),
+        ("BRGE by chains", |c| c.by_chains),
+        ("composite inertias and elimination", |c| c.by_matrix),
+        ("BRGE by the modules found", |c| c.searched),
+    ];
+    let line = |(name, part): (&str, Column)| {
+        Line::new(name, counts.iter().map(|c| (c.n as f64, part(c) as f64)))
+    };
+    let lines = parts.map(line).into();
+    (counts, lines)
+}
+
+/// Lengths of the chains counted.
+const CHAINS: [usize; 14] = [2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, 30, 40, 60];
+
+/// The section of the page.
+///
+/// # Errors
+///
+/// If a plot cannot be written.
+pub fn report(report: &mut Report) -> Result<(), Failure> {
+    report.heading("Complexity: Fig. 6");
+    report.text(
+        "Operations of forward dynamics: multiplications, additions and divisions of the traced equations, of \
+         revolute chains and trees in general position. Published counts have no divisions: articulated body \
+         after McMillan, RNEA after Balafoutis and Patel, CRBA, factoring and solving as in Featherstone 2008, \
+         Table 10.1; reverse Gaussian elimination after Saha, as others quote it. A chain as one module is composite \
+         inertias and elimination, so both have the same count. The paper prints its Fig. 6 as a plot alone. The search for modules stops at its budget of 80,000 operations traced.",
+    );
+    let (joints, operations) = (Axis::linear("joints n"), Axis::linear("operations"));
+    let (counts, mut all) = lines(&CHAINS.map(robots::chain));
+    for (name, published) in PUBLISHED {
+        all.push(Line::new(name, CHAINS.map(|n| (n as f64, published(n as f64)))));
+    }
+    let rows = counts.iter().map(|c| {
+        let own = [c.n, c.by_links, c.by_chains, c.by_matrix, c.searched].map(|x| x.to_string());
+        own.into_iter().chain(PUBLISHED.map(|(_, f)| format!("{:.0}", f(c.n as f64)))).collect()
+    });
+    let head = ["n", "by links", "by chains", "composite and elimination", "modules found"];
+    let head = [&head[..], &PUBLISHED.map(|(name, _)| name)].concat();
+    report.table(&head, rows.collect());
+    let short = |line: &Line| {
+        Line::new(line.name.clone(), line.points.iter().copied().filter(|&(n, _)| n <= 12.0))
+    };
+    let few = all.iter().map(short).collect();
+    let title = "Chains of up to 12 joints: operations of forward dynamics";
+    report.plot("fig6-short.svg", &Chart { title, x: joints, y: operations, lines: few })?;
+    let title = "Fig. 6, chains: operations of forward dynamics";
+    let y = Axis::logarithmic("operations");
+    report.plot("fig6-chains.svg", &Chart { title, x: joints, y, lines: all })?;
+    let palms: Vec<Model> = [1, 2, 3, 4, 6, 8].map(|length| robots::palm(5, length)).into();
+    let title = "A first link with five equal branches: operations of forward dynamics";
+    report.plot(
+        "fig6-palms.svg",
+        &Chart { title, x: joints, y: operations, lines: lines(&palms).1 },
+    )?;
+    let trees: Vec<Model> = [1, 2, 3, 4].map(|length| robots::binary(4, length)).into();
+    let title = "Binary trees of 15 chains: operations of forward dynamics";
+    report.plot(
+        "fig6-trees.svg",
+        &Chart { title, x: joints, y: operations, lines: lines(&trees).1 },
+    )?;
+    let lengths = [10, 100, 1000, 10_000, 100_000];
+    let times = lengths.map(|n| (n as f64, seconds(n)));
+    let rows = times
+        .iter()
+        .map(|&(n, time)| vec![n.to_string(), power(time), format!("{:.0}", time / n * 1e9)]);
+    report.text(
+        "Time of the interpreter's forward dynamics by links, one core (least of several calls):",
+    );
+    report.table(&["links", "s", "ns a link"], rows.collect());
+    let title = "Time of the interpreter's forward dynamics";
+    let (x, y) = (Axis::logarithmic("links of a chain"), Axis::logarithmic("time (s)"));
+    let proportional = times.map(|(n, _)| (n, times[1].1 * n / 100.0));
+    let lines = vec![Line::new("by links", times), Line::new("proportional", proportional)];
+    report.plot("interpreter-time.svg", &Chart { title, x, y, lines })?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{PUBLISHED, counts};
+    use crate::robots;
+
+    #[test]
+    fn operations_are_linear_by_links_and_cubic_by_chains() {
+        let [a, b, c] = [10, 20, 30].map(|n| counts(&robots::chain(n)));
+        let (near, far) = (b.by_links - a.by_links, c.by_links - b.by_links);
+        assert!(near.abs_diff(far) < near / 50, "linear: {near}, {far}");
+        // What is added by ten links more grows.
+        assert!(c.by_chains - b.by_chains > 3 * (b.by_chains - a.by_chains) / 2);
+        assert!(c.by_matrix - b.by_matrix > 3 * (b.by_matrix - a.by_matrix) / 2);
+        for c in [a, b, c] {
+            assert!(c.searched <= c.by_links.min(c.by_chains));
+        }
+    }
+
+    #[test]
+    fn counts_are_below_the_published_ones() {
+        for n in [4, 8, 12] {
+            let counts = counts(&robots::chain(n));
+            for (name, published) in &PUBLISHED[..2] {
+                assert!((counts.searched as f64) < published(n as f64), "{name}, {n}: {counts:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn trees_have_the_joints_they_should() {
+        assert_eq!(robots::palm(5, 3).nv(), 16);
+        assert_eq!(robots::binary(4, 2).nv(), 30);
+        let counts = counts(&robots::palm(3, 2));
+        assert!(counts.searched <= counts.by_links.min(counts.by_chains));
+    }
+}

@@ -1,0 +1,132 @@
+//! Monitoring by module (Sect. 2): condition numbers of the modules' pivot blocks along a motion, against
+//! that of the whole GIM.
+
+use modyn_runtime::Interpreter;
+use modyn_runtime::model::{Model, ModuleTree};
+
+use crate::motion::instants;
+use crate::plot::{Axis, Chart, Line};
+use crate::report::{Failure, Report, fixed};
+use crate::{dense, gait, robots};
+
+/// The condition numbers at a posture: of the GIM, then of each module's pivot block I_hat.
+#[derive(Clone, Debug)]
+pub struct Conditions {
+    /// Of the whole matrix.
+    pub gim: f64,
+    /// Of the blocks.
+    pub modules: Vec<f64>,
+}
+
+/// Along a motion.
+///
+/// # Panics
+///
+/// If a posture or the modules are another robot's.
+#[must_use]
+pub fn along(model: &Model, modules: &ModuleTree, motion: &[Vec<f64>]) -> Vec<Conditions> {
+    let n = model.nv();
+    let mut interpreter =
+        Interpreter::<f64>::with_modules(model.clone(), modules.clone()).expect("its own modules");
+    let at = |q: &Vec<f64>| {
+        let mut gim = vec![0.0; n * n];
+        interpreter.mass_matrix(q, &mut gim).expect("lengths");
+        let brge = interpreter.brge(q).expect("lengths");
+        let modules =
+            (0..modules.modules().len()).filter_map(|m| brge.condition_number(m)).collect();
+        Conditions { gim: dense::condition_number(&gim), modules }
+    };
+    motion.iter().map(at).collect()
+}
+
+/// The arm's elbow going through its straight posture, where the hand's Jacobian is singular.
+#[must_use]
+pub fn stretching_arm(times: &[f64]) -> Vec<Vec<f64>> {
+    let posture = |&t: &f64| vec![0.3, 0.5, -0.4, -1.5 + 3.0 * t, 0.4, 0.6 - 1.2 * t, 0.2];
+    times.iter().map(posture).collect()
+}
+
+/// The section of the page.
+///
+/// # Errors
+///
+/// If a plot cannot be written.
+pub fn report(report: &mut Report) -> Result<(), Failure> {
+    report.heading("Monitoring by module");
+    report.text(
+        "Condition numbers (2-norm) of the modules' pivot blocks and of the whole GIM along a motion: the biped on \
+         its step by the paper's modules, and a 7-joint arm (as modules of three and four links) whose elbow goes \
+         through its straight posture at half time, where the hand loses a direction. A GIM is positive definite \
+         in a kinematic singularity too; what shows is how badly it is scaled.",
+    );
+    let times = instants(1.0, 101);
+    let step: Vec<Vec<f64>> = times.iter().map(|&t| gait::desired(t).q.to_vec()).collect();
+    let (biped, arm) = (robots::biped(), robots::arm7());
+    let name = |i: usize| arm.links()[i].name.as_str();
+    let halves: Vec<Vec<&str>> = [0..3, 3..7].into_iter().map(|r| r.map(name).collect()).collect();
+    let halves = ModuleTree::from_names(&arm, &halves).expect("links of the arm");
+    let cases = [
+        ("biped", &biped, robots::biped_modules(&biped), step),
+        ("arm", &arm, halves, stretching_arm(&times)),
+    ];
+    for (name, model, modules, motion) in cases {
+        let conditions = along(model, &modules, &motion);
+        let over = |f: &dyn Fn(&Conditions) -> f64| -> Vec<(f64, f64)> {
+            times.iter().copied().zip(conditions.iter().map(f)).collect()
+        };
+        let mut lines = vec![Line::new("whole GIM", over(&|c| c.gim))];
+        let count = modules.modules().len();
+        lines.extend(
+            (0..count).map(|m| Line::new(format!("module {}", m + 1), over(&|c| c.modules[m]))),
+        );
+        let title = format!("Condition numbers by module: {name}");
+        let chart = Chart {
+            title: &title,
+            x: Axis::linear("time (s)"),
+            y: Axis::logarithmic("condition number"),
+            lines,
+        };
+        report.plot(&format!("conditioning-{name}.svg"), &chart)?;
+        let range = |f: &dyn Fn(&Conditions) -> f64| {
+            let all = || conditions.iter().map(f);
+            let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+            format!("{} to {}", fixed(low, 1), fixed(high, 1))
+        };
+        let mut row = vec![name.to_owned(), range(&|c| c.gim)];
+        row.extend((0..count).map(|m| range(&|c| c.modules[m])));
+        report.table(&["motion", "whole GIM", "module 1", "module 2"], vec![row]);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use modyn_runtime::model::ModuleTree;
+
+    use super::{along, stretching_arm};
+    use crate::motion::instants;
+    use crate::{gait, robots};
+
+    #[test]
+    fn pivot_blocks_are_better_conditioned_than_the_whole() {
+        let biped = robots::biped();
+        let motion: Vec<Vec<f64>> =
+            instants(1.0, 21).iter().map(|&t| gait::desired(t).q.to_vec()).collect();
+        // Schur complements of a positive definite matrix, and blocks of it, are no worse.
+        for conditions in along(&biped, &robots::biped_modules(&biped), &motion) {
+            assert_eq!(conditions.modules.len(), 2);
+            assert!(
+                conditions.modules.iter().all(|&c| c > 1.0 && c <= conditions.gim * (1.0 + 1e-6))
+            );
+        }
+        let arm = robots::arm7();
+        for conditions in
+            along(&arm, &ModuleTree::chains(&arm), &stretching_arm(&instants(1.0, 11)))
+        {
+            assert!(
+                (conditions.modules[0] / conditions.gim - 1.0).abs() < 1e-6,
+                "one module is all"
+            );
+        }
+    }
+}

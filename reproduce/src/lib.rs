@@ -1,0 +1,44 @@
+//! The paper behind modyn, run again: its tables and plots, and what lies beyond them.
+//!
+//! `cargo run --release -p modyn-reproduce -- OUTDIR` writes all of it into a folder with an index
+//! page, the paper's figures beside ours. One file a topic; `docs/paper.md` says which equation is
+//! where.
+
+pub mod biped;
+pub mod complexity;
+pub mod conditioning;
+pub mod dense;
+pub mod energy;
+pub mod gait;
+pub mod gripper;
+pub mod motion;
+pub mod parallel;
+pub mod plot;
+pub mod precision;
+pub mod report;
+pub mod robots;
+pub mod scalar;
+pub mod stability;
+pub mod table6;
+
+use std::path::{Path, PathBuf};
+
+use report::{Failure, Report};
+
+/// Makes everything, into `folder`; the page's file.
+///
+/// # Errors
+///
+/// If a file cannot be written.
+pub fn run(folder: &Path) -> Result<PathBuf, Failure> {
+    let mut report = Report::new(folder)?;
+    gripper::report(&mut report);
+    stability::report(&mut report)?;
+    precision::report(&mut report)?;
+    complexity::report(&mut report)?;
+    biped::report(&mut report)?;
+    energy::report(&mut report)?;
+    conditioning::report(&mut report)?;
+    parallel::report(&mut report)?;
+    Ok(report.write()?)
+}

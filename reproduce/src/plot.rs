@@ -1,0 +1,181 @@
+//! Line charts as SVG, to be read without colour: every line has its dashes and markers.
+
+use std::path::Path;
+
+use plotters::prelude::*;
+
+/// A scale with its label and unit.
+#[derive(Clone, Copy, Debug)]
+pub struct Axis<'a> {
+    /// What stands at it, with the unit.
+    pub label: &'a str,
+    /// Whether it is logarithmic; numbers that are not positive are then left out.
+    pub logarithmic: bool,
+}
+
+impl<'a> Axis<'a> {
+    /// An even scale.
+    #[must_use]
+    pub fn linear(label: &'a str) -> Self {
+        Self { label, logarithmic: false }
+    }
+
+    /// A logarithmic one.
+    #[must_use]
+    pub fn logarithmic(label: &'a str) -> Self {
+        Self { label, logarithmic: true }
+    }
+
+    fn place(self, x: f64) -> f64 {
+        if self.logarithmic { x.log10() } else { x }
+    }
+
+    fn text(self, at: f64) -> String {
+        // Ticks are sums of steps: what is left of a zero is none.
+        let value = if self.logarithmic {
+            10f64.powf(at)
+        } else if at.abs() < 1e-12 {
+            0.0
+        } else {
+            at
+        };
+        let digits = if self.logarithmic { 1 } else { 3 };
+        let rounded: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
+        if rounded == 0.0 || (1e-3..1e5).contains(&rounded.abs()) {
+            rounded.to_string()
+        } else {
+            format!("{rounded:e}")
+        }
+    }
+}
+
+/// A line of a chart.
+#[derive(Clone, Debug)]
+pub struct Line {
+    /// What it shows.
+    pub name: String,
+    /// Its points.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Line {
+    /// A line.
+    pub fn new(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self { name: name.into(), points: points.into_iter().collect() }
+    }
+}
+
+/// A chart.
+#[derive(Clone, Debug)]
+pub struct Chart<'a> {
+    /// Its title.
+    pub title: &'a str,
+    /// The horizontal scale.
+    pub x: Axis<'a>,
+    /// The vertical scale.
+    pub y: Axis<'a>,
+    /// Its lines.
+    pub lines: Vec<Line>,
+}
+
+const SIZE: (u32, u32) = (960, 500);
+
+/// Where the legend begins.
+const LEGEND: i32 = 700;
+
+/// Dark enough for white paper.
+const COLOURS: [RGBColor; 6] = [
+    RGBColor(0, 0, 0),
+    RGBColor(200, 30, 30),
+    RGBColor(20, 90, 200),
+    RGBColor(10, 130, 60),
+    RGBColor(190, 100, 0),
+    RGBColor(120, 40, 160),
+];
+
+/// Markers on a line at most.
+const MARKERS: usize = 14;
+
+/// Dash and gap in pixels, and the two pieces of the line in the legend.
+const DASHES: [(i32, i32, [[i32; 2]; 2]); 4] = [
+    (1, 0, [[0, 15], [15, 30]]),
+    (9, 5, [[0, 9], [21, 30]]),
+    (3, 4, [[0, 3], [27, 30]]),
+    (14, 3, [[0, 13], [17, 30]]),
+];
+
+/// The outlines of the markers in pixels: a ring, a triangle, a cross, a square, a diamond.
+const SHAPES: [&[(i32, i32)]; 5] = [
+    &[(4, 0), (3, 3), (0, 4), (-3, 3), (-4, 0), (-3, -3), (0, -4), (3, -3), (4, 0)],
+    &[(-5, 4), (5, 4), (0, -5), (-5, 4)],
+    &[(-4, -4), (4, 4), (0, 0), (-4, 4), (4, -4)],
+    &[(-4, -4), (4, -4), (4, 4), (-4, 4), (-4, -4)],
+    &[(-5, 0), (0, -5), (5, 0), (0, 5), (-5, 0)],
+];
+
+impl Chart<'_> {
+    /// Writes the chart to a file.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), Box<dyn std::error::Error>> {
+        let lines: Vec<Vec<(f64, f64)>> = self.lines.iter().map(|line| self.placed(line)).collect();
+        let range = |part: fn(&(f64, f64)) -> f64| {
+            let all = || lines.iter().flatten().map(part);
+            let (low, high) =
+                (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+            let margin = (0.04 * (high - low)).max(1e-9 * high.abs()).max(1e-12);
+            if low <= high { low - margin..high + margin } else { 0.0..1.0 }
+        };
+        let root = SVGBackend::new(path, SIZE).into_drawing_area();
+        root.fill(&WHITE)?;
+        let (left, right) = root.split_horizontally(LEGEND);
+        let mut chart = ChartBuilder::on(&left)
+            .caption(self.title, ("sans-serif", 20))
+            .margin(12)
+            .x_label_area_size(48)
+            .y_label_area_size(78)
+            .build_cartesian_2d(range(|p| p.0), range(|p| p.1))?;
+        chart
+            .configure_mesh()
+            .light_line_style(WHITE)
+            .bold_line_style(RGBColor(220, 220, 220))
+            .x_desc(self.x.label)
+            .y_desc(self.y.label)
+            .x_label_formatter(&|&at| self.x.text(at))
+            .y_label_formatter(&|&at| self.y.text(at))
+            .label_style(("sans-serif", 15))
+            .draw()?;
+        for (i, (line, points)) in self.lines.iter().zip(lines).enumerate() {
+            let style = COLOURS[i % COLOURS.len()].stroke_width(2);
+            let (dash, gap, pieces) = DASHES[i % DASHES.len()];
+            let every = points.len().div_ceil(MARKERS).max(1);
+            // Lines that lie on each other have their markers at different places.
+            let first = (i * every / 5) % every;
+            let marked: Vec<_> = points.iter().copied().skip(first).step_by(every).collect();
+            if gap == 0 {
+                chart.draw_series(LineSeries::new(points, style))?;
+            } else {
+                chart.draw_series(DashedLineSeries::new(points, dash, gap, style))?;
+            }
+            let shape = SHAPES[i % SHAPES.len()];
+            let marker = |at| EmptyElement::at(at) + PathElement::new(shape, style);
+            chart.draw_series(marked.into_iter().map(marker))?;
+            let (x, y) = (4, 60 + 26 * i32::try_from(i)?);
+            for [from, to] in pieces {
+                right.draw(&PathElement::new([(x + from, y), (x + to, y)], style))?;
+            }
+            let shape = shape.iter().map(|(dx, dy)| (x + 15 + dx, y + dy));
+            right.draw(&PathElement::new(shape.collect::<Vec<_>>(), style))?;
+            right.draw(&Text::new(line.name.clone(), (x + 38, y - 8), ("sans-serif", 15)))?;
+        }
+        root.present()?;
+        Ok(())
+    }
+
+    fn placed(&self, line: &Line) -> Vec<(f64, f64)> {
+        let points = line.points.iter().map(|&(x, y)| (self.x.place(x), self.y.place(y)));
+        points.filter(|(x, y)| x.is_finite() && y.is_finite()).collect()
+    }
+}

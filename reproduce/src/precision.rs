@@ -1,0 +1,326 @@
+//! Beyond Tables 4 and 5: rounding in single precision and in Q16.16, by partition.
+//!
+//! Reference is the same computation without rounding on the same rounded figures ([`Exact`]), so
+//! errors are those of the way of solving alone.
+
+use modyn_runtime::Interpreter;
+use modyn_runtime::model::{Model, ModuleTree};
+
+use crate::dense::{gaussian, norm, reverse_gaussian};
+use crate::plot::{Axis, Chart, Line};
+use crate::report::{Failure, Report, power};
+use crate::scalar::{Exact, Fixed, Number};
+use crate::stability::scalars;
+use crate::{gait, robots};
+
+/// States of a robot: coordinates and velocities.
+pub type States = Vec<(Vec<f64>, Vec<f64>)>;
+
+/// A robot of the study.
+pub struct Subject {
+    /// What it is called.
+    pub name: String,
+    /// The robot.
+    pub model: Model,
+    /// Where it is looked at.
+    pub states: States,
+}
+
+/// Postures at a turn of up to 1.5 rad a joint, moving at up to 1 rad/s.
+fn anywhere(model: &Model, count: usize) -> States {
+    let mut numbers = robots::spread(model.nv());
+    let mut vector = |n: usize, size: f64| -> Vec<f64> {
+        (0..n).map(|_| size * numbers.next().unwrap_or(0.0)).collect()
+    };
+    (0..count).map(|_| (vector(model.nq(), 1.5), vector(model.nv(), 1.0))).collect()
+}
+
+/// The gripper, the biped on its step, the 7-joint arm.
+#[must_use]
+pub fn subjects() -> Vec<Subject> {
+    let [gripper, arm7] = [robots::gripper(), robots::arm7()];
+    let step = (0..100).map(|k| gait::desired(f64::from(k) / 99.0));
+    let states = step.map(|posture| (posture.q.to_vec(), posture.qd.to_vec())).collect();
+    vec![
+        Subject { name: "gripper".into(), states: anywhere(&gripper, 100), model: gripper },
+        Subject { name: "biped".into(), states, model: robots::biped() },
+        Subject { name: "arm7".into(), states: anywhere(&arm7, 100), model: arm7 },
+    ]
+}
+
+/// A chain of that many links.
+#[must_use]
+pub fn chain(links: usize) -> Subject {
+    let model = robots::chain(links);
+    Subject { name: format!("chain of {links}"), states: anywhere(&model, 24), model }
+}
+
+/// How accelerations are solved for.
+#[derive(Clone, Debug)]
+pub enum Way {
+    /// GIM and bias forces, then Gaussian elimination.
+    Gaussian,
+    /// The same from the last column on.
+    ReverseGaussian,
+    /// The recursion by these modules.
+    Modules(ModuleTree),
+}
+
+/// The relative errors ||qdd - exact|| / ||exact|| on scalar `S`, state by state, falling freely.
+///
+/// # Panics
+///
+/// If modules are those of another robot.
+#[must_use]
+pub fn errors<S: Number>(subject: &Subject, way: &Way) -> Vec<f64> {
+    let Subject { model, states, .. } = subject;
+    let n = model.nv();
+    let mut exact = Interpreter::<Exact<S>>::new(model.clone());
+    let mut rounded = Interpreter::<S>::new(model.clone());
+    if let Way::Modules(modules) = way {
+        rounded = rounded.eliminating_by(modules).expect("its own modules");
+    }
+    let accelerations = |(q, qd): &(Vec<f64>, Vec<f64>)| {
+        let (p, pd) = (scalars::<Exact<S>>(q), scalars::<Exact<S>>(qd));
+        let mut expected = scalars::<Exact<S>>(&vec![0.0; n]);
+        exact.forward_dynamics(&p, &pd, &scalars(&vec![0.0; n]), &mut expected).expect("lengths");
+        let (q, qd) = (scalars::<S>(q), scalars::<S>(qd));
+        let mut qdd = vec![S::zero(); n];
+        match way {
+            Way::Modules(_) => {
+                rounded.forward_dynamics(&q, &qd, &vec![S::zero(); n], &mut qdd).expect("lengths");
+            }
+            Way::Gaussian | Way::ReverseGaussian => {
+                let mut gim = vec![S::zero(); n * n];
+                rounded.mass_matrix(&q, &mut gim).expect("lengths");
+                rounded.bias_forces(&q, &qd, &mut qdd).expect("lengths");
+                let phi: Vec<S> = qdd.iter().map(|&x| -x).collect();
+                let forwards = matches!(way, Way::Gaussian);
+                qdd = if forwards { gaussian(&gim, &phi) } else { reverse_gaussian(&gim, &phi) };
+            }
+        }
+        let expected: Vec<f64> = expected.iter().map(|x| x.to_f64()).collect();
+        let difference: Vec<f64> = qdd.iter().zip(&expected).map(|(x, y)| x.to_f64() - y).collect();
+        norm(&difference) / norm(&expected)
+    };
+    states.iter().map(accelerations).collect()
+}
+
+/// The middle one of the errors.
+#[must_use]
+pub fn median(mut errors: Vec<f64>) -> f64 {
+    errors.sort_by(f64::total_cmp);
+    errors.get(errors.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// The robot in a unit of mass in which the largest entry of its GIM is about 64, for Q16.16: in
+/// kilograms the gripper's inertias would be a few units of the last place.
+#[must_use]
+pub fn for_fixed_point(subject: Subject) -> Subject {
+    with_largest(subject, 64.0)
+}
+
+/// The robot in a unit of mass, a power of two in kilograms, in which the largest entry of its GIM is
+/// about `size`.
+#[must_use]
+pub fn with_largest(subject: Subject, size: f64) -> Subject {
+    let mut interpreter = Interpreter::<f64>::new(subject.model.clone());
+    let n = subject.model.nv();
+    let mut gim = vec![0.0; n * n];
+    let mut largest: f64 = 0.0;
+    for (q, _) in &subject.states {
+        interpreter.mass_matrix(q, &mut gim).expect("lengths");
+        largest = gim.iter().fold(largest, |largest, x| largest.max(x.abs()));
+    }
+    let unit = (size / largest).log2().round().exp2();
+    Subject { model: robots::in_mass_unit(&subject.model, unit), ..subject }
+}
+
+/// The ways of the tables.
+fn ways(model: &Model) -> Vec<(String, Way)> {
+    let by = |name: &str, modules| (name.to_owned(), Way::Modules(modules));
+    let mut ways = vec![
+        ("GE on the GIM".to_owned(), Way::Gaussian),
+        ("RGE on the GIM".to_owned(), Way::ReverseGaussian),
+        by("BRGE by links", ModuleTree::links(model)),
+        by("BRGE by pairs", robots::pieces(model, 2)),
+        by("BRGE by whole chains", ModuleTree::chains(model)),
+    ];
+    if model.name() == "biped" {
+        ways.push(by("BRGE by the paper's modules", robots::biped_modules(model)));
+    }
+    ways
+}
+
+/// Median errors against the length of a chain, a line for each way of solving.
+#[must_use]
+pub fn against_length<S: Number>(lengths: &[usize], adjust: fn(Subject) -> Subject) -> Vec<Line> {
+    let subjects: Vec<Subject> = lengths.iter().map(|&n| adjust(chain(n))).collect();
+    (0..5)
+        .map(|k| {
+            let point = |subject: &Subject| {
+                let way = &ways(&subject.model)[k].1;
+                (subject.model.nv() as f64, median(errors::<S>(subject, way)))
+            };
+            Line::new(ways(&subjects[0].model)[k].0.clone(), subjects.iter().map(point))
+        })
+        .collect()
+}
+
+/// Median errors against the length of the pieces that chains are cut into.
+#[must_use]
+pub fn against_pieces<S: Number>(subject: &Subject) -> Line {
+    let longest = subject.model.links().len();
+    let points = (1..=longest).map(|length| {
+        let way = Way::Modules(robots::pieces(&subject.model, length));
+        (length as f64, median(errors::<S>(subject, &way)))
+    });
+    Line::new(subject.name.clone(), points)
+}
+
+/// Every way to cut a robot that is one chain into modules, by their lengths, with the median error on
+/// scalar `S`; the best first.
+///
+/// # Panics
+///
+/// If the robot branches.
+#[must_use]
+pub fn by_cuts<S: Number>(subject: &Subject) -> Vec<(Vec<usize>, f64)> {
+    let links: Vec<&str> = subject.model.links().iter().map(|link| link.name.as_str()).collect();
+    let mut cuts: Vec<(Vec<usize>, f64)> = (0..1_usize << (links.len() - 1))
+        .map(|cut| {
+            // Bit k: whether a module ends behind link k.
+            let mut modules = vec![vec![links[0]]];
+            for (k, link) in links.iter().enumerate().skip(1) {
+                if cut >> (k - 1) & 1 == 1 {
+                    modules.push(Vec::new());
+                }
+                modules.last_mut().expect("one at least").push(link);
+            }
+            let lengths = modules.iter().map(Vec::len).collect();
+            let modules = ModuleTree::from_names(&subject.model, &modules).expect("one chain");
+            (lengths, median(errors::<S>(subject, &Way::Modules(modules))))
+        })
+        .collect();
+    cuts.sort_by(|a, b| a.1.total_cmp(&b.1));
+    cuts
+}
+
+/// Median errors in Q16.16 against the unit of mass, said by the largest entry of the GIM.
+#[must_use]
+pub fn against_unit(subject: fn() -> Subject) -> Vec<Line> {
+    let names = ways(&subject().model);
+    let point = |k: usize, size: i32| {
+        let subject = with_largest(subject(), 2f64.powi(size));
+        let way = &ways(&subject.model)[k].1;
+        (2f64.powi(size), median(errors::<Fixed>(&subject, way)))
+    };
+    let line = |k: usize| Line::new(names[k].0.clone(), (-2..=12).map(|size| point(k, size)));
+    (0..names.len()).map(line).collect()
+}
+
+/// The section of the page.
+///
+/// # Errors
+///
+/// If a plot cannot be written.
+pub fn report(report: &mut Report) -> Result<(), Failure> {
+    report.heading("Beyond Tables 4 and 5: single precision and Q16.16");
+    report.text(
+        "Median of ||qdd - exact|| / ||exact|| over postures, falling freely; exact is the same computation in \
+         double-double on the same rounded figures.",
+    );
+    let mut rows = Vec::new();
+    for (plain, scaled) in subjects().into_iter().zip(subjects()) {
+        let scaled = for_fixed_point(scaled);
+        for ((name, way), (_, fixed_way)) in ways(&plain.model).iter().zip(ways(&scaled.model)) {
+            let single = median(errors::<f32>(&plain, way));
+            let fixed = median(errors::<Fixed>(&scaled, &fixed_way));
+            rows.push(vec![plain.name.clone(), name.clone(), power(single), power(fixed)]);
+        }
+    }
+    report.table(&["robot", "way", "f32", "Q16.16, mass in a fitting unit"], rows);
+    report.text(
+        "Every way to cut the robots that are one chain, in single precision: the best and the worst, by the lengths of \
+         their modules from the base on, and how many ways are better than by links.",
+    );
+    let rows = subjects().into_iter().skip(1).map(|subject| {
+        let cuts = by_cuts::<f32>(&subject);
+        let shown = |(lengths, error): &(Vec<usize>, f64)| {
+            let lengths: Vec<String> = lengths.iter().map(usize::to_string).collect();
+            format!("{}: {}", lengths.join(" "), power(*error))
+        };
+        let by_links =
+            cuts.iter().position(|(lengths, _)| lengths.iter().all(|&length| length == 1));
+        let better = by_links.unwrap_or(0);
+        let (best, worst) = (shown(&cuts[0]), shown(&cuts[cuts.len() - 1]));
+        vec![subject.name, best, shown(&cuts[better]), worst, format!("{better} of {}", cuts.len())]
+    });
+    report.table(&["robot", "best", "by links", "worst", "better than by links"], rows.collect());
+    let chart = |title, x, lines| Chart {
+        title,
+        x,
+        y: Axis::logarithmic("median relative error of qdd"),
+        lines,
+    };
+    let links = Axis::logarithmic("links of the chain");
+    let lines = against_length::<f32>(&[2, 4, 8, 16, 32, 64], |subject| subject);
+    report.plot(
+        "stability-f32.svg",
+        &chart("Single precision: error against the length of a chain", links, lines),
+    )?;
+    let lines = against_length::<Fixed>(&[2, 4, 8, 12, 16], for_fixed_point);
+    report.plot(
+        "stability-fixed.svg",
+        &chart("Q16.16: error against the length of a chain", links, lines),
+    )?;
+    let unit = Axis::logarithmic("largest entry of the GIM in the unit of mass chosen");
+    let lines = against_unit(|| subjects().remove(2));
+    report.plot(
+        "stability-unit.svg",
+        &chart("Q16.16: error of the 7-joint arm by unit of mass", unit, lines),
+    )?;
+    let pieces = Axis::linear("links a module, at most");
+    let mut lines: Vec<Line> = subjects().iter().map(against_pieces::<f32>).collect();
+    lines.push(against_pieces::<f32>(&chain(16)));
+    report.plot(
+        "stability-pieces.svg",
+        &chart("Single precision: error by partition", pieces, lines),
+    )?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use modyn_runtime::model::ModuleTree;
+
+    use super::{Way, chain, errors, for_fixed_point, median, subjects};
+    use crate::scalar::Fixed;
+
+    #[test]
+    fn single_precision_loses_no_more_than_it_must() {
+        for subject in subjects() {
+            let way = Way::Modules(ModuleTree::links(&subject.model));
+            let error = median(errors::<f32>(&subject, &way));
+            assert!(error > 1e-9 && error < 2e-5, "{}: {error}", subject.name);
+            assert!(median(errors::<f64>(&subject, &way)) < 1e-13);
+        }
+    }
+
+    #[test]
+    fn the_recursion_beats_the_matrix_on_long_chains() {
+        let subject = chain(32);
+        let links = Way::Modules(ModuleTree::links(&subject.model));
+        let [links, gaussian] =
+            [links, Way::Gaussian].map(|way| median(errors::<f32>(&subject, &way)));
+        assert!(10.0 * links < gaussian, "{links}, {gaussian}");
+    }
+
+    #[test]
+    fn fixed_point_carries_the_gripper_in_a_fitting_unit() {
+        let subject = for_fixed_point(subjects().remove(0));
+        let way = Way::Modules(ModuleTree::links(&subject.model));
+        let error = median(errors::<Fixed>(&subject, &way));
+        assert!(error < 1e-2, "{error}");
+    }
+}

@@ -1,0 +1,156 @@
+//! The folder of results: plots as SVG, and a page that holds them together, in HTML and Markdown.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use crate::plot::Chart;
+
+/// What can go wrong with it.
+pub type Failure = Box<dyn std::error::Error>;
+
+/// Something on the page.
+enum Item {
+    Heading(String),
+    Text(String),
+    Table { head: Vec<String>, rows: Vec<Vec<String>> },
+    Plot { file: String, title: String },
+    Link { file: String, title: String },
+}
+
+/// The page.
+pub struct Report {
+    folder: PathBuf,
+    items: Vec<Item>,
+}
+
+impl Report {
+    /// An empty page in that folder, which is made if it is not there.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be made.
+    pub fn new(folder: &Path) -> io::Result<Self> {
+        fs::create_dir_all(folder)?;
+        Ok(Self { folder: folder.into(), items: Vec::new() })
+    }
+
+    /// A heading.
+    pub fn heading(&mut self, text: &str) {
+        self.items.push(Item::Heading(text.into()));
+    }
+
+    /// A paragraph.
+    pub fn text(&mut self, text: impl Into<String>) {
+        self.items.push(Item::Text(text.into()));
+    }
+
+    /// A table.
+    pub fn table<H: ToString>(&mut self, head: &[H], rows: Vec<Vec<String>>) {
+        self.items.push(Item::Table { head: head.iter().map(H::to_string).collect(), rows });
+    }
+
+    /// A plot, in a file of that name.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written.
+    pub fn plot(&mut self, file: &str, chart: &Chart<'_>) -> Result<(), Failure> {
+        chart.write(&self.folder.join(file))?;
+        self.items.push(Item::Plot { file: file.into(), title: chart.title.into() });
+        Ok(())
+    }
+
+    /// Another file, which the page links to.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written.
+    pub fn file(&mut self, file: &str, title: &str, content: &str) -> io::Result<()> {
+        fs::write(self.folder.join(file), content)?;
+        self.items.push(Item::Link { file: file.into(), title: title.into() });
+        Ok(())
+    }
+
+    /// Writes the page; its HTML file.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written.
+    pub fn write(&self) -> io::Result<PathBuf> {
+        fs::write(self.folder.join("index.md"), self.markdown())?;
+        let page = self.folder.join("index.html");
+        fs::write(&page, self.html())?;
+        Ok(page)
+    }
+
+    fn markdown(&self) -> String {
+        let mut out = String::from("# The paper, reproduced\n");
+        for item in &self.items {
+            out.push('\n');
+            let row = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+            match item {
+                Item::Heading(text) => _ = writeln!(out, "## {text}"),
+                Item::Text(text) => _ = writeln!(out, "{text}"),
+                Item::Table { head, rows } => {
+                    out += &row(head);
+                    out += &row(&vec!["---".to_owned(); head.len()]);
+                    rows.iter().for_each(|cells| out += &row(cells));
+                }
+                Item::Plot { file, title } => _ = writeln!(out, "![{title}]({file})"),
+                Item::Link { file, title } => _ = writeln!(out, "[{title}]({file})"),
+            }
+        }
+        out
+    }
+
+    fn html(&self) -> String {
+        let mut out = String::from(
+            "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>The paper, reproduced</title>\n\
+             <style>body{font-family:sans-serif;max-width:60em;margin:2em auto;padding:0 1em}\
+             table{border-collapse:collapse;margin:1em 0}td,th{border:1px solid #aaa;padding:.2em .6em;\
+             text-align:right;white-space:pre-wrap}td:first-child,th:first-child{text-align:left}img{max-width:100%}</style>\n\
+             <h1>The paper, reproduced</h1>\n",
+        );
+        let escape = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;");
+        for item in &self.items {
+            let row = |cells: &[String], tag: &str| {
+                let cells = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell)));
+                format!("<tr>{}</tr>\n", cells.collect::<String>())
+            };
+            match item {
+                Item::Heading(text) => _ = writeln!(out, "<h2>{}</h2>", escape(text)),
+                Item::Text(text) => _ = writeln!(out, "<p>{}</p>", escape(text)),
+                Item::Table { head, rows } => {
+                    let rows: String = rows.iter().map(|cells| row(cells, "td")).collect();
+                    _ = writeln!(out, "<table>\n{}{rows}</table>", row(head, "th"));
+                }
+                Item::Plot { file, title } => {
+                    _ = writeln!(out, "<p><img src=\"{file}\" alt=\"{}\"></p>", escape(title));
+                }
+                Item::Link { file, title } => {
+                    _ = writeln!(out, "<p><a href=\"{file}\">{}</a></p>", escape(title));
+                }
+            }
+        }
+        out + "</html>\n"
+    }
+}
+
+/// A number with that many decimals.
+#[must_use]
+pub fn fixed(x: f64, decimals: usize) -> String {
+    // No minus before a zero.
+    let text = format!("{x:.decimals$}");
+    if text.trim_start_matches('-').chars().all(|c| matches!(c, '0' | '.')) {
+        text.trim_start_matches('-').into()
+    } else {
+        text
+    }
+}
+
+/// A number with three digits and its power of ten.
+#[must_use]
+pub fn power(x: f64) -> String {
+    format!("{x:.2e}")
+}
