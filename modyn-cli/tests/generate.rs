@@ -146,17 +146,35 @@ fn a_header_for_c_is_written_and_checked() {
 
 #[test]
 fn what_is_written_compiles() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = at(folder.path(), "arm.rs");
-    let found = modyn(&["generate", "robots/gripper.urdf", "-o", &file, "--self-contained"]);
-    assert_eq!(found.code, 0, "{}", found.err);
-    let crate_root = at(folder.path(), "lib.rs");
-    let text = "//! A robot.\n#![no_std]\n#![forbid(unsafe_code)]\n#![deny(warnings)]\n/// An arm.\npub mod arm;\n";
-    std::fs::write(&crate_root, text).expect("writes");
-    let rustc = std::env::var_os("RUSTC").unwrap_or("rustc".into());
-    let arguments = ["--edition=2024", "--crate-type=lib", "--emit=metadata", "--out-dir"];
-    let status = Command::new(rustc).args(arguments).arg(folder.path()).arg(crate_root).status();
-    assert!(status.expect("rustc runs").success());
+    for (robot, options) in [("gripper", &[][..]), ("quadruped", &["--share", "--scalar", "f32"])] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = at(folder.path(), "arm.rs");
+        let robot = format!("robots/{robot}.urdf");
+        let common = ["generate", &robot, "-o", &file, "--self-contained"];
+        let found = modyn(&[&common[..], options].concat());
+        assert_eq!(found.code, 0, "{}", found.err);
+        let crate_root = at(folder.path(), "lib.rs");
+        let text = "//! A robot.\n#![no_std]\n#![forbid(unsafe_code)]\n#![deny(warnings)]\n/// An arm.\npub mod arm;\n";
+        std::fs::write(&crate_root, text).expect("writes");
+        let rustc = std::env::var_os("RUSTC").unwrap_or("rustc".into());
+        let arguments = ["--edition=2024", "--crate-type=lib", "--emit=metadata", "--out-dir"];
+        let status =
+            Command::new(rustc).args(arguments).arg(folder.path()).arg(crate_root).status();
+        assert!(status.expect("rustc runs").success());
+    }
+}
+
+#[test]
+fn shared_legs_stand_once_in_the_text() {
+    let text = |options: &[&str]| {
+        let common = ["generate", "robots/quadruped.urdf", "--functions", "forward_dynamics"];
+        let found = modyn(&[&common[..], options].concat());
+        assert_eq!(found.code, 0, "{}", found.err);
+        found.out
+    };
+    let (alone, shared) = (text(&["--self-contained"]), text(&["--self-contained", "--share"]));
+    let products = |text: &str| text.matches("mul_add(").count();
+    assert!(2 * products(&shared) < products(&alone));
 }
 
 #[test]

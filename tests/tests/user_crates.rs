@@ -29,7 +29,9 @@ fn cargo(folder: &Path, arguments: &str) -> Output {
     let mut command = Command::new(env!("CARGO"));
     for (name, _) in std::env::vars_os() {
         let name = name.to_string_lossy();
-        if (name.starts_with("CARGO") && name != "CARGO_HOME") || name == "RUSTFLAGS" {
+        // How much is kept on disk may be said from outside.
+        let kept = ["CARGO_HOME", "CARGO_INCREMENTAL", "CARGO_PROFILE_DEV_DEBUG"].contains(&&*name);
+        if (name.starts_with("CARGO") && !kept) || name == "RUSTFLAGS" {
             command.env_remove(&*name);
         }
     }

@@ -27,6 +27,9 @@ pub struct Arguments {
     /// Make a file that depends on `core` alone, not on modyn
     #[arg(long)]
     self_contained: bool,
+    /// Run equal limbs (legs, arms, fingers) through one function: the smallest code
+    #[arg(long)]
+    share: bool,
     /// The functions that the robot has: their names with commas, `default`, `all`
     #[arg(long, value_name = "NAMES", value_parser = functions)]
     functions: Option<Functions>,
@@ -136,6 +139,9 @@ impl Arguments {
         let mut builder = self.robot.builder(description).float(self.scalar.into());
         if self.self_contained {
             builder = builder.self_contained();
+        }
+        if self.share {
+            builder = builder.share();
         }
         if let Some(Functions(functions)) = &self.functions {
             builder = builder.functions(functions.iter().copied());
