@@ -5,10 +5,12 @@ import os
 from environment import HERE, OUTPUT, call
 from measure import Program
 
-#: In the table, in the runner, and compiled for. Add lanes and batches here.
+#: In the table, in the runner, and compiled for.
 WAYS = [
     ("modyn native", "generated", "native"),
     ("modyn x86-64", "generated", "default"),
+    ("modyn, limbs one by one", "alone", "native"),
+    ("modyn batch", "batch", "native"),
     ("modyn interpreter", "interpreted", "native"),
 ]
 
@@ -34,4 +36,8 @@ def build(toolbox):
     for name, way, target in WAYS:
         for robot in toolbox.robots:
             for quantity in robot.quantities:
+                if way == "batch" and quantity != "forward_dynamics":
+                    continue
+                if way == "alone" and "derivatives" in quantity:
+                    continue
                 yield Program(name, target, robot.name, quantity, runners[target], before=(way,))

@@ -20,11 +20,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let names: Vec<&str> = functions.iter().map(|function| function.name()).collect();
         let type_name = robot.type_name();
+        let batch = [Function::ForwardDynamicsBatch];
         Builder::new()
             .urdf(&robot.description)
             .base(robot.base)
             .type_name(&type_name)
-            .functions(functions)
+            .functions(functions.into_iter().chain(batch))
             .compile()?;
         writeln!(includes, "::modyn::include_model!({});", robot.name)?;
         writeln!(table, "    {:?} {type_name} [{}];", robot.name, names.join(" "))?;

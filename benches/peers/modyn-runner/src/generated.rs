@@ -2,6 +2,7 @@
 
 use std::hint::black_box;
 
+use crate::alone::Alone;
 use crate::measure::Job;
 
 /// The array that those numbers are.
@@ -17,6 +18,18 @@ trait Flat {
 impl<const N: usize> Flat for [f64; N] {
     fn flat(&self) -> Vec<f64> {
         self.to_vec()
+    }
+}
+
+impl<const N: usize> Flat for [Alone; N] {
+    fn flat(&self) -> Vec<f64> {
+        self.iter().map(|x| x.0).collect()
+    }
+}
+
+impl<const N: usize> Flat for [[Alone; N]; N] {
+    fn flat(&self) -> Vec<f64> {
+        self.as_flattened().iter().map(|x| x.0).collect()
     }
 }
 
@@ -55,6 +68,23 @@ macro_rules! call {
     };
 }
 
+/// The same of the trait's function, for numbers without vectors.
+macro_rules! call_alone {
+    ($Robot:ident inverse_dynamics $job:ident $states:ident) => {
+        run($job, $states, |(q, qd, _, qdd)| <$Robot as modyn::Robot>::inverse_dynamics(q, qd, qdd))
+    };
+    ($Robot:ident mass_matrix $job:ident $states:ident) => {
+        run($job, $states, |(q, _, _, _)| <$Robot as modyn::Robot>::mass_matrix(q))
+    };
+    ($Robot:ident forward_dynamics $job:ident $states:ident) => {
+        run($job, $states, |(q, qd, tau, _)| <$Robot as modyn::Robot>::forward_dynamics(q, qd, tau))
+    };
+    ($Robot:ident $function:ident $job:ident $states:ident) => {{
+        let _ = $states;
+        panic!("not timed alone")
+    }};
+}
+
 /// All robots; the table's rows are the build script's.
 macro_rules! generated {
     ($($name:literal $Robot:ident [$($function:ident)*];)*) => {
@@ -78,6 +108,71 @@ macro_rules! generated {
                         $(stringify!($function) => call!($Robot $function job states),)*
                         other => panic!("no quantity `{other}`"),
                     }
+                })*
+                other => panic!("no robot `{other}`"),
+            }
+        }
+
+        /// Times it with equal limbs one after the other.
+        pub fn measure_alone(job: &Job) {
+            match job.robot.as_str() {
+                $($name => {
+                    type State = (
+                        [Alone; $Robot::NQ],
+                        [Alone; $Robot::NV],
+                        [Alone; $Robot::NV],
+                        [Alone; $Robot::NV],
+                    );
+                    let states: Vec<State> = job
+                        .states()
+                        .iter()
+                        .map(|[q, qd, tau, qdd]| {
+                            (
+                                fixed(q).map(Alone),
+                                fixed(qd).map(Alone),
+                                fixed(tau).map(Alone),
+                                fixed(qdd).map(Alone),
+                            )
+                        })
+                        .collect();
+                    let states = &states[..];
+                    match job.quantity.as_str() {
+                        $(stringify!($function) => call_alone!($Robot $function job states),)*
+                        other => panic!("no quantity `{other}`"),
+                    }
+                })*
+                other => panic!("no robot `{other}`"),
+            }
+        }
+
+        /// Times forward dynamics of all states at a time.
+        pub fn measure_batch(job: &Job) {
+            assert_eq!(job.quantity, "forward_dynamics", "the quantity that has a batch here");
+            match job.robot.as_str() {
+                $($name => {
+                    let states = job.states();
+                    let count = states.len();
+                    let columns = |part: usize, j: usize| -> Vec<f64> {
+                        states.iter().map(|state| state[part][j]).collect()
+                    };
+                    let q: [Vec<f64>; $Robot::NQ] = std::array::from_fn(|j| columns(0, j));
+                    let qd: [Vec<f64>; $Robot::NV] = std::array::from_fn(|j| columns(1, j));
+                    let tau: [Vec<f64>; $Robot::NV] = std::array::from_fn(|j| columns(2, j));
+                    let mut qdd: [Vec<f64>; $Robot::NV] = std::array::from_fn(|_| vec![0.0; count]);
+                    let pass = |qdd: &mut [Vec<f64>; $Robot::NV]| {
+                        $Robot::forward_dynamics_batch(
+                            q.each_ref().map(|column| black_box(&column[..])),
+                            qd.each_ref().map(|column| &column[..]),
+                            tau.each_ref().map(|column| &column[..]),
+                            qdd.each_mut().map(|column| &mut column[..]),
+                        )
+                        .expect("equal lengths");
+                        black_box(qdd);
+                    };
+                    pass(&mut qdd);
+                    let result = |i: usize| qdd.iter().map(|column| column[i]).collect();
+                    job.check((0..count).map(result));
+                    job.time_all(count, || pass(&mut qdd));
                 })*
                 other => panic!("no robot `{other}`"),
             }

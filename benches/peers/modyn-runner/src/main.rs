@@ -3,6 +3,7 @@
 //! `modyn-runner states FOLDER` writes the states and modyn's interpreter's results, which every
 //! contender is checked against. `modyn-runner CONTENDER FOLDER ROBOT QUANTITY REPETITIONS` times.
 
+mod alone;
 mod generated;
 mod interpreted;
 mod measure;
@@ -13,9 +14,13 @@ use std::path::Path;
 
 use measure::Job;
 
-/// The contenders: add lanes or batches here, and in `../contenders/modyn.py`.
-const CONTENDERS: [(&str, fn(&Job)); 2] =
-    [("generated", generated::measure), ("interpreted", interpreted::measure)];
+/// The contenders: add more here, and in `../contenders/modyn.py`.
+const CONTENDERS: [(&str, fn(&Job)); 4] = [
+    ("generated", generated::measure),
+    ("alone", generated::measure_alone),
+    ("batch", generated::measure_batch),
+    ("interpreted", interpreted::measure),
+];
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
