@@ -16,8 +16,11 @@ fn every_command_takes_mjcf() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     let (good, bad, code) = (path("cart.xml"), path("bad.xml"), path("cart.rs"));
     std::fs::write(&good, CART).expect("written");
-    std::fs::write(&bad, CART.replace("<option", "<tendon><spatial/></tendon><option"))
-        .expect("written");
+    std::fs::write(
+        &bad,
+        CART.replace("<option", "<tendon><spatial stiffness=\"1\"/></tendon><option"),
+    )
+    .expect("written");
 
     assert_eq!(modyn(&["check", &good]).code, 0);
     let refused = modyn(&["check", &bad]);

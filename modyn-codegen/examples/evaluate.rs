@@ -14,7 +14,9 @@ use std::error::Error;
 use std::io::{BufRead as _, Write as _};
 
 use modyn_codegen::error::Severity;
-use modyn_codegen::urdf::{Base, Mimic, ReadOptions, read};
+#[cfg(feature = "mjcf")]
+use modyn_codegen::mjcf;
+use modyn_codegen::urdf::{self, Base, Mimic, ReadOptions};
 use modyn_runtime::Interpreter;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -29,7 +31,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             other => return Err(format!("no option `{other}`").into()),
         }
     }
-    let model = read(&std::fs::read_to_string(&path)?, &path, &options)?.model;
+    let text = std::fs::read_to_string(&path)?;
+    #[cfg(feature = "mjcf")]
+    let read = if mjcf::is_mjcf(&text) { mjcf::read } else { urdf::read };
+    #[cfg(not(feature = "mjcf"))]
+    let read = urdf::read;
+    let model = read(&text, &path, &options)?.model;
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     for (i, link) in model.links().iter().enumerate().filter(|(i, _)| model.mimic(*i).is_none()) {
         let (nq, nv) = (model.q_range(i).len(), model.v_range(i).len());

@@ -11,11 +11,12 @@
 //! - Bodies are links, in a world that is the root link `world`; several joints of one body have links without mass
 //!   between them. A body's frame is its link's. Coordinates are those of [the conventions](crate::urdf), not
 //!   `MuJoCo`'s: `modyn::conventions::mujoco` has the conversions.
-//! - Inertias must be written (`<inertial>`): those that follow from geoms are not computed.
+//! - Where no inertia is written (`<inertial>`), it is that of the geoms, unless these are meshes.
 //! - Gravity is that of `<option>`, unless the options give another one than the default.
 //! - Contacts, actuators, sensors and what is only to be seen do not matter. Damping and friction act if the
 //!   options say so, as for a URDF.
 
+mod geoms;
 mod pieces;
 mod scan;
 

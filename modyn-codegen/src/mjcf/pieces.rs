@@ -1,6 +1,6 @@
 //! Bodies with any number of joints to links with one each, in the form that a URDF's have.
 
-use mjcf_rs::body::{Body, Geom, GeomType, InertiaSpec, Joint, JointType as Type};
+use mjcf_rs::body::{Body, InertiaSpec, Joint, JointType as Type};
 use mjcf_rs::compiler::InertiaFromGeom;
 use modyn_runtime::conventions::rotation_from_quaternion;
 use modyn_runtime::joint::JointType;
@@ -8,6 +8,7 @@ use modyn_runtime::model::{Drive, Inertial, Limits};
 use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
 
+use super::geoms;
 use crate::error::{Code, Severity, Subject};
 use crate::urdf::joint::{JointPart, Kind};
 use crate::urdf::parts::{InertialPart, LinkPart, Located, Parts};
@@ -67,11 +68,16 @@ impl Pieces {
             report.error(Code::InvalidModel, at, None, message, help);
             return None;
         }
+        let classes_place_geoms = root
+            .descendants()
+            .filter(|node| node.has_tag_name("geom"))
+            .filter(|node| node.parent().is_some_and(|up| up.has_tag_name("default")))
+            .any(|node| node.attributes().any(|one| PLACES.contains(&one.name())));
         // By body: its link.
         let mut links = vec![0];
         for (entry, node) in model.bodies.iter().skip(1).zip(nodes) {
             let parent = entry.parent.unwrap_or(0);
-            let mut reader = Reader { model, node, report };
+            let mut reader = Reader { model, node, classes_place_geoms, report };
             links.push(pieces.body(&mut reader, &entry.body, links[parent], links.len()));
         }
         Some(pieces)
@@ -84,6 +90,7 @@ impl Pieces {
         let is_joint = |node: &Node| ["joint", "freejoint"].contains(&node.tag_name().name());
         let places: Vec<usize> =
             reader.node.children().filter(is_joint).map(|node| node.range().start).collect();
+        reader.pose(&body.pose, &name, at);
         let mut above = parent;
         // Where the body's frame is seen from the link that was made last.
         let mut frame = pose(&body.pose);
@@ -98,7 +105,11 @@ impl Pieces {
             let free = joint.type_ == Type::Free;
             let is_sound = joint.pos.iter().all(|x| x.is_finite());
             let anchor = if free || !is_sound { [0.0; 3] } else { joint.pos };
-            let origin = if free { Pose::identity() } else { frame.compose(&shift(anchor)) };
+            let origin = if free {
+                Pose::identity()
+            } else {
+                frame.compose(&shift(anchor)).compose(&back(joint, made.axis))
+            };
             let last = k + 1 == body.joints.len() && anchor == [0.0; 3];
             let link = if last { name.clone() } else { format!("{name}_behind_{joint_name}") };
             let child = self.link(link, place, true);
@@ -164,14 +175,36 @@ impl Pieces {
     }
 }
 
+/// The attributes that place something.
+const PLACES: [&str; 6] = ["pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"];
+
 /// A body's element, while it is read.
 struct Reader<'m, 'n, 'r, 'f> {
     model: &'m mjcf_rs::Model,
     node: Node<'n, 'n>,
+    /// Whether a class gives geoms a position or rotation: mjcf-rs then forgets the one over the other.
+    classes_place_geoms: bool,
     report: &'r mut Report<'f>,
 }
 
 impl Reader<'_, '_, '_, '_> {
+    /// Says so if a pose is none.
+    fn pose(&mut self, pose: &mjcf_rs::Pose, name: &str, at: usize) {
+        let length: f64 = pose.rotation.to_array().iter().map(|x| x * x).sum();
+        let finite = pose.translation.to_array().iter().all(|x| x.is_finite());
+        let turn = (length - 1.0).abs() < 1e-9;
+        if !finite || !turn {
+            let (message, help) = ("its pose is not finite", "write finite figures in m and rad");
+            self.report.error(
+                Code::NotFinite,
+                at,
+                Some(&Subject::Link(name.into())),
+                message,
+                help,
+            );
+        }
+    }
+
     /// A joint without its ends.
     fn joint(&mut self, joint: &Joint, name: &str, at: usize, alone: bool) -> JointPiece {
         let subject = Subject::Joint(name.into());
@@ -181,10 +214,6 @@ impl Reader<'_, '_, '_, '_> {
         if joint.stiffness != 0.0 || joint.springdamper.is_some() {
             let help = "remove `stiffness` and `springdamper`, and give the spring's torque with the others";
             refuse(Code::NotRead, "its spring is not read", help);
-        }
-        if joint.ref_ != 0.0 {
-            let help = "write the body as it stands at coordinate zero, and leave `ref` out";
-            refuse(Code::NotRead, "its `ref` is not read", help);
         }
         let Joint { armature, damping, frictionloss: friction, .. } = *joint;
         let drive = Drive { armature, damping, friction };
@@ -207,7 +236,7 @@ impl Reader<'_, '_, '_, '_> {
             let message = "a free joint stands alone in a body of the world";
             refuse(Code::NotRead, message, "write the body in `<worldbody>`, with this joint only");
         }
-        let figures = figures.into_iter().chain(joint.pos).chain(joint.axis);
+        let figures = figures.into_iter().chain(joint.pos).chain(joint.axis).chain([joint.ref_]);
         if !figures.clone().all(f64::is_finite) {
             refuse(Code::NotFinite, "a figure is not finite", "write finite figures in SI units");
         }
@@ -251,42 +280,66 @@ impl Reader<'_, '_, '_, '_> {
     fn inertial(&mut self, body: &Body, name: &str, moves: bool) -> Option<(Inertial, usize)> {
         let node = self.node.children().find(|node| node.has_tag_name("inertial"));
         let at = node.unwrap_or(self.node).range().start;
-        if let Some(own) = &body.inertial {
+        let from_geoms = self.model.compiler.inertia_from_geom;
+        let heavy = body.geoms.iter().any(geoms::heavy);
+        if let Some(own) =
+            body.inertial.as_ref().filter(|_| from_geoms != InertiaFromGeom::True || !heavy)
+        {
             let inertia = match own.inertia {
                 InertiaSpec::Diagonal([xx, yy, zz]) => [xx, 0.0, 0.0, yy, 0.0, zz],
                 InertiaSpec::Full([xx, yy, zz, xy, xz, yz]) => [xx, xy, xz, yy, yz, zz],
             };
+            self.pose(&own.pose, name, at);
             let inertial = Inertial { mass: own.mass, center_of_mass: [0.0; 3], inertia };
             return Some((inertial.transformed(&pose(&own.pose)), at));
         }
-        let never = self.model.compiler.inertia_from_geom == InertiaFromGeom::False;
-        if moves && !never && body.geoms.iter().any(heavy) {
-            let message = "it has no `<inertial>`, and what its geoms weigh is not computed";
-            let help = "write `<inertial>` (MuJoCo's `mj_saveLastXML` does), or give the geoms `mass=\"0\"`";
-            let subject = Subject::Link(name.into());
-            self.report.error(Code::MissingElement, at, Some(&subject), message, help);
+        // What is fixed to the world moves nothing.
+        if !moves || !heavy || from_geoms == InertiaFromGeom::False {
+            return None;
         }
-        None
+        let inertial = if self.classes_place_geoms {
+            Err("its geoms' places are those of a class, which are not read")
+        } else {
+            geoms::inertial(&body.geoms)
+        };
+        inertial.map(|inertial| (inertial, at)).map_err(|why| self.no_inertial(name, at, why)).ok()
+    }
+
+    fn no_inertial(&mut self, name: &str, at: usize, why: &str) {
+        let message = format!("it has no `<inertial>`, and {why}");
+        let help =
+            "write `<inertial>` (MuJoCo's `mj_saveLastXML` does), or give the geoms `mass=\"0\"`";
+        let subject = Subject::Link(name.into());
+        self.report.error(Code::MissingElement, at, Some(&subject), message, help);
     }
 }
 
-/// Whether a geom has a mass.
-fn heavy(geom: &Geom) -> bool {
-    let weightless = geom.mass.or(geom.density) == Some(0.0);
-    !weightless && !matches!(geom.type_, GeomType::Plane | GeomType::Hfield)
+/// From where a joint is drawn, at the coordinate `ref`, to zero.
+fn back(joint: &Joint, axis: [f64; 3]) -> Pose<f64> {
+    let [x, y, z] = axis;
+    match joint.type_ {
+        Type::Slide => shift(axis.map(|x| -joint.ref_ * x)),
+        Type::Hinge if joint.ref_ != 0.0 => {
+            let (sin, cos) = libm::sincos(-0.5 * joint.ref_);
+            let rotation = rotation_from_quaternion([x * sin, y * sin, z * sin, cos]);
+            Pose { rotation, ..Pose::identity() }
+        }
+        _ => Pose::identity(),
+    }
 }
 
 fn shift(translation: [f64; 3]) -> Pose<f64> {
     Pose { translation, ..Pose::identity() }
 }
 
-fn pose(pose: &mjcf_rs::Pose) -> Pose<f64> {
+/// The same pose.
+pub fn pose(pose: &mjcf_rs::Pose) -> Pose<f64> {
     let rotation = rotation_from_quaternion(pose.rotation.to_array());
     Pose { rotation, translation: pose.translation.to_array() }
 }
 
 /// The direction of an axis, if it has one.
-fn unit(axis: [f64; 3]) -> Option<[f64; 3]> {
+pub fn unit(axis: [f64; 3]) -> Option<[f64; 3]> {
     // Scaled first, so that no square overflows or vanishes.
     let largest = axis.iter().fold(0.0, |max: f64, x| max.max(x.abs()));
     let scaled = axis.map(|x| x / largest);

@@ -28,6 +28,9 @@ enum Place {
     Beside,
 }
 
+/// What a tendon exerts forces by, or could by its class.
+const PULLS: [&str; 5] = ["stiffness", "damping", "frictionloss", "armature", "class"];
+
 /// Reports it.
 pub fn scan(root: Node, report: &mut Report<'_>) {
     let classes: BTreeSet<&str> = root
@@ -81,8 +84,6 @@ fn place_of(place: Place, child: Node) -> Result<Place, &'static str> {
         | (Place::World | Place::Body | Place::Frame, "geom" | "site" | "camera" | "light")
         | (Place::Body, "inertial" | "joint" | "freejoint")
         | (Place::Actuator | Place::Beside, _) => Ok(Place::Beside),
-        // Of classes, bodies' joints have all that matters once they are resolved.
-        (Place::Default, _) => Ok(Place::Beside),
         (Place::World | Place::Body | Place::Frame, "body") => Ok(Place::Body),
         (Place::World | Place::Body | Place::Frame, "frame") => Ok(Place::Frame),
         (Place::Option, "flag") => Ok(Place::Flag),
@@ -90,7 +91,17 @@ fn place_of(place: Place, child: Node) -> Result<Place, &'static str> {
         (Place::Equality, _) => Err(
             "constraints are not part of a tree's dynamics: remove it, or write `active=\"false\"`",
         ),
-        (Place::Tendon, _) => Err("tendons are not supported: remove it"),
+        // Without these it only measures.
+        (Place::Tendon, _) | (Place::Default, "tendon")
+            if child.attributes().all(|one| !PULLS.contains(&one.name())) =>
+        {
+            Ok(Place::Beside)
+        }
+        (Place::Tendon, _) | (Place::Default, "tendon") => {
+            Err("tendons that pull are not supported: remove it")
+        }
+        // Of classes, bodies' joints have all that matters once they are resolved.
+        (Place::Default, _) => Ok(Place::Beside),
         (Place::Frame, "inertial" | "joint" | "freejoint") => Err("write it in a `<body>`"),
         _ => Err("it could change the dynamics: remove it, or write out what it stands for"),
     }
@@ -115,9 +126,13 @@ fn check(
         (Place::Compiler, "balanceinertia" | "alignfree") if value != "false" => {
             "write the inertias and frames that are meant"
         }
-        (Place::Compiler, "inertiafromgeom") if value == "true" => {
-            "write `auto` and an `<inertial>` in each body"
+        (Place::Compiler, "inertiagrouprange") => "write an `<inertial>` in each body",
+        (Place::Compiler, "eulerseq")
+            if value.len() != 3 || !value.bytes().all(|byte| b"xyzXYZ".contains(&byte)) =>
+        {
+            "write three of the letters x, y, z, X, Y and Z"
         }
+        (Place::Beside, "shellinertia") if value != "false" => "write an `<inertial>` in the body",
         (Place::Option, "density" | "viscosity") if !zero() => {
             "forces of a fluid are not supported: write 0"
         }
