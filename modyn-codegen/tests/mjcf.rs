@@ -191,6 +191,7 @@ fn what_would_go_unread_is_refused() {
         r#"<compiler settotalmass="3"/>"#,
         r#"<compiler balanceinertia="true"/>"#,
         r#"<default class="other"/>"#,
+        r#"<default><default/></default>"#,
         r#"<compiler eulerseq="xyzx"/>"#,
         r#"<compiler eulerseq="xyw"/>"#,
         r#"<compiler inertiagrouprange="0 1"/>"#,

@@ -9,8 +9,8 @@
 //! links and joints on, the way is that of a URDF, with the same checks.
 //!
 //! - Bodies are links, in a world that is the root link `world`; several joints of one body have links without mass
-//!   between them. A body's frame is its link's. Coordinates are those of [the conventions](crate::urdf), not
-//!   `MuJoCo`'s: `modyn::conventions::mujoco` has the conversions.
+//!   between them. A body's frame is its link's. Coordinates are those of `docs/conventions.md`, not `MuJoCo`'s:
+//!   `modyn::conventions::mujoco` has the conversions.
 //! - Where no inertia is written (`<inertial>`), it is that of the geoms, unless these are meshes.
 //! - Gravity is that of `<option>`, unless the options give another one than the default.
 //! - Contacts, actuators, sensors and what is only to be seen do not matter. Damping and friction act if the

@@ -71,6 +71,9 @@ fn place_of(place: Place, child: Node) -> Result<Place, &'static str> {
         }
         (Place::Root, "compiler") => Ok(Place::Compiler),
         (Place::Root, "option") => Ok(Place::Option),
+        (Place::Default, "default") if child.attribute("class").is_none() => {
+            Err("write its `class`")
+        }
         (Place::Root | Place::Default, "default") => Ok(Place::Default),
         (Place::Root, "worldbody") => Ok(Place::World),
         (Place::Root, "equality") => Ok(Place::Equality),
