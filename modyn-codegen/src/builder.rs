@@ -69,6 +69,7 @@ pub enum ModuleChoice {
 #[derive(Clone, Debug, Default)]
 pub struct Builder {
     source: Source,
+    format: Format,
     read: ReadOptions,
     modules: ModuleChoice,
     type_name: Option<String>,
@@ -98,6 +99,25 @@ enum Source {
     },
     Model(Box<Model>),
     Unread(Diagnostics),
+}
+
+/// What files and texts are written in.
+#[derive(Clone, Copy, Debug, Default)]
+enum Format {
+    #[default]
+    Urdf,
+    #[cfg(feature = "mjcf")]
+    Mjcf,
+}
+
+impl Format {
+    fn read(self, text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
+        match self {
+            Self::Urdf => urdf::read(text, file, options),
+            #[cfg(feature = "mjcf")]
+            Self::Mjcf => crate::mjcf::read(text, file, options),
+        }
+    }
 }
 
 /// What was compiled.
@@ -133,7 +153,7 @@ impl Builder {
     /// The URDF file to read; a relative path is one from the folder of the crate's `Cargo.toml`.
     #[must_use]
     pub fn urdf(mut self, path: impl Into<PathBuf>) -> Self {
-        self.source = Source::File(path.into());
+        (self.source, self.format) = (Source::File(path.into()), Format::Urdf);
         self
     }
 
@@ -141,6 +161,25 @@ impl Builder {
     #[must_use]
     pub fn urdf_text(mut self, text: impl Into<String>, file: impl Into<String>) -> Self {
         self.source = Source::Text { text: text.into(), file: file.into() };
+        self.format = Format::Urdf;
+        self
+    }
+
+    /// The `MuJoCo` model to read, [as far as that is supported](crate::mjcf); a path as for a
+    /// [URDF](Self::urdf).
+    #[cfg(feature = "mjcf")]
+    #[must_use]
+    pub fn mjcf(mut self, path: impl Into<PathBuf>) -> Self {
+        (self.source, self.format) = (Source::File(path.into()), Format::Mjcf);
+        self
+    }
+
+    /// The text of a `MuJoCo` model, and what to call the file in diagnostics.
+    #[cfg(feature = "mjcf")]
+    #[must_use]
+    pub fn mjcf_text(mut self, text: impl Into<String>, file: impl Into<String>) -> Self {
+        self = self.urdf_text(text, file);
+        self.format = Format::Mjcf;
         self
     }
 
@@ -410,9 +449,9 @@ impl Builder {
             }
             Source::File(path) => {
                 let (_, text) = read_first(path.display(), &[place(path)])?;
-                urdf::read(&text, &path.display().to_string(), &options)
+                self.format.read(&text, &path.display().to_string(), &options)
             }
-            Source::Text { text, file } => urdf::read(text, file, &options),
+            Source::Text { text, file } => self.format.read(text, file, &options),
             Source::Model(model) => {
                 let mut model = model.as_ref().clone();
                 if let Some(gravity) = gravity {

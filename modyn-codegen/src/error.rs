@@ -112,7 +112,9 @@ codes! {
         "Convert the model to URDF, or export it as URDF from where it was made.",
     /// The document is a `MuJoCo` model.
     Mjcf = "mjcf":
-        "Convert the model to URDF, or take the URDF that the MJCF was made from.",
+        "The command `modyn` and `Builder::mjcf` (feature `mjcf`) read it, if it is written as MuJoCo's \
+        XML reference says. Elsewhere convert the model to URDF, or take the URDF that the MJCF was \
+        made from.",
     /// The document is something else than a URDF.
     NotUrdf = "not-urdf":
         "Give a file in UTF-8 whose root element is `<robot>`.",

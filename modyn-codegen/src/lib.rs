@@ -7,7 +7,7 @@
 //! The macro `modyn::modyn!`, build scripts and anyone who wants the text all come in through
 //! [`Builder`].
 //!
-//! Stable are [`Builder`] with its options and result, [`error`], [`urdf`] and [`names`]. The other
+//! Stable are [`Builder`] with its options and result, [`error`], [`urdf`], `mjcf` and [`names`]. The other
 //! modules (`emit`, `expr`, `partition`, `passes`, `source`, `trace`) are public for tests and
 //! measurements, and may change in any release.
 
@@ -17,6 +17,8 @@ pub mod emit;
 pub mod error;
 pub mod expr;
 mod functions;
+#[cfg(feature = "mjcf")]
+pub mod mjcf;
 pub mod names;
 pub mod partition;
 pub mod passes;

@@ -65,11 +65,17 @@ impl fmt::Display for InertialDefect {
 /// Relative slack of the tests for being physical: figures in descriptions are rounded.
 const SLACK: f64 = 1e-6;
 
+/// Slack relative to the mass times the squared distance of its centre: tools compute the inertia about
+/// the centre of mass as a difference of two figures that are at least as large, and a point mass then keeps
+/// what rounding left of them. So much as an inertia it does not change any robot.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
 impl Inertial {
     /// Why this is no rigid body's inertia; `None` if it is one.
     ///
     /// The bounds are those of Traversaro et al. 2016, "Identification of fully physical
-    /// consistent inertial parameters", with a slack of 1e-6 of the largest principal moment.
+    /// consistent inertial parameters", with a slack of 1e-6 of the largest principal moment, and of
+    /// 2e-15 m c^2 for what rounding leaves where a centre of mass is c from the link's origin.
     #[must_use]
     pub fn defect(&self) -> Option<InertialDefect> {
         let figures = [self.mass].into_iter().chain(self.center_of_mass).chain(self.inertia);
@@ -83,7 +89,9 @@ impl Inertial {
             return Some(InertialDefect::InertiaWithoutMass);
         }
         let moments = self.principal_moments();
-        let slack = SLACK * moments[2].abs().max(moments[0].abs());
+        let [x, y, z] = self.center_of_mass;
+        let slack = SLACK * moments[2].abs().max(moments[0].abs())
+            + ROUNDING * self.mass * (x * x + y * y + z * z);
         if moments[0] < -slack {
             Some(InertialDefect::NotPositiveSemidefinite(moments))
         } else if moments[2] > moments[0] + moments[1] + slack {

@@ -17,7 +17,7 @@ use crate::command::robot::{Description, Options};
 /// Exit code 0 if all are usable, 1 if one is refused, 2 if one cannot be read.
 #[derive(Args)]
 pub struct Arguments {
-    /// The descriptions (URDF); `-` for standard input
+    /// The descriptions (URDF or MJCF); `-` for standard input
     #[arg(value_name = "ROBOT.urdf", required = true)]
     paths: Vec<PathBuf>,
     /// Refuse what there are warnings about, too

@@ -19,7 +19,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// Rigid-body dynamics from a robot description (URDF).
+/// Rigid-body dynamics from a robot description (URDF or MJCF).
 ///
 /// Exit codes: 0 where all is well; 1 where the answer is no (a description is refused, a file is
 /// stale, results differ); 2 where the command cannot be carried out as it was given.

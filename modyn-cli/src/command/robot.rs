@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use modyn_codegen::Builder;
 use modyn_codegen::error::{Code, Diagnostic, Diagnostics, Severity};
+use modyn_codegen::mjcf;
 use modyn_codegen::source::read_first;
 use modyn_codegen::urdf::{self, Friction, ReadOptions, Reading, Rotor};
 
@@ -15,7 +16,7 @@ use crate::command::outcome::{Failure, to_stderr};
 /// A description, and how to read it.
 #[derive(Args)]
 pub struct Robot {
-    /// The description (URDF); `-` for standard input
+    /// The description (URDF or MJCF); `-` for standard input
     #[arg(value_name = "ROBOT.urdf")]
     pub path: PathBuf,
     #[command(flatten)]
@@ -103,7 +104,8 @@ impl Description {
 
     /// Reads it.
     pub fn read(&self, options: &ReadOptions) -> Result<Reading, Diagnostics> {
-        urdf::read(&self.text, &self.name, options)
+        let read = if mjcf::is_mjcf(&self.text) { mjcf::read } else { urdf::read };
+        read(&self.text, &self.name, options)
     }
 
     /// Tells the user what is odd in it.
@@ -125,10 +127,14 @@ impl Robot {
 
     /// The compiler with these options, for this description.
     pub fn builder(&self, description: &Description) -> Builder {
-        let builder = match &description.path {
-            // A kept file then says what a build script's would.
-            Some(path) => Builder::new().urdf(path),
-            None => Builder::new().urdf_text(&description.text, &description.name),
+        let Description { name, text, path } = description;
+        let builder = Builder::new();
+        // With its path, a kept file says what a build script's would.
+        let builder = match (path, mjcf::is_mjcf(text)) {
+            (Some(path), false) => builder.urdf(path),
+            (Some(path), true) => builder.mjcf(path),
+            (None, false) => builder.urdf_text(text, name),
+            (None, true) => builder.mjcf_text(text, name),
         };
         self.options.configure(builder)
     }

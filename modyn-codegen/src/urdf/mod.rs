@@ -16,18 +16,18 @@
 //! reading has already found the very same values. It serves the tests as an independent witness
 //! of what well-formed files say.
 
-mod build;
+pub(crate) mod build;
 mod circles;
-mod document;
+pub(crate) mod document;
 mod felt;
-mod joint;
+pub(crate) mod joint;
 mod locate;
 mod mimics;
 pub(crate) mod nearest;
 mod numbers;
-mod parts;
+pub(crate) mod parts;
 mod physical;
-mod report;
+pub(crate) mod report;
 mod rotors;
 mod tree;
 
@@ -35,6 +35,7 @@ pub use modyn_runtime::model::Friction;
 use modyn_runtime::model::{DEFAULT_GRAVITY, Model};
 
 use crate::error::{Code, Diagnostic, Diagnostics, Severity};
+use parts::Parts;
 use report::Report;
 
 /// What a user may choose about reading.
@@ -119,13 +120,29 @@ pub struct Reading {
 ///
 /// All that is wrong with the text, with the warnings.
 pub fn read(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
+    reading(text, file, options, |options, report| {
+        let text = document::tidied(text);
+        let document = document::parse(&text, report)?;
+        let robot = document::robot(&document, report)?;
+        let parts = parts::read(robot, options, report);
+        assemble(parts, options, report)
+    })
+}
+
+/// What a reader makes of a text, with all that it reports.
+pub(crate) fn reading(
+    text: &str,
+    file: &str,
+    options: &ReadOptions,
+    read: impl FnOnce(&ReadOptions, &mut Report<'_>) -> Option<Model>,
+) -> Result<Reading, Diagnostics> {
     let mut report = Report::new(text, file);
     let mut options = options.clone();
     let gravity = gravity_error(options.gravity);
     if gravity.is_some() {
         options.gravity = DEFAULT_GRAVITY; // To find what else is wrong.
     }
-    let model = read_into(text, &options, &mut report);
+    let model = read(&options, &mut report);
     let options = gravity.into_iter().chain(friction_error(options.friction));
     let found = Diagnostics::new(report.finish().into_iter().chain(options).collect());
     match model {
@@ -171,12 +188,12 @@ pub(crate) fn check(model: Model, unphysical_inertia: Severity) -> Result<Readin
     Ok(Reading { model, warnings: found.into_vec() })
 }
 
-/// The steps. What stops one of them is in the report.
-fn read_into(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<Model> {
-    let text = document::tidied(text);
-    let document = document::parse(&text, report)?;
-    let robot = document::robot(&document, report)?;
-    let mut parts = parts::read(robot, options, report);
+/// The steps from parts to a model. What stops one of them is in the report.
+pub(crate) fn assemble(
+    mut parts: Parts,
+    options: &ReadOptions,
+    report: &mut Report<'_>,
+) -> Option<Model> {
     rotors::apply(&mut parts, &options.rotors, report);
     let leaders = mimics::leaders(&parts, options.mimic, report);
     let tree = tree::grow(&parts, report)?;

@@ -1,0 +1,63 @@
+//! The interpreter's numbers at states from standard input, for comparison with other programs
+//! (`tools/robots`): a line a state, with q, qd and tau after each other.
+//!
+//! ```console
+//! echo "0.1 0.2 0 0 1 0" | cargo run --release -p modyn-codegen --example evaluate -- robots/double_pendulum.urdf
+//! ```
+//!
+//! First comes a line for each joint that has coordinates (their number, that of velocities, the type, the name)
+//! and an empty one; then a line a state: accelerations under the torques tau, bias forces, and the mass
+//! matrix by columns. Words behind the path: `floating`, `independent` (mimics) and `warn` (of inertias that no rigid
+//! body has).
+
+use std::error::Error;
+use std::io::{BufRead as _, Write as _};
+
+use modyn_codegen::error::Severity;
+#[cfg(feature = "mjcf")]
+use modyn_codegen::mjcf;
+use modyn_codegen::urdf::{self, Base, Mimic, ReadOptions};
+use modyn_runtime::Interpreter;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let path = arguments.next().ok_or("evaluate ROBOT.urdf [floating] [independent] [warn]")?;
+    let mut options = ReadOptions::default();
+    for word in arguments {
+        match word.as_str() {
+            "floating" => options.base = Base::Floating,
+            "independent" => options.mimic = Mimic::Independent,
+            "warn" => options.unphysical_inertia = Severity::Warning,
+            other => return Err(format!("no option `{other}`").into()),
+        }
+    }
+    let text = std::fs::read_to_string(&path)?;
+    #[cfg(feature = "mjcf")]
+    let read = if mjcf::is_mjcf(&text) { mjcf::read } else { urdf::read };
+    #[cfg(not(feature = "mjcf"))]
+    let read = urdf::read;
+    let model = read(&text, &path, &options)?.model;
+    let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+    for (i, link) in model.links().iter().enumerate().filter(|(i, _)| model.mimic(*i).is_none()) {
+        let (nq, nv) = (model.q_range(i).len(), model.v_range(i).len());
+        writeln!(out, "{nq} {nv} {} {}", link.joint.joint_type.name(), link.joint.name)?;
+    }
+    writeln!(out)?;
+    let (nq, n) = (model.nq(), model.nv());
+    let mut interpreter = Interpreter::<f64>::new(model);
+    let (mut qdd, mut bias, mut matrix) = (vec![0.0; n], vec![0.0; n], vec![0.0; n * n]);
+    for line in std::io::stdin().lock().lines() {
+        let line = line?;
+        let state = line.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>()?;
+        if state.len() != nq + 2 * n {
+            return Err(format!("a state has {nq} + 2 * {n} numbers, not {}", state.len()).into());
+        }
+        let ((q, qd), tau) = (state[..nq + n].split_at(nq), &state[nq + n..]);
+        interpreter.forward_dynamics(q, qd, tau, &mut qdd)?;
+        interpreter.bias_forces(q, qd, &mut bias)?;
+        interpreter.mass_matrix(q, &mut matrix)?;
+        let numbers = qdd.iter().chain(&bias).chain(&matrix);
+        writeln!(out, "{}", numbers.map(f64::to_string).collect::<Vec<_>>().join(" "))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,348 @@
+//! Bodies with any number of joints to links with one each, in the form that a URDF's have.
+
+use mjcf_rs::body::{Body, InertiaSpec, Joint, JointType as Type};
+use mjcf_rs::compiler::InertiaFromGeom;
+use modyn_runtime::conventions::rotation_from_quaternion;
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::{Drive, Inertial, Limits};
+use modyn_runtime::spatial::Pose;
+use roxmltree::Node;
+
+use super::geoms;
+use crate::error::{Code, Severity, Subject};
+use crate::urdf::joint::{JointPart, Kind};
+use crate::urdf::parts::{InertialPart, LinkPart, Located, Parts};
+use crate::urdf::report::Report;
+
+/// A robot in links and joints; names that the file does not give are made.
+pub struct Pieces {
+    name: String,
+    at: usize,
+    links: Vec<LinkPiece>,
+    joints: Vec<JointPiece>,
+}
+
+struct LinkPiece {
+    name: String,
+    at: usize,
+    inertial: Option<(Inertial, usize)>,
+    /// Whether a joint moves it or what carries it.
+    moves: bool,
+}
+
+struct JointPiece {
+    name: String,
+    at: usize,
+    /// Links, as indices.
+    parent: usize,
+    child: usize,
+    kind: Kind,
+    origin: Pose<f64>,
+    axis: [f64; 3],
+    limits: Option<Limits>,
+    drive: Drive,
+}
+
+impl Pieces {
+    /// Those of a model that was read from the XML under `root`; `None` with an error in the report.
+    pub fn of(model: &mjcf_rs::Model, root: Node, report: &mut Report<'_>) -> Option<Self> {
+        let at = root.range().start;
+        let named = model.name.as_deref().filter(|name| !name.trim().is_empty());
+        if named.is_none() {
+            let message = "the model has no name";
+            let help = "write `<mujoco model=\"...\">`; it is called `robot` here";
+            report.add(Severity::Warning, Code::MissingAttribute, at, None, message, help);
+        }
+        let world = LinkPiece { name: "world".into(), at, inertial: None, moves: false };
+        let name = named.unwrap_or("robot").into();
+        let mut pieces = Self { name, at, links: vec![world], joints: Vec::new() };
+        // mjcf-rs keeps the order of the text.
+        let nodes: Vec<Node> = root
+            .children()
+            .filter(|node| node.has_tag_name("worldbody"))
+            .flat_map(|world| world.descendants().filter(|node| node.has_tag_name("body")))
+            .collect();
+        if nodes.len() + 1 != model.bodies.len() {
+            let message = "its bodies are not those of the text";
+            let help = "this is a fault of modyn: please report it with the file";
+            report.error(Code::InvalidModel, at, None, message, help);
+            return None;
+        }
+        let classes_place_geoms = root
+            .descendants()
+            .filter(|node| node.has_tag_name("geom"))
+            .filter(|node| node.parent().is_some_and(|up| up.has_tag_name("default")))
+            .any(|node| node.attributes().any(|one| PLACES.contains(&one.name())));
+        // By body: its link.
+        let mut links = vec![0];
+        for (entry, node) in model.bodies.iter().skip(1).zip(nodes) {
+            let parent = entry.parent.unwrap_or(0);
+            let mut reader = Reader { model, node, classes_place_geoms, report };
+            links.push(pieces.body(&mut reader, &entry.body, links[parent], links.len()));
+        }
+        Some(pieces)
+    }
+
+    /// Adds a body and its joints; the link that is its own.
+    fn body(&mut self, reader: &mut Reader, body: &Body, parent: usize, index: usize) -> usize {
+        let at = reader.node.range().start;
+        let name = body.name.clone().unwrap_or_else(|| format!("body_{index}"));
+        let is_joint = |node: &Node| ["joint", "freejoint"].contains(&node.tag_name().name());
+        let places: Vec<usize> =
+            reader.node.children().filter(is_joint).map(|node| node.range().start).collect();
+        reader.pose(&body.pose, &name, at);
+        let mut above = parent;
+        // Where the body's frame is seen from the link that was made last.
+        let mut frame = pose(&body.pose);
+        for (k, joint) in body.joints.iter().enumerate() {
+            let place = places.get(k).copied().unwrap_or(at);
+            let joint_name = joint.name.clone().unwrap_or_else(|| match k {
+                0 => format!("{name}_joint"),
+                _ => format!("{name}_joint_{}", k + 1),
+            });
+            let alone = parent == 0 && body.joints.len() == 1;
+            let made = reader.joint(joint, &joint_name, place, alone);
+            let free = joint.type_ == Type::Free;
+            let is_sound = joint.pos.iter().all(|x| x.is_finite());
+            let anchor = if free || !is_sound { [0.0; 3] } else { joint.pos };
+            let origin = if free {
+                Pose::identity()
+            } else {
+                frame.compose(&shift(anchor)).compose(&back(joint, made.axis))
+            };
+            let last = k + 1 == body.joints.len() && anchor == [0.0; 3];
+            let link = if last { name.clone() } else { format!("{name}_behind_{joint_name}") };
+            let child = self.link(link, place, true);
+            self.joints.push(JointPiece { parent: above, child, origin, ..made });
+            above = child;
+            frame = shift(anchor.map(|x| -x));
+        }
+        // A body without joints, or with its frame beside the last of them, is fixed.
+        if body.joints.is_empty() || self.links[above].name != name {
+            let moves = self.links[above].moves;
+            let child = self.link(name.clone(), at, moves);
+            self.joints.push(JointPiece {
+                name: format!("{name}_fixed"),
+                at,
+                parent: above,
+                child,
+                kind: Kind::Fixed,
+                origin: frame,
+                axis: [0.0, 0.0, 1.0],
+                limits: None,
+                drive: Drive::default(),
+            });
+            above = child;
+        }
+        self.links[above].inertial = reader.inertial(body, &name, self.links[above].moves);
+        above
+    }
+
+    fn link(&mut self, name: String, at: usize, moves: bool) -> usize {
+        self.links.push(LinkPiece { name, at, inertial: None, moves });
+        self.links.len() - 1
+    }
+
+    /// As parts that a model is made of.
+    pub fn parts(&self) -> Parts<'_> {
+        let located = |link: usize| {
+            let LinkPiece { name, at, .. } = &self.links[link];
+            Located { text: name, at: *at }
+        };
+        let links = (0..self.links.len()).map(|i| LinkPart {
+            name: located(i),
+            inertial: self.links[i].inertial.map(|(inertial, at)| InertialPart {
+                inertial,
+                at,
+                mass_at: at,
+                sound: true,
+            }),
+        });
+        let joints = self.joints.iter().map(|joint| JointPart {
+            name: Located { text: &joint.name, at: joint.at },
+            kind: joint.kind,
+            parent: Some(located(joint.parent)),
+            child: Some(located(joint.child)),
+            origin: joint.origin,
+            axis: joint.axis,
+            second_axis: [0.0, 1.0, 0.0],
+            limits: joint.limits,
+            mimic: None,
+            drive: joint.drive,
+        });
+        let (links, joints) = (links.collect(), joints.collect());
+        Parts { name: &self.name, at: self.at, links, joints }
+    }
+}
+
+/// The attributes that place something.
+const PLACES: [&str; 6] = ["pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"];
+
+/// A body's element, while it is read.
+struct Reader<'m, 'n, 'r, 'f> {
+    model: &'m mjcf_rs::Model,
+    node: Node<'n, 'n>,
+    /// Whether a class gives geoms a position or rotation: mjcf-rs then forgets the one over the other.
+    classes_place_geoms: bool,
+    report: &'r mut Report<'f>,
+}
+
+impl Reader<'_, '_, '_, '_> {
+    /// Says so if a pose is none.
+    fn pose(&mut self, pose: &mjcf_rs::Pose, name: &str, at: usize) {
+        let length: f64 = pose.rotation.to_array().iter().map(|x| x * x).sum();
+        let finite = pose.translation.to_array().iter().all(|x| x.is_finite());
+        let turn = (length - 1.0).abs() < 1e-9;
+        if !finite || !turn {
+            let (message, help) = ("its pose is not finite", "write finite figures in m and rad");
+            self.report.error(
+                Code::NotFinite,
+                at,
+                Some(&Subject::Link(name.into())),
+                message,
+                help,
+            );
+        }
+    }
+
+    /// A joint without its ends.
+    fn joint(&mut self, joint: &Joint, name: &str, at: usize, alone: bool) -> JointPiece {
+        let subject = Subject::Joint(name.into());
+        let mut refuse = |code, message: &str, help: &str| {
+            self.report.error(code, at, Some(&subject), message, help);
+        };
+        if joint.stiffness != 0.0 || joint.springdamper.is_some() {
+            let help = "remove `stiffness` and `springdamper`, and give the spring's torque with the others";
+            refuse(Code::NotRead, "its spring is not read", help);
+        }
+        let Joint { armature, damping, frictionloss: friction, .. } = *joint;
+        let drive = Drive { armature, damping, friction };
+        let figures = [armature, damping, friction];
+        if figures.iter().any(|&figure| figure < 0.0) {
+            let help = "write figures of at least 0: they work against the motion";
+            refuse(
+                Code::NegativeDrive,
+                "`armature`, `damping` or `frictionloss` is negative",
+                help,
+            );
+        }
+        let single = matches!(joint.type_, Type::Hinge | Type::Slide);
+        if !single && figures.iter().any(|&figure| figure != 0.0) {
+            let message =
+                "`armature`, `damping` and `frictionloss` of a ball or free joint are not read";
+            refuse(Code::NotRead, message, "write 0, or the class that the joint should have");
+        }
+        if joint.type_ == Type::Free && !alone {
+            let message = "a free joint stands alone in a body of the world";
+            refuse(Code::NotRead, message, "write the body in `<worldbody>`, with this joint only");
+        }
+        let figures = figures.into_iter().chain(joint.pos).chain(joint.axis).chain([joint.ref_]);
+        if !figures.clone().all(f64::is_finite) {
+            refuse(Code::NotFinite, "a figure is not finite", "write finite figures in SI units");
+        }
+        let axis = if single { unit(joint.axis) } else { Some([0.0, 0.0, 1.0]) };
+        if axis.is_none() {
+            refuse(
+                Code::ZeroAxis,
+                "the axis is zero",
+                "write the direction of the axis, such as `0 0 1`",
+            );
+        }
+        let limits = joint
+            .range
+            .filter(|_| {
+                joint.limited.resolve(self.model.compiler.autolimits, joint.range.is_some())
+            })
+            .filter(|_| single);
+        let kind = Kind::Moving(match joint.type_ {
+            Type::Hinge if limits.is_none() => JointType::Continuous,
+            Type::Hinge => JointType::Revolute,
+            Type::Slide => JointType::Prismatic,
+            Type::Ball => JointType::Spherical,
+            Type::Free => JointType::Floating,
+        });
+        if limits.is_some_and(|[lower, upper]| lower > upper) {
+            let help = "write the lower limit first";
+            refuse(Code::InvertedLimits, "the lower limit is above the upper one", help);
+        }
+        let limits = limits.map(|[lower, upper]| Limits {
+            lower: Some(lower),
+            upper: Some(upper),
+            velocity: None,
+            effort: None,
+        });
+        let (name, origin) = (name.into(), Pose::identity());
+        let axis = axis.unwrap_or([0.0, 0.0, 1.0]);
+        JointPiece { name, at, parent: 0, child: 0, kind, origin, axis, limits, drive }
+    }
+
+    /// The inertia of a body in its frame, and where it stands.
+    fn inertial(&mut self, body: &Body, name: &str, moves: bool) -> Option<(Inertial, usize)> {
+        let node = self.node.children().find(|node| node.has_tag_name("inertial"));
+        let at = node.unwrap_or(self.node).range().start;
+        let from_geoms = self.model.compiler.inertia_from_geom;
+        let heavy = body.geoms.iter().any(geoms::heavy);
+        if let Some(own) =
+            body.inertial.as_ref().filter(|_| from_geoms != InertiaFromGeom::True || !heavy)
+        {
+            let inertia = match own.inertia {
+                InertiaSpec::Diagonal([xx, yy, zz]) => [xx, 0.0, 0.0, yy, 0.0, zz],
+                InertiaSpec::Full([xx, yy, zz, xy, xz, yz]) => [xx, xy, xz, yy, yz, zz],
+            };
+            self.pose(&own.pose, name, at);
+            let inertial = Inertial { mass: own.mass, center_of_mass: [0.0; 3], inertia };
+            return Some((inertial.transformed(&pose(&own.pose)), at));
+        }
+        // What is fixed to the world moves nothing.
+        if !moves || !heavy || from_geoms == InertiaFromGeom::False {
+            return None;
+        }
+        let inertial = if self.classes_place_geoms {
+            Err("its geoms' places are those of a class, which are not read")
+        } else {
+            geoms::inertial(&body.geoms)
+        };
+        inertial.map(|inertial| (inertial, at)).map_err(|why| self.no_inertial(name, at, why)).ok()
+    }
+
+    fn no_inertial(&mut self, name: &str, at: usize, why: &str) {
+        let message = format!("it has no `<inertial>`, and {why}");
+        let help =
+            "write `<inertial>` (MuJoCo's `mj_saveLastXML` does), or give the geoms `mass=\"0\"`";
+        let subject = Subject::Link(name.into());
+        self.report.error(Code::MissingElement, at, Some(&subject), message, help);
+    }
+}
+
+/// From where a joint is drawn, at the coordinate `ref`, to zero.
+fn back(joint: &Joint, axis: [f64; 3]) -> Pose<f64> {
+    let [x, y, z] = axis;
+    match joint.type_ {
+        Type::Slide => shift(axis.map(|x| -joint.ref_ * x)),
+        Type::Hinge if joint.ref_ != 0.0 => {
+            let (sin, cos) = libm::sincos(-0.5 * joint.ref_);
+            let rotation = rotation_from_quaternion([x * sin, y * sin, z * sin, cos]);
+            Pose { rotation, ..Pose::identity() }
+        }
+        _ => Pose::identity(),
+    }
+}
+
+fn shift(translation: [f64; 3]) -> Pose<f64> {
+    Pose { translation, ..Pose::identity() }
+}
+
+/// The same pose.
+pub fn pose(pose: &mjcf_rs::Pose) -> Pose<f64> {
+    let rotation = rotation_from_quaternion(pose.rotation.to_array());
+    Pose { rotation, translation: pose.translation.to_array() }
+}
+
+/// The direction of an axis, if it has one.
+pub fn unit(axis: [f64; 3]) -> Option<[f64; 3]> {
+    // Scaled first, so that no square overflows or vanishes.
+    let largest = axis.iter().fold(0.0, |max: f64, x| max.max(x.abs()));
+    let scaled = axis.map(|x| x / largest);
+    let length = libm::sqrt(scaled.iter().map(|x| x * x).sum());
+    (largest > 0.0).then(|| scaled.map(|x| x / length))
+}

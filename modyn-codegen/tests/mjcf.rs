@@ -1,0 +1,275 @@
+//! MuJoCo's models (MJCF): the same robot gives the same numbers as its URDF, and what would change the dynamics but
+//! is not read is refused where it stands.
+
+use modyn_codegen::error::{Code, Diagnostics};
+use modyn_codegen::mjcf;
+use modyn_codegen::urdf::{self, Base, ReadOptions};
+use modyn_runtime::Interpreter;
+use modyn_runtime::model::Model;
+
+fn read(text: &str) -> Result<Model, Diagnostics> {
+    mjcf::read(text, "robot.xml", &ReadOptions::default()).map(|reading| reading.model)
+}
+
+/// The largest differences of accelerations, torques and mass matrix at some states.
+fn assert_same_numbers(a: Model, b: Model) {
+    assert_eq!((a.nq(), a.nv()), (b.nq(), b.nv()));
+    let (nq, n) = (a.nq(), a.nv());
+    let mut seed = 1_u64;
+    let mut uniform = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let (mut a, mut b) = (Interpreter::<f64>::new(a), Interpreter::<f64>::new(b));
+    for _ in 0..20 {
+        let mut q = vec![0.0; nq];
+        a.random(&mut uniform, &mut q).expect("sizes");
+        let qd: Vec<f64> = (0..n).map(|_| 4.0 * uniform() - 2.0).collect();
+        let tau: Vec<f64> = (0..n).map(|_| 4.0 * uniform() - 2.0).collect();
+        let evaluate = |of: &mut Interpreter<f64>| {
+            let (mut qdd, mut bias, mut matrix) = (vec![0.0; n], vec![0.0; n], vec![0.0; n * n]);
+            of.forward_dynamics(&q, &qd, &tau, &mut qdd).expect("sizes");
+            of.bias_forces(&q, &qd, &mut bias).expect("sizes");
+            of.mass_matrix(&q, &mut matrix).expect("sizes");
+            [qdd, bias, matrix]
+        };
+        for (a, b) in evaluate(&mut a).iter().zip(&evaluate(&mut b)) {
+            let size = b.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            assert!(size > 0.0);
+            for (x, y) in a.iter().zip(b) {
+                assert!((x - y).abs() <= 1e-12 * size, "{x} is not {y}");
+            }
+        }
+    }
+}
+
+/// An arm of hinges and a slide, with everything that is written in several ways: angles in degrees, classes,
+/// a frame, inertias by diagonal and in full, anchors beside the body's frame.
+const ARM: &str = include_str!("mjcf/arm.xml");
+
+const ARM_URDF: &str = r#"<robot name="arm">
+  <link name="world"/>
+  <link name="upper"><inertial><origin xyz="0 0.01 0.1"/><mass value="2"/>
+    <inertia ixx="0.02" iyy="0.03" izz="0.011" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="shoulder" type="revolute"><parent link="world"/><child link="upper"/>
+    <origin xyz="0 0 0.3" rpy="0.17453292519943295 0.3490658503988659 1.5707963267948966"/><axis xyz="0 0 1"/>
+    <limit lower="-2.96705972839036" upper="2.96705972839036" effort="0" velocity="0"/>
+    <dynamics damping="0.1" armature="0.2" friction="0.3"/></joint>
+  <link name="plate"><inertial><mass value="0.1"/>
+    <inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="bolts" type="fixed"><parent link="upper"/><child link="plate"/><origin xyz="0.01 0 0"/></joint>
+  <!-- The elbow's frame is at its anchor. -->
+  <link name="lower"><inertial>
+    <origin xyz="0.08 0 -0.01" rpy="1.5707963267948966 0 1.5707963267948966"/><mass value="1"/>
+    <inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0.001" ixz="0.002" iyz="0.003"/></inertial></link>
+  <joint name="elbow" type="continuous"><parent link="upper"/><child link="lower"/>
+    <origin xyz="0.02 0 0.31"/><axis xyz="0 1 0"/>
+    <dynamics damping="0.1" armature="0.2" friction="0.3"/></joint>
+  <link name="hand"><inertial><origin xyz="0 0 0.03"/><mass value="0.5"/>
+    <inertia ixx="1e-3" iyy="1e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="reach" type="prismatic"><parent link="lower"/><child link="hand"/>
+    <origin xyz="0.18 0 -0.01"/><axis xyz="1 0 0"/>
+    <limit lower="-0.1" upper="0.1" effort="0" velocity="0"/><dynamics damping="0.1" armature="0.01"/></joint>
+</robot>"#;
+
+#[test]
+fn the_same_arm_gives_the_same_numbers() {
+    for friction in [urdf::Friction::None, urdf::Friction::Viscous, urdf::Friction::Smooth(0.1)] {
+        let options = ReadOptions { friction, ..ReadOptions::default() };
+        let ours = mjcf::read(ARM, "arm.xml", &options).expect("an MJCF").model;
+        let theirs = urdf::read(ARM_URDF, "arm.urdf", &options).expect("a URDF").model;
+        let names = |model: &Model| model.coordinate_names();
+        assert_eq!(names(&ours), names(&theirs));
+        for (a, b) in ours.links().iter().zip(theirs.links()) {
+            assert_eq!(a.joint.joint_type, b.joint.joint_type);
+            assert_eq!(a.joint.drive, b.joint.drive);
+            let range = |limits: Option<modyn_runtime::model::Limits>| {
+                limits
+                    .map(|limits| [limits.lower, limits.upper].map(|x| (x.unwrap() * 1e12).round()))
+            };
+            assert_eq!(range(a.joint.limits), range(b.joint.limits));
+        }
+        // A body's frame is where MuJoCo has it, beside the elbow's anchor.
+        let lower = ours.frames().iter().find(|frame| frame.name == "lower").expect("its link");
+        assert_eq!(lower.pose.translation, [-0.02, 0.0, -0.01]);
+        assert_same_numbers(ours, theirs);
+    }
+}
+
+/// The models in `mjcf/`, and what `MuJoCo` computes for them: `mjcf/golden.py` wrote it.
+#[test]
+fn the_numbers_are_those_of_mujoco() {
+    for (text, golden) in [
+        (ARM, include_str!("mjcf/arm.txt")),
+        (include_str!("mjcf/rotations.xml"), include_str!("mjcf/rotations.txt")),
+        (include_str!("mjcf/shapes.xml"), include_str!("mjcf/shapes.txt")),
+    ] {
+        let mut robot = Interpreter::<f64>::new(read(text).expect("an MJCF"));
+        let lines: Vec<Vec<f64>> = golden
+            .lines()
+            .filter(|line| !line.starts_with('#'))
+            .map(|line| line.split(' ').map(|text| text.parse().expect("a number")).collect())
+            .collect();
+        assert_eq!(lines.len(), 3 * 6);
+        for state in lines.chunks(6) {
+            let [q, qd, tau, qdd, bias, matrix] = state else { unreachable!("six lines") };
+            let mut found = [qdd, bias, matrix].map(|expected| vec![0.0; expected.len()]);
+            robot.forward_dynamics(q, qd, tau, &mut found[0]).expect("sizes");
+            robot.bias_forces(q, qd, &mut found[1]).expect("sizes");
+            robot.mass_matrix(q, &mut found[2]).expect("sizes");
+            for (found, expected) in found.iter().zip([qdd, bias, matrix]) {
+                let size = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+                for (a, b) in found.iter().zip(expected) {
+                    assert!((a - b).abs() < 1e-12 * size, "{a} is not {b}: {golden}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn several_joints_of_a_body_and_balls() {
+    let mjcf = r#"<mujoco model="m"><compiler angle="radian"/><option gravity="1 2 3"/><worldbody>
+      <body pos="0.1 0.2 0.3"><inertial pos="0 0 0.1" mass="1" diaginertia="0.1 0.2 0.15"/>
+        <joint type="slide" axis="1 0 0"/><joint axis="0 1 0" pos="0 0 0.5"/>
+        <body name="bob" pos="0 0 0.4"><inertial pos="0.1 0 0" mass="1" diaginertia="0.1 0.2 0.15"/>
+          <joint name="ball" type="ball"/></body></body></worldbody></mujoco>"#;
+    let urdf = r#"<robot name="m"><link name="w"/><link name="cart"/><link name="arm">
+        <inertial><origin xyz="0 0 -0.4"/><mass value="1"/>
+        <inertia ixx="0.1" iyy="0.2" izz="0.15" ixy="0" ixz="0" iyz="0"/></inertial></link>
+      <link name="bob"><inertial><origin xyz="0.1 0 0"/><mass value="1"/>
+        <inertia ixx="0.1" iyy="0.2" izz="0.15" ixy="0" ixz="0" iyz="0"/></inertial></link>
+      <joint name="x" type="prismatic"><parent link="w"/><child link="cart"/><origin xyz="0.1 0.2 0.3"/>
+        <axis xyz="1 0 0"/><limit effort="0" velocity="0" lower="-1" upper="1"/></joint>
+      <joint name="y" type="continuous"><parent link="cart"/><child link="arm"/><origin xyz="0 0 0.5"/>
+        <axis xyz="0 1 0"/></joint>
+      <joint name="ball" type="spherical"><parent link="arm"/><child link="bob"/><origin xyz="0 0 -0.1"/></joint>
+      </robot>"#;
+    let model = read(mjcf).expect("an MJCF");
+    assert_eq!(model.gravity(), [1.0, 2.0, 3.0]);
+    let names: Vec<&str> = model.links().iter().map(|link| link.joint.name.as_str()).collect();
+    assert_eq!(names, ["body_1_joint", "body_1_joint_2", "ball"]);
+    let options = ReadOptions { gravity: [1.0, 2.0, 3.0], ..ReadOptions::default() };
+    assert_same_numbers(model, urdf::read(urdf, "m.urdf", &options).expect("a URDF").model);
+}
+
+#[test]
+fn a_free_body_is_a_floating_base() {
+    let inertial = r#"<inertial pos="0.1 0 0" mass="3" diaginertia="0.1 0.2 0.15"/>"#;
+    let model = read(&format!(
+        r#"<mujoco model="m"><worldbody><body name="trunk" pos="0 0 1"><freejoint name="root"/>{inertial}</body>
+           </worldbody></mujoco>"#
+    ));
+    let urdf = r#"<robot name="m"><link name="trunk"><inertial><origin xyz="0.1 0 0"/><mass value="3"/>
+        <inertia ixx="0.1" iyy="0.2" izz="0.15" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
+    let options = ReadOptions { base: Base::Floating, ..ReadOptions::default() };
+    let theirs = urdf::read(urdf, "m.urdf", &options).expect("a URDF").model;
+    assert_same_numbers(model.expect("an MJCF"), theirs);
+}
+
+/// What stands where is refused, for this reason, at the line 2 that it stands in.
+fn assert_refused(before: &str, bad: &str, after: &str, code: Code) {
+    let text = format!("<mujoco model=\"m\">{before}\n{bad}\n{after}</mujoco>");
+    let found = read(&text).expect_err(bad).into_vec();
+    let lines: Vec<_> =
+        found.iter().map(|one| (one.code, one.position.map(|at| at.line))).collect();
+    assert_eq!(lines, [(code, Some(2))], "{bad}: {found:?}");
+}
+
+#[test]
+fn what_would_go_unread_is_refused() {
+    let good = r#"<worldbody><body name="a"><joint name="j"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body></worldbody>"#;
+    read(&format!("<mujoco model=\"m\">{good}</mujoco>")).expect("the good part");
+    for bad in [
+        r#"<include file="/etc/passwd"/>"#,
+        r#"<asset><model name="other" file="/etc/passwd"/></asset>"#,
+        r#"<equality><joint joint1="j"/></equality>"#,
+        r#"<tendon><fixed stiffness="1"><joint joint="j" coef="1"/></fixed></tendon>"#,
+        r#"<default><tendon damping="1"/></default>"#,
+        r#"<option viscosity="1e-3"/>"#,
+        r#"<option><flag gravity="disable"/></option>"#,
+        r#"<compiler settotalmass="3"/>"#,
+        r#"<compiler balanceinertia="true"/>"#,
+        r#"<default class="other"/>"#,
+        r#"<default><default/></default>"#,
+        r#"<compiler eulerseq="xyzx"/>"#,
+        r#"<compiler eulerseq="xyw"/>"#,
+        r#"<compiler inertiagrouprange="0 1"/>"#,
+        r#"<deformable/>"#,
+    ] {
+        assert_refused("", bad, good, Code::NotRead);
+    }
+    let inertial = r#"<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>"#;
+    for (bad, code) in [
+        (r#"<joint class="nowhere"/>"#, Code::NotRead),
+        (r#"<joint stiffness="2"/>"#, Code::NotRead),
+        (r#"<joint type="ball" damping="2"/>"#, Code::NotRead),
+        (r#"<joint damping="-2"/>"#, Code::NegativeDrive),
+        (r#"<joint axis="0 0 0"/>"#, Code::ZeroAxis),
+        (r#"<joint pos="0 0 inf"/>"#, Code::NotFinite),
+        (r#"<joint range="2 1"/>"#, Code::InvertedLimits),
+        (r#"<joint/><composite/>"#, Code::NotRead),
+        (r#"<joint/><replicate count="2"><geom size="1"/></replicate>"#, Code::NotRead),
+        (r#"<joint/><frame><joint/></frame>"#, Code::NotRead),
+        (r#"<joint/><body gravcomp="1"/>"#, Code::NotRead),
+        (r#"<joint/><body><joint/><geom type="mesh" mesh="m"/></body>"#, Code::MissingElement),
+        (r#"<joint/><body><joint/><geom size="0"/></body>"#, Code::MissingElement),
+        (r#"<joint/><body quat="1e200 1e200 0 0"/>"#, Code::NotFinite),
+        (r#"<joint/><geom size="1" shellinertia="true"/>"#, Code::NotRead),
+        (r#"<joint/><body><joint name="k"/></body>"#, Code::NoInertiaFelt),
+        (r#"<joint name="k"/><joint name="k" axis="1 0 0"/>"#, Code::DuplicateJoint),
+    ] {
+        let before = format!("<worldbody><body name=\"a\">{inertial}");
+        assert_refused(&before, bad, "</body></worldbody>", code);
+    }
+    // mjcf-rs does not say where.
+    for bad in [r#"<joint pos="0 0"/>"#, r#"<joint axis="0 0 x"/>"#, r#"<joint type="screw"/>"#] {
+        let text = format!(
+            "<mujoco model=\"m\"><worldbody><body>{inertial}{bad}</body></worldbody></mujoco>"
+        );
+        assert_eq!(read(&text).expect_err(bad).into_vec()[0].code, Code::Mjcf);
+    }
+    assert_eq!(read("<robot/>").expect_err("a URDF").into_vec()[0].code, Code::NotUrdf);
+    assert!(!mjcf::is_mjcf(good) && mjcf::is_mjcf("<mujoco/>") && !mjcf::is_mjcf("<mujoco>"));
+}
+
+#[test]
+fn depth_ends_in_a_refusal_and_not_on_the_stack() {
+    let nested = |depth: usize| {
+        let body = r#"<body><joint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>"#;
+        let bodies = body.repeat(depth) + &"</body>".repeat(depth);
+        read(&format!("<mujoco model=\"m\"><worldbody>{bodies}</worldbody></mujoco>"))
+    };
+    assert_eq!(nested(95).expect("not too deep").nv(), 95);
+    assert_eq!(nested(50_000).expect_err("too deep").into_vec()[0].code, Code::NotRead);
+}
+
+/// Texts with a piece cut out, put elsewhere or exchanged: read or refused, but there is an answer.
+#[test]
+fn no_mutation_panics() {
+    let models = [ARM, include_str!("mjcf/rotations.xml"), include_str!("mjcf/shapes.xml")];
+    let pieces: Vec<&str> = models
+        .iter()
+        .flat_map(|text| text.split_inclusive(['"', ' ', '>', '<']))
+        .chain(["1e999", "-0", "nan", "zyxzyx", "class=\"light\" ", "<body>", "</body>", "1e200 "])
+        .collect();
+    let mut seed = 7_u64;
+    let mut below = |end: usize| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) as usize % end
+    };
+    let mut usable = 0;
+    for i in 0..3000 {
+        let mut tokens: Vec<&str> = models[i % 3].split_inclusive(['"', ' ', '>', '<']).collect();
+        for _ in 0..=below(3) {
+            let at = below(tokens.len());
+            match below(3) {
+                0 => tokens[at] = pieces[below(pieces.len())],
+                1 => drop(tokens.remove(at)),
+                _ => tokens.insert(at, pieces[below(pieces.len())]),
+            }
+        }
+        usable += usize::from(read(&tokens.concat()).is_ok());
+    }
+    assert!(usable > 100, "only {usable} reach the end");
+}

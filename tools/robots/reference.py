@@ -1,0 +1,102 @@
+"""The same quantities by Pinocchio, in the order of modyn's coordinates.
+
+Pinocchio gets every joint for itself; joints that mimic others are put together here, by the map from modyn's
+velocities to all of Pinocchio's: v' = G v, M = G^T M' G. So Pinocchio's own mimics, which refuse a leader that is
+named after its follower, are not needed.
+"""
+
+import xml.etree.ElementTree as ElementTree
+
+import numpy
+import pinocchio
+
+
+def load(description, floating=False):
+    """The model, or what Pinocchio says against it."""
+    root = [pinocchio.JointModelFreeFlyer()] if floating else []
+    try:
+        return pinocchio.buildModelFromUrdf(str(description), *root), None
+    except Exception as error:
+        return None, str(error).replace(f"file {description}", "file")
+
+
+def followers(description):
+    """By joint: which it mimics, multiplier and offset; chains are followed to their ends."""
+    direct = {}
+    for joint in ElementTree.parse(description).getroot().findall("joint"):
+        mimic = joint.find("mimic")
+        if mimic is not None and joint.get("type") != "fixed":
+            figures = float(mimic.get("multiplier", 1)), float(mimic.get("offset", 0))
+            direct[joint.get("name")] = mimic.get("joint"), *figures
+
+    def resolved(name):
+        leader, multiplier, offset = direct[name]
+        if leader not in direct:
+            return direct[name]
+        first, ratio, shift = resolved(leader)
+        return first, multiplier * ratio, multiplier * shift + offset
+
+    return {name: resolved(name) for name in direct}
+
+
+class Reference:
+    """Pinocchio's model, with the coordinates of modyn's joints."""
+
+    def __init__(self, model, joints, mimics):
+        self.model, self.data, self.joints = model, model.createData(), joints
+        self.q_at, self.v_at, q, v = {}, {}, 0, 0
+        for joint in joints:
+            self.q_at[joint.name], self.v_at[joint.name] = q, v
+            q, v = q + joint.nq, v + joint.nv
+        self.nq, self.nv = q, v
+        #: By joint of Pinocchio: modyn's joint, multiplier and offset.
+        self.sources = []
+        for name in list(model.names)[1:]:
+            if name == "root_joint" and name not in self.q_at:
+                name = next(joint.name for joint in joints if joint.kind == "floating")
+            self.sources.append((name, 1.0, 0.0) if name in self.q_at else mimics[name])
+        self.velocities = numpy.zeros((model.nv, self.nv))
+        for joint, (name, multiplier, _) in self.each():
+            for k in range(joint.nv):
+                self.velocities[joint.idx_v + k, self.v_at[name] + k] = multiplier
+
+    def each(self):
+        return zip(list(self.model.joints)[1:], self.sources)
+
+    def random_state(self, random):
+        """Angles within 3 rad, positions, rates within 2, torques within 5."""
+        q = random.uniform(-3, 3, self.nq)
+        for joint in self.joints:
+            if joint.kind == "floating":
+                at = self.q_at[joint.name] + 3
+                q[at:at + 4] = random.normal(size=4)
+                q[at:at + 4] /= numpy.linalg.norm(q[at:at + 4])
+        return q, random.uniform(-2, 2, self.nv), random.uniform(-5, 5, self.nv)
+
+    def coordinates(self, q):
+        theirs = numpy.zeros(self.model.nq)
+        for joint, (name, multiplier, offset) in self.each():
+            own, at = self.q_at[name], joint.idx_q
+            if joint.nv == 1:
+                angle = multiplier * q[own] + offset
+                # A continuous joint is cosine and sine.
+                theirs[at:at + joint.nq] = angle if joint.nq == 1 else (numpy.cos(angle), numpy.sin(angle))
+            elif joint.nq == 7:
+                theirs[at:at + 7] = q[own:own + 7]
+            else:
+                raise NotImplementedError(f"the coordinates of {name}")
+        return theirs
+
+    def mass_matrix(self, q):
+        upper = numpy.triu(pinocchio.crba(self.model, self.data, self.coordinates(q)))
+        return self.velocities.T @ (upper + numpy.triu(upper, 1).T) @ self.velocities
+
+    def evaluate(self, q, qd, tau):
+        """Accelerations, bias forces and mass matrix; by the articulated-body algorithm if nothing mimics."""
+        theirs, g = self.coordinates(q), self.velocities
+        bias = g.T @ pinocchio.nonLinearEffects(self.model, self.data, theirs, g @ qd)
+        matrix = self.mass_matrix(q)
+        if self.model.nv == self.nv:
+            theirs = pinocchio.aba(self.model, self.data, theirs, g @ qd, g @ tau)
+            return g.T @ theirs, bias, matrix
+        return numpy.linalg.solve(matrix, tau - bias), bias, matrix
