@@ -103,6 +103,10 @@ codes! {
     Dtd = "dtd":
         "Remove the `<!DOCTYPE ...>`: URDF has none, and entities could change what the \
         figures are.",
+    /// The document has more of something than any description needs, and than can be read in linear time.
+    Excessive = "excessive":
+        "Take the file for damaged or made to do harm. There may be 256 attributes in an element, 256 \
+        namespaces in a document and 1 GiB in a file; joints and links may be any number.",
     /// The document still has to go through xacro.
     Xacro = "xacro":
         "Expand the file first, `xacro robot.urdf.xacro > robot.urdf`, and give the result. \

@@ -21,6 +21,7 @@ mod circles;
 mod document;
 mod felt;
 mod joint;
+mod limits;
 mod locate;
 mod mimics;
 pub(crate) mod nearest;
@@ -31,6 +32,7 @@ mod report;
 mod rotors;
 mod tree;
 
+pub(crate) use limits::MOST_BYTES;
 pub use modyn_runtime::model::Friction;
 use modyn_runtime::model::{DEFAULT_GRAVITY, Model};
 
@@ -173,7 +175,13 @@ pub(crate) fn check(model: Model, unphysical_inertia: Severity) -> Result<Readin
 
 /// The steps. What stops one of them is in the report.
 fn read_into(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<Model> {
-    let text = document::tidied(text);
+    if !limits::is_short(text.len(), report) {
+        return None;
+    }
+    let (text, tags) = document::tidied(text);
+    if !tags.are_few(report) {
+        return None;
+    }
     let document = document::parse(&text, report)?;
     let robot = document::robot(&document, report)?;
     let mut parts = parts::read(robot, options, report);
