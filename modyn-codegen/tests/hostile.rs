@@ -9,7 +9,7 @@ use modyn_codegen::error::{Code, Diagnostics};
 use modyn_codegen::urdf::{ReadOptions, read};
 use modyn_codegen::{Builder, tame};
 
-const MANY: usize = 1_000_000;
+const MANY: usize = 200_000;
 
 fn refused(text: &str) -> Diagnostics {
     let found = read(text, "hostile.urdf", &ReadOptions::default()).expect_err("refused");
@@ -93,14 +93,14 @@ fn attributes_and_namespaces_have_an_end() {
 }
 
 #[test]
-fn a_million_elements_deep() {
+fn elements_nested_without_end() {
     for (open, close) in [("<a>", "</a>"), ("<link name='a'>", "</link>")] {
         refused(&robot(&(open.repeat(MANY) + &close.repeat(MANY))));
     }
 }
 
 #[test]
-fn a_million_openings_that_nothing_closes() {
+fn openings_that_nothing_closes() {
     for open in
         ["<", "<a b='", "<!--", "<![CDATA[", "<?xml ", "<?xml ?>", "<a>", "&", "<robot><x y='>' "]
     {
@@ -110,7 +110,7 @@ fn a_million_openings_that_nothing_closes() {
 }
 
 #[test]
-fn a_million_in_one_place() {
+fn very_much_in_one_place() {
     let numbers =
         PENDULUM.replace("<parent", &format!("<axis xyz='{}'/><parent", "1 ".repeat(MANY)));
     assert_eq!(codes(&refused(&numbers)), [Code::NumberCount]);
@@ -123,9 +123,9 @@ fn a_million_in_one_place() {
     refused(&PENDULUM.replace("<parent", &format!("{parts}<parent")));
 }
 
-/// Names of a megabyte are names; in the text that is generated they stand a few times.
+/// Names of half a megabyte are names; in the text that is generated they stand a few times.
 #[test]
-fn names_of_a_megabyte() {
+fn names_of_half_a_megabyte() {
     let name = "\u{202e}\"x".repeat(MANY / 5);
     let text = PENDULUM.replace("'r'", &format!("'{name}'"));
     let generated = Builder::new().urdf_text(text, "r.urdf").functions([]).generate().expect("odd");
@@ -136,9 +136,9 @@ fn names_of_a_megabyte() {
 
 /// Each has errors of its own; all are found, the first hundred are shown.
 #[test]
-fn half_a_million_errors() {
+fn as_many_errors_as_parts() {
     const N: usize = MANY / 2;
-    let (links, joints) = (repeated(N, "<link name='l#'/>"), "<joint/>".repeat(N / 5));
+    let (links, joints) = (repeated(N, "<link name='l#'/>"), "<joint/>".repeat(N / 4));
     for (text, least) in [
         (robot(&joints), N),
         (robot(&"<link name='a'/>".repeat(N)), N - 1),
@@ -154,7 +154,7 @@ fn half_a_million_errors() {
 
 /// The interpreter takes them; code is refused before any of it is made.
 #[test]
-fn a_million_joints() {
+fn a_forest_of_joints() {
     let mut text = String::from("<robot name='r'><link name='l0'/>");
     let inertial = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>";
     for i in 1..=MANY {
