@@ -7,6 +7,19 @@
 //! let qdd = Gripper::forward_dynamics(&[0.0; 4], &[0.0; 4], &[0.0; 4]);
 //! assert!(qdd[0] < 0.0);
 //! ```
+//!
+//! # Features
+//!
+//! | feature | default | |
+//! |---|---|---|
+//! | `std` | yes | implies `alloc` |
+//! | `alloc` | through `std` | the model, the equations and the interpreter |
+//! | `nalgebra` | yes | the same calls over `SVector`, `SMatrix`, `Isometry3` |
+//! | `num-dual` | no | the numbers of num-dual as scalars: exact derivatives of everything |
+//! | `rayon` | no | batches on all cores |
+//! | `serde` | no | the model (de)serialized |
+//!
+//! Without any, generated code needs `core` and `libm`.
 #![no_std]
 
 pub use modyn_macro::modyn;

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::tame::tame;
+
 /// How serious a diagnostic is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
@@ -103,6 +105,10 @@ codes! {
     Dtd = "dtd":
         "Remove the `<!DOCTYPE ...>`: URDF has none, and entities could change what the \
         figures are.",
+    /// The document has more of something than any description needs, and than can be read in linear time.
+    Excessive = "excessive":
+        "Take the file for damaged or made to do harm. There may be 256 attributes in an element, 256 \
+        namespaces in a document and 1 GiB in a file; joints and links may be any number.",
     /// The document still has to go through xacro.
     Xacro = "xacro":
         "Expand the file first, `xacro robot.urdf.xacro > robot.urdf`, and give the result. \
@@ -361,10 +367,12 @@ impl Diagnostic {
 }
 
 /// `robots/foo.urdf:12:7: error[negative-mass]: link `arm`: the mass is -1 kg`, then the help.
+/// In one line, and one for the help: names in it may hold line breaks, which would command a terminal or
+/// end a comment.
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(file) = &self.file {
-            write!(f, "{file}:")?;
+            write!(f, "{}:", tame(file))?;
         }
         if let Some(position) = self.position {
             write!(f, "{position}:")?;
@@ -378,11 +386,11 @@ impl fmt::Display for Diagnostic {
         };
         write!(f, "{severity}[{}]: ", self.code)?;
         if let Some(subject) = &self.subject {
-            write!(f, "{subject}: ")?;
+            write!(f, "{}: ", tame(&subject.to_string()))?;
         }
-        f.write_str(&self.message)?;
+        f.write_str(&tame(&self.message))?;
         match &self.help {
-            Some(help) => write!(f, "\n  help: {help}"),
+            Some(help) => write!(f, "\n  help: {}", tame(help)),
             None => Ok(()),
         }
     }

@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Code, Diagnostic, Diagnostics, Position};
+use crate::urdf::MOST_BYTES;
 
 /// Reads the first of `places` that exists: where it was, and its text. `wanted` is what
 /// diagnostics call it.
@@ -28,6 +29,12 @@ pub fn read_first(
     // A device or a pipe might never end.
     if !place.is_file() {
         return Err(unreadable(&"it is no file"));
+    }
+    let length = std::fs::metadata(place).map_err(|error| unreadable(&error))?.len();
+    if length > MOST_BYTES as u64 {
+        let message = format!("`{}` has {length} bytes, more than {MOST_BYTES}", relative(place));
+        let help = "give the path of a URDF file; none is of this size";
+        return Err(Diagnostic::error(Code::Excessive, message).with_help(help).into());
     }
     let bytes = std::fs::read(place).map_err(|error| unreadable(&error))?;
     let text = String::from_utf8(bytes).map_err(|error| not_text(wanted, &error))?;
@@ -75,6 +82,20 @@ mod tests {
     #[test]
     fn a_folder_is_no_file() {
         assert!(refused(&["no/such", "src"]).contains("`src` cannot be read: it is no file"));
+    }
+
+    #[test]
+    fn a_file_without_end_is_not_read() {
+        let path = std::env::temp_dir().join(format!("modyn-{}.urdf", std::process::id()));
+        // A hole: it takes no room.
+        let file = std::fs::File::create(&path).expect("a file");
+        file.set_len(MOST_BYTES as u64 + 1).expect("a hole");
+        let message = refused(&[&path.to_string_lossy()]);
+        let _ = std::fs::remove_file(&path);
+        assert!(
+            message.contains("error[excessive]") && message.contains("more than 1073741824"),
+            "{message}"
+        );
     }
 
     #[test]

@@ -62,8 +62,8 @@ pub(super) fn robot(
         let warnings = &robot.options.warnings;
         for warning in warnings.iter().take(Diagnostics::SHOWN) {
             // Where the file stands is no matter of the text, which is the same on every host.
-            let warning = Diagnostic { file: None, ..warning.clone() }.to_string();
-            lines.extend(warning.lines().flat_map(|line| [tame(line), "\n".into()]));
+            let warning = Diagnostic { file: None, ..warning.clone() };
+            let _ = writeln!(lines, "{warning}");
         }
         if let Some(more) = Diagnostics::more(warnings.len()) {
             let _ = writeln!(lines, "{more}");

@@ -30,9 +30,10 @@ use pieces::Pieces;
 /// Whether this is the text of a `MuJoCo` model: well-formed XML whose root element is `<mujoco>`.
 #[must_use]
 pub fn is_mjcf(text: &str) -> bool {
-    let text = document::tidied(text);
-    roxmltree::Document::parse(&text)
-        .is_ok_and(|document| document.root_element().tag_name().name() == "mujoco")
+    document::bounded(text, &mut Report::new(text, "")).is_some_and(|text| {
+        roxmltree::Document::parse(&text)
+            .is_ok_and(|document| document.root_element().tag_name().name() == "mujoco")
+    })
 }
 
 /// Reads an MJCF; `file` is what diagnostics call it. No other file is read.
@@ -42,7 +43,7 @@ pub fn is_mjcf(text: &str) -> bool {
 /// What is wrong with the text, or not supported, with the warnings.
 pub fn read(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
     urdf::reading(text, file, options, |options, report| {
-        let text = document::tidied(text);
+        let text = document::bounded(text, report)?;
         let document = document::parse(&text, report)?;
         let root = document.root_element();
         let at = root.range().start;

@@ -2,6 +2,7 @@
 
 use roxmltree::{Document, Error, Node};
 
+use super::limits::{self, Tags};
 use super::report::Report;
 use crate::error::{Code, Diagnostic, Position, Severity};
 
@@ -11,10 +12,19 @@ const USED: &[&str] = &[
     "dynamics",
 ];
 
+/// The tidied text; `None` if there is more of it than any description has.
+pub fn bounded(text: &str, report: &mut Report<'_>) -> Option<String> {
+    if !limits::is_short(text.len(), report) {
+        return None;
+    }
+    let (text, tags) = tidied(text);
+    tags.are_few(report).then_some(text)
+}
+
 /// Blanks out what XML forbids but robot files have all the same, byte for byte, so that
 /// positions stay: comments (people draw lines of dashes in them), and whatever
-/// stands before the XML declaration.
-pub fn tidied(text: &str) -> String {
+/// stands before the XML declaration. And counts what there is in tags.
+fn tidied(text: &str) -> (String, Tags<'_>) {
     let mut bytes = text.as_bytes().to_vec();
     let mut blank = |from: usize, to: usize| {
         bytes[from..to].iter_mut().filter(|b| !b.is_ascii_whitespace()).for_each(|b| *b = b' ');
@@ -22,6 +32,7 @@ pub fn tidied(text: &str) -> String {
     let after = |from: usize, end: &str| text[from..].find(end).map(|i| from + i + end.len());
     let mut at = 0;
     let mut nothing_yet = true;
+    let mut tags = Tags::default();
     while let Some(start) = text[at..].find('<').map(|i| at + i) {
         let rest = &text[start..];
         let end = if rest.starts_with("<!--") {
@@ -43,14 +54,18 @@ pub fn tidied(text: &str) -> String {
             after(start, "]]>")
         } else {
             nothing_yet = false;
-            end_of_tag(text, start)
+            let end = end_of_tag(text, start);
+            if let Some(end) = end {
+                tags.take(text, start..end);
+            }
+            end
         };
         // Unfinished: the XML parser says so better.
         let Some(end) = end else { break };
         at = end;
     }
     // Only whole comments and declarations were replaced, by ASCII.
-    String::from_utf8(bytes).unwrap_or_else(|_| text.into())
+    (String::from_utf8(bytes).unwrap_or_else(|_| text.into()), tags)
 }
 
 /// Behind the `>` of the tag that starts here; attribute values may contain one.
@@ -209,10 +224,10 @@ mod tests {
     #[test]
     fn blanking_moves_nothing() {
         let text = "\n<!-- \u{e9} -- --><?xml version='1.0'?>\n<a b='<!-- > -->'><![CDATA[<!-- -->]]></a><!---->";
-        let tidy = tidied(text);
+        let (tidy, _) = tidied(text);
         assert_eq!(tidy.len(), text.len());
         assert_eq!(tidy.find("<a b='<!-- > -->'><![CDATA[<!-- -->]]></a>"), text.find("<a b="));
         assert!(!tidy.contains("<?xml"));
-        assert_eq!(tidied("<?xml version='1.0'?><a/><!-- "), "<?xml version='1.0'?><a/><!-- ");
+        assert_eq!(tidied("<?xml version='1.0'?><a/><!-- ").0, "<?xml version='1.0'?><a/><!-- ");
     }
 }

@@ -21,6 +21,7 @@ mod circles;
 pub(crate) mod document;
 mod felt;
 pub(crate) mod joint;
+mod limits;
 mod locate;
 mod mimics;
 pub(crate) mod nearest;
@@ -31,6 +32,7 @@ pub(crate) mod report;
 mod rotors;
 mod tree;
 
+pub(crate) use limits::MOST_BYTES;
 pub use modyn_runtime::model::Friction;
 use modyn_runtime::model::{DEFAULT_GRAVITY, Model};
 
@@ -121,7 +123,7 @@ pub struct Reading {
 /// All that is wrong with the text, with the warnings.
 pub fn read(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
     reading(text, file, options, |options, report| {
-        let text = document::tidied(text);
+        let text = document::bounded(text, report)?;
         let document = document::parse(&text, report)?;
         let robot = document::robot(&document, report)?;
         let parts = parts::read(robot, options, report);

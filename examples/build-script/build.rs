@@ -1,0 +1,14 @@
+//! Compiles the robot to a file in `OUT_DIR`, and again when its description changes.
+
+use modyn_codegen::error::Diagnostics;
+use modyn_codegen::{Builder, Function};
+
+fn main() -> Result<(), Diagnostics> {
+    Builder::new()
+        .urdf("robots/double_pendulum.urdf")
+        .type_name("Pendulum")
+        // What is left out costs no compile time.
+        .functions([Function::InverseDynamics, Function::GravityTorques])
+        .compile()?;
+    Ok(())
+}

@@ -1,0 +1,55 @@
+//! Any text that is a robot becomes Rust that parses, with finite constants and no name outside of strings.
+#![no_main]
+
+use libfuzzer_sys::{fuzz_mutator, fuzz_target};
+use modyn_codegen::error::{Code, Severity};
+use modyn_codegen::urdf::{Base, Friction, Mimic};
+use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
+
+/// A few functions at a time: all of them would be few robots a second.
+const FUNCTIONS: [&[Function]; 8] = [
+    &[Function::ForwardDynamics],
+    &[Function::InverseDynamics, Function::MassMatrix],
+    &[Function::Brge],
+    &[Function::InverseDynamicsDerivatives],
+    &[Function::LinkPoses, Function::Jacobian, Function::CenterOfMass],
+    &[Function::Integrate, Function::Difference, Function::Random],
+    &[Function::Regressor, Function::KineticEnergy, Function::PotentialEnergy],
+    &[Function::ForwardDynamicsExternal],
+];
+
+fuzz_target!(|data: &[u8]| {
+    let (text, choice) = modyn_fuzz::text(data);
+    // What is most tried is reading; `read` has it all.
+    let flag = |bit: u8| choice >> bit & 1 == 1;
+    let functions = FUNCTIONS[usize::from(choice & 7)];
+    let mut builder = Builder::new().urdf_text(text, "fuzz.urdf").functions(functions.iter().copied());
+    builder = builder.unphysical_inertia(Severity::Warning);
+    if flag(3) {
+        builder = builder.share().modules(ModuleChoice::Links).friction(Friction::Smooth(0.01));
+    }
+    if flag(4) {
+        builder = builder.self_contained().c_functions("robot");
+    }
+    if flag(5) {
+        builder = builder.float(FloatType::F32).mimic(Mimic::Independent);
+    }
+    if flag(6) {
+        builder = builder.base(Base::Floating);
+    }
+    if flag(7) {
+        builder = builder.runtime_gravity();
+    }
+    match builder.generate() {
+        Ok(generated) => {
+            syn::parse_file(&generated.text).expect("Rust");
+            syn::parse_str::<syn::Ident>(&generated.type_name).expect("an identifier");
+            assert!(!generated.text.contains("NaN"), "a constant that is no number");
+        }
+        Err(errors) => assert!(errors.has_errors() && errors.iter().all(|d| d.code != Code::InvalidModel)),
+    }
+});
+
+fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
+    modyn_fuzz::mutate(data, size, max_size, seed)
+});

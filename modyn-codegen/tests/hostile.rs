@@ -1,0 +1,175 @@
+//! Descriptions made to do harm: refused in a word, or read in linear time.
+//!
+//! What is linear is shown by size, not by a clock: with a million of something, a loop in a loop
+//! would not end. Long chains of joints and of mimics, and depth, are in `reading.rs` too.
+
+use std::fmt::Write as _;
+
+use modyn_codegen::error::{Code, Diagnostics};
+use modyn_codegen::urdf::{ReadOptions, read};
+use modyn_codegen::{Builder, tame};
+
+const MANY: usize = 200_000;
+
+fn refused(text: &str) -> Diagnostics {
+    let found = read(text, "hostile.urdf", &ReadOptions::default()).expect_err("refused");
+    // What a user gets to see has an end, however much there is.
+    assert!(found.to_string().len() < 100_000, "{} bytes", found.to_string().len());
+    found
+}
+
+fn codes(found: &Diagnostics) -> Vec<Code> {
+    found.iter().map(|d| d.code).collect()
+}
+
+fn robot(inside: &str) -> String {
+    format!("<robot name='r'>{inside}</robot>")
+}
+
+/// A pattern with `#` for the number, many times.
+fn repeated(count: usize, pattern: &str) -> String {
+    (0..count).fold(String::new(), |text, i| text + &pattern.replace('#', &i.to_string()))
+}
+
+#[test]
+fn entities_do_not_expand() {
+    let mut laughs = String::from("<?xml version='1.0'?><!DOCTYPE robot [<!ENTITY l0 'ha'>");
+    for i in 1..10 {
+        write!(laughs, "<!ENTITY l{i} '{}'>", format!("&l{};", i - 1).repeat(10))
+            .expect("a string");
+    }
+    laughs += "]>";
+    assert_eq!(codes(&refused(&(laughs + &robot("<link name='&l9;'/>")))), [Code::Dtd]);
+    // One that none declared is no text either.
+    assert_eq!(codes(&refused(&robot("<link name='&l9;'/>"))), [Code::MalformedXml]);
+}
+
+/// A file that names others: none of them is opened, and the names are no error either.
+#[test]
+fn nothing_else_is_read() {
+    for outside in [
+        "<!DOCTYPE robot SYSTEM 'file:///etc/passwd'>",
+        "<!DOCTYPE robot [<!ENTITY x SYSTEM 'file:///etc/passwd'>]>",
+        "<!DOCTYPE robot [<!ENTITY % x SYSTEM 'http://localhost/x.dtd'> %x;]>",
+    ] {
+        let text = format!("{outside}{}", robot("<link name='a'/>"));
+        assert_eq!(codes(&refused(&text)), [Code::Dtd], "{outside}");
+    }
+    let mesh = "<visual><geometry><mesh filename='file:///no/such/mesh.stl'/></geometry></visual>\
+                <collision><geometry><mesh filename='../../../../etc/passwd'/></geometry></collision>";
+    let text = PENDULUM.replace("<inertial>", &format!("{mesh}<inertial>"));
+    let text = text
+        .replace("<robot name='r'>", "<robot name='r' xmlns:xi='http://www.w3.org/2001/XInclude'>");
+    let included = "<xi:include href='file:///etc/passwd' parse='text'/></robot>";
+    let reading = |text: &str| read(text, "r.urdf", &ReadOptions::default()).expect("good");
+    let found = reading(&text.replace("</robot>", included));
+    assert_eq!((found.model, found.warnings.len()), (reading(PENDULUM).model, 0));
+}
+
+const PENDULUM: &str = "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/>\
+    <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>\
+    <joint name='j' type='revolute'><parent link='a'/><child link='b'/></joint></robot>";
+
+/// The XML parser compares each attribute with those before it: 170 kB took minutes.
+#[test]
+fn attributes_and_namespaces_have_an_end() {
+    let attributes = repeated(MANY, " a#=''");
+    let namespaces = repeated(MANY, " xmlns:a#='u#'");
+    for many in [attributes, namespaces] {
+        assert_eq!(codes(&refused(&format!("<robot name='r'{many}/>"))), [Code::Excessive]);
+    }
+    // As many elements as one likes may declare those that there are.
+    let few = repeated(MANY, "<link xmlns:x='u' name='l'/>");
+    assert!(codes(&refused(&robot(&few))).iter().all(|&code| code != Code::Excessive));
+    let all = repeated(255, " xmlns:a#='u#'");
+    let copies = format!("<robot name='r'{all}>{}</robot>", "<x xmlns:q='1'/>".repeat(10_000));
+    assert_eq!(codes(&refused(&copies)), [Code::NoLink]);
+    // What looks like attributes but is text, a comment or a value is none.
+    let quotes = "''".repeat(1000);
+    let text =
+        PENDULUM.replace("<link name='a'/>", &format!("<!--{quotes}-->{quotes}<link name='a'/>"));
+    let text = text.replace("name='r'", &format!("name='r' x=\"{quotes}\""));
+    assert!(read(&text, "r.urdf", &ReadOptions::default()).is_ok());
+}
+
+#[test]
+fn elements_nested_without_end() {
+    for (open, close) in [("<a>", "</a>"), ("<link name='a'>", "</link>")] {
+        refused(&robot(&(open.repeat(MANY) + &close.repeat(MANY))));
+    }
+}
+
+#[test]
+fn openings_that_nothing_closes() {
+    for open in
+        ["<", "<a b='", "<!--", "<![CDATA[", "<?xml ", "<?xml ?>", "<a>", "&", "<robot><x y='>' "]
+    {
+        let found = refused(&open.repeat(MANY));
+        assert!(codes(&found) == [Code::MalformedXml], "{open}: {found}");
+    }
+}
+
+#[test]
+fn very_much_in_one_place() {
+    let numbers =
+        PENDULUM.replace("<parent", &format!("<axis xyz='{}'/><parent", "1 ".repeat(MANY)));
+    assert_eq!(codes(&refused(&numbers)), [Code::NumberCount]);
+    let digits = |mass: &str| PENDULUM.replace("mass value='1'", &format!("mass value='{mass}'"));
+    assert_eq!(codes(&refused(&digits(&"1".repeat(MANY)))), [Code::NotFinite]);
+    let zeros = format!("0.{}1", "0".repeat(MANY));
+    assert!(!codes(&refused(&digits(&zeros))).contains(&Code::BadNumber));
+    let parts =
+        "<parent link='b'/><child link='a'/><axis/><limit/><mimic joint='j'/>".repeat(MANY / 10);
+    refused(&PENDULUM.replace("<parent", &format!("{parts}<parent")));
+}
+
+/// Names of half a megabyte are names; in the text that is generated they stand a few times.
+#[test]
+fn names_of_half_a_megabyte() {
+    let name = "\u{202e}\"x".repeat(MANY / 5);
+    let text = PENDULUM.replace("'r'", &format!("'{name}'"));
+    let generated = Builder::new().urdf_text(text, "r.urdf").functions([]).generate().expect("odd");
+    assert_eq!(generated.model.name(), name);
+    assert!(generated.text.len() < 20 * name.len(), "{}", generated.text.len());
+    assert!(!tame(&name).contains('\u{202e}') && !generated.text.contains('\u{202e}'));
+}
+
+/// Each has errors of its own; all are found, the first hundred are shown.
+#[test]
+fn as_many_errors_as_parts() {
+    const N: usize = MANY / 2;
+    let (links, joints) = (repeated(N, "<link name='l#'/>"), "<joint/>".repeat(N / 4));
+    for (text, least) in [
+        (robot(&joints), N),
+        (robot(&"<link name='a'/>".repeat(N)), N - 1),
+        (robot(&(links.clone() + &repeated(N, "<joint name='j#' type='revolte'><parent link='x#'/><child link='y#'/></joint>"))), N),
+        // Nothing that they move has inertia.
+        (robot(&(links + &repeated(N - 1, "<joint name='j#' type='revolute'><parent link='l0'/><child link='l#'/></joint>").replacen("'l0'/></joint>", &format!("'l{}'/></joint>", N - 1), 1))), N - 1),
+    ] {
+        let found = refused(&text);
+        assert!(found.iter().count() >= least, "{} of {least}: {found}", found.iter().count());
+        assert!(found.to_string().contains("... and "));
+    }
+}
+
+/// The interpreter takes them; code is refused before any of it is made.
+#[test]
+fn a_forest_of_joints() {
+    let mut text = String::from("<robot name='r'><link name='l0'/>");
+    let inertial = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>";
+    for i in 1..=MANY {
+        // A chain, and a star.
+        let parent = if i % 2 == 0 { 0 } else { i / 2 };
+        write!(
+            text,
+            "<link name='l{i}'>{inertial}</link><joint name='j{i}' type='revolute'><parent link='l{parent}'/>\
+             <child link='l{i}'/></joint>"
+        )
+        .expect("a string");
+    }
+    text += "</robot>";
+    let model = read(&text, "r.urdf", &ReadOptions::default()).expect("large, but good").model;
+    assert_eq!(model.links().len(), MANY);
+    let found = Builder::new().model(model).generate().expect_err("refused");
+    assert_eq!(codes(&found), [Code::TooLarge]);
+}

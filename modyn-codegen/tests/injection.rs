@@ -1,0 +1,193 @@
+//! Names are data: whatever they hold, the text is that of the same robot with plain names, but for
+//! what stands in strings, documentation and the variants of enums.
+
+use modyn_codegen::names;
+use modyn_codegen::{Builder, Function};
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
+use proptest::prelude::*;
+
+/// Two joints; the warning about the axis goes into the documentation.
+fn urdf([robot, base, link, joint, tip, wrist]: [&str; 6]) -> String {
+    let escape =
+        |name: &str| name.chars().map(|c| format!("&#{};", u32::from(c))).collect::<String>();
+    let [robot, base, link, joint, tip, wrist] = [robot, base, link, joint, tip, wrist].map(escape);
+    let inertial = "<inertial><origin xyz='0.5 0 0'/><mass value='1'/>\
+                    <inertia ixx='0.1' iyy='0.1' izz='0.1' ixy='0' ixz='0' iyz='0'/></inertial>";
+    format!(
+        "<robot name='{robot}'><link name='{base}'/>\
+         <joint name='{joint}' type='revolute'><parent link='{base}'/><child link='{link}'/><axis xyz='0 2 0'/></joint>\
+         <link name='{link}'>{inertial}</link>\
+         <joint name='{wrist}' type='prismatic'><parent link='{link}'/><child link='{tip}'/><axis xyz='0 0 3'/></joint>\
+         <link name='{tip}'>{inertial}</link></robot>"
+    )
+}
+
+/// The tokens: strings as one sign, documentation line by line, identifiers that come from names as another.
+fn skeleton(text: &str, variants: &[String]) -> Vec<String> {
+    fn walk(tokens: TokenStream, variants: &[String], found: &mut Vec<String>) {
+        for token in tokens {
+            match token {
+                TokenTree::Group(group) => {
+                    let (open, close) = match group.delimiter() {
+                        Delimiter::Parenthesis => ("(", ")"),
+                        Delimiter::Brace => ("{", "}"),
+                        Delimiter::Bracket => ("[", "]"),
+                        Delimiter::None => ("", ""),
+                    };
+                    found.push(open.into());
+                    walk(group.stream(), variants, found);
+                    found.push(close.into());
+                }
+                TokenTree::Literal(literal)
+                    if literal.to_string().starts_with(['"', 'r', 'b', 'c']) =>
+                {
+                    found.push("string".into());
+                }
+                TokenTree::Ident(ident) if variants.contains(&ident.to_string()) => {
+                    found.push("name".into())
+                }
+                other => found.push(other.to_string()),
+            }
+        }
+    }
+    let mut found = Vec::new();
+    walk(text.parse().expect("tokens"), variants, &mut found);
+    found
+}
+
+/// The lines of the documentation that begin or end code, which rustdoc would run.
+fn fences(text: &str) -> Vec<&str> {
+    text.lines()
+        .map(str::trim_start)
+        .filter_map(|line| line.strip_prefix("///"))
+        .map(str::trim_start)
+        .filter(|line| line.starts_with("```") || line.starts_with("~~~"))
+        .collect()
+}
+
+fn compiled(named: [&str; 6], self_contained: bool) -> (String, Vec<String>) {
+    let functions =
+        [Function::ForwardDynamics, Function::Jacobian, Function::LinkPoses, Function::Regressor];
+    let mut builder = Builder::new().urdf_text(urdf(named), "robot.urdf").functions(functions);
+    builder = builder.type_name("Named").payload([named[2], named[4]]).c_functions("named");
+    if self_contained {
+        builder = builder.self_contained();
+    }
+    let generated = builder.generate().unwrap_or_else(|errors| panic!("{errors}"));
+    let [_, base, link, joint, tip, wrist] = named;
+    let mut variants = names::variants(&[base, link, tip]);
+    variants.extend(names::variants(&[joint, wrist]));
+    variants.extend(names::fields(&[link, tip], &["gravity"]));
+    (generated.text, variants)
+}
+
+const PLAIN: [&str; 6] = ["r0", "b0", "l0", "j0", "t0", "w0"];
+
+fn check(named: [&str; 6], self_contained: bool) {
+    let (text, variants) = compiled(named, self_contained);
+    syn::parse_file(&text).expect("Rust");
+    // What a variant is called may be called something else in the plain text too, such as `q`.
+    let (plain, mut all) = compiled(PLAIN, self_contained);
+    all.extend(variants);
+    assert_eq!(skeleton(&text, &all), skeleton(&plain, &all), "{named:?}");
+    assert_eq!(fences(&text), fences(&plain), "{named:?}");
+    let seen = |c: &char| (c.is_control() && *c != '\n') || ('\u{202a}'..='\u{202e}').contains(c);
+    assert_eq!(text.chars().find(seen), None, "{named:?}");
+}
+
+/// A warning quotes the names that it is about, and rustdoc runs what stands in backticks.
+#[test]
+fn documentation_runs_nothing() {
+    for name in [
+        "x\n```\n\n```\nstd::process::exit(1);\n```\n",
+        "x\n~~~\n",
+        "x\n```text",
+        "```",
+        "x\r```\r",
+    ] {
+        check([name, "b", name, name, "t", "w"], false);
+    }
+}
+
+/// Parts of names that mean something where they could get to.
+const PARTS: &[&str] = &[
+    "\"",
+    "'",
+    "\\",
+    "`",
+    "```",
+    "\n",
+    "\r",
+    "\t",
+    "*/",
+    "/*",
+    "//",
+    "///",
+    "//!",
+    "#[doc",
+    "]",
+    "{",
+    "}",
+    "{}",
+    "(",
+    ")",
+    ";",
+    "#",
+    "\"#",
+    "r#",
+    "fn",
+    "self",
+    "Self",
+    "crate",
+    "super",
+    "ALL",
+    "unsafe",
+    "q",
+    "qd",
+    "gravity",
+    "f64",
+    "0",
+    "1",
+    "_",
+    " ",
+    "-",
+    "$x",
+    "!",
+    "<script>",
+    "</",
+    "&",
+    "|",
+    "\u{202e}",
+    "\u{2028}",
+    "\u{feff}",
+    "\u{85}",
+    "\u{e9}",
+    "\u{96c6}",
+    "\u{1f916}",
+    "\u{0301}",
+    "\u{200b}",
+    "\u{9b}",
+    "compile_error!(\"\")",
+    "include!(\"/etc/passwd\")",
+];
+
+/// Any name: parts and letters; the number keeps them apart.
+fn name(number: usize) -> impl Strategy<Value = String> {
+    let part = prop_oneof![
+        4 => prop::sample::select(PARTS).prop_map(String::from),
+        1 => any::<char>().prop_filter("XML has them", |&c| c >= ' ' && !matches!(c, '\u{fffe}' | '\u{ffff}')).prop_map(String::from),
+    ];
+    prop::collection::vec(part, 0..8).prop_map(move |parts| format!("{}{number}", parts.concat()))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn names_are_data(
+        robot in name(0), base in name(1), link in name(2), joint in name(3), tip in name(4), wrist in name(5),
+        self_contained in any::<bool>(),
+    ) {
+        check([&robot, &base, &link, &joint, &tip, &wrist], self_contained);
+    }
+}

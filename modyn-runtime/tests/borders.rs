@@ -1,0 +1,73 @@
+//! Batches of every length up to several vectors, in memory of just that length and on all vectors that
+//! the processor has. Under a sanitizer or valgrind it shows that nothing beyond is touched.
+#![cfg(feature = "std")]
+
+use modyn_runtime::batch::{Argument, Float, Inputs, Kernel, Lanes, Level, Outputs};
+use modyn_runtime::batch::{force_level, run, run_each};
+
+/// Sum and product of two numbers.
+struct Both;
+
+impl<F: Float> Kernel<F, 2, 2> for Both {
+    #[inline(always)]
+    fn run<L: Lanes<Lane = F>>(&self, inputs: Inputs<'_, L, 2>, outputs: Outputs<'_, L, 2>) {
+        let (a, b) = (inputs.get::<0>(), inputs.get::<1>());
+        outputs.set::<0>(a + b);
+        outputs.set::<1>(a * b);
+    }
+}
+
+const ARGUMENTS: &[Argument] = &[
+    Argument { name: "x", numbers: 2, coordinates: &["a", "b"] },
+    Argument { name: "out", numbers: 2, coordinates: &["a", "b"] },
+];
+
+/// Whole numbers, so that nothing is rounded.
+fn numbers<F: Float>(count: usize, step: f64) -> Box<[F]> {
+    (0_u8..100).cycle().take(count).map(|i| F::from_f64(f64::from(i) * step)).collect()
+}
+
+fn every_length<F: Float + PartialEq + std::fmt::Debug>() {
+    for states in (0..70).chain([255, 512, 1031]) {
+        let (a, b) = (numbers::<F>(states, 1.0), numbers::<F>(states, 2.0));
+        let outputs = || [numbers::<F>(states, 0.0), numbers::<F>(states, 0.0)];
+        let [mut sum, mut product] = outputs();
+        run(&Both, ARGUMENTS, [&a, &b], [&mut sum, &mut product]).expect("as many of each");
+        let expected = |i: usize| [a[i] + b[i], a[i] * b[i]];
+        for i in 0..states {
+            assert_eq!([sum[i], product[i]], expected(i), "state {i} of {states}");
+        }
+        let flat: Box<[F]> = a.iter().zip(&b).flat_map(|(&a, &b)| [a, b]).collect();
+        let mut each = numbers::<F>(2 * states, 0.0);
+        run_each(&Both, ARGUMENTS, [&flat], &mut each).expect("as many of each");
+        assert!((0..states).all(|i| each[2 * i..2 * i + 2] == expected(i)), "{states} states");
+        #[cfg(feature = "rayon")]
+        {
+            let [mut first, mut second] = outputs();
+            let outputs: [&mut [F]; 2] = [&mut first, &mut second];
+            modyn_runtime::batch::run_parallel(&Both, ARGUMENTS, [&a, &b], outputs).expect("good");
+            assert_eq!([first, second], [sum, product]);
+        }
+    }
+}
+
+#[test]
+fn nothing_beyond_the_slices_is_touched() {
+    let all = [Level::Single, Level::Sse2, Level::Avx2, Level::Avx512, Level::Neon];
+    let tried = all.into_iter().filter(|&level| force_level(Some(level))).inspect(|_| {
+        every_length::<f64>();
+        every_length::<f32>();
+    });
+    assert!(tried.count() > 0);
+    force_level(None);
+}
+
+#[test]
+fn slices_of_other_lengths_are_refused() {
+    let (a, b) = (numbers::<f64>(20, 1.0), numbers::<f64>(19, 1.0));
+    let [mut x, mut y] = [numbers::<f64>(20, 0.0), numbers::<f64>(20, 0.0)];
+    let error = run(&Both, ARGUMENTS, [&a, &b], [&mut x, &mut y]).expect_err("one is short");
+    assert_eq!((error.states, error.expected), (19, 20));
+    assert!(run(&Both, ARGUMENTS, [&b, &b], [&mut x, &mut y]).is_err());
+    assert!(run_each(&Both, ARGUMENTS, [&a], &mut x[..18]).is_err());
+}

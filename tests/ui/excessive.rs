@@ -1,0 +1,3 @@
+modyn::modyn!("excessive.urdf");
+
+fn main() {}
