@@ -52,8 +52,8 @@ pub use interpreter::{
 pub use crate::nalgebra::Nalgebra;
 pub use batch::BatchError;
 pub use figures::{
-    ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
-    OperationCount,
+    ClosureErrors, ClosureSettings, ConstrainedForwardDynamics, ForwardDynamicsDerivatives,
+    InverseDynamicsDerivatives, JointLimits, KinematicModule, OperationCount,
 };
 pub use inertial::{Inertial, InertialDefect, Payload};
 pub use robot::{Array, Factorization, NotGenerated, Robot};
