@@ -418,7 +418,9 @@ impl Builder {
                 if let Some(gravity) = gravity {
                     let (links, frames) = (model.links().to_vec(), model.frames().to_vec());
                     let friction = model.friction();
-                    let changed = Model::new(model.name(), gravity, links, frames);
+                    let closures = model.closures().to_vec();
+                    let changed = Model::new(model.name(), gravity, links, frames)
+                        .and_then(|model| model.with_closures(closures));
                     model =
                         changed.map(|model| model.with_friction(friction)).map_err(|errors| {
                             let help = "this is a fault of modyn: please report it with the model";

@@ -8,7 +8,7 @@ use crate::error::{Code, Diagnostic, Position, Severity};
 /// The elements of a joint or an inertial whose figures are read.
 const USED: &[&str] = &[
     "inertial", "origin", "mass", "inertia", "parent", "child", "axis", "axis2", "limit", "mimic",
-    "dynamics",
+    "dynamics", "link1", "link2",
 ];
 
 /// Blanks out what XML forbids but robot files have all the same, byte for byte, so that
@@ -155,7 +155,7 @@ fn xacro(root: Node) -> Option<usize> {
         if is_xacro(part) {
             return Some(part.range().start);
         }
-        if !(is(root, part, "link") || is(root, part, "joint")) {
+        if !["link", "joint", "loop_joint"].iter().any(|name| is(root, part, name)) {
             continue;
         }
         let mut open = vec![part];

@@ -172,7 +172,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     /// An axis, of unit length; `None` if it cannot be read.
-    fn axis(
+    pub fn axis(
         &mut self,
         node: Node<'a, '_>,
         name: &str,

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! text ─ document ─▶ XML ─ parts, joint ─▶ links and joints ─ tree ─▶ order ─ build ─▶ Model
-//!                                              └ mimics ─▶ leaders ──────────┘
+//!                                              ├ mimics ─▶ leaders ──────────┤
+//!                                              └ loops ─▶ closures ──────────┘
 //! ```
 //!
 //! Each step reports all that is wrong with it and goes on as far as it can, so that a user sees
@@ -22,6 +23,7 @@ mod document;
 mod felt;
 mod joint;
 mod locate;
+mod loops;
 mod mimics;
 pub(crate) mod nearest;
 mod numbers;
@@ -31,8 +33,9 @@ mod report;
 mod rotors;
 mod tree;
 
-pub use modyn_runtime::model::Friction;
+pub use modyn_runtime::model::{ClosureKind, Friction};
 use modyn_runtime::model::{DEFAULT_GRAVITY, Model};
+use modyn_runtime::spatial::Pose;
 
 use crate::error::{Code, Diagnostic, Diagnostics, Severity};
 use report::Report;
@@ -52,6 +55,8 @@ pub struct ReadOptions {
     pub rotors: Vec<Rotor>,
     /// Which torques damping and friction exert.
     pub friction: Friction,
+    /// What closes loops, besides what the description says.
+    pub loops: Vec<Loop>,
 }
 
 impl Default for ReadOptions {
@@ -63,6 +68,7 @@ impl Default for ReadOptions {
             base: Base::default(),
             rotors: Vec::new(),
             friction: Friction::default(),
+            loops: Vec::new(),
         }
     }
 }
@@ -101,6 +107,26 @@ pub struct Rotor {
     /// How many times faster it turns than the joint; the joint feels the square of that times the
     /// inertia.
     pub gear_ratio: f64,
+}
+
+/// A joint that closes a loop of joints: two frames that are held together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loop {
+    /// Its name, which no other joint has.
+    pub name: String,
+    /// What it holds; an axis is of unit length.
+    pub kind: ClosureKind,
+    /// The two frames.
+    pub ends: [LoopEnd; 2],
+}
+
+/// A frame that a [`Loop`] holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopEnd {
+    /// The link's name.
+    pub link: String,
+    /// Where the frame stands on it.
+    pub pose: Pose<f64>,
 }
 
 /// A robot that was read.
