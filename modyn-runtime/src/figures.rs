@@ -97,6 +97,15 @@ pub struct ConstrainedForwardDynamics<V, W> {
     pub forces: W,
 }
 
+/// A step that closes loops, and the change of velocities that keeps them closed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosingStep<V> {
+    /// The displacement, from coordinates whose loops are nearly closed.
+    pub dq: V,
+    /// The change of the velocities.
+    pub dqd: V,
+}
+
 /// How far closures are apart: for each the motion of the second frame against the first, in the
 /// first one's axes, without what is free.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -52,8 +52,9 @@ pub use interpreter::{
 pub use crate::nalgebra::Nalgebra;
 pub use batch::BatchError;
 pub use figures::{
-    ClosureErrors, ClosureSettings, ConstrainedForwardDynamics, ForwardDynamicsDerivatives,
-    InverseDynamicsDerivatives, JointLimits, KinematicModule, OperationCount,
+    ClosingStep, ClosureErrors, ClosureSettings, ConstrainedForwardDynamics,
+    ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
+    OperationCount,
 };
 pub use inertial::{Inertial, InertialDefect, Payload};
 pub use robot::{Array, Factorization, NotGenerated, Robot};

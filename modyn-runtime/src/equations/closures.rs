@@ -45,7 +45,8 @@ pub struct ClosureWorkspace<S> {
     triangle: Vec<S>,
     /// Reciprocals of Delta; zero for a redundant row.
     reciprocals: Vec<S>,
-    lambda: Vec<S>,
+    /// Two right-hand sides, then the multipliers.
+    lambda: [Vec<S>; 2],
     factors: Vec<S>,
 }
 
@@ -64,8 +65,17 @@ impl<S: Scalar> ClosureWorkspace<S> {
             solved: numbers(rows * model.nv),
             triangle: numbers(rows * (rows + 1) / 2),
             reciprocals: numbers(rows),
-            lambda: numbers(rows),
+            lambda: [numbers(rows), numbers(rows)],
             factors: numbers(layout.size()),
+        }
+    }
+
+    /// Adds I^-1 J^T lambda.
+    fn answer(&self, side: usize, sum: &mut [S]) {
+        for (&lambda, row) in self.lambda[side].iter().zip(self.solved.chunks(sum.len().max(1))) {
+            for (sum, &x) in sum.iter_mut().zip(row) {
+                *sum = *sum + x * lambda;
+            }
         }
     }
 }
@@ -89,22 +99,19 @@ pub fn constrained_forward_dynamics<S: Scalar>(
     brge::factorize(model, layout, q, workspace, &mut room.factors);
     brge::solve(layout, &room.factors, qdd);
 
-    constraints(model, (q, qd), settings, workspace, room);
-    room.solved.copy_from_slice(&room.jacobian);
-    for row in room.solved.chunks_mut(n.max(1)) {
-        brge::solve(layout, &room.factors, row);
-    }
-    for (lambda, row) in room.lambda.iter_mut().zip(room.jacobian.chunks(n.max(1))) {
+    let two_alpha = settings.alpha + settings.alpha;
+    let beta_squared = settings.beta * settings.beta;
+    constraints(model, (q, qd), workspace, room, |row, found| {
+        let pull = two_alpha * row.of(found.velocity) + beta_squared * row.of(found.displacement);
+        [-row.of(found.rate) - pull, S::zero()]
+    });
+    split(layout, n, settings.tolerance, room);
+    for (lambda, row) in room.lambda[0].iter_mut().zip(room.jacobian.chunks(n.max(1))) {
         *lambda = dot(row, qdd).map_or(*lambda, |felt| *lambda - felt);
     }
-    split(n, settings.tolerance, room);
-    solve(room);
-    for (&lambda, row) in room.lambda.iter().zip(room.solved.chunks(n.max(1))) {
-        for (qdd, &x) in qdd.iter_mut().zip(row) {
-            *qdd = *qdd + x * lambda;
-        }
-    }
-    let mut lambda = room.lambda.iter();
+    solve(room, 0);
+    room.answer(0, qdd);
+    let mut lambda = room.lambda[0].iter();
     for (force, closure) in forces.iter_mut().zip(&model.closures) {
         let Twist { angular, linear } = along(closure, lambda.by_ref().copied());
         *force = Wrench { moment: angular, force: linear };
@@ -129,17 +136,38 @@ pub fn closure_errors<S: Scalar>(
     }
 }
 
-/// J, and gamma in the place of lambda.
+/// The step that, to first order, closes the loops at `q`, and the change of `qd` that keeps them
+/// closed: the smallest in the metric of the inertia matrix, I^-1 J^T (J I^-1 J^T)^-1 times what
+/// they are apart.
+pub fn closing_step<S: Scalar>(
+    model: &Prepared<S>,
+    layout: &Layout,
+    (q, qd): (&[S], &[S]),
+    settings: &ClosureSettings<S>,
+    (workspace, room): (&mut Workspace<S>, &mut ClosureWorkspace<S>),
+    (dq, dqd): (&mut [S], &mut [S]),
+) {
+    brge::factorize(model, layout, q, workspace, &mut room.factors);
+    constraints(model, (q, qd), workspace, room, |row, found| {
+        [-row.of(found.displacement), -row.of(found.velocity)]
+    });
+    split(layout, model.nv, settings.tolerance, room);
+    for (k, step) in [dq, dqd].into_iter().enumerate() {
+        step.fill(S::zero());
+        solve(room, k);
+        room.answer(k, step);
+    }
+}
+
+/// J; what each row is to be goes in the place of lambda.
 fn constraints<S: Scalar>(
     model: &Prepared<S>,
     (q, qd): (&[S], &[S]),
-    settings: &ClosureSettings<S>,
     workspace: &mut Workspace<S>,
     room: &mut ClosureWorkspace<S>,
+    target: impl Fn(&HeldRow<S>, &Parting<S>) -> [S; 2],
 ) {
-    let two_alpha = settings.alpha + settings.alpha;
-    let beta_squared = settings.beta * settings.beta;
-    let mut rows = room.jacobian.chunks_mut(model.nv.max(1)).zip(&mut room.lambda);
+    let mut rows = room.jacobian.chunks_mut(model.nv.max(1)).enumerate();
     for closure in &model.closures {
         let above = common(model, closure);
         let reach = |end, columns: &mut [Twist<S>]| {
@@ -152,13 +180,11 @@ fn constraints<S: Scalar>(
         let between = Between::new(&[reach(a, first), reach(b, second)]);
         let found = parting(model, closure, &between, (q, qd), workspace);
         let columns = || first.iter().zip(&*second).map(|(&a, &b)| between.motion(a, b));
-        for (row, (entries, gamma)) in closure.rows.iter().zip(&mut rows) {
+        for (row, (k, entries)) in closure.rows.iter().zip(&mut rows) {
             for (entry, column) in entries.iter_mut().zip(columns()) {
                 *entry = row.of(column);
             }
-            *gamma = -row.of(found.rate)
-                - two_alpha * row.of(found.velocity)
-                - beta_squared * row.of(found.displacement);
+            [room.lambda[0][k], room.lambda[1][k]] = target(row, &found);
         }
     }
 }
@@ -294,9 +320,13 @@ fn parting<S: Scalar>(
     }
 }
 
-/// J I^-1 J^T as L Delta L^T.
-fn split<S: Scalar>(n: usize, tolerance: S, room: &mut ClosureWorkspace<S>) {
-    let ClosureWorkspace { angular, jacobian, solved, triangle, reciprocals, .. } = room;
+/// I^-1 J^T, and J I^-1 J^T as L Delta L^T.
+fn split<S: Scalar>(layout: &Layout, n: usize, tolerance: S, room: &mut ClosureWorkspace<S>) {
+    let ClosureWorkspace { angular, jacobian, solved, triangle, reciprocals, factors, .. } = room;
+    solved.copy_from_slice(jacobian);
+    for row in solved.chunks_mut(n.max(1)) {
+        brge::solve(layout, factors, row);
+    }
     for (k, held) in jacobian.chunks(n.max(1)).enumerate() {
         for (entry, solved) in
             triangle[start(k)..=start(k) + k].iter_mut().zip(solved.chunks(n.max(1)))
@@ -332,8 +362,9 @@ fn start(k: usize) -> usize {
 }
 
 /// lambda := (L Delta L^T)^-1 lambda.
-fn solve<S: Scalar>(room: &mut ClosureWorkspace<S>) {
+fn solve<S: Scalar>(room: &mut ClosureWorkspace<S>, side: usize) {
     let ClosureWorkspace { triangle, reciprocals, lambda, .. } = room;
+    let lambda = &mut lambda[side];
     for k in 0..lambda.len() {
         let (before, own) = lambda.split_at_mut(k);
         let taken = dot(before, &triangle[start(k)..][..k]);

@@ -3,9 +3,10 @@
 use super::{Interpreter, ShapeError, check};
 use crate::Scalar;
 use crate::equations::brge::Layout;
-use crate::equations::{ClosureWorkspace, closures};
+use crate::equations::{ClosureWorkspace, Workspace, closures};
 use crate::figures::ClosureSettings;
 use crate::model::ModuleTree;
+use crate::model::prepare::Prepared;
 use crate::spatial::{Twist, Wrench};
 
 /// Closed loops: see [`Model::closures`](crate::model::Model::closures). A model without any is a
@@ -33,18 +34,47 @@ impl<S: Scalar> Interpreter<S> {
         check("tau", tau, n)?;
         check("qdd", qdd, n)?;
         check("forces", forces, self.model.closures().len())?;
+        let (prepared, layout, rooms) = self.closing();
+        let state = (q, qd, tau);
+        let solve = closures::constrained_forward_dynamics;
+        solve(prepared, layout, state, settings, rooms, (qdd, forces));
+        Ok(())
+    }
+
+    /// The step `dq` that, to first order, closes the loops at `q`, and the change `dqd` of the
+    /// velocities that keeps them closed: the smallest in the metric of the inertia matrix. Of
+    /// `settings` the tolerance alone matters. Repeated a few times from near by, with
+    /// [`integrate`](Self::integrate), it puts a robot together.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn closing_step(
+        &mut self,
+        q: &[S],
+        qd: &[S],
+        settings: &ClosureSettings<S>,
+        (dq, dqd): (&mut [S], &mut [S]),
+    ) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        check("q", q, self.model.nq())?;
+        check("qd", qd, n)?;
+        check("dq", dq, n)?;
+        check("dqd", dqd, n)?;
+        let (prepared, layout, rooms) = self.closing();
+        closures::closing_step(prepared, layout, (q, qd), settings, rooms, (dq, dqd));
+        Ok(())
+    }
+
+    /// What closing loops works with.
+    #[allow(clippy::type_complexity)]
+    fn closing(
+        &mut self,
+    ) -> (&Prepared<S>, &Layout, (&mut Workspace<S>, &mut ClosureWorkspace<S>)) {
         let Self { prepared, workspace, model, links, closing, .. } = self;
         let layout = links.get_or_insert_with(|| Layout::new(prepared, &ModuleTree::links(model)));
         let room = closing.get_or_insert_with(|| ClosureWorkspace::new(prepared, layout));
-        closures::constrained_forward_dynamics(
-            prepared,
-            layout,
-            (q, qd, tau),
-            settings,
-            (workspace, room),
-            (qdd, forces),
-        );
-        Ok(())
+        (prepared, layout, (workspace, room))
     }
 
     /// How far the closures' frames are apart and how fast they part: of the second frame against
