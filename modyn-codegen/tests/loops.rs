@@ -4,8 +4,13 @@
 
 use std::f64::consts::PI;
 
+use modyn_codegen::passes::optimize;
+use modyn_codegen::trace::Tracer;
 use modyn_codegen::urdf::{Base, ClosureKind, Loop, LoopEnd, ReadOptions, read};
-use modyn_runtime::model::Model;
+use modyn_codegen::{Builder, Function};
+use modyn_runtime::equations::brge::Layout;
+use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::model::{Closure, Model, ModelErrorKind, ModuleTree};
 use modyn_runtime::spatial::{Pose, Twist, Wrench};
 use modyn_runtime::{ClosureSettings, Forces, Interpreter};
 
@@ -594,4 +599,162 @@ fn what_has_no_loops_is_a_tree() {
     interpreter.forward_dynamics(&q, &qd, &tau, &mut expected).expect("fits");
     assert_near(&qdd, &expected, 1e-12);
     assert!(forces.is_empty());
+}
+
+#[test]
+fn what_gets_compiled_is_what_the_interpreter_computes() {
+    for model in [model(FOUR_BAR), model(FIVE_BAR), model(&sawn()), bound_zoo(&[0, 2])] {
+        let prepared = Prepared::new(&model);
+        let tracer = Tracer::new(&prepared);
+        let layout = Layout::new(&prepared, &ModuleTree::chains(&model));
+        let graphs = [
+            tracer.constrained_forward_dynamics(&layout),
+            tracer.closure_errors(),
+            tracer.closing_step(&layout),
+        ]
+        .map(optimize);
+        let mut interpreter = Interpreter::new(model);
+        let mut random = Random(6);
+        for _ in 0..20 {
+            let [q, qd, tau] = state(&mut interpreter, &mut random);
+            let settings = ClosureSettings { alpha: 3.0, beta: 5.0, tolerance: 1e-8 };
+            let numbers = [3.0, 5.0, 1e-8];
+            let (qdd, forces) = constrained(&mut interpreter, (&q, &qd, &tau), &settings);
+            let forces = forces.iter().flat_map(Wrench::components);
+            let expected: Vec<f64> = qdd.into_iter().chain(forces).collect();
+            let found = graphs[0].evaluate(&[&*q, &qd, &tau, &numbers].concat());
+            assert_near(&found, &expected, 1e-8);
+            let found = graphs[1].evaluate(&[&*q, &qd].concat());
+            assert_near(&found, &errors(&mut interpreter, &q, &qd).concat(), 1e-12);
+            let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
+            let into = (&mut *dq, &mut *dqd);
+            interpreter.closing_step(&q, &qd, &settings, into).expect("fits");
+            let found = graphs[2].evaluate(&[&*q, &qd, &numbers].concat());
+            assert_near(&found, &[dq, dqd].concat(), 1e-8);
+        }
+    }
+}
+
+#[test]
+fn steps_close_the_loops() {
+    let linkage = four_bar();
+    let settings = ClosureSettings::<f64>::DEFAULT;
+    let mut random = Random(7);
+    for text in [FOUR_BAR, &sawn()] {
+        let mut interpreter = Interpreter::new(model(text));
+        let n = interpreter.model().nv();
+        let theta = angles(&linkage, &mut random);
+        let mut q = linkage.q(&theta);
+        if n == 4 {
+            q.push(q[0] + q[1] - q[2] + PI);
+        }
+        for (q, by) in q.iter_mut().zip(random.vector(n, 0.05)) {
+            *q += by;
+        }
+        let mut qd = random.vector(n, 1.0);
+        let mut step = |q: &mut Vec<f64>, qd: &mut Vec<f64>| {
+            let (mut dq, mut dqd) = (vec![0.0; n], vec![0.0; n]);
+            let into = (&mut *dq, &mut *dqd);
+            interpreter.closing_step(q, qd, &settings, into).expect("fits");
+            let [apart, parting] = errors(&mut interpreter, q, qd);
+            let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+            // The smallest change in the metric of kinetic energy takes off energy alone.
+            let energy = interpreter.kinetic_energy(q, qd).expect("fits");
+            let taken = interpreter.kinetic_energy(q, &dqd).expect("fits");
+            let closed: Vec<f64> = qd.iter().zip(&dqd).map(|(v, d)| v + d).collect();
+            let left = interpreter.kinetic_energy(q, &closed).expect("fits");
+            assert!((energy - taken - left).abs() < 1e-9 * energy);
+            let [_, still] = errors(&mut interpreter, q, &closed);
+            assert!(norm(&still) < 1e-9 * norm(&parting).max(1.0), "{still:?}");
+            *q = q.iter().zip(&dq).map(|(q, d)| q + d).collect();
+            *qd = closed;
+            norm(&apart)
+        };
+        let apart: Vec<f64> = (0..6).map(|_| step(&mut q, &mut qd)).collect();
+        assert!(apart[0] > 1e-3 && apart[5] < 1e-13, "{apart:?}");
+    }
+}
+
+#[test]
+fn single_precision_closes_loops_too() {
+    let linkage = four_bar();
+    let mut interpreter = Interpreter::<f32>::new(model(FOUR_BAR));
+    let mut double = Interpreter::new(model(FOUR_BAR));
+    let mut random = Random(8);
+    for _ in 0..50 {
+        let theta = angles(&linkage, &mut random);
+        let (q, qd) = (linkage.q(&theta), linkage.qd(&theta, &[1.0]));
+        let exact = ClosureSettings::<f64>::EXACT;
+        let (expected, _) = constrained(&mut double, (&q, &qd, &[0.0; 3]), &exact);
+        #[allow(clippy::cast_possible_truncation)]
+        let [q, qd] = [q, qd].map(|x| x.iter().map(|x| *x as f32).collect::<Vec<f32>>());
+        let (mut qdd, mut forces) = ([0.0; 3], [Wrench::zero()]);
+        let settings = ClosureSettings::<f32>::EXACT;
+        let into = (&mut qdd[..], &mut forces[..]);
+        let solve = Interpreter::constrained_forward_dynamics;
+        solve(&mut interpreter, &q, &qd, &[0.0; 3], &settings, into).expect("fits");
+        assert_near(&qdd.map(f64::from), &expected, 1e-3);
+    }
+}
+
+#[test]
+fn generated_code_says_which_loops_it_closes() {
+    let generate =
+        |text: &str| Builder::new().urdf_text(text, "loop.urdf").generate().expect("good");
+    let closed = generate(FOUR_BAR);
+    for part in [
+        "pub const CLOSURE_NAMES: [&'static str; 1] = [\"rocker_pin\"];",
+        "| 0 | `rocker_pin` | revolute | `coupler` | `rocker` |",
+        "pub fn constrained_forward_dynamics(q: &[f64; 3], qd: &[f64; 3], tau: &[f64; 3], \
+         settings: &__modyn::ClosureSettings<f64>)",
+    ] {
+        assert!(closed.text.contains(part), "{part}\n{}", closed.text);
+    }
+    // A tree has no such functions, even if it is to have all.
+    let tree = FOUR_BAR.split_once("<loop_joint").expect("a loop").0.to_owned() + "</robot>";
+    let tree = Builder::new().urdf_text(tree, "tree.urdf").functions(Function::ALL.iter().copied());
+    let tree = tree.generate().expect("good");
+    assert!(!tree.text.contains("clos") && !tree.text.contains("constrained"));
+}
+
+#[test]
+fn loops_are_read_as_they_are_written() {
+    let model = model(include_str!("good/loops.urdf"));
+    let [point, rigid, hinge, slide] = model.closures() else { panic!("four loops") };
+    assert_eq!((point.name.as_str(), point.kind), ("point", ClosureKind::Point));
+    let links = |closure: &modyn_runtime::model::Closure| {
+        closure.ends.each_ref().map(|end| model.frames()[end.frame].name.clone())
+    };
+    assert_eq!(links(point), ["base", "tool"]);
+    let [first, second] = &point.ends;
+    assert_eq!(first.pose.translation, [1.0, 2.0, 3.0]);
+    assert_near(
+        &first.pose.rotation.concat(),
+        &[0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        1e-15,
+    );
+    assert_eq!(second.pose, Pose { translation: [0.5, 0.0, 0.0], ..Pose::identity() });
+    assert_eq!((rigid.kind, links(rigid)), (ClosureKind::Rigid, ["base".into(), "arm".into()]));
+    assert_eq!(hinge.kind, ClosureKind::Revolute([1.0, 0.0, 0.0]));
+    let ClosureKind::Prismatic(axis) = slide.kind else { panic!("{:?}", slide.kind) };
+    assert_near(&axis, &[0.0, 0.6, 0.8], 1e-15);
+}
+
+#[test]
+fn a_model_says_what_is_wrong_with_its_closures() {
+    let model = model(FOUR_BAR);
+    let kinds = |change: &dyn Fn(&mut Vec<Closure>)| {
+        let mut closures = model.closures().to_vec();
+        change(&mut closures);
+        let errors = model.clone().with_closures(closures).expect_err("refused");
+        errors.into_iter().map(|error| error.kind).collect::<Vec<_>>()
+    };
+    use ModelErrorKind::{Axis, ClosureEnds, ClosureLink, DuplicateName, NotFinite, Rotation};
+    assert_eq!(kinds(&|c| c[0].ends[0].frame = 99), [ClosureLink]);
+    assert_eq!(kinds(&|c| c[0].ends[0].frame = c[0].ends[1].frame), [ClosureEnds]);
+    assert_eq!(kinds(&|c| c.push(c[0].clone())), [DuplicateName]);
+    assert_eq!(kinds(&|c| c[0].ends[0].pose.translation[1] = f64::NAN), [NotFinite]);
+    assert_eq!(kinds(&|c| c[0].ends[1].pose.rotation[0][0] = -1.0), [Rotation]);
+    assert_eq!(kinds(&|c| c[0].kind = ClosureKind::Prismatic([1.0, 1.0, 0.0])), [Axis]);
+    assert_eq!(kinds(&|c| c[0].kind = ClosureKind::Revolute([f64::INFINITY; 3])), [NotFinite]);
 }
