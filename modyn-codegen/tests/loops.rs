@@ -4,6 +4,7 @@
 
 use std::f64::consts::PI;
 
+use modyn_codegen::error::Code;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::Tracer;
 use modyn_codegen::urdf::{Base, ClosureKind, Loop, LoopEnd, ReadOptions, read};
@@ -371,15 +372,11 @@ fn two_closures_of_one_joint_share_its_forces() {
 /// These of three closures on a robot that floats and has joints of all types, one of which follows
 /// another: with all three there are more rows than joints.
 fn bound_zoo(which: &[usize]) -> Model {
-    let end = |link: &str, translation: [f64; 3], rotation: [[f64; 3]; 3]| LoopEnd {
-        link: link.into(),
-        pose: Pose { rotation, translation },
-    };
-    let straight = Pose::identity().rotation;
-    let turned = [[0.0, -0.6, 0.8], [1.0, 0.0, 0.0], [0.0, 0.8, 0.6]];
+    let end = |link: &str, xyz, rpy| LoopEnd { link: link.into(), xyz, rpy };
+    let (straight, turned) = ([0.0; 3], [0.9, -0.4, 1.3]);
     let closed =
         |name: &str, kind, first, second| Loop { name: name.into(), kind, ends: [first, second] };
-    let axis = [0.48, 0.6, 0.64];
+    let axis = [0.96, 1.2, 1.28];
     let all = [
         closed(
             "slide",
@@ -757,4 +754,33 @@ fn a_model_says_what_is_wrong_with_its_closures() {
     assert_eq!(kinds(&|c| c[0].ends[1].pose.rotation[0][0] = -1.0), [Rotation]);
     assert_eq!(kinds(&|c| c[0].kind = ClosureKind::Prismatic([1.0, 1.0, 0.0])), [Axis]);
     assert_eq!(kinds(&|c| c[0].kind = ClosureKind::Revolute([f64::INFINITY; 3])), [NotFinite]);
+}
+
+#[test]
+fn an_options_loop_is_checked_as_a_descriptions() {
+    let end = |link: &str| LoopEnd { link: link.into(), xyz: [0.0; 3], rpy: [0.0; 3] };
+    let codes = |name: &str, kind, ends| {
+        let loops = vec![Loop { name: name.into(), kind, ends }];
+        let options = ReadOptions { loops, ..Default::default() };
+        let errors = read(FOUR_BAR, "loop.urdf", &options).expect_err("refused");
+        assert!(errors.iter().all(|error| error.help.is_some() && error.subject.is_some()));
+        errors.iter().map(|error| error.code).collect::<Vec<_>>()
+    };
+    let good = || [end("coupler"), end("ground")];
+    let slide = ClosureKind::Prismatic;
+    assert_eq!(codes("a", slide([0.0; 3]), good()), [Code::Option]);
+    assert_eq!(codes("a", slide([f64::NAN; 3]), good()), [Code::Option]);
+    assert_eq!(codes("crank_pin", ClosureKind::Point, good()), [Code::DuplicateJoint]);
+    assert_eq!(codes("rocker_pin", ClosureKind::Point, good()), [Code::DuplicateJoint]);
+    assert_eq!(codes("a", ClosureKind::Rigid, [end("x"), end("ground")]), [Code::LoopLink]);
+    assert_eq!(codes("a", ClosureKind::Rigid, [end("crank"), end("crank")]), [Code::LoopEnds]);
+    let far = LoopEnd { rpy: [0.0, f64::INFINITY, 0.0], ..end("crank") };
+    assert_eq!(codes("a", ClosureKind::Point, [far, end("ground")]), [Code::NotFinite]);
+    // A model has its own.
+    let closing = Loop { name: "a".into(), kind: ClosureKind::Point, ends: good() };
+    let builder = Builder::new().model(model(FOUR_BAR)).loop_joint(closing);
+    let errors = builder.generate().expect_err("refused");
+    assert_eq!(errors.iter().map(|error| error.code).collect::<Vec<_>>(), [Code::Option]);
+    let moon = Builder::new().model(model(FOUR_BAR)).gravity([0.0, 0.0, -1.62]);
+    assert_eq!(moon.generate().expect("good").model.closures().len(), 1);
 }

@@ -16,8 +16,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::{
     Loop, LoopEnd,
     build::LARGEST,
+    joint::normalized,
     nearest::Suggestions,
-    parts::{Located, Parts, Reader},
+    parts::{Located, Parts, Reader, roll_pitch_yaw},
     report::Report,
 };
 use crate::error::{Code, Diagnostic, Severity, Subject};
@@ -46,15 +47,29 @@ impl LoopPart<'_> {
     }
 }
 
-impl<'a> From<&'a Loop> for LoopPart<'a> {
-    fn from(option: &'a Loop) -> Self {
-        let end = |LoopEnd { link, pose }: &'a LoopEnd| EndPart {
-            link: Some(link),
-            at: None,
-            pose: *pose,
+impl<'a> LoopPart<'a> {
+    /// An option's; with errors in the report.
+    fn of_option(option: &'a Loop, report: &mut Report<'_>) -> Self {
+        let ends = option.ends.each_ref().map(|LoopEnd { link, xyz, rpy }| {
+            let pose = Pose { rotation: roll_pitch_yaw(*rpy), translation: *xyz };
+            EndPart { link: Some(link.as_str()), at: None, pose }
+        });
+        let unit = |axis: [f64; 3]| {
+            let finite = axis.iter().all(|x| x.abs() < LARGEST);
+            normalized(axis).filter(|_| finite).map(|(unit, _)| unit)
         };
-        let ends = option.ends.each_ref().map(end);
-        Self { name: &option.name, at: None, kind: Some(option.kind), ends }
+        let kind = match option.kind {
+            ClosureKind::Revolute(axis) => unit(axis).map(ClosureKind::Revolute),
+            ClosureKind::Prismatic(axis) => unit(axis).map(ClosureKind::Prismatic),
+            kind => Some(kind),
+        };
+        let part = Self { name: &option.name, at: None, kind, ends };
+        if let (Some(axis), None) = (option.kind.axis(), kind) {
+            let message = format!("{axis:?} is no axis");
+            let error = Diagnostic::error(Code::Option, message).about(part.subject());
+            report.push(error.with_help("give a direction, such as [0.0, 0.0, 1.0]"));
+        }
+        part
     }
 }
 
@@ -85,18 +100,16 @@ impl<'a> Reader<'a, '_, '_, '_> {
 
     fn loop_kind(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Option<ClosureKind> {
         let text = self.attribute(node, "type", subject)?;
-        let mut axis = || self.axis(node, "axis", [1.0, 0.0, 0.0], subject);
-        match text.text {
-            "spherical" => Some(ClosureKind::Point),
-            "fixed" => Some(ClosureKind::Rigid),
-            "revolute" | "continuous" => axis().map(ClosureKind::Revolute),
-            "prismatic" => axis().map(ClosureKind::Prismatic),
-            other => {
-                let message = format!("`{other}` is no type of a loop joint");
-                self.report.error(Code::UnknownJointType, text.at, subject, message, TYPES);
-                None
-            }
+        let x = [1.0, 0.0, 0.0];
+        let Some(kind) = ClosureKind::of_joint(text.text, x) else {
+            let message = format!("`{}` is no type of a loop joint", text.text);
+            self.report.error(Code::UnknownJointType, text.at, subject, message, TYPES);
+            return None;
+        };
+        if kind.axis().is_none() {
+            return Some(kind);
         }
+        ClosureKind::of_joint(text.text, self.axis(node, "axis", x, subject)?)
     }
 
     fn loop_end(
@@ -135,7 +148,8 @@ pub fn closures(
     }
     let names = parts.joints.iter().map(|joint| joint.name.text).collect();
     let mut search = Search { parts, links, names, near: Suggestions::new() };
-    let options: Vec<LoopPart> = options.iter().map(LoopPart::from).collect();
+    let options: Vec<LoopPart> =
+        options.iter().map(|option| LoopPart::of_option(option, report)).collect();
     let all = parts.loops.iter().chain(&options);
     all.filter_map(|part| search.closure(part, carriers, report)).collect()
 }

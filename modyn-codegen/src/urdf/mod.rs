@@ -35,7 +35,6 @@ mod tree;
 
 pub use modyn_runtime::model::{ClosureKind, Friction};
 use modyn_runtime::model::{DEFAULT_GRAVITY, Model};
-use modyn_runtime::spatial::Pose;
 
 use crate::error::{Code, Diagnostic, Diagnostics, Severity};
 use report::Report;
@@ -109,12 +108,12 @@ pub struct Rotor {
     pub gear_ratio: f64,
 }
 
-/// A joint that closes a loop of joints: two frames that are held together.
+/// A joint that closes a loop of joints, as `<loop_joint>` does: two frames that are held together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loop {
     /// Its name, which no other joint has.
     pub name: String,
-    /// What it holds; an axis is of unit length.
+    /// What it holds; an axis may be of any length.
     pub kind: ClosureKind,
     /// The two frames.
     pub ends: [LoopEnd; 2],
@@ -125,8 +124,10 @@ pub struct Loop {
 pub struct LoopEnd {
     /// The link's name.
     pub link: String,
-    /// Where the frame stands on it.
-    pub pose: Pose<f64>,
+    /// Where the frame's origin stands on it, m.
+    pub xyz: [f64; 3],
+    /// How it is turned: roll, pitch and yaw, rad.
+    pub rpy: [f64; 3],
 }
 
 /// A robot that was read.

@@ -167,8 +167,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
             self.numbers(text, subject)
         };
         let translation = three("xyz").unwrap_or_default();
-        let [roll, pitch, yaw] = three("rpy").unwrap_or_default();
-        Pose { rotation: roll_pitch_yaw(roll, pitch, yaw), translation }
+        let rotation = roll_pitch_yaw(three("rpy").unwrap_or_default());
+        Pose { rotation, translation }
     }
 
     /// An attribute that must be there and not empty.
@@ -329,7 +329,7 @@ pub fn located<'a>(node: Node<'a, '_>, name: &str) -> Option<Located<'a>> {
 }
 
 /// `Rz(yaw) Ry(pitch) Rx(roll)`. Sines are libm's, so that every host has the same figures.
-fn roll_pitch_yaw(roll: f64, pitch: f64, yaw: f64) -> [[f64; 3]; 3] {
+pub fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
     let (sr, cr) = libm::sincos(roll);
     let (sp, cp) = libm::sincos(pitch);
     let (sy, cy) = libm::sincos(yaw);

@@ -46,6 +46,19 @@ pub enum ClosureKind {
 }
 
 impl ClosureKind {
+    /// What a cut joint of this type holds (`spherical`, `fixed`, `revolute`, `continuous`,
+    /// `prismatic`), the latter three along `axis`; `None` for other types.
+    #[must_use]
+    pub fn of_joint(joint_type: &str, axis: [f64; 3]) -> Option<Self> {
+        Some(match joint_type {
+            "spherical" => Self::Point,
+            "fixed" => Self::Rigid,
+            "revolute" | "continuous" => Self::Revolute(axis),
+            "prismatic" => Self::Prismatic(axis),
+            _ => return None,
+        })
+    }
+
     /// What the joint that was cut is called.
     #[must_use]
     pub fn name(self) -> &'static str {
