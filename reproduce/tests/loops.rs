@@ -123,11 +123,11 @@ fn a_compiled_four_bar_linkage_keeps_its_energy() {
         let c = (c, rate(&along(&q, &b.0, h / 2.0), &c));
         let d: [f64; 3] = along(&qd, &c.1, h);
         let d = (d, rate(&along(&q, &c.0, h), &d));
-        let mean = |k: fn(&([f64; 3], [f64; 3])) -> [f64; 3]| -> [f64; 3] {
-            let [a, b, c, d] = [k(&a), k(&b), k(&c), k(&d)];
+        let mean = |[a, b, c, d]: [[f64; 3]; 4]| -> [f64; 3] {
             std::array::from_fn(|i| (a[i] + 2.0 * (b[i] + c[i]) + d[i]) / 6.0)
         };
-        (q, qd) = (along(&q, &mean(|k| k.0), h), along(&qd, &mean(|k| k.1), h));
+        let (v, rates) = (mean([a.0, b.0, c.0, d.0]), mean([a.1, b.1, c.1, d.1]));
+        (q, qd) = (along(&q, &v, h), along(&qd, &rates, h));
     }
     assert!((energy(&q, &qd) - before).abs() < 1e-6, "{} {before}", energy(&q, &qd));
     assert!(apart(&q) < 1e-8 && FourBar::kinetic_energy(&q, &qd) > 1e-3);

@@ -9,6 +9,9 @@ use crate::model::ModuleTree;
 use crate::model::prepare::Prepared;
 use crate::spatial::{Twist, Wrench};
 
+/// The memory that it works in.
+type Rooms<'a, S> = (&'a mut Workspace<S>, &'a mut ClosureWorkspace<S>);
+
 /// Closed loops: see [`Model::closures`](crate::model::Model::closures). A model without any is a
 /// tree, for which nothing is written to slices by closures.
 impl<S: Scalar> Interpreter<S> {
@@ -67,10 +70,7 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// What closing loops works with.
-    #[allow(clippy::type_complexity)]
-    fn closing(
-        &mut self,
-    ) -> (&Prepared<S>, &Layout, (&mut Workspace<S>, &mut ClosureWorkspace<S>)) {
+    fn closing(&mut self) -> (&Prepared<S>, &Layout, Rooms<'_, S>) {
         let Self { prepared, workspace, model, links, closing, .. } = self;
         let layout = links.get_or_insert_with(|| Layout::new(prepared, &ModuleTree::links(model)));
         let room = closing.get_or_insert_with(|| ClosureWorkspace::new(prepared, layout));
