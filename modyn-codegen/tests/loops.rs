@@ -40,18 +40,21 @@ impl Bar {
     }
 }
 
+/// Where a bar begins, and its angle.
+type Place = ([f64; 2], f64);
+
 /// A planar linkage by its geometry alone.
 struct Linkage {
     bars: Vec<Bar>,
-    /// From the driving angles: where each bar begins, and its angle.
-    place: fn(&[f64]) -> Vec<([f64; 2], f64)>,
+    /// From the driving angles.
+    place: fn(&[f64]) -> Vec<Place>,
     /// The coordinates of the tree, from the bars' angles.
     coordinates: fn(&[f64]) -> Vec<f64>,
     /// Where the driving angles stand in those.
     driven: &'static [usize],
 }
 
-fn tip(([x, z], angle): ([f64; 2], f64), length: f64) -> [f64; 2] {
+fn tip(([x, z], angle): Place, length: f64) -> [f64; 2] {
     [x + length * angle.cos(), z + length * angle.sin()]
 }
 
@@ -63,7 +66,7 @@ fn triangle(from: [f64; 2], to: [f64; 2], own: f64, other: f64) -> f64 {
 }
 
 fn four_bar() -> Linkage {
-    fn place(theta: &[f64]) -> Vec<([f64; 2], f64)> {
+    fn place(theta: &[f64]) -> Vec<Place> {
         let crank = ([0.0, 0.0], theta[0]);
         let (pin, ground) = (tip(crank, 0.2), [0.5, 0.0]);
         let coupler = (pin, triangle(pin, ground, 0.5, 0.4));
@@ -80,7 +83,7 @@ fn four_bar() -> Linkage {
 }
 
 fn five_bar() -> Linkage {
-    fn place(theta: &[f64]) -> Vec<([f64; 2], f64)> {
+    fn place(theta: &[f64]) -> Vec<Place> {
         let (left, right) = (([0.0, 0.0], theta[0]), ([0.4, 0.0], theta[1]));
         let elbows = [tip(left, 0.3), tip(right, 0.3)];
         let forearm = (elbows[0], triangle(elbows[0], elbows[1], 0.4, 0.4));
