@@ -54,6 +54,11 @@ mod conventions_page {}
 #[doc = include_str!("../docs/batch.md")]
 mod batch_page {}
 
+/// The same for the page of closed loops.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/loops.md")]
+mod loops_page {}
+
 /// The tutorials.
 #[cfg(doctest)]
 mod tutorials {

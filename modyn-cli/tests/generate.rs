@@ -71,8 +71,16 @@ fn a_build_script_would_write_the_same() {
         ];
         modyn(&[&common[..], extra].concat())
     };
-    let extra =
-        ["--base", "floating", "--payload", "trunk", "--rotor", "front_left_knee=0.0001,100"];
+    let extra = [
+        "--base",
+        "floating",
+        "--payload",
+        "trunk",
+        "--rotor",
+        "front_left_knee=0.0001,100",
+        "--loop",
+        "rod=revolute:trunk:0.1,0,-0.2:front_left_foot:0,0,0,0,0,1.5:0,2,0",
+    ];
     let found = options("robots/quadruped.urdf", &extra);
     assert_eq!(found.code, 0, "{}", found.err);
     let builder = modyn_codegen::Builder::new()
@@ -80,6 +88,17 @@ fn a_build_script_would_write_the_same() {
         .float(modyn_codegen::FloatType::F32)
         .base(modyn_codegen::urdf::Base::Floating)
         .rotor("front_left_knee", 0.0001, 100.0)
+        .loop_joint(modyn_codegen::urdf::Loop {
+            name: "rod".into(),
+            kind: modyn_codegen::urdf::ClosureKind::Revolute([0.0, 2.0, 0.0]),
+            ends: [("trunk", [0.1, 0.0, -0.2], 0.0), ("front_left_foot", [0.0; 3], 1.5)].map(
+                |(link, xyz, yaw)| modyn_codegen::urdf::LoopEnd {
+                    link: link.into(),
+                    xyz,
+                    rpy: [0.0, 0.0, yaw],
+                },
+            ),
+        })
         .friction(modyn_codegen::urdf::Friction::Smooth(0.01))
         .gravity([0.0, 0.0, -1.62])
         .modules(modyn_codegen::ModuleChoice::Links)

@@ -232,3 +232,25 @@ fn whatever_moves_can_be_drawn() {
         }
     }
 }
+
+#[test]
+fn loops_stay_closed() {
+    let start = ["--q", "1.2,-0.6,2.0", "--time", "1", "--every", "0.1"];
+    let found = modyn(&[&["simulate", "robots/four_bar.urdf"], &start[..]].concat());
+    assert_eq!(found.code, 0, "{}", found.err);
+    assert!(drift(&found.out) < 1e-6, "{}", drift(&found.out));
+    let (head, rows) = table(&found.out);
+    let [crank, pin, rocker] = ["crank_pivot (rad)", "crank_pin (rad)", "rocker_pivot (rad)"]
+        .map(|name| column(&head, name));
+    for row in &rows {
+        let (a, b, c) = (row[crank], row[crank] + row[pin], row[rocker]);
+        let x = 0.2 * a.cos() + 0.5 * b.cos() - 0.5 - 0.4 * c.cos();
+        let z = 0.2 * a.sin() + 0.5 * b.sin() - 0.4 * c.sin();
+        assert!(x.hypot(z) < 1e-8, "{x} {z}");
+    }
+    assert!((rows[0][crank] - rows[rows.len() - 1][crank]).abs() > 0.1);
+    // Stretched out there is no way to turn.
+    let found = modyn(&["simulate", "robots/four_bar.urdf"]);
+    assert_eq!(found.code, 1);
+    assert!(found.err.contains("joint `rocker_pin`"), "{}", found.err);
+}

@@ -15,7 +15,7 @@ use crate::error::{Code, Diagnostic, Diagnostics, Severity, Subject};
 use crate::functions::Function;
 use crate::names;
 use crate::source::read_first;
-use crate::urdf::{self, Base, Mimic, ReadOptions, Reading, Rotor, nearest::nearest};
+use crate::urdf::{self, Base, Loop, Mimic, ReadOptions, Reading, Rotor, nearest::nearest};
 
 /// Most operations, by [`estimate`]: tens of megabytes of text.
 const MOST_OPERATIONS: u64 = 400_000;
@@ -266,6 +266,14 @@ impl Builder {
         self
     }
 
+    /// A joint that closes a loop, besides the `<loop_joint>`s of the description. (A
+    /// [model](Self::model) has its own: [`Model::with_closures`].)
+    #[must_use]
+    pub fn loop_joint(mut self, closing: Loop) -> Self {
+        self.read.loops.push(closing);
+        self
+    }
+
     /// How to take joints that mimic another one; by default they follow it and have no coordinate
     /// of their own.
     #[must_use]
@@ -457,7 +465,9 @@ impl Builder {
                 if let Some(gravity) = gravity {
                     let (links, frames) = (model.links().to_vec(), model.frames().to_vec());
                     let friction = model.friction();
-                    let changed = Model::new(model.name(), gravity, links, frames);
+                    let closures = model.closures().to_vec();
+                    let changed = Model::new(model.name(), gravity, links, frames)
+                        .and_then(|model| model.with_closures(closures));
                     model =
                         changed.map(|model| model.with_friction(friction)).map_err(|errors| {
                             let help = "this is a fault of modyn: please report it with the model";
@@ -573,6 +583,13 @@ impl Builder {
                 Code::Option,
                 "a self-contained file has no crate to be told the path of".into(),
                 "leave out `krate`, or `self_contained`".into(),
+            );
+        }
+        if matches!(self.source, Source::Model(_)) && !self.read.loops.is_empty() {
+            error(
+                Code::Option,
+                "a model that is given as one has its own loops".into(),
+                "close them by `Model::with_closures`".into(),
             );
         }
         errors.extend(self.gravity.and_then(urdf::gravity_error));

@@ -171,11 +171,11 @@ codes! {
     /// A link is the child of several joints.
     SeveralParents = "several-parents":
         "A link hangs on one joint. Leave one; a closed loop of joints is no tree, and has to \
-        be cut: remove one joint of the loop.",
+        be cut: make one joint of the loop a `<loop_joint>`.",
     /// Joints form a cycle.
     Cycle = "cycle":
         "Let one of the joints begin at the link that carries the others. A closed loop has \
-        to be cut.",
+        to be cut: make one of its joints a `<loop_joint>`.",
     /// Several links are no joint's child, so the robot falls apart.
     SeveralRoots = "several-roots":
         "Join them: write a joint (a `fixed` one, perhaps) to every root but one.",
@@ -214,6 +214,14 @@ codes! {
     /// A joint mimics another one by a multiplier of 0.
     MimicMultiplier = "mimic-multiplier":
         "Write the ratio of the velocities, or make the joint `fixed` if it is not to move.",
+    /// A loop joint holds a link that does not exist.
+    LoopLink = "loop-link":
+        "Write the names of two links of this file in `<link1 link=\"...\"/>` and `<link2 \
+        link=\"...\"/>` (or in the option `loops`); the help names the nearest.",
+    /// A loop joint holds two links that cannot move against each other.
+    LoopEnds = "loop-ends":
+        "Name two links with a joint that moves between them, or remove the loop joint: what \
+        is fixed together needs none.",
     /// The damping, friction or rotor of a joint is negative.
     NegativeDrive = "negative-drive":
         "Write a figure of at least 0: damping and friction work against the motion, and a \

@@ -53,6 +53,12 @@ functions! {
     InverseDynamicsDerivatives "inverse_dynamics_derivatives";
     /// Derivatives of forward dynamics.
     ForwardDynamicsDerivatives "forward_dynamics_derivatives";
+    /// Forward dynamics with the loops closed.
+    ConstrainedForwardDynamics "constrained_forward_dynamics";
+    /// How well the loops are closed.
+    ClosureErrors "closure_errors";
+    /// The step that closes them.
+    ClosingStep "closing_step";
     /// The regressor of inverse dynamics.
     Regressor "regressor";
     /// The centre of mass.
@@ -110,7 +116,7 @@ functions! {
 }
 
 impl Function {
-    /// Those that a robot has unless others are chosen.
+    /// Those that a robot has unless others are chosen; one without loops has none about loops.
     pub const DEFAULT: &[Self] = &[
         Self::ForwardDynamics,
         Self::InverseDynamics,
@@ -120,6 +126,9 @@ impl Function {
         Self::Brge,
         Self::KineticEnergy,
         Self::PotentialEnergy,
+        Self::ConstrainedForwardDynamics,
+        Self::ClosureErrors,
+        Self::ClosingStep,
         Self::CenterOfMass,
         Self::LinkPoses,
         Self::LinkPose,
@@ -146,12 +155,19 @@ impl Function {
         })
     }
 
+    /// Whether it is about closed loops, so that only robots with some have it.
+    #[must_use]
+    pub const fn is_of_loops(self) -> bool {
+        matches!(self, Self::ConstrainedForwardDynamics | Self::ClosureErrors | Self::ClosingStep)
+    }
+
     /// Whether run-time parameters (gravity, payloads) can matter to it.
     #[must_use]
     pub const fn depends_on_parameters(self) -> bool {
         !matches!(
             self,
-            Self::LinkPoses
+            Self::ClosureErrors
+                | Self::LinkPoses
                 | Self::LinkPose
                 | Self::LinkVelocity
                 | Self::LocalLinkVelocity

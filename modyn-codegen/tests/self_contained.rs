@@ -41,7 +41,9 @@ fn compiles(file: &Path, attributes: &str) -> bool {
 #[test]
 fn a_file_needs_nothing_but_core() {
     let folder = folder("needs");
-    for (name, float) in [("joint_zoo", FloatType::F32), ("gripper", FloatType::F64)] {
+    let robots =
+        [("joint_zoo", FloatType::F32), ("gripper", FloatType::F64), ("four_bar", FloatType::F32)];
+    for (name, float) in robots {
         let builder = Builder::new().urdf(robot(&format!("{name}.urdf"))).float(float);
         let builder = builder.functions(Function::ALL.iter().copied()).self_contained();
         let file = folder.join(format!("{name}.rs"));
@@ -70,6 +72,14 @@ fn functions_for_c_compile_where_their_names_may_stand() {
         "pub extern \"C\" fn grip_forward_dynamics(q: &[f64; 4], qd: &[f64; 4], tau: &[f64; 4], out: &mut [f64; 4]) {"
     ));
     assert!(text.contains("fn grip_kinetic_energy(q: &[f64; 4], qd: &[f64; 4]) -> f64 {"));
+    assert!(compiles(&file, "#![deny(warnings, missing_docs, unsafe_code)]"));
+    let file = folder("c_loops").join("bar.rs");
+    let builder = Builder::new().urdf(robot("four_bar.urdf")).self_contained().c_functions("bar");
+    builder.write(&file).expect("good");
+    let text = std::fs::read_to_string(&file).expect("written");
+    assert!(text.contains(
+        "fn bar_constrained_forward_dynamics(q: &[f64; 3], qd: &[f64; 3], tau: &[f64; 3], settings: &[f64; 3], out: &mut [f64; 9])"
+    ));
     assert!(compiles(&file, "#![deny(warnings, missing_docs, unsafe_code)]"));
     for name in ["", "4", "a b", "a\n"] {
         assert!(Builder::new().urdf(robot("gripper.urdf")).c_functions(name).generate().is_err());

@@ -1,7 +1,7 @@
 //! What stands in the macro: `[[visibility] Name =] "path" [, option = value]*`.
 
 use modyn_codegen::error::Severity;
-use modyn_codegen::urdf::{Base, Friction, Mimic};
+use modyn_codegen::urdf::{Base, ClosureKind, Friction, Loop, LoopEnd, Mimic};
 use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
 use proc_macro2::{Span, TokenTree};
 use quote::ToTokens as _;
@@ -92,6 +92,7 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
             .map(|base| builder.base(base)),
         "friction" => friction(input).map(|friction| builder.friction(friction)),
         "rotors" => rotors(builder, input),
+        "loops" => loops(builder, input),
         "mimic" => {
             let choices = [
                 ("follow", Mimic::Follow),
@@ -110,7 +111,7 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
         },
         other => {
             let options = "gravity, payload, functions, modules, scalar, base, mimic, rotors, \
-                           friction, share, unphysical_inertia, crate";
+                           loops, friction, share, unphysical_inertia, crate";
             let message = format!("there is no option `{other}`; options are {options}");
             Err(Error::new(name.span(), message))
         }
@@ -165,6 +166,59 @@ fn rotors(builder: Builder, input: ParseStream<'_>) -> Result<Builder> {
     Ok(rotors.into_iter().fold(builder, |builder, (joint, inertia, gear_ratio)| {
         builder.rotor(joint, inertia, gear_ratio)
     }))
+}
+
+/// `["name": type("link", [x, y, z], "link", [x, y, z], axis = [x, y, z]), ...]`; behind each place
+/// may stand roll, pitch and yaw.
+fn loops(builder: Builder, input: ParseStream<'_>) -> Result<Builder> {
+    let content;
+    syn::bracketed!(content in input);
+    let loops = Punctuated::<_, Token![,]>::parse_terminated_with(&content, loop_joint)?;
+    Ok(loops.into_iter().fold(builder, Builder::loop_joint))
+}
+
+fn loop_joint(input: ParseStream<'_>) -> Result<Loop> {
+    let name: LitStr = input.parse()?;
+    input.parse::<Token![:]>()?;
+    let types = ["spherical", "fixed", "revolute", "continuous", "prismatic"];
+    let joint_type = choice(input, &types.map(|joint_type| (joint_type, joint_type)))?;
+    let figures;
+    syn::parenthesized!(figures in input);
+    let first = loop_end(&figures)?;
+    figures.parse::<Token![,]>()?;
+    let ends = [first, loop_end(&figures)?];
+    figures.parse::<Option<Token![,]>>()?;
+    let mut axis = None;
+    if !figures.is_empty() {
+        let span = figures.span();
+        choice(&figures, &[("axis", ())])?;
+        figures.parse::<Token![=]>()?;
+        axis = Some((vector(&figures)?, span));
+        figures.parse::<Option<Token![,]>>()?;
+    }
+    let along = axis.map_or([1.0, 0.0, 0.0], |(axis, _)| axis);
+    let kind = ClosureKind::of_joint(joint_type, along)
+        .ok_or_else(|| Error::new(name.span(), "expected the type of a joint"))?;
+    match axis {
+        Some((_, span)) if kind.axis().is_none() => {
+            Err(Error::new(span, format!("a loop joint of type `{joint_type}` has no axis")))
+        }
+        _ if !figures.is_empty() => Err(figures.error("expected `)`")),
+        _ => Ok(Loop { name: name.value(), kind, ends }),
+    }
+}
+
+/// `"link", [x, y, z]` or `"link", [x, y, z], [roll, pitch, yaw]`
+fn loop_end(input: ParseStream<'_>) -> Result<LoopEnd> {
+    let link: LitStr = input.parse()?;
+    input.parse::<Token![,]>()?;
+    let xyz = vector(input)?;
+    let mut rpy = [0.0; 3];
+    if input.peek(Token![,]) && input.peek2(syn::token::Bracket) {
+        input.parse::<Token![,]>()?;
+        rpy = vector(input)?;
+    }
+    Ok(LoopEnd { link: link.value(), xyz, rpy })
 }
 
 /// `["a", "b"]`

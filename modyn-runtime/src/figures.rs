@@ -44,6 +44,78 @@ pub struct ForwardDynamicsDerivatives<V, M> {
     pub dtau: M,
 }
 
+/// How closed loops are kept closed, and which of their rows count as redundant.
+///
+/// Where the frames of a closure are apart by phi, it is held by phi'' = -2 alpha phi' - beta^2 phi
+/// (Baumgarte 1972). Alpha = beta is the fastest return without swinging, by half in 1.7 / beta; zeros
+/// leave apart what an integrator's errors took apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosureSettings<T> {
+    /// Damping of what parts, 1/s.
+    pub alpha: T,
+    /// Its stiffness, 1/s.
+    pub beta: T,
+    /// Below which share of all pivots' sum a row of the constraints follows from others.
+    pub tolerance: T,
+}
+
+impl ClosureSettings<f64> {
+    /// alpha = beta = 20/s, and the square root of the precision.
+    pub const DEFAULT: Self = Self { alpha: 20.0, beta: 20.0, tolerance: 1e-8 };
+
+    /// Constraints of accelerations alone: for what is exactly closed.
+    pub const EXACT: Self = Self { alpha: 0.0, beta: 0.0, ..Self::DEFAULT };
+}
+
+impl ClosureSettings<f32> {
+    /// alpha = beta = 20/s, and the square root of the precision.
+    pub const DEFAULT: Self = Self { alpha: 20.0, beta: 20.0, tolerance: 3e-4 };
+
+    /// Constraints of accelerations alone: for what is exactly closed.
+    pub const EXACT: Self = Self { alpha: 0.0, beta: 0.0, ..Self::DEFAULT };
+}
+
+impl Default for ClosureSettings<f64> {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl Default for ClosureSettings<f32> {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// The accelerations of a robot whose loops are closed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstrainedForwardDynamics<V, W> {
+    /// The accelerations.
+    pub qdd: V,
+    /// For each closure what holds it: the wrench on the second link at the second frame's origin,
+    /// in the first frame's axes. The first link feels the opposite there.
+    pub forces: W,
+}
+
+/// A step that closes loops, and the change of velocities that keeps them closed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosingStep<V> {
+    /// The displacement, from coordinates whose loops are nearly closed.
+    pub dq: V,
+    /// The change of the velocities.
+    pub dqd: V,
+}
+
+/// How far closures are apart: for each the motion of the second frame against the first, in the
+/// first one's axes, without what is free.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosureErrors<D> {
+    /// Displacements, m; rotations by their axes times the sines of their angles.
+    pub displacements: D,
+    /// Velocities, m/s and rad/s.
+    pub velocities: D,
+}
+
 /// The limits of a robot's joints, infinite where the description states none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits<'a> {

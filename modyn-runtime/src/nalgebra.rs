@@ -7,9 +7,12 @@ use nalgebra::{
 };
 
 use crate::Scalar;
-use crate::figures::{ForwardDynamicsDerivatives, InverseDynamicsDerivatives};
+use crate::figures::{
+    ClosingStep, ClosureErrors, ClosureSettings, ConstrainedForwardDynamics,
+    ForwardDynamicsDerivatives, InverseDynamicsDerivatives,
+};
 use crate::robot::{Factorization, Robot};
-use crate::spatial::{Pose, Twist, Vector3};
+use crate::spatial::{Pose, Twist, Vector3, Wrench};
 
 /// A generated robot's functions over `SVector`, `SMatrix` and `Isometry3`:
 /// `Nalgebra::<Gripper>::forward_dynamics(&q, &qd, &tau)`.
@@ -164,6 +167,49 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
             dqd: found.dqd.into(),
             dtau: found.dtau.into(),
         }
+    }
+
+    /// Joint accelerations under the joint torques `tau` with the loops closed, and what closes each
+    /// of them.
+    #[must_use]
+    pub fn constrained_forward_dynamics<const NQ: usize, const NV: usize>(
+        q: &SVector<T, NQ>,
+        qd: &SVector<T, NV>,
+        tau: &SVector<T, NV>,
+        settings: &ClosureSettings<T>,
+    ) -> ConstrainedForwardDynamics<SVector<T, NV>, R::PerClosure<Wrench<T>>>
+    where
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+    {
+        let (q, qd, tau) = (array(q), array(qd), array(tau));
+        let found = R::constrained_forward_dynamics::<T>(q, qd, tau, settings);
+        ConstrainedForwardDynamics { qdd: found.qdd.into(), forces: found.forces }
+    }
+
+    /// How far the frames of each closure are apart, and how fast they part.
+    #[must_use]
+    pub fn closure_errors<const NQ: usize, const NV: usize>(
+        q: &SVector<T, NQ>,
+        qd: &SVector<T, NV>,
+    ) -> ClosureErrors<R::PerClosure<Twist<T>>>
+    where
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+    {
+        R::closure_errors::<T>(array(q), array(qd))
+    }
+
+    /// The step that closes the loops, and the change of velocities that keeps them closed.
+    #[must_use]
+    pub fn closing_step<const NQ: usize, const NV: usize>(
+        q: &SVector<T, NQ>,
+        qd: &SVector<T, NV>,
+        settings: &ClosureSettings<T>,
+    ) -> ClosingStep<SVector<T, NV>>
+    where
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+    {
+        let found = R::closing_step::<T>(array(q), array(qd), settings);
+        ClosingStep { dq: found.dq.into(), dqd: found.dqd.into() }
     }
 
     /// The pose of a link in the world.

@@ -5,6 +5,7 @@ use core::marker::PhantomData;
 
 use crate::Scalar;
 use crate::figures::{
+    ClosingStep, ClosureErrors, ClosureSettings, ConstrainedForwardDynamics,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
@@ -40,6 +41,20 @@ macro_rules! missing {
     }};
 }
 
+/// The same where only robots with loops have the function.
+macro_rules! no_loops {
+    ($function:ident: $($argument:ident),*) => {{
+        $(let _ = $argument;)*
+        const {
+            panic!(concat!(
+                "this robot was compiled without `",
+                stringify!($function),
+                "`: it has no loops (`<loop_joint>` or option `loops`), or its option `functions` leaves it out"
+            ))
+        }
+    }};
+}
+
 /// A generated robot, over any scalar.
 ///
 /// The generated type has the same functions by itself on plain numbers; the trait is for code
@@ -62,6 +77,8 @@ pub trait Robot {
     const COORDINATE_NAMES: &'static [&'static str];
     /// What each entry of the velocity vector is called.
     const VELOCITY_NAMES: &'static [&'static str];
+    /// The joints that close loops, in the description's order.
+    const CLOSURE_NAMES: &'static [&'static str] = &[];
     /// The limits of the joints, as the description states them.
     const LIMITS: JointLimits<'static>;
     /// The kinematic modules, parents before children.
@@ -81,6 +98,9 @@ pub trait Robot {
     type PerVelocity<X: Copy>: Array<X>;
     /// Something for each link of the description, in the order of [`LINK_NAMES`](Self::LINK_NAMES).
     type PerLink<X: Copy>: Array<X>;
+    /// Something for each joint that closes a loop, in the order of
+    /// [`CLOSURE_NAMES`](Self::CLOSURE_NAMES).
+    type PerClosure<X: Copy>: Array<X>;
     /// The regressor's columns.
     type Regressor<T: Scalar>: Array<Self::V<T>>;
     /// The factorization by modules.
@@ -317,6 +337,60 @@ pub trait Robot {
         tau: &Self::V<T>,
     ) -> ForwardDynamicsDerivatives<Self::V<T>, Self::M<T>> {
         Self::forward_dynamics_derivatives_with(&Self::Params::default(), q, qd, tau)
+    }
+
+    /// Joint accelerations under the joint torques `tau` with the loops closed, and what closes each
+    /// of them: the wrench on its second link at the second frame's origin, in the first frame's axes.
+    /// Of redundant constraints the first have all forces.
+    fn constrained_forward_dynamics_with<T: Scalar>(
+        params: &Self::Params,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        settings: &ClosureSettings<T>,
+    ) -> ConstrainedForwardDynamics<Self::V<T>, Self::PerClosure<Wrench<T>>> {
+        no_loops!(constrained_forward_dynamics: params, q, qd, tau, settings)
+    }
+
+    /// [`constrained_forward_dynamics_with`](Self::constrained_forward_dynamics_with) the default parameters.
+    fn constrained_forward_dynamics<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        tau: &Self::V<T>,
+        settings: &ClosureSettings<T>,
+    ) -> ConstrainedForwardDynamics<Self::V<T>, Self::PerClosure<Wrench<T>>> {
+        Self::constrained_forward_dynamics_with(&Self::Params::default(), q, qd, tau, settings)
+    }
+
+    /// How far the frames of each closure are apart, and how fast they part: the second frame against
+    /// the first, in the first one's axes, without what is free. Rotations are given by their axes
+    /// times the sines of their angles.
+    fn closure_errors<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+    ) -> ClosureErrors<Self::PerClosure<Twist<T>>> {
+        no_loops!(closure_errors: q, qd)
+    }
+
+    /// The smallest step (in the metric of the inertia matrix) that, to first order, closes the loops
+    /// at `q`, and the smallest change of `qd` that keeps them closed. Of `settings` the tolerance
+    /// alone matters.
+    fn closing_step_with<T: Scalar>(
+        params: &Self::Params,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        settings: &ClosureSettings<T>,
+    ) -> ClosingStep<Self::V<T>> {
+        no_loops!(closing_step: params, q, qd, settings)
+    }
+
+    /// [`closing_step_with`](Self::closing_step_with) the default parameters.
+    fn closing_step<T: Scalar>(
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+        settings: &ClosureSettings<T>,
+    ) -> ClosingStep<Self::V<T>> {
+        Self::closing_step_with(&Self::Params::default(), q, qd, settings)
     }
 
     /// The regressor Y of the inverse dynamics, an array of columns: tau = Y pi (rotors and friction

@@ -61,7 +61,7 @@ use FloatType::{F32, F64};
 use Source::{Described, Golden, Random, Zoo};
 
 /// All of them.
-pub const FLEET: [Spec; 42] = [
+pub const FLEET: [Spec; 43] = [
     spec(Golden("double_pendulum"), Chains, F64).all(),
     spec(Golden("double_pendulum_continuous"), Links, F64),
     spec(Golden("ur5"), Chains, F64).all(),
@@ -83,6 +83,7 @@ pub const FLEET: [Spec; 42] = [
     spec(Golden("g1"), Chains, F64).floating().shared(),
     spec(Described("quadruped"), Links, F64).floating().shared(),
     spec(Described("mimic_gripper"), Chains, F64).resisted(Friction::Coulomb).all(),
+    spec(Described("four_bar"), Chains, F64),
     spec(Described("joint_zoo"), Chains, F64)
         .resisted(Friction::Smooth(0.02))
         .driven(&[("elbow", 2e-5, 80.0), ("glide", 0.01, 3.0)])

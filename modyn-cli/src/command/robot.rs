@@ -8,7 +8,9 @@ use modyn_codegen::Builder;
 use modyn_codegen::error::{Code, Diagnostic, Diagnostics, Severity};
 use modyn_codegen::mjcf;
 use modyn_codegen::source::read_first;
-use modyn_codegen::urdf::{self, Friction, ReadOptions, Reading, Rotor};
+use modyn_codegen::urdf::{
+    self, ClosureKind, Friction, Loop, LoopEnd, ReadOptions, Reading, Rotor,
+};
 
 use crate::command::diagnostics;
 use crate::command::outcome::{Failure, to_stderr};
@@ -36,6 +38,10 @@ pub struct Options {
     /// A drive's rotor: inertia (kg m^2) and gear ratio, in place of what the description says
     #[arg(long = "rotor", value_name = "JOINT=INERTIA,RATIO", value_parser = rotor)]
     rotors: Vec<Rotor>,
+    /// A joint that closes a loop, besides the description's: NAME=TYPE:LINK:X,Y,Z:LINK:X,Y,Z[:AXIS], of type spherical,
+    /// fixed, revolute or prismatic; behind each X,Y,Z may stand roll, pitch and yaw
+    #[arg(long = "loop", value_name = "JOINT", value_parser = loop_joint)]
+    loops: Vec<Loop>,
     /// Which of the description's damping and friction acts: none, viscous, coulomb, smooth=VELOCITY
     #[arg(long, value_name = "KIND", default_value = "none", value_parser = friction)]
     friction: Friction,
@@ -164,6 +170,7 @@ impl Options {
             base: self.base.into(),
             rotors: self.rotors.clone(),
             friction: self.friction,
+            loops: self.loops.clone(),
         }
     }
 
@@ -176,6 +183,7 @@ impl Options {
         let builder = self.rotors.iter().fold(builder, |builder, rotor| {
             builder.rotor(&rotor.joint, rotor.inertia, rotor.gear_ratio)
         });
+        let builder = self.loops.iter().cloned().fold(builder, Builder::loop_joint);
         match self.gravity {
             Some(gravity) => builder.gravity(gravity),
             None => builder,
@@ -217,6 +225,39 @@ fn rotor(text: &str) -> Result<Rotor, String> {
     let (joint, figures) = text.rsplit_once('=').ok_or_else(expected)?;
     let (inertia, ratio) = figures.split_once(',').ok_or_else(expected)?;
     Ok(Rotor { joint: joint.into(), inertia: number(inertia)?, gear_ratio: number(ratio)? })
+}
+
+/// `pin=revolute:coupler:0.5,0,0:rocker:0.4,0,0:0,1,0`
+fn loop_joint(text: &str) -> Result<Loop, String> {
+    let expected = || {
+        "expected NAME=TYPE:LINK:X,Y,Z:LINK:X,Y,Z[:AXIS], such as pin=spherical:coupler:0.5,0,0:rocker:0.4,0,0"
+            .to_string()
+    };
+    let (name, rest) = text.split_once('=').ok_or_else(expected)?;
+    let parts: Vec<&str> = rest.split(':').collect();
+    let (&[joint_type, first, at_first, second, at_second], axis) =
+        parts.split_first_chunk().ok_or_else(expected)?;
+    let end = |link: &str, place: &str| {
+        let (xyz, rpy) = match *numbers(place)? {
+            [x, y, z] => ([x, y, z], [0.0; 3]),
+            [x, y, z, roll, pitch, yaw] => ([x, y, z], [roll, pitch, yaw]),
+            _ => return Err(format!("`{place}` is not three numbers, or six with a rotation")),
+        };
+        Ok(LoopEnd { link: link.into(), xyz, rpy })
+    };
+    let along = match axis {
+        [] => [1.0, 0.0, 0.0],
+        [axis] => vector(axis)?,
+        _ => return Err(expected()),
+    };
+    let kind = ClosureKind::of_joint(joint_type, along).ok_or_else(|| {
+        format!("`{joint_type}` is none of spherical, fixed, revolute, continuous, prismatic")
+    })?;
+    if kind.axis().is_none() && !axis.is_empty() {
+        return Err(format!("a loop joint of type {joint_type} has no axis"));
+    }
+    let ends = [end(first, at_first)?, end(second, at_second)?];
+    Ok(Loop { name: name.into(), kind, ends })
 }
 
 /// `none`, `viscous`, `coulomb` or `smooth=0.01`

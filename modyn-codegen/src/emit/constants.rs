@@ -50,6 +50,15 @@ impl Robot<'_> {
             parameters.len(),
             model.gravity(),
         );
+        let closures: Vec<&str> = model.closures().iter().map(|c| c.name.as_str()).collect();
+        if !closures.is_empty() {
+            let _ = writeln!(
+                text,
+                "/// The joints that close loops, in the description's order.\n\
+                 pub const CLOSURE_NAMES: [&'static str; {}] = {closures:?};",
+                closures.len()
+            );
+        }
         self.limits(text);
         if self.options.functions.contains(&Function::Regressor) {
             self.base_parameters(text);

@@ -38,6 +38,18 @@ pub(super) fn robot(
         let (joint, kind) = (code(&link.joint.name), link.joint.joint_type.name());
         let _ = writeln!(lines, "| {i} | {joint} | {kind} | {} | {parent} |", code(&link.name));
     }
+    if !model.closures().is_empty() {
+        lines.push_str(
+            "\nLoops, which `constrained_forward_dynamics` closes; all other functions are of the tree:\n\n\
+             | | loop joint | type | first link | second link |\n|---|---|---|---|---|\n",
+        );
+        for (i, closure) in model.closures().iter().enumerate() {
+            let [first, second] =
+                closure.ends.each_ref().map(|end| code(&model.frames()[end.frame].name));
+            let (name, kind) = (code(&closure.name), closure.kind.name());
+            let _ = writeln!(lines, "| {i} | {name} | {kind} | {first} | {second} |");
+        }
+    }
     lines.push_str("\nKinematic modules:\n\n");
     for (m, module) in robot.modules.modules().iter().enumerate() {
         let links: Vec<String> =

@@ -74,6 +74,8 @@ impl Robot<'_> {
         let (nq, nv, links) = (self.model.nq(), self.model.nv(), self.model.frames().len());
         let q = || Parameter::new("q", Shape::vector(nq));
         let v = |name| Parameter::new(name, Shape::vector(nv));
+        let closures = self.model.closures().len();
+        let settings = || Parameter::new("settings", Shape::closure_settings());
         let forces = || Parameter::new("forces", Shape::wrench().array(links));
         let one = |graph| Graphs::One(optimize(graph));
         let by_link = |graph: &dyn Fn(usize) -> Graph| {
@@ -199,6 +201,50 @@ impl Robot<'_> {
                 one(tracer.forward_dynamics_derivatives(for_derivatives)),
                 "The derivatives of the forward dynamics by `q` (in tangent space), `qd` and `tau`, each an\n\
                  array of columns, with the accelerations.",
+            ),
+            Function::ConstrainedForwardDynamics => (
+                vec![q(), v("qd"), v("tau"), settings()],
+                Shape::Struct {
+                    path: "__modyn::ConstrainedForwardDynamics".into(),
+                    arguments: format!(
+                        "{}, {}",
+                        vector().type_of("{t}"),
+                        Shape::wrench().array(closures).type_of("{t}")
+                    ),
+                    fields: vec![("qdd", vector()), ("forces", Shape::wrench().array(closures))],
+                },
+                one(tracer.constrained_forward_dynamics(layout)),
+                "Joint accelerations under the joint torques or forces `tau` with the loops closed, and what\n\
+                 closes each of them (in the order of `CLOSURE_NAMES`): the wrench on its second link at the\n\
+                 second frame's origin, in the first frame's axes. Of redundant constraints the first have all\n\
+                 forces.",
+            ),
+            Function::ClosureErrors => (
+                vec![q(), v("qd")],
+                Shape::Struct {
+                    path: "__modyn::ClosureErrors".into(),
+                    arguments: Shape::twist().array(closures).type_of("{t}"),
+                    fields: vec![
+                        ("displacements", Shape::twist().array(closures)),
+                        ("velocities", Shape::twist().array(closures)),
+                    ],
+                },
+                one(tracer.closure_errors()),
+                "How far the frames of each closure are apart, and how fast they part: the second frame against\n\
+                 the first, in the first one's axes, without what is free. Rotations are given by their axes\n\
+                 times the sines of their angles.",
+            ),
+            Function::ClosingStep => (
+                vec![q(), v("qd"), settings()],
+                Shape::Struct {
+                    path: "__modyn::ClosingStep".into(),
+                    arguments: vector().type_of("{t}"),
+                    fields: vec![("dq", vector()), ("dqd", vector())],
+                },
+                one(tracer.closing_step(layout)),
+                "The smallest step (in the metric of the inertia matrix) that, to first order, closes the loops\n\
+                 at `q`, and the smallest change of `qd` that keeps them closed. Of `settings` the tolerance\n\
+                 alone matters.",
             ),
             Function::Regressor => (
                 vec![q(), v("qd"), v("qdd")],

@@ -56,6 +56,15 @@ impl Shape {
         Self::spatial("Wrench", vec![("moment", Self::vector3()), ("force", Self::vector3())])
     }
 
+    pub(super) fn closure_settings() -> Self {
+        let fields = ["alpha", "beta", "tolerance"].map(|name| (name, Self::Scalar));
+        Self::Struct {
+            path: "__modyn::ClosureSettings".into(),
+            arguments: "{t}".into(),
+            fields: fields.into(),
+        }
+    }
+
     /// How many scalars it holds.
     pub(super) fn len(&self) -> usize {
         match self {

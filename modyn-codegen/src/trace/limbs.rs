@@ -113,6 +113,7 @@ impl Limbs {
         merged.links.clear();
         merged.frames.clear();
         merged.coordinates.clear();
+        merged.closures.clear();
         merged
     }
 

@@ -9,7 +9,7 @@ use modyn_runtime::{
 use super::{
     Base, ReadOptions, felt,
     joint::{JointPart, Kind, MimicPart},
-    mimics,
+    loops, mimics,
     parts::{LinkPart, Parts},
     report::Report,
     tree::Tree,
@@ -55,6 +55,8 @@ pub fn build(
             check_inertia(parts, &body.links, &link.inertial, negative, options, report);
         }
     }
+    let carriers: Vec<_> = place.iter().map(|(carrier, _)| *carrier).collect();
+    let closures = loops::closures(parts, &options.loops, &carriers, report);
     if report.errors() > 0 {
         return None;
     }
@@ -64,7 +66,8 @@ pub fn build(
         pose,
         inertial: part.inertial.as_ref().map_or_else(Inertial::default, |own| own.inertial),
     });
-    let model = match Model::new(parts.name, options.gravity, links, frames.collect()) {
+    let model = Model::new(parts.name, options.gravity, links, frames.collect());
+    let model = match model.and_then(|model| model.with_closures(closures)) {
         Ok(model) => model.with_friction(options.friction),
         Err(errors) => {
             // All of this has been checked. Should a check be missing, the user hears of it here.

@@ -9,7 +9,7 @@ use crate::error::{Code, Diagnostic, Position, Severity};
 /// The elements of a joint or an inertial whose figures are read.
 const USED: &[&str] = &[
     "inertial", "origin", "mass", "inertia", "parent", "child", "axis", "axis2", "limit", "mimic",
-    "dynamics",
+    "dynamics", "link1", "link2",
 ];
 
 /// The tidied text; `None` if there is more of it than any description has.
@@ -170,7 +170,7 @@ fn xacro(root: Node) -> Option<usize> {
         if is_xacro(part) {
             return Some(part.range().start);
         }
-        if !(is(root, part, "link") || is(root, part, "joint")) {
+        if !["link", "joint", "loop_joint"].iter().any(|name| is(root, part, name)) {
             continue;
         }
         let mut open = vec![part];

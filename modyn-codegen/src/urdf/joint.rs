@@ -172,7 +172,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     /// An axis, of unit length; `None` if it cannot be read.
-    fn axis(
+    pub fn axis(
         &mut self,
         node: Node<'a, '_>,
         name: &str,
@@ -185,17 +185,11 @@ impl<'a> Reader<'a, '_, '_, '_> {
         self.known(node, &["xyz"], subject);
         let text = self.attribute(node, "xyz", subject)?;
         let axis = self.numbers::<3>(text, subject)?;
-        // Scaled first, so that no square overflows or vanishes.
-        let largest = axis.iter().fold(0.0, |max: f64, x| max.max(x.abs()));
-        if largest == 0.0 {
+        let Some((unit, length)) = normalized(axis) else {
             let help = "write the direction of the axis, such as `0 0 1`";
             self.report.error(Code::ZeroAxis, text.at, subject, "the axis is zero", help);
             return None;
-        }
-        let scaled = axis.map(|x| x / largest);
-        let scaled_length = libm::sqrt(scaled.iter().map(|x| x * x).sum());
-        let unit = scaled.map(|x| x / scaled_length);
-        let length = largest * scaled_length;
+        };
         if (length - 1.0).abs() > 1e-6 {
             let message = format!("the axis is of length {length}; it is normalised");
             let help = format!("write `{} {} {}`", unit[0], unit[1], unit[2]);
@@ -344,6 +338,18 @@ impl<'a> Reader<'a, '_, '_, '_> {
             self.report.add(Severity::Warning, Code::NotRead, text.at, subject, message, help);
         }
     }
+}
+
+/// A direction of unit length, and how long it was; `None` for zero.
+pub fn normalized(axis: [f64; 3]) -> Option<([f64; 3], f64)> {
+    // Scaled first, so that no square overflows or vanishes.
+    let largest = axis.iter().fold(0.0, |max: f64, x| max.max(x.abs()));
+    if largest == 0.0 {
+        return None;
+    }
+    let scaled = axis.map(|x| x / largest);
+    let length = libm::sqrt(scaled.iter().map(|x| x * x).sum());
+    Some((scaled.map(|x| x / length), largest * length))
 }
 
 /// A cosine above which two axes are taken for parallel, as [`modyn_runtime::model::Model`] does.

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! text ─ document ─▶ XML ─ parts, joint ─▶ links and joints ─ tree ─▶ order ─ build ─▶ Model
-//!                                              └ mimics ─▶ leaders ──────────┘
+//!                                              ├ mimics ─▶ leaders ──────────┤
+//!                                              └ loops ─▶ closures ──────────┘
 //! ```
 //!
 //! Each step reports all that is wrong with it and goes on as far as it can, so that a user sees
@@ -23,6 +24,7 @@ mod felt;
 pub(crate) mod joint;
 mod limits;
 mod locate;
+mod loops;
 mod mimics;
 pub(crate) mod nearest;
 mod numbers;
@@ -33,7 +35,7 @@ mod rotors;
 mod tree;
 
 pub(crate) use limits::MOST_BYTES;
-pub use modyn_runtime::model::Friction;
+pub use modyn_runtime::model::{ClosureKind, Friction};
 use modyn_runtime::model::{DEFAULT_GRAVITY, Model};
 
 use crate::error::{Code, Diagnostic, Diagnostics, Severity};
@@ -55,6 +57,8 @@ pub struct ReadOptions {
     pub rotors: Vec<Rotor>,
     /// Which torques damping and friction exert.
     pub friction: Friction,
+    /// What closes loops, besides what the description says.
+    pub loops: Vec<Loop>,
 }
 
 impl Default for ReadOptions {
@@ -66,6 +70,7 @@ impl Default for ReadOptions {
             base: Base::default(),
             rotors: Vec::new(),
             friction: Friction::default(),
+            loops: Vec::new(),
         }
     }
 }
@@ -104,6 +109,28 @@ pub struct Rotor {
     /// How many times faster it turns than the joint; the joint feels the square of that times the
     /// inertia.
     pub gear_ratio: f64,
+}
+
+/// A joint that closes a loop of joints, as `<loop_joint>` does: two frames that are held together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loop {
+    /// Its name, which no other joint has.
+    pub name: String,
+    /// What it holds; an axis may be of any length.
+    pub kind: ClosureKind,
+    /// The two frames.
+    pub ends: [LoopEnd; 2],
+}
+
+/// A frame that a [`Loop`] holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopEnd {
+    /// The link's name.
+    pub link: String,
+    /// Where the frame's origin stands on it, m.
+    pub xyz: [f64; 3],
+    /// How it is turned: roll, pitch and yaw, rad.
+    pub rpy: [f64; 3],
 }
 
 /// A robot that was read.

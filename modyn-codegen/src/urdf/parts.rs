@@ -8,7 +8,8 @@ use roxmltree::Node;
 use rustc_hash::FxHashMap;
 
 use super::{
-    ReadOptions, document::is, joint::JointPart, nearest::nearest, numbers::numbers, report::Report,
+    ReadOptions, document::is, joint::JointPart, loops::LoopPart, nearest::nearest,
+    numbers::numbers, report::Report,
 };
 use crate::error::{Code, Severity, Subject};
 
@@ -19,6 +20,7 @@ pub struct Parts<'a> {
     pub at: usize,
     pub links: Vec<LinkPart<'a>>,
     pub joints: Vec<JointPart<'a>>,
+    pub loops: Vec<LoopPart<'a>>,
 }
 
 impl<'a> Parts<'a> {
@@ -80,18 +82,21 @@ pub fn read<'a>(robot: Node<'a, '_>, options: &ReadOptions, report: &mut Report<
         );
     }
     let name = if name.trim().is_empty() { "robot" } else { name };
-    let mut parts = Parts { name, at, links: Vec::new(), joints: Vec::new() };
+    let (links, joints, loops) = (Vec::new(), Vec::new(), Vec::new());
+    let mut parts = Parts { name, at, links, joints, loops };
     for node in robot.children() {
         if is(robot, node, "link") {
             parts.links.extend(reader.link(node));
         } else if is(robot, node, "joint") {
             parts.joints.push(reader.joint(node));
+        } else if is(robot, node, "loop_joint") {
+            parts.loops.push(reader.loop_joint(node));
         }
     }
     parts
 }
 
-/// Reads elements; what a `<joint>` has is in `joint`.
+/// Reads elements; what a `<joint>` has is in `joint`, a `<loop_joint>` in `loops`.
 pub struct Reader<'a, 't, 'r, 'f> {
     robot: Node<'a, 't>,
     pub options: &'r ReadOptions,
@@ -146,19 +151,24 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let Some(node) = self.single(node, "origin", subject) else {
             return Pose::identity();
         };
+        self.known(node, &["xyz", "rpy", "quat_xyzw"], subject);
+        self.pose(node, subject)
+    }
+
+    /// The pose that this element's `xyz` and `rpy` say.
+    pub fn pose(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Pose<f64> {
         if let Some(attribute) = node.attribute_node("quat_xyzw") {
             let message = "`quat_xyzw` is not read, so the rotation would be lost";
             let help = "write the rotation as `rpy=\"roll pitch yaw\"`";
             self.report.error(Code::NotRead, attribute.range().start, subject, message, help);
         }
-        self.known(node, &["xyz", "rpy", "quat_xyzw"], subject);
         let mut three = |name| {
             let text = located(node, name)?;
             self.numbers(text, subject)
         };
         let translation = three("xyz").unwrap_or_default();
-        let [roll, pitch, yaw] = three("rpy").unwrap_or_default();
-        Pose { rotation: roll_pitch_yaw(roll, pitch, yaw), translation }
+        let rotation = roll_pitch_yaw(three("rpy").unwrap_or_default());
+        Pose { rotation, translation }
     }
 
     /// An attribute that must be there and not empty.
@@ -319,7 +329,7 @@ pub fn located<'a>(node: Node<'a, '_>, name: &str) -> Option<Located<'a>> {
 }
 
 /// `Rz(yaw) Ry(pitch) Rx(roll)`. Sines are libm's, so that every host has the same figures.
-fn roll_pitch_yaw(roll: f64, pitch: f64, yaw: f64) -> [[f64; 3]; 3] {
+pub fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
     let (sr, cr) = libm::sincos(roll);
     let (sp, cp) = libm::sincos(pitch);
     let (sy, cy) = libm::sincos(yaw);

@@ -180,22 +180,22 @@ fn in_link_axes<S: Scalar>(
 }
 
 /// Where a link stands, seen from a body.
-struct Seen<S> {
+pub(super) struct Seen<S> {
     /// The link's axes, as rows: as columns, the body's axes seen from the link.
-    axes: Matrix3<S>,
+    pub(super) axes: Matrix3<S>,
     /// The link's origin.
-    point: Vector3<S>,
+    pub(super) point: Vector3<S>,
 }
 
 impl<S: Scalar> Seen<S> {
     /// A link that is fixed to the body.
-    fn fixed(pose: &Pose<S>) -> Self {
+    pub(super) fn fixed(pose: &Pose<S>) -> Self {
         let axes = Matrix3(pose.rotation).transposed();
         Self { axes, point: Vector3(pose.translation) }
     }
 
     /// Seen from the parent, if it was seen from `body`.
-    fn towards_world(&self, body: &Body<S>, q: &[S]) -> Self {
+    pub(super) fn towards_world(&self, body: &Body<S>, q: &[S]) -> Self {
         let motion = body.motion(q);
         let axes = self.axes.0.map(|axis| body.to_parent(&motion, Vector3(axis)).0);
         let point = body.placement.point_to_parent(motion.point_to_parent(self.point));
@@ -205,7 +205,7 @@ impl<S: Scalar> Seen<S> {
 
 /// Adds the columns of body `i`'s degrees of freedom, along `axes` (as columns), for a link whose
 /// origin stands at `lever` in them.
-fn add_columns<S: Scalar>(
+pub(super) fn add_columns<S: Scalar>(
     model: &Prepared<S>,
     i: usize,
     axes: &Matrix3<S>,

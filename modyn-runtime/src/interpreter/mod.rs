@@ -1,5 +1,6 @@
 //! The equations run on numbers, for any model at run time.
 
+mod closures;
 mod coordinates;
 mod derivatives;
 mod kinematics;
@@ -14,8 +15,8 @@ use crate::equations::denoc::{self, DeNoc};
 use crate::equations::forward_dynamics::Elimination;
 use crate::equations::kinematics::link_poses;
 use crate::equations::{
-    Decomposition, Forces, Workspace, forward_dynamics, gravity, inverse_dynamics, kinetic_energy,
-    mass_matrix,
+    ClosureWorkspace, Decomposition, Forces, Workspace, forward_dynamics, gravity,
+    inverse_dynamics, kinetic_energy, mass_matrix,
 };
 use crate::model::prepare::{Prepared, rigid_inertia};
 use crate::model::{Inertial, InertialDefect, Model, ModuleTree};
@@ -96,7 +97,8 @@ impl core::error::Error for InertialError {}
 ///
 /// Calls work in memory that was allocated once (but for [`brge`](Self::brge), [`denoc`](Self::denoc)
 /// and [`decomposition`](Self::decomposition), which return new objects, and the first call of
-/// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives)), in time and memory linear in the number of
+/// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives) and of
+/// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics)), in time and memory linear in the number of
 /// links (but for dense results); nothing recurses on the call stack. Vectors stand in the order of
 /// [`Model::links`]; matrices are given by columns.
 #[derive(Clone, Debug)]
@@ -111,6 +113,8 @@ pub struct Interpreter<S = f64> {
     inertias: Vec<RigidInertia<S>>,
     /// By links, made when derivatives are first asked for.
     links: Option<Layout>,
+    /// Made when loops are first closed.
+    closing: Option<ClosureWorkspace<S>>,
 }
 
 impl<S: Scalar> Interpreter<S> {
@@ -139,8 +143,18 @@ impl<S: Scalar> Interpreter<S> {
         elimination.make_room(&prepared, &mut workspace);
         let body_poses = vec![Pose::identity(); prepared.bodies.len()];
         let inertias = model.frames().iter().map(|frame| inertia(&frame.inertial)).collect();
-        let links = None;
-        Self { model, modules, prepared, elimination, workspace, body_poses, inertias, links }
+        let (links, closing) = (None, None);
+        Self {
+            model,
+            modules,
+            prepared,
+            elimination,
+            workspace,
+            body_poses,
+            inertias,
+            links,
+            closing,
+        }
     }
 
     /// The same, with forward dynamics by these modules as well.

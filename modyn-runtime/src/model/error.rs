@@ -41,6 +41,10 @@ pub enum ModelErrorKind {
     Mimic,
     /// Armature, damping or friction below zero.
     Drive,
+    /// A closure holds a link that does not exist.
+    ClosureLink,
+    /// A closure holds two links that cannot move against each other.
+    ClosureEnds,
 }
 
 impl fmt::Display for ModelError {
@@ -61,6 +65,8 @@ impl fmt::Display for ModelError {
                  several coordinates"
             }
             ModelErrorKind::Drive => "has a negative armature, damping or friction",
+            ModelErrorKind::ClosureLink => "holds a link that does not exist",
+            ModelErrorKind::ClosureEnds => "holds two links that cannot move against each other",
         };
         write!(f, "`{}` {what}", self.name)
     }
@@ -153,6 +159,42 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
             report(&frame.name, ModelErrorKind::NotFinite);
         } else if !is_rotation(rotation) {
             report(&frame.name, ModelErrorKind::Rotation);
+        }
+    }
+    errors
+}
+
+/// Every defect of the closures of a `model` that is sound without them.
+pub(super) fn check_closures(model: &Model) -> Vec<ModelError> {
+    let mut errors = Vec::new();
+    let mut names = BTreeMap::new();
+    for (i, closure) in model.closures.iter().enumerate() {
+        let name = &closure.name;
+        let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
+        if names.insert(name, i).is_some() {
+            report(ModelErrorKind::DuplicateName);
+        }
+        let links = closure.ends.each_ref().map(|end| model.frames.get(end.frame));
+        match links {
+            [Some(a), Some(b)] if a.link == b.link => report(ModelErrorKind::ClosureEnds),
+            [Some(_), Some(_)] => {}
+            _ => report(ModelErrorKind::ClosureLink),
+        }
+        let axis = closure.kind.axis();
+        let poses = closure.ends.each_ref().map(|end| &end.pose);
+        if !poses
+            .iter()
+            .all(|pose| pose.rotation.iter().all(|row| finite(row)) && finite(&pose.translation))
+            || axis.is_some_and(|axis| !finite(&axis))
+        {
+            report(ModelErrorKind::NotFinite);
+            continue;
+        }
+        if axis.is_some_and(|axis| (axis.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() > 1e-9) {
+            report(ModelErrorKind::Axis);
+        }
+        if !poses.iter().all(|pose| is_rotation(&pose.rotation)) {
+            report(ModelErrorKind::Rotation);
         }
     }
     errors

@@ -6,6 +6,7 @@
 //! weigh has been merged into the link that carries them.
 
 mod base_parameters;
+mod closure;
 pub mod coordinates;
 mod error;
 mod modules;
@@ -13,6 +14,7 @@ pub mod prepare;
 
 pub use crate::inertial::{INERTIAL_PARAMETERS, Inertial, InertialDefect, PARAMETERS_PER_LINK};
 pub use base_parameters::{BaseParameter, BaseParameters};
+pub use closure::{Closure, ClosureEnd, ClosureKind};
 pub use error::{ModelError, ModelErrorKind};
 pub use modules::{Module, ModuleError, ModuleTree};
 
@@ -167,6 +169,7 @@ pub struct Model {
     friction: Friction,
     links: Vec<Link>,
     frames: Vec<Frame>,
+    closures: Vec<Closure>,
     /// By link: where its joint's coordinates and velocities stand.
     #[cfg_attr(feature = "serde", serde(skip))]
     places: Vec<Place>,
@@ -200,8 +203,9 @@ impl Model {
         frames: Vec<Frame>,
     ) -> Result<Self, Vec<ModelError>> {
         let friction = Friction::None;
-        let places = Vec::new();
-        let mut model = Self { name: name.into(), gravity, friction, links, frames, places };
+        let (closures, places) = (Vec::new(), Vec::new());
+        let name = name.into();
+        let mut model = Self { name, gravity, friction, links, frames, closures, places };
         let errors = error::check(&model);
         if !errors.is_empty() {
             return Err(errors);
@@ -263,6 +267,19 @@ impl Model {
         self
     }
 
+    /// The same robot with these loops closed, in place of those that it had.
+    ///
+    /// # Errors
+    ///
+    /// Every defect found: a name used twice, a link that does not exist or does not move against
+    /// the other, an axis that is not of unit length, a rotation that is none, a number that is not
+    /// finite.
+    pub fn with_closures(mut self, closures: Vec<Closure>) -> Result<Self, Vec<ModelError>> {
+        self.closures = closures;
+        let errors = error::check_closures(&self);
+        if errors.is_empty() { Ok(self) } else { Err(errors) }
+    }
+
     /// How joints resist their motion.
     #[must_use]
     pub fn friction(&self) -> Friction {
@@ -291,6 +308,12 @@ impl Model {
     #[must_use]
     pub fn frames(&self) -> &[Frame] {
         &self.frames
+    }
+
+    /// What holds links together besides the joints.
+    #[must_use]
+    pub fn closures(&self) -> &[Closure] {
+        &self.closures
     }
 
     /// The link of the description of that name, as an index of [`frames`](Self::frames).
@@ -409,9 +432,13 @@ impl<'de> serde::Deserialize<'de> for Model {
             friction: Friction,
             links: Vec<Link>,
             frames: Vec<Frame>,
+            #[serde(default)]
+            closures: Vec<Closure>,
         }
-        let Parts { name, gravity, friction, links, frames } = Parts::deserialize(deserializer)?;
-        let model = Self::new(name, gravity, links, frames).map(|m| m.with_friction(friction));
+        let Parts { name, gravity, friction, links, frames, closures } =
+            Parts::deserialize(deserializer)?;
+        let model = Self::new(name, gravity, links, frames)
+            .and_then(|model| model.with_friction(friction).with_closures(closures));
         model.map_err(|errors| {
             let all: Vec<String> = errors.iter().map(alloc::string::ToString::to_string).collect();
             serde::de::Error::custom(all.join("; "))

@@ -26,7 +26,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::coordinates::{Coordinates, coordinates};
-use super::{Friction, Inertial, Joint, Model};
+use super::{Closure, ClosureKind, Friction, Inertial, Joint, Model};
 use crate::Scalar;
 use crate::joint::{JointType, Motion, Primitive, planar};
 use crate::spatial::{
@@ -150,6 +150,47 @@ pub struct BodyFrame<S> {
     pub pose: Pose<S>,
 }
 
+impl<S: Scalar> BodyFrame<S> {
+    /// Each number through `f`.
+    fn map<T>(&self, f: impl FnMut(S) -> T) -> BodyFrame<T> {
+        BodyFrame { body: self.body, pose: self.pose.map(f) }
+    }
+}
+
+/// Two frames that are held together.
+#[derive(Clone, Debug)]
+pub struct HeldFrames<S> {
+    /// The first frame, whose axes what is held is given in, and the second.
+    pub ends: [BodyFrame<S>; 2],
+    /// The axis that the frames have in common, if one is held.
+    pub hinge: Option<Vector3<S>>,
+    /// What is held, a row of the constraint Jacobian each.
+    pub rows: Vec<HeldRow<S>>,
+}
+
+/// What a closure holds in one direction.
+#[derive(Clone, Copy, Debug)]
+pub struct HeldRow<S> {
+    /// Whether it is a rotation about the direction, not a displacement along it.
+    pub angular: bool,
+    /// A unit vector in the first frame's axes.
+    pub direction: Vector3<S>,
+}
+
+impl<S: Scalar> HeldFrames<S> {
+    /// Each number through `f`.
+    fn map<T>(&self, f: impl Fn(S) -> T) -> HeldFrames<T> {
+        let vector = |v: Vector3<S>| Vector3(v.0.map(&f));
+        let row =
+            |row: &HeldRow<S>| HeldRow { angular: row.angular, direction: vector(row.direction) };
+        HeldFrames {
+            ends: self.ends.map(|end| end.map(&f)),
+            hinge: self.hinge.map(vector),
+            rows: self.rows.iter().map(row).collect(),
+        }
+    }
+}
+
 /// A model rewritten for computing, on scalars of type `S`.
 #[derive(Clone, Debug)]
 pub struct Prepared<S> {
@@ -174,6 +215,8 @@ pub struct Prepared<S> {
     pub smooth: Option<S>,
     /// One frame a link of the description, in the model's order.
     pub frames: Vec<BodyFrame<S>>,
+    /// What closes loops, in the model's order.
+    pub closures: Vec<HeldFrames<S>>,
 }
 
 impl<S: Scalar> Body<S> {
@@ -361,6 +404,7 @@ impl Prepared<f64> {
         frames.shift();
         let mut prepared = frames.finish(model, &atoms);
         prepared.minimize();
+        prepared.closures = model.closures().iter().map(|c| prepared.held(c)).collect();
         prepared
     }
 
@@ -409,12 +453,25 @@ impl Prepared<f64> {
             nv: self.nv,
             coordinates: self.coordinates.iter().map(|c| c.map(|x| f(*x))).collect(),
             smooth: self.smooth.map(f),
-            frames: self
-                .frames
-                .iter()
-                .map(|frame| BodyFrame { body: frame.body, pose: frame.pose.map(f) })
-                .collect(),
+            frames: self.frames.iter().map(|frame| frame.map(f)).collect(),
+            closures: self.closures.iter().map(|closure| closure.map(f)).collect(),
         }
+    }
+
+    /// What a closure holds.
+    fn held(&self, closure: &Closure) -> HeldFrames<f64> {
+        let ends = closure.ends.each_ref().map(|end| {
+            let BodyFrame { body, pose } = self.frames[end.frame];
+            BodyFrame { body, pose: pose.compose(&end.pose).map(snap) }
+        });
+        let hinge = match closure.kind {
+            ClosureKind::Revolute(axis) => Some(Vector3(axis.map(snap))),
+            _ => None,
+        };
+        let row = |angular| move |d: [f64; 3]| HeldRow { angular, direction: Vector3(d.map(snap)) };
+        let [angular, linear] = closure.kind.held();
+        let rows = angular.into_iter().map(row(true)).chain(linear.into_iter().map(row(false)));
+        HeldFrames { ends, hinge, rows: rows.collect() }
     }
 
     /// Moves what joints cannot feel towards the root, leaves first.
@@ -667,6 +724,7 @@ impl Frames {
         Prepared {
             gravity: Vector3(model.gravity()),
             frames: frames.collect(),
+            closures: Vec::new(),
             bodies,
             dofs,
             immobile: RigidInertia::zero(),

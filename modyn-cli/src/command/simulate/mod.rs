@@ -29,7 +29,7 @@ const MOST_SAMPLES: f64 = 1e6;
 
 /// Simulate a robot: free fall, or under torques from a file
 ///
-/// Joint limits are not enforced. Without `--csv`, `--plot` and `--html` the table goes to standard
+/// Loops stay closed, and are closed before the start if they nearly are. Joint limits are not enforced. Without `--csv`, `--plot` and `--html` the table goes to standard
 /// output. Exit code 1 where the description is refused or the motion leaves all bounds.
 #[derive(Args)]
 pub struct Arguments {
@@ -84,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => Torques::none(),
     };
     let settings = arguments.settings()?;
-    let (q, qd) = arguments.start(&model)?;
+    let (q, qd) = motion::closed(&model, arguments.start(&model)?)?;
     let progress = Progress::start("simulating");
     let motion = Motion::simulate(&model, (q, qd), &torques, &settings)?;
     progress.stop();

@@ -3,8 +3,10 @@
 //! `modyn::simulate` has such steps for generated robots, whose states are arrays; here their sizes are known at
 //! run time only, and the work of what drives and brakes the joints is integrated along.
 
+use modyn_codegen::tame;
 use modyn_runtime::model::{Friction, Model};
-use modyn_runtime::{Interpreter, ShapeError};
+use modyn_runtime::spatial::{Twist, Wrench};
+use modyn_runtime::{ClosureSettings, Interpreter, ShapeError};
 
 use super::torques::Torques;
 use crate::command::outcome::Failure;
@@ -63,6 +65,8 @@ struct Dynamics<'a> {
     smooth: Option<Interpreter<f64>>,
     torques: &'a Torques,
     tau: Vec<f64>,
+    /// What closes each loop.
+    forces: Vec<Wrench<f64>>,
 }
 
 impl Motion {
@@ -78,7 +82,8 @@ impl Motion {
             .then(|| Interpreter::new(model.clone().with_friction(Friction::None)));
         let interpreter = Interpreter::new(model.clone());
         let tau = vec![0.0; model.nv()];
-        let mut dynamics = Dynamics { interpreter, smooth, torques, tau };
+        let forces = vec![Wrench::zero(); model.closures().len()];
+        let mut dynamics = Dynamics { interpreter, smooth, torques, tau, forces };
         let mut state = State { q, qd, energy: [0.0; 2] };
         let mut samples = vec![dynamics.sample(0.0, &state).map_err(shape)?];
         for i in 1..=settings.steps {
@@ -156,7 +161,13 @@ impl Dynamics<'_> {
         self.torques.at(time, &mut self.tau);
         let mut rates = State { q: vec![0.0; q.len()], qd: vec![0.0; qd.len()], energy: [0.0; 2] };
         self.interpreter.coordinate_rates(q, qd, &mut rates.q)?;
-        self.interpreter.forward_dynamics(q, qd, &self.tau, &mut rates.qd)?;
+        let settings = ClosureSettings::<f64>::DEFAULT;
+        let into = (&mut *rates.qd, &mut *self.forces);
+        if into.1.is_empty() {
+            self.interpreter.forward_dynamics(q, qd, &self.tau, into.0)?;
+        } else {
+            self.interpreter.constrained_forward_dynamics(q, qd, &self.tau, &settings, into)?;
+        }
         rates.energy = [power(&self.tau, qd), self.friction_power(q, qd)?];
         Ok(rates)
     }
@@ -207,4 +218,47 @@ pub fn place(
         (None, None) => interpreter.neutral(&mut q),
     };
     done.map(|()| q).map_err(|error| Failure::usage(format!("error: {error}")))
+}
+
+/// So many steps towards closed loops, which take as many digits again each, are enough or never will be.
+const CLOSING_STEPS: usize = 50;
+
+/// How far from closed loops may be: m, and sines of angles.
+const CLOSED: f64 = 1e-9;
+
+/// The same coordinates and velocities with the loops closed, or what is wrong with them.
+pub fn closed(
+    model: &Model,
+    (mut q, mut qd): (Vec<f64>, Vec<f64>),
+) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+    if model.closures().is_empty() {
+        return Ok((q, qd));
+    }
+    let shape = |error: ShapeError| Failure::usage(format!("error: {error}"));
+    let mut interpreter = Interpreter::<f64>::new(model.clone());
+    let settings = ClosureSettings::<f64>::DEFAULT;
+    let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
+    for _ in 0..CLOSING_STEPS {
+        let into = (&mut *dq, &mut *dqd);
+        interpreter.closing_step(&q, &qd, &settings, into).map_err(shape)?;
+        let before = q.clone();
+        interpreter.integrate(&before, &dq, &mut q).map_err(shape)?;
+        qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
+    }
+    // The last step's velocities are those of the place before it, where it was no more than rounding.
+    let twists = || vec![Twist::zero(); model.closures().len()];
+    let (mut apart, mut parting) = (twists(), twists());
+    interpreter.closure_errors(&q, &qd, &mut apart, &mut parting).map_err(shape)?;
+    let open = apart.iter().zip(model.closures()).find(|(apart, _)| {
+        // Not a number is not closed.
+        !apart.components().iter().all(|x| x.abs() < CLOSED)
+    });
+    match open {
+        None => Ok((q, qd)),
+        Some((_, closure)) => Err(Failure::No(format!(
+            "error: the loop of joint `{}` cannot be closed from where the robot starts: give coordinates near \
+             closed ones by `--q`, or others by `--random`",
+            tame(&closure.name)
+        ))),
+    }
 }

@@ -1,0 +1,134 @@
+//! Closed loops (Conclusions of the paper: cut joints), compiled: the same as interpreted, through
+//! the type's own functions, the trait and nalgebra's types.
+
+use modyn::spatial::{Twist, Wrench};
+use modyn::{ClosureSettings, Interpreter, Nalgebra, Robot};
+use modyn_codegen::urdf;
+
+modyn::modyn!("../../robots/four_bar.urdf");
+modyn::modyn! {
+    Bound = "../../robots/arm6.urdf",
+    functions = [constrained_forward_dynamics, closure_errors, closing_step],
+    gravity = runtime,
+    loops = [
+        "hold": revolute("base_link", [0.4, 0.1, 0.5], [0.1, 0.2, 0.3], "tool", [0.0, 0.0, 0.1], axis = [0, 0, 2]),
+    ]
+}
+
+fn numbers<const N: usize>(wrenches: &[Wrench<f64>; N]) -> Vec<f64> {
+    wrenches.iter().flat_map(Wrench::components).collect()
+}
+
+fn assert_near(found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len());
+    for (a, b) in found.iter().zip(expected) {
+        assert!((a - b).abs() <= 1e-9 * (1.0 + b.abs()), "{found:?} instead of {expected:?}");
+    }
+}
+
+/// The quantities of a robot at a state, one after the other, compiled and interpreted.
+fn compared<R, const N: usize>(model: modyn::model::Model, [q, qd, tau]: [[f64; N]; 3])
+where
+    R: Robot<Q<f64> = [f64; N], V<f64> = [f64; N]>,
+    R: Robot<PerClosure<Wrench<f64>> = [Wrench<f64>; 1], PerClosure<Twist<f64>> = [Twist<f64>; 1]>,
+{
+    let settings = ClosureSettings::<f64>::DEFAULT;
+    let mut interpreter = Interpreter::new(model);
+    let (mut qdd, mut forces) = ([0.0; N], [Wrench::zero()]);
+    let into = (&mut qdd[..], &mut forces[..]);
+    let solve = Interpreter::constrained_forward_dynamics;
+    solve(&mut interpreter, &q, &qd, &tau, &settings, into).expect("fits");
+    let found = R::constrained_forward_dynamics(&q, &qd, &tau, &settings);
+    assert_near(&found.qdd, &qdd);
+    assert_near(&numbers(&found.forces), &numbers(&forces));
+    let vectors = [q, qd, tau].map(modyn::na::SVector::from);
+    let [x, v, torque] = &vectors;
+    let again = Nalgebra::<R>::constrained_forward_dynamics(x, v, torque, &settings);
+    assert_eq!((again.qdd.as_slice(), again.forces), (&found.qdd[..], found.forces));
+
+    let (mut apart, mut parting) = ([Twist::zero()], [Twist::zero()]);
+    interpreter.closure_errors(&q, &qd, &mut apart, &mut parting).expect("fits");
+    let found = R::closure_errors(&q, &qd);
+    assert_near(&found.displacements[0].components(), &apart[0].components());
+    assert_near(&found.velocities[0].components(), &parting[0].components());
+    assert_eq!(Nalgebra::<R>::closure_errors(x, v), found);
+
+    let (mut dq, mut dqd) = ([0.0; N], [0.0; N]);
+    let into = (&mut dq[..], &mut dqd[..]);
+    interpreter.closing_step(&q, &qd, &settings, into).expect("fits");
+    let found = R::closing_step(&q, &qd, &settings);
+    assert_near(&found.dq, &dq);
+    assert_near(&found.dqd, &dqd);
+    let again = Nalgebra::<R>::closing_step(x, v, &settings);
+    assert_eq!((again.dq.as_slice(), again.dqd.as_slice()), (&found.dq[..], &found.dqd[..]));
+}
+
+fn read(text: &str, options: &urdf::ReadOptions) -> modyn::model::Model {
+    urdf::read(text, "robot.urdf", options).unwrap_or_else(|errors| panic!("{errors}")).model
+}
+
+#[test]
+fn compiled_loops_are_interpreted_loops() {
+    let model = read(include_str!("../../robots/four_bar.urdf"), &Default::default());
+    let states = [[0.3, 1.2, 2.0], [1.0, -2.0, 0.5], [0.2, 0.0, -0.1]];
+    compared::<FourBar, 3>(model, states);
+    assert_eq!(FourBar::CLOSURE_NAMES, ["rocker_pin"]);
+    assert_eq!(<FourBar as Robot>::CLOSURE_NAMES, ["rocker_pin"]);
+
+    let end = |link: &str, xyz, rpy| urdf::LoopEnd { link: link.into(), xyz, rpy };
+    let closing = urdf::Loop {
+        name: "hold".into(),
+        kind: urdf::ClosureKind::Revolute([0.0, 0.0, 1.0]),
+        ends: [
+            end("base_link", [0.4, 0.1, 0.5], [0.1, 0.2, 0.3]),
+            end("tool", [0.0, 0.0, 0.1], [0.0; 3]),
+        ],
+    };
+    let options = urdf::ReadOptions { loops: vec![closing], ..Default::default() };
+    let model = read(include_str!("../../robots/arm6.urdf"), &options);
+    let states = [
+        [0.3, -1.2, 1.5, 0.4, 0.9, -0.2],
+        [0.5, -0.4, 0.3, -0.2, 0.1, 0.6],
+        [1.0, 20.0, -5.0, 0.5, 0.3, -0.1],
+    ];
+    compared::<Bound, 6>(model, states);
+}
+
+/// The crank is let go: a second of Runge and Kutta's method, on generated code alone.
+#[test]
+fn a_compiled_four_bar_linkage_keeps_its_energy() {
+    let settings = ClosureSettings::<f64>::DEFAULT;
+    let (mut q, mut qd) = ([1.2, -0.6, 2.0], [0.0; 3]);
+    for _ in 0..20 {
+        let step = FourBar::closing_step(&q, &qd, &settings).dq;
+        q = FourBar::integrate(&q, &step);
+    }
+    let apart = |q: &[f64; 3]| {
+        let found = FourBar::closure_errors(q, &[0.0; 3]).displacements[0];
+        found.components().into_iter().fold(0.0_f64, |most, x| most.max(x.abs()))
+    };
+    assert!(apart(&q) < 1e-14, "{}", apart(&q));
+    let energy =
+        |q: &[f64; 3], qd: &[f64; 3]| FourBar::kinetic_energy(q, qd) + FourBar::potential_energy(q);
+    let (before, h) = (energy(&q, &qd), 1e-3);
+    let along = |x: &[f64; 3], v: &[f64; 3], by: f64| std::array::from_fn(|i| x[i] + by * v[i]);
+    for _ in 0..1000 {
+        let rate = |q: &[f64; 3], qd: &[f64; 3]| {
+            FourBar::constrained_forward_dynamics(q, qd, &[0.0; 3], &settings).qdd
+        };
+        let a = (qd, rate(&q, &qd));
+        let b: [f64; 3] = along(&qd, &a.1, h / 2.0);
+        let b = (b, rate(&along(&q, &a.0, h / 2.0), &b));
+        let c: [f64; 3] = along(&qd, &b.1, h / 2.0);
+        let c = (c, rate(&along(&q, &b.0, h / 2.0), &c));
+        let d: [f64; 3] = along(&qd, &c.1, h);
+        let d = (d, rate(&along(&q, &c.0, h), &d));
+        let mean = |[a, b, c, d]: [[f64; 3]; 4]| -> [f64; 3] {
+            std::array::from_fn(|i| (a[i] + 2.0 * (b[i] + c[i]) + d[i]) / 6.0)
+        };
+        let (v, rates) = (mean([a.0, b.0, c.0, d.0]), mean([a.1, b.1, c.1, d.1]));
+        (q, qd) = (along(&q, &v, h), along(&qd, &rates, h));
+    }
+    assert!((energy(&q, &qd) - before).abs() < 1e-6, "{} {before}", energy(&q, &qd));
+    assert!(apart(&q) < 1e-8 && FourBar::kinetic_energy(&q, &qd) > 1e-3);
+}

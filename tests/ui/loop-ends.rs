@@ -1,0 +1,3 @@
+modyn::modyn!("loop-ends.urdf");
+
+fn main() {}

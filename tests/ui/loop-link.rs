@@ -1,0 +1,3 @@
+modyn::modyn!("loop-link.urdf");
+
+fn main() {}
