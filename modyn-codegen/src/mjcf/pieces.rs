@@ -171,7 +171,7 @@ impl Pieces {
             drive: joint.drive,
         });
         let (links, joints) = (links.collect(), joints.collect());
-        Parts { name: &self.name, at: self.at, links, joints }
+        Parts { name: &self.name, at: self.at, links, joints, loops: Vec::new() }
     }
 }
 
