@@ -37,6 +37,7 @@ impl Robot<'_> {
             "struct {kind}<'a, T> {{ {} }}\n\
              impl<T: __modyn::Scalar> __modyn::batch::Abreast<T> for {kind}<'_, T> {{\n\
              type Output = {returned};\n\
+             const SIDE_BY_SIDE: bool = {};\n\
              #[inline(always)]\n\
              fn vectors<V: __modyn::batch::Vectors<Number = T>>(self) -> {returned} {{\n    \
              let Self {{ {names} }} = self;\n{}    \
@@ -45,6 +46,7 @@ impl Robot<'_> {
              fn {name}<T: __modyn::Scalar>({}) -> {returned} {{\n    \
              T::abreast({kind} {{ {names} }})\n}}\n",
             fields.join(", "),
+            types > 1,
             unpacked.concat(),
             "_, ".repeat(types),
             ones.join(", "),

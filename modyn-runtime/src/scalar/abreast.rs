@@ -50,6 +50,10 @@ pub trait Abreast<F> {
     /// What it comes to.
     type Output;
 
+    /// Whether some numbers stand side by side; else all are alone, and vectors just have them fuse
+    /// products into sums.
+    const SIDE_BY_SIDE: bool;
+
     /// Does it on vectors.
     fn vectors<V: Vectors<Number = F>>(self) -> Self::Output;
 
