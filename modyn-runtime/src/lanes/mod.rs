@@ -9,6 +9,7 @@
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod abreast;
 #[cfg(target_arch = "x86_64")]
+#[allow(dead_code)] // Left out where the program counts on more.
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
@@ -21,6 +22,7 @@ mod neon;
 mod pair;
 mod single;
 #[cfg(target_arch = "x86_64")]
+#[allow(dead_code)] // Left out where the program counts on more.
 mod sse2;
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod vector;
