@@ -139,21 +139,38 @@ fn equal_limbs_side_by_side_give_the_same() {
     }
 }
 
+/// The table in `docs/limbs.md`.
 #[test]
-fn four_equal_legs_take_a_quarter_of_the_operations() {
-    let model = read(include_str!("../../robots/quadruped.urdf"), "quadruped", Base::Fixed);
-    let prepared = Prepared::new(&model);
-    let limbs = Limbs::find(&prepared).expect("equal limbs");
-    let (alone, abreast) = (Tracer::new(&prepared), Tracer::new(&prepared).abreast(&limbs));
-    let partition = Partition::new(&prepared, &ModuleTree::chains(&model));
-    let merged = Elimination::Recursive(limbs.partition(&partition));
-    let [before, after] = compare(
-        "quadruped",
-        "forward dynamics",
-        alone.forward_dynamics(&Elimination::Recursive(partition)),
-        abreast.forward_dynamics(&merged),
-    );
-    assert!(after * 15 < before * 4, "{before} to {after}");
+fn operations_of_forward_dynamics_are_those_of_the_page() {
+    let page = include_str!("../../docs/limbs.md");
+    let modules = [("chains", ModuleTree::chains as fn(&Model) -> _), ("links", ModuleTree::links)];
+    let mut rows = 0;
+    for (name, model, _) in robots() {
+        let prepared = Prepared::new(&model);
+        let limbs = Limbs::find(&prepared).expect("equal limbs");
+        let name = match name.strip_prefix("floating ") {
+            Some(name) => format!("{name}, floating"),
+            None => name.into(),
+        };
+        for (by, modules) in modules {
+            let row = |line: &&str| {
+                line.starts_with(&format!("| {name} | ")) && line.contains(&format!("| {by} |"))
+            };
+            let Some(row) = page.lines().find(row) else { continue };
+            let partition = Partition::new(&prepared, &modules(&model));
+            let merged = Elimination::Recursive(limbs.partition(&partition));
+            let alone = Tracer::new(&prepared);
+            let [before, after] = compare(
+                &name,
+                "forward dynamics",
+                alone.forward_dynamics(&Elimination::Recursive(partition)),
+                alone.abreast(&limbs).forward_dynamics(&merged),
+            );
+            assert!(row.ends_with(&format!("| {before} | {after} |")), "{row}: {before}, {after}");
+            rows += 1;
+        }
+    }
+    assert_eq!(rows, 4);
 }
 
 #[test]

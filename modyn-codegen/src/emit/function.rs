@@ -15,14 +15,12 @@ use crate::names::type_name;
 /// Most statements in one block.
 const BLOCK: usize = 250;
 
-/// Most statements in one function.
+/// Most statements in one function for one state.
 const PART: usize = 1500;
 
-/// The same on lanes, which the compiler works on in memory at first, in more than linear time.
+/// The same for many states, whose lanes the compiler works on in memory at first, in more than linear
+/// time; what parts hand on costs less there.
 const LANES_PART: usize = 500;
-
-/// The same on vectors for one state, where what a part hands on is not spread over many states.
-const VECTORS_PART: usize = 1500;
 
 /// A parameter, given by reference.
 #[derive(Clone, Debug)]
@@ -301,9 +299,7 @@ impl<'a> Writer<'a> {
             Node::Max(a, b) => f("max", a, &[t(b)]),
             Node::Select(a, b, c) => f("select_nonnegative", a, &[t(b), t(c)]),
             Node::Beside(..) => {
-                let mut lanes = Vec::new();
-                self.lanes(id, usize::from(width), &mut lanes);
-                format!("{kind}::beside([{}])", lanes.join(", "))
+                format!("{kind}::beside([{}])", self.lanes(id, width).join(", "))
             }
             Node::Lane(a, _) => {
                 format!("{}::apart({})", self.kind(self.graph.width(a)), self.text(a))
@@ -312,14 +308,8 @@ impl<'a> Writer<'a> {
     }
 
     /// The texts of what stands side by side in so many lanes.
-    fn lanes(&self, id: Id, width: usize, lanes: &mut Vec<String>) {
-        match self.graph.node(id) {
-            Node::Beside(a, b, _) => {
-                self.lanes(a, width / 2, lanes);
-                self.lanes(b, width / 2, lanes);
-            }
-            _ => lanes.extend(std::iter::repeat_n(self.text(id), width)),
-        }
+    fn lanes(&self, id: Id, width: u8) -> Vec<String> {
+        (0..width).map(|lane| self.text(self.graph.beside_at(id, lane))).collect()
     }
 
     /// The factors of a product that is written in place.
@@ -345,17 +335,8 @@ impl<'a> Writer<'a> {
     }
 
     fn input(&self, number: usize) -> String {
-        let mut rest = number;
-        for parameter in self.parameters {
-            if rest < parameter.shape.len() {
-                let name = format!("{}{rest}", parameter.name);
-                return parameter
-                    .constants
-                    .map_or(name.clone(), |_| format!("k(f64::from({name}))"));
-            }
-            rest -= parameter.shape.len();
-        }
-        unreachable!("the graph's inputs are the function's parameters")
+        let (name, parameter) = input(self.parameters, number);
+        if parameter.constants.is_some() { format!("k(f64::from({name}))") } else { name }
     }
 
     /// The names of the sine and cosine of `angle` that are used.
@@ -474,9 +455,8 @@ impl<'a> Writer<'a> {
         let count = self.statements.len();
         let inlined = self.on != On::Numbers;
         let most = match self.on {
-            On::Numbers => PART,
+            On::Numbers | On::Vectors => PART,
             On::States => LANES_PART,
-            On::Vectors => VECTORS_PART,
         };
         let parts = count.div_ceil(most).max(1);
         // Parts of equal length, the last one with the result.
@@ -689,8 +669,20 @@ fn negated(text: String) -> String {
     text.strip_prefix('-').map_or_else(|| format!("-{text}"), String::from)
 }
 
+/// What the input of that number is called, and the parameter that it belongs to.
+pub(super) fn input(parameters: &[Parameter], number: usize) -> (String, &Parameter) {
+    let mut rest = number;
+    for parameter in parameters {
+        if rest < parameter.shape.len() {
+            return (format!("{}{rest}", parameter.name), parameter);
+        }
+        rest -= parameter.shape.len();
+    }
+    unreachable!("the graph's inputs are the function's parameters")
+}
+
 /// A constant as an expression, the same in so many lanes.
-fn constant(value: f64, width: u8) -> String {
+pub(super) fn constant(value: f64, width: u8) -> String {
     let k = if width == 1 { "k".to_string() } else { format!("k{width}") };
     if value.is_finite() {
         format!("{k}({value:?})")

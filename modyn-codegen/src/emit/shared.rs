@@ -9,10 +9,10 @@ use std::fmt::Write as _;
 
 use modyn_runtime::OperationCount;
 
-use super::Robot;
 use super::function::{self, Parameter, function};
 use super::quantities::Quantity;
 use super::shape::Shape;
+use super::{FloatType, Robot};
 use crate::expr::{Graph, Id, Node};
 
 /// What a piece is given from outside.
@@ -58,7 +58,10 @@ impl Robot<'_> {
             let mut takes = Vec::new();
             if !table.is_empty() {
                 for lane in 0..piece.calls {
-                    let row = table.iter().map(|&id| format!("{:?}", constant(graph, id, lane)));
+                    let row = table.iter().map(|&id| {
+                        let number = graph.value(graph.beside_at(id, lane));
+                        figure(number.expect("a constant"), self.options.float)
+                    });
                     let (row, size) = (row.collect::<Vec<_>>().join(", "), table.len());
                     let _ =
                         writeln!(text, "static {constants}_{lane}: [{float}; {size}] = [{row}];\n");
@@ -122,23 +125,10 @@ pub(super) fn count(graph: &Graph) -> OperationCount {
 /// The text of one lane of what a piece computed, or of what is known from the beginning.
 fn value(graph: &Graph, pieces: &[Piece], parameters: &[Parameter], id: Id, lane: u8) -> String {
     match graph.node(id) {
-        Node::Constant(bits) => format!("k({:?})", f64::from_bits(bits)),
-        Node::Input(number) => {
-            let mut rest = number as usize;
-            for parameter in parameters {
-                if rest < parameter.shape.len() {
-                    return format!("{}{rest}", parameter.name);
-                }
-                rest -= parameter.shape.len();
-            }
-            unreachable!("the graph's inputs are the function's parameters")
-        }
+        Node::Constant(bits) => function::constant(f64::from_bits(bits), 1),
+        Node::Input(number) => function::input(parameters, number as usize).0,
         Node::Lane(lanes, lane) => value(graph, pieces, parameters, lanes, lane),
-        Node::Beside(a, b, width) => {
-            let half = width / 2;
-            let (of, lane) = if lane < half { (a, lane) } else { (b, lane - half) };
-            value(graph, pieces, parameters, of, lane)
-        }
+        Node::Beside(..) => value(graph, pieces, parameters, graph.beside_at(id, lane), 0),
         _ => {
             let found = pieces.iter().enumerate().find_map(|(p, piece)| {
                 let place = piece.outputs.iter().position(|&output| output == id)?;
@@ -150,15 +140,16 @@ fn value(graph: &Graph, pieces: &[Piece], parameters: &[Parameter], id: Id, lane
     }
 }
 
-/// The number in a lane of constants.
-fn constant(graph: &Graph, id: Id, lane: u8) -> f64 {
-    match graph.node(id) {
-        Node::Beside(a, b, width) => {
-            let half = width / 2;
-            let (of, lane) = if lane < half { (a, lane) } else { (b, lane - half) };
-            constant(graph, of, lane)
-        }
-        _ => graph.value(id).unwrap_or(f64::NAN),
+/// A constant in a table, in the table's precision.
+#[allow(clippy::cast_possible_truncation)]
+fn figure(value: f64, float: FloatType) -> String {
+    let single = value as f32;
+    match float {
+        FloatType::F64 if value.is_finite() => format!("{value:?}"),
+        FloatType::F64 => format!("f64::from_bits({})", value.to_bits()),
+        // A literal that is beyond the type would not compile.
+        FloatType::F32 if single.is_finite() => format!("{single:?}"),
+        FloatType::F32 => format!("f32::from_bits({})", single.to_bits()),
     }
 }
 
@@ -265,5 +256,19 @@ impl Given {
     fn id(self) -> Id {
         let (Self::Table(id) | Self::Own(id) | Self::Common(id)) = self;
         id
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_literals_of_their_type() {
+        assert_eq!(figure(0.1, FloatType::F64), "0.1");
+        assert_eq!(figure(0.1, FloatType::F32), "0.1");
+        assert_eq!(figure(-1e50, FloatType::F64), "-1e50");
+        assert_eq!(figure(-1e50, FloatType::F32), "f32::from_bits(4286578688)");
+        assert_eq!(figure(f64::INFINITY, FloatType::F64), "f64::from_bits(9218868437227405312)");
     }
 }

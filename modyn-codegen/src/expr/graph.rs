@@ -243,6 +243,16 @@ impl Graph {
         }
     }
 
+    /// The number that was put into a lane; the node itself if it is not made so.
+    #[must_use]
+    pub fn beside_at(&self, id: Id, lane: u8) -> Id {
+        match self.node(id) {
+            Node::Beside(first, _, width) if lane < width / 2 => self.beside_at(first, lane),
+            Node::Beside(_, second, width) => self.beside_at(second, lane - width / 2),
+            _ => id,
+        }
+    }
+
     /// Numbers side by side, a power of two of them.
     fn all_beside(&mut self, numbers: &[Id]) -> Id {
         let [number] = numbers else {
@@ -260,8 +270,7 @@ impl Graph {
     fn lane(&mut self, a: Id, lane: u8) -> Id {
         match self.node(a) {
             _ if self.width(a) == 1 => a,
-            Node::Beside(first, _, width) if lane < width / 2 => self.lane(first, lane),
-            Node::Beside(_, second, width) => self.lane(second, lane - width / 2),
+            Node::Beside(..) => self.beside_at(a, lane),
             Node::Neg(inner) => {
                 let inner = self.lane(inner, lane);
                 self.neg(inner)

@@ -13,7 +13,7 @@ impl Tracer<'_> {
     /// The derivatives of the torques from `q`, `qd`, `qdd`: by q, then by qd, column by column.
     #[must_use]
     pub fn inverse_dynamics_derivatives(&self) -> Graph {
-        self.trace_joints((0, 2), |model, [q, qd, qdd]| {
+        self.trace_joints(0, |model, [q, qd, qdd]| {
             let (mut dq, mut dqd) = (square(model), square(model));
             let (motion, workspace) = ((&*q, &*qd, &*qdd), &mut Workspace::new(model));
             let derive = derivatives::inverse_dynamics_derivatives;
@@ -26,7 +26,7 @@ impl Tracer<'_> {
     /// column, through the factors of the GIM in this layout.
     #[must_use]
     pub fn forward_dynamics_derivatives(&self, layout: &Layout) -> Graph {
-        self.trace_joints((1, 3), |model, [q, qd, tau]| {
+        self.trace_joints(1, |model, [q, qd, tau]| {
             let mut qdd = vec![Expr::zero(); model.nv];
             let (mut dq, mut dqd, mut dtau) = (square(model), square(model), square(model));
             let merged = self.limbs.map(|limbs| limbs.partition(layout.partition()));

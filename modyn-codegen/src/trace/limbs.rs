@@ -218,7 +218,7 @@ fn find_among(model: &Prepared<f64>, limbs: &[Range<usize>], groups: &mut Vec<Ve
             continue;
         }
         let all = [vec![limb], equal].concat();
-        // Two and two, or four and one, are no better than the rest alone.
+        // One that is left over stays alone.
         groups.extend(all.chunks(MOST).filter(|some| some.len() > 1).map(<[_]>::to_vec));
     }
 }

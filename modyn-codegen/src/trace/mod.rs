@@ -99,11 +99,10 @@ impl<'a> Tracer<'a> {
         vec![Expr::zero(); self.model.nv]
     }
 
-    /// The same, for what equal limbs can be computed side by side: one joint vector, or matrices behind
-    /// joint vectors (so many of each).
+    /// The same, for what equal limbs can be computed side by side: so many joint vectors, then matrices.
     fn trace_joints<const G: usize>(
         &self,
-        (vectors, matrices): (usize, usize),
+        vectors: usize,
         equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
         let Some(limbs) = self.limbs else { return self.trace(equations) };
@@ -121,7 +120,6 @@ impl<'a> Tracer<'a> {
             let (first, rest) = computed.split_at(vectors * n);
             let first = first.chunks(n).flat_map(|x| limbs.vector_apart(x, nv));
             let rest = rest.chunks(n * n).flat_map(|x| limbs.matrix_apart(x, nv));
-            debug_assert_eq!(computed.len(), vectors * n + matrices * n * n);
             first.chain(rest).collect()
         })
     }
@@ -129,7 +127,7 @@ impl<'a> Tracer<'a> {
     /// Accelerations from `q`, `qd`, `tau`, eliminated by these modules.
     #[must_use]
     pub fn forward_dynamics(&self, elimination: &Elimination) -> Graph {
-        self.trace_joints((1, 0), |model, [q, qd, tau]| {
+        self.trace_joints(1, |model, [q, qd, tau]| {
             let mut qdd = vec![Expr::zero(); model.nv];
             let (state, workspace) = ((&*q, &*qd, &*tau), &mut Workspace::new(model));
             let solve = forward_dynamics::forward_dynamics;
@@ -141,7 +139,7 @@ impl<'a> Tracer<'a> {
     /// Torques from `q`, `qd`, `qdd`.
     #[must_use]
     pub fn inverse_dynamics(&self) -> Graph {
-        self.trace_joints((1, 0), |model, [q, qd, qdd]| {
+        self.trace_joints(1, |model, [q, qd, qdd]| {
             let mut tau = vec![Expr::zero(); model.nv];
             let (motion, workspace) = ((&*q, &*qd, Some(&*qdd)), &mut Workspace::new(model));
             inverse_dynamics::inverse_dynamics(model, motion, None, workspace, &mut tau);
@@ -189,7 +187,7 @@ impl<'a> Tracer<'a> {
     /// Bias forces from `q`, `qd`.
     #[must_use]
     pub fn bias_forces(&self) -> Graph {
-        self.trace_joints((1, 0), |model, [q, qd]| {
+        self.trace_joints(1, |model, [q, qd]| {
             let mut tau = vec![Expr::zero(); model.nv];
             let (motion, workspace) = ((&*q, &*qd, None), &mut Workspace::new(model));
             inverse_dynamics::inverse_dynamics(model, motion, None, workspace, &mut tau);
@@ -200,7 +198,7 @@ impl<'a> Tracer<'a> {
     /// Gravity torques from `q`.
     #[must_use]
     pub fn gravity_torques(&self) -> Graph {
-        self.trace_joints((1, 0), |model, [q]| {
+        self.trace_joints(1, |model, [q]| {
             let mut tau = vec![Expr::zero(); model.nv];
             gravity::gravity_torques(model, &q, &mut Workspace::new(model), &mut tau);
             tau
@@ -210,7 +208,7 @@ impl<'a> Tracer<'a> {
     /// The mass matrix from `q`, column by column.
     #[must_use]
     pub fn mass_matrix(&self) -> Graph {
-        self.trace_joints((0, 1), |model, [q]| {
+        self.trace_joints(0, |model, [q]| {
             let mut columns = vec![Expr::zero(); model.nv * model.nv];
             let workspace = &mut Workspace::new(model);
             mass_matrix::mass_matrix(model, &q, workspace, &mut columns);
