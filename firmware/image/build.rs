@@ -74,7 +74,7 @@ macro_rules! same_legs {
             let alone = legs::Quadruped::forward_dynamics(&q, &qd, &tau);
             let shared = legs_shared::Quadruped::forward_dynamics(&q, &qd, &tau);
             let largest = alone.iter().fold(0.0, |a: $float, b| a.max(b.abs()));
-            if alone.iter().zip(shared).any(|(a, b)| (a - b).abs() > $tolerance * largest) {
+            if !alone.iter().zip(shared).all(|(a, b)| (a - b).abs() <= $tolerance * largest) {
                 return Err(format!("shared legs: {shared:?}, not {alone:?}").into());
             }
         }

@@ -111,6 +111,15 @@ enum Format {
 }
 
 impl Format {
+    /// The method of [`Builder`] that takes a file of it.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Urdf => "urdf",
+            #[cfg(feature = "mjcf")]
+            Self::Mjcf => "mjcf",
+        }
+    }
+
     fn read(self, text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
         match self {
             Self::Urdf => urdf::read(text, file, options),
@@ -313,7 +322,8 @@ impl Builder {
     }
 
     /// Runs equal limbs (legs, arms, fingers) through one function, with a table of constants for each:
-    /// the smallest code. Without it they run side by side where there are vectors, else one after the
+    /// the smallest code. Limbs of which one carries a [`payload`](Self::payload) are not equal: a robot
+    /// with payloads has them one after the other. Without it they run side by side where there are vectors, else one after the
     /// other.
     #[must_use]
     pub fn share(mut self) -> Self {
@@ -590,6 +600,22 @@ impl Builder {
                 Code::Option,
                 "a model that is given as one has its own loops".into(),
                 "close them by `Model::with_closures`".into(),
+            );
+        }
+        let read = &self.read;
+        let of_reading = [
+            ("base", read.base != Base::default()),
+            ("mimic", read.mimic != Mimic::default()),
+            ("rotor", !read.rotors.is_empty()),
+            ("friction", read.friction != Friction::default()),
+        ];
+        let given = of_reading.iter().filter(|(_, given)| *given);
+        for (option, _) in given.filter(|_| matches!(self.source, Source::Model(_))) {
+            error(
+                Code::Option,
+                format!("`{option}` is about reading a description, and a model is given"),
+                "make the model so: its joints say what they are, `Model::with_friction` what acts"
+                    .into(),
             );
         }
         errors.extend(self.gravity.and_then(urdf::gravity_error));

@@ -34,6 +34,8 @@ use input::Input;
 /// | `mimic` | `follow`, `independent`, `refuse`: joints that mimic another one | `follow` |
 /// | `rotors` | `["joint": (inertia, gear_ratio), ...]`, kg m^2 | the description's |
 /// | `friction` | `none`, `viscous`, `coulomb`, `smooth(velocity)`: which of the description's damping and friction acts | `none` |
+/// | `loops` | `["name": point("link", [x, y, z], "link", [x, y, z]), ...]`, or `rigid`, `revolute`, `prismatic`: what closes loops | the description's |
+/// | `share` | `true`, `false`: equal limbs through one function | `false` |
 /// | `unphysical_inertia` | `error`, `warn` | `error` |
 /// | `crate` | the path of `modyn`, where it was renamed | `::modyn` |
 ///

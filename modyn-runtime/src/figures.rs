@@ -55,7 +55,8 @@ pub struct ClosureSettings<T> {
     pub alpha: T,
     /// Its stiffness, 1/s.
     pub beta: T,
-    /// Below which share of all pivots' sum a row of the constraints follows from others.
+    /// Below which share of the diagonal's sum, over rows of its kind (rotations or displacements), a row
+    /// of the constraints follows from others.
     pub tolerance: T,
 }
 

@@ -68,7 +68,9 @@ impl Walk {
     pub fn errors(&self) -> Vec<f64> {
         let error = |(&t, state): (&f64, &State)| {
             let way = Biped::difference(&gait::desired(t).q, &coordinates(state));
-            way.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
+            // Lost, if some is no number.
+            let size = |x: &f64| if x.is_nan() { f64::INFINITY } else { x.abs() };
+            way.iter().map(size).fold(0.0, f64::max)
         };
         self.times.iter().zip(&self.states).map(error).collect()
     }

@@ -62,6 +62,8 @@ def differences(description, floating, words, states):
         condition = numpy.linalg.cond(expected[2])
         for name, found, right in zip(("accelerations", "bias forces", "mass matrix"), ours, expected):
             difference = relative(found, right)
+            if numpy.isnan(difference):
+                difference = numpy.inf
             allowed = TOLERANCE * (condition if name == "accelerations" else 1.0)
             if not difference <= allowed * worst.get(name, (0, 0, -1))[2]:
                 worst[name] = difference, allowed, difference / allowed

@@ -92,7 +92,16 @@ impl Function {
                     self.calls.insert(target);
                 }
             }
-            _ => self.indirect |= matches!(mnemonic, "blx" | "jalr" | "c.jalr"),
+            // A jump through a register that holds no return address is a call at the end.
+            _ => {
+                let through = matches!(mnemonic, "blx" | "jalr" | "c.jalr");
+                let at_the_end = match mnemonic {
+                    "bx" => operands != "lr",
+                    "jr" | "c.jr" => operands != "ra",
+                    _ => false,
+                };
+                self.indirect |= through || at_the_end;
+            }
         }
     }
 }

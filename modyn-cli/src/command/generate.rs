@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let named = |found: Diagnostics| description.failure(arguments.robot.named(found));
     let progress = Progress::start("compiling");
     let result = match &arguments.output {
-        Some(output) if arguments.check => stale(arguments, &builder, output, &named),
+        Some(output) if arguments.check => stale(arguments, &builder, output, &description, &named),
         Some(output) => write(arguments, &builder, output, &description, &named),
         None => {
             let generated = builder.generate().map_err(named)?;
@@ -114,6 +114,7 @@ fn stale(
     arguments: &Arguments,
     builder: &Builder,
     output: &Path,
+    description: &Description,
     named: &impl Fn(Diagnostics) -> Failure,
 ) -> Result<(), Failure> {
     let is = |path: &Path, stale: bool| {
@@ -125,7 +126,7 @@ fn stale(
     if let Some(path) = &arguments.c_header {
         // That of the file as it would be, which is there only if it is not stale.
         let same = !stale && {
-            let prefix = arguments.prefix(&arguments.robot.open()?)?;
+            let prefix = arguments.prefix(description)?;
             let header = header::text(output, &prefix, arguments.scalar.into())?;
             std::fs::read_to_string(path).is_ok_and(|found| found.replace("\r\n", "\n") == header)
         };

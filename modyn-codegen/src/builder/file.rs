@@ -71,9 +71,11 @@ impl Builder {
                 } else {
                     path.to_string_lossy()
                 };
-                call(format!("urdf({name:?})"));
+                call(format!("{}({name:?})", self.format.name()));
             }
-            Source::Text { file, .. } => call(format!("urdf_text(text, {file:?})")),
+            Source::Text { file, .. } => {
+                call(format!("{}_text(text, {file:?})", self.format.name()));
+            }
             _ => call("model(model)".into()),
         }
         if let Some(name) = &self.type_name {
@@ -101,6 +103,9 @@ impl Builder {
         }
         for rotor in &self.read.rotors {
             call(format!("rotor({:?}, {:?}, {:?})", rotor.joint, rotor.inertia, rotor.gear_ratio));
+        }
+        for closing in &self.read.loops {
+            call(format!("loop_joint({closing:?})"));
         }
         if self.read.friction != Friction::default() {
             call(format!("friction(Friction::{:?})", self.read.friction));

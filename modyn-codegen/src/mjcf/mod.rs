@@ -67,6 +67,10 @@ pub fn read(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Di
         if options.gravity == DEFAULT_GRAVITY {
             options.gravity = model.option.gravity;
         }
+        if let Some(error) = urdf::gravity_error(options.gravity) {
+            report.error(error.code, at, None, error.message, error.help.unwrap_or_default());
+            return None;
+        }
         let pieces = Pieces::of(&model, root, report)?;
         urdf::assemble(pieces.parts(), &options, report)
     })

@@ -10,6 +10,7 @@ use roxmltree::Node;
 
 use super::geoms;
 use crate::error::{Code, Severity, Subject};
+use crate::urdf::build::LARGEST;
 use crate::urdf::joint::{JointPart, Kind};
 use crate::urdf::parts::{InertialPart, LinkPart, Located, Parts};
 use crate::urdf::report::Report;
@@ -236,8 +237,13 @@ impl Reader<'_, '_, '_, '_> {
             let message = "a free joint stands alone in a body of the world";
             refuse(Code::NotRead, message, "write the body in `<worldbody>`, with this joint only");
         }
-        let figures = figures.into_iter().chain(joint.pos).chain(joint.axis).chain([joint.ref_]);
-        if !figures.clone().all(f64::is_finite) {
+        let mut figures = figures
+            .into_iter()
+            .chain(joint.pos)
+            .chain(joint.axis)
+            .chain([joint.ref_])
+            .chain(joint.range.into_iter().flatten());
+        if !figures.all(|figure| figure.abs() < LARGEST) {
             refuse(Code::NotFinite, "a figure is not finite", "write finite figures in SI units");
         }
         let axis = if single { unit(joint.axis) } else { Some([0.0, 0.0, 1.0]) };
