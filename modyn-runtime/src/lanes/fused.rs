@@ -6,12 +6,13 @@
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::avx2::{F32x8, F64x4};
 use super::{Lanes, Part};
 use crate::Scalar;
 use crate::scalar::trig::{FlipSign, Precision};
 
 macro_rules! fused {
-    ($name:ident $float:ident: $set:ident $fmadd:ident $first:ident) => {
+    ($name:ident $float:ident beside $vector:ident: $set:ident $fmadd:ident $first:ident) => {
         /// A number.
         #[derive(Clone, Copy)]
         #[repr(transparent)]
@@ -96,20 +97,19 @@ macro_rules! fused {
 
             #[inline(always)]
             fn sin_cos_all<const N: usize>(angles: [Self; N]) -> [(Self, Self); N] {
-                let mut all = [(Self(0.0), Self(0.0)); N];
-                let (mut i, mut near) = (0, true);
+                let mut numbers = [0.0; N];
                 // No iterators or closures: they might not be inlined, and lose the instructions.
+                let mut i = 0;
                 while i < N {
-                    all[i] = <$float as Precision>::reduced(angles[i]);
-                    near &= Scalar::abs(angles[i].0) < <$float as Precision>::LIMIT;
+                    numbers[i] = angles[i].0;
                     i += 1;
                 }
-                if !near {
-                    i = 0;
-                    while i < N {
-                        all[i] = angles[i].sin_cos();
-                        i += 1;
-                    }
+                let turns = $vector::sin_cos_of(numbers);
+                let mut all = [(Self(0.0), Self(0.0)); N];
+                i = 0;
+                while i < N {
+                    all[i] = (Self(turns[i].0), Self(turns[i].1));
+                    i += 1;
                 }
                 all
             }
@@ -160,5 +160,5 @@ macro_rules! operator {
     )*};
 }
 
-fused!(F64x1 f64: _mm_set_sd _mm_fmadd_sd _mm_cvtsd_f64);
-fused!(F32x1 f32: _mm_set_ss _mm_fmadd_ss _mm_cvtss_f32);
+fused!(F64x1 f64 beside F64x4: _mm_set_sd _mm_fmadd_sd _mm_cvtsd_f64);
+fused!(F32x1 f32 beside F32x8: _mm_set_ss _mm_fmadd_ss _mm_cvtss_f32);

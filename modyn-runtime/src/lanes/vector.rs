@@ -44,6 +44,32 @@ macro_rules! vector {
                 }
             }
 
+            /// Sines and cosines of numbers alone, as many at a time as there are lanes.
+            #[inline(always)]
+            #[allow(dead_code)] // Not of all vectors.
+            pub(super) fn sin_cos_of<const N: usize>(angles: [$float; N]) -> [($float, $float); N] {
+                let mut all = [(0.0, 0.0); N];
+                let mut first = 0;
+                // No iterators or closures: see the module's header on what must be inlined.
+                while first < N {
+                    let mut lanes = [angles[first]; $lanes];
+                    let mut i = 1;
+                    while i < $lanes {
+                        lanes[i] = angles[if first + i < N { first + i } else { first }];
+                        i += 1;
+                    }
+                    let (sin, cos) = crate::Scalar::sin_cos(Self::from_numbers(lanes));
+                    let (sines, cosines) = (sin.numbers(), cos.numbers());
+                    i = 0;
+                    while i < $lanes && first + i < N {
+                        all[first + i] = (sines[i], cosines[i]);
+                        i += 1;
+                    }
+                    first += $lanes;
+                }
+                all
+            }
+
             /// Sine and cosine where the fast reduction went too far for some.
             #[inline(always)]
             fn corrected(self, (sin, cos): (Self, Self)) -> (Self, Self) {
