@@ -139,6 +139,44 @@ fn equal_limbs_side_by_side_give_the_same() {
     }
 }
 
+#[test]
+fn limbs_on_different_bodies_side_by_side_give_the_same() {
+    for (name, model, _) in robots() {
+        let prepared = Prepared::new(&model);
+        let equal = Limbs::find(&prepared).expect("equal limbs");
+        let Some(joined) = Limbs::joined(&prepared) else {
+            assert!(!name.contains("humanoid"), "{name} has legs and arms");
+            continue;
+        };
+        assert!(name.contains("humanoid"), "{name}");
+        let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[]));
+        for alone in [Tracer::new(&prepared), gravity] {
+            let (equally, jointly) = (alone.abreast(&equal), alone.abreast(&joined));
+            for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
+                let partition = Partition::new(&prepared, &modules);
+                let merged = |limbs: &Limbs| Elimination::Recursive(limbs.partition(&partition));
+                let [before, after] = compare(
+                    name,
+                    "forward dynamics",
+                    equally.forward_dynamics(&merged(&equal)),
+                    jointly.forward_dynamics(&merged(&joined)),
+                );
+                assert!(after < before, "{name}: {before} to {after}");
+                println!("{name} {before} {after}");
+            }
+            let pairs = [
+                ("inverse dynamics", equally.inverse_dynamics(), jointly.inverse_dynamics()),
+                ("bias forces", equally.bias_forces(), jointly.bias_forces()),
+                ("gravity torques", equally.gravity_torques(), jointly.gravity_torques()),
+            ];
+            for (quantity, equally, jointly) in pairs {
+                let [before, after] = compare(name, quantity, equally, jointly);
+                println!("{name} {quantity} {before} {after}");
+            }
+        }
+    }
+}
+
 /// The table in `docs/limbs.md`.
 #[test]
 fn operations_of_forward_dynamics_are_those_of_the_page() {
@@ -187,7 +225,7 @@ fn lanes_are_put_together_and_taken_apart() {
         let numbers: Vec<Expr> = (0..3).map(Expr::input).collect();
         let constants: Vec<Expr> = [1.0, 2.0, 3.0].map(Expr::from_f64).to_vec();
         let lanes = Expr::beside(&numbers) * Expr::beside(&constants) + Expr::input(3);
-        vec![lanes.lane(0), lanes.lane(2), lanes.over_limbs(3), (-lanes).lane(1)]
+        vec![lanes.lane(0), lanes.lane(2), lanes.over_limbs(0..3), (-lanes).lane(1)]
     });
     assert_eq!(graph.evaluate(&[2.0, 3.0, 5.0, 7.0]), [9.0, 22.0, 44.0, -13.0]);
     // A product and a sum, of four lanes each, and a sum over three.

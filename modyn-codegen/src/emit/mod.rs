@@ -23,6 +23,7 @@ mod types;
 use std::fmt::Write as _;
 
 use modyn_runtime::OperationCount;
+use modyn_runtime::equations::Partition;
 use modyn_runtime::equations::brge::Layout;
 use modyn_runtime::equations::forward_dynamics::Elimination;
 use modyn_runtime::model::prepare::Prepared;
@@ -138,11 +139,20 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let elimination = Elimination::new(&prepared, &eliminated);
     // A file of its own has no vectors, and a link that is given at run time has no equal.
     let pays = (options.share || !options.self_contained) && options.payload.is_empty();
-    let limbs = pays.then(|| Limbs::find(&prepared)).flatten();
+    let limbs: Vec<Limbs> = if pays { Limbs::ways(&prepared, !options.share) } else { Vec::new() };
+    // What is cheapest limb by limb need not be so side by side.
+    let mut partitions = vec![&eliminated];
+    let uniform = [ModuleTree::links(model), partition::whole_chains(model)];
+    partitions.extend(uniform.iter().filter(|modules| **modules != eliminated));
+    let partitions: Vec<Partition> = match limbs.is_empty() {
+        true => Vec::new(),
+        false => partitions.iter().map(|modules| Partition::new(&prepared, modules)).collect(),
+    };
     let source = Source {
         tracer: &tracer,
-        limbs: limbs.as_ref(),
-        independent: limbs.as_ref().is_some_and(|limbs| limbs.independent(&prepared)),
+        limbs: &limbs,
+        partitions: &partitions,
+        independent: limbs.first().is_some_and(|limbs| limbs.independent(&prepared)),
         vectors: !options.self_contained && !options.share,
         elimination: &elimination,
         layout: &layout,

@@ -1,5 +1,6 @@
 //! The table of quantities: what each function is called, takes and returns, and its graph.
 
+use modyn_runtime::equations::Partition;
 use modyn_runtime::equations::brge::Layout;
 use modyn_runtime::equations::forward_dynamics::Elimination;
 use modyn_runtime::equations::kinematics::Axes;
@@ -52,8 +53,10 @@ impl Graphs {
 /// What the graphs are traced from.
 pub(super) struct Source<'a> {
     pub tracer: &'a Tracer<'a>,
-    /// Equal limbs, to be computed side by side.
-    pub limbs: Option<&'a Limbs>,
+    /// Limbs that can be computed side by side: the ways to choose from.
+    pub limbs: &'a [Limbs],
+    /// The modules that forward dynamics with limbs side by side can be eliminated by.
+    pub partitions: &'a [Partition],
     /// Whether no limb moves another.
     pub independent: bool,
     /// Whether the text may use the runtime's vectors.
@@ -386,13 +389,13 @@ impl Robot<'_> {
     }
 }
 
-/// The function on vectors, if that pays: with equal limbs side by side if that takes clearly fewer
-/// operations than `alone`; else as it is, for products fused into sums where the processor has that and
-/// the program does not count on it.
+/// The function on vectors, if that pays: with limbs side by side if that takes clearly fewer operations
+/// than `alone`; else as it is, for products fused into sums where the processor has that and the program
+/// does not count on it.
 fn abreast(function: Function, source: &Source<'_>, alone: &Graph) -> Option<Graph> {
     let count = |graph: &Graph| graph.count().total();
-    if let Some(graph) = source.limbs.and_then(|limbs| side_by_side(function, source, limbs)) {
-        let graph = optimize(graph);
+    let graphs = source.limbs.iter().flat_map(|limbs| side_by_side(function, source, limbs));
+    if let Some(graph) = graphs.map(optimize).min_by_key(count) {
         if count(&graph) * 5 < count(alone) * 4 {
             return Some(graph);
         }
@@ -405,17 +408,19 @@ fn abreast(function: Function, source: &Source<'_>, alone: &Graph) -> Option<Gra
 /// side: fewer take no longer than finding out, more cost the compiler more than they are worth.
 const DISPATCHED: std::ops::Range<usize> = 100..3000;
 
-/// The graph with equal limbs side by side.
-fn side_by_side(function: Function, source: &Source<'_>, limbs: &Limbs) -> Option<Graph> {
+/// The graphs with these limbs side by side, among which the cheapest is the one.
+fn side_by_side(function: Function, source: &Source<'_>, limbs: &Limbs) -> Vec<Graph> {
     let tracer = source.tracer.abreast(limbs);
-    Some(match function {
+    vec![match function {
         Function::ForwardDynamics => {
-            let Elimination::Recursive(partition) = source.elimination else { return None };
-            tracer.forward_dynamics(&Elimination::Recursive(limbs.partition(partition)))
+            let by = |partition| Elimination::Recursive(limbs.partition(partition));
+            return source.partitions.iter().map(|p| tracer.forward_dynamics(&by(p))).collect();
         }
         Function::InverseDynamics => tracer.inverse_dynamics(),
         Function::BiasForces => tracer.bias_forces(),
         Function::GravityTorques => tracer.gravity_torques(),
+        // What is carried on from limbs to the root has one way to go.
+        _ if limbs.is_joined() => return Vec::new(),
         Function::MassMatrix => tracer.mass_matrix(),
         // A limb's derivatives by another limb's coordinates have no lane.
         Function::InverseDynamicsDerivatives if source.independent => {
@@ -424,6 +429,6 @@ fn side_by_side(function: Function, source: &Source<'_>, limbs: &Limbs) -> Optio
         Function::ForwardDynamicsDerivatives if source.independent => {
             tracer.forward_dynamics_derivatives(source.for_derivatives)
         }
-        _ => return None,
-    })
+        _ => return Vec::new(),
+    }]
 }

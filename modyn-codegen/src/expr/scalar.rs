@@ -1,7 +1,7 @@
 //! Expressions as scalars: tracing.
 
 use std::cell::RefCell;
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Range, Sub};
 
 use modyn_runtime::Scalar;
 
@@ -141,15 +141,19 @@ impl Scalar for Expr {
         Self::make(Node::Select(self.0, then.0, otherwise.0))
     }
 
-    fn over_limbs(self, limbs: usize) -> Self {
+    fn over_limbs(self, limbs: Range<usize>) -> Self {
         // In pairs: as few additions one behind the other as can be.
-        fn sum(x: Expr, lanes: std::ops::Range<usize>) -> Expr {
+        fn sum(x: Expr, lanes: Range<usize>) -> Expr {
             if lanes.len() == 1 {
                 return x.lane(lanes.start);
             }
             let middle = lanes.start + lanes.len() / 2;
             sum(x, lanes.start..middle) + sum(x, middle..lanes.end)
         }
-        if limbs == 1 { self } else { sum(self, 0..limbs) }
+        sum(self, limbs)
+    }
+
+    fn of_limbs(each: &[Self]) -> Self {
+        Self::beside(each)
     }
 }

@@ -3,7 +3,10 @@
 //! Limbs are equal if they have the same joint types in the same tree; their numbers may differ. They
 //! are put side by side, a limb a lane: one body stands for one of each, its numbers are lanes of
 //! theirs, and the same equations run on it. What such limbs leave on the body that they hang on adds up
-//! over the lanes ([`Body::limbs`]); what they get from there is the same for all.
+//! over the lanes ([`Body::to_parents`]); what they get from there is the same for all.
+//!
+//! Chains that hang on different bodies can join (legs and arms): each lane then gets what its own body
+//! does, and leaves there what is its own. The shorter ones end in joints that move nothing.
 
 use std::ops::Range;
 
@@ -11,102 +14,159 @@ use modyn_runtime::equations::Partition;
 use modyn_runtime::equations::partition::Block;
 use modyn_runtime::joint::Primitive;
 use modyn_runtime::model::prepare::{Body, Dof, Prepared, Zero};
-use modyn_runtime::spatial::{Pose, Turn};
+use modyn_runtime::spatial::{Pose, RigidInertia, Turn};
 
 use crate::expr::Expr;
 
 /// Most limbs that are put side by side: the lanes of the longest vectors.
 const MOST: usize = 8;
 
-/// Which limbs of a robot are equal.
+/// Most limbs that hang on different bodies: the lanes of a vector on most processors.
+const MOST_JOINED: usize = 4;
+
+/// How many joints a chain may lack to join a longer one.
+const MOST_MISSING: usize = 2;
+
+/// Which limbs of a robot are computed as one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Limbs {
-    /// By body of the robot that has one limb in place of equal ones: the bodies it stands for.
-    bodies: Vec<Vec<usize>>,
+    /// By body of the robot that has one limb in place of several.
+    bodies: Vec<Merged>,
     /// By its degrees of freedom: the entries of the robot's joint vectors, one a lane, and the limbs
     /// that it belongs to.
-    velocities: Vec<(Vec<usize>, Option<usize>)>,
+    velocities: Vec<(Lanes, Option<usize>)>,
     /// By its coordinates: the robot's.
-    coordinates: Vec<Vec<usize>>,
+    coordinates: Vec<Lanes>,
+    /// Whether some hang on different bodies.
+    joined: bool,
+}
+
+/// What stands in each lane; nothing behind the end of a limb that is shorter than others.
+type Lanes = Vec<Option<usize>>;
+
+/// What a body stands for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Merged {
+    /// Bodies of the robot.
+    of: Lanes,
+    /// The one that others are like.
+    like: usize,
+    /// Whether they are the first ones of limbs.
+    first: bool,
 }
 
 impl Limbs {
-    /// Finds them; `None` if there are none.
+    /// Finds equal limbs on one body; `None` if there are none.
     #[must_use]
     pub fn find(model: &Prepared<f64>) -> Option<Self> {
-        if model.has_mimics() {
-            return None;
-        }
-        let mut groups = Vec::new();
-        find_among(model, &roots(model), &mut groups);
-        if groups.is_empty() {
-            return None;
-        }
-        let (mut bodies, mut velocities, mut coordinates) = (Vec::new(), Vec::new(), Vec::new());
-        for (i, body) in model.bodies.iter().enumerate() {
-            let group = groups.iter().position(|limbs| limbs.iter().any(|limb| limb.contains(&i)));
-            let stands_for = match group {
-                None => vec![i],
-                Some(group) if groups[group][0].contains(&i) => {
-                    let place = i - groups[group][0].start;
-                    groups[group].iter().map(|limb| limb.start + place).collect()
-                }
-                Some(_) => continue,
+        let groups = groups(model);
+        (!groups.is_empty()).then(|| Self::new(model, &groups))
+    }
+
+    /// The same with those joined that hang on different bodies; `None` if none can be.
+    #[must_use]
+    pub fn joined(model: &Prepared<f64>) -> Option<Self> {
+        let equal = groups(model);
+        let joined = join(model, &equal);
+        (joined.len() < equal.len()).then(|| Self { joined: true, ..Self::new(model, &joined) })
+    }
+
+    /// The ways there are, equal limbs on one body first; those on different bodies join if they may.
+    #[must_use]
+    pub fn ways(model: &Prepared<f64>, join: bool) -> Vec<Self> {
+        let joined = join.then(|| Self::joined(model)).flatten();
+        Self::find(model).into_iter().chain(joined).collect()
+    }
+
+    /// Whether limbs on different bodies are among them.
+    #[must_use]
+    pub fn is_joined(&self) -> bool {
+        self.joined
+    }
+
+    fn new(model: &Prepared<f64>, groups: &[Vec<Range<usize>>]) -> Self {
+        let mut bodies = Vec::new();
+        let (mut velocities, mut coordinates) = (Vec::new(), Vec::new());
+        let mut add = |merged: Merged, group| {
+            let body = &model.bodies[merged.like];
+            let lanes = |number: &dyn Fn(&Body<f64>) -> usize| {
+                merged.of.iter().map(|of| of.map(|b| number(&model.bodies[b]))).collect()
             };
             for k in 0..body.dofs.len() {
-                let of = stands_for.iter().map(|&b| model.dofs[model.bodies[b].dofs.start + k].v);
-                velocities.push((of.collect(), group));
+                velocities.push((lanes(&|body| model.dofs[body.dofs.start + k].v), group));
             }
-            for k in 0..body.primitive.nq() {
-                coordinates.push(stands_for.iter().map(|&b| model.bodies[b].q + k).collect());
+            coordinates.extend((0..body.primitive.nq()).map(|k| lanes(&|body| body.q + k)));
+            bodies.push(merged);
+        };
+        for i in 0..model.bodies.len() {
+            let Some(g) = groups.iter().position(|g| g.iter().any(|limb| limb.contains(&i))) else {
+                add(Merged { of: vec![Some(i)], like: i, first: false }, None);
+                continue;
+            };
+            // They stand where the last limb does: behind all that they hang on.
+            let limbs = &groups[g];
+            if limbs.iter().map(|limb| limb.start).max() != Some(i) {
+                continue;
             }
-            bodies.push(stands_for);
+            let longest = longest(limbs);
+            for place in 0..longest.len() {
+                let of = limbs.iter().map(|limb| limb.clone().nth(place)).collect();
+                add(Merged { of, like: longest.start + place, first: place == 0 }, Some(g));
+            }
         }
-        Some(Self { bodies, velocities, coordinates })
+        Self { bodies, velocities, coordinates, joined: false }
     }
 
-    /// Whether no limb moves another: all equal ones hang on the world.
+    /// Whether no limb moves another: all hang on the world.
     #[must_use]
     pub fn independent(&self, model: &Prepared<f64>) -> bool {
-        self.roots(model).all(|parent| parent.is_none())
+        let first = self.bodies.iter().filter(|merged| merged.first);
+        first
+            .flat_map(|merged| merged.of.iter().flatten())
+            .all(|&b| model.bodies[b].parent.is_none())
     }
 
-    /// The parents of the first bodies of equal limbs.
-    fn roots<'a>(&'a self, model: &'a Prepared<f64>) -> impl Iterator<Item = Option<usize>> + 'a {
-        let several = self.bodies.iter().filter(|bodies| bodies.len() > 1);
-        several.filter(|bodies| is_first(model, bodies)).map(|b| model.bodies[b[0]].parent)
-    }
-
-    /// The robot with one limb in place of equal ones.
+    /// The robot with one limb in place of several.
     pub(super) fn merged(&self, model: &Prepared<f64>) -> Prepared<Expr> {
         let mut merged = model.cast();
-        let new = |old: usize| self.bodies.iter().position(|bodies| bodies[0] == old);
+        let new = |old: usize| self.bodies.iter().position(|body| body.of.contains(&Some(old)));
         let (mut q, mut dofs) = (0, Vec::new());
         let mut bodies = Vec::with_capacity(self.bodies.len());
-        for of in &self.bodies {
-            let each: Vec<&Body<f64>> = of.iter().map(|&b| &model.bodies[b]).collect();
-            let first = dofs.len();
-            for k in 0..each[0].dofs.len() {
-                let each: Vec<&Dof<f64>> =
-                    each.iter().map(|body| &model.dofs[body.dofs.start + k]).collect();
+        for Merged { of, like, first } in &self.bodies {
+            let like = &model.bodies[*like];
+            let nothing = RigidInertia::zero();
+            let missing = Body { inertia: nothing, minimal: nothing, ..like.clone() };
+            let each: Vec<&Body<f64>> =
+                of.iter().map(|b| b.map_or(&missing, |b| &model.bodies[b])).collect();
+            let start = dofs.len();
+            for k in 0..like.dofs.len() {
+                let like = &model.dofs[like.dofs.start + k];
+                // A rotor alone, which has no part in anything else's motion.
+                let missing = Dof { armature: Some(1.0), damping: None, friction: None, ..*like };
+                let dof = |b: usize| &model.dofs[model.bodies[b].dofs.start + k];
+                let each: Vec<&Dof<f64>> = of.iter().map(|b| b.map_or(&missing, dof)).collect();
                 dofs.push(Dof {
                     body: bodies.len(),
                     v: dofs.len(),
-                    component: each[0].component,
+                    component: like.component,
                     multiplier: None,
                     armature: optional(&each, |dof| dof.armature),
                     damping: optional(&each, |dof| dof.damping),
                     friction: optional(&each, |dof| dof.friction),
                 });
             }
-            let several = each.len() > 1 && is_first(model, of);
-            let body = abreast(&each, first..dofs.len(), q);
+            let mut body = abreast(&each, start..dofs.len(), q);
             q += body.primitive.nq();
-            bodies.push(Body {
-                parent: each[0].parent.and_then(new),
-                limbs: if several { each.len() } else { 1 },
-                ..body
-            });
+            body.parent = like.parent.and_then(new);
+            if *first {
+                let parents: Lanes = each.iter().map(|b| b.parent.and_then(new)).collect();
+                body.limbs = each.len();
+                if parents.iter().any(|&parent| parent != parents[0]) {
+                    body.parent = parents.iter().copied().max().flatten();
+                    body.parents = parents;
+                }
+            }
+            bodies.push(body);
         }
         (merged.bodies, merged.nq, merged.nv, merged.dofs) = (bodies, q, dofs.len(), dofs);
         // What is said by link has no meaning here.
@@ -117,44 +177,47 @@ impl Limbs {
         merged
     }
 
-    /// Modules of the robot as those of it with one limb in place of equal ones; modules do not reach
-    /// from a body into limbs.
+    /// Modules of the robot as those of it with one limb in place of several; modules do not reach
+    /// from a body into limbs. The longest limb's count.
     #[must_use]
     pub fn partition(&self, of: &Partition) -> Partition {
-        let mut merged = Partition { blocks: Vec::new(), pivots: 0 };
-        let mut dofs = 0;
-        for block in &of.blocks {
-            let start = self.bodies.iter().position(|bodies| bodies[0] == block.bodies.start);
-            let Some(start) = start else { continue };
+        let mut blocks: Vec<Block> = of
+            .blocks
+            .iter()
+            .filter_map(|block| {
+                let start = self.bodies.iter().position(|b| b.like == block.bodies.start)?;
+                Some(Block { bodies: start..start + block.bodies.len(), ..block.clone() })
+            })
+            .collect();
+        blocks.sort_by_key(|block| block.bodies.start);
+        let (mut dofs, mut pivots) = (0, 0);
+        for block in &mut blocks {
             let size = block.dofs.len();
-            merged.blocks.push(Block {
-                bodies: start..start + block.bodies.len(),
-                dofs: dofs..dofs + size,
-                pivot: merged.pivots,
-                has_children: block.has_children,
-            });
+            (block.dofs, block.pivot) = (dofs..dofs + size, pivots);
             dofs += size;
-            merged.pivots += size * size;
+            pivots += size * size;
         }
-        merged
+        Partition { blocks, pivots }
     }
 
     /// Coordinates, lane by lane.
     pub(super) fn coordinates(&self, q: &[Expr]) -> Vec<Expr> {
-        self.coordinates.iter().map(|of| beside(of.iter().map(|&i| q[i]))).collect()
+        self.coordinates.iter().map(|of| lanes_of(of, q)).collect()
     }
 
     /// A joint vector, lane by lane.
     pub(super) fn vector(&self, x: &[Expr]) -> Vec<Expr> {
-        self.velocities.iter().map(|(of, _)| beside(of.iter().map(|&i| x[i]))).collect()
+        self.velocities.iter().map(|(of, _)| lanes_of(of, x)).collect()
     }
 
     /// The robot's joint vector from lanes.
     pub(super) fn vector_apart(&self, x: &[Expr], nv: usize) -> Vec<Expr> {
         let mut apart = vec![constant(0.0); nv];
         for (&x, (of, _)) in x.iter().zip(&self.velocities) {
-            for (lane, &i) in of.iter().enumerate() {
-                apart[i] = x.lane(lane);
+            for (lane, i) in of.iter().enumerate() {
+                if let Some(i) = *i {
+                    apart[i] = x.lane(lane);
+                }
             }
         }
         apart
@@ -170,8 +233,10 @@ impl Limbs {
                     continue;
                 }
                 for lane in 0..column.len().max(row.len()) {
-                    let at = |of: &[usize]| of[lane.min(of.len() - 1)];
-                    apart[at(column) * nv + at(row)] = columns[c * n + r].lane(lane);
+                    let at = |of: &Lanes| of[lane.min(of.len() - 1)];
+                    if let (Some(column), Some(row)) = (at(column), at(row)) {
+                        apart[column * nv + row] = columns[c * n + r].lane(lane);
+                    }
                 }
             }
         }
@@ -179,9 +244,46 @@ impl Limbs {
     }
 }
 
-/// Whether they are the first bodies of their limbs: they hang on one body, or on the world.
-fn is_first(model: &Prepared<f64>, bodies: &[usize]) -> bool {
-    bodies.iter().all(|&b| model.bodies[b].parent == model.bodies[bodies[0]].parent)
+/// The first of the longest limbs.
+fn longest(limbs: &[Range<usize>]) -> &Range<usize> {
+    let most = limbs.iter().map(ExactSizeIterator::len).max();
+    limbs.iter().find(|limb| Some(limb.len()) == most).expect("some limbs")
+}
+
+/// Groups of equal limbs on one body each.
+fn groups(model: &Prepared<f64>) -> Vec<Vec<Range<usize>>> {
+    let mut groups = Vec::new();
+    if !model.has_mimics() {
+        find_among(model, &roots(model), &mut groups);
+    }
+    groups.sort_by_key(|limbs: &Vec<Range<usize>>| limbs[0].start);
+    groups
+}
+
+/// Joins groups of chains that go on alike for as long as both do.
+fn join(model: &Prepared<f64>, groups: &[Vec<Range<usize>>]) -> Vec<Vec<Range<usize>>> {
+    let mut joined: Vec<Vec<Range<usize>>> = Vec::new();
+    let fits = |one: &[Range<usize>], other: &[Range<usize>]| {
+        let (a, b) = (chain(model, longest(one)), chain(model, longest(other)));
+        let (Some(a), Some(b)) = (a, b) else { return false };
+        one.len() + other.len() <= MOST_JOINED
+            && a.len().abs_diff(b.len()) <= MOST_MISSING
+            && a.iter().zip(&b).all(|(a, b)| a == b)
+    };
+    for group in groups {
+        match joined.iter_mut().find(|other| fits(other, group)) {
+            Some(other) => other.extend_from_slice(group),
+            None => joined.push(group.clone()),
+        }
+    }
+    joined
+}
+
+/// The joint types of a limb, if it is a chain.
+fn chain(model: &Prepared<f64>, limb: &Range<usize>) -> Option<Vec<Primitive>> {
+    let follows = |i: usize| model.bodies[i].parent == Some(i - 1);
+    let is_chain = limb.clone().skip(1).all(follows);
+    is_chain.then(|| limb.clone().map(|i| model.bodies[i].primitive).collect())
 }
 
 /// The bodies that hang on the world, each with all behind it.
@@ -237,6 +339,11 @@ fn constant(value: f64) -> Expr {
     <Expr as modyn_runtime::Scalar>::from_f64(value)
 }
 
+/// The numbers that lanes have of `x`.
+fn lanes_of(lanes: &Lanes, x: &[Expr]) -> Expr {
+    beside(lanes.iter().map(|i| i.map_or(constant(0.0), |i| x[i])))
+}
+
 fn beside(numbers: impl Iterator<Item = Expr>) -> Expr {
     Expr::beside(&numbers.collect::<Vec<_>>())
 }
@@ -288,6 +395,7 @@ fn abreast(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> {
         inertia: first.inertia.map(|_| inertias.next().expect(next)),
         minimal: first.minimal.map(|_| minimal.next().expect(next)),
         limbs: 1,
+        parents: Vec::new(),
     }
 }
 

@@ -182,9 +182,8 @@ fn leave<S: Scalar>(
     i: usize,
     inertia: &ArticulatedInertia<S>,
 ) {
-    if let Some(parent) = model.bodies[i].parent {
-        let carried = model.bodies[i].articulateds_to_parent(&workspace.motions[i], inertia);
+    model.bodies[i].articulated_to_parents(&workspace.motions[i], inertia, |parent, carried| {
         let sum = workspace.articulated[parent].map_or(carried, |a| a + carried);
         workspace.articulated[parent] = Some(sum);
-    }
+    });
 }

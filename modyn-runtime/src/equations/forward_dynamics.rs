@@ -118,12 +118,14 @@ fn recursive<S: Scalar>(
         split(block, workspace);
         let torques = &mut workspace.torques[block.dofs.clone()];
         solve_upper(factor(block, &workspace.pivots), torques);
-        if let Some(parent) = model.bodies[first].parent {
+        if model.bodies[first].parent.is_some() {
             reduce_columns(model, block, workspace);
             eliminate(model, block, workspace);
             let left = wrench_left(model, block, workspace, torque);
-            let carried = model.bodies[first].wrenches_to_parent(&workspace.motions[first], left);
-            workspace.wrenches[parent] += carried;
+            let motion = &workspace.motions[first];
+            model.bodies[first].wrench_to_parents(motion, left, |parent, carried| {
+                workspace.wrenches[parent] += carried;
+            });
         }
         for d in block.dofs.clone() {
             workspace.torques[d] = workspace.torques[d] * workspace.reciprocals[d];
@@ -149,8 +151,11 @@ fn accelerate<S: Scalar>(
     qdd: &mut [S],
 ) {
     let first = block.bodies.start;
-    let carried = model.bodies[first].parent.map(|parent| {
-        model.bodies[first].twist_to_child(&workspace.motions[first], workspace.twists[parent])
+    let body = &model.bodies[first];
+    let carried = body.parent.is_some().then(|| {
+        let of = |p: Option<usize>| p.map_or_else(Twist::zero, |p| workspace.twists[p]);
+        let twist = Twist::from_components(body.from_parents(|p| of(p).components()));
+        body.twist_to_child(&workspace.motions[first], twist)
     });
     let freed = freed(model, block);
     for d in block.dofs.clone() {

@@ -15,7 +15,8 @@ pub fn gravity_torques<S: Scalar>(
     workspace.move_to(model, q);
     // Downwards: the world's acceleration in each link's axes; upwards: composite first moments.
     for (i, body) in model.bodies.iter().enumerate() {
-        let a = body.parent.map_or(-model.gravity, |p| workspace.twists[p].linear);
+        let of = |p: Option<usize>| p.map_or(-model.gravity, |p| workspace.twists[p].linear);
+        let a = Vector3(body.from_parents(|p| of(p).0));
         workspace.twists[i].linear = body.to_child(&workspace.motions[i], a);
     }
     gather(model, workspace, |body| body.minimal);
@@ -68,12 +69,13 @@ pub(super) fn gather<S: Scalar>(
         *composite = inertia(body);
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
-        if let Some(parent) = body.parent {
-            let (mass, first_moment) = carried(body, workspace, i);
+        let (mass, first_moment) = carried(body, workspace, i);
+        let left = |sum: &dyn Fn(S) -> S| (sum(mass), Vector3(first_moment.0.map(sum)));
+        body.to_parents(left, |parent, (mass, first_moment)| {
             let composite = &mut workspace.composite[parent];
-            composite.mass = composite.mass + mass.over_limbs(body.limbs);
-            composite.first_moment += Vector3(first_moment.0.map(|x| x.over_limbs(body.limbs)));
-        }
+            composite.mass = composite.mass + mass;
+            composite.first_moment += first_moment;
+        });
     }
 }
 

@@ -35,9 +35,8 @@ pub fn inverse_dynamics<S: Scalar>(
             }
             dof.add(felt, tau);
         }
-        if let Some(parent) = body.parent {
-            let carried = body.wrenches_to_parent(&workspace.motions[i], wrench);
+        body.wrench_to_parents(&workspace.motions[i], wrench, |parent, carried| {
             workspace.wrenches[parent] += carried;
-        }
+        });
     }
 }

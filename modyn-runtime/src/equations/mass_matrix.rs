@@ -49,9 +49,9 @@ pub fn mass_matrix<S: Scalar>(
                 others = model.bodies[at].dofs.clone();
             }
         }
-        if let Some(parent) = body.parent {
-            let carried = body.rigids_to_parent(&workspace.motions[i], &workspace.composite[i]);
+        let inertia = workspace.composite[i];
+        body.rigid_to_parents(&workspace.motions[i], &inertia, |parent, carried| {
             workspace.composite[parent] = workspace.composite[parent] + carried;
-        }
+        });
     }
 }

@@ -68,7 +68,17 @@ pub(super) fn carried<S: Scalar>(
             let (zero, a) = (Vector3::zero(), body.to_child(motion, -model.gravity));
             Carried { omega: zero, alpha: zero, a }
         }
-        Some(parent) => carried_by(&workspace.fields[parent], body, motion),
+        Some(parent) if body.parents.is_empty() => {
+            carried_by(&workspace.fields[parent], body, motion)
+        }
+        Some(_) => {
+            let at_rest = Field { a: -model.gravity, ..Field::zero() };
+            let of = |p: Option<usize>| p.map_or(at_rest, |p| workspace.fields[p]);
+            let get =
+                |part: fn(&Field<S>) -> Vector3<S>| Vector3(body.from_parents(|p| part(&of(p)).0));
+            let field = Field::turning(get(|f| f.omega), get(|f| f.alpha));
+            carried_by(&Field { a: get(|f| f.a), ..field }, body, motion)
+        }
     }
 }
 

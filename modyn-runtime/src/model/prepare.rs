@@ -84,9 +84,12 @@ pub struct Body<S> {
     pub inertia: RigidInertia<S>,
     /// The inertia in minimal parameters: equal to `inertia` for all joint-space dynamics.
     pub minimal: RigidInertia<S>,
-    /// How many equal limbs it is the first body of, where they are computed as one; else 1. What
-    /// hangs on a parent adds up over them.
+    /// How many limbs it is the first body of, where they are computed as one; else 1. What hangs on a
+    /// parent adds up over them.
     pub limbs: usize,
+    /// What each of these limbs hangs on, if that is not the same for all; else none. `parent` is then the
+    /// last one.
+    pub parents: Vec<Option<usize>>,
 }
 
 /// A degree of freedom: the unit motion of a body in one component.
@@ -285,28 +288,80 @@ impl<S: Scalar> Body<S> {
         self.placement.articulated_to_parent(&motion.articulated_to_parent(i))
     }
 
-    /// The same of all equal limbs together.
-    #[must_use]
-    pub fn wrenches_to_parent(&self, motion: &Motion<S>, w: Wrench<S>) -> Wrench<S> {
-        let carried = self.wrench_to_parent(motion, w).components();
-        Wrench::from_components(carried.map(|x| x.over_limbs(self.limbs)))
+    /// The numbers that its joint gets from what it hangs on: those of a body, or of the world (`None`).
+    pub fn from_parents<const N: usize>(&self, of: impl Fn(Option<usize>) -> [S; N]) -> [S; N] {
+        if self.parents.is_empty() {
+            return of(self.parent);
+        }
+        let each: Vec<[S; N]> = self.parents.iter().map(|&parent| of(parent)).collect();
+        core::array::from_fn(|n| S::of_limbs(&each.iter().map(|x| x[n]).collect::<Vec<_>>()))
     }
 
-    /// The same of all equal limbs together.
-    #[must_use]
-    pub fn rigids_to_parent(&self, motion: &Motion<S>, i: &RigidInertia<S>) -> RigidInertia<S> {
-        self.rigid_to_parent(motion, i).map(|x| x.over_limbs(self.limbs))
+    /// Gives each body that it hangs on what the limbs there leave together: `add` gets the body and what
+    /// `left` makes of the sum over them.
+    pub fn to_parents<X>(
+        &self,
+        left: impl Fn(&dyn Fn(S) -> S) -> X,
+        mut add: impl FnMut(usize, X),
+    ) {
+        let mut give = |parent: Option<usize>, limbs: Range<usize>| {
+            if let Some(parent) = parent {
+                add(parent, left(&|x: S| x.over_limbs(limbs.clone())));
+            }
+        };
+        match self.parent {
+            Some(parent) if self.limbs == 1 => return add(parent, left(&|x| x)),
+            parent if self.parents.is_empty() => return give(parent, 0..self.limbs),
+            _ => {}
+        }
+        let mut start = 0;
+        for limbs in self.parents.chunk_by(|a, b| a == b) {
+            give(limbs[0], start..start + limbs.len());
+            start += limbs.len();
+        }
     }
 
-    /// The same of all equal limbs together.
-    #[must_use]
-    pub fn articulateds_to_parent(
+    /// Gives them a wrench on this body.
+    pub fn wrench_to_parents(
+        &self,
+        motion: &Motion<S>,
+        w: Wrench<S>,
+        add: impl FnMut(usize, Wrench<S>),
+    ) {
+        if self.parent.is_some() {
+            let carried = self.wrench_to_parent(motion, w).components();
+            self.to_parents(|sum| Wrench::from_components(carried.map(sum)), add);
+        }
+    }
+
+    /// Gives them a rigid inertia on this body.
+    pub fn rigid_to_parents(
+        &self,
+        motion: &Motion<S>,
+        i: &RigidInertia<S>,
+        add: impl FnMut(usize, RigidInertia<S>),
+    ) {
+        if self.parent.is_some() {
+            let carried = self.rigid_to_parent(motion, i);
+            self.to_parents(|sum| carried.map(sum), add);
+        }
+    }
+
+    /// Gives them an articulated inertia on this body.
+    pub fn articulated_to_parents(
         &self,
         motion: &Motion<S>,
         i: &ArticulatedInertia<S>,
-    ) -> ArticulatedInertia<S> {
-        let carried = self.articulated_to_parent(motion, i);
-        ArticulatedInertia::from_fn(|row, column| carried.entry(row, column).over_limbs(self.limbs))
+        add: impl FnMut(usize, ArticulatedInertia<S>),
+    ) {
+        if self.parent.is_some() {
+            let carried = self.articulated_to_parent(motion, i);
+            let entry = |row, column| carried.entry(row, column);
+            self.to_parents(
+                |sum| ArticulatedInertia::from_fn(|row, column| sum(entry(row, column))),
+                add,
+            );
+        }
     }
 }
 
@@ -432,6 +487,7 @@ impl Prepared<f64> {
                     inertia: b.inertia.map(f),
                     minimal: b.minimal.map(f),
                     limbs: b.limbs,
+                    parents: b.parents.clone(),
                 })
                 .collect(),
             dofs: self
@@ -707,6 +763,7 @@ impl Frames {
                 inertia,
                 minimal: inertia,
                 limbs: 1,
+                parents: Vec::new(),
             });
         }
         let mut links = Vec::with_capacity(model.links().len());

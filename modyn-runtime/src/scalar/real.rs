@@ -1,6 +1,6 @@
 //! The trait of numbers.
 
-use core::ops::{Add, Div, Mul, Neg, Sub};
+use core::ops::{Add, Div, Mul, Neg, Range, Sub};
 
 use super::abreast::Abreast;
 
@@ -93,12 +93,20 @@ pub trait Scalar:
         work.scalar()
     }
 
-    /// Where the compiler computes equal limbs as one, with a lane for each: the sum over them. All
-    /// other numbers belong to one body, and are that sum themselves.
+    /// Where the compiler computes equal limbs as one, with a lane for each: the sum over some of them.
+    /// All other numbers belong to one body, and are that sum themselves.
     #[doc(hidden)]
     #[inline]
     #[must_use]
-    fn over_limbs(self, _limbs: usize) -> Self {
+    fn over_limbs(self, _limbs: Range<usize>) -> Self {
         self
+    }
+
+    /// The number that each of such limbs has, a lane each; all others belong to one body, the first.
+    #[doc(hidden)]
+    #[inline]
+    #[must_use]
+    fn of_limbs(each: &[Self]) -> Self {
+        each[0]
     }
 }
