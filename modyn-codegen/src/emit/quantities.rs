@@ -12,7 +12,7 @@ use super::function::Parameter;
 use super::shape::Shape;
 use crate::expr::Graph;
 use crate::functions::Function;
-use crate::passes::optimize;
+use crate::passes::{balance, optimize};
 use crate::trace::{Limbs, Tracer};
 
 /// A quantity's function: how it is called, and its graph.
@@ -380,6 +380,11 @@ impl Robot<'_> {
                  limits in [-pi, pi), displacements without limits in [-1, 1), rotations of any direction.",
             ),
         };
+        let graphs = match graphs {
+            // States side by side keep all units busy, whatever waits for what.
+            Graphs::One(graph) if function.batched().is_none() => Graphs::One(balance(&graph)),
+            other => other,
+        };
         let dynamic = function.depends_on_parameters();
         let abreast = match &graphs {
             Graphs::One(graph) => abreast(function, source, graph),
@@ -395,18 +400,24 @@ impl Robot<'_> {
 fn abreast(function: Function, source: &Source<'_>, alone: &Graph) -> Option<Graph> {
     let count = |graph: &Graph| graph.count().total();
     let graphs = source.limbs.iter().flat_map(|limbs| side_by_side(function, source, limbs));
-    if let Some(graph) = graphs.map(optimize).min_by_key(count) {
-        if count(&graph) * 5 < count(alone) * 4 {
-            return Some(graph);
-        }
+    let cheapest = graphs.map(|graph| balance(&optimize(graph))).min_by_key(count);
+    let pays = |graph: &Graph| count(graph) * 5 < count(alone) * 4;
+    if let Some(graph) = cheapest.filter(pays) {
+        return Some(graph);
     }
-    let often = matches!(function, Function::ForwardDynamics | Function::InverseDynamics);
+    let often = matches!(
+        function,
+        Function::ForwardDynamics
+            | Function::InverseDynamics
+            | Function::ForwardDynamicsDerivatives
+            | Function::InverseDynamicsDerivatives
+    );
     (source.vectors && often && DISPATCHED.contains(&count(alone))).then(|| alone.clone())
 }
 
 /// Operations of functions that are compiled for several instruction sets even if nothing stands side by
 /// side: fewer take no longer than finding out, more cost the compiler more than they are worth.
-const DISPATCHED: std::ops::Range<usize> = 100..3000;
+const DISPATCHED: std::ops::Range<usize> = 100..5000;
 
 /// The graphs with these limbs side by side, among which the cheapest is the one.
 fn side_by_side(function: Function, source: &Source<'_>, limbs: &Limbs) -> Vec<Graph> {

@@ -1,8 +1,10 @@
 //! Rewrites of whole graphs, one file each. Their order is this list.
 
+mod balance;
 mod factor;
 
 use crate::expr::Graph;
+pub use balance::balance;
 
 /// A rewrite: the same outputs by other operations.
 type Pass = fn(&Graph) -> Graph;

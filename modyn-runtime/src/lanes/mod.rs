@@ -93,9 +93,8 @@ macro_rules! dispatch {
         #[inline]
         #[allow(unsafe_code)] // Calls of functions for the instructions found to be there.
         pub(crate) fn $abreast<W: Abreast<$float>>(work: W) -> W::Output {
-            // Where all code fuses products, numbers alone are best left to the compiler.
-            let fused = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
-            if fused && !W::SIDE_BY_SIDE {
+            // All code fuses products there, and nothing is gained for numbers alone.
+            if cfg!(target_arch = "aarch64") && !W::SIDE_BY_SIDE {
                 return work.scalar();
             }
             match level() {

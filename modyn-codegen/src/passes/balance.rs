@@ -1,0 +1,256 @@
+//! Sums of several terms in the order in which these are known, and in pairs where the result waits for
+//! them.
+//!
+//! Straight-line code of a few hundred operations takes as long as the longest way through it. A sum of
+//! n terms takes n - 1 additions in any order; products in it are fused, but for one in each part that is
+//! summed up by itself. So parts are made only where the longest ways go.
+
+use crate::expr::{Graph, Id, Node};
+
+/// Cycles until a result can be used: of today's processors, to which a cycle more or less makes no
+/// difference here.
+mod latency {
+    pub const FUSED: u32 = 4;
+    pub const SUM: u32 = 3;
+    pub const PRODUCT: u32 = 3;
+    pub const QUOTIENT: u32 = 13;
+    pub const TURN: u32 = 40;
+    pub const LANES: u32 = 2;
+    pub const OTHER: u32 = 20;
+}
+
+/// A sum is on a long way if the way through it lacks no more than one part in so many of the longest.
+const NEAR: u32 = 6;
+
+/// Rewrites sums.
+#[must_use]
+pub fn balance(graph: &Graph) -> Graph {
+    let (live, uses) = (graph.live(), graph.uses());
+    let known = arrivals(graph, &uses);
+    let behind = behind(graph, &live, &known);
+    let longest = known.iter().zip(&behind).map(|(a, b)| a + b).max().unwrap_or(0);
+    let is_part = parts(graph, &live, &uses);
+    let mut rewritten = Rewritten { graph: Graph::default(), known: Vec::new() };
+    let mut ids: Vec<Id> = Vec::with_capacity(graph.nodes().len());
+    for (i, &node) in graph.nodes().iter().enumerate() {
+        let at = |id: Id| ids[id as usize];
+        let id = match node {
+            _ if !live[i] || is_part[i] => 0,
+            Node::Add(..) | Node::Sub(..) => {
+                let mut terms = Vec::new();
+                collect(graph, &is_part, i as Id, false, &mut terms);
+                let near = known[i] + behind[i] + longest / NEAR >= longest;
+                let term = |(negative, id): (bool, Id)| {
+                    let product = uses[id as usize] == 1 && is_product(graph, id);
+                    rewritten.term(negative, at(id), product)
+                };
+                let terms: Vec<Term> = terms.into_iter().map(term).collect();
+                if terms.len() == 2 {
+                    rewritten.make(node.map(at))
+                } else {
+                    rewritten.sum(terms, near)
+                }
+            }
+            _ => rewritten.make(node.map(at)),
+        };
+        ids.push(id);
+    }
+    rewritten.graph.outputs = graph.outputs.iter().map(|&id| ids[id as usize]).collect();
+    rewritten.graph
+}
+
+/// Sums that are terms of another one, and used there only.
+fn parts(graph: &Graph, live: &[bool], uses: &[u32]) -> Vec<bool> {
+    let mut is_part = vec![false; graph.nodes().len()];
+    for (i, node) in graph.nodes().iter().enumerate() {
+        if !live[i] || !matches!(node, Node::Add(..) | Node::Sub(..)) {
+            continue;
+        }
+        for operand in node.operands() {
+            let sum = matches!(graph.node(operand), Node::Add(..) | Node::Sub(..));
+            let same = graph.width(operand) == graph.width(i as Id);
+            is_part[operand as usize] |= sum && same && uses[operand as usize] == 1;
+        }
+    }
+    is_part
+}
+
+/// The terms of a sum.
+fn collect(graph: &Graph, is_part: &[bool], id: Id, negative: bool, terms: &mut Vec<(bool, Id)>) {
+    let (a, b, minus) = match graph.node(id) {
+        Node::Add(a, b) => (a, b, false),
+        Node::Sub(a, b) => (a, b, true),
+        _ => return terms.push((negative, id)),
+    };
+    for (operand, negative) in [(a, negative), (b, negative != minus)] {
+        if is_part[operand as usize] {
+            collect(graph, is_part, operand, negative, terms);
+        } else {
+            terms.push((negative, operand));
+        }
+    }
+}
+
+fn is_product(graph: &Graph, id: Id) -> bool {
+    matches!(graph.node(id), Node::Mul(..))
+}
+
+/// When each node is known.
+fn arrivals(graph: &Graph, uses: &[u32]) -> Vec<u32> {
+    let mut known: Vec<u32> = Vec::with_capacity(graph.nodes().len());
+    for &node in graph.nodes() {
+        known.push(arrival(graph, node, &known, |id| uses[id as usize] == 1));
+    }
+    known
+}
+
+/// When `node` is known if its operands are; a product that is used `once` is fused.
+fn arrival(graph: &Graph, node: Node, known: &[u32], once: impl Fn(Id) -> bool) -> u32 {
+    let at = |id: Id| known[id as usize];
+    let last = node.operands().map(at).max().unwrap_or(0);
+    match node {
+        Node::Constant(_) | Node::Input(_) => 0,
+        Node::Neg(_) => last,
+        Node::Add(a, b) | Node::Sub(a, b) => {
+            // The later one of two products is fused.
+            let factors = |id: Id| graph.node(id).operands().map(at).max().unwrap_or(0);
+            let fused = |product: Id, other: Id| {
+                (is_product(graph, product) && once(product))
+                    .then(|| factors(product).max(at(other)) + latency::FUSED)
+            };
+            let all = [fused(a, b), fused(b, a), Some(last + latency::SUM)];
+            all.into_iter().flatten().min().expect("one at least")
+        }
+        Node::Mul(..) => last + latency::PRODUCT,
+        Node::Recip(_) => last + latency::QUOTIENT,
+        Node::Sin(_) | Node::Cos(_) => last + latency::TURN,
+        Node::Beside(..) | Node::Lane(..) => last + latency::LANES,
+        _ => last + latency::OTHER,
+    }
+}
+
+/// How long it takes from each node to the last output.
+fn behind(graph: &Graph, live: &[bool], known: &[u32]) -> Vec<u32> {
+    let mut behind = vec![0; graph.nodes().len()];
+    for (i, node) in graph.nodes().iter().enumerate().rev() {
+        if !live[i] {
+            continue;
+        }
+        for operand in node.operands() {
+            let step = known[i].saturating_sub(known[operand as usize]);
+            let step = match node {
+                Node::Add(..) | Node::Sub(..) => step.min(latency::FUSED),
+                _ => step.min(latency::TURN),
+            };
+            let operand = operand as usize;
+            behind[operand] = behind[operand].max(behind[i] + step);
+        }
+    }
+    behind
+}
+
+/// A term of a sum.
+#[derive(Clone, Copy)]
+struct Term {
+    negative: bool,
+    id: Id,
+    /// When it can take part: a product that is fused, when its factors are known.
+    ready: u32,
+}
+
+struct Rewritten {
+    graph: Graph,
+    known: Vec<u32>,
+}
+
+impl Rewritten {
+    fn make(&mut self, node: Node) -> Id {
+        let id = self.graph.make(node);
+        for i in self.known.len()..self.graph.nodes().len() {
+            let known = arrival(&self.graph, self.graph.nodes()[i], &self.known, |_| true);
+            self.known.push(known);
+        }
+        id
+    }
+
+    /// A term; a `product` that is its only use is fused.
+    fn term(&self, negative: bool, id: Id, product: bool) -> Term {
+        let known = |id: Id| self.known[id as usize];
+        let factors = self.graph.node(id).operands().map(known).max();
+        let fused = factors.filter(|_| product && is_product(&self.graph, id));
+        Term { negative, id, ready: fused.unwrap_or(known(id)) }
+    }
+
+    /// The sum of some terms: from the earliest on, one after the other or in pairs.
+    fn sum(&mut self, mut terms: Vec<Term>, in_pairs: bool) -> Id {
+        let latest_first = |terms: &mut Vec<Term>| {
+            terms.sort_by_key(|term| std::cmp::Reverse((term.ready, term.negative)));
+        };
+        latest_first(&mut terms);
+        while let (Some(a), Some(b)) = (terms.pop(), terms.pop()) {
+            let sum = self.pair(a, b);
+            if terms.is_empty() {
+                return if sum.negative { self.make(Node::Neg(sum.id)) } else { sum.id };
+            }
+            terms.push(sum);
+            if in_pairs {
+                latest_first(&mut terms);
+            }
+        }
+        unreachable!("a sum has several terms")
+    }
+
+    fn pair(&mut self, a: Term, b: Term) -> Term {
+        let (negative, node) = match (a.negative, b.negative) {
+            (true, false) => (false, Node::Sub(b.id, a.id)),
+            (false, true) => (false, Node::Sub(a.id, b.id)),
+            (negative, _) => (negative, Node::Add(a.id, b.id)),
+        };
+        let id = self.make(node);
+        self.term(negative, id, false)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::Expr;
+
+    /// The outputs stay, and so do the operations.
+    fn same(graph: &Graph) -> Graph {
+        let balanced = balance(graph);
+        let inputs: Vec<f64> = (0..20).map(|i| libm::sin(f64::from(i) + 0.5)).collect();
+        for (a, b) in graph.evaluate(&inputs).iter().zip(balanced.evaluate(&inputs)) {
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+        assert!(balanced.count().total() <= graph.count().total());
+        balanced
+    }
+
+    fn longest(graph: &Graph) -> u32 {
+        let known = arrivals(graph, &graph.uses());
+        graph.outputs.iter().map(|&id| known[id as usize]).max().expect("outputs")
+    }
+
+    #[test]
+    fn what_is_late_comes_last_and_the_rest_in_pairs() {
+        let graph = Graph::trace(|| {
+            let x: Vec<Expr> = (0..9).map(Expr::input).collect();
+            let late = (x[0] * x[1] + x[2]) * x[3] + x[4];
+            vec![late + x[5] - x[6] - x[7] + x[8]]
+        });
+        // Two fused products and one sum behind them.
+        assert_eq!(longest(&graph), 2 * latency::FUSED + 4 * latency::SUM);
+        assert_eq!(longest(&same(&graph)), 2 * latency::FUSED + latency::SUM);
+    }
+
+    #[test]
+    fn signs_and_products_stay() {
+        same(&Graph::trace(|| {
+            let x: Vec<Expr> = (0..12).map(Expr::input).collect();
+            let products = x[0] * x[1] - x[2] * x[3] - x[4] * x[5] + x[6] * x[7];
+            let negative = -(x[0] * x[2]) - x[8] - x[9] - (x[10] + x[11] - products);
+            vec![negative, products * products, -x[3] - x[4] - x[5]]
+        }));
+    }
+}
