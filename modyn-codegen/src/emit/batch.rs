@@ -23,7 +23,7 @@ impl Robot<'_> {
         self.batch_functions(text, quantity);
     }
 
-    /// The type that loads states, calls the inlined function and stores what it returns.
+    /// The type that loads states and calls the inlined function.
     fn kernel(&self, text: &mut String, quantity: &Quantity) {
         let float = self.options.float.name();
         let runtime = self.runtime_parameter(quantity).map_or(0, |p| p.shape.len());
@@ -43,17 +43,8 @@ impl Robot<'_> {
             let _ = writeln!(body, "    let params = [{}];", all.join(", "));
             arguments.push("&params".into());
         }
-        let results: Vec<String> = (0..outputs).map(|i| format!("y{i}")).collect();
-        let _ = writeln!(
-            body,
-            "    let {} = {}_lanes({});",
-            quantity.shape.value(&results),
-            name(quantity),
-            arguments.join(", ")
-        );
-        for i in 0..outputs {
-            let _ = writeln!(body, "    outputs.set::<{i}>(y{i});");
-        }
+        arguments.push("&outputs".into());
+        let _ = writeln!(body, "    {}_lanes({});", name(quantity), arguments.join(", "));
         let kernel = kernel_name(quantity);
         let _ = writeln!(
             text,
