@@ -1,20 +1,26 @@
-//! Batches on each level of vector instructions that this machine has, beside the function for one state:
-//! ns a state (an element). 1024 states a call; columns stand 1,040 numbers apart, since columns at
-//! multiples of 4,096 bytes would hinder each other in the cache.
+//! The table of docs/batch.md: many states at a time, on each level of vector instructions that this machine
+//! has, beside one state after the other on numbers without vectors; ns a state. The least of many runs, so
+//! that what else the machine does matters little; Criterion's averages would have it in them.
 //!
-//! `cargo bench --bench batch`; with `RUSTFLAGS="-C target-cpu=native"` the functions for one state use
-//! this machine's instructions too (and lower levels are left out).
+//! `cargo bench --bench batch`; with `RUSTFLAGS="-C target-cpu=native"` products are fused one by one too (and
+//! lower levels are left out).
 
+#[path = "../tests/src/plain.rs"]
+mod plain;
+
+use std::array::from_fn;
 use std::hint::black_box;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use criterion::measurement::WallTime;
-use criterion::{BenchmarkGroup, Criterion, Throughput};
 use modyn::batch::{Level, force_level};
+use modyn::{ForwardDynamicsDerivatives, InverseDynamicsDerivatives, Robot};
+use plain::{Plain, plain};
 
 modyn::modyn! { Arm7 = "robots/arm7.urdf", functions = [
     forward_dynamics, forward_dynamics_batch, inverse_dynamics, inverse_dynamics_batch,
-    mass_matrix, mass_matrix_batch
+    mass_matrix, mass_matrix_batch, brge, brge_batch,
+    inverse_dynamics_derivatives, inverse_dynamics_derivatives_batch,
+    forward_dynamics_derivatives, forward_dynamics_derivatives_batch
 ] }
 modyn::modyn! { Arm7Single = "robots/arm7.urdf", scalar = f32, functions = [
     forward_dynamics, forward_dynamics_batch
@@ -26,117 +32,164 @@ modyn::modyn! { Humanoid = "robots/humanoid.urdf", functions = [
     forward_dynamics, forward_dynamics_batch
 ] }
 
-/// States a call.
-const STATES: usize = 1024;
-/// From one column to the next.
-const STRIDE: usize = STATES + 16;
+/// States a call. Columns so far apart do not hinder each other in the cache.
+const STATES: usize = 1000;
 
-/// Columns in a row, and the same numbers state by state.
-struct Numbers<T, const N: usize> {
-    flat: Vec<T>,
-    states: Vec<[T; N]>,
+/// Numbers of that size, the same on every machine: a linear congruential generator.
+fn numbers<T: modyn::Scalar, const N: usize>(size: f64) -> Vec<[T; N]> {
+    let mut seed = 1u64;
+    let mut next = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        T::from_f64(size * ((seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0))
+    };
+    (0..STATES).map(|_| from_fn(|_| next())).collect()
 }
 
-impl<T: modyn::Scalar, const N: usize> Numbers<T, N> {
-    /// Numbers of that size, the same on every machine: a linear congruential generator.
-    fn new(size: f64) -> Self {
-        let mut seed = 1u64;
-        let mut flat = vec![T::zero(); N * STRIDE];
-        for x in &mut flat {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            *x = T::from_f64(size * ((seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0));
-        }
-        let state = |i| std::array::from_fn(|j| flat[j * STRIDE + i]);
-        let states = (0..STATES).map(state).collect();
-        Self { flat, states }
+/// One column for each number of a state, one behind the other.
+fn columns<T: Copy, const N: usize>(states: &[[T; N]]) -> Vec<T> {
+    (0..N).flat_map(|j| states.iter().map(move |state| state[j])).collect()
+}
+
+fn slices<T, const N: usize>(columns: &[T]) -> [&[T]; N] {
+    from_fn(|j| &columns[j * STATES..][..STATES])
+}
+
+/// The next columns, to write to.
+fn vector<'a, T, const N: usize>(rest: &mut impl Iterator<Item = &'a mut [T]>) -> [&'a mut [T]; N] {
+    from_fn(|_| rest.next().expect("as many"))
+}
+
+fn matrix<'a, T, const N: usize>(
+    rest: &mut impl Iterator<Item = &'a mut [T]>,
+) -> [[&'a mut [T]; N]; N] {
+    from_fn(|_| vector(rest))
+}
+
+/// What is measured: this long in each of the rounds, or once for a test.
+struct Bench {
+    levels: Vec<Level>,
+    round: Duration,
+}
+
+const ROUNDS: usize = 3;
+
+impl Bench {
+    fn new() -> Self {
+        let all = [Level::Single, Level::Sse2, Level::Avx2, Level::Avx512, Level::Neon];
+        let levels: Vec<Level> =
+            all.into_iter().filter(|&level| force_level(Some(level))).collect();
+        let measured = std::env::args().any(|argument| argument == "--bench");
+        let names: Vec<String> = levels.iter().map(|level| format!("{level:?}")).collect();
+        println!("| | one by one | {} | slices of states |", names.join(" | "));
+        println!("|{}", "---|".repeat(levels.len() + 3));
+        Self { levels, round: Duration::from_millis(if measured { 300 } else { 0 }) }
     }
 
-    fn columns(&self) -> [&[T]; N] {
-        std::array::from_fn(|j| &self.flat[j * STRIDE..][..STATES])
-    }
-
-    fn columns_mut(&mut self) -> [&mut [T]; N] {
-        let mut columns = self.flat.chunks_exact_mut(STRIDE);
-        std::array::from_fn(|_| &mut columns.next().expect("as many")[..STATES])
-    }
-}
-
-/// Times `f` on every level.
-fn levels(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, mut f: impl FnMut()) {
-    for level in [Level::Sse2, Level::Avx2, Level::Avx512, Level::Neon] {
-        if force_level(Some(level)) {
-            group.bench_function(format!("{name}/{level:?}"), |bencher| bencher.iter(&mut f));
-        }
-    }
-    force_level(None);
-}
-
-macro_rules! group {
-    ($criterion:ident, $name:expr) => {{
-        let mut group = $criterion.benchmark_group($name);
-        group.throughput(Throughput::Elements(STATES as u64));
-        group.warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_millis(800));
-        group
-    }};
-}
-
-macro_rules! dynamics {
-    ($criterion:ident, $Robot:ident, $T:ty, $one:ident, $batch:ident, $each:ident) => {{
-        const N: usize = $Robot::NV;
-        let [q, qd, x]: [Numbers<$T, N>; 3] = [3.0, 2.0, 5.0].map(Numbers::new);
-        let mut y: Numbers<$T, N> = Numbers::new(0.0);
-        let mut group = group!($criterion, format!("{}/{}", stringify!($Robot), stringify!($one)));
-        group.bench_function("one", |bencher| {
-            bencher.iter(|| {
-                for ((q, qd), x) in q.states.iter().zip(&qd.states).zip(&x.states) {
-                    black_box($Robot::$one(black_box(q), qd, x));
-                }
-            });
-        });
-        levels(&mut group, "batch", || {
-            $Robot::$batch(q.columns(), qd.columns(), x.columns(), y.columns_mut()).expect("sizes");
-        });
-        levels(&mut group, "each", || {
-            $Robot::$each(&q.states, &qd.states, &x.states, &mut y.states).expect("sizes");
-        });
-        group.finish();
-    }};
-}
-
-fn mass_matrix(criterion: &mut Criterion) {
-    const N: usize = Arm7::NV;
-    let q: Numbers<f64, N> = Numbers::new(3.0);
-    let mut columns: Numbers<f64, { N * N }> = Numbers::new(0.0);
-    let mut matrices = vec![[[0.0; N]; N]; STATES];
-    let mut group = group!(criterion, "Arm7/mass_matrix");
-    group.bench_function("one", |bencher| {
-        bencher.iter(|| {
-            for q in &q.states {
-                black_box(Arm7::mass_matrix(black_box(q)));
+    /// The least time of many calls, ns a state.
+    fn time(&self, f: &mut dyn FnMut(), best: &mut f64) {
+        let start = Instant::now();
+        loop {
+            let call = Instant::now();
+            f();
+            *best = best.min(call.elapsed().as_nanos() as f64 / STATES as f64);
+            if start.elapsed() >= self.round {
+                return;
             }
-        });
-    });
-    levels(&mut group, "batch", || {
-        let mut rest = columns.columns_mut().into_iter();
-        let matrix = [[(); N]; N].map(|column| column.map(|()| rest.next().expect("as many")));
-        Arm7::mass_matrix_batch(q.columns(), matrix).expect("sizes");
-    });
-    levels(&mut group, "each", || {
-        Arm7::mass_matrix_each(&q.states, &mut matrices).expect("sizes");
-    });
-    group.finish();
+        }
+    }
+
+    /// Prints a row: all levels by columns, the last one by states too.
+    fn row(
+        &self,
+        name: &str,
+        mut one: impl FnMut(),
+        mut batch: impl FnMut(),
+        mut each: impl FnMut(),
+    ) {
+        let mut best = vec![f64::MAX; self.levels.len() + 2];
+        for _ in 0..ROUNDS {
+            self.time(&mut one, &mut best[0]);
+            for (level, best) in self.levels.iter().zip(&mut best[1..]) {
+                assert!(force_level(Some(*level)));
+                self.time(&mut batch, best);
+            }
+            force_level(None);
+            let last = best.len() - 1;
+            self.time(&mut each, &mut best[last]);
+        }
+        let cells = best[1..].iter().map(|ns| format!("{ns:.1} ({:.1})", best[0] / ns));
+        println!("| {name} | {:.0} | {} |", best[0], cells.collect::<Vec<_>>().join(" | "));
+    }
+}
+
+/// A row of a function of `$state`s, whose results are `$empty` at first and have `$numbers` each, put into
+/// columns by the arguments `$out` of the rest of them.
+macro_rules! row {
+    (
+        $bench:ident, $name:literal, $Robot:ident on $T:ty;
+        $one:ident, $batch:ident, $each:ident ($($state:ident),+);
+        $empty:expr, $numbers:expr, |$rest:ident| $out:tt
+    ) => {{
+        const N: usize = $Robot::NV;
+        $(let $state: (Vec<[$T; N]>, Vec<$T>) = {
+            let states = numbers(match stringify!($state) { "q" => 3.0, "qd" => 2.0, _ => 5.0 });
+            let columns = columns(&states);
+            (states, columns)
+        };)+
+        let mut results = vec![$empty; STATES];
+        let mut result_columns: Vec<$T> = vec![0.0; STATES * $numbers];
+        $bench.row(
+            $name,
+            || for i in 0..STATES {
+                black_box(<$Robot as Robot>::$one::<Plain<$T>>($(black_box(&plain(&$state.0[i]))),+));
+            },
+            || {
+                let mut columns = result_columns.chunks_exact_mut(STATES);
+                let $rest = &mut columns;
+                row!(call $Robot::$batch, ($(slices(&$state.1)),+), $out);
+            },
+            || $Robot::$each($(&$state.0,)+ black_box(&mut results)).expect("sizes"),
+        );
+    }};
+    (call $Robot:ident::$batch:ident, ($($in:expr),+), ($($out:expr),+)) => {
+        $Robot::$batch($($in,)+ $($out),+).expect("sizes")
+    };
 }
 
 fn main() {
-    let mut criterion = Criterion::default().configure_from_args();
-    let c = &mut criterion;
-    dynamics!(c, Arm7, f64, forward_dynamics, forward_dynamics_batch, forward_dynamics_each);
-    dynamics!(c, Arm7Single, f32, forward_dynamics, forward_dynamics_batch, forward_dynamics_each);
-    dynamics!(c, Quadruped, f64, forward_dynamics, forward_dynamics_batch, forward_dynamics_each);
-    dynamics!(c, Humanoid, f64, forward_dynamics, forward_dynamics_batch, forward_dynamics_each);
-    dynamics!(c, Arm7, f64, inverse_dynamics, inverse_dynamics_batch, inverse_dynamics_each);
-    mass_matrix(c);
-    criterion.final_summary();
+    let bench = Bench::new();
+    const N: usize = Arm7::NV;
+    const ZERO: [[f64; N]; N] = [[0.0; N]; N];
+    const FACTORS: usize = Arm7Brge::<f64>::FACTORS;
+    row!(bench, "`arm7`, forward dynamics", Arm7 on f64;
+        forward_dynamics, forward_dynamics_batch, forward_dynamics_each (q, qd, tau);
+        [0.0; N], N, |rest| (vector(rest)));
+    row!(bench, "the same in `f32`", Arm7Single on f32;
+        forward_dynamics, forward_dynamics_batch, forward_dynamics_each (q, qd, tau);
+        [0.0; N], N, |rest| (vector(rest)));
+    row!(bench, "`arm7`, inverse dynamics", Arm7 on f64;
+        inverse_dynamics, inverse_dynamics_batch, inverse_dynamics_each (q, qd, qdd);
+        [0.0; N], N, |rest| (vector(rest)));
+    row!(bench, "`arm7`, mass matrix", Arm7 on f64;
+        mass_matrix, mass_matrix_batch, mass_matrix_each (q);
+        ZERO, N * N, |rest| (matrix(rest)));
+    row!(bench, "`arm7`, BRGE", Arm7 on f64;
+        brge, brge_batch, brge_each (q);
+        Arm7Brge::from_factors([0.0; FACTORS]), FACTORS, |rest| (vector(rest)));
+    row!(bench, "`arm7`, derivatives of inverse dynamics", Arm7 on f64;
+        inverse_dynamics_derivatives, inverse_dynamics_derivatives_batch,
+        inverse_dynamics_derivatives_each (q, qd, qdd);
+        InverseDynamicsDerivatives { dq: ZERO, dqd: ZERO }, 2 * N * N,
+        |rest| (matrix(rest), matrix(rest)));
+    row!(bench, "`arm7`, derivatives of forward dynamics", Arm7 on f64;
+        forward_dynamics_derivatives, forward_dynamics_derivatives_batch,
+        forward_dynamics_derivatives_each (q, qd, tau);
+        ForwardDynamicsDerivatives { qdd: [0.0; N], dq: ZERO, dqd: ZERO, dtau: ZERO }, N + 3 * N * N,
+        |rest| (vector(rest), matrix(rest), matrix(rest), matrix(rest)));
+    row!(bench, "`quadruped`, forward dynamics", Quadruped on f64;
+        forward_dynamics, forward_dynamics_batch, forward_dynamics_each (q, qd, tau);
+        [0.0; N], N, |rest| (vector(rest)));
+    row!(bench, "`humanoid`, forward dynamics", Humanoid on f64;
+        forward_dynamics, forward_dynamics_batch, forward_dynamics_each (q, qd, tau);
+        [0.0; N], N, |rest| (vector(rest)));
 }

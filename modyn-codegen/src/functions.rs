@@ -113,6 +113,12 @@ functions! {
     KineticEnergyBatch "kinetic_energy_batch";
     /// `potential_energy` of many states at a time.
     PotentialEnergyBatch "potential_energy_batch";
+    /// `brge` of many states at a time.
+    BrgeBatch "brge_batch";
+    /// `inverse_dynamics_derivatives` of many states at a time.
+    InverseDynamicsDerivativesBatch "inverse_dynamics_derivatives_batch";
+    /// `forward_dynamics_derivatives` of many states at a time.
+    ForwardDynamicsDerivativesBatch "forward_dynamics_derivatives_batch";
 }
 
 impl Function {
@@ -151,6 +157,9 @@ impl Function {
             Self::MassMatrixBatch => Self::MassMatrix,
             Self::KineticEnergyBatch => Self::KineticEnergy,
             Self::PotentialEnergyBatch => Self::PotentialEnergy,
+            Self::BrgeBatch => Self::Brge,
+            Self::InverseDynamicsDerivativesBatch => Self::InverseDynamicsDerivatives,
+            Self::ForwardDynamicsDerivativesBatch => Self::ForwardDynamicsDerivatives,
             _ => return None,
         })
     }

@@ -4,12 +4,14 @@
 //! states are a structure of arrays: for each coordinate a slice with its values, one for each state.
 //!
 //! Unsafe code: [`Inputs`] and [`Outputs`] read and write without a check of bounds each time. They are
-//! made here only, in `Blocks`, from slices that all hold `states` numbers, for an `at` with
-//! `at + LANES <= states`; which of the slices is checked at compile time.
+//! made here only, in `Blocks`, from slices that all hold the states of its range, for an `at` in it with
+//! `at + LANES` not beyond; which of the slices is checked at compile time. Threads share `Columns`, but
+//! each has a range of its own, so that no two write in one place.
 #![allow(unsafe_code)]
 
 use core::fmt;
 use core::marker::PhantomData;
+use core::ops::Range;
 
 #[doc(hidden)]
 pub use crate::lanes::force_level;
@@ -60,14 +62,32 @@ impl<L: Lanes, const O: usize> Outputs<'_, L, O> {
     }
 }
 
-/// The states, to be done block by block.
-struct Blocks<'a, F: Float, K, const I: usize, const O: usize> {
-    kernel: &'a K,
+/// Where the slices for each number of a state begin.
+struct Columns<'a, F, const I: usize, const O: usize> {
     inputs: [*const F; I],
     outputs: [*mut F; O],
-    /// At least as many as any vector has lanes.
-    states: usize,
     borrowed: PhantomData<(&'a [F], &'a mut [F])>,
+}
+
+impl<'a, F, const I: usize, const O: usize> Columns<'a, F, I, O> {
+    fn new(inputs: &[&'a [F]; I], outputs: &'a mut [&mut [F]; O]) -> Self {
+        Self {
+            inputs: inputs.each_ref().map(|column| column.as_ptr()),
+            outputs: outputs.each_mut().map(|column| column.as_mut_ptr()),
+            borrowed: PhantomData,
+        }
+    }
+}
+
+// SAFETY: see the header.
+unsafe impl<F: Float, const I: usize, const O: usize> Sync for Columns<'_, F, I, O> {}
+
+/// Some states, to be done block by block.
+struct Blocks<'a, F: Float, K, const I: usize, const O: usize> {
+    kernel: &'a K,
+    columns: &'a Columns<'a, F, I, O>,
+    /// At least as many as any vector has lanes.
+    states: Range<usize>,
 }
 
 impl<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize> Work<F>
@@ -75,12 +95,12 @@ impl<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize> Work<F>
 {
     #[inline(always)]
     fn run<L: Lanes<Lane = F>>(self) {
-        let mut at = 0;
+        let Self { kernel, columns, states: Range { start: mut at, end } } = self;
         loop {
-            let inputs = Inputs { columns: &self.inputs, at };
-            self.kernel.run::<L>(inputs, Outputs { columns: &self.outputs, at });
+            let inputs = Inputs { columns: &columns.inputs, at };
+            kernel.run::<L>(inputs, Outputs { columns: &columns.outputs, at });
             // The last block may do some states again: the same numbers come out.
-            let last = self.states - L::LANES;
+            let last = end - L::LANES;
             if at == last {
                 break;
             }
@@ -99,13 +119,8 @@ fn compute<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize>(
     if states < MOST_LANES {
         return padded(kernel, inputs, outputs, states);
     }
-    F::dispatch(Blocks {
-        kernel,
-        inputs: inputs.each_ref().map(|column| column.as_ptr()),
-        outputs: outputs.each_mut().map(|column| column.as_mut_ptr()),
-        states,
-        borrowed: PhantomData,
-    });
+    let columns = &Columns::new(&inputs, &mut outputs);
+    F::dispatch(Blocks { kernel, columns, states: 0..states });
 }
 
 /// The same for fewer states than lanes: the last one fills them up.
@@ -141,13 +156,10 @@ impl<F: Float, const I: usize, const O: usize> Tile<F, I, O> {
     }
 
     fn compute<K: Kernel<F, I, O>>(&mut self, kernel: &K) {
-        F::dispatch(Blocks {
-            kernel,
-            inputs: self.inputs.each_ref().map(|column| column.as_ptr()),
-            outputs: self.outputs.each_mut().map(|column| column.as_mut_ptr()),
-            states: MOST_LANES,
-            borrowed: PhantomData,
-        });
+        let inputs = self.inputs.each_ref().map(|column| &column[..]);
+        let mut outputs = self.outputs.each_mut().map(|column| &mut column[..]);
+        let columns = &Columns::new(&inputs, &mut outputs);
+        F::dispatch(Blocks { kernel, columns, states: 0..MOST_LANES });
     }
 }
 
@@ -188,73 +200,47 @@ pub fn run<F: Float, const I: usize, const O: usize>(
     Ok(())
 }
 
-/// The same on all cores.
+/// The same on all cores, some states at a time: some microseconds of work, in which handing it over is
+/// lost.
 #[cfg(feature = "rayon")]
 #[doc(hidden)]
 pub fn run_parallel<F: Float, const I: usize, const O: usize>(
     kernel: &impl Kernel<F, I, O>,
     arguments: &'static [Argument],
     inputs: [&[F]; I],
-    outputs: [&mut [F]; O],
+    mut outputs: [&mut [F]; O],
 ) -> Result<(), BatchError> {
+    use rayon::iter::{IntoParallelIterator, ParallelIterator};
+
+    /// A multiple of the lanes, so that the last range alone does states again.
+    const SOME: usize = 16 * MOST_LANES;
     let states = states(arguments, &inputs, &outputs)?;
-    halve(kernel, inputs, outputs, states);
+    if states < 2 * SOME {
+        compute(kernel, inputs, outputs, states);
+        return Ok(());
+    }
+    let columns = &Columns::new(&inputs, &mut outputs);
+    let ranges = states / SOME;
+    (0..ranges).into_par_iter().for_each(|i| {
+        let end = if i + 1 == ranges { states } else { (i + 1) * SOME };
+        F::dispatch(Blocks { kernel, columns, states: i * SOME..end });
+    });
     Ok(())
 }
 
-/// Halves the states, each a multiple of the lanes, until there are few: some microseconds of work, in
-/// which handing it over is lost.
-#[cfg(feature = "rayon")]
-fn halve<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize>(
-    kernel: &K,
-    inputs: [&[F]; I],
-    outputs: [&mut [F]; O],
-    states: usize,
-) {
-    const FEW: usize = 256;
-    if states < 2 * FEW {
-        return compute(kernel, inputs, outputs, states);
-    }
-    let middle = states / 2 / MOST_LANES * MOST_LANES;
-    let (mut before, mut behind) = (inputs, inputs);
-    for (column, (before, behind)) in inputs.iter().zip(before.iter_mut().zip(&mut behind)) {
-        (*before, *behind) = column.split_at(middle);
-    }
-    let mut ends = [const { None }; O];
-    let mut ends_left = ends.iter_mut();
-    let starts = outputs.map(|column| {
-        let (start, end) = column.split_at_mut(middle);
-        if let Some(place) = ends_left.next() {
-            *place = Some(end);
-        }
-        start
-    });
-    let ends = ends.map(Option::unwrap_or_default);
-    rayon::join(
-        || halve(kernel, before, starts, middle),
-        || halve(kernel, behind, ends, states - middle),
-    );
-}
-
 /// Computes all states, each of which stands together: `inputs` are the arguments, each with all its
-/// numbers, state by state, and `output` the result alike.
+/// numbers, state by state; a result has its numbers in `parts`. The last one of `arguments` stands for
+/// the results.
 #[doc(hidden)]
-pub fn run_each<F: Float, const A: usize, const I: usize, const O: usize>(
+pub fn run_each<F: Float, R, const A: usize, const I: usize, const O: usize, const P: usize>(
     kernel: &impl Kernel<F, I, O>,
     arguments: &'static [Argument],
     inputs: [&[F]; A],
-    output: &mut [F],
+    results: &mut [R],
+    parts: impl Fn(&mut R) -> [&mut [F]; P],
 ) -> Result<(), BatchError> {
-    let lengths = inputs.iter().map(|flat| flat.len()).chain([output.len()]);
-    let mut states = None;
-    for (place, (flat, argument)) in lengths.zip(arguments).enumerate() {
-        let Some(length) = flat.checked_div(argument.numbers) else { continue };
-        let expected = *states.get_or_insert(length);
-        if length != expected {
-            return Err(BatchError::whole(arguments, place, length, expected));
-        }
-    }
-    let (states, mut at) = (states.unwrap_or(0), 0);
+    let states = states_each(arguments, inputs, results.len())?;
+    let mut at = 0;
     let mut tile = Tile::<F, I, O>::new();
     while at < states {
         let some = (states - at).min(MOST_LANES);
@@ -266,10 +252,39 @@ pub fn run_each<F: Float, const A: usize, const I: usize, const O: usize>(
             first += numbers;
         }
         tile.compute(kernel);
-        scatter(&tile.outputs, &mut output[at * O..(at + some) * O]);
+        for (state, result) in results[at..at + some].iter_mut().enumerate() {
+            let mut columns = tile.outputs.iter();
+            for part in parts(result) {
+                // The columns second: one is taken for each number only.
+                for (x, column) in part.iter_mut().zip(&mut columns) {
+                    *x = column[state];
+                }
+            }
+        }
         at += some;
     }
     Ok(())
+}
+
+/// The number of states; an error if some argument holds another number than the first one. What has no
+/// numbers holds any.
+fn states_each<F, const A: usize>(
+    arguments: &'static [Argument],
+    inputs: [&[F]; A],
+    results: usize,
+) -> Result<usize, BatchError> {
+    let inputs = inputs.iter().zip(arguments).map(|(flat, a)| flat.len().checked_div(a.numbers));
+    let result = arguments.len() - 1;
+    let results = (arguments[result].numbers > 0).then_some(results);
+    let mut expected = None;
+    for (place, states) in inputs.enumerate().chain([(result, results)]) {
+        let Some(states) = states else { continue };
+        let expected = *expected.get_or_insert(states);
+        if states != expected {
+            return Err(BatchError::whole(arguments, place, states, expected));
+        }
+    }
+    Ok(expected.unwrap_or(0))
 }
 
 /// Transposes states into columns, the last one into what is left of them.
@@ -291,21 +306,13 @@ fn gather<F: Float>(states: &[F], columns: &mut [[F; MOST_LANES]]) {
     }
 }
 
-/// Transposes columns into states.
-fn scatter<F: Float>(columns: &[[F; MOST_LANES]], states: &mut [F]) {
-    for (i, state) in states.chunks_exact_mut(columns.len().max(1)).enumerate() {
-        for (x, column) in state.iter_mut().zip(columns) {
-            *x = column[i];
-        }
-    }
-}
-
 /// An argument holds another number of states than the first one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BatchError {
     /// The argument.
     pub argument: &'static str,
-    /// The place of the slice in it, and the name of its coordinate; `None` if a state stands together.
+    /// The place of the slice in it, and the name of its coordinate (empty if it belongs to none); `None`
+    /// if a state stands together.
     pub coordinate: Option<(usize, &'static str)>,
     /// How many states it holds.
     pub states: usize,
@@ -353,6 +360,7 @@ impl fmt::Display for BatchError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { argument, coordinate, states, expected, first, rows } = self;
         match coordinate {
+            Some((place, "")) => write!(f, "`{argument}[{place}]`"),
             Some((place, name)) if place < rows => write!(f, "`{argument}[{place}]` ({name})"),
             Some((place, name)) => {
                 write!(f, "`{argument}[{}][{}]` ({name})", place / rows, place % rows)

@@ -38,9 +38,16 @@ fn every_length<F: Float + PartialEq + std::fmt::Debug>() {
             assert_eq!([sum[i], product[i]], expected(i), "state {i} of {states}");
         }
         let flat: Box<[F]> = a.iter().zip(&b).flat_map(|(&a, &b)| [a, b]).collect();
-        let mut each = numbers::<F>(2 * states, 0.0);
-        run_each(&Both, ARGUMENTS, [&flat], &mut each).expect("as many of each");
-        assert!((0..states).all(|i| each[2 * i..2 * i + 2] == expected(i)), "{states} states");
+        let mut each = vec![[F::zero(); 2]; states].into_boxed_slice();
+        run_each(&Both, ARGUMENTS, [&flat], &mut each, |x| [x]).expect("as many of each");
+        assert!((0..states).all(|i| each[i] == expected(i)), "{states} states");
+        // A result in two parts.
+        run_each(&Both, ARGUMENTS, [&flat], &mut each, |x| {
+            let (first, second) = x.split_at_mut(1);
+            [second, first]
+        })
+        .expect("as many of each");
+        assert!((0..states).all(|i| each[i] == [expected(i)[1], expected(i)[0]]));
         #[cfg(feature = "rayon")]
         {
             let [mut first, mut second] = outputs();
@@ -69,5 +76,7 @@ fn slices_of_other_lengths_are_refused() {
     let error = run(&Both, ARGUMENTS, [&a, &b], [&mut x, &mut y]).expect_err("one is short");
     assert_eq!((error.states, error.expected), (19, 20));
     assert!(run(&Both, ARGUMENTS, [&b, &b], [&mut x, &mut y]).is_err());
-    assert!(run_each(&Both, ARGUMENTS, [&a], &mut x[..18]).is_err());
+    let mut each = [[0.0; 2]; 9];
+    let error = run_each(&Both, ARGUMENTS, [&a], &mut each, |x| [x]).expect_err("one is missing");
+    assert_eq!((error.argument, error.states, error.expected), ("out", 9, 10));
 }

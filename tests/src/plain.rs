@@ -51,6 +51,10 @@ impl<T: Scalar> Scalar for Plain<T> {
         (Self(sin), Self(cos))
     }
 
+    fn sin_cos_all<const N: usize>(angles: [Self; N]) -> [(Self, Self); N] {
+        T::sin_cos_all(number(angles)).map(|(sin, cos)| (Self(sin), Self(cos)))
+    }
+
     fn atan2(self, x: Self) -> Self {
         Self(self.0.atan2(x.0))
     }

@@ -38,6 +38,29 @@ mod long {
     }
 }
 
+/// Results of several arrays.
+mod several {
+    macro_rules! robots {
+        ($($Robot:ident = $file:literal $(, $key:ident = $choice:tt)*;)*) => {$(
+            modyn::modyn! {
+                pub $Robot = $file,
+                functions = [
+                    mass_matrix, random, brge, brge_batch,
+                    inverse_dynamics_derivatives, inverse_dynamics_derivatives_batch,
+                    forward_dynamics_derivatives, forward_dynamics_derivatives_batch
+                ]
+                $(, $key = $choice)*
+            }
+        )*};
+    }
+
+    robots! {
+        Arm = "../../robots/arm7.urdf", gravity = runtime, payload = ["link7"];
+        Mimic = "../../robots/mimic_gripper.urdf";
+        Single = "../../robots/double_pendulum.urdf", scalar = f32;
+    }
+}
+
 /// A scalar of results.
 trait Number: Scalar + PartialEq + Into<f64> {
     /// How far fused products may lead from unfused ones, relative to the largest number of a result.
@@ -211,6 +234,122 @@ macro_rules! robot {
     }};
 }
 
+/// The numbers of all states of a matrix that has a slice for each, column by column.
+fn matrices<T: Copy, const N: usize, const NN: usize>(
+    columns: &[[Vec<T>; N]; N],
+    states: usize,
+) -> Vec<[T; NN]> {
+    (0..states).map(|i| std::array::from_fn(|j| columns[j / N][j % N][i])).collect()
+}
+
+/// The same for results of several arrays.
+macro_rules! several {
+    ($Robot:ident, $T:ty) => {{
+        type Name = several::$Robot;
+        type Factors = <Name as Robot>::Brge<$T>;
+        const NV: usize = Name::NV;
+        const NN: usize = NV * NV;
+        const ZERO: [[$T; NV]; NV] = [[0.0; NV]; NV];
+        let flat = |matrix: &[[$T; NV]; NV]| -> [$T; NN] {
+            matrix.as_flattened().try_into().expect("a square")
+        };
+        let unwrap = |matrix: [[Plain<$T>; NV]; NV]| flat(&matrix.map(number));
+        for states in [0, 1, 7, 16, 17, 33, 100] {
+            let mut uniform = numbers();
+            let q: Vec<_> =
+                (0..states).map(|_| Name::random(|| (0.5 + 0.5 * uniform()) as $T)).collect();
+            let qd: Vec<[$T; NV]> = vectors(states, 2.0);
+            let x: Vec<[$T; NV]> = vectors(states, 5.0);
+            let (qs, qds, xs) = (columns(&q), columns(&qd), columns(&x));
+            let (qs, qds, xs) = (slices(&qs), slices(&qds), slices(&xs));
+            let zero = vec![0.0 as $T; states];
+            let vector = || -> [Vec<$T>; NV] { std::array::from_fn(|_| zero.clone()) };
+            let matrix = || -> [[Vec<$T>; NV]; NV] { std::array::from_fn(|_| vector()) };
+            let plains = |i: usize| (plain(&q[i]), plain(&qd[i]), plain(&x[i]));
+            on_every_level(|fused| {
+                let compare = |what: &str, found: Vec<[$T; NN]>, expected: Vec<[$T; NN]>| {
+                    same(&found, &expected, fused, what);
+                };
+                let one = |i| {
+                    let (q, qd, x) = plains(i);
+                    <Name as Robot>::inverse_dynamics_derivatives(&q, &qd, &x)
+                };
+                let dq: Vec<_> = (0..states).map(|i| unwrap(one(i).dq)).collect();
+                let dqd: Vec<_> = (0..states).map(|i| unwrap(one(i).dqd)).collect();
+                let mut found = [matrix(), matrix()];
+                let [a, b] = found.each_mut().map(|m| m.each_mut().map(slices_mut));
+                Name::inverse_dynamics_derivatives_batch(qs, qds, xs, a, b).expect("sizes");
+                compare("d tau / dq", matrices(&found[0], states), dq.clone());
+                compare("d tau / dqd", matrices(&found[1], states), dqd.clone());
+                let empty = modyn::InverseDynamicsDerivatives { dq: ZERO, dqd: ZERO };
+                let mut each = vec![empty; states];
+                Name::inverse_dynamics_derivatives_each(&q, &qd, &x, &mut each).expect("sizes");
+                compare("d tau / dq", each.iter().map(|one| flat(&one.dq)).collect(), dq);
+                compare("d tau / dqd", each.iter().map(|one| flat(&one.dqd)).collect(), dqd);
+
+                let one = |i| {
+                    let (q, qd, x) = plains(i);
+                    <Name as Robot>::forward_dynamics_derivatives(&q, &qd, &x)
+                };
+                let qdd: Vec<_> = (0..states).map(|i| number(one(i).qdd)).collect();
+                let dq: Vec<_> = (0..states).map(|i| unwrap(one(i).dq)).collect();
+                let dqd: Vec<_> = (0..states).map(|i| unwrap(one(i).dqd)).collect();
+                let dtau: Vec<_> = (0..states).map(|i| unwrap(one(i).dtau)).collect();
+                let (mut first, mut found) = (vector(), [matrix(), matrix(), matrix()]);
+                let [a, b, c] = found.each_mut().map(|m| m.each_mut().map(slices_mut));
+                let out = slices_mut(&mut first);
+                Name::forward_dynamics_derivatives_batch(qs, qds, xs, out, a, b, c).expect("sizes");
+                let back: Vec<[$T; NV]> =
+                    (0..states).map(|i| std::array::from_fn(|j| first[j][i])).collect();
+                same(&back, &qdd, fused, "accelerations");
+                compare("d qdd / dq", matrices(&found[0], states), dq.clone());
+                compare("d qdd / dqd", matrices(&found[1], states), dqd.clone());
+                compare("d qdd / dtau", matrices(&found[2], states), dtau.clone());
+                let empty = modyn::ForwardDynamicsDerivatives {
+                    qdd: [0.0; NV],
+                    dq: ZERO,
+                    dqd: ZERO,
+                    dtau: ZERO,
+                };
+                let mut each = vec![empty; states];
+                Name::forward_dynamics_derivatives_each(&q, &qd, &x, &mut each).expect("sizes");
+                let back: Vec<[$T; NV]> = each.iter().map(|one| one.qdd).collect();
+                same(&back, &qdd, fused, "accelerations");
+                compare("d qdd / dq", each.iter().map(|one| flat(&one.dq)).collect(), dq);
+                compare("d qdd / dqd", each.iter().map(|one| flat(&one.dqd)).collect(), dqd);
+                compare("d qdd / dtau", each.iter().map(|one| flat(&one.dtau)).collect(), dtau);
+
+                let factors: Vec<_> = (0..states)
+                    .map(|i| number(*<Name as Robot>::brge(&plains(i).0).factors()))
+                    .collect();
+                let mut found: [Vec<$T>; Factors::FACTORS] = std::array::from_fn(|_| zero.clone());
+                Name::brge_batch(qs, slices_mut(&mut found)).expect("sizes");
+                let back: Vec<[$T; Factors::FACTORS]> =
+                    (0..states).map(|i| std::array::from_fn(|j| found[j][i])).collect();
+                same(&back, &factors, fused, "factors");
+                let mut each = vec![Factors::from_factors([0.0; Factors::FACTORS]); states];
+                Name::brge_each(&q, &mut each).expect("sizes");
+                let found: Vec<_> = each.iter().map(|one| *one.factors()).collect();
+                same(&found, &factors, fused, "factors");
+                // They are what the type's functions take.
+                for (state, factors) in each.iter().enumerate() {
+                    let (mass, solved) = (Name::mass_matrix(&q[state]), factors.solve(&x[state]));
+                    let back: [$T; NV] =
+                        std::array::from_fn(|i| (0..NV).map(|j| mass[j][i] * solved[j]).sum());
+                    same(&[back], &[x[state]], true, "I I^-1 tau");
+                }
+            });
+        }
+    }};
+}
+
+#[test]
+fn results_of_several_arrays() {
+    several!(Arm, f64);
+    several!(Mimic, f64);
+    several!(Single, f32);
+}
+
 #[test]
 fn revolute_joints() {
     robot!(Gripper, f64);
@@ -272,6 +411,32 @@ fn parameters() {
     });
 }
 
+#[test]
+fn parameters_of_several_arrays() {
+    use several::{Arm, ArmParams};
+    const STATES: usize = 19;
+    let [q, qd, tau]: [Vec<[f64; 7]>; 3] = [3.0, 2.0, 5.0].map(|size| vectors(STATES, size));
+    let params = ArmParams { gravity: [1.0, -2.0, 3.0], ..ArmParams::DEFAULT };
+    let expected = |i: usize| {
+        let [q, qd, tau] = [q[i], qd[i], tau[i]].map(|x| plain(&x));
+        <Arm as Robot>::forward_dynamics_derivatives_with(&params, &q, &qd, &tau)
+    };
+    let expected: Vec<[f64; 49]> = (0..STATES)
+        .map(|i| expected(i).dq.map(number).as_flattened().try_into().expect("a square"))
+        .collect();
+    on_every_level(|fused| {
+        let zero = [[0.0; 7]; 7];
+        let empty =
+            modyn::ForwardDynamicsDerivatives { qdd: [0.0; 7], dq: zero, dqd: zero, dtau: zero };
+        let mut each = vec![empty; STATES];
+        Arm::forward_dynamics_derivatives_each_with(&params, &q, &qd, &tau, &mut each)
+            .expect("sizes");
+        let found: Vec<[f64; 49]> =
+            each.iter().map(|one| one.dq.as_flattened().try_into().expect("a square")).collect();
+        same(&found, &expected, fused, "d qdd / dq");
+    });
+}
+
 /// Angles beyond the fast reduction, and what is no number, are their own state's matter.
 #[test]
 fn states_do_not_disturb_each_other() {
@@ -299,6 +464,32 @@ fn states_do_not_disturb_each_other() {
                         assert!(found[i].iter().any(|x| x.is_nan()));
                     }
                 }
+            }
+        }
+    });
+}
+
+/// Nor in results of several arrays.
+#[test]
+fn derivatives_do_not_disturb_each_other() {
+    use several::Arm;
+    const STATES: usize = 17;
+    let [q, qd, tau]: [Vec<[f64; 7]>; 3] = [3.0, 2.0, 5.0].map(|size| vectors(STATES, size));
+    let derivatives = |q: &Vec<[f64; 7]>| {
+        let zero = [[0.0; 7]; 7];
+        let mut found = vec![modyn::InverseDynamicsDerivatives { dq: zero, dqd: zero }; STATES];
+        Arm::inverse_dynamics_derivatives_each(q, &qd, &tau, &mut found).expect("sizes");
+        found
+    };
+    on_every_level(|_| {
+        let good = derivatives(&q);
+        for state in [0, 3, 16] {
+            let mut q = q.clone();
+            q[state][2] = f64::NAN;
+            let found = derivatives(&q);
+            assert!(found[state].dq.as_flattened().iter().any(|x| x.is_nan()));
+            for i in (0..STATES).filter(|&i| i != state) {
+                assert_eq!(found[i], good[i]);
             }
         }
     });
@@ -338,6 +529,39 @@ fn wrong_lengths() {
     assert_eq!(message(error), "`bias_forces` holds 5 states, `q` holds 6");
 }
 
+#[test]
+fn wrong_lengths_of_several_arrays() {
+    use several::{Arm, ArmBrge};
+    const FACTORS: usize = ArmBrge::<f64>::FACTORS;
+    let good = [0.0; 6];
+    let q = [&good[..]; 7];
+    let mut dq: [[Vec<f64>; 7]; 7] = std::array::from_fn(|_| std::array::from_fn(|_| vec![1.0; 6]));
+    let mut dqd = dq.clone();
+    dqd[2][1].pop();
+    let [a, b] = [&mut dq, &mut dqd].map(|matrix| matrix.each_mut().map(slices_mut));
+    let error = Arm::inverse_dynamics_derivatives_batch(q, q, q, a, b).expect_err("a length");
+    assert_eq!((error.argument, error.states, error.expected), ("dqd", 5, 6));
+    let expected =
+        format!("`dqd[2][1]` ({}) holds 5 states, `q[0]` holds 6", Arm::VELOCITY_NAMES[1]);
+    assert_eq!(error.to_string(), expected);
+    assert!(dq.iter().flatten().flatten().all(|&x| x == 1.0), "nothing was written");
+
+    let mut factors: [Vec<f64>; FACTORS] = std::array::from_fn(|_| vec![0.0; 6]);
+    factors[9].push(0.0);
+    let error = Arm::brge_batch(q, slices_mut(&mut factors)).expect_err("a length");
+    assert_eq!(error.to_string(), "`factors[9]` holds 7 states, `q[0]` holds 6");
+
+    let zero = [[0.0; 7]; 7];
+    let mut five = [modyn::InverseDynamicsDerivatives { dq: zero, dqd: zero }; 5];
+    let six = [[0.0; 7]; 6];
+    let error =
+        Arm::inverse_dynamics_derivatives_each(&six, &six, &six, &mut five).expect_err("a length");
+    assert_eq!(error.to_string(), "`derivatives` holds 5 states, `q` holds 6");
+    let mut seven = [ArmBrge::from_factors([0.0; FACTORS]); 7];
+    let error = Arm::brge_each(&six, &mut seven).expect_err("a length");
+    assert_eq!(error.to_string(), "`brge` holds 7 states, `q` holds 6");
+}
+
 /// The same numbers from all cores.
 #[test]
 fn in_parallel() {
@@ -351,6 +575,13 @@ fn in_parallel() {
         let [one, all] = &mut found;
         Arm::forward_dynamics_batch(q, qd, tau, slices_mut(one)).expect("sizes");
         Arm::forward_dynamics_batch_par(q, qd, tau, slices_mut(all)).expect("sizes");
+        assert!(one == all, "{states} states");
+
+        let mut found: [[Vec<f64>; several::ArmBrge::<f64>::FACTORS]; 2] =
+            std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; states]));
+        let [one, all] = &mut found;
+        several::Arm::brge_batch(q, slices_mut(one)).expect("sizes");
+        several::Arm::brge_batch_par(q, slices_mut(all)).expect("sizes");
         assert!(one == all, "{states} states");
     }
 }

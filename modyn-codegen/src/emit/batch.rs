@@ -23,7 +23,7 @@ impl Robot<'_> {
         self.batch_functions(text, quantity);
     }
 
-    /// The type that loads states, calls the inlined function and stores what it returns.
+    /// The type that loads states and calls the inlined function.
     fn kernel(&self, text: &mut String, quantity: &Quantity) {
         let float = self.options.float.name();
         let runtime = self.runtime_parameter(quantity).map_or(0, |p| p.shape.len());
@@ -43,17 +43,8 @@ impl Robot<'_> {
             let _ = writeln!(body, "    let params = [{}];", all.join(", "));
             arguments.push("&params".into());
         }
-        let results: Vec<String> = (0..outputs).map(|i| format!("y{i}")).collect();
-        let _ = writeln!(
-            body,
-            "    let {} = {}_lanes({});",
-            quantity.shape.value(&results),
-            name(quantity),
-            arguments.join(", ")
-        );
-        for i in 0..outputs {
-            let _ = writeln!(body, "    outputs.set::<{i}>(y{i});");
-        }
+        arguments.push("&outputs".into());
+        let _ = writeln!(body, "    {}_lanes({});", name(quantity), arguments.join(", "));
         let kernel = kernel_name(quantity);
         let _ = writeln!(
             text,
@@ -72,9 +63,13 @@ impl Robot<'_> {
         let (robot, float) = (self.name, self.options.float.name());
         let name = name(quantity);
         let result = result_name(name);
-        let output = Parameter::new(result, quantity.shape.clone());
-        let all = || quantity.parameters.iter().chain([&output]);
-        let table: Vec<String> = all().map(|p| self.argument(p)).collect();
+        let outputs = outputs(quantity);
+        let all = || quantity.parameters.iter().chain(&outputs);
+        let mut table: Vec<String> = all().map(|p| self.argument(p)).collect();
+        if matches!(quantity.shape, Shape::Struct { .. }) {
+            // For slices of states it is one argument.
+            table.push(self.argument(&Parameter::new(result, quantity.shape.clone())));
+        }
         let _ = writeln!(
             text,
             "impl {robot} {{\n\
@@ -84,14 +79,18 @@ impl Robot<'_> {
         );
         let summary: Vec<&str> = quantity.docs.lines().collect();
         let summary = summary.join("\n/// ");
-        let columns = |p: &Parameter| format!("{}: {}", p.name, columns_of(&p.shape, "&", float));
-        let mut by_columns: Vec<String> = quantity.parameters.iter().map(columns).collect();
-        by_columns.push(format!("{result}: {}", columns_of(&quantity.shape, "&mut ", float)));
+        let columns = |p: &Parameter, reference: &str| {
+            format!("{}: {}", p.name, p.shape.type_of(&format!("{reference}[{float}]")))
+        };
+        let mut by_columns: Vec<String> =
+            quantity.parameters.iter().map(|p| columns(p, "&")).collect();
+        by_columns.extend(outputs.iter().map(|p| columns(p, "&mut ")));
         let unpacked: Vec<String> = all()
             .map(|p| format!("    let {} = {};\n", p.shape.value(&numbered(p)), p.name))
             .collect();
         let inputs: Vec<String> = quantity.parameters.iter().flat_map(numbered).collect();
-        let split = (unpacked.concat(), inputs.join(", "), numbered(&output).join(", "));
+        let results: Vec<String> = outputs.iter().flat_map(numbered).collect();
+        let split = (unpacked.concat(), inputs.join(", "), results.join(", "));
 
         let mut by_states: Vec<String> = quantity
             .parameters
@@ -101,8 +100,13 @@ impl Robot<'_> {
         by_states.push(format!("{result}: &mut [{}]", quantity.shape.type_of(float)));
         let flat: Vec<String> =
             quantity.parameters.iter().map(|p| format!("{}.as_flattened()", p.name)).collect();
-        let flat_result =
-            format!("{result}{}", ".as_flattened_mut()".repeat(depth(&quantity.shape)));
+        let parts: Vec<String> = match &quantity.shape {
+            Shape::Struct { fields, .. } => {
+                fields.iter().map(|(name, field)| slice_of(&format!("x.{name}"), field)).collect()
+            }
+            shape => vec![slice_of("x", shape)],
+        };
+        let parts = format!("|x| [{}]", parts.join(", "));
 
         let dynamic = self.runtime_parameter(quantity).is_some();
         let doors: &[(&str, &str)] =
@@ -148,7 +152,7 @@ impl Robot<'_> {
                 &by_states,
                 "Of each state in a slice, many at a time.",
                 &format!(
-                    "    __modyn::batch::run_each({kernel}, [{}], {flat_result})\n",
+                    "    __modyn::batch::run_each({kernel}, [{}], {result}, {parts})\n",
                     flat.join(", ")
                 ),
             );
@@ -159,9 +163,11 @@ impl Robot<'_> {
     /// A row of the table by which errors name arguments.
     fn argument(&self, Parameter { name, shape, .. }: &Parameter) -> String {
         let coordinates = match shape {
-            Shape::Array(..) if *name == "q" => "&Self::COORDINATE_NAMES",
-            Shape::Array(..) => "&Self::VELOCITY_NAMES",
-            _ => "&[]",
+            Shape::Array(..) if *name == "q" => "&Self::COORDINATE_NAMES".into(),
+            // They belong to pivots and what is behind them.
+            Shape::Array(_, n) if *name == "factors" => format!("&[\"\"; {n}]"),
+            Shape::Array(..) => "&Self::VELOCITY_NAMES".into(),
+            _ => "&[]".to_string(),
         };
         format!(
             "__modyn::batch::Argument {{ name: {name:?}, numbers: {}, coordinates: {coordinates} }}",
@@ -175,12 +181,23 @@ fn name(quantity: &Quantity) -> &'static str {
     quantity.function.batched().unwrap_or(quantity.function).name()
 }
 
-/// What the slices for the results are called.
+/// What the results are called.
 fn result_name(name: &'static str) -> &'static str {
     match name {
         "forward_dynamics" => "qdd",
         "inverse_dynamics" => "tau",
+        "forward_dynamics_derivatives" | "inverse_dynamics_derivatives" => "derivatives",
         name => name,
+    }
+}
+
+/// The slices for the results: one argument for each field if there are several.
+fn outputs(quantity: &Quantity) -> Vec<Parameter> {
+    match &quantity.shape {
+        Shape::Struct { fields, .. } => {
+            fields.iter().map(|(name, field)| Parameter::new(name, field.clone())).collect()
+        }
+        shape => vec![Parameter::new(result_name(name(quantity)), shape.clone())],
     }
 }
 
@@ -202,9 +219,14 @@ fn numbered(parameter: &Parameter) -> Vec<String> {
     (0..parameter.shape.len()).map(|i| format!("{}{i}", parameter.name)).collect()
 }
 
-/// The type of a slice for each number of a state.
-fn columns_of(shape: &Shape, reference: &str, float: &str) -> String {
-    shape.type_of(&format!("{reference}[{float}]"))
+/// All numbers of `value`, a place or a reference, as a mutable slice.
+fn slice_of(value: &str, shape: &Shape) -> String {
+    match shape {
+        Shape::Array(of, _) => {
+            format!("{value}.as_mut_slice(){}", ".as_flattened_mut()".repeat(depth(of)))
+        }
+        _ => format!("::core::slice::from_mut({value})"),
+    }
 }
 
 /// How many arrays stand one in another.

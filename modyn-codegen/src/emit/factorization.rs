@@ -39,7 +39,19 @@ impl Robot<'_> {
                 "The natural logarithm of the determinant.",
             ),
         ];
-        let _ = writeln!(text, "impl<T: __modyn::Scalar> {name}Brge<T> {{");
+        let _ = writeln!(
+            text,
+            "impl<T: __modyn::Scalar> {name}Brge<T> {{\n\
+             /// How many numbers it holds.\n\
+             pub const FACTORS: usize = {size};\n\
+             /// From the numbers that [`factors`](Self::factors) gives.\n\
+             #[must_use]\n\
+             pub const fn from_factors(factors: [T; {size}]) -> Self {{\n    Self {{ factors }}\n}}\n\
+             /// What U and D are made of without their zeros, in an order of its own.\n\
+             #[must_use]\n\
+             pub const fn factors(&self) -> &[T; {size}] {{\n    &self.factors\n}}",
+            size = layout.size()
+        );
         for (function_name, shape, _, docs) in &graphs {
             let _ = writeln!(
                 text,

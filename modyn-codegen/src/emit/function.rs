@@ -58,7 +58,8 @@ pub(super) fn function(
 }
 
 /// The same for lanes: always inlined into what is compiled for their instructions, with parts that the
-/// lanes outline.
+/// lanes outline. Returns nothing, but puts each of the `shape`'s numbers into `outputs` at once: handed
+/// on through the parts, a matrix would be copied several times.
 pub(super) fn lanes_function(
     name: &str,
     parameters: &[Parameter],
@@ -128,8 +129,11 @@ struct Writer<'a> {
     statement_of: Vec<Option<usize>>,
     /// What is computed, statement by statement.
     statements: Vec<Statement>,
-    /// The last statement that uses each statement's value; `usize::MAX` where it is an output.
+    /// The last statement that uses each statement's value; `usize::MAX` where it is returned.
     last_use: Vec<usize>,
+    /// The outputs that are put where they belong behind each statement, or before all; none if they are
+    /// returned.
+    put: BTreeMap<Option<usize>, Vec<usize>>,
     live: Vec<bool>,
 }
 
@@ -205,15 +209,22 @@ impl<'a> Writer<'a> {
             on,
             statement_of,
             last_use: vec![0; statements.len()],
+            put: BTreeMap::new(),
             statements,
             live,
         };
+        if on == On::States {
+            for (i, &output) in graph.outputs.iter().enumerate() {
+                let behind = writer.reached(output).into_iter().max();
+                writer.put.entry(behind).or_default().push(i);
+            }
+        }
         for s in 0..writer.statements.len() {
             for used in writer.uses_of(s) {
                 writer.last_use[used] = s;
             }
         }
-        for &output in &graph.outputs {
+        for &output in graph.outputs.iter().filter(|_| on != On::States) {
             for used in writer.reached(output) {
                 writer.last_use[used] = usize::MAX;
             }
@@ -231,9 +242,9 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The statements whose values statement `s` mentions.
+    /// The statements whose values statement `s` mentions, and what is put behind it.
     fn uses_of(&self, s: usize) -> Vec<usize> {
-        match &self.statements[s] {
+        let mut used: Vec<usize> = match &self.statements[s] {
             Statement::Node(id) => {
                 let node = self.graph.node(*id);
                 node.operands().flat_map(|operand| self.reached(operand)).collect()
@@ -241,7 +252,17 @@ impl<'a> Writer<'a> {
             Statement::Angles(angles) => {
                 angles.iter().flat_map(|&angle| self.reached(angle)).collect()
             }
-        }
+        };
+        let put = self.put.get(&Some(s)).into_iter().flatten();
+        used.extend(put.flat_map(|&output| self.reached(self.graph.outputs[output])));
+        used
+    }
+
+    /// Puts the outputs that belong behind a statement, or before all.
+    fn puts(&self, behind: Option<usize>) -> String {
+        let put = self.put.get(&behind).into_iter().flatten();
+        put.map(|&i| format!("outputs.set::<{i}>({});\n", self.text(self.graph.outputs[i])))
+            .collect()
     }
 
     /// The text of a node's value.
@@ -471,10 +492,15 @@ impl<'a> Writer<'a> {
             let returned = match (last, self.on) {
                 (false, _) => needed.types(),
                 (true, On::Vectors) => shape.type_of("V::Number"),
-                (true, _) => shape.type_of("T"),
+                (true, On::Numbers) => shape.type_of("T"),
+                (true, On::States) => "()".into(),
             };
             let name = if last { self.name.to_string() } else { format!("{}_part{k}", self.name) };
             let mut inputs: Vec<String> = self.parameters.iter().map(|p| p.typed(scalar)).collect();
+            if self.on == On::States {
+                let count = shape.len();
+                inputs.push(format!("outputs: &__modyn::batch::Outputs<'_, T, {count}>"));
+            }
             if k > 0 && !last {
                 inputs.push(format!("live: &{}", handed.types()));
             }
@@ -499,12 +525,15 @@ impl<'a> Writer<'a> {
                 let _ = writeln!(text, "    {}", unpacked(parameter));
             }
             if last {
+                text += &self.puts(None);
                 self.call_parts(&mut text, &bounds[..k]);
             } else if k > 0 {
                 let _ = writeln!(text, "    let {} = *live;", handed.text());
             }
             self.blocks(&mut text, range.clone());
-            let value = if last {
+            let value = if last && self.on == On::States {
+                String::new()
+            } else if last {
                 let output = |&id: &Id| match self.on {
                     On::Vectors => format!("V::number({})", self.text(id)),
                     On::Numbers | On::States => self.text(id),
@@ -535,8 +564,8 @@ impl<'a> Writer<'a> {
     /// Where the text of a part begins that lanes outline: a type that holds the arguments, and what it
     /// does.
     fn part_head(&self, name: &str, inputs: &[String], returned: &str) -> String {
-        let mut fields: Vec<String> =
-            inputs.iter().map(|input| input.replace('&', "&'a ")).collect();
+        let in_field = |input: &String| input.replace('&', "&'a ").replace("'_", "'a");
+        let mut fields: Vec<String> = inputs.iter().map(in_field).collect();
         let names: Vec<&str> = inputs.iter().filter_map(|i| i.split(':').next()).collect();
         let kind = type_name(name);
         let (bounds, own) = match self.on {
@@ -545,7 +574,7 @@ impl<'a> Writer<'a> {
         };
         fields.push(format!("of: ::core::marker::PhantomData<({own},)>"));
         format!(
-            "struct {kind}<'a, {own}> {{ {} }}\n\
+            "struct {kind}<'a, {bounds}> {{ {} }}\n\
              impl<{bounds}> __modyn::batch::Part for {kind}<'_, {own}> {{\n\
              type Output = {returned};\n\
              #[inline(always)]\nfn run(self) -> {returned} {{\n    let Self {{ {}, .. }} = self;\n",
@@ -561,6 +590,9 @@ impl<'a> Writer<'a> {
             let handed = self.mentioned_before(range.clone()).text();
             let mut arguments: Vec<String> =
                 self.parameters.iter().map(|p| p.name.to_string()).collect();
+            if self.on == On::States {
+                arguments.push("outputs".into());
+            }
             if k > 0 {
                 let name = if self.on == On::Numbers { "" } else { "live: " };
                 arguments.push(format!("{name}&{handed}"));
@@ -587,18 +619,21 @@ impl<'a> Writer<'a> {
         if range.len() <= BLOCK {
             for s in range {
                 let _ = writeln!(text, "    {}", self.statement(s));
+                *text += &self.puts(Some(s));
             }
             return;
         }
         let mut start = range.start;
         while start < range.end {
             let end = (start + BLOCK).min(range.end);
-            let needed = self.needed_after(start, end).names.concat().join(", ");
-            let _ = writeln!(text, "    let ({needed},) = {{");
+            let needed = self.needed_after(start, end).names.concat();
+            let needed: String = needed.iter().map(|name| format!("{name}, ")).collect();
+            let _ = writeln!(text, "    let ({needed}) = {{");
             for s in start..end {
                 let _ = writeln!(text, "        {}", self.statement(s));
+                *text += &self.puts(Some(s));
             }
-            let _ = writeln!(text, "        ({needed},)\n    }};");
+            let _ = writeln!(text, "        ({needed})\n    }};");
             start = end;
         }
     }

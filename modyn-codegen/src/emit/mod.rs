@@ -195,7 +195,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     if !options.self_contained {
         robot.robot_trait(&mut text, &quantities);
     }
-    if options.functions.contains(&Function::Brge) {
+    if robot.factorizes() {
         robot.factorization(&mut text);
     }
     robot.enums(&mut text);
@@ -229,6 +229,12 @@ struct Robot<'a> {
 }
 
 impl Robot<'_> {
+    /// Whether it has the factorization's type.
+    fn factorizes(&self) -> bool {
+        let has = |function| self.options.functions.contains(&function);
+        has(Function::Brge) || has(Function::BrgeBatch) && !self.options.self_contained
+    }
+
     fn joint_names(&self) -> Vec<&str> {
         self.model.links().iter().map(|link| link.joint.name.as_str()).collect()
     }
@@ -348,7 +354,7 @@ impl Robot<'_> {
         };
         let params =
             if self.tracer.parameters().is_empty() { "()".into() } else { format!("{name}Params") };
-        let brge = if self.options.functions.contains(&Function::Brge) {
+        let brge = if self.factorizes() {
             format!("{name}Brge<T>")
         } else {
             format!("__modyn::NotGenerated<[T; {nv}], [[T; {nv}]; {nv}]>")

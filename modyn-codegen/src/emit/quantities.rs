@@ -120,7 +120,7 @@ impl Robot<'_> {
                 one(tracer.mass_matrix()),
                 "The generalized inertia matrix at `q`, an array of columns: by composite modules.",
             ),
-            Function::Brge => (
+            Function::Brge | Function::BrgeBatch => (
                 vec![q()],
                 Shape::Struct {
                     path: format!("{}Brge", self.name),
@@ -178,7 +178,7 @@ impl Robot<'_> {
                 "The poses in the world of all links of the description, fixed ones too, in the order of\n\
                  `LINK_NAMES`.",
             ),
-            Function::InverseDynamicsDerivatives => (
+            Function::InverseDynamicsDerivatives | Function::InverseDynamicsDerivativesBatch => (
                 vec![q(), v("qd"), v("qdd")],
                 Shape::Struct {
                     path: "__modyn::InverseDynamicsDerivatives".into(),
@@ -189,7 +189,7 @@ impl Robot<'_> {
                 "The derivatives of the inverse dynamics by `q` (in tangent space) and `qd`, each an array of\n\
                  columns; the one by `qdd` is the mass matrix.",
             ),
-            Function::ForwardDynamicsDerivatives => (
+            Function::ForwardDynamicsDerivatives | Function::ForwardDynamicsDerivativesBatch => (
                 vec![q(), v("qd"), v("tau")],
                 Shape::Struct {
                     path: "__modyn::ForwardDynamicsDerivatives".into(),

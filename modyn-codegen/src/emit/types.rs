@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 use super::{Robot, docs};
-use crate::functions::Function;
 use crate::names;
 
 impl Robot<'_> {
@@ -32,7 +31,7 @@ impl Robot<'_> {
             text.push_str("}\n\n");
         }
         self.parameters_type(text);
-        if !self.options.functions.contains(&Function::Brge) {
+        if !self.factorizes() {
             return;
         }
         let _ = writeln!(
