@@ -152,4 +152,8 @@ impl Scalar for Expr {
         }
         if limbs == 1 { self } else { sum(self, 0..limbs) }
     }
+
+    fn of_limb(self, limb: usize) -> Self {
+        self.lane(limb)
+    }
 }

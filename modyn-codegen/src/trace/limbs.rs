@@ -5,6 +5,8 @@
 //! theirs, and the same equations run on it. What such limbs leave on the body that they hang on adds up
 //! over the lanes ([`Body::limbs`]); what they get from there is the same for all.
 
+mod coupled;
+
 use std::ops::Range;
 
 use modyn_runtime::equations::Partition;

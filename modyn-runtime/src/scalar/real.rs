@@ -101,4 +101,12 @@ pub trait Scalar:
     fn over_limbs(self, _limbs: usize) -> Self {
         self
     }
+
+    /// Likewise the number of one of them, for all.
+    #[doc(hidden)]
+    #[inline]
+    #[must_use]
+    fn of_limb(self, _limb: usize) -> Self {
+        self
+    }
 }

@@ -33,7 +33,7 @@ pub(super) fn gather<S: Scalar>(model: &Prepared<S>, qd: &[S], workspace: &mut W
         let Some(parent) = body.parent else { continue };
         let (motion, rates) = (&workspace.motions[i], model.rates(i, qd));
         let composite = workspace.composite[i];
-        let inertia = body.rigid_to_parent(motion, &composite);
+        let inertia = body.rigids_to_parent(motion, &composite);
         workspace.composite[parent] = workspace.composite[parent] + inertia;
         let velocities = &workspace.velocities[i];
         let velocities = body.velocities_to_parent(motion, velocities, &composite, &rates);
@@ -67,7 +67,7 @@ pub(super) fn gather_wrenches<S: Scalar>(
         }
         workspace.wrenches[i] = Wrench::from_components(felt);
         if let Some(parent) = body.parent {
-            let carried = body.wrench_to_parent(&workspace.motions[i], workspace.wrenches[i]);
+            let carried = body.wrenches_to_parent(&workspace.motions[i], workspace.wrenches[i]);
             workspace.wrenches[parent] += carried;
         }
     }
