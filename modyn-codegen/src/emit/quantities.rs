@@ -417,11 +417,8 @@ fn side_by_side(function: Function, source: &Source<'_>, limbs: &Limbs) -> Optio
         Function::BiasForces => tracer.bias_forces(),
         Function::GravityTorques => tracer.gravity_torques(),
         Function::MassMatrix => tracer.mass_matrix(),
-        // A limb's derivatives by another limb's coordinates have no lane.
-        Function::InverseDynamicsDerivatives if source.independent => {
-            tracer.inverse_dynamics_derivatives()
-        }
-        Function::ForwardDynamicsDerivatives if source.independent => {
+        Function::InverseDynamicsDerivatives => tracer.inverse_dynamics_derivatives(),
+        Function::ForwardDynamicsDerivatives => {
             tracer.forward_dynamics_derivatives(source.for_derivatives)
         }
         _ => return None,
