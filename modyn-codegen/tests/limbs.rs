@@ -135,7 +135,6 @@ fn equal_limbs_side_by_side_give_the_same() {
             ];
             for (quantity, alone, abreast) in pairs {
                 let [before, after] = compare(name, quantity, alone, abreast);
-                eprintln!("{quantity} of the {name}: {before} to {after}");
                 assert!(after < before, "{quantity} of the {name}: {before} to {after}");
             }
         }

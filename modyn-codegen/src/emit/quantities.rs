@@ -417,6 +417,12 @@ fn side_by_side(function: Function, source: &Source<'_>, limbs: &Limbs) -> Optio
         Function::BiasForces => tracer.bias_forces(),
         Function::GravityTorques => tracer.gravity_torques(),
         Function::MassMatrix => tracer.mass_matrix(),
+        // One function for all limbs has few numbers in common with the trunk, derivatives many.
+        Function::InverseDynamicsDerivatives | Function::ForwardDynamicsDerivatives
+            if !(source.vectors || source.independent) =>
+        {
+            return None;
+        }
         Function::InverseDynamicsDerivatives => tracer.inverse_dynamics_derivatives(),
         Function::ForwardDynamicsDerivatives => {
             tracer.forward_dynamics_derivatives(source.for_derivatives)
