@@ -417,7 +417,7 @@ fn side_by_side(function: Function, source: &Source<'_>, limbs: &Limbs) -> Optio
         Function::BiasForces => tracer.bias_forces(),
         Function::GravityTorques => tracer.gravity_torques(),
         Function::MassMatrix => tracer.mass_matrix(),
-        // One function for all limbs has few numbers in common with the trunk, derivatives many.
+        // Where limbs move each other, derivatives are written on vectors alone.
         Function::InverseDynamicsDerivatives | Function::ForwardDynamicsDerivatives
             if !(source.vectors || source.independent) =>
         {
