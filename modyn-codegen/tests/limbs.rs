@@ -120,20 +120,22 @@ fn equal_limbs_side_by_side_give_the_same() {
                 let [before, after] = compare(name, quantity, alone, abreast);
                 assert!(after < before, "{quantity} of the {name}: {before} to {after}");
             }
-            if independent {
-                let layout = Layout::new(&prepared, &ModuleTree::chains(&model));
-                compare(
-                    name,
-                    "derivatives",
-                    alone.forward_dynamics_derivatives(&layout),
-                    abreast.forward_dynamics_derivatives(&layout),
-                );
-                compare(
-                    name,
-                    "derivatives",
+            let layout = Layout::new(&prepared, &ModuleTree::chains(&model));
+            let pairs = [
+                (
+                    "inverse dynamics' derivatives",
                     alone.inverse_dynamics_derivatives(),
                     abreast.inverse_dynamics_derivatives(),
-                );
+                ),
+                (
+                    "forward dynamics' derivatives",
+                    alone.forward_dynamics_derivatives(&layout),
+                    abreast.forward_dynamics_derivatives(&layout),
+                ),
+            ];
+            for (quantity, alone, abreast) in pairs {
+                let [before, after] = compare(name, quantity, alone, abreast);
+                assert!(after < before, "{quantity} of the {name}: {before} to {after}");
             }
         }
     }

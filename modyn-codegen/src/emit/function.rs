@@ -2,8 +2,10 @@
 //!
 //! rustc takes more than linear time for long bodies, and with debug information crashes on some
 //! thousands of `let`s in one scope. So statements go into blocks, `let (live, ...) = { ... };`,
-//! and long functions into parts that hand each other what is still needed.
+//! and long functions into parts. Each returns what others need of it, and these take it from there
+//! where they use it: values that parts copied to hand them on would be half of a long function's work.
 
+use std::cell::{Cell, OnceCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -135,6 +137,10 @@ struct Writer<'a> {
     /// returned.
     put: BTreeMap<Option<usize>, Vec<usize>>,
     live: Vec<bool>,
+    /// The first statement of the part that is being written.
+    start: Cell<usize>,
+    /// By name, where values are found that an earlier part has computed.
+    places: OnceCell<BTreeMap<String, String>>,
 }
 
 impl<'a> Writer<'a> {
@@ -212,6 +218,8 @@ impl<'a> Writer<'a> {
             put: BTreeMap::new(),
             statements,
             live,
+            start: Cell::new(0),
+            places: OnceCell::new(),
         };
         if on == On::States {
             for (i, &output) in graph.outputs.iter().enumerate() {
@@ -267,14 +275,39 @@ impl<'a> Writer<'a> {
 
     /// The text of a node's value.
     fn text(&self, id: Id) -> String {
-        let node = self.graph.node(id);
-        match (self.statement_of[id as usize], node) {
-            (Some(s), Node::Sin(angle)) => format!("s{}", self.turn(s, angle)),
-            (Some(s), Node::Cos(angle)) => format!("c{}", self.turn(s, angle)),
-            (Some(s), Node::Lane(_, lane)) => format!("x{s}_{lane}"),
-            (Some(s), _) => format!("x{s}"),
-            (None, _) => self.operation(id),
+        let Some(s) = self.statement_of[id as usize] else { return self.operation(id) };
+        let name = self.name(s, id);
+        if s < self.start.get() { self.places()[&name].clone() } else { name }
+    }
+
+    /// What the value of node `id`, of statement `s`, is called.
+    fn name(&self, s: usize, id: Id) -> String {
+        match self.graph.node(id) {
+            Node::Sin(angle) => format!("s{}", self.turn(s, angle)),
+            Node::Cos(angle) => format!("c{}", self.turn(s, angle)),
+            Node::Lane(_, lane) => format!("x{s}_{lane}"),
+            _ => format!("x{s}"),
         }
+    }
+
+    /// By name, where values are found that an earlier part has computed.
+    fn places(&self) -> &BTreeMap<String, String> {
+        self.places.get_or_init(|| {
+            let parts = self.parts();
+            let results = parts.iter().enumerate().take(parts.len() - 1);
+            results.flat_map(|(k, range)| self.needed_after(range).places(k)).collect()
+        })
+    }
+
+    /// The statements of each part, of about equal length; the last one has the result.
+    fn parts(&self) -> Vec<Range<usize>> {
+        let most = match self.on {
+            On::Numbers | On::Vectors => PART,
+            On::States => LANES_PART,
+        };
+        let count = self.statements.len();
+        let parts = count.div_ceil(most).max(1);
+        (0..parts).map(|k| k * count / parts..(k + 1) * count / parts).collect()
     }
 
     /// The text of a node's value for an operation on so many lanes.
@@ -363,8 +396,8 @@ impl<'a> Writer<'a> {
     /// The names of the sine and cosine of `angle` that are used.
     fn turn_names(&self, angle: Id) -> [Option<String>; 2] {
         [Node::Sin(angle), Node::Cos(angle)].map(|node| {
-            let found = self.graph.find(node).filter(|&id| self.live[id as usize]);
-            found.map(|id| self.text(id))
+            let found = self.graph.find(node).filter(|&id| self.live[id as usize])?;
+            Some(self.name(self.statement_of[found as usize]?, found))
         })
     }
 
@@ -372,7 +405,8 @@ impl<'a> Writer<'a> {
     fn lane_names(&self, lanes: Id) -> Vec<Option<String>> {
         let name = |lane| {
             let found = self.graph.find(Node::Lane(lanes, lane));
-            found.filter(|&id| self.live[id as usize]).map(|id| self.text(id))
+            let found = found.filter(|&id| self.live[id as usize])?;
+            Some(self.name(self.statement_of[found as usize]?, found))
         };
         (0..self.graph.width(lanes)).map(name).collect()
     }
@@ -451,44 +485,31 @@ impl<'a> Writer<'a> {
         self.vectors().map(|kind| kind.name).collect::<Vec<_>>().join(", ")
     }
 
-    /// What is defined before `end` (and not before `start`) and used from `end` on.
-    fn needed_after(&self, start: usize, end: usize) -> Values {
-        self.values((start..end).filter(|&s| self.last_use[s] >= end))
-    }
-
-    /// What is defined before the range and used in it.
-    fn mentioned_before(&self, range: Range<usize>) -> Values {
-        let used: BTreeSet<usize> = range.clone().flat_map(|s| self.uses_of(s)).collect();
-        self.values(used.range(..range.start).copied())
-    }
-
-    /// What statements define.
-    fn values(&self, statements: impl Iterator<Item = usize>) -> Values {
+    /// What these statements define and later ones use.
+    fn needed_after(&self, range: &Range<usize>) -> Values {
         let mut values = Values { on: self.on, names: Default::default() };
-        for s in statements {
+        for s in range.clone().filter(|&s| self.last_use[s] >= range.end) {
             let place = VECTORS.iter().position(|kind| kind.lanes == self.width(s));
             values.names[place.unwrap_or_default()].extend(self.names(s));
         }
         values
     }
 
+    /// The earlier parts whose values these statements mention.
+    fn mentioned(&self, parts: &[Range<usize>], range: &Range<usize>) -> BTreeSet<usize> {
+        let used = range.clone().flat_map(|s| self.uses_of(s)).filter(|&s| s < range.start);
+        used.filter_map(|s| parts.iter().position(|part| part.contains(&s))).collect()
+    }
+
     fn write(&self, shape: &Shape) -> String {
-        let count = self.statements.len();
         let inlined = self.on != On::Numbers;
-        let most = match self.on {
-            On::Numbers | On::Vectors => PART,
-            On::States => LANES_PART,
-        };
-        let parts = count.div_ceil(most).max(1);
-        // Parts of equal length, the last one with the result.
-        let bounds: Vec<Range<usize>> =
-            (0..parts).map(|k| k * count / parts..(k + 1) * count / parts).collect();
+        let parts = self.parts();
         let scalar = self.kind(1);
         let mut text = String::new();
-        for (k, range) in bounds.iter().enumerate() {
-            let last = k + 1 == parts;
-            let handed = self.mentioned_before(range.clone());
-            let needed = self.needed_after(range.start, range.end);
+        for (k, range) in parts.iter().enumerate() {
+            let last = k + 1 == parts.len();
+            self.start.set(range.start);
+            let needed = self.needed_after(range);
             let returned = match (last, self.on) {
                 (false, _) => needed.types(),
                 (true, On::Vectors) => shape.type_of("V::Number"),
@@ -501,8 +522,11 @@ impl<'a> Writer<'a> {
                 let count = shape.len();
                 inputs.push(format!("outputs: &__modyn::batch::Outputs<'_, T, {count}>"));
             }
-            if k > 0 && !last {
-                inputs.push(format!("live: &{}", handed.types()));
+            if !last {
+                let handed = self.mentioned(&parts, range).into_iter().map(|part| {
+                    format!("part{part}: &{}", self.needed_after(&parts[part]).types())
+                });
+                inputs.extend(handed);
             }
             text += &match (self.on, last) {
                 (On::Numbers, _) => head(&name, "T: __modyn::Scalar", &inputs, &returned),
@@ -526,9 +550,7 @@ impl<'a> Writer<'a> {
             }
             if last {
                 text += &self.puts(None);
-                self.call_parts(&mut text, &bounds[..k]);
-            } else if k > 0 {
-                let _ = writeln!(text, "    let {} = *live;", handed.text());
+                self.call_parts(&mut text, &parts[..k]);
             }
             self.blocks(&mut text, range.clone());
             let value = if last && self.on == On::States {
@@ -586,17 +608,15 @@ impl<'a> Writer<'a> {
     /// The calls of the earlier parts, in the last one.
     fn call_parts(&self, text: &mut String, parts: &[Range<usize>]) {
         for (k, range) in parts.iter().enumerate() {
-            let needed = self.needed_after(range.start, range.end).text();
-            let handed = self.mentioned_before(range.clone()).text();
             let mut arguments: Vec<String> =
                 self.parameters.iter().map(|p| p.name.to_string()).collect();
             if self.on == On::States {
                 arguments.push("outputs".into());
             }
-            if k > 0 {
-                let name = if self.on == On::Numbers { "" } else { "live: " };
-                arguments.push(format!("{name}&{handed}"));
-            }
+            arguments.extend(self.mentioned(parts, range).into_iter().map(|part| match self.on {
+                On::Numbers => format!("&part{part}"),
+                On::States | On::Vectors => format!("part{part}: &part{part}"),
+            }));
             let (name, arguments) = (format!("{}_part{k}", self.name), arguments.join(", "));
             let call = match self.on {
                 On::Numbers => format!("{name}({arguments})"),
@@ -611,7 +631,7 @@ impl<'a> Writer<'a> {
                     )
                 }
             };
-            let _ = writeln!(text, "    let {needed} = {call};");
+            let _ = writeln!(text, "    let part{k} = {call};");
         }
     }
 
@@ -626,7 +646,7 @@ impl<'a> Writer<'a> {
         let mut start = range.start;
         while start < range.end {
             let end = (start + BLOCK).min(range.end);
-            let needed = self.needed_after(start, end).names.concat();
+            let needed = self.needed_after(&(start..end)).names.concat();
             let needed: String = needed.iter().map(|name| format!("{name}, ")).collect();
             let _ = writeln!(text, "    let ({needed}) = {{");
             for s in start..end {
@@ -647,7 +667,17 @@ struct Values {
 }
 
 impl Values {
-    /// As a pattern or an expression.
+    /// Where each is found in the result of part `k`.
+    fn places(self, k: usize) -> impl Iterator<Item = (String, String)> {
+        let on = self.on;
+        self.names.into_iter().enumerate().flat_map(move |(kind, names)| {
+            let kind = if on == On::Vectors { format!(".{kind}") } else { String::new() };
+            let place = move |(i, name)| (name, format!("part{k}{kind}[{i}]"));
+            names.into_iter().enumerate().map(place)
+        })
+    }
+
+    /// As an expression.
     fn text(&self) -> String {
         let lists = self.names.each_ref().map(|names| format!("[{}]", names.join(", ")));
         if self.on == On::Vectors { format!("({})", lists.join(", ")) } else { lists[0].clone() }

@@ -433,11 +433,14 @@ fn side_by_side(function: Function, source: &Source<'_>, limbs: &Limbs) -> Vec<G
         // What is carried on from limbs to the root has one way to go.
         _ if limbs.is_joined() => return Vec::new(),
         Function::MassMatrix => tracer.mass_matrix(),
-        // A limb's derivatives by another limb's coordinates have no lane.
-        Function::InverseDynamicsDerivatives if source.independent => {
-            tracer.inverse_dynamics_derivatives()
+        // Where limbs move each other, derivatives are written on vectors alone.
+        Function::InverseDynamicsDerivatives | Function::ForwardDynamicsDerivatives
+            if !(source.vectors || source.independent) =>
+        {
+            return Vec::new();
         }
-        Function::ForwardDynamicsDerivatives if source.independent => {
+        Function::InverseDynamicsDerivatives => tracer.inverse_dynamics_derivatives(),
+        Function::ForwardDynamicsDerivatives => {
             tracer.forward_dynamics_derivatives(source.for_derivatives)
         }
         _ => return Vec::new(),

@@ -150,10 +150,14 @@ impl Scalar for Expr {
             let middle = lanes.start + lanes.len() / 2;
             sum(x, lanes.start..middle) + sum(x, middle..lanes.end)
         }
-        sum(self, limbs)
+        if limbs == (0..1) { self } else { sum(self, limbs) }
     }
 
-    fn of_limbs(each: &[Self]) -> Self {
+    fn of_limb(self, limb: usize) -> Self {
+        self.lane(limb)
+    }
+
+    fn by_limb(each: &[Self]) -> Self {
         Self::beside(each)
     }
 }

@@ -4,6 +4,7 @@ use modyn_runtime::Scalar;
 use modyn_runtime::equations::Workspace;
 use modyn_runtime::equations::brge::Layout;
 use modyn_runtime::equations::derivatives::{self, ForwardDerivatives};
+use modyn_runtime::equations::limbs::across;
 use modyn_runtime::model::prepare::Prepared;
 
 use super::Tracer;
@@ -26,23 +27,44 @@ impl Tracer<'_> {
     /// column, through the factors of the GIM in this layout.
     #[must_use]
     pub fn forward_dynamics_derivatives(&self, layout: &Layout) -> Graph {
-        self.trace_joints(1, |model, [q, qd, tau]| {
-            let mut qdd = vec![Expr::zero(); model.nv];
-            let (mut dq, mut dqd, mut dtau) = (square(model), square(model), square(model));
-            let merged = self.limbs.map(|limbs| limbs.partition(layout.partition()));
-            let merged = merged.map(|partition| Layout::of(model, partition));
-            let layout = merged.as_ref().unwrap_or(layout);
-            let outputs = ForwardDerivatives {
-                qdd: &mut qdd,
-                dqdd_dq: &mut dq,
-                dqdd_dqd: &mut dqd,
-                dqdd_dtau: &mut dtau,
-            };
-            let (state, workspace) = ((&*q, &*qd, &*tau), &mut Workspace::new(model));
-            derivatives::forward_dynamics_derivatives(model, layout, state, workspace, outputs);
-            [qdd, dq, dqd, dtau].concat()
+        let Some(limbs) = self.limbs else {
+            return self.trace(|model, state| {
+                derive(model, layout, state, &mut Workspace::new(model)).concat()
+            });
+        };
+        self.trace_lanes(limbs, |model, state| {
+            let layout = Layout::of(model, limbs.partition(layout.partition()));
+            let workspace = &mut Workspace::new(model);
+            let [qdd, dq, dqd, dtau] = derive(model, &layout, state, workspace);
+            let [q, qd, tau] = [&dq, &dqd, &dtau].map(|x| across(&layout, workspace, x));
+            let matrices = [
+                limbs.coupled_apart(&dq, &q),
+                limbs.coupled_apart(&dqd, &qd),
+                limbs.symmetric_apart(&dtau, &tau),
+            ];
+            [limbs.vector_apart(&qdd, self.model.nv), matrices.concat()].concat()
         })
     }
+}
+
+/// The accelerations from `q`, `qd`, `tau` and their derivatives by these.
+fn derive(
+    model: &Prepared<Expr>,
+    layout: &Layout,
+    [q, qd, tau]: [Vec<Expr>; 3],
+    workspace: &mut Workspace<Expr>,
+) -> [Vec<Expr>; 4] {
+    let mut qdd = vec![Expr::zero(); model.nv];
+    let (mut dq, mut dqd, mut dtau) = (square(model), square(model), square(model));
+    let outputs = ForwardDerivatives {
+        qdd: &mut qdd,
+        dqdd_dq: &mut dq,
+        dqdd_dqd: &mut dqd,
+        dqdd_dtau: &mut dtau,
+    };
+    let state = (&*q, &*qd, &*tau);
+    derivatives::forward_dynamics_derivatives(model, layout, state, workspace, outputs);
+    [qdd, dq, dqd, dtau]
 }
 
 /// Room for a matrix of nv x nv numbers.

@@ -8,6 +8,8 @@
 //! Chains that hang on different bodies can join (legs and arms): each lane then gets what its own body
 //! does, and leaves there what is its own. The shorter ones end in joints that move nothing.
 
+mod coupled;
+
 use std::ops::Range;
 
 use modyn_runtime::equations::Partition;

@@ -107,6 +107,22 @@ impl<'a> Tracer<'a> {
     ) -> Graph {
         let Some(limbs) = self.limbs else { return self.trace(equations) };
         let nv = self.model.nv;
+        self.trace_lanes(limbs, |model, groups| {
+            let n = model.nv;
+            let computed = equations(model, groups);
+            let (first, rest) = computed.split_at(vectors * n);
+            let first = first.chunks(n).flat_map(|x| limbs.vector_apart(x, nv));
+            let rest = rest.chunks(n * n).flat_map(|x| limbs.matrix_apart(x, nv));
+            first.chain(rest).collect()
+        })
+    }
+
+    /// The same, for equations of equal limbs side by side that take their lanes apart.
+    fn trace_lanes<const G: usize>(
+        &self,
+        limbs: &Limbs,
+        equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
+    ) -> Graph {
         self.trace(|whole, groups| {
             let mut model = limbs.merged(self.model);
             model.gravity = whole.gravity;
@@ -115,12 +131,7 @@ impl<'a> Tracer<'a> {
                 Some(0) => limbs.coordinates(&group),
                 _ => limbs.vector(&group),
             });
-            let n = model.nv;
-            let computed = equations(&model, groups);
-            let (first, rest) = computed.split_at(vectors * n);
-            let first = first.chunks(n).flat_map(|x| limbs.vector_apart(x, nv));
-            let rest = rest.chunks(n * n).flat_map(|x| limbs.matrix_apart(x, nv));
-            first.chain(rest).collect()
+            equations(&model, groups)
         })
     }
 

@@ -10,6 +10,7 @@ use super::elimination::{
     eliminate, factor, freed, pivot, reduce_columns, solve_lower, solve_upper, split, split_block,
     start,
 };
+use super::limbs::{self, Limb};
 use super::partition::{Block, Partition};
 use super::{Workspace, mass_matrix};
 use crate::model::ModuleTree;
@@ -35,6 +36,8 @@ pub struct Layout {
     rows: Vec<usize>,
     reciprocals: usize,
     coupling: usize,
+    /// By degree of freedom: the limb that it belongs to, where equal limbs are computed as one.
+    limbs: Vec<Option<Limb>>,
     n: usize,
 }
 
@@ -46,17 +49,17 @@ impl Layout {
             return Self::of(model, Partition::new(model, modules));
         }
         let (partition, in_front) = coupled(model, modules);
-        Self::with(model.nv, partition, in_front)
+        Self::with(vec![None; model.nv], partition, in_front)
     }
 
     /// The layout for modules of a model without mimics.
     #[must_use]
     pub fn of<S>(model: &Prepared<S>, partition: Partition) -> Self {
         let in_front = ancestors(model, &partition);
-        Self::with(model.nv, partition, in_front)
+        Self::with(limbs::of_dofs(model), partition, in_front)
     }
 
-    fn with(n: usize, partition: Partition, in_front: Vec<Vec<usize>>) -> Self {
+    fn with(limbs: Vec<Option<Limb>>, partition: Partition, in_front: Vec<Vec<usize>>) -> Self {
         let (mut rows, mut factors) = (Vec::new(), Vec::new());
         let (mut coupling, mut next) = (0, partition.pivots);
         for (block, in_front) in partition.blocks.iter().zip(&in_front) {
@@ -66,7 +69,23 @@ impl Layout {
             rows.push(coupling);
             coupling += in_front.len() * size;
         }
-        Self { partition, factors, in_front, rows, reciprocals: next, coupling, n }
+        let n = limbs.len();
+        Self { partition, factors, in_front, rows, reciprocals: next, coupling, limbs, n }
+    }
+
+    /// The limb that module `m` is in, where equal limbs are computed as one.
+    pub(super) fn limb(&self, m: usize) -> Option<Limb> {
+        self.limbs[self.partition.blocks[m].dofs.clone()].first().copied().flatten()
+    }
+
+    /// The same for each degree of freedom.
+    pub(super) fn limbs(&self) -> &[Option<Limb>] {
+        &self.limbs
+    }
+
+    /// Over how many limbs adds up what module `m` leaves to degree of freedom `dof` in front of it.
+    fn over(&self, m: usize, dof: usize) -> usize {
+        limbs::over(self.limb(m), self.limbs[dof])
     }
 
     /// The modules, with room for their pivots.
@@ -124,7 +143,7 @@ impl Layout {
     }
 
     /// The rows of U above module `m`: pairs of a degree of freedom and where its row starts in U.
-    fn rows(&self, m: usize) -> impl DoubleEndedIterator<Item = (usize, usize)> + '_ {
+    pub(super) fn rows(&self, m: usize) -> impl DoubleEndedIterator<Item = (usize, usize)> + '_ {
         let size = self.partition.blocks[m].dofs.len();
         let start = self.rows[m];
         self.in_front[m].iter().enumerate().map(move |(k, &dof)| (dof, start + k * size))
@@ -285,6 +304,7 @@ pub fn factorize_matrix<S: Scalar>(
             for &b in layout.in_front[m].iter().filter(|&&b| b <= a) {
                 let taken = (0..size).map(|j| row[j] * matrix[(start + j) * n + b]);
                 if let Some(taken) = taken.reduce(|sum, x| sum + x) {
+                    let taken = taken.over_limbs(0..layout.over(m, a).min(layout.over(m, b)));
                     let left = matrix[a * n + b] - taken;
                     (matrix[a * n + b], matrix[b * n + a]) = (left, left);
                 }
@@ -332,16 +352,34 @@ fn solve_block<S: Scalar>(layout: &Layout, factors: &[S], m: usize, x: &mut [S])
 }
 
 /// The solution x of I x = rhs, in place, by the three steps of (60).
+///
+/// Where equal limbs are computed as one, `rhs` is the same for all of them.
 pub fn solve<S: Scalar>(layout: &Layout, factors: &[S], x: &mut [S]) {
+    solve_for(layout, factors, None, x);
+}
+
+/// The same for a right-hand side that is the column of a degree of freedom. Where equal limbs are
+/// computed as one, a limb's is each limb's own, zero on the others, and the rows of those are left out:
+/// see [`limbs`](super::limbs).
+pub fn solve_column<S: Scalar>(layout: &Layout, factors: &[S], column: usize, x: &mut [S]) {
+    solve_for(layout, factors, layout.limbs[column], x);
+}
+
+fn solve_for<S: Scalar>(layout: &Layout, factors: &[S], own: Option<Limb>, x: &mut [S]) {
     let u = &factors[layout.u()];
-    for (m, block) in layout.blocks().iter().enumerate().rev() {
+    let others = |m: usize| own.is_some() && layout.limb(m).is_some_and(|limb| own != Some(limb));
+    for (m, block) in layout.blocks().iter().enumerate().rev().filter(|(m, _)| !others(*m)) {
         for (dof, row) in layout.rows(m) {
-            for (j, i) in block.dofs.clone().enumerate() {
-                x[dof] = x[dof] - u[row + j] * x[i];
-            }
+            let over = if own.is_none() { layout.over(m, dof) } else { 1 };
+            let shares = block.dofs.clone().enumerate().map(|(j, i)| u[row + j] * x[i]);
+            x[dof] = if over == 1 {
+                shares.fold(x[dof], |x, share| x - share)
+            } else {
+                x[dof] - shares.fold(S::zero(), |sum, x| sum + x).over_limbs(0..over)
+            };
         }
     }
-    for (m, block) in layout.blocks().iter().enumerate() {
+    for (m, block) in layout.blocks().iter().enumerate().filter(|(m, _)| !others(*m)) {
         solve_block(layout, factors, m, &mut x[block.dofs.clone()]);
         for (dof, row) in layout.rows(m) {
             for (j, i) in block.dofs.clone().enumerate() {
@@ -430,7 +468,7 @@ pub fn inverse<S: Scalar>(layout: &Layout, factors: &[S], columns: &mut [S]) {
     columns.fill(S::zero());
     for (j, column) in columns.chunks_mut(n.max(1)).enumerate() {
         column[j] = S::one();
-        solve(layout, factors, column);
+        solve_column(layout, factors, j, column);
     }
     mirror(n, 0..n, columns);
 }

@@ -17,6 +17,7 @@
 //! | `mass_matrix` | the GIM from composite modules | (7)-(10) |
 //! | `elimination` | a module's block pivot and what it leaves to its parent | (35)-(49) |
 //! | `brge` | U D U^T, inverse, solve | (35)-(57) |
+//! | `limbs` | what the inverse has between equal limbs that are computed as one | (60) |
 //! | `forward_dynamics` | accelerations by inter- and intra-modular recursion | (60), Table 6 |
 //! | `kinetic_energy` | kinetic energy | |
 //! | `regressor` | inverse dynamics as linear in the inertias | Atkeson, An and Hollerbach 1986 |
@@ -43,6 +44,7 @@ pub mod gravity;
 pub mod inverse_dynamics;
 pub mod kinematics;
 pub mod kinetic_energy;
+pub mod limbs;
 pub mod mass_matrix;
 mod newton_euler;
 pub mod partition;

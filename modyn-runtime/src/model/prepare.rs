@@ -266,7 +266,7 @@ impl<S: Scalar> Body<S> {
     }
 
     /// Moments of velocities against this body's frame, of points of inertia `i`, at its parent and
-    /// against the parent's frame.
+    /// against the parent's frame; of all equal limbs together.
     #[must_use]
     pub fn velocities_to_parent(
         &self,
@@ -275,7 +275,8 @@ impl<S: Scalar> Body<S> {
         i: &RigidInertia<S>,
         rates: &[S],
     ) -> VelocityMoments<S> {
-        self.placement.velocities_to_parent(&motion.velocities_to_parent(velocities, i, rates))
+        let moved = motion.velocities_to_parent(velocities, i, rates);
+        self.placement.velocities_to_parent(&moved).map(|x| x.over_limbs(0..self.limbs))
     }
 
     /// An articulated inertia on this body at its parent: A^T M A.
@@ -294,7 +295,7 @@ impl<S: Scalar> Body<S> {
             return of(self.parent);
         }
         let each: Vec<[S; N]> = self.parents.iter().map(|&parent| of(parent)).collect();
-        core::array::from_fn(|n| S::of_limbs(&each.iter().map(|x| x[n]).collect::<Vec<_>>()))
+        core::array::from_fn(|n| S::by_limb(&each.iter().map(|x| x[n]).collect::<Vec<_>>()))
     }
 
     /// Gives each body that it hangs on what the limbs there leave together: `add` gets the body and what
@@ -309,10 +310,8 @@ impl<S: Scalar> Body<S> {
                 add(parent, left(&|x: S| x.over_limbs(limbs.clone())));
             }
         };
-        match self.parent {
-            Some(parent) if self.limbs == 1 => return add(parent, left(&|x| x)),
-            parent if self.parents.is_empty() => return give(parent, 0..self.limbs),
-            _ => {}
+        if self.parents.is_empty() {
+            return give(self.parent, 0..self.limbs);
         }
         let mut start = 0;
         for limbs in self.parents.chunk_by(|a, b| a == b) {

@@ -93,8 +93,8 @@ pub trait Scalar:
         work.scalar()
     }
 
-    /// Where the compiler computes equal limbs as one, with a lane for each: the sum over some of them.
-    /// All other numbers belong to one body, and are that sum themselves.
+    /// Where the compiler computes limbs as one, with a lane for each: the sum over some of them, and of
+    /// one alone (`0..1`) what it has. All other numbers belong to one body, and are that sum themselves.
     #[doc(hidden)]
     #[inline]
     #[must_use]
@@ -102,11 +102,19 @@ pub trait Scalar:
         self
     }
 
-    /// The number that each of such limbs has, a lane each; all others belong to one body, the first.
+    /// Likewise the number of one of them, for all.
     #[doc(hidden)]
     #[inline]
     #[must_use]
-    fn of_limbs(each: &[Self]) -> Self {
+    fn of_limb(self, _limb: usize) -> Self {
+        self
+    }
+
+    /// Likewise the number that each of them has; of others there is one.
+    #[doc(hidden)]
+    #[inline]
+    #[must_use]
+    fn by_limb(each: &[Self]) -> Self {
         each[0]
     }
 }

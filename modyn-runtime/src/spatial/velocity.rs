@@ -24,6 +24,13 @@ impl<S: Scalar> VelocityMoments<S> {
         Self { first: Vector3::zero(), second: Matrix3::zero() }
     }
 
+    /// Each number through `f`.
+    #[must_use]
+    pub fn map(&self, mut f: impl FnMut(S) -> S) -> Self {
+        let first = Vector3(self.first.0.map(&mut f));
+        Self { first, second: Matrix3(self.second.0.map(|row| row.map(&mut f))) }
+    }
+
     /// The same points, of inertia `body`, with half of `twice_omega` x x added to their velocities.
     #[must_use]
     pub fn spun(&self, twice_omega: Vector3<S>, body: &RigidInertia<S>) -> Self {

@@ -33,8 +33,9 @@ pub(super) fn gather<S: Scalar>(model: &Prepared<S>, qd: &[S], workspace: &mut W
         let Some(parent) = body.parent else { continue };
         let (motion, rates) = (&workspace.motions[i], model.rates(i, qd));
         let composite = workspace.composite[i];
-        let inertia = body.rigid_to_parent(motion, &composite);
-        workspace.composite[parent] = workspace.composite[parent] + inertia;
+        body.rigid_to_parents(motion, &composite, |parent, carried| {
+            workspace.composite[parent] = workspace.composite[parent] + carried;
+        });
         let velocities = &workspace.velocities[i];
         let velocities = body.velocities_to_parent(motion, velocities, &composite, &rates);
         workspace.velocities[parent] = workspace.velocities[parent] + velocities;
@@ -66,9 +67,9 @@ pub(super) fn gather_wrenches<S: Scalar>(
             *felt = known(d).unwrap_or(*felt);
         }
         workspace.wrenches[i] = Wrench::from_components(felt);
-        if let Some(parent) = body.parent {
-            let carried = body.wrench_to_parent(&workspace.motions[i], workspace.wrenches[i]);
+        let wrench = workspace.wrenches[i];
+        body.wrench_to_parents(&workspace.motions[i], wrench, |parent, carried| {
             workspace.wrenches[parent] += carried;
-        }
+        });
     }
 }

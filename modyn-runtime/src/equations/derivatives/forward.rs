@@ -6,6 +6,7 @@ use super::inverse::add_resistance;
 use super::projection::{By, project};
 use crate::Scalar;
 use crate::equations::brge::{self, Layout};
+use crate::equations::limbs;
 use crate::equations::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
 use crate::equations::{Workspace, mass_matrix};
 use crate::model::prepare::Prepared;
@@ -49,7 +50,7 @@ pub fn forward_dynamics_derivatives<S: Scalar>(
     project(model, By::Rates, workspace, dqdd_dqd);
 
     qdd.copy_from_slice(tau);
-    subtract_forces(model, (qd, dqdd_dqd), workspace, qdd);
+    subtract_forces(model, layout, (qd, dqdd_dqd), workspace, qdd);
     let mut matrix = core::mem::take(&mut workspace.matrix);
     let mut factors = core::mem::take(&mut workspace.factors);
     mass_matrix::mass_matrix(model, q, workspace, &mut matrix);
@@ -62,11 +63,11 @@ pub fn forward_dynamics_derivatives<S: Scalar>(
     project(model, By::Coordinates, workspace, dqdd_dq);
     add_resistance(model, qd, dqdd_dqd);
     for columns in [&mut *dqdd_dq, &mut *dqdd_dqd] {
-        for column in columns.chunks_mut(n.max(1)) {
+        for (j, column) in columns.chunks_mut(n.max(1)).enumerate() {
             for entry in &mut *column {
                 *entry = -*entry;
             }
-            brge::solve(layout, &factors, column);
+            brge::solve_column(layout, &factors, j, column);
         }
     }
     brge::inverse(layout, &factors, dqdd_dtau);
@@ -78,6 +79,7 @@ pub fn forward_dynamics_derivatives<S: Scalar>(
 /// in free fall. `dtau_dqd` is without resistance.
 fn subtract_forces<S: Scalar>(
     model: &Prepared<S>,
+    layout: &Layout,
     (qd, dtau_dqd): (&[S], &[S]),
     workspace: &mut Workspace<S>,
     tau: &mut [S],
@@ -86,7 +88,7 @@ fn subtract_forces<S: Scalar>(
     for (row, tau) in tau.iter_mut().enumerate() {
         let columns = dtau_dqd.chunks(model.nv.max(1));
         let twice = columns.zip(qd).map(|(column, &rate)| column[row] * rate);
-        if let Some(twice) = twice.reduce(|sum, x| sum + x) {
+        if let Some(twice) = limbs::sum(layout, row, twice) {
             *tau = *tau - half * twice;
         }
     }

@@ -1,0 +1,184 @@
+//! Derivatives of equal limbs side by side are the interpreter's, by fewer operations.
+
+use modyn_codegen::expr::Graph;
+use modyn_codegen::partition::whole_chains;
+use modyn_codegen::passes::optimize;
+use modyn_codegen::trace::{Limbs, Tracer};
+use modyn_codegen::urdf::{self, Base, ReadOptions};
+use modyn_runtime::equations::brge::Layout;
+use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::{ForwardDerivatives, Interpreter};
+
+fn read(text: &str, name: &str, base: Base) -> Model {
+    let options = ReadOptions { base, ..ReadOptions::default() };
+    urdf::read(text, name, &options).expect("a good robot").model
+}
+
+/// Three forked legs on a body, a tail, a waist behind them, and two arms on that: limbs of several modules,
+/// groups of different numbers of limbs, and trunk on both sides of them.
+fn centaur() -> String {
+    let link = |name: &str, k: f64| {
+        let (mass, x, i) = (0.5 + 0.1 * k, 0.02 * k, 0.02 + 0.003 * k);
+        format!(
+            "<link name=\"{name}\"><inertial><origin xyz=\"{x} 0.02 0.1\"/><mass value=\"{mass}\"/>\
+             <inertia ixx=\"{i}\" iyy=\"0.03\" izz=\"0.02\" ixy=\"0.001\" ixz=\"0\" iyz=\"0\"/>\
+             </inertial></link>"
+        )
+    };
+    let joint = |parent: &str, child: &str, kind: &str, axis: &str, k: f64| {
+        let (x, roll) = (0.1 * k - 0.2, 0.3 * k);
+        format!(
+            "<joint name=\"to_{child}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
+             <origin xyz=\"{x} 0.1 0.2\" rpy=\"{roll} 0.2 0\"/><axis xyz=\"{axis}\"/>\
+             <limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>\
+             <dynamics damping=\"{k}\" armature=\"0.0{k}\"/></joint>{}",
+            link(child, k)
+        )
+    };
+    let mut text = format!("<robot name=\"centaur\">{}", link("body", 9.0));
+    for k in [1.0, 2.0, 3.0] {
+        let [hip, knee, toe, heel] =
+            ["hip", "knee", "toe", "heel"].map(|name| format!("{name}{k}"));
+        text += &joint("body", &hip, "revolute", "1 0 0", k);
+        text += &joint(&hip, &knee, "prismatic", "0 0.6 0.8", k);
+        text += &joint(&knee, &toe, "revolute", "0 1 0", k);
+        text += &joint(&knee, &heel, "revolute", "0 0 1", k + 1.0);
+    }
+    text += &joint("body", "tail", "prismatic", "0 1 0", 2.0);
+    text += &joint("body", "waist", "revolute", "0 0 1", 4.0);
+    for k in [1.0, 3.0] {
+        let [upper, fore] = ["upper", "fore"].map(|name| format!("{name}{k}"));
+        text += &joint("waist", &upper, "revolute", "1 0 0", k);
+        text += &joint(&upper, &fore, "revolute", "0 1 0", k);
+    }
+    text + "</robot>"
+}
+
+fn robots() -> Vec<(&'static str, Model)> {
+    let quadruped = include_str!("../../robots/quadruped.urdf");
+    let humanoid = include_str!("../../robots/humanoid.urdf");
+    vec![
+        ("quadruped", read(quadruped, "quadruped", Base::Fixed)),
+        ("quadruped, floating", read(quadruped, "quadruped", Base::Floating)),
+        ("humanoid", read(humanoid, "humanoid", Base::Fixed)),
+        ("humanoid, floating", read(humanoid, "humanoid", Base::Floating)),
+        ("centaur", read(&centaur(), "centaur", Base::Fixed)),
+        ("centaur, floating", read(&centaur(), "centaur", Base::Floating)),
+    ]
+}
+
+/// Coordinates, then three joint vectors.
+fn state(model: &Model, seed: f64) -> [Vec<f64>; 4] {
+    let vector = |n: usize, k: f64| -> Vec<f64> {
+        let numbers = 0_u32..u32::try_from(n).expect("few");
+        numbers.map(|i| libm::sin(f64::from(i) * 0.7 + seed + k)).collect()
+    };
+    let mut q = vector(model.nq(), 0.0);
+    if model.nq() > model.nv() {
+        let length = q[3..7].iter().map(|x| x * x).sum::<f64>().sqrt();
+        q[3..7].iter_mut().for_each(|x| *x /= length);
+    }
+    let [a, b, c] = [1.0, 2.0, 3.0].map(|k| vector(model.nv(), k));
+    [q, a, b, c]
+}
+
+fn assert_close(what: &str, found: &[f64], expected: &[f64], tolerance: f64) {
+    assert_eq!(found.len(), expected.len());
+    let largest = expected.iter().fold(1.0_f64, |largest, x| largest.max(x.abs()));
+    for (found, expected) in found.iter().zip(expected) {
+        let error = (found - expected).abs() / largest;
+        assert!(error < tolerance, "{what}: {found} for {expected}, {error:e}");
+    }
+}
+
+/// The condition number of a symmetric matrix, given its inverse, by the sums of rows.
+fn condition(matrix: &[f64], inverse: &[f64], n: usize) -> f64 {
+    let norm = |matrix: &[f64]| {
+        let sums = matrix.chunks(n).map(|column| column.iter().map(|x| x.abs()).sum::<f64>());
+        sums.fold(0.0, f64::max)
+    };
+    norm(matrix) * norm(inverse)
+}
+
+#[test]
+fn derivatives_side_by_side_are_the_interpreters() {
+    for (name, model) in robots() {
+        let prepared = Prepared::new(&model);
+        let limbs = Limbs::find(&prepared).expect("equal limbs");
+        let tracer = Tracer::new(&prepared);
+        let abreast = tracer.abreast(&limbs);
+        let inverse = optimize(abreast.inverse_dynamics_derivatives());
+        let forward: Vec<Graph> = [ModuleTree::chains(&model), ModuleTree::links(&model)]
+            .iter()
+            .map(|modules| Layout::new(&prepared, modules))
+            .map(|layout| optimize(abreast.forward_dynamics_derivatives(&layout)))
+            .collect();
+        let mut interpreter = Interpreter::new(model.clone());
+        let n = model.nv();
+        for seed in [0.0, 1.3, 4.1] {
+            let [q, qd, qdd, tau] = state(&model, seed);
+            let mut expected = vec![0.0; 2 * n * n];
+            let (dq, dqd) = expected.split_at_mut(n * n);
+            interpreter.inverse_dynamics_derivatives(&q, &qd, &qdd, dq, dqd).expect("lengths");
+            let found = inverse.evaluate(&[&*q, &*qd, &*qdd].concat());
+            assert_close(&format!("{name}, inverse dynamics"), &found, &expected, 1e-11);
+
+            let mut expected = vec![0.0; n + 3 * n * n];
+            let (accelerations, rest) = expected.split_at_mut(n);
+            let (dqdd_dq, rest) = rest.split_at_mut(n * n);
+            let (dqdd_dqd, dqdd_dtau) = rest.split_at_mut(n * n);
+            let outputs = ForwardDerivatives { qdd: accelerations, dqdd_dq, dqdd_dqd, dqdd_dtau };
+            interpreter.forward_dynamics_derivatives(&q, &qd, &tau, outputs).expect("lengths");
+            let mut matrix = vec![0.0; n * n];
+            interpreter.mass_matrix(&q, &mut matrix).expect("lengths");
+            let condition = condition(&matrix, &expected[n + 2 * n * n..], n);
+            for graph in &forward {
+                let found = graph.evaluate(&[&*q, &*qd, &*tau].concat());
+                let parts =
+                    [0..n, n..n + n * n, n + n * n..n + 2 * n * n, n + 2 * n * n..found.len()];
+                for part in parts {
+                    let (found, expected) = (&found[part.clone()], &expected[part]);
+                    let tolerance = 1e-15 * condition.max(1e4);
+                    assert_close(&format!("{name}, forward"), found, expected, tolerance);
+                }
+                let inverse = &found[n + 2 * n * n..];
+                for i in 0..n {
+                    for j in 0..i {
+                        let (a, b) = (inverse[i * n + j], inverse[j * n + i]);
+                        assert_eq!(a.to_bits(), b.to_bits(), "{name}: symmetric");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The table of derivatives in `docs/limbs.md`.
+#[test]
+fn operations_of_derivatives_are_those_of_the_page() {
+    let page = include_str!("../../docs/limbs.md");
+    let page = &page[page.find("Operations of derivatives").expect("the table")..];
+    let mut rows = 0;
+    for (name, model) in robots() {
+        let Some(row) = page.lines().find(|line| line.starts_with(&format!("| {name} | "))) else {
+            continue;
+        };
+        let prepared = Prepared::new(&model);
+        let limbs = Limbs::find(&prepared).expect("equal limbs");
+        let layout = Layout::new(&prepared, &whole_chains(&model));
+        let alone = Tracer::new(&prepared);
+        let abreast = alone.abreast(&limbs);
+        let count = |graph: Graph| optimize(graph).count().total();
+        let counts = [
+            count(alone.inverse_dynamics_derivatives()),
+            count(abreast.inverse_dynamics_derivatives()),
+            count(alone.forward_dynamics_derivatives(&layout)),
+            count(abreast.forward_dynamics_derivatives(&layout)),
+        ];
+        let [a, b, c, d] = counts;
+        assert!(row.ends_with(&format!("| {a} | {b} | {c} | {d} |")), "{row}: {counts:?}");
+        rows += 1;
+    }
+    assert_eq!(rows, 4);
+}
