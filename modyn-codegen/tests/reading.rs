@@ -193,11 +193,11 @@ fn gravity_must_be_finite() {
         joint("j", "revolute", "a", "b")
     );
     for bad in [f64::NAN, f64::INFINITY] {
-        let options = ReadOptions { gravity: [0.0, bad, 0.0], ..ReadOptions::default() };
+        let options = ReadOptions { gravity: Some([0.0, bad, 0.0]), ..ReadOptions::default() };
         let errors = read(&text, "test.urdf", &options).expect_err("refused");
         assert_eq!(errors.iter().map(|d| d.code).collect::<Vec<_>>(), [Code::Gravity]);
     }
-    let options = ReadOptions { gravity: [0.0; 3], ..ReadOptions::default() };
+    let options = ReadOptions { gravity: Some([0.0; 3]), ..ReadOptions::default() };
     assert_eq!(read(&text, "test.urdf", &options).expect("read").model.gravity(), [0.0; 3]);
 }
 

@@ -169,8 +169,8 @@ fn tree(seed: u64, links: usize, mimics: bool) -> Model {
         }
     }
     Model::new(plain.name(), plain.gravity(), links, plain.frames().to_vec())
+        .and_then(|model| model.with_friction(Friction::Smooth(0.3)))
         .unwrap_or_else(|errors| panic!("seed {seed}: {errors:?}"))
-        .with_friction(Friction::Smooth(0.3))
 }
 
 /// Coordinates, velocities, accelerations and torques.

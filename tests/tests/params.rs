@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use modyn::{Factorization, Inertial, InertialDefect, Payload, Robot};
 use modyn_runtime::model::{Model, ModuleTree};
-use modyn_tests::changed::{changed, under};
+use modyn_tests::changed::changed;
 use modyn_tests::close::assert_close;
 use modyn_tests::compiled::robots::{
     GoldenPandaLoaded, GoldenPandaLoadedParams, Zoo10153_8Loaded, Zoo10153_8LoadedParams,
@@ -99,7 +99,8 @@ struct Change {
 impl Change {
     /// A model of a description that says so.
     fn of(&self, model: &Model) -> Model {
-        let fallen = self.gravity.map_or_else(|| model.clone(), |gravity| under(model, gravity));
+        let gravity = self.gravity.unwrap_or(model.gravity());
+        let fallen = model.clone().with_gravity(gravity).expect("finite");
         self.inertias.iter().fold(fallen, |model, (link, inertial)| {
             let at = model.frame_index(link).expect("a link");
             changed(&model, at, *inertial)

@@ -45,7 +45,7 @@ pub struct Options {
     /// Which of the description's damping and friction acts: none, viscous, coulomb, smooth=VELOCITY
     #[arg(long, value_name = "KIND", default_value = "none", value_parser = friction)]
     friction: Friction,
-    /// The acceleration of free fall in world axes, m/s^2 [default: 0,0,-9.81]
+    /// The acceleration of free fall in world axes, m/s^2 [default: 0,0,-9.81, or what an MJCF says]
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     gravity: Option<[f64; 3]>,
     /// How to take inertias that no rigid body has
@@ -162,9 +162,8 @@ impl Robot {
 impl Options {
     /// For the reader alone.
     pub fn read_options(&self) -> ReadOptions {
-        let default = ReadOptions::default();
         ReadOptions {
-            gravity: self.gravity.unwrap_or(default.gravity),
+            gravity: self.gravity,
             unphysical_inertia: self.unphysical_inertia.into(),
             mimic: self.mimic.into(),
             base: self.base.into(),
