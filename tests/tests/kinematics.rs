@@ -387,7 +387,7 @@ fn velocities_are_the_poses_rates_and_the_jacobians_products() {
 
             let columns = jacobian(interpreter, q, frame, Axes::World);
             assert_close("J qd", &product(&columns, qd), &velocity.components(), EXACT);
-            let local = interpreter.link_velocity_local(q, qd, frame).expect(FINE);
+            let local = interpreter.local_link_velocity(q, qd, frame).expect(FINE);
             assert_close("in link axes", &local.components(), &to_link(&pose, &velocity), EXACT);
             let columns = jacobian(interpreter, q, frame, Axes::Link);
             assert_close("J qd in link axes", &product(&columns, qd), &local.components(), EXACT);
@@ -414,7 +414,7 @@ fn accelerations_are_the_velocities_rates_and_the_jacobians_products() {
             assert_close("J qdd + J' qd", &sum, &acceleration.components(), EXACT);
 
             let pose = interpreter.link_pose(q, frame).expect(FINE);
-            let local = interpreter.link_acceleration_local(q, qd, qdd, frame).expect(FINE);
+            let local = interpreter.local_link_acceleration(q, qd, qdd, frame).expect(FINE);
             let expected = to_link(&pose, &acceleration);
             assert_close("in link axes", &local.components(), &expected, EXACT);
 
@@ -438,9 +438,9 @@ fn links_on_the_ground_do_not_move() {
             assert_eq!(interpreter.link_pose(q, frame), Ok(expected.pose));
             let still = Ok(Twist::zero());
             assert_eq!(interpreter.link_velocity(q, qd, frame), still);
-            assert_eq!(interpreter.link_velocity_local(q, qd, frame), still);
+            assert_eq!(interpreter.local_link_velocity(q, qd, frame), still);
             assert_eq!(interpreter.link_acceleration(q, qd, qdd, frame), still);
-            assert_eq!(interpreter.link_acceleration_local(q, qd, qdd, frame), still);
+            assert_eq!(interpreter.local_link_acceleration(q, qd, qdd, frame), still);
             assert_eq!(interpreter.jacobian_rate(q, qd, frame), still);
             assert_eq!(interpreter.local_jacobian_rate(q, qd, frame), still);
             for axes in [Axes::World, Axes::Link] {
@@ -632,9 +632,9 @@ fn calls_allocate_nothing() {
             for frame in 0..frames {
                 interpreter.link_pose(q, frame)?;
                 interpreter.link_velocity(q, qd, frame)?;
-                interpreter.link_velocity_local(q, qd, frame)?;
+                interpreter.local_link_velocity(q, qd, frame)?;
                 interpreter.link_acceleration(q, qd, qdd, frame)?;
-                interpreter.link_acceleration_local(q, qd, qdd, frame)?;
+                interpreter.local_link_acceleration(q, qd, qdd, frame)?;
                 interpreter.jacobian(q, frame, &mut twists)?;
                 interpreter.local_jacobian(q, frame, &mut twists)?;
                 interpreter.jacobian_rate(q, qd, frame)?;
@@ -676,8 +676,8 @@ fn traces_are_what_is_interpreted() {
                     interpreter.jacobian_rate(q, qd, frame),
                 ],
                 Axes::Link => [
-                    interpreter.link_velocity_local(q, qd, frame),
-                    interpreter.link_acceleration_local(q, qd, qdd, frame),
+                    interpreter.local_link_velocity(q, qd, frame),
+                    interpreter.local_link_acceleration(q, qd, qdd, frame),
                     interpreter.local_jacobian_rate(q, qd, frame),
                 ],
             }

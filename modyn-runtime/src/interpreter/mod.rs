@@ -73,8 +73,6 @@ pub enum InertialError {
         /// How many links the description has.
         count: usize,
     },
-    /// A figure is NaN or infinite.
-    NotFinite,
     /// It is no rigid body's inertia.
     Defect(InertialDefect),
 }
@@ -85,7 +83,6 @@ impl fmt::Display for InertialError {
             Self::NoFrame { frame, count } => {
                 write!(f, "there is no link {frame}; the description has {count}")
             }
-            Self::NotFinite => write!(f, "a figure is NaN or infinite"),
             Self::Defect(defect) => defect.fmt(f),
         }
     }
@@ -199,10 +196,6 @@ impl<S: Scalar> Interpreter<S> {
         let Some(own) = self.inertias.get_mut(frame) else {
             return Err(InertialError::NoFrame { frame, count });
         };
-        let Inertial { mass, center_of_mass, inertia: moments } = inertial;
-        if ![*mass].iter().chain(center_of_mass).chain(moments).all(|x| x.is_finite()) {
-            return Err(InertialError::NotFinite);
-        }
         if let Some(defect) = inertial.defect() {
             return Err(InertialError::Defect(defect));
         }

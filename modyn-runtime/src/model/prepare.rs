@@ -285,6 +285,32 @@ impl<S: Scalar> Body<S> {
         self.placement.articulated_to_parent(&motion.articulated_to_parent(i))
     }
 
+    /// A mass on this body and its first moment, at its parent.
+    #[must_use]
+    pub fn mass_to_parent(
+        &self,
+        motion: &Motion<S>,
+        mass: S,
+        first_moment: Vector3<S>,
+    ) -> (S, Vector3<S>) {
+        let turned = motion.to_parent(first_moment);
+        let at_joint = motion.displacement().map_or(turned, |d| turned + d.scale(mass));
+        (mass, self.placement.to_parent(at_joint) + self.placement.origin().scale(mass))
+    }
+
+    /// The same of all equal limbs together.
+    #[must_use]
+    pub fn masses_to_parent(
+        &self,
+        motion: &Motion<S>,
+        mass: S,
+        first_moment: Vector3<S>,
+    ) -> (S, Vector3<S>) {
+        let (mass, first_moment) = self.mass_to_parent(motion, mass, first_moment);
+        let sum = |x: S| x.over_limbs(self.limbs);
+        (sum(mass), Vector3(first_moment.0.map(sum)))
+    }
+
     /// The same of all equal limbs together.
     #[must_use]
     pub fn wrenches_to_parent(&self, motion: &Motion<S>, w: Wrench<S>) -> Wrench<S> {
@@ -398,11 +424,11 @@ impl Prepared<f64> {
     /// Rewrites `model`.
     #[must_use]
     pub fn new(model: &Model) -> Self {
-        let atoms = atoms(model);
+        let (atoms, links) = atoms(model);
         let mut frames = Frames::on_axes(&atoms);
         frames.turn(&atoms);
         frames.shift();
-        let mut prepared = frames.finish(model, &atoms);
+        let mut prepared = frames.finish(model, &atoms, links);
         prepared.minimize();
         prepared.closures = model.closures().iter().map(|c| prepared.held(c)).collect();
         prepared
@@ -515,10 +541,9 @@ struct Atom<'a> {
     mimic: Option<(f64, f64)>,
 }
 
-/// The bodies of a model, universal and planar joints taken apart.
-fn atoms(model: &Model) -> Vec<Atom<'_>> {
+/// The bodies of a model, universal and planar joints taken apart; and by link, its body.
+fn atoms(model: &Model) -> (Vec<Atom<'_>>, Vec<usize>) {
     let mut atoms: Vec<Atom<'_>> = Vec::with_capacity(model.links().len());
-    // By link: its body.
     let mut bodies: Vec<usize> = Vec::with_capacity(model.links().len());
     for (i, link) in model.links().iter().enumerate() {
         let joint = &link.joint;
@@ -559,7 +584,7 @@ fn atoms(model: &Model) -> Vec<Atom<'_>> {
         }
         bodies.push(atoms.len() - 1);
     }
-    atoms
+    (atoms, bodies)
 }
 
 /// The model's frames while they are being turned and shifted.
@@ -667,7 +692,7 @@ impl Frames {
         }
     }
 
-    fn finish(self, model: &Model, atoms: &[Atom<'_>]) -> Prepared<f64> {
+    fn finish(self, model: &Model, atoms: &[Atom<'_>], links: Vec<usize>) -> Prepared<f64> {
         let mut dofs = Vec::with_capacity(model.nv());
         let mut bodies: Vec<Body<f64>> = Vec::with_capacity(atoms.len());
         let friction = model.friction();
@@ -708,13 +733,6 @@ impl Frames {
                 minimal: inertia,
                 limbs: 1,
             });
-        }
-        let mut links = Vec::with_capacity(model.links().len());
-        for (i, atom) in atoms.iter().enumerate() {
-            // A link's body is the last one of its joint.
-            if atoms.get(i + 1).is_none_or(|next| !core::ptr::eq(next.joint, atom.joint)) {
-                links.push(i);
-            }
         }
         let frames = model.frames().iter().map(|frame| {
             let body = frame.link.map(|link| links[link]);

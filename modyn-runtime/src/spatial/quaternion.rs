@@ -5,7 +5,7 @@
 //! the values everywhere, but what runs on dual numbers has its derivatives from here too, and those
 //! of a quotient lose more figures the nearer it is to 0 / 0.
 
-use super::Vector3;
+use super::{Matrix3, Vector3};
 use crate::Scalar;
 
 /// The least square of a quaternion's length that isn't 0 in any precision.
@@ -119,6 +119,21 @@ impl<S: Scalar> Quaternion<S> {
         let half = self.vector.cross(v);
         let t = half + half;
         v + t.scale(self.scalar) + self.vector.cross(t)
+    }
+
+    /// What [`rotate`](Self::rotate) does, as a matrix: its columns are the turned axes.
+    #[must_use]
+    pub fn matrix(self) -> Matrix3<S> {
+        let ([x, y, z], w, one) = (self.vector.0, self.scalar, S::one());
+        let (x2, y2, z2) = (x + x, y + y, z + z);
+        let (xx, yy, zz) = (x * x2, y * y2, z * z2);
+        let (xy, xz, yz) = (x * y2, x * z2, y * z2);
+        let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+        Matrix3([
+            [one - (yy + zz), xy - wz, xz + wy],
+            [xy + wz, one - (xx + zz), yz - wx],
+            [xz - wy, yz + wx, one - (xx + yy)],
+        ])
     }
 
     /// Its rate of change under the angular velocity `omega` in the turned axes.
