@@ -94,8 +94,9 @@ impl core::error::Error for InertialError {}
 ///
 /// Calls work in memory that was allocated once (but for [`brge`](Self::brge), [`denoc`](Self::denoc)
 /// and [`decomposition`](Self::decomposition), which return new objects, and the first call of
-/// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives) and of
-/// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics)), in time and memory linear in the number of
+/// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives) and of either of
+/// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) and
+/// [`closing_step`](Self::closing_step)), in time and memory linear in the number of
 /// links (but for dense results); nothing recurses on the call stack. Vectors stand in the order of
 /// [`Model::links`]; matrices are given by columns.
 #[derive(Clone, Debug)]
