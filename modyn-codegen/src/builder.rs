@@ -142,8 +142,9 @@ pub struct Generated {
     pub warnings: Vec<Diagnostic>,
     /// The operations that each function takes.
     pub operations: Vec<(&'static str, OperationCount)>,
-    /// The operations that stand in the text of each function but batches: for a function of a link, those of all links
-    /// together, where [`operations`](Self::operations) has those of the most expensive one.
+    /// The operations that stand in the text of each function but batches, where [`operations`](Self::operations) has
+    /// those of a call: for a function of a link, those of all links together; equal limbs once if they share their
+    /// code, and if they stand side by side, both that and one after the other.
     pub written: Vec<(&'static str, OperationCount)>,
     /// The modules that forward dynamics is eliminated by.
     pub partition: ModuleTree,
@@ -645,7 +646,7 @@ fn too_large(model: &Model, modules: &ModuleTree) -> Option<Diagnostic> {
     let message = format!(
         "code for {} moving joints would take about {operations} operations, more than \
          {MOST_OPERATIONS}; the longest module has {} links, from `{}` to `{}`",
-        model.nv(),
+        model.links().len(),
         longest.len(),
         model.links()[longest.start].name,
         model.links()[longest.end - 1].name,

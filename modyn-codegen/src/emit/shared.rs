@@ -113,13 +113,13 @@ impl Robot<'_> {
 
 /// The operations of a function by pieces, all their calls together.
 pub(super) fn count(graph: &Graph) -> OperationCount {
-    let mut sum = OperationCount::default();
-    for piece in pieces(graph) {
-        for _ in 0..piece.calls {
-            sum = sum + piece.graph.count();
-        }
-    }
-    sum
+    let counts = pieces(graph).into_iter();
+    counts.flat_map(|piece| std::iter::repeat_n(piece.graph.count(), piece.calls.into())).sum()
+}
+
+/// The operations in the text of its pieces, each once.
+pub(super) fn written(graph: &Graph) -> OperationCount {
+    pieces(graph).iter().map(|piece| piece.graph.count()).sum()
 }
 
 /// The text of one lane of what a piece computed, or of what is known from the beginning.
