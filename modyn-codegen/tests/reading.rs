@@ -417,13 +417,6 @@ fn a_chain_of_20_000_joints_of_all_types() {
     assert_eq!((model.links().len(), model.nv()), (N, N / 5 * 15));
 }
 
-#[test]
-fn elements_nested_without_end_are_no_harm() {
-    let deep =
-        format!("<robot name='r'>{}{}</robot>", "<a>".repeat(100_000), "</a>".repeat(100_000));
-    assert!(read(&deep, "test.urdf", &ReadOptions::default()).is_err());
-}
-
 /// urdf-rs reads the same figures from the same text: an independent witness.
 #[test]
 fn figures_are_those_that_urdf_rs_reads() {
