@@ -218,82 +218,38 @@ fn a_types_own_functions_take_parameters_as_the_traits_do() {
     let Given { q, qd, qdd, tau, forces, .. } = &given;
     // Every function with these and with the default parameters, and without any.
     macro_rules! same {
-        ($($function:ident($($argument:expr),*);)*) => {$({
+        ($($function:ident, $with:ident($($argument:expr),*);)*) => {$({
             let own = R::$function($($argument),*);
             assert_eq!(own, <R as Robot>::$function($($argument),*), stringify!($function));
-            pastes!($function, own, $($argument),*);
+            assert_eq!(own, R::$with(&described, $($argument),*), stringify!($function));
+            let changed = R::$with(&params, $($argument),*);
+            assert_eq!(changed, <R as Robot>::$with(&params, $($argument),*), stringify!($with));
+            assert_ne!(changed, own, stringify!($with));
         })*};
     }
-    macro_rules! pastes {
-        (forward_dynamics, $($rest:tt)*) => { with!(forward_dynamics_with, $($rest)*) };
-        (inverse_dynamics, $($rest:tt)*) => { with!(inverse_dynamics_with, $($rest)*) };
-        (bias_forces, $($rest:tt)*) => { with!(bias_forces_with, $($rest)*) };
-        (mass_matrix, $($rest:tt)*) => { with!(mass_matrix_with, $($rest)*) };
-        (potential_energy, $($rest:tt)*) => { with!(potential_energy_with, $($rest)*) };
-        (inverse_dynamics_external, $($rest:tt)*) => {
-            with!(inverse_dynamics_external_with, $($rest)*)
-        };
-        (forward_dynamics_derivatives, $($rest:tt)*) => {
-            with!(forward_dynamics_derivatives_with, $($rest)*)
-        };
-        (centroidal_momentum, $($rest:tt)*) => { with!(centroidal_momentum_with, $($rest)*) };
-    }
-    macro_rules! with {
-        ($function:ident, $default:expr, $($argument:expr),*) => {
-            assert_eq!(R::$function(&described, $($argument),*), $default);
-            let own = R::$function(&params, $($argument),*);
-            assert_eq!(own, <R as Robot>::$function(&params, $($argument),*));
-            assert_ne!(own, $default, stringify!($function));
-        };
-    }
     same! {
-        forward_dynamics(q, qd, tau);
-        inverse_dynamics(q, qd, qdd);
-        bias_forces(q, qd);
-        mass_matrix(q);
-        potential_energy(q);
-        inverse_dynamics_external(q, qd, qdd, forces);
-        forward_dynamics_derivatives(q, qd, tau);
-        centroidal_momentum(q, qd);
+        forward_dynamics, forward_dynamics_with(q, qd, tau);
+        forward_dynamics_external, forward_dynamics_external_with(q, qd, tau, forces);
+        forward_dynamics_external_world, forward_dynamics_external_world_with(q, qd, tau, forces);
+        forward_dynamics_derivatives, forward_dynamics_derivatives_with(q, qd, tau);
+        inverse_dynamics, inverse_dynamics_with(q, qd, qdd);
+        inverse_dynamics_external, inverse_dynamics_external_with(q, qd, qdd, forces);
+        inverse_dynamics_external_world, inverse_dynamics_external_world_with(q, qd, qdd, forces);
+        inverse_dynamics_derivatives, inverse_dynamics_derivatives_with(q, qd, qdd);
+        bias_forces, bias_forces_with(q, qd);
+        gravity_torques, gravity_torques_with(q);
+        mass_matrix, mass_matrix_with(q);
+        kinetic_energy, kinetic_energy_with(q, qd);
+        potential_energy, potential_energy_with(q);
+        regressor, regressor_with(q, qd, qdd);
+        center_of_mass, center_of_mass_with(q);
+        center_of_mass_jacobian, center_of_mass_jacobian_with(q);
+        centroidal_momentum, centroidal_momentum_with(q, qd);
+        centroidal_momentum_matrix, centroidal_momentum_matrix_with(q);
     }
-}
-
-#[test]
-fn a_payload_is_a_bodys_inertia() {
-    let good = Random::new(1).inertial();
-    assert_eq!(payload(good).inertial(), good);
-    assert_eq!(Payload::try_from(good), Ok(payload(good)));
-    assert_eq!([Payload::NONE, Payload::default()].map(|none| none.inertial().mass), [0.0; 2]);
-    let unequal = Inertial { inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 3.0], ..good };
-    let indefinite = Inertial { inertia: [1.0, 2.0, 0.0, 1.0, 0.0, 1.0], ..good };
-    for (nonsense, expected) in [
-        (Inertial { mass: -1.0, ..good }, InertialDefect::NegativeMass(-1.0)),
-        (Inertial { mass: 0.0, ..good }, InertialDefect::InertiaWithoutMass),
-        (Inertial { mass: f64::NAN, ..good }, InertialDefect::NotFinite),
-        (Inertial { center_of_mass: [0.0, f64::INFINITY, 0.0], ..good }, InertialDefect::NotFinite),
-        (Inertial { inertia: [f64::NAN; 6], ..good }, InertialDefect::NotFinite),
-        (unequal, InertialDefect::TriangleInequality([1.0, 1.0, 3.0])),
-        (indefinite, InertialDefect::NotPositiveSemidefinite([-1.0, 1.0, 3.0])),
-    ] {
-        let found = Payload::new(nonsense).expect_err("no body's");
-        assert_eq!(std::mem::discriminant(&found), std::mem::discriminant(&expected), "{found}");
-    }
-}
-
-#[test]
-fn a_change_allocates_nothing() {
-    let inertial = black_box(Random::new(2).inertial());
-    let (q, qd) = black_box((GoldenPandaLoaded::NEUTRAL, [0.1; GoldenPandaLoaded::NV]));
-    let ((), allocated) = measure(|| {
-        let mut params = GoldenPandaLoadedParams::DEFAULT;
-        for scale in [1.0, 2.0] {
-            params.gravity[2] *= scale;
-            params.panda_hand = Payload::new(inertial).unwrap_or(Payload::NONE);
-            black_box(GoldenPandaLoaded::forward_dynamics_with(&params, &q, &qd, &qd));
-            black_box(GoldenPandaLoaded::brge_with(&params, &q));
-        }
-        let nonsense = Inertial { mass: -1.0, ..inertial };
-        black_box(Payload::new(nonsense)).ok();
-    });
-    assert_eq!((allocated.calls, allocated.peak), (0, 0));
+    let factors =
+        [R::brge(q), R::brge_with(&described, q), R::brge_with(&params, q)].map(|b| b.d());
+    assert_eq!(factors[0], factors[1]);
+    assert_eq!(factors[2], <R as Robot>::brge_with(&params, q).d());
+    assert_ne!(factors[2], factors[0]);
 }

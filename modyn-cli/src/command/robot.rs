@@ -13,6 +13,7 @@ use modyn_codegen::urdf::{
 };
 
 use crate::command::diagnostics;
+use crate::command::figure::{number, numbers};
 use crate::command::outcome::{Failure, to_stderr};
 
 /// A description, and how to read it.
@@ -275,15 +276,4 @@ fn vector(text: &str) -> Result<[f64; 3], String> {
     let numbers = numbers(text)?;
     let count = numbers.len();
     numbers.try_into().map_err(|_| format!("expected three numbers, there are {count}"))
-}
-
-/// Numbers with commas between them.
-pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
-    text.split(',').map(number).collect()
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    let text = text.trim();
-    let number: f64 = text.parse().map_err(|_| format!("`{text}` is no number"))?;
-    if number.is_finite() { Ok(number) } else { Err(format!("`{text}` is not finite")) }
 }
