@@ -61,7 +61,7 @@ fn derivatives_are_those_of_other_software() {
             states += 1;
         }
     }
-    assert_eq!(states, 61, "the states of all robots");
+    assert_eq!(states, 55, "the states of all robots");
 }
 
 #[test]

@@ -15,7 +15,6 @@ use modyn_runtime::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use modyn_runtime::{FrameError, Interpreter, ShapeError};
 use modyn_tests::close::assert_close;
 use modyn_tests::counting::{Counting, measure};
-use modyn_tests::floating::floated;
 use modyn_tests::golden::{self, FIXED_BASE, FLOATING_BASE, Golden};
 use modyn_tests::quantities::{Quantities, numbers};
 use modyn_tests::random::{Random, tree};
