@@ -77,7 +77,9 @@ fn has(level: Level) -> bool {
     let vectors = match level {
         Level::Sse2 => true,
         Level::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
-        Level::Avx512 => is_x86_feature_detected!("avx512f"),
+        Level::Avx512 => {
+            is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl")
+        }
         _ => false,
     };
     #[cfg(not(target_arch = "x86_64"))]
