@@ -253,3 +253,43 @@ fn a_types_own_functions_take_parameters_as_the_traits_do() {
     assert_eq!(factors[2], <R as Robot>::brge_with(&params, q).d());
     assert_ne!(factors[2], factors[0]);
 }
+
+#[test]
+fn a_payload_is_a_bodys_inertia() {
+    let good = Random::new(1).inertial();
+    assert_eq!(payload(good).inertial(), good);
+    assert_eq!(Payload::try_from(good), Ok(payload(good)));
+    assert_eq!([Payload::NONE, Payload::default()].map(|none| none.inertial().mass), [0.0; 2]);
+    let unequal = Inertial { inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 3.0], ..good };
+    let indefinite = Inertial { inertia: [1.0, 2.0, 0.0, 1.0, 0.0, 1.0], ..good };
+    for (nonsense, expected) in [
+        (Inertial { mass: -1.0, ..good }, InertialDefect::NegativeMass(-1.0)),
+        (Inertial { mass: 0.0, ..good }, InertialDefect::InertiaWithoutMass),
+        (Inertial { mass: f64::NAN, ..good }, InertialDefect::NotFinite),
+        (Inertial { center_of_mass: [0.0, f64::INFINITY, 0.0], ..good }, InertialDefect::NotFinite),
+        (Inertial { inertia: [f64::NAN; 6], ..good }, InertialDefect::NotFinite),
+        (unequal, InertialDefect::TriangleInequality([1.0, 1.0, 3.0])),
+        (indefinite, InertialDefect::NotPositiveSemidefinite([-1.0, 1.0, 3.0])),
+    ] {
+        let found = Payload::new(nonsense).expect_err("no body's");
+        assert_eq!(std::mem::discriminant(&found), std::mem::discriminant(&expected), "{found}");
+    }
+}
+
+#[test]
+fn a_change_allocates_nothing() {
+    let inertial = black_box(Random::new(2).inertial());
+    let (q, qd) = black_box((GoldenPandaLoaded::NEUTRAL, [0.1; GoldenPandaLoaded::NV]));
+    let ((), allocated) = measure(|| {
+        let mut params = GoldenPandaLoadedParams::DEFAULT;
+        for scale in [1.0, 2.0] {
+            params.gravity[2] *= scale;
+            params.panda_hand = Payload::new(inertial).unwrap_or(Payload::NONE);
+            black_box(GoldenPandaLoaded::forward_dynamics_with(&params, &q, &qd, &qd));
+            black_box(GoldenPandaLoaded::brge_with(&params, &q));
+        }
+        let nonsense = Inertial { mass: -1.0, ..inertial };
+        black_box(Payload::new(nonsense)).ok();
+    });
+    assert_eq!((allocated.calls, allocated.peak), (0, 0));
+}
