@@ -7,7 +7,7 @@ use std::path::Path;
 use modyn_codegen::{Builder, Function, ModuleChoice};
 use modyn_reproduce::robots;
 
-const LENGTHS: [usize; 7] = [4, 7, 10, 14, 28, 56, 112];
+const LENGTHS: [usize; 6] = [4, 7, 14, 28, 56, 112];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=build.rs");

@@ -1,4 +1,5 @@
-//! Any text that is a robot becomes Rust that parses, with finite constants and no name outside of strings.
+//! Any text that is a robot becomes Rust that parses, without a constant that is no number; any other, errors that are
+//! the text's fault.
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};

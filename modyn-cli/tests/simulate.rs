@@ -221,11 +221,13 @@ fn whatever_moves_can_be_drawn() {
     let folder = tempfile::tempdir().expect("a folder");
     let svg = folder.path().join("a.svg").to_string_lossy().into_owned();
     // What does not move at all, and what moves beyond all measure.
-    for qd in ["0,0", "1e60,-1e60", "1e140,1e140", "1e-200,0"] {
+    for (qd, bounded) in
+        [("0,0", true), ("1e-200,0", true), ("1e60,-1e60", false), ("1e140,1e140", false)]
+    {
         let robot =
             ["simulate", "robots/double_pendulum.urdf", "--gravity", "0,0,0", "--plot", &svg];
         let found = modyn(&[&robot[..], &["--time", "0.002", "--qd", qd]].concat());
-        assert!(found.code <= 1, "{qd}: {}", found.err);
+        assert!(found.code == 0 || !bounded && found.code == 1, "{qd}: {}", found.err);
         if found.code == 0 {
             let text = std::fs::read_to_string(&svg).expect("plots");
             assert!(text.len() < 100_000 && Document::parse(&text).is_ok(), "{qd}");

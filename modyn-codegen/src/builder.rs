@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::model::{DEFAULT_GRAVITY, Friction, Model, ModuleTree};
+use modyn_runtime::model::{Friction, Model, ModuleTree};
 
 use crate::condition;
 use crate::emit::{EmitOptions, Emitted, FloatType, emit};
@@ -77,7 +77,6 @@ pub struct Builder {
     krate: Option<String>,
     float: FloatType,
     /// `None` for the default, or a model's own.
-    gravity: Option<[f64; 3]>,
     runtime_gravity: bool,
     payload: Vec<String>,
     /// `None` for the default ones.
@@ -143,8 +142,9 @@ pub struct Generated {
     pub warnings: Vec<Diagnostic>,
     /// The operations that each function takes.
     pub operations: Vec<(&'static str, OperationCount)>,
-    /// The operations that stand in the text of each function but batches: for a function of a link, those of all links
-    /// together, where [`operations`](Self::operations) has those of the most expensive one.
+    /// The operations that stand in the text of each function but batches, where [`operations`](Self::operations) has
+    /// those of a call: for a function of a link, those of all links together; equal limbs once if they share their
+    /// code, and if they stand side by side, both that and one after the other.
     pub written: Vec<(&'static str, OperationCount)>,
     /// The modules that forward dynamics is eliminated by.
     pub partition: ModuleTree,
@@ -230,11 +230,11 @@ impl Builder {
         self
     }
 
-    /// The acceleration of free fall in world axes, m/s^2; by default (0, 0, -9.81) for a
-    /// description, its own for a [model](Self::model).
+    /// The acceleration of free fall in world axes, m/s^2; by default (0, 0, -9.81) for a URDF, its
+    /// own for an MJCF or a [model](Self::model).
     #[must_use]
     pub fn gravity(mut self, gravity: [f64; 3]) -> Self {
-        self.gravity = Some(gravity);
+        self.read.gravity = Some(gravity);
         self
     }
 
@@ -456,9 +456,8 @@ impl Builder {
 
     fn read(&self) -> Result<Reading, Diagnostics> {
         // A bad one is among the errors of the options.
-        let gravity = self.gravity.filter(|&gravity| urdf::gravity_error(gravity).is_none());
-        let options =
-            ReadOptions { gravity: gravity.unwrap_or(DEFAULT_GRAVITY), ..self.read.clone() };
+        let gravity = self.read.gravity.filter(|&gravity| urdf::gravity_error(gravity).is_none());
+        let options = ReadOptions { gravity, ..self.read.clone() };
         match &self.source {
             Source::None => {
                 let missing =
@@ -473,20 +472,13 @@ impl Builder {
             Source::Model(model) => {
                 let mut model = model.as_ref().clone();
                 if let Some(gravity) = gravity {
-                    let (links, frames) = (model.links().to_vec(), model.frames().to_vec());
-                    let friction = model.friction();
-                    let closures = model.closures().to_vec();
-                    let changed = Model::new(model.name(), gravity, links, frames)
-                        .and_then(|model| model.with_closures(closures));
-                    model =
-                        changed.map(|model| model.with_friction(friction)).map_err(|errors| {
-                            let help = "this is a fault of modyn: please report it with the model";
-                            let diagnostic = |error: &dyn std::fmt::Display| {
-                                Diagnostic::error(Code::InvalidModel, error.to_string())
-                                    .with_help(help)
-                            };
-                            Diagnostics::new(errors.iter().map(|error| diagnostic(error)).collect())
-                        })?;
+                    model = model.with_gravity(gravity).map_err(|errors| {
+                        let help = "this is a fault of modyn: please report it with the model";
+                        let diagnostic = |error: &dyn std::fmt::Display| {
+                            Diagnostic::error(Code::InvalidModel, error.to_string()).with_help(help)
+                        };
+                        Diagnostics::new(errors.iter().map(|error| diagnostic(error)).collect())
+                    })?;
                 }
                 urdf::check(model, options.unphysical_inertia)
             }
@@ -618,7 +610,7 @@ impl Builder {
                     .into(),
             );
         }
-        errors.extend(self.gravity.and_then(urdf::gravity_error));
+        errors.extend(read.gravity.and_then(urdf::gravity_error));
         errors
     }
 }
@@ -654,7 +646,7 @@ fn too_large(model: &Model, modules: &ModuleTree) -> Option<Diagnostic> {
     let message = format!(
         "code for {} moving joints would take about {operations} operations, more than \
          {MOST_OPERATIONS}; the longest module has {} links, from `{}` to `{}`",
-        model.nv(),
+        model.links().len(),
         longest.len(),
         model.links()[longest.start].name,
         model.links()[longest.end - 1].name,

@@ -355,7 +355,7 @@ fn redundant_rows_change_no_acceleration() {
 }
 
 #[test]
-fn two_closures_of_one_joint_share_its_forces() {
+fn the_first_of_two_closures_of_one_joint_has_its_forces() {
     let twice = FOUR_BAR.replace(
         "</robot>",
         "<loop_joint name='again' type='spherical'><link1 link='rocker' xyz='0.4 0 0'/>\

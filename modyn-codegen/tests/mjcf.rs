@@ -149,7 +149,10 @@ fn several_joints_of_a_body_and_balls() {
     assert_eq!(model.gravity(), [1.0, 2.0, 3.0]);
     let names: Vec<&str> = model.links().iter().map(|link| link.joint.name.as_str()).collect();
     assert_eq!(names, ["body_1_joint", "body_1_joint_2", "ball"]);
-    let options = ReadOptions { gravity: [1.0, 2.0, 3.0], ..ReadOptions::default() };
+    let on_earth = ReadOptions { gravity: Some([0.0, 0.0, -9.81]), ..ReadOptions::default() };
+    let asked = mjcf::read(mjcf, "m.xml", &on_earth).expect("an MJCF").model;
+    assert_eq!(asked.gravity(), [0.0, 0.0, -9.81]);
+    let options = ReadOptions { gravity: Some([1.0, 2.0, 3.0]), ..ReadOptions::default() };
     assert_same_numbers(model, urdf::read(urdf, "m.urdf", &options).expect("a URDF").model);
 }
 

@@ -110,6 +110,6 @@ fn a_robot_that_single_precision_does_not_carry_is_warned_of() {
         let reading = read(&light_between(offset), "a.urdf", &ReadOptions::default());
         let model = reading.expect("good").model;
         let (found, condition) = (error(&model), condition_number(&model).expect("small"));
-        assert!(found < 1e-6 * condition, "{offset} {condition:e} {found:e}");
+        assert!(found < (1e-6 * condition).min(1e-4), "{offset} {condition:e} {found:e}");
     }
 }

@@ -25,7 +25,7 @@ use input::Input;
 ///
 /// | option | values | default |
 /// |---|---|---|
-/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: a field of the type's `Params` | `[0.0, 0.0, -9.81]` |
+/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: a field of the type's `Params` | `[0.0, 0.0, -9.81]`, an MJCF's own |
 /// | `payload` | names of links whose inertia can be changed at run time: fields of `Params` | `[]` |
 /// | `functions` | a list of functions' names, in which `default` may stand; `all` | `default` |
 /// | `modules` | `chains`, `links`, or a list of lists of link names, each from its parent outwards | `chains` |

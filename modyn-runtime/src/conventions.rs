@@ -26,6 +26,7 @@
 //! ```
 
 use crate::Scalar;
+use crate::spatial::{Quaternion, Vector3};
 
 /// A quaternion that ends with its real part, from one that starts with it.
 ///
@@ -57,17 +58,8 @@ pub fn wxyz_from_xyzw<T>([x, y, z, w]: [T; 4]) -> [T; 4] {
 /// assert_eq!(half_a_turn_about_z, [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]]);
 /// ```
 #[must_use]
-pub fn rotation_from_quaternion<T: Scalar>([x, y, z, w]: [T; 4]) -> [[T; 3]; 3] {
-    let one = T::one();
-    let [x2, y2, z2] = [x + x, y + y, z + z];
-    let (xx, yy, zz) = (x * x2, y * y2, z * z2);
-    let (xy, xz, yz) = (x * y2, x * z2, y * z2);
-    let (wx, wy, wz) = (w * x2, w * y2, w * z2);
-    [
-        [one - (yy + zz), xy - wz, xz + wy],
-        [xy + wz, one - (xx + zz), yz - wx],
-        [xz - wy, yz + wx, one - (xx + yy)],
-    ]
+pub fn rotation_from_quaternion<T: Scalar>(quaternion: [T; 4]) -> [[T; 3]; 3] {
+    Quaternion::from_components(quaternion).matrix().0
 }
 
 /// The unit quaternion `[x, y, z, w]`, w >= 0, of a rotation matrix by rows.
@@ -105,26 +97,9 @@ pub fn quaternion_from_rotation<T: Scalar>(rotation: [[T; 3]; 3]) -> [T; 4] {
     q.map(|number| number * scale)
 }
 
-/// The vector turned by the quaternion: from the link's axes to the joint's.
-fn turned<T: Scalar>(quaternion: [T; 4], v: [T; 3]) -> [T; 3] {
-    rotation_from_quaternion(quaternion).map(|[x, y, z]| x * v[0] + y * v[1] + z * v[2])
-}
-
-/// The vector turned back: from the joint's axes to the link's.
-fn turned_back<T: Scalar>([x, y, z, w]: [T; 4], v: [T; 3]) -> [T; 3] {
-    turned([-x, -y, -z, w], v)
-}
-
-fn cross<T: Scalar>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn plus<T: Scalar>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-    core::array::from_fn(|i| a[i] + b[i])
-}
-
-fn minus<T: Scalar>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-    core::array::from_fn(|i| a[i] - b[i])
+/// The rotation of modyn's coordinates: from the link's axes to the joint's.
+fn attitude<T: Scalar>(q: [T; 7]) -> Quaternion<T> {
+    Quaternion::from_components(quaternion(q))
 }
 
 /// The quaternion of modyn's coordinates.
@@ -132,11 +107,11 @@ fn quaternion<T>([_, _, _, x, y, z, w]: [T; 7]) -> [T; 4] {
     [x, y, z, w]
 }
 
-fn halves<T>([a, b, c, d, e, f]: [T; 6]) -> [[T; 3]; 2] {
-    [[a, b, c], [d, e, f]]
+fn halves<T>([a, b, c, d, e, f]: [T; 6]) -> [Vector3<T>; 2] {
+    [Vector3([a, b, c]), Vector3([d, e, f])]
 }
 
-fn joined<T>([a, b, c]: [T; 3], [d, e, f]: [T; 3]) -> [T; 6] {
+fn joined<T>(Vector3([a, b, c]): Vector3<T>, Vector3([d, e, f]): Vector3<T>) -> [T; 6] {
     [a, b, c, d, e, f]
 }
 
@@ -181,10 +156,7 @@ pub mod pinocchio {
 /// [floating objects](https://mujoco.readthedocs.io/en/latest/overview.html#floating-objects) and its
 /// maintainers in [issue 691](https://github.com/google-deepmind/mujoco/issues/691).
 pub mod mujoco {
-    use super::{
-        Scalar, cross, halves, joined, minus, plus, quaternion, turned, turned_back,
-        wxyz_from_xyzw, xyzw_from_wxyz,
-    };
+    use super::{Scalar, attitude, halves, joined, quaternion, wxyz_from_xyzw, xyzw_from_wxyz};
 
     /// `qpos` of a free joint.
     #[must_use]
@@ -204,28 +176,28 @@ pub mod mujoco {
     #[must_use]
     pub fn to_qvel<T: Scalar>(q: [T; 7], qd: [T; 6]) -> [T; 6] {
         let [linear, angular] = halves(qd);
-        joined(turned(quaternion(q), linear), angular)
+        joined(attitude(q).rotate(linear), angular)
     }
 
     /// A floating joint's velocities from `qvel`.
     #[must_use]
     pub fn from_qvel<T: Scalar>(q: [T; 7], qvel: [T; 6]) -> [T; 6] {
         let [linear, angular] = halves(qvel);
-        joined(turned_back(quaternion(q), linear), angular)
+        joined(attitude(q).conjugate().rotate(linear), angular)
     }
 
     /// `qacc` of a free joint.
     #[must_use]
     pub fn to_qacc<T: Scalar>(q: [T; 7], qd: [T; 6], qdd: [T; 6]) -> [T; 6] {
         let ([v, omega], [rate, angular]) = (halves(qd), halves(qdd));
-        joined(turned(quaternion(q), plus(rate, cross(omega, v))), angular)
+        joined(attitude(q).rotate(rate + omega.cross(v)), angular)
     }
 
     /// A floating joint's accelerations from `qacc`; `qd` are modyn's velocities.
     #[must_use]
     pub fn from_qacc<T: Scalar>(q: [T; 7], qd: [T; 6], qacc: [T; 6]) -> [T; 6] {
         let ([v, omega], [linear, angular]) = (halves(qd), halves(qacc));
-        joined(minus(turned_back(quaternion(q), linear), cross(omega, v)), angular)
+        joined(attitude(q).conjugate().rotate(linear) - omega.cross(v), angular)
     }
 
     /// `qfrc_...` of a free joint.
@@ -250,10 +222,7 @@ pub mod mujoco {
 /// [`QuaternionFloatingJoint`](https://github.com/RobotLocomotion/drake/blob/master/multibody/tree/quaternion_floating_joint.h):
 /// `q_FM`, `p_FM`, and `w_FM`, `v_FM`, expressed in F.
 pub mod drake {
-    use super::{
-        Scalar, cross, halves, joined, minus, plus, quaternion, turned, turned_back,
-        wxyz_from_xyzw, xyzw_from_wxyz,
-    };
+    use super::{Scalar, attitude, halves, joined, quaternion, wxyz_from_xyzw, xyzw_from_wxyz};
 
     /// `q` of a quaternion floating joint.
     #[must_use]
@@ -272,14 +241,14 @@ pub mod drake {
     /// `v` of a quaternion floating joint at the coordinates `q` (modyn's, as everywhere here).
     #[must_use]
     pub fn to_v<T: Scalar>(q: [T; 7], qd: [T; 6]) -> [T; 6] {
-        let [linear, angular] = halves(qd).map(|part| turned(quaternion(q), part));
+        let [linear, angular] = halves(qd).map(|part| attitude(q).rotate(part));
         joined(angular, linear)
     }
 
     /// A floating joint's velocities from `v`.
     #[must_use]
     pub fn from_v<T: Scalar>(q: [T; 7], v: [T; 6]) -> [T; 6] {
-        let [angular, linear] = halves(v).map(|part| turned_back(quaternion(q), part));
+        let [angular, linear] = halves(v).map(|part| attitude(q).conjugate().rotate(part));
         joined(linear, angular)
     }
 
@@ -288,14 +257,14 @@ pub mod drake {
     pub fn to_vdot<T: Scalar>(q: [T; 7], qd: [T; 6], qdd: [T; 6]) -> [T; 6] {
         let ([v, omega], [rate, angular]) = (halves(qd), halves(qdd));
         // omega's own rate is the same in both axes: omega x omega is zero.
-        to_v(q, joined(plus(rate, cross(omega, v)), angular))
+        to_v(q, joined(rate + omega.cross(v), angular))
     }
 
     /// A floating joint's accelerations from `vdot`; `qd` are modyn's velocities.
     #[must_use]
     pub fn from_vdot<T: Scalar>(q: [T; 7], qd: [T; 6], vdot: [T; 6]) -> [T; 6] {
         let ([v, omega], [linear, angular]) = (halves(qd), halves(from_v(q, vdot)));
-        joined(minus(linear, cross(omega, v)), angular)
+        joined(linear - omega.cross(v), angular)
     }
 
     /// `tau` of a quaternion floating joint: moment and force.
@@ -415,14 +384,15 @@ mod tests {
     }
 
     /// Linear and angular velocity in world axes.
-    fn velocities(t: f64) -> [[f64; 3]; 2] {
+    fn velocities(t: f64) -> [Vector3<f64>; 2] {
         let [x, y, z, ..] = rate(t, motion);
-        [[x, y, z], angular(t)]
+        [Vector3([x, y, z]), Vector3(angular(t))]
     }
 
     /// modyn's velocities.
     fn qd(t: f64) -> [f64; 6] {
-        let [linear, angular] = velocities(t).map(|part| turned_back(quaternion(motion(t)), part));
+        let [linear, angular] =
+            velocities(t).map(|part| attitude(motion(t)).conjugate().rotate(part));
         joined(linear, angular)
     }
 
@@ -440,7 +410,8 @@ mod tests {
             close(mujoco::to_qvel(q, qd), joined(linear, halves(qd)[1]), 1e-10);
             let along = |t| mujoco::to_qvel(motion(t), self::qd(t));
             close(mujoco::to_qacc(q, qd, qdd), rate(t, along), 1e-6);
-            close(rbdl::to_qdot(q, qd), along(t), 0.0);
+            close(rbdl::to_qdot(q, qd), joined(linear, halves(qd)[1]), 1e-10);
+            let along = |t| rbdl::to_qdot(motion(t), self::qd(t));
             close(rbdl::to_qddot(q, qd, qdd), rate(t, along), 1e-6);
             // The body's angular velocity by the quaternion's rate: 2 conj(q) q'.
             let ([x, y, z, w], [_, _, _, dx, dy, dz, dw]) = (quaternion(q), rate(t, motion));
@@ -449,7 +420,7 @@ mod tests {
                 w * dy - y * dw - (z * dx - x * dz),
                 w * dz - z * dw - (x * dy - y * dx),
             ];
-            close(halves(qd)[1], omega.map(|number| 2.0 * number), 1e-10);
+            close(halves(qd)[1].0, omega.map(|number| 2.0 * number), 1e-10);
         }
     }
 
@@ -533,8 +504,10 @@ mod tests {
             v[next] = 1.0;
             let mut expected = [0.0; 3];
             (expected[next], expected[last]) = (cos, sin);
-            close(turned(q, v), expected, 1e-15);
-            close(turned_back(q, expected), v, 1e-15);
+            let turn = Quaternion::from_components(q);
+            close(turn.rotate(Vector3(v)).0, expected, 1e-15);
+            close(turn.matrix().mul_vector(Vector3(v)).0, expected, 1e-15);
+            close(turn.conjugate().rotate(Vector3(expected)).0, v, 1e-15);
         }
     }
 

@@ -153,6 +153,12 @@ impl OperationCount {
     }
 }
 
+impl core::iter::Sum for OperationCount {
+    fn sum<I: Iterator<Item = Self>>(counts: I) -> Self {
+        counts.fold(Self::default(), |sum, count| sum + count)
+    }
+}
+
 impl core::ops::Add for OperationCount {
     type Output = Self;
     fn add(self, other: Self) -> Self {

@@ -1,4 +1,6 @@
-//! The same calls over nalgebra's types (feature `nalgebra`).
+//! The calls that controllers and estimators make most, over nalgebra's types (feature `nalgebra`).
+//!
+//! A selection: nalgebra's vectors convert to arrays and back with `.into()`, for all others.
 
 use core::marker::PhantomData;
 
@@ -14,7 +16,7 @@ use crate::figures::{
 use crate::robot::{Factorization, Robot};
 use crate::spatial::{Pose, Twist, Vector3, Wrench};
 
-/// A generated robot's functions over `SVector`, `SMatrix` and `Isometry3`:
+/// A generated robot's most used functions over `SVector`, `SMatrix` and `Isometry3`:
 /// `Nalgebra::<Gripper>::forward_dynamics(&q, &qd, &tau)`.
 ///
 /// In `f64` unless said otherwise: `Nalgebra::<Gripper, f32>`.

@@ -73,6 +73,7 @@ pub fn integrate(
                 }
                 slopes.push(slope(t + time * h, &last));
             }
+            assert!(last.iter().all(|y| y.is_finite()), "the motion is lost at {t} s");
             let error = (0..y.len()).fold(0.0, |worst: f64, i| {
                 let error: f64 = ERRORS.iter().zip(&slopes).map(|(e, k)| h * e * k[i]).sum();
                 worst.max(error.abs() / (tolerance * (1.0 + y[i].abs())))

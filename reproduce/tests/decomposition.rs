@@ -4,7 +4,6 @@
 use modyn_codegen::expr::{Expr, Graph};
 use modyn_reproduce::{dense, robots};
 use modyn_runtime::equations::{Decomposition, Dense, Workspace};
-use modyn_runtime::joint::JointType;
 use modyn_runtime::model::prepare::Prepared;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{DecompositionError, Interpreter};
@@ -358,6 +357,14 @@ fn articulated_modules_are_composite_ones_that_give_way() {
             // what the rotors hold.
             let left = d.phi(i).times(d.articulated(i));
             assert_same("Phi M_hat", &case, &left, &left.transposed());
+            let (joints, own) = (d.joints(i), d.entries(i));
+            let rotors = d.pivot(i).minus(&joints.transposed().times(d.psi(i)));
+            let inverse = d.d_inverse();
+            let entries = own.clone().flat_map(|row| own.clone().map(move |column| (row, column)));
+            let entries = entries.map(|(i, j)| inverse.get(i, j).expect("an entry")).collect();
+            let inverse = Dense { rows: own.len(), columns: own.len(), entries };
+            let held = d.psi(i).times(&inverse).times(&rotors);
+            assert_same("Phi M_hat N", &case, &left.times(&joints), &held);
         }
     }
 }
@@ -451,11 +458,8 @@ fn the_matrices_are_symbolic_too() {
             assert!((found - expected).abs() <= 1e-12 * (1.0 + expected.abs()));
         }
         // What no posture moves is known without one.
-        assert!(
-            graph.count().total() > 0 && graph.count().total() < 2000,
-            "{}",
-            graph.count().total()
-        );
+        let known = graph.outputs.iter().filter(|&&id| graph.value(id).is_some()).count();
+        assert!(known > 0 && known < expected.len(), "{known} of {}", expected.len());
     }
 }
 
@@ -579,7 +583,6 @@ fn twists_of_neighbouring_links_are_appendix_a1() {
 #[test]
 fn a_model_with_mimics_is_refused() {
     let zoo = (0..50).map(|seed| random::zoo(seed, 8)).find(Model::has_mimics).expect("a mimic");
-    assert!(zoo.links().iter().any(|link| link.joint.joint_type != JointType::Floating));
     let q = random::state(1, &zoo).q;
     let mut interpreter = Interpreter::<f64>::new(zoo);
     assert_eq!(interpreter.decomposition(&q).err(), Some(DecompositionError::Mimics));

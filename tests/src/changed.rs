@@ -1,6 +1,6 @@
 //! Models with other figures.
 
-use modyn_runtime::model::{Frame, Inertial, Link, Model};
+use modyn_runtime::model::{Inertial, Model};
 
 /// The model with another inertia of frame `at`; a moving link's is the sum of its frames'.
 #[must_use]
@@ -13,17 +13,7 @@ pub fn changed(model: &Model, at: usize, inertial: Inertial) -> Model {
             sum.merged(&frame.inertial.transformed(&frame.pose))
         });
     }
-    rebuilt(model, model.gravity(), links, frames)
-}
-
-/// The model where things fall like this.
-#[must_use]
-pub fn under(model: &Model, gravity: [f64; 3]) -> Model {
-    rebuilt(model, gravity, model.links().to_vec(), model.frames().to_vec())
-}
-
-fn rebuilt(model: &Model, gravity: [f64; 3], links: Vec<Link>, frames: Vec<Frame>) -> Model {
-    Model::new(model.name(), gravity, links, frames)
+    Model::new(model.name(), model.gravity(), links, frames)
+        .and_then(|changed| changed.with_friction(model.friction()))
         .expect("sound parts")
-        .with_friction(model.friction())
 }

@@ -26,6 +26,6 @@ pub fn floated(model: &Model, extra: Inertial) -> Model {
         .cloned()
         .map(|frame| Frame { link: Some(frame.link.map_or(0, |link| link + 1)), ..frame });
     Model::new(model.name(), model.gravity(), links, frames.collect())
+        .and_then(|floating| floating.with_friction(model.friction()))
         .unwrap_or_else(|errors| panic!("{errors:?}"))
-        .with_friction(model.friction())
 }

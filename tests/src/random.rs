@@ -237,7 +237,8 @@ pub fn zoo(seed: u64, links: usize) -> Model {
         1 => Friction::Viscous,
         _ => Friction::Smooth(random.between(0.05, 0.5)),
     };
-    parts.model(format!("zoo{seed}_{links}")).with_friction(friction)
+    let model = parts.model(format!("zoo{seed}_{links}"));
+    model.with_friction(friction).expect("sound friction")
 }
 
 /// In which part of all cases a link hangs on the one before it.

@@ -486,9 +486,9 @@ fn interpreted_others<T: Scalar>(
     };
     let motions = [
         ("link_velocity", each(&|i, l| i.link_velocity(q, qd, l))),
-        ("local_link_velocity", each(&|i, l| i.link_velocity_local(q, qd, l))),
+        ("local_link_velocity", each(&|i, l| i.local_link_velocity(q, qd, l))),
         ("link_acceleration", each(&|i, l| i.link_acceleration(q, qd, qdd, l))),
-        ("local_link_acceleration", each(&|i, l| i.link_acceleration_local(q, qd, qdd, l))),
+        ("local_link_acceleration", each(&|i, l| i.local_link_acceleration(q, qd, qdd, l))),
         ("jacobian_rate", each(&|i, l| i.jacobian_rate(q, qd, l))),
         ("local_jacobian_rate", each(&|i, l| i.local_jacobian_rate(q, qd, l))),
     ];

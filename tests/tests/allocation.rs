@@ -1,4 +1,5 @@
-//! The interpreter allocates when it is made, not when it is called.
+//! The interpreter allocates when it is made, not when it is called; what it makes for derivatives and closed loops,
+//! when they are first asked for.
 
 use modyn_runtime::model::{Inertial, Model, ModuleTree};
 use modyn_runtime::spatial::{Pose, Wrench};

@@ -12,6 +12,7 @@ use modyn_tests::compiled::robots::{
     Arm6, Arm6Link, GoldenPandaFingers, GoldenUr5, Gripper, GripperLink, Quadruped, QuadrupedLink,
     Tree10_6, Tree15_12, Tree15_12Link, Zoo7423_7, Zoo7423_7Link,
 };
+use modyn_tests::dual::Tangent;
 use modyn_tests::fleet::Source;
 use modyn_tests::golden::Golden;
 use modyn_tests::random::{State, state};
@@ -254,101 +255,15 @@ fn nalgebra_calls_are_the_array_calls() {
 }
 
 /// A number, and its derivative by something.
-#[derive(Clone, Copy, Debug)]
-struct Dual {
-    value: f64,
-    slope: f64,
-}
-
-impl Dual {
-    /// A function's value, and its derivative there by the chain rule.
-    fn chain(self, value: f64, slope: f64) -> Self {
-        Self { value, slope: slope * self.slope }
-    }
-}
-
-impl Add for Dual {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self { value: self.value + other.value, slope: self.slope + other.slope }
-    }
-}
-
-impl Sub for Dual {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        Self { value: self.value - other.value, slope: self.slope - other.slope }
-    }
-}
-
-impl Mul for Dual {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        let slope = self.slope * other.value + self.value * other.slope;
-        Self { value: self.value * other.value, slope }
-    }
-}
-
-impl Div for Dual {
-    type Output = Self;
-    fn div(self, other: Self) -> Self {
-        let value = self.value / other.value;
-        Self { value, slope: (self.slope - value * other.slope) / other.value }
-    }
-}
-
-impl Neg for Dual {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self { value: -self.value, slope: -self.slope }
-    }
-}
-
-impl Scalar for Dual {
-    fn from_f64(value: f64) -> Self {
-        Self { value, slope: 0.0 }
-    }
-
-    fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = self.value.sin_cos();
-        (self.chain(sin, cos), self.chain(cos, -sin))
-    }
-
-    fn atan2(self, x: Self) -> Self {
-        let square = self.value * self.value + x.value * x.value;
-        let slope = (self.slope * x.value - self.value * x.slope) / square;
-        Self { value: self.value.atan2(x.value), slope }
-    }
-
-    fn sqrt(self) -> Self {
-        let root = self.value.sqrt();
-        self.chain(root, 0.5 / root)
-    }
-
-    fn ln(self) -> Self {
-        self.chain(self.value.ln(), self.value.recip())
-    }
-
-    fn abs(self) -> Self {
-        self.chain(self.value.abs(), self.value.signum())
-    }
-
-    fn max(self, other: Self) -> Self {
-        if self.value >= other.value { self } else { other }
-    }
-
-    fn select_nonnegative(self, then: Self, otherwise: Self) -> Self {
-        if self.value >= 0.0 { then } else { otherwise }
-    }
-}
+type Dual = Tangent<f64>;
 
 /// Numbers that vary with number `by`; with none if it is beyond them.
 fn varied<A: Array<Dual>>(x: &[f64], by: usize) -> A {
-    A::from_fn(|i| Dual { value: x[i], slope: if i == by { 1.0 } else { 0.0 } })
+    A::from_fn(|i| Dual { x: x[i], dx: if i == by { 1.0 } else { 0.0 } })
 }
 
 fn slopes(array: &impl Array<Dual>) -> Vec<f64> {
-    array.as_ref().iter().map(|x| x.slope).collect()
+    array.as_ref().iter().map(|x| x.dx).collect()
 }
 
 /// The Jacobian by columns: in each the slopes of what varies with one of `n` numbers.
@@ -415,8 +330,8 @@ fn dual_numbers_are_near_finite_differences() {
         let matrix = |part: fn(&Dual) -> f64, m: &[[Dual; N]; N]| {
             DMatrix::from_column_slice(N, N, &columns(m).iter().map(part).collect::<Vec<_>>())
         };
-        let expected = (matrix(|x| x.value, &inverse) * matrix(|x| x.slope, &m)).trace();
-        let found = <R as Robot>::brge(&q).log_determinant().slope;
+        let expected = (matrix(|x| x.x, &inverse) * matrix(|x| x.dx, &m)).trace();
+        let found = <R as Robot>::brge(&q).log_determinant().dx;
         assert_close("log determinant", &[found], &[expected], 1e-11);
     }
 }
@@ -427,11 +342,11 @@ fn torques_are_the_derivatives_of_the_energies() {
         let State { q, qd, .. } = state_of(name, 4);
         let constant = R::NV;
         let gravity: Vec<f64> =
-            (0..R::NV).map(|i| R::potential_energy(&varied(&q, i)).slope).collect();
+            (0..R::NV).map(|i| R::potential_energy(&varied(&q, i)).dx).collect();
         let expected = R::gravity_torques(&vector(&q));
         assert_close(name, &numbers::<f64>(&expected), &gravity, 1e-11);
         let momentum: Vec<f64> = (0..R::NV)
-            .map(|i| R::kinetic_energy(&varied(&q, constant), &varied(&qd, i)).slope)
+            .map(|i| R::kinetic_energy(&varied(&q, constant), &varied(&qd, i)).dx)
             .collect();
         let m = columns(&R::mass_matrix::<f64>(&vector(&q)));
         assert_close(name, &modyn_tests::dense::times(&m, &qd), &momentum, 1e-11);

@@ -63,7 +63,7 @@ proptest! {
 
     #[test]
     fn coulomb_friction(robot in zoos(10)) {
-        let model = robot.model().with_friction(Friction::Coulomb);
+        let model = robot.model().with_friction(Friction::Coulomb).expect("sound");
         let State { q, mut qd, .. } = state(robot.seed(), &model);
         qd[0] = 0.0;
         let expected = Interpreter::<f64>::new(model.clone()).bias(&q, &qd);

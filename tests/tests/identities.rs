@@ -309,7 +309,7 @@ proptest! {
     #[test]
     fn energy_is_conserved_in_free_fall(robot in robots(15)) {
         // Rotors stay, what resists does not.
-        let model = robot.model().with_friction(Friction::None);
+        let model = robot.model().with_friction(Friction::None).expect("sound");
         let State { mut q, mut qd, .. } = state(robot.seed(), &model);
         let mut interpreter = Interpreter::<f64>::new(model.clone());
         let mut falling = interpreter.clone();
@@ -486,7 +486,7 @@ proptest! {
 
     #[test]
     fn coulomb_friction_is_against_the_motion(robot in zoos(15)) {
-        let model = robot.model().with_friction(Friction::Coulomb);
+        let model = robot.model().with_friction(Friction::Coulomb).expect("sound");
         let State { q, mut qd, qdd, .. } = state(robot.seed(), &model);
         qd[0] = 0.0;
         let mut interpreter = Interpreter::<f64>::new(model.clone());

@@ -1,7 +1,6 @@
 //! Poses, velocities, accelerations and Jacobians of links, the centre of mass and the momentum
 //! about it: against other software, against each other, and against differences of one another.
 
-use std::fs;
 use std::iter::zip;
 
 use modyn_codegen::expr::Node;
@@ -16,12 +15,10 @@ use modyn_runtime::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use modyn_runtime::{FrameError, Interpreter, ShapeError};
 use modyn_tests::close::assert_close;
 use modyn_tests::counting::{Counting, measure};
-use modyn_tests::floating::floated;
-use modyn_tests::golden::{self, FIXED_BASE};
+use modyn_tests::golden::{self, FIXED_BASE, FLOATING_BASE, Golden};
 use modyn_tests::quantities::{Quantities, numbers};
 use modyn_tests::random::{Random, tree};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
-use serde_json::Value;
 
 /// Of the reference data's README.
 const TOLERANCE: f64 = 1e-9;
@@ -297,58 +294,24 @@ fn to_link(pose: &Pose<f64>, t: &Twist<f64>) -> [f64; 6] {
 
 // Other software
 
-/// A robot of the reference data, its joints' places there, and the states.
-fn reference(name: &str) -> (Model, Vec<usize>, Value) {
-    let urdf = golden::urdf(name.trim_end_matches("_ff"));
-    let text = fs::read_to_string(golden::urdf(name).with_extension("json")).expect(name);
-    let data: Value = serde_json::from_str(&text).expect(name);
-    let mut model = golden::model(&urdf);
-    let base = if name.ends_with("_ff") { 1 } else { 0 };
-    if base == 1 {
-        model = floated(&model, Inertial::default());
-    }
-    let joints: Vec<&str> = data["joint_order"].as_array().expect(name)[base..]
-        .iter()
-        .filter_map(Value::as_str)
-        .collect();
-    let find = |link: &Link| joints.iter().position(|&joint| joint == link.joint.name).expect(name);
-    let order = model.links()[base..].iter().map(find).collect();
-    (model, order, data)
-}
-
-fn list(value: &Value) -> Vec<f64> {
-    value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
-}
-
 #[test]
 fn poses_and_jacobians_of_other_software() {
     let mut seen = 0;
-    for name in FIXED_BASE.into_iter().chain(["solo12_ff", "g1_ff"]) {
-        let (model, order, data) = reference(name);
-        let base = model.nv() - order.len();
+    for name in FIXED_BASE.into_iter().chain(FLOATING_BASE) {
+        let Golden { model, states } = Golden::load(name);
         let mut interpreter = Interpreter::new(model);
-        for state in data["states"].as_array().expect(name) {
-            let angles = list(&state["q_angle"]);
-            let mut q = if base > 0 { list(&state["q"])[..7].to_vec() } else { Vec::new() };
-            q.extend(order.iter().map(|&k| angles[k]));
-            for (link, expected) in state["frames"].as_object().expect(name) {
+        for state in states {
+            let q = state.q();
+            for placement in state.frames() {
+                let link = &placement.name;
                 let frame = interpreter.model().frame_index(link).expect(link);
-                let rows: Vec<Vec<f64>> = ["R", "J"]
-                    .map(|key| expected[key].as_array().expect(link).iter().map(list))
-                    .into_iter()
-                    .flatten()
-                    .collect();
-                let (turn, rows) = rows.split_at(3);
-                let found = interpreter.link_pose(&q, frame).expect(FINE);
-                let pose = [turn.concat(), list(&expected["p"])].concat();
-                assert_close(&format!("{name} {link}: pose"), &numbers(&found), &pose, TOLERANCE);
-
+                let found = numbers(&interpreter.link_pose(&q, frame).expect(FINE));
+                let what = format!("{name} {link}");
+                assert_close(&what, &found, &placement.numbers, TOLERANCE);
                 let columns = jacobian(&mut interpreter, &q, frame, Axes::World);
                 let found: Vec<f64> = columns.iter().flat_map(Twist::components).collect();
-                let places = (0..base).chain(order.iter().map(|k| base + k));
-                let expected: Vec<f64> =
-                    places.flat_map(|j| [3, 4, 5, 0, 1, 2].map(|i| rows[i][j])).collect();
-                assert_close(&format!("{name} {link}: J"), &found, &expected, TOLERANCE);
+                let rows = placement.jacobian.select_rows(&[3, 4, 5, 0, 1, 2]);
+                assert_close(&what, &found, rows.as_slice(), TOLERANCE);
                 seen += 1;
             }
         }
@@ -387,7 +350,7 @@ fn velocities_are_the_poses_rates_and_the_jacobians_products() {
 
             let columns = jacobian(interpreter, q, frame, Axes::World);
             assert_close("J qd", &product(&columns, qd), &velocity.components(), EXACT);
-            let local = interpreter.link_velocity_local(q, qd, frame).expect(FINE);
+            let local = interpreter.local_link_velocity(q, qd, frame).expect(FINE);
             assert_close("in link axes", &local.components(), &to_link(&pose, &velocity), EXACT);
             let columns = jacobian(interpreter, q, frame, Axes::Link);
             assert_close("J qd in link axes", &product(&columns, qd), &local.components(), EXACT);
@@ -414,7 +377,7 @@ fn accelerations_are_the_velocities_rates_and_the_jacobians_products() {
             assert_close("J qdd + J' qd", &sum, &acceleration.components(), EXACT);
 
             let pose = interpreter.link_pose(q, frame).expect(FINE);
-            let local = interpreter.link_acceleration_local(q, qd, qdd, frame).expect(FINE);
+            let local = interpreter.local_link_acceleration(q, qd, qdd, frame).expect(FINE);
             let expected = to_link(&pose, &acceleration);
             assert_close("in link axes", &local.components(), &expected, EXACT);
 
@@ -438,9 +401,9 @@ fn links_on_the_ground_do_not_move() {
             assert_eq!(interpreter.link_pose(q, frame), Ok(expected.pose));
             let still = Ok(Twist::zero());
             assert_eq!(interpreter.link_velocity(q, qd, frame), still);
-            assert_eq!(interpreter.link_velocity_local(q, qd, frame), still);
+            assert_eq!(interpreter.local_link_velocity(q, qd, frame), still);
             assert_eq!(interpreter.link_acceleration(q, qd, qdd, frame), still);
-            assert_eq!(interpreter.link_acceleration_local(q, qd, qdd, frame), still);
+            assert_eq!(interpreter.local_link_acceleration(q, qd, qdd, frame), still);
             assert_eq!(interpreter.jacobian_rate(q, qd, frame), still);
             assert_eq!(interpreter.local_jacobian_rate(q, qd, frame), still);
             for axes in [Axes::World, Axes::Link] {
@@ -632,9 +595,9 @@ fn calls_allocate_nothing() {
             for frame in 0..frames {
                 interpreter.link_pose(q, frame)?;
                 interpreter.link_velocity(q, qd, frame)?;
-                interpreter.link_velocity_local(q, qd, frame)?;
+                interpreter.local_link_velocity(q, qd, frame)?;
                 interpreter.link_acceleration(q, qd, qdd, frame)?;
-                interpreter.link_acceleration_local(q, qd, qdd, frame)?;
+                interpreter.local_link_acceleration(q, qd, qdd, frame)?;
                 interpreter.jacobian(q, frame, &mut twists)?;
                 interpreter.local_jacobian(q, frame, &mut twists)?;
                 interpreter.jacobian_rate(q, qd, frame)?;
@@ -676,8 +639,8 @@ fn traces_are_what_is_interpreted() {
                     interpreter.jacobian_rate(q, qd, frame),
                 ],
                 Axes::Link => [
-                    interpreter.link_velocity_local(q, qd, frame),
-                    interpreter.link_acceleration_local(q, qd, qdd, frame),
+                    interpreter.local_link_velocity(q, qd, frame),
+                    interpreter.local_link_acceleration(q, qd, qdd, frame),
                     interpreter.local_jacobian_rate(q, qd, frame),
                 ],
             }

@@ -196,6 +196,19 @@ fn drives() {
 }
 
 #[test]
+fn figures_of_the_whole() {
+    for width in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+        let errors = model().with_friction(Friction::Smooth(width)).expect_err("no velocity");
+        assert_eq!(errors.iter().map(|e| e.kind).collect::<Vec<_>>(), [ModelErrorKind::Friction]);
+    }
+    let errors = model().with_gravity([0.0, f64::NAN, 0.0]).expect_err("not finite");
+    assert_eq!(errors.iter().map(|e| e.kind).collect::<Vec<_>>(), [NotFinite]);
+    let model = model().with_friction(Friction::Smooth(0.1)).and_then(|m| m.with_gravity([0.0; 3]));
+    let model = model.expect("sound");
+    assert_eq!((model.friction(), model.gravity()), (Friction::Smooth(0.1), [0.0; 3]));
+}
+
+#[test]
 fn joints_that_follow() {
     let follow = |leader| Some(Mimic { leader, multiplier: 2.0, offset: 1.0 });
     assert_refused(|p| p.links[1].joint.mimic = follow(1), &[("b_joint", MimicError)]);
@@ -234,7 +247,7 @@ fn joints_of_several_coordinates() {
     for (link, joint_type) in parts.links.iter_mut().zip(types) {
         link.joint.joint_type = joint_type;
     }
-    let model = make(parts).expect("a model").with_friction(Friction::Viscous);
+    let model = make(parts).expect("a model").with_friction(Friction::Viscous).expect("sound");
     assert_eq!((model.nq(), model.nv(), model.has_mimics()), (16, 14, false));
     assert_eq!(model.friction(), Friction::Viscous);
     assert_eq!([0, 1, 2, 3].map(|i| model.q_range(i)), [0..7, 7..11, 11..14, 14..16]);
@@ -366,6 +379,19 @@ fn a_broken_model_is_not_deserialized() {
         error.contains("`b_joint` has an axis") && error.contains("`base` has a parent"),
         "{error}"
     );
+    let mut json = serde_json::to_value(model()).expect("plain data");
+    json["friction"] = serde_json::json!({ "Smooth": -0.1 });
+    let error = serde_json::from_value::<Model>(json).expect_err("no velocity").to_string();
+    assert!(error.contains("smooths friction"), "{error}");
+}
+
+#[test]
+fn what_a_model_may_lack_can_be_left_out() {
+    let mut json = serde_json::to_value(model()).expect("plain data");
+    for part in ["friction", "closures"] {
+        json.as_object_mut().expect("an object").remove(part).expect("written");
+    }
+    assert_eq!(serde_json::from_value::<Model>(json).expect("a model"), model());
 }
 
 proptest! {

@@ -1,6 +1,7 @@
 //! How many operations the compiled robots take.
 
 use modyn_codegen::expr::Graph;
+use modyn_codegen::partition;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::forward_dynamics::Elimination;
 use modyn_runtime::model::ModuleTree;
@@ -13,6 +14,8 @@ struct Counts {
     robot: &'static str,
     /// By links or by chains, whichever is less.
     forward_dynamics: usize,
+    /// By the modules that the search finds.
+    searched: usize,
     inverse_dynamics: usize,
     mass_matrix: usize,
 }
@@ -20,22 +23,23 @@ struct Counts {
 /// What they take at present. A count that falls is to be entered here; one that rises is a
 /// regression.
 const FROZEN: [Counts; 7] = [
-    frozen("double_pendulum", 35, 31, 11),
-    frozen("double_pendulum_continuous", 38, 34, 14),
-    frozen("ur5", 486, 275, 134),
-    frozen("panda", 1107, 579, 319),
-    frozen("panda_fingers", 1262, 638, 405),
-    frozen("solo12", 732, 556, 136),
-    frozen("g1", 6265, 2827, 2382),
+    frozen("double_pendulum", 35, 35, 31, 11),
+    frozen("double_pendulum_continuous", 38, 38, 34, 14),
+    frozen("ur5", 486, 444, 275, 134),
+    frozen("panda", 1107, 1067, 579, 319),
+    frozen("panda_fingers", 1262, 1255, 638, 405),
+    frozen("solo12", 732, 732, 556, 136),
+    frozen("g1", 6265, 5952, 2827, 2382),
 ];
 
 const fn frozen(
     robot: &'static str,
     forward_dynamics: usize,
+    searched: usize,
     inverse_dynamics: usize,
     mass_matrix: usize,
 ) -> Counts {
-    Counts { robot, forward_dynamics, inverse_dynamics, mass_matrix }
+    Counts { robot, forward_dynamics, searched, inverse_dynamics, mass_matrix }
 }
 
 /// Bounds of the design for forward dynamics.
@@ -53,6 +57,7 @@ fn counts(robot: &'static str) -> Counts {
         robot,
         forward_dynamics: forward(&ModuleTree::links(&model))
             .min(forward(&ModuleTree::chains(&model))),
+        searched: partition::choose(&model, &prepared, &tracer).candidates[0].1,
         inverse_dynamics: total(tracer.inverse_dynamics()),
         mass_matrix: total(tracer.mass_matrix()),
     }

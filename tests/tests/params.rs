@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use modyn::{Factorization, Inertial, InertialDefect, Payload, Robot};
 use modyn_runtime::model::{Model, ModuleTree};
-use modyn_tests::changed::{changed, under};
+use modyn_tests::changed::changed;
 use modyn_tests::close::assert_close;
 use modyn_tests::compiled::robots::{
     GoldenPandaLoaded, GoldenPandaLoadedParams, Zoo10153_8Loaded, Zoo10153_8LoadedParams,
@@ -99,7 +99,8 @@ struct Change {
 impl Change {
     /// A model of a description that says so.
     fn of(&self, model: &Model) -> Model {
-        let fallen = self.gravity.map_or_else(|| model.clone(), |gravity| under(model, gravity));
+        let gravity = self.gravity.unwrap_or(model.gravity());
+        let fallen = model.clone().with_gravity(gravity).expect("finite");
         self.inertias.iter().fold(fallen, |model, (link, inertial)| {
             let at = model.frame_index(link).expect("a link");
             changed(&model, at, *inertial)
@@ -217,44 +218,40 @@ fn a_types_own_functions_take_parameters_as_the_traits_do() {
     let Given { q, qd, qdd, tau, forces, .. } = &given;
     // Every function with these and with the default parameters, and without any.
     macro_rules! same {
-        ($($function:ident($($argument:expr),*);)*) => {$({
+        ($($function:ident, $with:ident($($argument:expr),*);)*) => {$({
             let own = R::$function($($argument),*);
             assert_eq!(own, <R as Robot>::$function($($argument),*), stringify!($function));
-            pastes!($function, own, $($argument),*);
+            assert_eq!(own, R::$with(&described, $($argument),*), stringify!($function));
+            let changed = R::$with(&params, $($argument),*);
+            assert_eq!(changed, <R as Robot>::$with(&params, $($argument),*), stringify!($with));
+            assert_ne!(changed, own, stringify!($with));
         })*};
     }
-    macro_rules! pastes {
-        (forward_dynamics, $($rest:tt)*) => { with!(forward_dynamics_with, $($rest)*) };
-        (inverse_dynamics, $($rest:tt)*) => { with!(inverse_dynamics_with, $($rest)*) };
-        (bias_forces, $($rest:tt)*) => { with!(bias_forces_with, $($rest)*) };
-        (mass_matrix, $($rest:tt)*) => { with!(mass_matrix_with, $($rest)*) };
-        (potential_energy, $($rest:tt)*) => { with!(potential_energy_with, $($rest)*) };
-        (inverse_dynamics_external, $($rest:tt)*) => {
-            with!(inverse_dynamics_external_with, $($rest)*)
-        };
-        (forward_dynamics_derivatives, $($rest:tt)*) => {
-            with!(forward_dynamics_derivatives_with, $($rest)*)
-        };
-        (centroidal_momentum, $($rest:tt)*) => { with!(centroidal_momentum_with, $($rest)*) };
-    }
-    macro_rules! with {
-        ($function:ident, $default:expr, $($argument:expr),*) => {
-            assert_eq!(R::$function(&described, $($argument),*), $default);
-            let own = R::$function(&params, $($argument),*);
-            assert_eq!(own, <R as Robot>::$function(&params, $($argument),*));
-            assert_ne!(own, $default, stringify!($function));
-        };
-    }
     same! {
-        forward_dynamics(q, qd, tau);
-        inverse_dynamics(q, qd, qdd);
-        bias_forces(q, qd);
-        mass_matrix(q);
-        potential_energy(q);
-        inverse_dynamics_external(q, qd, qdd, forces);
-        forward_dynamics_derivatives(q, qd, tau);
-        centroidal_momentum(q, qd);
+        forward_dynamics, forward_dynamics_with(q, qd, tau);
+        forward_dynamics_external, forward_dynamics_external_with(q, qd, tau, forces);
+        forward_dynamics_external_world, forward_dynamics_external_world_with(q, qd, tau, forces);
+        forward_dynamics_derivatives, forward_dynamics_derivatives_with(q, qd, tau);
+        inverse_dynamics, inverse_dynamics_with(q, qd, qdd);
+        inverse_dynamics_external, inverse_dynamics_external_with(q, qd, qdd, forces);
+        inverse_dynamics_external_world, inverse_dynamics_external_world_with(q, qd, qdd, forces);
+        inverse_dynamics_derivatives, inverse_dynamics_derivatives_with(q, qd, qdd);
+        bias_forces, bias_forces_with(q, qd);
+        gravity_torques, gravity_torques_with(q);
+        mass_matrix, mass_matrix_with(q);
+        kinetic_energy, kinetic_energy_with(q, qd);
+        potential_energy, potential_energy_with(q);
+        regressor, regressor_with(q, qd, qdd);
+        center_of_mass, center_of_mass_with(q);
+        center_of_mass_jacobian, center_of_mass_jacobian_with(q);
+        centroidal_momentum, centroidal_momentum_with(q, qd);
+        centroidal_momentum_matrix, centroidal_momentum_matrix_with(q);
     }
+    let factors =
+        [R::brge(q), R::brge_with(&described, q), R::brge_with(&params, q)].map(|b| b.d());
+    assert_eq!(factors[0], factors[1]);
+    assert_eq!(factors[2], <R as Robot>::brge_with(&params, q).d());
+    assert_ne!(factors[2], factors[0]);
 }
 
 #[test]

@@ -120,7 +120,7 @@ fn what_drives_take_is_left_out() {
     let mut links = model.links().to_vec();
     links.iter_mut().for_each(|link| link.joint.drive = drive);
     let model = Model::new("driven", model.gravity(), links, vec![]).expect("a valid model");
-    let mut robot = Interpreter::new(model.with_friction(Friction::Viscous));
+    let mut robot = Interpreter::new(model.with_friction(Friction::Viscous).expect("sound"));
     let state = state(&robot, 5);
     let [q, qd, qdd] = &state;
     let linear = regressor(&mut robot, &state) * parameters(robot.model());

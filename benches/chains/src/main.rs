@@ -59,18 +59,17 @@ include!(concat!(env!("OUT_DIR"), "/chains.rs"));
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or(".".into());
     let generated = generated();
-    println!("| joints | operations | generated, ns | ns a joint | operations a ns |");
-    println!("|---|---|---|---|---|");
-    for Measured { n, operations, ns } in &generated {
-        let (a_joint, rate) = (ns / *n as f64, *operations as f64 / ns);
-        println!("| {n} | {operations} | {ns:.0} | {a_joint:.1} | {rate:.1} |");
-    }
     let lengths = [4, 7, 14, 28, 56, 112, 1000, 10_000, 100_000];
     let interpreted: Vec<(f64, f64)> =
         lengths.iter().map(|&n| (n as f64, seconds(n) * 1e9)).collect();
-    println!("\n| links | interpreted, ns | ns a link |\n|---|---|---|");
-    for (n, ns) in &interpreted {
-        println!("| {n} | {ns:.0} | {:.0} |", ns / n);
+    println!("| joints | operations | generated, ns | ns a joint | interpreted, ns | ns a link |");
+    println!("|---|---|---|---|---|---|");
+    for (i, (n, interpreted)) in interpreted.iter().enumerate() {
+        let compiled =
+            generated.get(i).map_or("| |".into(), |Measured { operations, ns, .. }| {
+                format!("{operations} | {ns:.0} | {:.1}", ns / n)
+            });
+        println!("| {n} | {compiled} | {interpreted:.0} | {:.0} |", interpreted / n);
     }
     let line = generated.iter().map(|chain| (chain.n as f64, chain.ns));
     let chart = Chart {

@@ -5,6 +5,7 @@ mod choices;
 mod compare;
 mod diagnostics;
 mod explain;
+mod figure;
 mod generate;
 mod header;
 mod inspect;

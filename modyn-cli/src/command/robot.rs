@@ -13,6 +13,7 @@ use modyn_codegen::urdf::{
 };
 
 use crate::command::diagnostics;
+use crate::command::figure::{number, numbers};
 use crate::command::outcome::{Failure, to_stderr};
 
 /// A description, and how to read it.
@@ -45,7 +46,7 @@ pub struct Options {
     /// Which of the description's damping and friction acts: none, viscous, coulomb, smooth=VELOCITY
     #[arg(long, value_name = "KIND", default_value = "none", value_parser = friction)]
     friction: Friction,
-    /// The acceleration of free fall in world axes, m/s^2 [default: 0,0,-9.81]
+    /// The acceleration of free fall in world axes, m/s^2 [default: 0,0,-9.81, or what an MJCF says]
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     gravity: Option<[f64; 3]>,
     /// How to take inertias that no rigid body has
@@ -162,9 +163,8 @@ impl Robot {
 impl Options {
     /// For the reader alone.
     pub fn read_options(&self) -> ReadOptions {
-        let default = ReadOptions::default();
         ReadOptions {
-            gravity: self.gravity.unwrap_or(default.gravity),
+            gravity: self.gravity,
             unphysical_inertia: self.unphysical_inertia.into(),
             mimic: self.mimic.into(),
             base: self.base.into(),
@@ -276,15 +276,4 @@ fn vector(text: &str) -> Result<[f64; 3], String> {
     let numbers = numbers(text)?;
     let count = numbers.len();
     numbers.try_into().map_err(|_| format!("expected three numbers, there are {count}"))
-}
-
-/// Numbers with commas between them.
-pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
-    text.split(',').map(number).collect()
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    let text = text.trim();
-    let number: f64 = text.parse().map_err(|_| format!("`{text}` is no number"))?;
-    if number.is_finite() { Ok(number) } else { Err(format!("`{text}` is not finite")) }
 }

@@ -87,7 +87,7 @@ impl Builder {
         if let Some(krate) = &self.krate {
             call(format!("krate({krate:?})"));
         }
-        if let Some(gravity) = self.gravity {
+        if let Some(gravity) = self.read.gravity {
             call(format!("gravity({gravity:?})"));
         }
         match &self.modules {

@@ -24,11 +24,12 @@ pub(super) fn robot(
 ) {
     let model = robot.model;
     let mut lines = format!(
-        "Dynamics of the robot {}: {} joints, compiled by modyn.\n\n\
-         Vectors stand in the order of the joints below; matrices are arrays of columns. SI units,\n\
-         radians; gravity {:?} m/s^2 in world axes.\n\n\
+        "Dynamics of the robot {}: {} joints that move, {} degrees of freedom, compiled by modyn.\n\n\
+         Vectors stand in the order of the joints below, without those that mimic another; matrices are\n\
+         arrays of columns. SI units, radians; gravity {:?} m/s^2 in world axes.\n\n\
          | | joint | type | link | parent link |\n|---|---|---|---|---|\n",
         code(model.name()),
+        model.links().len(),
         model.nv(),
         model.gravity(),
     );

@@ -113,7 +113,7 @@ pub struct Emitted {
     pub type_name: String,
     /// What each function takes, by name.
     pub operations: Vec<(&'static str, OperationCount)>,
-    /// What stands in the text of each function, by name: that of all links together for one of a link.
+    /// What stands in the text of each function, by name: all that it may call.
     pub written: Vec<(&'static str, OperationCount)>,
     /// The modules of the forward recursion, and what each candidate would have cost.
     pub partition: (ModuleTree, Vec<(&'static str, usize)>),
@@ -175,8 +175,11 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let named = |q: &Quantity| (q.function.name(), count(q));
     let mut operations: Vec<_> = quantities.iter().map(named).collect();
     let written = quantities.iter().map(|q| {
-        let counts = q.graphs.all().iter().map(Graph::count);
-        (q.function.name(), counts.fold(OperationCount::default(), |sum, count| sum + count))
+        let count = match &q.abreast {
+            Some(graph) if options.share => shared::written(graph),
+            abreast => q.graphs.all().iter().chain(abreast).map(Graph::count).sum(),
+        };
+        (q.function.name(), count)
     });
     let written = written.collect();
 

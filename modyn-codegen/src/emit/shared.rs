@@ -47,54 +47,14 @@ impl Robot<'_> {
         parameters: &[Parameter],
         graph: &Graph,
     ) {
-        let (name, float) = (quantity.function.name(), self.options.float.name());
+        let name = quantity.function.name();
         let pieces = pieces(graph);
         let mut body = String::new();
         for (p, piece) in pieces.iter().enumerate() {
-            let [table, own, common] =
-                [Given::Table, Given::Own, Given::Common].map(|kind| piece.given(kind));
-            let (piece_name, constants) =
-                (format!("{name}_piece{p}"), format!("{}_TABLE_{p}", name.to_uppercase()));
-            let mut takes = Vec::new();
-            if !table.is_empty() {
-                for lane in 0..piece.calls {
-                    let row = table.iter().map(|&id| {
-                        let number = graph.value(graph.beside_at(id, lane));
-                        figure(number.expect("a constant"), self.options.float)
-                    });
-                    let (row, size) = (row.collect::<Vec<_>>().join(", "), table.len());
-                    let _ =
-                        writeln!(text, "static {constants}_{lane}: [{float}; {size}] = [{row}];\n");
-                }
-                takes.push(Parameter::constants("table", Shape::vector(table.len()), float));
-            }
-            for (name, given) in [("own", &own), ("common", &common)] {
-                if !given.is_empty() {
-                    takes.push(Parameter::new(name, Shape::vector(given.len())));
-                }
-            }
-            if piece.calls > 1 {
-                *text += "#[inline(never)]\n";
-            }
-            let shape = Shape::vector(piece.outputs.len());
-            *text += &function(&piece_name, &takes, &shape, &piece.graph);
-            let list = |given: &[Id], lane: u8| {
-                let values = given.iter().map(|&id| value(graph, &pieces, parameters, id, lane));
-                format!("&[{}]", values.collect::<Vec<_>>().join(", "))
-            };
-            if !common.is_empty() {
-                let _ = writeln!(body, "    let common = {};", list(&common, 0));
-            }
-            for lane in 0..piece.calls {
-                let table = (!table.is_empty()).then(|| format!("&{constants}_{lane}"));
-                let own = (!own.is_empty()).then(|| list(&own, lane));
-                let common = (!common.is_empty()).then(|| "common".into());
-                let arguments: Vec<String> = [table, own, common].into_iter().flatten().collect();
-                let arguments = arguments.join(", ");
-                let results = (0..piece.outputs.len()).map(|place| format!("p{p}_{lane}_{place}"));
-                let results = results.collect::<Vec<_>>().join(", ");
-                let _ = writeln!(body, "    let [{results}] = {piece_name}({arguments});");
-            }
+            let named = format!("{name}_piece{p}");
+            self.piece(text, &named, piece, graph);
+            let value = |id, lane| value(graph, &pieces, parameters, id, lane);
+            body += &piece.calls(&named, p, value);
         }
         let shape = &quantity.shape;
         let outputs = graph.outputs.iter().map(|&id| value(graph, &pieces, parameters, id, 0));
@@ -109,17 +69,50 @@ impl Robot<'_> {
             shape.value(&outputs.collect::<Vec<_>>())
         );
     }
+
+    /// A piece's function, and its constants for each lane.
+    fn piece(&self, text: &mut String, name: &str, piece: &Piece, graph: &Graph) {
+        let (float, precision) = (self.options.float.name(), self.options.float);
+        let [table, own, common] = piece.kinds();
+        let mut takes = Vec::new();
+        if !table.is_empty() {
+            for lane in 0..piece.calls {
+                let row = table.iter().map(|&id| {
+                    let number = graph.value(graph.beside_at(id, lane));
+                    figure(number.expect("a constant"), precision)
+                });
+                let (row, size) = (row.collect::<Vec<_>>().join(", "), table.len());
+                let table = table_name(name, lane);
+                let _ = writeln!(text, "static {table}: [{float}; {size}] = [{row}];\n");
+            }
+            takes.push(Parameter::constants("table", Shape::vector(table.len()), float));
+        }
+        for (name, given) in [("own", &own), ("common", &common)] {
+            if !given.is_empty() {
+                takes.push(Parameter::new(name, Shape::vector(given.len())));
+            }
+        }
+        if piece.calls > 1 {
+            *text += "#[inline(never)]\n";
+        }
+        *text += &function(name, &takes, &Shape::vector(piece.outputs.len()), &piece.graph);
+    }
+}
+
+/// What the constants of a lane are called.
+fn table_name(piece: &str, lane: u8) -> String {
+    format!("{}_TABLE_{lane}", piece.to_uppercase())
 }
 
 /// The operations of a function by pieces, all their calls together.
 pub(super) fn count(graph: &Graph) -> OperationCount {
-    let mut sum = OperationCount::default();
-    for piece in pieces(graph) {
-        for _ in 0..piece.calls {
-            sum = sum + piece.graph.count();
-        }
-    }
-    sum
+    let counts = pieces(graph).into_iter();
+    counts.flat_map(|piece| std::iter::repeat_n(piece.graph.count(), piece.calls.into())).sum()
+}
+
+/// The operations in the text of its pieces, each once.
+pub(super) fn written(graph: &Graph) -> OperationCount {
+    pieces(graph).iter().map(|piece| piece.graph.count()).sum()
 }
 
 /// The text of one lane of what a piece computed, or of what is known from the beginning.
@@ -240,6 +233,35 @@ impl Piece {
         }
         made.outputs = outputs.iter().map(|id| ids_made[id]).collect();
         Self { width, calls, given: all, outputs, graph: made }
+    }
+
+    /// The calls of its function `name`, as piece `p`, for each lane; `value` is the text of a number.
+    fn calls(&self, name: &str, p: usize, value: impl Fn(Id, u8) -> String) -> String {
+        let [table, own, common] = self.kinds();
+        let list = |given: &[Id], lane: u8| {
+            let values: Vec<String> = given.iter().map(|&id| value(id, lane)).collect();
+            format!("&[{}]", values.join(", "))
+        };
+        let mut text = String::new();
+        if !common.is_empty() {
+            let _ = writeln!(text, "    let common = {};", list(&common, 0));
+        }
+        for lane in 0..self.calls {
+            let table = (!table.is_empty()).then(|| format!("&{}", table_name(name, lane)));
+            let own = (!own.is_empty()).then(|| list(&own, lane));
+            let common = (!common.is_empty()).then(|| "common".into());
+            let arguments: Vec<String> = [table, own, common].into_iter().flatten().collect();
+            let results = (0..self.outputs.len()).map(|place| format!("p{p}_{lane}_{place}"));
+            let (arguments, results) =
+                (arguments.join(", "), results.collect::<Vec<_>>().join(", "));
+            let _ = writeln!(text, "    let [{results}] = {name}({arguments});");
+        }
+        text
+    }
+
+    /// What it is given: constants, numbers of each lane, numbers that are the same for all.
+    fn kinds(&self) -> [Vec<Id>; 3] {
+        [Given::Table, Given::Own, Given::Common].map(|kind| self.given(kind))
     }
 
     /// What it is given of one kind.

@@ -6,7 +6,8 @@ use mjcf_rs::body::{Geom, GeomType};
 use modyn_runtime::model::Inertial;
 use modyn_runtime::spatial::Pose;
 
-use super::pieces::{pose, unit};
+use super::pieces::pose;
+use crate::urdf::joint::normalized;
 
 /// Of water, kg/m^3; `MuJoCo`'s default.
 const DENSITY: f64 = 1000.0;
@@ -77,8 +78,7 @@ fn placed(geom: &Geom) -> Result<(Pose<f64>, [f64; 3]), &'static str> {
         return Ok((pose(&geom.pose), if round { [x, x, y] } else { [x, y, z] }));
     };
     let along = [x2 - x1, y2 - y1, z2 - z1];
-    let length = libm::sqrt(along.iter().map(|x| x * x).sum());
-    let axis = unit(along).ok_or("the ends of a geom's `fromto` coincide")?;
+    let (axis, length) = normalized(along).ok_or("the ends of a geom's `fromto` coincide")?;
     let radius = geom.size[0];
     let translation = [(x1 + x2) / 2.0, (y1 + y2) / 2.0, (z1 + z2) / 2.0];
     // Alike across the axis, so that any frame around it will do.

@@ -20,8 +20,6 @@ mod geoms;
 mod pieces;
 mod scan;
 
-use modyn_runtime::model::DEFAULT_GRAVITY;
-
 use crate::error::{Code, Diagnostics};
 use crate::urdf::report::Report;
 use crate::urdf::{self, Base, ReadOptions, Reading, document};
@@ -63,15 +61,13 @@ pub fn read(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Di
             return None;
         }
         let model = resolved(&text, at, report)?;
-        let mut options = options.clone();
-        if options.gravity == DEFAULT_GRAVITY {
-            options.gravity = model.option.gravity;
-        }
-        if let Some(error) = urdf::gravity_error(options.gravity) {
+        let gravity = options.gravity.unwrap_or(model.option.gravity);
+        if let Some(error) = urdf::gravity_error(gravity) {
             report.error(error.code, at, None, error.message, error.help.unwrap_or_default());
             return None;
         }
         let pieces = Pieces::of(&model, root, report)?;
+        let options = ReadOptions { gravity: Some(gravity), ..options.clone() };
         urdf::assemble(pieces.parts(), &options, report)
     })
 }

@@ -11,7 +11,7 @@ use roxmltree::Node;
 use super::geoms;
 use crate::error::{Code, Severity, Subject};
 use crate::urdf::build::LARGEST;
-use crate::urdf::joint::{JointPart, Kind};
+use crate::urdf::joint::{JointPart, Kind, normalized};
 use crate::urdf::parts::{InertialPart, LinkPart, Located, Parts};
 use crate::urdf::report::Report;
 
@@ -246,7 +246,11 @@ impl Reader<'_, '_, '_, '_> {
         if !figures.all(|figure| figure.abs() < LARGEST) {
             refuse(Code::NotFinite, "a figure is not finite", "write finite figures in SI units");
         }
-        let axis = if single { unit(joint.axis) } else { Some([0.0, 0.0, 1.0]) };
+        let axis = if single {
+            normalized(joint.axis).map(|(unit, _)| unit)
+        } else {
+            Some([0.0, 0.0, 1.0])
+        };
         if axis.is_none() {
             refuse(
                 Code::ZeroAxis,
@@ -342,13 +346,4 @@ fn shift(translation: [f64; 3]) -> Pose<f64> {
 pub fn pose(pose: &mjcf_rs::Pose) -> Pose<f64> {
     let rotation = rotation_from_quaternion(pose.rotation.to_array());
     Pose { rotation, translation: pose.translation.to_array() }
-}
-
-/// The direction of an axis, if it has one.
-pub fn unit(axis: [f64; 3]) -> Option<[f64; 3]> {
-    // Scaled first, so that no square overflows or vanishes.
-    let largest = axis.iter().fold(0.0, |max: f64, x| max.max(x.abs()));
-    let scaled = axis.map(|x| x / largest);
-    let length = libm::sqrt(scaled.iter().map(|x| x * x).sum());
-    (largest > 0.0).then(|| scaled.map(|x| x / length))
 }

@@ -1,5 +1,6 @@
 //! What of a robot is an argument of its functions.
 
+use modyn_runtime::Scalar as _;
 use modyn_runtime::model::prepare::{Prepared, rigid_inertia};
 use modyn_runtime::model::{Inertial, Model};
 use modyn_runtime::spatial::{RigidInertia, Symmetric3, Vector3};
@@ -59,12 +60,8 @@ impl Parameters {
             let center = Vector3([input(), input(), input()]);
             let [xx, xy, xz, yy, yz, zz] = std::array::from_fn(|_| input());
             let inertia = Symmetric3 { xx, xy, xz, yy, yz, zz };
-            let own = rigid_inertia(&payload.described).map(constant);
+            let own = rigid_inertia(&payload.described).map(Expr::from_f64);
             model.replace_inertia(payload.frame, &own, &RigidInertia::new(mass, center, &inertia));
         }
     }
-}
-
-fn constant(value: f64) -> Expr {
-    <Expr as modyn_runtime::Scalar>::from_f64(value)
 }

@@ -2,7 +2,7 @@
 
 use modyn_runtime::{
     joint::JointType,
-    model::{self, Frame, Inertial, InertialDefect, Joint, Link, Model},
+    model::{self, DEFAULT_GRAVITY, Frame, Inertial, InertialDefect, Joint, Link, Model},
     spatial::Pose,
 };
 
@@ -66,9 +66,12 @@ pub fn build(
         pose,
         inertial: part.inertial.as_ref().map_or_else(Inertial::default, |own| own.inertial),
     });
-    let model = Model::new(parts.name, options.gravity, links, frames.collect());
-    let model = match model.and_then(|model| model.with_closures(closures)) {
-        Ok(model) => model.with_friction(options.friction),
+    let gravity = options.gravity.unwrap_or(DEFAULT_GRAVITY);
+    let model = Model::new(parts.name, gravity, links, frames.collect())
+        .and_then(|model| model.with_friction(options.friction))
+        .and_then(|model| model.with_closures(closures));
+    let model = match model {
+        Ok(model) => model,
         Err(errors) => {
             // All of this has been checked. Should a check be missing, the user hears of it here.
             for error in errors {

@@ -150,7 +150,7 @@ pub fn robot<'a, 't>(document: &'a Document<'t>, report: &mut Report<'_>) -> Opt
         "mujoco" | "mujocoinclude" => (
             Code::Mjcf,
             "this is a MuJoCo model (MJCF), not a URDF".into(),
-            "use the URDF that it was made from, or convert it (`mjcf2urdf`)",
+            "read it by `Builder::mjcf` (feature `mjcf`), or use the URDF that it was made from",
         ),
         other => (
             Code::NotUrdf,

@@ -35,8 +35,8 @@ mod rotors;
 mod tree;
 
 pub(crate) use limits::MOST_BYTES;
+use modyn_runtime::model::Model;
 pub use modyn_runtime::model::{ClosureKind, Friction};
-use modyn_runtime::model::{DEFAULT_GRAVITY, Model};
 
 use crate::error::{Code, Diagnostic, Diagnostics, Severity};
 use parts::Parts;
@@ -45,8 +45,9 @@ use report::Report;
 /// What a user may choose about reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOptions {
-    /// The acceleration of free fall in world axes, m/s^2.
-    pub gravity: [f64; 3],
+    /// The acceleration of free fall in world axes, m/s^2; by default what the description says,
+    /// if its format can, else [`DEFAULT_GRAVITY`](modyn_runtime::model::DEFAULT_GRAVITY).
+    pub gravity: Option<[f64; 3]>,
     /// How to take inertias that no rigid body has.
     pub unphysical_inertia: Severity,
     /// How to take joints that mimic another one.
@@ -64,7 +65,7 @@ pub struct ReadOptions {
 impl Default for ReadOptions {
     fn default() -> Self {
         Self {
-            gravity: DEFAULT_GRAVITY,
+            gravity: None,
             unphysical_inertia: Severity::Error,
             mimic: Mimic::default(),
             base: Base::default(),
@@ -167,12 +168,17 @@ pub(crate) fn reading(
 ) -> Result<Reading, Diagnostics> {
     let mut report = Report::new(text, file);
     let mut options = options.clone();
-    let gravity = gravity_error(options.gravity);
+    let gravity = options.gravity.and_then(gravity_error);
+    let friction = friction_error(options.friction);
+    // To find what else is wrong.
     if gravity.is_some() {
-        options.gravity = DEFAULT_GRAVITY; // To find what else is wrong.
+        options.gravity = None;
+    }
+    if friction.is_some() {
+        options.friction = Friction::None;
     }
     let model = read(&options, &mut report);
-    let options = gravity.into_iter().chain(friction_error(options.friction));
+    let options = gravity.into_iter().chain(friction);
     let found = Diagnostics::new(report.finish().into_iter().chain(options).collect());
     match model {
         Some(model) if !found.has_errors() => Ok(Reading { model, warnings: found.into_vec() }),

@@ -132,7 +132,7 @@ fn ends(parts: &Parts, links: &FxHashMap<&str, usize>, report: &mut Report<'_>) 
                     first.name.text,
                     report.position(first.child.map_or(first.name.at, |end| end.at)),
                 );
-                let help = "a link hangs on one joint; closed loops are not supported";
+                let help = "a link hangs on one joint; to close a loop, make one joint of it a `<loop_joint>`";
                 report.error(
                     Code::SeveralParents,
                     at,

@@ -15,7 +15,7 @@ use super::elimination::{
 };
 use super::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
 use super::partition::Block;
-use super::{Forces, Partition, Workspace, inverse_dynamics, mass_matrix};
+use super::{Forces, Partition, Workspace, inverse_dynamics};
 use crate::Scalar;
 use crate::model::ModuleTree;
 use crate::model::prepare::Prepared;
@@ -71,12 +71,10 @@ pub fn forward_dynamics<S: Scalar>(
             for (qdd, &tau) in qdd.iter_mut().zip(tau) {
                 *qdd = tau - *qdd;
             }
-            let mut matrix = core::mem::take(&mut workspace.matrix);
             let mut factors = core::mem::take(&mut workspace.factors);
-            mass_matrix::mass_matrix(model, q, workspace, &mut matrix);
-            brge::factorize_matrix(layout, &mut matrix, &mut workspace.pivots, &mut factors);
+            brge::factorize(model, layout, q, workspace, &mut factors);
             brge::solve(layout, &factors, qdd);
-            (workspace.matrix, workspace.factors) = (matrix, factors);
+            workspace.factors = factors;
         }
     }
 }

@@ -53,7 +53,9 @@ pub(super) fn first_moment<S: Scalar>(
     let mut first_moment = Vector3::zero();
     for (i, body) in model.bodies.iter().enumerate() {
         if body.parent.is_none() {
-            first_moment += carried(body, workspace, i).1;
+            let own = workspace.composite[i];
+            let motion = &workspace.motions[i];
+            first_moment += body.mass_to_parent(motion, own.mass, own.first_moment).1;
         }
     }
     first_moment
@@ -69,23 +71,11 @@ pub(super) fn gather<S: Scalar>(
         *composite = inertia(body);
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
-        let (mass, first_moment) = carried(body, workspace, i);
-        let left = |sum: &dyn Fn(S) -> S| (sum(mass), Vector3(first_moment.0.map(sum)));
-        body.to_parents(left, |parent, (mass, first_moment)| {
+        let (own, motion) = (workspace.composite[i], &workspace.motions[i]);
+        body.mass_to_parents(motion, own.mass, own.first_moment, |parent, (mass, moment)| {
             let composite = &mut workspace.composite[parent];
             composite.mass = composite.mass + mass;
-            composite.first_moment += first_moment;
+            composite.first_moment += moment;
         });
     }
-}
-
-/// A composite's mass and first moment, at its parent.
-fn carried<S: Scalar>(body: &Body<S>, workspace: &Workspace<S>, i: usize) -> (S, Vector3<S>) {
-    let RigidInertia { mass, first_moment, .. } = workspace.composite[i];
-    // A force's moment is carried as a first moment is: with the mass along each axis.
-    let motion = &workspace.motions[i];
-    let turned = motion.to_parent(first_moment);
-    let at_joint = motion.displacement().map_or(turned, |d| turned + d.scale(mass));
-    let moved = body.placement.to_parent(at_joint) + body.placement.origin().scale(mass);
-    (mass, moved)
 }

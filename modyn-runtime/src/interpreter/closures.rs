@@ -46,7 +46,8 @@ impl<S: Scalar> Interpreter<S> {
 
     /// The step `dq` that, to first order, closes the loops at `q`, and the change `dqd` of the
     /// velocities that keeps them closed: the smallest in the metric of the inertia matrix. Of
-    /// `settings` the tolerance alone matters. Repeated a few times from near by, with
+    /// `settings` the tolerance alone matters. The first call of this or of
+    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) allocates. Repeated a few times from near by, with
     /// [`integrate`](Self::integrate), it puts a robot together.
     ///
     /// # Errors

@@ -88,7 +88,7 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
-    pub fn link_velocity_local(
+    pub fn local_link_velocity(
         &mut self,
         q: &[S],
         qd: &[S],
@@ -130,7 +130,7 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
-    pub fn link_acceleration_local(
+    pub fn local_link_acceleration(
         &mut self,
         q: &[S],
         qd: &[S],

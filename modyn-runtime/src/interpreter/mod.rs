@@ -73,8 +73,6 @@ pub enum InertialError {
         /// How many links the description has.
         count: usize,
     },
-    /// A figure is NaN or infinite.
-    NotFinite,
     /// It is no rigid body's inertia.
     Defect(InertialDefect),
 }
@@ -85,7 +83,6 @@ impl fmt::Display for InertialError {
             Self::NoFrame { frame, count } => {
                 write!(f, "there is no link {frame}; the description has {count}")
             }
-            Self::NotFinite => write!(f, "a figure is NaN or infinite"),
             Self::Defect(defect) => defect.fmt(f),
         }
     }
@@ -97,8 +94,9 @@ impl core::error::Error for InertialError {}
 ///
 /// Calls work in memory that was allocated once (but for [`brge`](Self::brge), [`denoc`](Self::denoc)
 /// and [`decomposition`](Self::decomposition), which return new objects, and the first call of
-/// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives) and of
-/// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics)), in time and memory linear in the number of
+/// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives) and of either of
+/// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) and
+/// [`closing_step`](Self::closing_step)), in time and memory linear in the number of
 /// links (but for dense results); nothing recurses on the call stack. Vectors stand in the order of
 /// [`Model::links`]; matrices are given by columns.
 #[derive(Clone, Debug)]
@@ -199,10 +197,6 @@ impl<S: Scalar> Interpreter<S> {
         let Some(own) = self.inertias.get_mut(frame) else {
             return Err(InertialError::NoFrame { frame, count });
         };
-        let Inertial { mass, center_of_mass, inertia: moments } = inertial;
-        if ![*mass].iter().chain(center_of_mass).chain(moments).all(|x| x.is_finite()) {
-            return Err(InertialError::NotFinite);
-        }
         if let Some(defect) = inertial.defect() {
             return Err(InertialError::Defect(defect));
         }

@@ -1,4 +1,7 @@
 //! Vectors of each instruction set for several numbers of one state.
+//!
+//! Unsafe code: what these macros write stands in the instruction sets' files, and so under their proofs; stores
+//! go to arrays of as many places as any vector has.
 
 use super::Lanes;
 use crate::Scalar;

@@ -1,4 +1,7 @@
 //! What a vector is, whatever its instructions: written once, over their names.
+//!
+//! Unsafe code: what these macros write stands in the instruction sets' files, and so under their proofs; a store
+//! goes to an array of the vector's own size, and who loads or stores elsewhere has promised room for it.
 
 /// A vector of `$lanes` numbers in `$register`, whose instructions need `$features`.
 ///

@@ -12,7 +12,8 @@ use super::prepare::Prepared;
 use super::{INERTIAL_PARAMETERS, Model, PARAMETERS_PER_LINK};
 use crate::equations::{Workspace, coordinates, regressor};
 
-/// By default a column is independent if that part of it is.
+/// A column of the regressor is independent of others if more than that part of it is: below, nothing
+/// can be identified, and above is what a description's rounded angles make of parallel axes.
 const TOLERANCE: f64 = 1e-7;
 
 /// Coefficients this near to 0, 1 or -1 are taken for it.
@@ -49,26 +50,18 @@ impl BaseParameters {
     /// Those of `model`, whatever its inertias and limits are.
     #[must_use]
     pub fn new(model: &Model) -> Self {
-        Self::with_tolerance(model, TOLERANCE)
-    }
-
-    /// The same where a column of the regressor counts as independent of others if more than that
-    /// part of it is. The default is 1e-7, below which nothing can be identified, and above what a
-    /// description's rounded angles make of parallel axes.
-    #[must_use]
-    pub fn with_tolerance(model: &Model, tolerance: f64) -> Self {
         let columns = stacked(model);
         let largest = columns.iter().map(|column| length(column)).fold(0.0, f64::max);
         let mut basis = Basis { directions: Vec::new(), triangle: Vec::new() };
         let mut parameters: Vec<BaseParameter> = Vec::new();
         for (index, column) in columns.into_iter().enumerate() {
             let whole = length(&column);
-            if whole <= tolerance * largest {
+            if whole <= TOLERANCE * largest {
                 continue;
             }
             let (mut parts, rest) = basis.split(column);
             let remaining = length(&rest);
-            if remaining > tolerance * whole {
+            if remaining > TOLERANCE * whole {
                 parts.push(remaining);
                 basis.directions.push(rest.into_iter().map(|x| x / remaining).collect());
                 basis.triangle.push(parts);

@@ -3,7 +3,7 @@
 use alloc::{collections::BTreeMap, string::String, vec::Vec};
 use core::fmt;
 
-use super::Model;
+use super::{Friction, Model};
 use crate::joint::JointType;
 use crate::spatial::Pose;
 
@@ -41,6 +41,8 @@ pub enum ModelErrorKind {
     Mimic,
     /// Armature, damping or friction below zero.
     Drive,
+    /// Friction is smoothed by what is no velocity above zero.
+    Friction,
     /// A closure holds a link that does not exist.
     ClosureLink,
     /// A closure holds two links that cannot move against each other.
@@ -65,6 +67,7 @@ impl fmt::Display for ModelError {
                  several coordinates"
             }
             ModelErrorKind::Drive => "has a negative armature, damping or friction",
+            ModelErrorKind::Friction => "smooths friction by what is no velocity above zero",
             ModelErrorKind::ClosureLink => "holds a link that does not exist",
             ModelErrorKind::ClosureEnds => "holds two links that cannot move against each other",
         };
@@ -74,15 +77,12 @@ impl fmt::Display for ModelError {
 
 impl core::error::Error for ModelError {}
 
-/// Every defect of `model`, links first, then frames.
+/// Every defect of `model` without closures: of the whole, then links, then frames.
 pub(super) fn check(model: &Model) -> Vec<ModelError> {
-    let mut errors = Vec::new();
+    let mut errors = check_whole(model);
     let mut report = |name: &str, kind| errors.push(ModelError { name: name.into(), kind });
     if model.links.is_empty() {
         report(&model.name, ModelErrorKind::NoJoint);
-    }
-    if !finite(&model.gravity) {
-        report(&model.name, ModelErrorKind::NotFinite);
     }
     let leads = lead_somewhere(model);
     let mut joints = BTreeMap::new();
@@ -162,6 +162,18 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
         }
     }
     errors
+}
+
+/// Every defect of the figures that are the whole `model`'s.
+pub(super) fn check_whole(model: &Model) -> Vec<ModelError> {
+    let sound = match model.friction {
+        Friction::Smooth(width) => width > 0.0 && width.is_finite(),
+        _ => true,
+    };
+    let kinds =
+        [(finite(&model.gravity), ModelErrorKind::NotFinite), (sound, ModelErrorKind::Friction)];
+    let bad = kinds.into_iter().filter(|(good, _)| !good);
+    bad.map(|(_, kind)| ModelError { name: model.name.clone(), kind }).collect()
 }
 
 /// Every defect of the closures of a `model` that is sound without them.

@@ -261,10 +261,25 @@ impl Model {
     }
 
     /// The same robot with joints that resist their motion in this way.
-    #[must_use]
-    pub fn with_friction(mut self, friction: Friction) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// If friction is to be smoothed by what is no velocity above zero.
+    pub fn with_friction(mut self, friction: Friction) -> Result<Self, Vec<ModelError>> {
         self.friction = friction;
-        self
+        let errors = error::check_whole(&self);
+        if errors.is_empty() { Ok(self) } else { Err(errors) }
+    }
+
+    /// The same robot where things fall with this acceleration, in world axes, m/s^2.
+    ///
+    /// # Errors
+    ///
+    /// If it is not finite.
+    pub fn with_gravity(mut self, gravity: [f64; 3]) -> Result<Self, Vec<ModelError>> {
+        self.gravity = gravity;
+        let errors = error::check_whole(&self);
+        if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
     /// The same robot with these loops closed, in place of those that it had.
@@ -429,6 +444,7 @@ impl<'de> serde::Deserialize<'de> for Model {
         struct Parts {
             name: String,
             gravity: [f64; 3],
+            #[serde(default)]
             friction: Friction,
             links: Vec<Link>,
             frames: Vec<Frame>,
@@ -438,7 +454,8 @@ impl<'de> serde::Deserialize<'de> for Model {
         let Parts { name, gravity, friction, links, frames, closures } =
             Parts::deserialize(deserializer)?;
         let model = Self::new(name, gravity, links, frames)
-            .and_then(|model| model.with_friction(friction).with_closures(closures));
+            .and_then(|model| model.with_friction(friction))
+            .and_then(|model| model.with_closures(closures));
         model.map_err(|errors| {
             let all: Vec<String> = errors.iter().map(alloc::string::ToString::to_string).collect();
             serde::de::Error::custom(all.join("; "))

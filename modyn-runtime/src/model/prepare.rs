@@ -289,6 +289,19 @@ impl<S: Scalar> Body<S> {
         self.placement.articulated_to_parent(&motion.articulated_to_parent(i))
     }
 
+    /// A mass on this body and its first moment, at its parent.
+    #[must_use]
+    pub fn mass_to_parent(
+        &self,
+        motion: &Motion<S>,
+        mass: S,
+        first_moment: Vector3<S>,
+    ) -> (S, Vector3<S>) {
+        let turned = motion.to_parent(first_moment);
+        let at_joint = motion.displacement().map_or(turned, |d| turned + d.scale(mass));
+        (mass, self.placement.to_parent(at_joint) + self.placement.origin().scale(mass))
+    }
+
     /// The numbers that its joint gets from what it hangs on: those of a body, or of the world (`None`).
     pub fn from_parents<const N: usize>(&self, of: impl Fn(Option<usize>) -> [S; N]) -> [S; N] {
         if self.parents.is_empty() {
@@ -317,6 +330,20 @@ impl<S: Scalar> Body<S> {
         for limbs in self.parents.chunk_by(|a, b| a == b) {
             give(limbs[0], start..start + limbs.len());
             start += limbs.len();
+        }
+    }
+
+    /// Gives them a mass on this body and its first moment.
+    pub fn mass_to_parents(
+        &self,
+        motion: &Motion<S>,
+        mass: S,
+        first_moment: Vector3<S>,
+        add: impl FnMut(usize, (S, Vector3<S>)),
+    ) {
+        if self.parent.is_some() {
+            let (mass, first_moment) = self.mass_to_parent(motion, mass, first_moment);
+            self.to_parents(|sum| (sum(mass), Vector3(first_moment.0.map(sum))), add);
         }
     }
 
@@ -452,11 +479,11 @@ impl Prepared<f64> {
     /// Rewrites `model`.
     #[must_use]
     pub fn new(model: &Model) -> Self {
-        let atoms = atoms(model);
+        let (atoms, links) = atoms(model);
         let mut frames = Frames::on_axes(&atoms);
         frames.turn(&atoms);
         frames.shift();
-        let mut prepared = frames.finish(model, &atoms);
+        let mut prepared = frames.finish(model, &atoms, links);
         prepared.minimize();
         prepared.closures = model.closures().iter().map(|c| prepared.held(c)).collect();
         prepared
@@ -570,10 +597,9 @@ struct Atom<'a> {
     mimic: Option<(f64, f64)>,
 }
 
-/// The bodies of a model, universal and planar joints taken apart.
-fn atoms(model: &Model) -> Vec<Atom<'_>> {
+/// The bodies of a model, universal and planar joints taken apart; and by link, its body.
+fn atoms(model: &Model) -> (Vec<Atom<'_>>, Vec<usize>) {
     let mut atoms: Vec<Atom<'_>> = Vec::with_capacity(model.links().len());
-    // By link: its body.
     let mut bodies: Vec<usize> = Vec::with_capacity(model.links().len());
     for (i, link) in model.links().iter().enumerate() {
         let joint = &link.joint;
@@ -614,7 +640,7 @@ fn atoms(model: &Model) -> Vec<Atom<'_>> {
         }
         bodies.push(atoms.len() - 1);
     }
-    atoms
+    (atoms, bodies)
 }
 
 /// The model's frames while they are being turned and shifted.
@@ -722,7 +748,7 @@ impl Frames {
         }
     }
 
-    fn finish(self, model: &Model, atoms: &[Atom<'_>]) -> Prepared<f64> {
+    fn finish(self, model: &Model, atoms: &[Atom<'_>], links: Vec<usize>) -> Prepared<f64> {
         let mut dofs = Vec::with_capacity(model.nv());
         let mut bodies: Vec<Body<f64>> = Vec::with_capacity(atoms.len());
         let friction = model.friction();
@@ -764,13 +790,6 @@ impl Frames {
                 limbs: 1,
                 parents: Vec::new(),
             });
-        }
-        let mut links = Vec::with_capacity(model.links().len());
-        for (i, atom) in atoms.iter().enumerate() {
-            // A link's body is the last one of its joint.
-            if atoms.get(i + 1).is_none_or(|next| !core::ptr::eq(next.joint, atom.joint)) {
-                links.push(i);
-            }
         }
         let frames = model.frames().iter().map(|frame| {
             let body = frame.link.map(|link| links[link]);

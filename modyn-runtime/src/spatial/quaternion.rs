@@ -1,15 +1,49 @@
 //! Quaternions, and the exponential maps of rotations and motions with their inverses.
 //!
 //! A rotation vector w is the axis times the angle t in rad. The maps need sin(t/2) / (t/2) and the
-//! like, which are kept from 0 / 0 by a least t^2 and need no series besides: what a difference
-//! loses near t = 0 is multiplied by t^2 again.
+//! like: closed forms where t is large, and series where it is small. The closed forms would do for
+//! the values everywhere, but what runs on dual numbers has its derivatives from here too, and those
+//! of a quotient lose more figures the nearer it is to 0 / 0.
 
-use super::Vector3;
+use super::{Matrix3, Vector3};
 use crate::Scalar;
 
-/// The least square of an angle (and of a quaternion's vector): below it, an angle is 0 in any
-/// precision. Single precision has it too.
+/// The least square of a quaternion's length that isn't 0 in any precision.
 const LEAST: f64 = 1e-30;
+
+/// The square of an angle below which there are series in it: short enough to give third derivatives
+/// in double precision, and what the closed forms lose of them above it is little.
+const NEAR: f64 = 1.0 / 16.0;
+
+/// The same of the tangent of half an angle.
+const NEAR_TANGENT: f64 = 1.0 / 256.0;
+
+/// sin(t/2) / (t/2) in powers of t^2.
+const SINC: [f64; 6] =
+    [1.0, -1.0 / 24.0, 1.0 / 1920.0, -1.0 / 322_560.0, 1.0 / 92_897_280.0, -1.0 / 40_874_803_200.0];
+
+/// (sin(t/2) / (t/2) - cos(t/2)) / t^2 in powers of t^2.
+const LAG: [f64; 6] = [
+    1.0 / 12.0,
+    -1.0 / 480.0,
+    1.0 / 53_760.0,
+    -1.0 / 11_612_160.0,
+    1.0 / 4_087_480_320.0,
+    -1.0 / 2_125_489_766_400.0,
+];
+
+/// An angle over its tangent in powers of the tangent's square.
+const ARCTANGENT: [f64; 9] = [
+    1.0,
+    -1.0 / 3.0,
+    1.0 / 5.0,
+    -1.0 / 7.0,
+    1.0 / 9.0,
+    -1.0 / 11.0,
+    1.0 / 13.0,
+    -1.0 / 15.0,
+    1.0 / 17.0,
+];
 
 /// A quaternion; where it is one of length 1, the rotation of a frame: from its axes to those it
 /// is seen from.
@@ -51,11 +85,16 @@ impl<S: Scalar> Quaternion<S> {
     /// The rotation vector, at most half a turn; the quaternion may have any length but 0.
     #[must_use]
     pub fn log(self) -> Vector3<S> {
+        let square = self.vector.dot(self.vector);
+        let sine = square.max(S::from_f64(LEAST)).sqrt();
+        let half = sine.atan2(self.scalar.abs());
         // The quaternion and its negative are the same rotation.
         let shortest = self.scalar.select_nonnegative(S::one(), -S::one());
-        let sine = self.vector.dot(self.vector).max(S::from_f64(LEAST)).sqrt();
-        let half = sine.atan2(self.scalar.abs());
-        self.vector.scale(shortest * ((half + half) / sine))
+        let closed = shortest * ((half + half) / sine);
+        let secant = self.scalar.recip();
+        let series = (secant + secant) * series(&ARCTANGENT, square * (secant * secant));
+        let away = square - S::from_f64(NEAR_TANGENT) * (self.scalar * self.scalar);
+        self.vector.scale(away.select_nonnegative(closed, series))
     }
 
     /// The rotation back.
@@ -80,6 +119,21 @@ impl<S: Scalar> Quaternion<S> {
         let half = self.vector.cross(v);
         let t = half + half;
         v + t.scale(self.scalar) + self.vector.cross(t)
+    }
+
+    /// What [`rotate`](Self::rotate) does, as a matrix: its columns are the turned axes.
+    #[must_use]
+    pub fn matrix(self) -> Matrix3<S> {
+        let ([x, y, z], w, one) = (self.vector.0, self.scalar, S::one());
+        let (x2, y2, z2) = (x + x, y + y, z + z);
+        let (xx, yy, zz) = (x * x2, y * y2, z * z2);
+        let (xy, xz, yz) = (x * y2, x * z2, y * z2);
+        let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+        Matrix3([
+            [one - (yy + zz), xy - wz, xz + wy],
+            [xy + wz, one - (xx + zz), yz - wx],
+            [xz - wy, yz + wx, one - (xx + yy)],
+        ])
     }
 
     /// Its rate of change under the angular velocity `omega` in the turned axes.
@@ -120,36 +174,130 @@ impl<S: Scalar> Quaternion<S> {
 /// in the axes that it starts from: V(w) v.
 #[must_use]
 pub fn screw_translation<S: Scalar>(w: Vector3<S>, v: Vector3<S>) -> Vector3<S> {
-    let Angle { square, sinc, cos } = Angle::of(w);
+    let Angle { sinc, cos, lag } = Angle::of(w);
     let (across, along) = (w.cross(v), w.cross(w.cross(v)));
-    let first = S::from_f64(0.5) * (sinc * sinc);
-    v + across.scale(first) + along.scale((S::one() - sinc * cos) / square)
+    let square = sinc * sinc;
+    // (1 - cos t) / t^2 and (t - sin t) / t^3.
+    let (first, second) = (S::from_f64(0.5) * square, S::from_f64(0.25) * square - cos * lag);
+    v + across.scale(first) + along.scale(second)
 }
 
 /// The v with V(w) v = `translation`, for rotations up to half a turn (and until a whole one).
 #[must_use]
 pub fn screw_velocity<S: Scalar>(w: Vector3<S>, translation: Vector3<S>) -> Vector3<S> {
-    let Angle { square, sinc, cos } = Angle::of(w);
+    let Angle { sinc, lag, .. } = Angle::of(w);
     let across = w.cross(translation);
-    let second = (S::one() - cos / sinc) / square;
-    translation - across.scale(S::from_f64(0.5)) + w.cross(across).scale(second)
+    translation - across.scale(S::from_f64(0.5)) + w.cross(across).scale(lag / sinc)
 }
 
 /// What the maps need of the angle t of a rotation vector.
 struct Angle<S> {
-    /// t^2, but not 0.
-    square: S,
     /// sin(t/2) / (t/2)
     sinc: S,
     /// cos(t/2)
     cos: S,
+    /// (sinc - cos) / t^2
+    lag: S,
 }
 
 impl<S: Scalar> Angle<S> {
     fn of(w: Vector3<S>) -> Self {
-        let square = w.dot(w).max(S::from_f64(LEAST));
-        let half = S::from_f64(0.5) * square.sqrt();
+        let (square, near) = (w.dot(w), S::from_f64(NEAR));
+        let [sinc, lag] = [series(&SINC, square), series(&LAG, square)];
+        let series = [sinc, sinc - square * lag, lag];
+        // Away from 0 / 0, which would be a derivative of what is not taken.
+        let far = square.max(near);
+        let half = S::from_f64(0.5) * far.sqrt();
         let (sin, cos) = half.sin_cos();
-        Self { square, sinc: sin / half, cos }
+        let sinc = sin / half;
+        let closed = [sinc, cos, (sinc - cos) / far];
+        let [sinc, cos, lag] =
+            core::array::from_fn(|i| (square - near).select_nonnegative(closed[i], series[i]));
+        Self { sinc, cos, lag }
+    }
+}
+
+fn series<S: Scalar>(coefficients: &[f64], x: S) -> S {
+    coefficients.iter().rev().fold(S::zero(), |sum, &c| sum * x + S::from_f64(c))
+}
+
+#[cfg(all(test, feature = "num-dual"))]
+mod tests {
+    use num_dual::Dual3_64;
+
+    use super::*;
+
+    type Number = Dual3_64;
+
+    /// Where series and closed forms are taken, and where they meet.
+    const ANGLES: [f64; 12] =
+        [0.0, 1e-160, 1e-12, 1e-8, 1e-5, 1e-3, 0.1, 0.124, 0.126, 0.249, 0.251, 2.9];
+
+    fn along(direction: [f64; 3], t: Number) -> Vector3<Number> {
+        Vector3(direction.map(|x| t * Number::from_f64(x)))
+    }
+
+    fn at(t: f64) -> Number {
+        Number::from_re(t).derivative()
+    }
+
+    /// The value and three derivatives.
+    fn close(found: Number, expected: Number, what: &str) {
+        let parts = |x: Number| [x.re, x.v1, x.v2, x.v3];
+        for (order, (found, expected)) in parts(found).into_iter().zip(parts(expected)).enumerate()
+        {
+            let within = [1e-14, 1e-14, 1e-13, 1e-11][order];
+            assert!(
+                (found - expected).abs() <= within,
+                "derivative {order} of {what}: {found} {expected}"
+            );
+        }
+    }
+
+    /// Turning about an axis, and moving by a screw: sines and cosines of the angle.
+    #[test]
+    fn exponentials_have_their_derivatives() {
+        let (axis, v) = ([2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0], [0.4, 1.1, -0.7]);
+        for angle in ANGLES {
+            let t = at(angle);
+            let (sin, cos) = (t * Number::from_f64(0.5)).sin_cos();
+            let found = Quaternion::exp(along(axis, t));
+            close(found.scalar, cos, &std::format!("w at {angle}"));
+            let number = |x: [f64; 3]| Vector3(x.map(Number::from_f64));
+            let [axis_, v_] = [number(axis), number(v)];
+            for i in 0..3 {
+                close(found.vector.0[i], axis_.0[i] * sin, &std::format!("x, y, z at {angle}"));
+            }
+            let (sin, cos) = t.sin_cos();
+            let (across, slide) = (axis_.cross(v_), axis_.scale(axis_.dot(v_)));
+            let expected =
+                slide.scale(t) + (v_ - slide).scale(sin) + across.scale(Number::one() - cos);
+            let found = screw_translation(along(axis, t), along(v, t));
+            for i in 0..3 {
+                close(found.0[i], expected.0[i], &std::format!("translation at {angle}"));
+            }
+        }
+    }
+
+    /// Back along lines that pass zero at some distance.
+    #[test]
+    fn inverses_have_their_derivatives() {
+        let v = Vector3([0.4, 1.1, -0.7].map(Number::from_f64));
+        for angle in ANGLES {
+            for distance in [0.0, 1e-9, 1e-4, 0.1, 0.2, 1.0] {
+                let what = std::format!("at {angle}, {distance} from zero");
+                let aside = Vector3([0.6, 0.0, -0.8].map(|x| Number::from_f64(distance * x)));
+                let w = along([0.48, 0.8, 0.36], at(angle)) + aside;
+                let turned = Quaternion::exp(w);
+                let backwards = turned.scale(-Number::one());
+                let moved = screw_velocity(w, screw_translation(w, v));
+                for i in 0..3 {
+                    close(turned.log().0[i], w.0[i], &what);
+                    close(backwards.log().0[i], w.0[i], &what);
+                    close(moved.0[i], v.0[i], &what);
+                }
+                close(turned.square(), Number::one(), &what);
+            }
+        }
     }
 }

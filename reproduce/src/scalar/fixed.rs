@@ -16,12 +16,6 @@ impl Fixed {
         Self(i32::try_from(x).unwrap_or(if x < 0 { i32::MIN } else { i32::MAX }))
     }
 
-    /// Whether the number is at the end of its range, where results have been lost.
-    #[must_use]
-    pub fn is_saturated(self) -> bool {
-        self.0 == i32::MAX || self.0 == i32::MIN
-    }
-
     fn quotient(self, other: Self) -> Self {
         let (a, b) = (i64::from(self.0) << BITS, i64::from(other.0));
         if b == 0 {
@@ -101,7 +95,8 @@ mod tests {
             assert_eq!((x + y).to_f64(), a + b);
         }
         let large = Fixed::from_f64(30000.0);
-        assert!((large * large).is_saturated() && (large + large).is_saturated());
-        assert!((large / Fixed::zero()).is_saturated() && (-large / Fixed::zero()).is_saturated());
+        let (most, least) = (Fixed(i32::MAX), Fixed(i32::MIN));
+        assert_eq!([large * large, large + large, large / Fixed::zero()], [most; 3]);
+        assert_eq!([-large * large, -large - large, -large / Fixed::zero()], [least; 3]);
     }
 }

@@ -6,6 +6,7 @@ use modyn_codegen::{CARRIED_BY_F32, tame};
 use modyn_runtime::model::{Closure, Link, Model, ModuleTree};
 
 use super::{Cost, Inspection, advice};
+use crate::command::figure::figure;
 use crate::command::table::Table;
 
 /// Of 24 bits.
@@ -71,19 +72,6 @@ fn section(out: &mut String, title: &str, body: &str) {
     body.lines().for_each(|line| {
         let _ = writeln!(out, "  {line}");
     });
-}
-
-/// As short as it can be with four digits.
-fn figure(x: f64) -> String {
-    let size = x.abs();
-    if size == 0.0 {
-        "0".into()
-    } else if (1e-3..1e5).contains(&size) {
-        let text = format!("{x:.4}");
-        text.trim_end_matches('0').trim_end_matches('.').into()
-    } else {
-        format!("{x:.2e}")
-    }
 }
 
 fn optional(x: Option<f64>) -> String {

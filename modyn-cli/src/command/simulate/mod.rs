@@ -14,9 +14,10 @@ use modyn_codegen::error::Diagnostics;
 use modyn_codegen::tame;
 use modyn_runtime::model::Model;
 
+use crate::command::figure::numbers;
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
-use crate::command::robot::{Robot, numbers};
+use crate::command::robot::Robot;
 use crate::viewer;
 use motion::{Motion, Settings};
 use torques::Torques;

@@ -79,7 +79,8 @@ impl Motion {
     ) -> Result<Self, Failure> {
         let shape = |error: ShapeError| Failure::usage(format!("error: {error}"));
         let smooth = (model.friction() != Friction::None)
-            .then(|| Interpreter::new(model.clone().with_friction(Friction::None)));
+            .then(|| model.clone().with_friction(Friction::None).map(Interpreter::new));
+        let smooth = smooth.transpose().map_err(|errors| Failure::usage(&errors[0]))?;
         let interpreter = Interpreter::new(model.clone());
         let tau = vec![0.0; model.nv()];
         let forces = vec![Wrench::zero(); model.closures().len()];

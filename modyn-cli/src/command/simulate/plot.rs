@@ -10,6 +10,7 @@ use plotters::prelude::*;
 
 use super::motion::{Motion, Sample};
 use super::units::{self, Kind};
+use crate::command::figure::figure;
 use crate::command::outcome::Failure;
 
 /// Curves that can be told apart in one panel: by their dashes, and by colour (Okabe and Ito).
@@ -181,15 +182,7 @@ fn drawn(x: f64) -> bool {
     x.abs() < LARGEST
 }
 
-/// A figure at an axis.
+/// A figure at an axis, where what is left of zero is none.
 fn label(y: f64) -> String {
-    let size = y.abs();
-    if size < 1e-12 {
-        "0".into()
-    } else if (0.01..1e5).contains(&size) {
-        let text = format!("{y:.4}");
-        text.trim_end_matches('0').trim_end_matches('.').into()
-    } else {
-        format!("{y:.1e}")
-    }
+    figure(if y.abs() < 1e-12 { 0.0 } else { y })
 }

@@ -6,6 +6,7 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 use modyn_codegen::tame;
 use modyn_runtime::model::Model;
 
+use crate::command::figure::number;
 use crate::command::outcome::Failure;
 use crate::escape::cell;
 
@@ -112,13 +113,6 @@ fn named(head: &StringRecord, names: &[String]) -> Result<Vec<usize>, String> {
         }
     }
     Ok(columns)
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x.is_finite() => Ok(x),
-        _ => Err(format!("`{text}` is no finite number")),
-    }
 }
 
 #[cfg(test)]

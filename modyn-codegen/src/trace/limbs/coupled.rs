@@ -23,7 +23,9 @@ impl Limbs {
     fn entries_apart(&self, entry: impl Fn(Entry, Entry) -> Expr) -> Vec<Expr> {
         let all = || {
             let each = self.velocities.iter().enumerate();
-            each.flat_map(|(d, (of, _))| of.iter().enumerate().map(move |(k, &v)| (v, (d, k))))
+            each.flat_map(|(d, (of, _))| {
+                of.iter().enumerate().filter_map(move |(k, v)| Some(((*v)?, (d, k))))
+            })
         };
         let nv = all().count();
         let mut apart = vec![constant(0.0); nv * nv];
