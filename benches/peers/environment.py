@@ -35,7 +35,19 @@ class Robot:
 def robots():
     lines = (HERE / "robots.txt").read_text().splitlines()
     rows = [line.split() for line in lines if line and not line.startswith("#")]
-    return [Robot(name, ROOT / urdf, base, last == "derivatives") for name, urdf, base, last in rows]
+    rows = [Robot(name, description(name, urdf), base, last == "derivatives") for name, urdf, base, last in rows]
+    return [robot for robot in rows if robot.description.exists()]
+
+
+def description(name, urdf):
+    """Where a robot's description is; one of a wheel is copied to where modyn's runner looks."""
+    if not urdf.startswith("wheel:"):
+        return ROOT / urdf
+    source = SITE / "cmeel.prefix/share/example-robot-data/robots" / urdf.removeprefix("wheel:")
+    copy = folder(OUTPUT / "robots") / f"{name}.urdf"
+    if source.exists() and not newer(copy, [source]):
+        shutil.copy(source, copy)
+    return copy
 
 
 def folder(path):

@@ -1,5 +1,7 @@
 """The results as Markdown."""
 
+from contenders import modyn
+
 
 def best(report, contender, robot, quantity):
     """The fastest of a contender's programs that was right, if any; else one that says why not."""
@@ -36,7 +38,7 @@ def cell(report, row, reference):
 
 
 #: Of one program each, so that the column's head says all.
-OWN = ["modyn native", "modyn x86-64", "modyn, limbs one by one", "modyn batch", "modyn interpreter"]
+OWN = [name for name, _, _ in modyn.WAYS]
 #: What the ratios are to.
 REFERENCE = "modyn native"
 

@@ -11,6 +11,7 @@ use modyn_codegen::{Builder, Function};
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=../robots.txt");
+    println!("cargo::rerun-if-changed=../../../target/peers/robots");
     let (mut includes, mut table) = (String::new(), String::new());
     for robot in robots::all() {
         let mut functions =
