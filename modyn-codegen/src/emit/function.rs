@@ -21,8 +21,9 @@ const BLOCK: usize = 250;
 const PART: usize = 1500;
 
 /// The same for many states, whose lanes the compiler works on in memory at first, in more than linear
-/// time; what parts hand on costs less there.
-const LANES_PART: usize = 500;
+/// time; what parts hand on costs less there. And for one state in numbers alone, if one function of
+/// [`PART`] does not do: it fits registers better.
+const SHORT_PART: usize = 500;
 
 /// A parameter, given by reference.
 #[derive(Clone, Debug)]
@@ -301,11 +302,12 @@ impl<'a> Writer<'a> {
 
     /// The statements of each part, of about equal length; the last one has the result.
     fn parts(&self) -> Vec<Range<usize>> {
-        let most = match self.on {
-            On::Numbers | On::Vectors => PART,
-            On::States => LANES_PART,
-        };
         let count = self.statements.len();
+        let most = match self.on {
+            On::States => SHORT_PART,
+            On::Vectors if count > PART && self.vectors().count() == 1 => SHORT_PART,
+            On::Numbers | On::Vectors => PART,
+        };
         let parts = count.div_ceil(most).max(1);
         (0..parts).map(|k| k * count / parts..(k + 1) * count / parts).collect()
     }

@@ -381,8 +381,12 @@ impl Robot<'_> {
             ),
         };
         let graphs = match graphs {
-            // States side by side keep all units busy, whatever waits for what.
-            Graphs::One(graph) if function.batched().is_none() => Graphs::One(balance(&graph)),
+            // States side by side keep all units busy, whatever waits for what; so does a long function.
+            Graphs::One(graph)
+                if function.batched().is_none() && graph.count().total() <= MOST_BALANCED =>
+            {
+                Graphs::One(balance(&graph))
+            }
             other => other,
         };
         let dynamic = function.depends_on_parameters();
@@ -414,6 +418,9 @@ fn abreast(function: Function, source: &Source<'_>, alone: &Graph) -> Option<Gra
     );
     (source.vectors && often && DISPATCHED.contains(&count(alone))).then(|| alone.clone())
 }
+
+/// Most operations of a function, limbs one after the other, that waits for its longest way.
+const MOST_BALANCED: usize = 2000;
 
 /// Operations of functions that are compiled for several instruction sets even if nothing stands side by
 /// side: fewer take no longer than finding out, more cost the compiler more than they are worth.

@@ -360,7 +360,7 @@ pub fn solve<S: Scalar>(layout: &Layout, factors: &[S], x: &mut [S]) {
 
 /// The same for a right-hand side that is the column of a degree of freedom. Where equal limbs are
 /// computed as one, a limb's is each limb's own, zero on the others, and the rows of those are left out:
-/// see [`limbs`](super::limbs).
+/// see [`limbs`].
 pub fn solve_column<S: Scalar>(layout: &Layout, factors: &[S], column: usize, x: &mut [S]) {
     solve_for(layout, factors, layout.limbs[column], x);
 }
