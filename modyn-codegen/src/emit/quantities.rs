@@ -413,6 +413,8 @@ fn abreast(function: Function, source: &Source<'_>, alone: &Graph) -> Option<Gra
         function,
         Function::ForwardDynamics
             | Function::InverseDynamics
+            | Function::BiasForces
+            | Function::MassMatrix
             | Function::ForwardDynamicsDerivatives
             | Function::InverseDynamicsDerivatives
     );
