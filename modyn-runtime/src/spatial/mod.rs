@@ -12,11 +12,9 @@ pub use pose::Pose;
 mod field;
 #[cfg(feature = "alloc")]
 mod inertia;
-#[cfg(feature = "alloc")]
 mod matrix;
 #[cfg(feature = "alloc")]
 mod placement;
-#[cfg(feature = "alloc")]
 mod quaternion;
 #[cfg(feature = "alloc")]
 mod turn;
@@ -29,13 +27,13 @@ mod wrench;
 pub use {
     field::Field,
     inertia::{ArticulatedInertia, RigidInertia},
-    matrix::{Matrix3, Symmetric3},
     placement::Placement,
-    quaternion::{Quaternion, screw_translation, screw_velocity},
     turn::{Axis, Turn},
     velocity::VelocityMoments,
 };
 pub use {
+    matrix::{Matrix3, Symmetric3},
+    quaternion::{Quaternion, screw_translation, screw_velocity},
     vector::Vector3,
     wrench::{Momentum, Twist, Wrench},
 };
