@@ -381,10 +381,8 @@ impl Robot<'_> {
             ),
         };
         let graphs = match graphs {
-            // States side by side keep all units busy, whatever waits for what; so does a long function.
-            Graphs::One(graph)
-                if function.batched().is_none() && graph.count().total() <= MOST_BALANCED =>
-            {
+            // A long function keeps all units busy, whatever waits for what.
+            Graphs::One(graph) if graph.count().total() <= MOST_BALANCED => {
                 Graphs::One(balance(&graph))
             }
             other => other,
