@@ -178,6 +178,68 @@ fn limbs_on_different_bodies_side_by_side_give_the_same() {
     }
 }
 
+/// Two limbs of `low` joints on a trunk, then a waist and two of `high` ones on the torso.
+fn upright(low: usize, high: usize) -> String {
+    let mass = |x: f64| {
+        format!(
+            "<inertial><origin xyz=\"0.01 {x} 0.1\"/><mass value=\"{x}\"/>\
+             <inertia ixx=\"0.2\" iyy=\"0.3\" izz=\"0.2\" ixy=\"0.01\" ixz=\"0\" iyz=\"0\"/></inertial>"
+        )
+    };
+    let mut text = format!("<robot name=\"upright\"><link name=\"trunk\">{}</link>", mass(0.9));
+    let mut add = |name: String, parent: String, axis: &str, x: f64| {
+        text += &format!(
+            "<joint name=\"{name}_joint\" type=\"continuous\"><parent link=\"{parent}\"/>\
+             <child link=\"{name}\"/><origin xyz=\"{x} 0.1 0.3\" rpy=\"{x} 0 0.1\"/><axis xyz=\"{axis}\"/>\
+             <dynamics damping=\"{x}\" armature=\"{x}\"/></joint><link name=\"{name}\">{}</link>",
+            mass(0.4 + x)
+        );
+    };
+    for (side, trunk, joints) in
+        [("left_leg", "trunk", low), ("right_leg", "trunk", low), ("waist", "trunk", 1)]
+            .into_iter()
+            .chain([("left_arm", "waist0", high), ("right_arm", "waist0", high)])
+    {
+        for k in 0..joints {
+            let parent = k.checked_sub(1).map_or(trunk.into(), |k| format!("{side}{k}"));
+            let axis = ["0 0 1", "1 0 0", "0 1 0"][k % 3];
+            add(format!("{side}{k}"), parent, axis, 0.1 + 0.03 * (side.len() + k) as f64);
+        }
+    }
+    text + "</robot>"
+}
+
+#[test]
+fn limbs_that_join_may_be_longer_or_shorter_above() {
+    let options =
+        |base| ReadOptions { base, friction: urdf::Friction::Viscous, ..ReadOptions::default() };
+    for (low, high) in [(2, 4), (4, 2), (3, 3), (2, 3)] {
+        for base in [Base::Fixed, Base::Floating] {
+            let read = urdf::read(&upright(low, high), "upright", &options(base));
+            let model = read.expect("a good robot").model;
+            let prepared = Prepared::new(&model);
+            let joined = Limbs::joined(&prepared).expect("limbs that can join");
+            let alone = Tracer::new(&prepared);
+            let abreast = alone.abreast(&joined);
+            for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
+                let partition = Partition::new(&prepared, &modules);
+                let merged = Elimination::Recursive(joined.partition(&partition));
+                compare(
+                    &format!("upright {low} {high}"),
+                    "forward dynamics",
+                    alone.forward_dynamics(&Elimination::Recursive(partition)),
+                    abreast.forward_dynamics(&merged),
+                );
+            }
+            compare("upright", "torques", alone.inverse_dynamics(), abreast.inverse_dynamics());
+            compare("upright", "gravity", alone.gravity_torques(), abreast.gravity_torques());
+        }
+    }
+    // Three joints more are too many to be made up for.
+    let read = urdf::read(&upright(2, 5), "upright", &ReadOptions::default());
+    assert_eq!(Limbs::joined(&Prepared::new(&read.expect("a good robot").model)), None);
+}
+
 /// The table in `docs/limbs.md`.
 #[test]
 fn operations_of_forward_dynamics_are_those_of_the_page() {
