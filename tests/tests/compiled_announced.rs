@@ -238,6 +238,10 @@ impl Functions {
             Expr::Path(_) | Expr::Lit(_) => {}
             Expr::Paren(inner) => self.expr(&inner.expr, count),
             Expr::Reference(inner) => self.expr(&inner.expr, count),
+            // What an earlier part has left, by a literal.
+            Expr::Index(index) if matches!(*index.index, Expr::Lit(_)) => {
+                self.expr(&index.expr, count);
+            }
             Expr::Block(inner) => self.block(&inner.block, count),
             Expr::Array(array) => array.elems.iter().for_each(|item| self.expr(item, count)),
             Expr::Tuple(tuple) => tuple.elems.iter().for_each(|item| self.expr(item, count)),

@@ -86,6 +86,7 @@ struct Findings {
     longest_block: usize,
     longest_function: usize,
     statements: usize,
+    /// By anything but a literal.
     indexing: usize,
     loops: usize,
 }
@@ -136,7 +137,8 @@ impl Visit<'_> for Findings {
     }
 
     fn visit_expr_index(&mut self, index: &syn::ExprIndex) {
-        self.indexing += 1;
+        // A literal's place in an array is checked when that is compiled.
+        self.indexing += usize::from(!matches!(*index.index, syn::Expr::Lit(_)));
         visit::visit_expr_index(self, index);
     }
 
