@@ -72,5 +72,9 @@ class Measurer:
         said = dict(line.split() for line in done.stdout.splitlines() if len(line.split()) == 2)
         said = {key: float(value) for key, value in said.items()}
         if not said.get("error", math.inf) < LARGEST_ERROR:
-            return f"wrong: error {said['error']:.1e}" if "error" in said else done.stderr.strip()[-160:] or "crashed"
+            if "error" in said:
+                return f"wrong: error {said['error']:.1e}"
+            # What a panic says stands behind the line that says where.
+            lines = [line for line in done.stderr.splitlines() if line.strip() and not line.startswith("thread ")]
+            return lines[0][:160] if lines else "crashed"
         return said if "ns" in said else "no time"
