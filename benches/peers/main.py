@@ -16,7 +16,8 @@ def options():
     parser = argparse.ArgumentParser(prog="run", description=__doc__)
     parser.add_argument("--robots", metavar="NAME,...", help="only these of robots.txt")
     parser.add_argument("--only", metavar="NAME,...", help=f"only these contenders: {', '.join(CONTENDERS)}")
-    parser.add_argument("--quick", action="store_true", help="2 processes of 5 repetitions instead of 5 of 21")
+    parser.add_argument("--quick", action="store_true", help="2 copies and 5 repetitions, for debugging")
+    parser.add_argument("--copies", type=int, default=5, help="processes, each of a fresh copy of its program (5)")
     parser.add_argument("--install", action="store_true", help="install missing compilers with apt-get")
     parser.add_argument("--output", default=OUTPUT, help="where to put the table and the plot (target/peers)")
     return parser.parse_args()
@@ -39,7 +40,8 @@ def main():
     toolbox = environment.Toolbox(robots, arguments.install)
 
     modyn.states(toolbox)
-    measurer = measure.Measurer(toolbox.data, arguments.quick)
+    copies, repetitions = (2, 5) if arguments.quick else (arguments.copies, 21)
+    measurer = measure.Measurer(toolbox.data, copies, repetitions)
     results, missing = [], {}
     for name in only:
         print(f"{name}: building", flush=True)
@@ -52,7 +54,7 @@ def main():
         results += measurer.all(programs)
     missing.update(toolbox.missing)
 
-    report = dict(machine=environment.machine(), versions=toolbox.versions, quick=arguments.quick,
+    report = dict(machine=environment.machine(), versions=toolbox.versions, quick=arguments.quick, copies=copies,
                   robots=names, quantities=QUANTITIES, results=results, missing=missing)
     output = environment.folder(arguments.output)
     (output / "results.json").write_text(json.dumps(report, indent=1))

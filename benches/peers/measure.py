@@ -33,9 +33,8 @@ class Program:
 
 
 class Measurer:
-    def __init__(self, data, quick):
-        self.data = data
-        self.copies, self.repetitions = (2, 5) if quick else (5, 21)
+    def __init__(self, data, copies, repetitions):
+        self.data, self.copies, self.repetitions = data, copies, repetitions
         # The last core: the first one serves interrupts.
         self.pin = []
         if shutil.which("taskset"):

@@ -48,7 +48,8 @@ def markdown(report):
     lines = ["# Nanoseconds a call", ""]
     if report["quick"]:
         lines += ["**A quick run: for debugging, not for quoting.**", ""]
-    lines += [f"{report['machine']}. f64, one state a call, one core; in brackets times {REFERENCE}'s; then which "
+    lines += [f"{report['machine']}. f64, one state a call, one core, the best of "
+              f"{report['copies']} copies of a program; in brackets times {REFERENCE}'s; then which "
               "of the contender's programs was the fastest (+F: `-ffp-contract=fast -fno-math-errno`).", ""]
     lines += ["| quantity | robot | " + " | ".join(columns) + " |", "|---" * (len(columns) + 2) + "|"]
     for robot, quantity in cases(report):

@@ -141,13 +141,10 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let pays = (options.share || !options.self_contained) && options.payload.is_empty();
     let limbs: Vec<Limbs> = if pays { Limbs::ways(&prepared, !options.share) } else { Vec::new() };
     // What is cheapest limb by limb need not be so side by side.
-    let mut partitions = vec![&eliminated];
     let uniform = [ModuleTree::links(model), partition::whole_chains(model)];
-    partitions.extend(uniform.iter().filter(|modules| **modules != eliminated));
-    let partitions: Vec<Partition> = match limbs.is_empty() {
-        true => Vec::new(),
-        false => partitions.iter().map(|modules| Partition::new(&prepared, modules)).collect(),
-    };
+    let others = uniform.iter().filter(|modules| !limbs.is_empty() && **modules != eliminated);
+    let partitions: Vec<Partition> =
+        [&eliminated].into_iter().chain(others).map(|m| Partition::new(&prepared, m)).collect();
     let source = Source {
         tracer: &tracer,
         limbs: &limbs,

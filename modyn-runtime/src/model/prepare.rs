@@ -266,7 +266,7 @@ impl<S: Scalar> Body<S> {
     }
 
     /// Moments of velocities against this body's frame, of points of inertia `i`, at its parent and
-    /// against the parent's frame; of all equal limbs together.
+    /// against the parent's frame.
     #[must_use]
     pub fn velocities_to_parent(
         &self,
@@ -275,8 +275,7 @@ impl<S: Scalar> Body<S> {
         i: &RigidInertia<S>,
         rates: &[S],
     ) -> VelocityMoments<S> {
-        let moved = motion.velocities_to_parent(velocities, i, rates);
-        self.placement.velocities_to_parent(&moved).map(|x| x.over_limbs(0..self.limbs))
+        self.placement.velocities_to_parent(&motion.velocities_to_parent(velocities, i, rates))
     }
 
     /// An articulated inertia on this body at its parent: A^T M A.

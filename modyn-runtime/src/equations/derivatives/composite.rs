@@ -38,7 +38,12 @@ pub(super) fn gather<S: Scalar>(model: &Prepared<S>, qd: &[S], workspace: &mut W
         });
         let velocities = &workspace.velocities[i];
         let velocities = body.velocities_to_parent(motion, velocities, &composite, &rates);
-        workspace.velocities[parent] = workspace.velocities[parent] + velocities;
+        body.to_parents(
+            |sum| velocities.map(sum),
+            |parent, carried| {
+                workspace.velocities[parent] = workspace.velocities[parent] + carried;
+            },
+        );
 
         let to_parent = |v| body.placement.to_parent(v);
         let mut origin = body.placement.origin();
