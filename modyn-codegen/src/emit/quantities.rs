@@ -401,7 +401,8 @@ impl Robot<'_> {
 /// does not count on it.
 fn abreast(function: Function, source: &Source<'_>, alone: &Graph) -> Option<Graph> {
     let count = |graph: &Graph| graph.count().total();
-    let graphs = source.limbs.iter().flat_map(|limbs| side_by_side(function, source, limbs));
+    let limbs = source.limbs.iter().flat_map(|limbs| side_by_side(function, source, limbs));
+    let graphs = limbs.chain(columns_side_by_side(function, source));
     let cheapest = graphs.map(|graph| balance(&optimize(graph))).min_by_key(count);
     let pays = |graph: &Graph| count(graph) * 5 < count(alone) * 4;
     if let Some(graph) = cheapest.filter(pays) {
@@ -426,6 +427,19 @@ const MOST_BALANCED: usize = 2000;
 /// side: fewer take no longer than finding out, more cost the compiler more than they are worth.
 const DISPATCHED: std::ops::Range<usize> = 100..5000;
 
+/// The graph with columns side by side.
+fn columns_side_by_side(function: Function, source: &Source<'_>) -> Option<Graph> {
+    let tracer = source.tracer.columns_abreast();
+    match function {
+        _ if !source.vectors => None,
+        Function::InverseDynamicsDerivatives => Some(tracer.inverse_dynamics_derivatives()),
+        Function::ForwardDynamicsDerivatives => {
+            Some(tracer.forward_dynamics_derivatives(source.for_derivatives))
+        }
+        _ => None,
+    }
+}
+
 /// The graphs with these limbs side by side, among which the cheapest is the one.
 fn side_by_side(function: Function, source: &Source<'_>, limbs: &Limbs) -> Vec<Graph> {
     let tracer = source.tracer.abreast(limbs);
@@ -438,7 +452,7 @@ fn side_by_side(function: Function, source: &Source<'_>, limbs: &Limbs) -> Vec<G
         Function::BiasForces => tracer.bias_forces(),
         Function::GravityTorques => tracer.gravity_torques(),
         // What is carried on from limbs to the root has one way to go.
-        _ if limbs.is_joined() => return Vec::new(),
+        Function::MassMatrix if limbs.is_joined() => return Vec::new(),
         Function::MassMatrix => tracer.mass_matrix(),
         // Where limbs move each other, derivatives are written on vectors alone.
         Function::InverseDynamicsDerivatives | Function::ForwardDynamicsDerivatives

@@ -38,6 +38,8 @@ pub struct Tracer<'a> {
     parameters: Parameters,
     /// Equal limbs that are computed side by side.
     limbs: Option<&'a Limbs>,
+    /// How many columns of derivatives are.
+    columns: usize,
 }
 
 impl<'a> Tracer<'a> {
@@ -50,14 +52,20 @@ impl<'a> Tracer<'a> {
     /// Traces equations of `model`; `parameters` are further inputs, behind all others.
     #[must_use]
     pub fn with_parameters(model: &'a Prepared<f64>, parameters: Parameters) -> Self {
-        Self { model, parameters, limbs: None }
+        Self { model, parameters, limbs: None, columns: 1 }
     }
 
     /// The same with equal limbs side by side. What is known of single links at run time only can't be.
     #[must_use]
     pub fn abreast(&self, limbs: &'a Limbs) -> Self {
         let parameters = Parameters { gravity: self.parameters.gravity, payload: Vec::new() };
-        Self { model: self.model, parameters, limbs: Some(limbs) }
+        Self { model: self.model, parameters, limbs: Some(limbs), columns: 1 }
+    }
+
+    /// The same with columns of derivatives side by side, of joints one behind the other.
+    #[must_use]
+    pub fn columns_abreast(&self) -> Self {
+        Self { model: self.model, parameters: self.parameters.clone(), limbs: None, columns: 4 }
     }
 
     /// What of the model is an input.
@@ -74,6 +82,7 @@ impl<'a> Tracer<'a> {
     ) -> Graph {
         Graph::trace(|| {
             let mut model = self.model.cast();
+            model.columns_abreast = self.columns;
             let mut next = 0;
             let groups = lengths.map(|length| {
                 let start = next;

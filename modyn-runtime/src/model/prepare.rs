@@ -220,6 +220,9 @@ pub struct Prepared<S> {
     pub frames: Vec<BodyFrame<S>>,
     /// What closes loops, in the model's order.
     pub closures: Vec<HeldFrames<S>>,
+    /// How many columns of derivatives the compiler computes side by side, of joints one behind the
+    /// other; 1 for one by one.
+    pub columns_abreast: usize,
 }
 
 impl<S: Scalar> Body<S> {
@@ -308,6 +311,14 @@ impl<S: Scalar> Body<S> {
         }
         let each: Vec<[S; N]> = self.parents.iter().map(|&parent| of(parent)).collect();
         core::array::from_fn(|n| S::by_limb(&each.iter().map(|x| x[n]).collect::<Vec<_>>()))
+    }
+
+    /// Of numbers of limbs that hang on different bodies: those of limbs on body `parent`, and zeros.
+    pub(crate) fn only_on(&self, parent: usize, x: S) -> S {
+        let on = |(limb, on): (usize, &Option<usize>)| {
+            if *on == Some(parent) { x.of_limb(limb) } else { S::zero() }
+        };
+        S::by_limb(&self.parents.iter().enumerate().map(on).collect::<Vec<_>>())
     }
 
     /// Gives each body that it hangs on what the limbs there leave together: `add` gets the body and what
@@ -536,6 +547,7 @@ impl Prepared<f64> {
             smooth: self.smooth.map(f),
             frames: self.frames.iter().map(|frame| frame.map(f)).collect(),
             closures: self.closures.iter().map(|closure| closure.map(f)).collect(),
+            columns_abreast: self.columns_abreast,
         }
     }
 
@@ -799,6 +811,7 @@ impl Frames {
             gravity: Vector3(model.gravity()),
             frames: frames.collect(),
             closures: Vec::new(),
+            columns_abreast: 1,
             bodies,
             dofs,
             immobile: RigidInertia::zero(),

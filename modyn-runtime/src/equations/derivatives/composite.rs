@@ -2,7 +2,7 @@
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::model::prepare::Prepared;
+use crate::model::prepare::{Body, Prepared};
 use crate::spatial::{Twist, Vector3, VelocityMoments, Wrench};
 
 /// Fills in the bodies' angular velocities alone.
@@ -12,12 +12,16 @@ pub(super) fn angular_velocities<S: Scalar>(
     workspace: &mut Workspace<S>,
 ) {
     for (i, body) in model.bodies.iter().enumerate() {
-        let angular = body.parent.map_or_else(Vector3::zero, |parent| {
-            body.to_child(&workspace.motions[i], workspace.fields[parent].omega)
-        });
+        let angular = body.to_child(&workspace.motions[i], parents_turn(body, workspace));
         let twist = model.add_rates(i, Twist { angular, ..Twist::zero() }, qd);
         workspace.fields[i].omega = twist.angular;
     }
+}
+
+/// The angular velocity of what a body hangs on.
+fn parents_turn<S: Scalar>(body: &Body<S>, workspace: &Workspace<S>) -> Vector3<S> {
+    let of = |parent: usize| workspace.fields[parent].omega;
+    Vector3(body.from_parents(|parent| parent.map_or_else(Vector3::zero, of).0))
 }
 
 /// Gathers the bodies' inertias to composites, and how these move against the composites' bodies;
@@ -30,7 +34,9 @@ pub(super) fn gather<S: Scalar>(model: &Prepared<S>, qd: &[S], workspace: &mut W
     }
     workspace.velocities.fill(VelocityMoments::zero());
     for (i, body) in model.bodies.iter().enumerate().rev() {
-        let Some(parent) = body.parent else { continue };
+        if body.parent.is_none() {
+            continue;
+        }
         let (motion, rates) = (&workspace.motions[i], model.rates(i, qd));
         let composite = workspace.composite[i];
         body.rigid_to_parents(motion, &composite, |parent, carried| {
@@ -50,7 +56,7 @@ pub(super) fn gather<S: Scalar>(model: &Prepared<S>, qd: &[S], workspace: &mut W
         if let Some(displacement) = motion.displacement() {
             origin += to_parent(displacement);
         }
-        let mut lever = workspace.fields[parent].omega.cross(origin + origin);
+        let mut lever = parents_turn(body, workspace).cross(origin + origin);
         if let Some(drift) = motion.drift(&rates) {
             lever += to_parent(drift + drift);
         }

@@ -8,7 +8,7 @@ use crate::Scalar;
 use crate::equations::brge::{self, Layout};
 use crate::equations::limbs;
 use crate::equations::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
-use crate::equations::{Workspace, mass_matrix};
+use crate::equations::Workspace;
 use crate::model::prepare::Prepared;
 use crate::spatial::Vector3;
 
@@ -47,32 +47,46 @@ pub fn forward_dynamics_derivatives<S: Scalar>(
     angular_velocities(model, qd, workspace);
     gather(model, qd, workspace);
     by_rates(model, qd, true, workspace);
-    project(model, By::Rates, workspace, dqdd_dqd);
+    let mut matrix = core::mem::take(&mut workspace.matrix);
+    let mut factors = core::mem::take(&mut workspace.factors);
+    project(model, By::Rates, workspace, dqdd_dqd, Some(&mut matrix[..n * n]));
 
     qdd.copy_from_slice(tau);
     subtract_forces(model, layout, (qd, dqdd_dqd), workspace, qdd);
-    let mut matrix = core::mem::take(&mut workspace.matrix);
-    let mut factors = core::mem::take(&mut workspace.factors);
-    mass_matrix::mass_matrix(model, q, workspace, &mut matrix);
     brge::factorize_matrix(layout, &mut matrix, &mut workspace.pivots, &mut factors);
     brge::solve(layout, &factors, qdd);
 
     link_wrenches(model, qd, Accelerations::AgainstFall(qdd), workspace);
     gather_wrenches(model, |d| felt(model, d, (qd, qdd, tau)), workspace);
     by_coordinates(model, qd, true, workspace);
-    project(model, By::Coordinates, workspace, dqdd_dq);
+    project(model, By::Coordinates, workspace, dqdd_dq, None);
     add_resistance(model, qd, dqdd_dqd);
+    brge::inverse(layout, &factors, dqdd_dtau);
     for columns in [&mut *dqdd_dq, &mut *dqdd_dqd] {
+        columns.iter_mut().for_each(|entry| *entry = -*entry);
         for (j, column) in columns.chunks_mut(n.max(1)).enumerate() {
-            for entry in &mut *column {
-                *entry = -*entry;
+            match model.columns_abreast {
+                1 => brge::solve_column(layout, &factors, j, column),
+                rows => multiply(dqdd_dtau, rows, column),
             }
-            brge::solve_column(layout, &factors, j, column);
         }
     }
-    brge::inverse(layout, &factors, dqdd_dtau);
     (workspace.matrix, workspace.factors) = (matrix, factors);
     fall(model, qd, workspace, (qdd, dqdd_dq, dqdd_dqd));
+}
+
+/// The product of a matrix by columns with `x`, so many rows side by side, in place of `x`.
+fn multiply<S: Scalar>(columns: &[S], abreast: usize, x: &mut [S]) {
+    let n = x.len();
+    let factors = x.to_vec();
+    for (k, rows) in x.chunks_mut(abreast).enumerate() {
+        let beside = columns.chunks(n).map(|column| S::by_limb(&column[k * abreast..][..rows.len()]));
+        let products = beside.zip(&factors).map(|(column, &factor)| column * factor);
+        let sum = products.reduce(|sum, product| sum + product).expect("a square matrix");
+        for (row, x) in rows.iter_mut().enumerate() {
+            *x = sum.of_limb(row);
+        }
+    }
 }
 
 /// Takes the forces of velocities, gravity and resistance off the torques `tau`; a floating base is
@@ -93,11 +107,11 @@ fn subtract_forces<S: Scalar>(
         }
     }
     for (i, body) in model.bodies.iter().enumerate() {
-        let a = match body.parent {
-            Some(parent) => workspace.twists[parent].linear,
-            None if is_base(model, i) => Vector3::zero(),
-            None => -model.gravity,
-        };
+        let a = Vector3(body.from_parents(|parent| match parent {
+            Some(parent) => workspace.twists[parent].linear.0,
+            None if is_base(model, i) => Vector3::zero().0,
+            None => (-model.gravity).0,
+        }));
         let a = body.to_child(&workspace.motions[i], a);
         workspace.twists[i].linear = a;
         for dof in model.dofs_of(i) {

@@ -24,9 +24,9 @@ pub fn inverse_dynamics_derivatives<S: Scalar>(
     gather(model, qd, workspace);
     gather_wrenches(model, |_| None, workspace);
     by_coordinates(model, qd, false, workspace);
-    project(model, By::Coordinates, workspace, dtau_dq);
+    project(model, By::Coordinates, workspace, dtau_dq, None);
     by_rates(model, qd, false, workspace);
-    project(model, By::Rates, workspace, dtau_dqd);
+    project(model, By::Rates, workspace, dtau_dqd, None);
     add_resistance(model, qd, dtau_dqd);
 }
 

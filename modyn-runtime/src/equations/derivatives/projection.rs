@@ -1,5 +1,8 @@
 //! What deviations of accelerations are to the joints.
 
+use alloc::vec::Vec;
+use core::ops::Range;
+
 use super::Deviation;
 use crate::Scalar;
 use crate::equations::Workspace;
@@ -16,47 +19,156 @@ pub(super) enum By {
     Rates,
 }
 
-/// The derivatives of the joint torques by columns, of `workspace.deviations`. Expects composites
-/// (by coordinates, with their wrenches) and angular velocities.
+/// The derivatives of the joint torques by columns, of `workspace.deviations`, and the GIM without
+/// rotors into `gim`, if that is there. Expects composites (by coordinates, with their wrenches) and
+/// angular velocities.
+///
+/// Columns are carried towards the root one by one, or several side by side
+/// ([`Prepared::columns_abreast`]): those of joints one behind the other, which join as they are come by.
 pub(super) fn project<S: Scalar>(
     model: &Prepared<S>,
     by: By,
     workspace: &Workspace<S>,
     columns: &mut [S],
+    mut gim: Option<&mut [S]>,
 ) {
     columns.fill(S::zero());
-    for (i, body) in model.bodies.iter().enumerate().rev() {
-        let composite = Composite::new(i, workspace);
-        for (column, deviation) in
-            model.dofs_of(i).iter().zip(&workspace.deviations[body.dofs.clone()])
-        {
-            let mut add = |row: &Dof<S>, column: &Dof<S>, entry: S| {
-                let sum = &mut columns[column.v * model.nv + row.v];
-                *sum = *sum + row.scale(column.scale(entry));
-            };
-            let mut wrench = composite.answer(deviation);
-            for row in model.dofs_of(i) {
-                add(row, column, wrench.components()[row.component]);
-            }
-            if by == By::Coordinates {
-                wrench += displaced(workspace.wrenches[i], column.component);
-            }
-            let mut weights = composite.weights(column.component);
-            let mut at = i;
-            while let Some(parent) = model.bodies[at].parent {
-                let (body, motion) = (&model.bodies[at], &workspace.motions[at]);
-                wrench = body.wrench_to_parent(motion, wrench);
-                weights = weights.carried(body, motion, workspace.levers[at]);
-                at = parent;
-                let dofs = model.bodies[at].dofs.clone();
-                for (other, deviation) in
-                    model.dofs[dofs.clone()].iter().zip(&workspace.deviations[dofs])
-                {
-                    add(other, column, wrench.components()[other.component]);
-                    add(column, other, weights.of(deviation));
-                }
+    if let Some(gim) = &mut gim {
+        gim.fill(S::zero());
+    }
+    let mut end = model.dofs.len();
+    while end > 0 {
+        let group = abreast_before(model, end);
+        end = group.start;
+        project_group(model, by, workspace, &group, &mut Entries { model, columns, gim: &mut gim });
+    }
+}
+
+/// The last degrees of freedom before `end` whose columns go side by side.
+fn abreast_before<S>(model: &Prepared<S>, end: usize) -> Range<usize> {
+    let body = |d: usize| model.dofs[d].body;
+    let follows = |d: usize| {
+        let (front, back) = (body(d - 1), body(d));
+        front == back || model.bodies[back].parent == Some(front)
+    };
+    let mut start = end - 1;
+    while start > 0 && end - start < model.columns_abreast && follows(start) {
+        start -= 1;
+    }
+    start..end
+}
+
+fn project_group<S: Scalar>(
+    model: &Prepared<S>,
+    by: By,
+    workspace: &Workspace<S>,
+    group: &Range<usize>,
+    entries: &mut Entries<'_, '_, S>,
+) {
+    let mut at = model.dofs[group.end - 1].body;
+    // What columns from `joined` on have behind the body `at`.
+    let mut behind: Option<Behind<S>> = None;
+    let mut joined = group.end;
+    // What limbs leave that hang on different bodies.
+    let mut left: Option<(&Body<S>, Behind<S>)> = None;
+    loop {
+        let dofs = model.bodies[at].dofs.clone();
+        for other in dofs.clone() {
+            let Some(Behind { wrench, weights }) = &behind else { break };
+            let component = model.dofs[other].component;
+            let felt = wrench.components()[component];
+            let feel = weights.of(&workspace.deviations[other]);
+            let mass = weights.wrench.components()[component];
+            for column in joined..group.end {
+                let lane = |x: S| if group.len() == 1 { x } else { x.of_limb(column - group.start) };
+                entries.add(other, column, lane(felt));
+                entries.add(column, other, lane(feel));
+                entries.add_masses(other, column, lane(mass));
             }
         }
+        let composite = (joined > group.start).then(|| Composite::new(at, workspace));
+        while joined > group.start.max(dofs.start) {
+            joined -= 1;
+            let composite = composite.as_ref().expect("made above");
+            let own = entries.own(by, workspace, composite, joined);
+            behind = Some(match behind {
+                Some(behind) => behind.zip(own, |x, own| {
+                    let lane = |d| if d <= joined { own } else { x.of_limb(d - group.start) };
+                    S::by_limb(&group.clone().map(lane).collect::<Vec<_>>())
+                }),
+                None => own,
+            });
+        }
+        let (body, motion) = (&model.bodies[at], &workspace.motions[at]);
+        let (Some(parent), Some(whole)) = (body.parent, &behind) else { break };
+        let mut carried = whole.carried(body, motion, workspace.levers[at]);
+        if !body.parents.is_empty() {
+            left = Some((body, carried));
+            carried = carried.map(|x| body.only_on(parent, x));
+        } else if let Some((limbs, left)) = &left {
+            if limbs.parents.contains(&Some(parent)) {
+                carried = carried.zip(*left, |x, left| x + limbs.only_on(parent, left));
+            }
+        }
+        behind = Some(carried);
+        at = parent;
+    }
+}
+
+/// Where the entries go.
+struct Entries<'a, 'b, S> {
+    model: &'a Prepared<S>,
+    columns: &'a mut [S],
+    gim: &'a mut Option<&'b mut [S]>,
+}
+
+impl<S: Scalar> Entries<'_, '_, S> {
+    /// Adds a column's entries of its own body's degrees of freedom; what of it is behind that body.
+    fn own(
+        &mut self,
+        by: By,
+        workspace: &Workspace<S>,
+        composite: &Composite<'_, S>,
+        column: usize,
+    ) -> Behind<S> {
+        let Dof { body, component, armature, .. } = self.model.dofs[column];
+        let mut wrench = composite.answer(&workspace.deviations[column]);
+        let weights = composite.weights(component);
+        let dofs = self.model.bodies[body].dofs.clone();
+        for row in dofs.clone() {
+            self.add(row, column, wrench.components()[self.model.dofs[row].component]);
+        }
+        let masses = weights.wrench.components();
+        let own = masses[component];
+        self.add_mass(column, column, armature.map_or(own, |armature| own + armature));
+        for other in dofs.start..column {
+            self.add_masses(other, column, masses[self.model.dofs[other].component]);
+        }
+        if by == By::Coordinates {
+            wrench += displaced(workspace.wrenches[body], component);
+        }
+        Behind { wrench, weights }
+    }
+
+    /// Adds to the entry of two degrees of freedom.
+    fn add(&mut self, row: usize, column: usize, entry: S) {
+        let (row, column) = (&self.model.dofs[row], &self.model.dofs[column]);
+        let sum = &mut self.columns[column.v * self.model.nv + row.v];
+        *sum = *sum + row.scale(column.scale(entry));
+    }
+
+    fn add_mass(&mut self, row: usize, column: usize, entry: S) {
+        let Some(gim) = &mut self.gim else { return };
+        let (row, column) = (&self.model.dofs[row], &self.model.dofs[column]);
+        let sum = &mut gim[column.v * self.model.nv + row.v];
+        *sum = *sum + row.scale(column.scale(entry));
+    }
+
+    /// Adds to the GIM on both sides of its diagonal. (Where one degree of freedom follows the other both
+    /// are the same entry, and both count.)
+    fn add_masses(&mut self, row: usize, column: usize, entry: S) {
+        self.add_mass(row, column, entry);
+        self.add_mass(column, row, entry);
     }
 }
 
@@ -130,16 +242,52 @@ struct Weights<S> {
 }
 
 impl<S: Scalar> Weights<S> {
-    /// The weights at the parent, over whose origin that of `body` moves with half of `lever`.
-    fn carried(&self, body: &Body<S>, motion: &Motion<S>, lever: Vector3<S>) -> Self {
-        let wrench = body.wrench_to_parent(motion, self.wrench);
-        let turning = body.to_parent(motion, self.turning) + lever.cross(wrench.force);
-        Self { wrench, turning }
-    }
-
     fn of(&self, deviation: &Deviation<S>) -> S {
         self.turning.dot(deviation.turning)
             + self.wrench.moment.dot(deviation.gradient)
             + self.wrench.force.dot(deviation.uniform)
+    }
+}
+
+/// What of a column is behind a body, seen from there: of several columns side by side.
+#[derive(Clone, Copy, Debug)]
+struct Behind<S> {
+    /// What answers to the deviation.
+    wrench: Wrench<S>,
+    /// What a unit displacement of the column's degree of freedom feels of deviations in front.
+    weights: Weights<S>,
+}
+
+impl<S: Scalar> Behind<S> {
+    /// The same seen from the parent, over whose origin that of `body` moves with half of `lever`.
+    fn carried(&self, body: &Body<S>, motion: &Motion<S>, lever: Vector3<S>) -> Self {
+        let Weights { wrench, turning } = self.weights;
+        let wrench = body.wrench_to_parent(motion, wrench);
+        let turning = body.to_parent(motion, turning) + lever.cross(wrench.force);
+        let weights = Weights { wrench, turning };
+        Self { wrench: body.wrench_to_parent(motion, self.wrench), weights }
+    }
+
+    /// Each number through `f`.
+    fn map(self, f: impl Fn(S) -> S) -> Self {
+        self.zip(self, |x, _| f(x))
+    }
+
+    /// Each number and its like through `f`.
+    fn zip(self, other: Self, f: impl Fn(S, S) -> S) -> Self {
+        let vectors = |a: Vector3<S>, b: Vector3<S>| {
+            Vector3(core::array::from_fn(|k| f(a.0[k], b.0[k])))
+        };
+        let wrenches = |a: Wrench<S>, b: Wrench<S>| Wrench {
+            moment: vectors(a.moment, b.moment),
+            force: vectors(a.force, b.force),
+        };
+        Self {
+            wrench: wrenches(self.wrench, other.wrench),
+            weights: Weights {
+                wrench: wrenches(self.weights.wrench, other.weights.wrench),
+                turning: vectors(self.weights.turning, other.weights.turning),
+            },
+        }
     }
 }
