@@ -454,6 +454,7 @@ fn side_by_side(function: Function, source: &Source<'_>, limbs: &Limbs) -> Vec<G
         // What is carried on from limbs to the root has one way to go.
         Function::MassMatrix if limbs.is_joined() => return Vec::new(),
         Function::MassMatrix => tracer.mass_matrix(),
+        _ if !limbs.on_one_way(tracer.model()) => return Vec::new(),
         // Where limbs move each other, derivatives are written on vectors alone.
         Function::InverseDynamicsDerivatives | Function::ForwardDynamicsDerivatives
             if !(source.vectors || source.independent) =>

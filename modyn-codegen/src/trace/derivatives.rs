@@ -36,7 +36,7 @@ impl Tracer<'_> {
             let layout = Layout::of(model, limbs.partition(layout.partition()));
             let workspace = &mut Workspace::new(model);
             let [qdd, dq, dqd, dtau] = derive(model, &layout, state, workspace);
-            let [q, qd, tau] = [&dq, &dqd, &dtau].map(|x| across(&layout, workspace, x));
+            let [q, qd, tau] = [&dq, &dqd, &dtau].map(|x| across(model, &layout, workspace, x));
             let matrices = [
                 limbs.coupled_apart(&dq, &q),
                 limbs.coupled_apart(&dqd, &qd),

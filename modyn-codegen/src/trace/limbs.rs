@@ -10,6 +10,7 @@
 
 mod coupled;
 
+use std::iter;
 use std::ops::Range;
 
 use modyn_runtime::equations::Partition;
@@ -37,6 +38,8 @@ pub struct Limbs {
     /// By its degrees of freedom: the entries of the robot's joint vectors, one a lane, and the limbs
     /// that it belongs to.
     velocities: Vec<(Lanes, Option<usize>)>,
+    /// By the same: the bodies on the world that each lane hangs on.
+    roots: Vec<Lanes>,
     /// By its coordinates: the robot's.
     coordinates: Vec<Lanes>,
     /// Whether some hang on different bodies.
@@ -86,9 +89,29 @@ impl Limbs {
         self.joined
     }
 
+    /// Whether the bodies that limbs hang on are one behind the other: what they leave can then be carried
+    /// on together.
+    #[must_use]
+    pub fn on_one_way(&self, model: &Prepared<f64>) -> bool {
+        let ways = |of: &Lanes| {
+            let parents: Vec<usize> =
+                of.iter().flatten().filter_map(|&b| model.bodies[b].parent).collect();
+            let Some(&last) = parents.iter().max() else { return true };
+            let way: Vec<usize> =
+                iter::successors(Some(last), |&body| model.bodies[body].parent).collect();
+            parents.iter().all(|parent| way.contains(parent))
+        };
+        self.bodies.iter().filter(|merged| merged.first).all(|merged| ways(&merged.of))
+    }
+
     fn new(model: &Prepared<f64>, groups: &[Vec<Range<usize>>]) -> Self {
         let mut bodies = Vec::new();
         let (mut velocities, mut coordinates) = (Vec::new(), Vec::new());
+        let mut roots = Vec::new();
+        let mut root_of: Vec<usize> = Vec::new();
+        for (i, body) in model.bodies.iter().enumerate() {
+            root_of.push(body.parent.map_or(i, |parent| root_of[parent]));
+        }
         let mut add = |merged: Merged, group| {
             let body = &model.bodies[merged.like];
             let lanes = |number: &dyn Fn(&Body<f64>) -> usize| {
@@ -96,6 +119,7 @@ impl Limbs {
             };
             for k in 0..body.dofs.len() {
                 velocities.push((lanes(&|body| model.dofs[body.dofs.start + k].v), group));
+                roots.push(merged.of.iter().map(|of| of.map(|b| root_of[b])).collect());
             }
             coordinates.extend((0..body.primitive.nq()).map(|k| lanes(&|body| body.q + k)));
             bodies.push(merged);
@@ -116,7 +140,7 @@ impl Limbs {
                 add(Merged { of, like: longest.start + place, first: place == 0 }, Some(g));
             }
         }
-        Self { bodies, velocities, coordinates, joined: false }
+        Self { bodies, velocities, roots, coordinates, joined: false }
     }
 
     /// Whether no limb moves another: all hang on the world.

@@ -68,6 +68,11 @@ impl<'a> Tracer<'a> {
         Self { model: self.model, parameters: self.parameters.clone(), limbs: None, columns: 4 }
     }
 
+    /// The robot.
+    pub(crate) fn model(&self) -> &Prepared<f64> {
+        self.model
+    }
+
     /// What of the model is an input.
     #[must_use]
     pub fn parameters(&self) -> &Parameters {

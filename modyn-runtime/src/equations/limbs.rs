@@ -77,7 +77,12 @@ pub(super) fn sum<S: Scalar>(
 /// Expects the factors as [`forward_dynamics_derivatives`](super::derivatives::forward_dynamics_derivatives)
 /// leaves them.
 #[must_use]
-pub fn across<S: Scalar>(layout: &Layout, workspace: &Workspace<S>, columns: &[S]) -> Vec<S> {
+pub fn across<S: Scalar>(
+    model: &Prepared<S>,
+    layout: &Layout,
+    workspace: &Workspace<S>,
+    columns: &[S],
+) -> Vec<S> {
     let u = &workspace.factors[layout.u()];
     let limbs = layout.limbs();
     let counts: Vec<usize> = limbs.iter().map(|limb| limb.map_or(1, |limb| limb.count)).collect();
@@ -93,6 +98,9 @@ pub fn across<S: Scalar>(layout: &Layout, workspace: &Workspace<S>, columns: &[S
                 }
                 x[block.dofs.clone()].fill(S::zero());
                 for (dof, row) in layout.rows(m) {
+                    if layout.limb(m).is_some_and(|it| !moves(model, dof, it, limb)) {
+                        continue;
+                    }
                     for (j, i) in block.dofs.clone().enumerate() {
                         x[i] = x[i] - u[row + j].of_limb(limb) * x[dof];
                     }
@@ -104,4 +112,14 @@ pub fn across<S: Scalar>(layout: &Layout, workspace: &Workspace<S>, columns: &[S
         }
     }
     across
+}
+
+/// Whether a degree of freedom moves the one of these limbs: not if it hangs on another body of the world.
+fn moves<S>(model: &Prepared<S>, dof: usize, of: Limb, limb: usize) -> bool {
+    let first = &model.bodies[of.first];
+    let mut on = first.parents.get(limb).copied().unwrap_or(first.parent);
+    while let Some(body) = on.filter(|&body| body != model.dofs[dof].body) {
+        on = model.bodies[body].parent;
+    }
+    on.is_some() || model.dofs[dof].body >= of.first
 }

@@ -38,6 +38,10 @@ impl Limbs {
     }
 
     fn entry(&self, columns: &[Expr], across: &[Expr], row: Entry, column: Entry) -> Expr {
+        let root = |(d, k): Entry| self.roots[d][k];
+        if root(row) != root(column) {
+            return constant(0.0);
+        }
         let group = |(d, _): Entry| self.velocities[d].1;
         let of_two = group(row).is_some() && group(column).is_some();
         if of_two && (group(row), row.1) != (group(column), column.1) {

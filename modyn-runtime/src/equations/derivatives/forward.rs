@@ -5,10 +5,10 @@ use super::deviation::{by_coordinates, by_rates};
 use super::inverse::add_resistance;
 use super::projection::{By, project};
 use crate::Scalar;
+use crate::equations::Workspace;
 use crate::equations::brge::{self, Layout};
 use crate::equations::limbs;
 use crate::equations::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
-use crate::equations::Workspace;
 use crate::model::prepare::Prepared;
 use crate::spatial::Vector3;
 
@@ -80,7 +80,8 @@ fn multiply<S: Scalar>(columns: &[S], abreast: usize, x: &mut [S]) {
     let n = x.len();
     let factors = x.to_vec();
     for (k, rows) in x.chunks_mut(abreast).enumerate() {
-        let beside = columns.chunks(n).map(|column| S::by_limb(&column[k * abreast..][..rows.len()]));
+        let beside =
+            columns.chunks(n).map(|column| S::by_limb(&column[k * abreast..][..rows.len()]));
         let products = beside.zip(&factors).map(|(column, &factor)| column * factor);
         let sum = products.reduce(|sum, product| sum + product).expect("a square matrix");
         for (row, x) in rows.iter_mut().enumerate() {

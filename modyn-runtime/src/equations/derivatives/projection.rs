@@ -80,7 +80,8 @@ fn project_group<S: Scalar>(
             let feel = weights.of(&workspace.deviations[other]);
             let mass = weights.wrench.components()[component];
             for column in joined..group.end {
-                let lane = |x: S| if group.len() == 1 { x } else { x.of_limb(column - group.start) };
+                let lane =
+                    |x: S| if group.len() == 1 { x } else { x.of_limb(column - group.start) };
                 entries.add(other, column, lane(felt));
                 entries.add(column, other, lane(feel));
                 entries.add_masses(other, column, lane(mass));
@@ -275,9 +276,8 @@ impl<S: Scalar> Behind<S> {
 
     /// Each number and its like through `f`.
     fn zip(self, other: Self, f: impl Fn(S, S) -> S) -> Self {
-        let vectors = |a: Vector3<S>, b: Vector3<S>| {
-            Vector3(core::array::from_fn(|k| f(a.0[k], b.0[k])))
-        };
+        let vectors =
+            |a: Vector3<S>, b: Vector3<S>| Vector3(core::array::from_fn(|k| f(a.0[k], b.0[k])));
         let wrenches = |a: Wrench<S>, b: Wrench<S>| Wrench {
             moment: vectors(a.moment, b.moment),
             force: vectors(a.force, b.force),
