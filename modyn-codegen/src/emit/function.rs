@@ -245,19 +245,26 @@ impl<'a> Writer<'a> {
     fn reached(&self, id: Id) -> Vec<usize> {
         match self.statement_of[id as usize] {
             Some(statement) => vec![statement],
-            None => {
-                self.graph.node(id).operands().flat_map(|operand| self.reached(operand)).collect()
-            }
+            None => self.reached_by(id),
         }
+    }
+
+    /// The statements whose values the text of node `id`'s operation mentions.
+    fn reached_by(&self, id: Id) -> Vec<usize> {
+        let operands: Vec<Id> = match self.graph.node(id) {
+            // Numbers side by side are written one by one, even if some of them stand so elsewhere.
+            Node::Beside(_, _, width) => {
+                (0..width).map(|lane| self.graph.beside_at(id, lane)).collect()
+            }
+            node => node.operands().collect(),
+        };
+        operands.into_iter().flat_map(|operand| self.reached(operand)).collect()
     }
 
     /// The statements whose values statement `s` mentions, and what is put behind it.
     fn uses_of(&self, s: usize) -> Vec<usize> {
         let mut used: Vec<usize> = match &self.statements[s] {
-            Statement::Node(id) => {
-                let node = self.graph.node(*id);
-                node.operands().flat_map(|operand| self.reached(operand)).collect()
-            }
+            Statement::Node(id) => self.reached_by(*id),
             Statement::Angles(angles) => {
                 angles.iter().flat_map(|&angle| self.reached(angle)).collect()
             }
