@@ -1,4 +1,5 @@
-//! Derivatives of equal limbs side by side are the interpreter's, by fewer operations.
+//! Derivatives of equal limbs side by side, and by columns side by side, are the interpreter's, by fewer
+//! operations.
 
 use modyn_codegen::expr::Graph;
 use modyn_codegen::partition::whole_chains;
@@ -105,15 +106,20 @@ fn condition(matrix: &[f64], inverse: &[f64], n: usize) -> f64 {
 fn derivatives_side_by_side_are_the_interpreters() {
     for (name, model) in robots() {
         let prepared = Prepared::new(&model);
-        let limbs = Limbs::find(&prepared).expect("equal limbs");
         let tracer = Tracer::new(&prepared);
-        let abreast = tracer.abreast(&limbs);
-        let inverse = optimize(abreast.inverse_dynamics_derivatives());
-        let forward: Vec<Graph> = [ModuleTree::chains(&model), ModuleTree::links(&model)]
-            .iter()
-            .map(|modules| Layout::new(&prepared, modules))
-            .map(|layout| optimize(abreast.forward_dynamics_derivatives(&layout)))
-            .collect();
+        let ways = Limbs::ways(&prepared, true);
+        assert_eq!(ways.len(), if name.starts_with("humanoid") { 2 } else { 1 }, "{name}");
+        assert!(ways.iter().all(|limbs| limbs.on_one_way(&prepared)), "{name}");
+        let mut tracers: Vec<Tracer> = ways.iter().map(|limbs| tracer.abreast(limbs)).collect();
+        tracers.push(tracer.columns_abreast());
+        let layouts = [ModuleTree::chains(&model), ModuleTree::links(&model)]
+            .map(|modules| Layout::new(&prepared, &modules));
+        let inverse: Vec<Graph> =
+            tracers.iter().map(|t| optimize(t.inverse_dynamics_derivatives())).collect();
+        let forward = tracers.iter().flat_map(|tracer| {
+            layouts.iter().map(|layout| optimize(tracer.forward_dynamics_derivatives(layout)))
+        });
+        let forward: Vec<Graph> = forward.collect();
         let mut interpreter = Interpreter::new(model.clone());
         let n = model.nv();
         for seed in [0.0, 1.3, 4.1] {
@@ -121,8 +127,10 @@ fn derivatives_side_by_side_are_the_interpreters() {
             let mut expected = vec![0.0; 2 * n * n];
             let (dq, dqd) = expected.split_at_mut(n * n);
             interpreter.inverse_dynamics_derivatives(&q, &qd, &qdd, dq, dqd).expect("lengths");
-            let found = inverse.evaluate(&[&*q, &*qd, &*qdd].concat());
-            assert_close(&format!("{name}, inverse dynamics"), &found, &expected, 1e-11);
+            for graph in &inverse {
+                let found = graph.evaluate(&[&*q, &*qd, &*qdd].concat());
+                assert_close(&format!("{name}, inverse dynamics"), &found, &expected, 1e-11);
+            }
 
             let mut expected = vec![0.0; n + 3 * n * n];
             let (accelerations, rest) = expected.split_at_mut(n);
@@ -165,20 +173,76 @@ fn operations_of_derivatives_are_those_of_the_page() {
             continue;
         };
         let prepared = Prepared::new(&model);
-        let limbs = Limbs::find(&prepared).expect("equal limbs");
         let layout = Layout::new(&prepared, &whole_chains(&model));
         let alone = Tracer::new(&prepared);
-        let abreast = alone.abreast(&limbs);
+        let ways = Limbs::ways(&prepared, true);
         let count = |graph: Graph| optimize(graph).count().total();
-        let counts = [
-            count(alone.inverse_dynamics_derivatives()),
-            count(abreast.inverse_dynamics_derivatives()),
-            count(alone.forward_dynamics_derivatives(&layout)),
-            count(abreast.forward_dynamics_derivatives(&layout)),
-        ];
-        let [a, b, c, d] = counts;
-        assert!(row.ends_with(&format!("| {a} | {b} | {c} | {d} |")), "{row}: {counts:?}");
+        let counts = |of: &dyn Fn(&Tracer) -> Graph| {
+            let ways = ways.iter().map(|limbs| count(of(&alone.abreast(limbs))).to_string());
+            let mut counts: Vec<String> =
+                [count(of(&alone)).to_string()].into_iter().chain(ways).collect();
+            counts.resize(3, String::new());
+            counts.join(" | ")
+        };
+        let inverse = counts(&|tracer| tracer.inverse_dynamics_derivatives());
+        let forward = counts(&|tracer| tracer.forward_dynamics_derivatives(&layout));
+        let expected = format!("| {inverse} | {forward} |").replace("|  |", "| |");
+        assert!(row.ends_with(&expected), "{row}: {expected}");
         rows += 1;
     }
     assert_eq!(rows, 4);
+}
+
+/// The table of columns side by side in `docs/derivatives.md`.
+#[test]
+fn operations_by_columns_are_those_of_the_page() {
+    let page = include_str!("../../docs/derivatives.md");
+    let robots = [
+        ("6-joint arm", include_str!("../../robots/arm6.urdf")),
+        ("7-joint arm", include_str!("../../robots/arm7.urdf")),
+    ];
+    for (name, text) in robots {
+        let model = read(text, name, Base::Fixed);
+        let prepared = Prepared::new(&model);
+        let layout = Layout::new(&prepared, &whole_chains(&model));
+        let alone = Tracer::new(&prepared);
+        let count = |graph: Graph| optimize(graph).count().total();
+        let [inverse, forward] = [
+            [&alone, &alone.columns_abreast()].map(|t| count(t.inverse_dynamics_derivatives())),
+            [&alone, &alone.columns_abreast()]
+                .map(|t| count(t.forward_dynamics_derivatives(&layout))),
+        ];
+        let [a, b] = inverse;
+        let [c, d] = forward;
+        let row = format!("| {name} | {a} | {b} | {c} | {d} |");
+        assert!(page.contains(&row), "{row}");
+    }
+}
+
+/// Legs on one branch, arms alike on another: what they leave is not carried on together.
+#[test]
+fn limbs_on_two_branches_are_not_on_one_way() {
+    let part = |parent: &str, child: &str, kind: &str, axis: &str| {
+        format!(
+            "<joint name=\"to_{child}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
+             <origin xyz=\"0.1 0.2 0.3\"/><axis xyz=\"{axis}\"/>\
+             <limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint><link name=\"{child}\"><inertial>\
+             <origin xyz=\"0.1 0.02 0.1\"/><mass value=\"1\"/>\
+             <inertia ixx=\"0.03\" iyy=\"0.03\" izz=\"0.02\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>"
+        )
+    };
+    let mut text = "<robot name=\"two\"><link name=\"world\"/>".to_string();
+    text += &part("world", "trunk", "revolute", "0 0 1");
+    for (branch, kind) in [("front", "revolute"), ("back", "prismatic")] {
+        text += &part("trunk", branch, kind, "1 0 0");
+        for k in [1, 2] {
+            let [upper, lower] = ["upper", "lower"].map(|name| format!("{branch}_{name}{k}"));
+            text += &part(branch, &upper, "revolute", "1 0 0");
+            text += &part(&upper, &lower, "revolute", "0 1 0");
+        }
+    }
+    let model = read(&(text + "</robot>"), "two branches", Base::Fixed);
+    let prepared = Prepared::new(&model);
+    let joined = Limbs::joined(&prepared).expect("limbs that can join");
+    assert!(!joined.on_one_way(&prepared));
 }

@@ -120,14 +120,16 @@ fn traced_derivatives_are_the_interpreters() {
         let evaluate = |graph: Graph, last: &[f64]| -> Vec<f64> {
             optimize(graph).evaluate(&[&*q, &*qd, last].concat())
         };
-        let expected = inverse(&mut interpreter, [&q, &qd, &qdd]).concat();
-        let found = evaluate(tracer.inverse_dynamics_derivatives(), &qdd);
-        assert_close("inverse dynamics", &found, &expected, 1e-11);
-        let expected = forward(&mut interpreter, [&q, &qd, &tau]).concat();
-        for modules in [ModuleTree::links(&model), ModuleTree::chains(&model)] {
-            let layout = Layout::new(&prepared, &modules);
-            let found = evaluate(tracer.forward_dynamics_derivatives(&layout), &tau);
-            assert_close("forward dynamics", &found, &expected, 1e-9);
+        let by_inverse = inverse(&mut interpreter, [&q, &qd, &qdd]).concat();
+        let by_forward = forward(&mut interpreter, [&q, &qd, &tau]).concat();
+        for tracer in [&tracer, &tracer.columns_abreast()] {
+            let found = evaluate(tracer.inverse_dynamics_derivatives(), &qdd);
+            assert_close("inverse dynamics", &found, &by_inverse, 1e-11);
+            for modules in [ModuleTree::links(&model), ModuleTree::chains(&model)] {
+                let layout = Layout::new(&prepared, &modules);
+                let found = evaluate(tracer.forward_dynamics_derivatives(&layout), &tau);
+                assert_close("forward dynamics", &found, &by_forward, 1e-9);
+            }
         }
     }
 }

@@ -19,8 +19,8 @@ pub(super) enum By {
     Rates,
 }
 
-/// The derivatives of the joint torques by columns, of `workspace.deviations`, and the GIM without
-/// rotors into `gim`, if that is there. Expects composites (by coordinates, with their wrenches) and
+/// The derivatives of the joint torques by columns, of `workspace.deviations`; and the GIM, which takes the
+/// same way, into `gim` if that is there. Expects composites (by coordinates, with their wrenches) and
 /// angular velocities.
 ///
 /// Columns are carried towards the root one by one, or several side by side
@@ -58,6 +58,7 @@ fn abreast_before<S>(model: &Prepared<S>, end: usize) -> Range<usize> {
     start..end
 }
 
+/// Carries the columns of these degrees of freedom from the last one's body to the root.
 fn project_group<S: Scalar>(
     model: &Prepared<S>,
     by: By,
@@ -151,13 +152,14 @@ impl<S: Scalar> Entries<'_, '_, S> {
         Behind { wrench, weights }
     }
 
-    /// Adds to the entry of two degrees of freedom.
+    /// Adds to the derivatives' entry of two degrees of freedom.
     fn add(&mut self, row: usize, column: usize, entry: S) {
         let (row, column) = (&self.model.dofs[row], &self.model.dofs[column]);
         let sum = &mut self.columns[column.v * self.model.nv + row.v];
         *sum = *sum + row.scale(column.scale(entry));
     }
 
+    /// Adds to the GIM's.
     fn add_mass(&mut self, row: usize, column: usize, entry: S) {
         let Some(gim) = &mut self.gim else { return };
         let (row, column) = (&self.model.dofs[row], &self.model.dofs[column]);
