@@ -6,6 +6,7 @@
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::abreast::One;
 use super::avx2::{F32x8, F64x4};
 use super::{Lanes, Part};
 use crate::Scalar;
@@ -48,6 +49,13 @@ macro_rules! fused {
             unsafe fn store(self, to: *mut $float) {
                 // SAFETY: the caller's promise.
                 unsafe { *to = self.0 }
+            }
+        }
+
+        impl One for $name {
+            #[inline(always)]
+            fn number(self) -> $float {
+                self.0
             }
         }
 
