@@ -305,7 +305,7 @@ impl<'a> Writer<'a> {
         let count = self.statements.len();
         let most = match self.on {
             On::States => SHORT_PART,
-            On::Vectors if count > PART && self.vectors().count() == 1 => SHORT_PART,
+            On::Numbers | On::Vectors if count > PART && self.vectors().count() == 1 => SHORT_PART,
             On::Numbers | On::Vectors => PART,
         };
         let parts = count.div_ceil(most).max(1);
@@ -354,9 +354,10 @@ impl<'a> Writer<'a> {
             Node::Abs(a) => f("abs", a, &[]),
             Node::Max(a, b) => f("max", a, &[t(b)]),
             Node::Select(a, b, c) => f("select_nonnegative", a, &[t(b), t(c)]),
-            Node::Beside(..) => {
-                format!("{kind}::beside([{}])", self.lanes(id, width).join(", "))
-            }
+            Node::Beside(..) => match self.constants(id, width) {
+                Some(constants) => format!("{kind}::constants([{}])", constants.join(", ")),
+                None => format!("{kind}::beside([{}])", self.lanes(id, width).join(", ")),
+            },
             Node::Lane(a, _) => {
                 format!("{}::apart({})", self.kind(self.graph.width(a)), self.text(a))
             }
@@ -366,6 +367,15 @@ impl<'a> Writer<'a> {
     /// The texts of what stands side by side in so many lanes.
     fn lanes(&self, id: Id, width: u8) -> Vec<String> {
         (0..width).map(|lane| self.text(self.graph.beside_at(id, lane))).collect()
+    }
+
+    /// The same, if all are constants.
+    fn constants(&self, id: Id, width: u8) -> Option<Vec<String>> {
+        let constant = |lane| match self.graph.node(self.graph.beside_at(id, lane)) {
+            Node::Constant(bits) => Some(number(f64::from_bits(bits))),
+            _ => None,
+        };
+        (0..width).map(constant).collect()
     }
 
     /// The factors of a product that is written in place.
@@ -751,12 +761,17 @@ pub(super) fn input(parameters: &[Parameter], number: usize) -> (String, &Parame
 /// A constant as an expression, the same in so many lanes.
 pub(super) fn constant(value: f64, width: u8) -> String {
     let k = if width == 1 { "k".to_string() } else { format!("k{width}") };
+    format!("{k}({})", number(value))
+}
+
+/// A constant as a number.
+fn number(value: f64) -> String {
     if value.is_finite() {
-        format!("{k}({value:?})")
+        format!("{value:?}")
     } else {
         // Figures are below 1e60 (`urdf::build::LARGEST`), but folding multiplies them, along a
         // chain without end: what overflows is written as what it would be at run time.
-        format!("{k}(f64::from_bits({}))", value.to_bits())
+        format!("f64::from_bits({})", value.to_bits())
     }
 }
 

@@ -39,6 +39,12 @@ macro_rules! beside {
             }
 
             #[inline(always)]
+            #[allow(clippy::cast_possible_truncation)]
+            fn constants(numbers: [f64; $lanes]) -> Self {
+                Self::from_numbers([$(numbers[$lane] as _),*])
+            }
+
+            #[inline(always)]
             fn apart(self) -> [$one; $lanes] {
                 let numbers = self.numbers();
                 [$(<$one as crate::lanes::Lanes>::splat(numbers[$apart])),*]

@@ -103,6 +103,11 @@ macro_rules! beside {
             }
 
             #[inline(always)]
+            fn constants(numbers: [f64; $whole]) -> Self {
+                Self(V::constants([$(numbers[$first]),*]), V::constants([$(numbers[$second]),*]))
+            }
+
+            #[inline(always)]
             fn apart(self) -> [One; $whole] {
                 let halves = [self.0.apart(), self.1.apart()];
                 [$(halves[0][$first]),*, $(halves[1][$second - $half]),*]
