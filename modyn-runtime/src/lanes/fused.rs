@@ -86,10 +86,14 @@ macro_rules! fused {
 
             #[inline(always)]
             fn mul_add(self, factor: Self, term: Self) -> Self {
+                // A function of its own, so that the compiler has the instruction in it once and for all.
+                #[inline]
+                #[target_feature(enable = "avx2,fma")]
+                fn fused(a: $float, b: $float, c: $float) -> $float {
+                    $first($fmadd($set(a), $set(b), $set(c)))
+                }
                 // SAFETY: the processor has the instructions, see the header.
-                Self(unsafe {
-                    $first($fmadd($set(self.0), $set(factor.0), $set(term.0)))
-                })
+                Self(unsafe { fused(self.0, factor.0, term.0) })
             }
 
             #[inline(always)]
