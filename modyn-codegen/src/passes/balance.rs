@@ -274,9 +274,11 @@ mod tests {
         let robots = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots");
         for (robot, before, after) in frozen {
             let text = std::fs::read_to_string(format!("{robots}/{robot}")).expect("a robot");
-            let model = urdf::read(&text, robot, &urdf::ReadOptions::default()).expect("good").model;
+            let model =
+                urdf::read(&text, robot, &urdf::ReadOptions::default()).expect("good").model;
             let prepared = Prepared::new(&model);
-            let links = Elimination::Recursive(Partition::new(&prepared, &ModuleTree::links(&model)));
+            let links =
+                Elimination::Recursive(Partition::new(&prepared, &ModuleTree::links(&model)));
             let graph = optimize(Tracer::new(&prepared).forward_dynamics(&links));
             let figures = |graph: &Graph| [longest(graph) as usize, graph.count().total()];
             assert_eq!((figures(&graph), figures(&balance(&graph))), (before, after), "{robot}");
