@@ -3,7 +3,10 @@
 //!
 //! ```console
 //! cargo run -p modyn-codegen --example cost -- robots/arm7.urdf robots/humanoid.urdf
+//! cargo run -p modyn-codegen --example cost -- tests/golden/g1.urdf forward_dynamics
 //! ```
+//!
+//! Functions that are named are the only ones; with none, all are measured.
 //!
 //! A table in Markdown, in processor time, so that other work on the machine matters little. Not `--release`: macros
 //! and build scripts, which generate, run unoptimised. The crates are written to and built in the folder
@@ -31,7 +34,11 @@ fn main() -> Result<()> {
     std::fs::write(folder.join("Cargo.toml"), manifest)?;
     println!("| robot | function | operations | generated, s | debug, s | release, s | code, kB |");
     println!("|---|---|---|---|---|---|---|");
-    for path in std::env::args().skip(1) {
+    let named = |argument: &String| Function::ALL.iter().find(|f| f.name() == argument).copied();
+    let (functions, paths): (Vec<_>, Vec<_>) =
+        std::env::args().skip(1).partition(|argument| named(argument).is_some());
+    let functions: Vec<Function> = functions.iter().filter_map(named).collect();
+    for path in paths {
         let robot = Path::new(&path).file_stem().unwrap_or_default().to_string_lossy();
         let path = std::env::current_dir()?.join(&path);
         let generate = |functions: &[Function]| {
@@ -42,7 +49,7 @@ fn main() -> Result<()> {
         // The dependencies, too, are compiled the first time.
         let debug_alone = least(|| debug(&folder, &alone))?;
         let release_alone = least(|| release(&folder, &alone))?;
-        for &function in Function::ALL {
+        for &function in if functions.is_empty() { Function::ALL } else { &functions[..] } {
             let before = processor_time(Whose::Own)?;
             let generated = generate(&[function])?;
             let taken = processor_time(Whose::Own)? - before;

@@ -1,53 +1,53 @@
 //! Vectors of each instruction set for several numbers of one state.
 //!
-//! Unsafe code: what these macros write stands in the instruction sets' files, and so under their proofs; stores
-//! go to arrays of as many places as any vector has.
+//! Unsafe code: what these macros write stands in the instruction sets' files, and so under their proofs.
 
 use super::Lanes;
-use crate::Scalar;
 
-/// The numbers of a vector, in as many places as any has.
-#[inline(always)]
-#[allow(unsafe_code)] // It writes through a pointer.
-pub(super) fn numbers<L: Lanes>(lanes: L) -> [L::Lane; super::MOST_LANES] {
-    let mut numbers = [L::Lane::zero(); super::MOST_LANES];
-    // SAFETY: no vector has more.
-    unsafe { lanes.store(numbers.as_mut_ptr()) }
-    numbers
+/// A vector's number alone.
+pub trait One: Lanes {
+    /// It.
+    fn number(self) -> Self::Lane;
 }
 
-/// The first lanes of vectors as numbers side by side; what is behind them repeats.
+macro_rules! one {
+    ($($float:ident)*) => {$(
+        impl One for $float {
+            #[inline(always)]
+            fn number(self) -> $float {
+                self
+            }
+        }
+    )*};
+}
+
+one!(f64 f32);
+
+/// The first lanes of vectors as numbers side by side, and what is in each lane: what is behind them
+/// repeats. Written out, since each loop is one for the compiler to unroll wherever limbs meet.
 macro_rules! beside {
-    ($($vector:ty: $lanes:literal of $one:ty;)*) => {$(
+    ($($vector:ty: $lanes:literal of $one:ty, [$($apart:literal)*] in [$($lane:literal)*];)*) => {$(
         impl crate::scalar::abreast::Beside<$one, $lanes> for $vector {
             #[inline(always)]
             fn all(number: $one) -> Self {
-                let number = crate::lanes::abreast::numbers(number)[0];
-                <Self as crate::lanes::Lanes>::splat(number)
+                <Self as crate::lanes::Lanes>::splat(crate::lanes::abreast::One::number(number))
             }
 
             #[inline(always)]
             fn beside(numbers: [$one; $lanes]) -> Self {
-                let first = crate::lanes::abreast::numbers(numbers[0])[0];
-                let mut lanes = [first; <Self as crate::lanes::Lanes>::LANES];
-                let mut i = 1;
-                while i < lanes.len() {
-                    lanes[i] = crate::lanes::abreast::numbers(numbers[i % $lanes])[0];
-                    i += 1;
-                }
-                Self::from_numbers(lanes)
+                Self::from_numbers([$(crate::lanes::abreast::One::number(numbers[$lane])),*])
+            }
+
+            #[inline(always)]
+            #[allow(clippy::cast_possible_truncation)]
+            fn constants(numbers: [f64; $lanes]) -> Self {
+                Self::from_numbers([$(numbers[$lane] as _),*])
             }
 
             #[inline(always)]
             fn apart(self) -> [$one; $lanes] {
                 let numbers = self.numbers();
-                let mut apart = [<$one as crate::lanes::Lanes>::splat(numbers[0]); $lanes];
-                let mut i = 1;
-                while i < $lanes {
-                    apart[i] = <$one as crate::lanes::Lanes>::splat(numbers[i]);
-                    i += 1;
-                }
-                apart
+                [$(<$one as crate::lanes::Lanes>::splat(numbers[$apart])),*]
             }
         }
     )*};
@@ -78,7 +78,7 @@ macro_rules! vectors {
 
                 #[inline(always)]
                 fn number(one: $one) -> $float {
-                    crate::lanes::abreast::numbers(one)[0]
+                    crate::lanes::abreast::One::number(one)
                 }
 
                 #[inline(always)]

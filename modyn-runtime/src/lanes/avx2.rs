@@ -101,11 +101,11 @@ work! {
 }
 
 beside! {
-    F64x2: 2 of F64x1;
-    F64x4: 4 of F64x1;
-    F32x4: 2 of F32x1;
-    F32x4: 4 of F32x1;
-    F32x8: 8 of F32x1;
+    F64x2: 2 of F64x1, [0 1] in [0 1];
+    F64x4: 4 of F64x1, [0 1 2 3] in [0 1 2 3];
+    F32x4: 2 of F32x1, [0 1] in [0 1 0 1];
+    F32x4: 4 of F32x1, [0 1 2 3] in [0 1 2 3];
+    F32x8: 8 of F32x1, [0 1 2 3 4 5 6 7] in [0 1 2 3 4 5 6 7];
 }
 
 vectors! {

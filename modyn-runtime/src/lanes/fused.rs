@@ -6,6 +6,7 @@
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::abreast::One;
 use super::avx2::{F32x8, F64x4};
 use super::{Lanes, Part};
 use crate::Scalar;
@@ -51,6 +52,13 @@ macro_rules! fused {
             }
         }
 
+        impl One for $name {
+            #[inline(always)]
+            fn number(self) -> $float {
+                self.0
+            }
+        }
+
         impl FlipSign for $name {
             #[inline(always)]
             fn flip_sign(self, by: Self) -> Self {
@@ -78,10 +86,14 @@ macro_rules! fused {
 
             #[inline(always)]
             fn mul_add(self, factor: Self, term: Self) -> Self {
+                // A function of its own, so that the compiler has the instruction in it once and for all.
+                #[inline]
+                #[target_feature(enable = "avx2,fma")]
+                fn fused(a: $float, b: $float, c: $float) -> $float {
+                    $first($fmadd($set(a), $set(b), $set(c)))
+                }
                 // SAFETY: the processor has the instructions, see the header.
-                Self(unsafe {
-                    $first($fmadd($set(self.0), $set(factor.0), $set(term.0)))
-                })
+                Self(unsafe { fused(self.0, factor.0, term.0) })
             }
 
             #[inline(always)]

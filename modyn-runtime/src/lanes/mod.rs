@@ -89,25 +89,24 @@ pub(crate) const MOST_LANES: usize = 16;
 
 macro_rules! dispatch {
     ($($float:ident by $abreast:ident)*) => {$(
-        /// Runs `work` on the best vectors for numbers of one state.
+        /// Runs `work` on the best vectors for numbers of one state, or without: each text more is as much
+        /// work for rustc, so that SSE2, two lanes of which gain little, has none. Where the program counts
+        /// on the vectors, they alone have one.
         #[inline]
         #[allow(unsafe_code)] // Calls of functions for the instructions found to be there.
         pub(crate) fn $abreast<W: Abreast<$float>>(work: W) -> W::Output {
-            // All code fuses products there, and nothing is gained for numbers alone.
-            if cfg!(target_arch = "aarch64") && !W::SIDE_BY_SIDE {
-                return work.scalar();
-            }
-            match level() {
-                // Few lanes gain nothing by longer vectors.
+            // Few lanes gain nothing by longer vectors.
+            #[cfg(target_arch = "x86_64")]
+            if cfg!(all(target_feature = "avx2", target_feature = "fma")) || level() >= Level::Avx2 {
                 // SAFETY: `level` names what the processor has, and AVX-512 includes AVX2 and FMA.
-                #[cfg(target_arch = "x86_64")]
-                Level::Avx512 | Level::Avx2 => unsafe { avx2::$abreast(work) },
-                #[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
-                Level::Sse2 => sse2::$abreast(work),
-                #[cfg(target_arch = "aarch64")]
-                Level::Neon => neon::$abreast(work),
-                _ => work.scalar(),
+                return unsafe { avx2::$abreast(work) };
             }
+            // All code fuses products there, and nothing is gained for numbers alone.
+            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+            if W::SIDE_BY_SIDE {
+                return neon::$abreast(work);
+            }
+            work.scalar()
         }
 
         impl Float for $float {

@@ -40,9 +40,9 @@ work! {
 }
 
 beside! {
-    F64x2: 2 of f64;
-    F32x4: 2 of f32;
-    F32x4: 4 of f32;
+    F64x2: 2 of f64, [0 1] in [0 1];
+    F32x4: 2 of f32, [0 1] in [0 1 0 1];
+    F32x4: 4 of f32, [0 1 2 3] in [0 1 2 3];
 }
 
 vectors! {

@@ -90,7 +90,7 @@ impl<V: Scalar> Scalar for Pair<V> {
 }
 
 macro_rules! beside {
-    ($($half:literal $whole:literal),*) => {$(
+    ($($half:literal $whole:literal: [$($first:literal)*] [$($second:literal)*]),*) => {$(
         impl<One: Scalar, V: Beside<One, $half>> Beside<One, $whole> for Pair<V> {
             #[inline(always)]
             fn all(number: One) -> Self {
@@ -99,28 +99,21 @@ macro_rules! beside {
 
             #[inline(always)]
             fn beside(numbers: [One; $whole]) -> Self {
-                let mut halves = [[numbers[0]; $half]; 2];
-                let mut i = 0;
-                while i < $whole {
-                    halves[i / $half][i % $half] = numbers[i];
-                    i += 1;
-                }
-                Self(V::beside(halves[0]), V::beside(halves[1]))
+                Self(V::beside([$(numbers[$first]),*]), V::beside([$(numbers[$second]),*]))
+            }
+
+            #[inline(always)]
+            fn constants(numbers: [f64; $whole]) -> Self {
+                Self(V::constants([$(numbers[$first]),*]), V::constants([$(numbers[$second]),*]))
             }
 
             #[inline(always)]
             fn apart(self) -> [One; $whole] {
                 let halves = [self.0.apart(), self.1.apart()];
-                let mut numbers = [halves[0][0]; $whole];
-                let mut i = 0;
-                while i < $whole {
-                    numbers[i] = halves[i / $half][i % $half];
-                    i += 1;
-                }
-                numbers
+                [$(halves[0][$first]),*, $(halves[1][$second - $half]),*]
             }
         }
     )*};
 }
 
-beside!(2 4, 4 8);
+beside!(2 4: [0 1] [2 3], 4 8: [0 1 2 3] [4 5 6 7]);

@@ -6,8 +6,6 @@
 
 use core::arch::x86_64::*;
 
-use super::abreast::{beside, vectors};
-use super::pair::Pair;
 use super::vector::{vector, work};
 
 /// Without its sign.
@@ -62,15 +60,4 @@ vector! {
 work! {
     f64 on F64x2;
     f32 on F32x4;
-}
-
-beside! {
-    F64x2: 2 of f64;
-    F32x4: 2 of f32;
-    F32x4: 4 of f32;
-}
-
-vectors! {
-    f64 by abreast_f64 on Doubles: f64, F64x2, Pair<F64x2>, Pair<Pair<F64x2>>;
-    f32 by abreast_f32 on Singles: f32, F32x4, F32x4, Pair<F32x4>;
 }

@@ -39,6 +39,10 @@ pub trait Beside<One, const LANES: usize>: Scalar {
     #[must_use]
     fn beside(numbers: [One; LANES]) -> Self;
 
+    /// These constants.
+    #[must_use]
+    fn constants(numbers: [f64; LANES]) -> Self;
+
     /// Each of them.
     #[must_use]
     fn apart(self) -> [One; LANES];
