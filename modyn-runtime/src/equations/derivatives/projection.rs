@@ -107,10 +107,10 @@ fn project_group<S: Scalar>(
         if !body.parents.is_empty() {
             left = Some((body, carried));
             carried = carried.map(|x| body.only_on(parent, x));
-        } else if let Some((limbs, left)) = &left {
-            if limbs.parents.contains(&Some(parent)) {
-                carried = carried.zip(*left, |x, left| x + limbs.only_on(parent, left));
-            }
+        } else if let Some((limbs, left)) = &left
+            && limbs.parents.contains(&Some(parent))
+        {
+            carried = carried.zip(*left, |x, left| x + limbs.only_on(parent, left));
         }
         behind = Some(carried);
         at = parent;
