@@ -174,6 +174,9 @@ fn limbs_on_different_bodies_side_by_side_give_the_same() {
                 let [before, after] = compare(name, quantity, equally, jointly);
                 assert!(after * 5 < before * 4, "{quantity} of the {name}: {before} to {after}");
             }
+            let (equally, jointly) = (equally.mass_matrix(), jointly.mass_matrix());
+            let [before, after] = compare(name, "the mass matrix", equally, jointly);
+            assert!(after < before, "the mass matrix of the {name}: {before} to {after}");
         }
     }
 }

@@ -452,9 +452,8 @@ fn side_by_side(function: Function, source: &Source<'_>, limbs: &Limbs) -> Vec<G
         Function::BiasForces => tracer.bias_forces(),
         Function::GravityTorques => tracer.gravity_torques(),
         // What is carried on from limbs to the root has one way to go.
-        Function::MassMatrix if limbs.is_joined() => return Vec::new(),
-        Function::MassMatrix => tracer.mass_matrix(),
         _ if !limbs.on_one_way(tracer.model()) => return Vec::new(),
+        Function::MassMatrix => tracer.mass_matrix(),
         // Where limbs move each other, derivatives are written on vectors alone.
         Function::InverseDynamicsDerivatives | Function::ForwardDynamicsDerivatives
             if !(source.vectors || source.independent) =>

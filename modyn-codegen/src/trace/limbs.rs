@@ -42,8 +42,6 @@ pub struct Limbs {
     roots: Vec<Lanes>,
     /// By its coordinates: the robot's.
     coordinates: Vec<Lanes>,
-    /// Whether some hang on different bodies.
-    joined: bool,
 }
 
 /// What stands in each lane; nothing behind the end of a limb that is shorter than others.
@@ -73,7 +71,7 @@ impl Limbs {
     pub fn joined(model: &Prepared<f64>) -> Option<Self> {
         let equal = groups(model);
         let joined = join(model, &equal);
-        (joined.len() < equal.len()).then(|| Self { joined: true, ..Self::new(model, &joined) })
+        (joined.len() < equal.len()).then(|| Self::new(model, &joined))
     }
 
     /// The ways there are, equal limbs on one body first; those on different bodies join if they may.
@@ -81,12 +79,6 @@ impl Limbs {
     pub fn ways(model: &Prepared<f64>, join: bool) -> Vec<Self> {
         let joined = join.then(|| Self::joined(model)).flatten();
         Self::find(model).into_iter().chain(joined).collect()
-    }
-
-    /// Whether limbs on different bodies are among them.
-    #[must_use]
-    pub fn is_joined(&self) -> bool {
-        self.joined
     }
 
     /// Whether the bodies that limbs hang on are one behind the other: what they leave can then be carried
@@ -140,7 +132,7 @@ impl Limbs {
                 add(Merged { of, like: longest.start + place, first: place == 0 }, Some(g));
             }
         }
-        Self { bodies, velocities, roots, coordinates, joined: false }
+        Self { bodies, velocities, roots, coordinates }
     }
 
     /// Whether no limb moves another: all hang on the world.
@@ -260,6 +252,9 @@ impl Limbs {
                 }
                 for lane in 0..column.len().max(row.len()) {
                     let at = |of: &Lanes| of[lane.min(of.len() - 1)];
+                    if at(&self.roots[c]) != at(&self.roots[r]) {
+                        continue;
+                    }
                     if let (Some(column), Some(row)) = (at(column), at(row)) {
                         apart[column * nv + row] = columns[c * n + r].lane(lane);
                     }

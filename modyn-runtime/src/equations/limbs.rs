@@ -14,7 +14,7 @@ use alloc::{vec, vec::Vec};
 use super::Workspace;
 use super::brge::Layout;
 use crate::Scalar;
-use crate::model::prepare::Prepared;
+use crate::model::prepare::{Body, Prepared};
 
 /// A limb that stands for equal ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +35,33 @@ pub(super) fn of_dofs<S>(model: &Prepared<S>) -> Vec<Option<Limb>> {
         });
     }
     model.dofs.iter().map(|dof| of_bodies[dof.body]).collect()
+}
+
+/// Numbers on their way from a body to the root: where limbs hang on different bodies, each lane comes in
+/// at its own.
+pub(super) struct Way<'a, S, const N: usize> {
+    /// What such limbs have carried to what they hang on.
+    limbs: Option<(&'a Body<S>, [S; N])>,
+}
+
+impl<'a, S: Scalar, const N: usize> Way<'a, S, N> {
+    pub(super) fn new() -> Self {
+        Self { limbs: None }
+    }
+
+    /// What of numbers that are `carried` from `body` is on its parent, with those that come in there.
+    pub(super) fn onto(&mut self, body: &'a Body<S>, parent: usize, carried: [S; N]) -> [S; N] {
+        if !body.parents.is_empty() {
+            self.limbs = Some((body, carried));
+            return carried.map(|x| body.only_on(parent, x));
+        }
+        match &self.limbs {
+            Some((limbs, left)) if limbs.parents.contains(&Some(parent)) => {
+                core::array::from_fn(|k| carried[k] + limbs.only_on(parent, left[k]))
+            }
+            _ => carried,
+        }
+    }
 }
 
 /// Over how many limbs adds up what one of `limb` leaves on one of `other`.

@@ -1,8 +1,10 @@
 //! The generalized inertia matrix (GIM), (7)-(10).
 
 use super::Workspace;
+use super::limbs::Way;
 use crate::Scalar;
 use crate::model::prepare::Prepared;
+use crate::spatial::Wrench;
 
 /// The GIM by columns into `columns` (nv times nv, column by column), both triangles.
 ///
@@ -35,6 +37,7 @@ pub fn mass_matrix<S: Scalar>(
             }
             add(dof.v, dof.v, dof.scale(dof.scale(own)));
             let mut at = i;
+            let mut way = Way::new();
             let mut others = body.dofs.start..d;
             loop {
                 for other in model.dofs[others].iter() {
@@ -44,7 +47,9 @@ pub fn mass_matrix<S: Scalar>(
                     add(dof.v, other.v, felt);
                 }
                 let Some(parent) = model.bodies[at].parent else { break };
-                wrench = model.bodies[at].wrench_to_parent(&workspace.motions[at], wrench);
+                let body = &model.bodies[at];
+                let carried = body.wrench_to_parent(&workspace.motions[at], wrench);
+                wrench = Wrench::from_components(way.onto(body, parent, carried.components()));
                 at = parent;
                 others = model.bodies[at].dofs.clone();
             }

@@ -6,6 +6,7 @@ use core::ops::Range;
 use super::Deviation;
 use crate::Scalar;
 use crate::equations::Workspace;
+use crate::equations::limbs::Way;
 use crate::joint::Motion;
 use crate::model::prepare::{Body, Dof, Prepared};
 use crate::spatial::{Matrix3, RigidInertia, Vector3, VelocityMoments, Wrench};
@@ -70,8 +71,7 @@ fn project_group<S: Scalar>(
     // What columns from `joined` on have behind the body `at`.
     let mut behind: Option<Behind<S>> = None;
     let mut joined = group.end;
-    // What limbs leave that hang on different bodies.
-    let mut left: Option<(&Body<S>, Behind<S>)> = None;
+    let mut way = Way::new();
     loop {
         let dofs = model.bodies[at].dofs.clone();
         for other in dofs.clone() {
@@ -94,25 +94,21 @@ fn project_group<S: Scalar>(
             let composite = composite.as_ref().expect("made above");
             let own = entries.own(by, workspace, composite, joined);
             behind = Some(match behind {
-                Some(behind) => behind.zip(own, |x, own| {
-                    let lane = |d| if d <= joined { own } else { x.of_limb(d - group.start) };
-                    S::by_limb(&group.clone().map(lane).collect::<Vec<_>>())
-                }),
+                Some(behind) => {
+                    let (behind, own) = (behind.numbers(), own.numbers());
+                    Behind::of(core::array::from_fn(|k| {
+                        let of_group = |d| behind[k].of_limb(d - group.start);
+                        let lane = |d| if d <= joined { own[k] } else { of_group(d) };
+                        S::by_limb(&group.clone().map(lane).collect::<Vec<_>>())
+                    }))
+                }
                 None => own,
             });
         }
         let (body, motion) = (&model.bodies[at], &workspace.motions[at]);
         let (Some(parent), Some(whole)) = (body.parent, &behind) else { break };
-        let mut carried = whole.carried(body, motion, workspace.levers[at]);
-        if !body.parents.is_empty() {
-            left = Some((body, carried));
-            carried = carried.map(|x| body.only_on(parent, x));
-        } else if let Some((limbs, left)) = &left
-            && limbs.parents.contains(&Some(parent))
-        {
-            carried = carried.zip(*left, |x, left| x + limbs.only_on(parent, left));
-        }
-        behind = Some(carried);
+        let carried = whole.carried(body, motion, workspace.levers[at]);
+        behind = Some(Behind::of(way.onto(body, parent, carried.numbers())));
         at = parent;
     }
 }
@@ -271,25 +267,16 @@ impl<S: Scalar> Behind<S> {
         Self { wrench: body.wrench_to_parent(motion, self.wrench), weights }
     }
 
-    /// Each number through `f`.
-    fn map(self, f: impl Fn(S) -> S) -> Self {
-        self.zip(self, |x, _| f(x))
+    fn numbers(&self) -> [S; 15] {
+        let [[a, b, c], [d, e, f]] = [self.wrench.moment.0, self.wrench.force.0];
+        let Weights { wrench, turning: Vector3([m, n, o]) } = self.weights;
+        let [[g, h, i], [j, k, l]] = [wrench.moment.0, wrench.force.0];
+        [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o]
     }
 
-    /// Each number and its like through `f`.
-    fn zip(self, other: Self, f: impl Fn(S, S) -> S) -> Self {
-        let vectors =
-            |a: Vector3<S>, b: Vector3<S>| Vector3(core::array::from_fn(|k| f(a.0[k], b.0[k])));
-        let wrenches = |a: Wrench<S>, b: Wrench<S>| Wrench {
-            moment: vectors(a.moment, b.moment),
-            force: vectors(a.force, b.force),
-        };
-        Self {
-            wrench: wrenches(self.wrench, other.wrench),
-            weights: Weights {
-                wrench: wrenches(self.weights.wrench, other.weights.wrench),
-                turning: vectors(self.weights.turning, other.weights.turning),
-            },
-        }
+    fn of([a, b, c, d, e, f, g, h, i, j, k, l, m, n, o]: [S; 15]) -> Self {
+        let wrench = |moment, force| Wrench { moment: Vector3(moment), force: Vector3(force) };
+        let weights = Weights { wrench: wrench([g, h, i], [j, k, l]), turning: Vector3([m, n, o]) };
+        Self { wrench: wrench([a, b, c], [d, e, f]), weights }
     }
 }
