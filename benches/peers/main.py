@@ -20,7 +20,10 @@ def options():
     parser.add_argument("--copies", type=int, default=5, help="processes, each of a fresh copy of its program (5)")
     parser.add_argument("--install", action="store_true", help="install missing compilers with apt-get")
     parser.add_argument("--output", default=OUTPUT, help="where to put the table and the plot (target/peers)")
-    return parser.parse_args()
+    arguments = parser.parse_args()
+    if arguments.copies < 1:
+        parser.error("--copies: at least 1")
+    return arguments
 
 
 def chosen(names, all_names, what):

@@ -227,15 +227,34 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
                 let partition = Partition::new(&prepared, &modules);
                 let merged = Elimination::Recursive(joined.partition(&partition));
+                let name = format!("upright {low} {high}");
                 compare(
-                    &format!("upright {low} {high}"),
+                    &name,
                     "forward dynamics",
                     alone.forward_dynamics(&Elimination::Recursive(partition)),
                     abreast.forward_dynamics(&merged),
                 );
+                let layout = Layout::new(&prepared, &modules);
+                compare(
+                    &name,
+                    "forward dynamics' derivatives",
+                    alone.forward_dynamics_derivatives(&layout),
+                    abreast.forward_dynamics_derivatives(&layout),
+                );
             }
-            compare("upright", "torques", alone.inverse_dynamics(), abreast.inverse_dynamics());
-            compare("upright", "gravity", alone.gravity_torques(), abreast.gravity_torques());
+            assert!(joined.on_one_way(&prepared));
+            for (quantity, alone, abreast) in [
+                ("torques", alone.inverse_dynamics(), abreast.inverse_dynamics()),
+                ("gravity", alone.gravity_torques(), abreast.gravity_torques()),
+                ("the mass matrix", alone.mass_matrix(), abreast.mass_matrix()),
+                (
+                    "inverse dynamics' derivatives",
+                    alone.inverse_dynamics_derivatives(),
+                    abreast.inverse_dynamics_derivatives(),
+                ),
+            ] {
+                compare("upright", quantity, alone, abreast);
+            }
         }
     }
     // Three joints more are too many to be made up for.

@@ -1,4 +1,4 @@
-//! Functions in which equal limbs are computed side by side, where numbers have vectors.
+//! Functions in which equal limbs or columns are computed side by side, where numbers have vectors.
 
 use std::fmt::Write as _;
 

@@ -402,7 +402,8 @@ impl Robot<'_> {
 fn abreast(function: Function, source: &Source<'_>, alone: &Graph) -> Option<Graph> {
     let count = |graph: &Graph| graph.count().total();
     let limbs = source.limbs.iter().flat_map(|limbs| side_by_side(function, source, limbs));
-    let graphs = limbs.chain(columns_side_by_side(function, source));
+    let columns = columns_side_by_side(function, source).filter(|_| count(alone) <= MOST_COLUMNS);
+    let graphs = limbs.chain(columns);
     let cheapest = graphs.map(|graph| balance(&optimize(graph))).min_by_key(count);
     let pays = |graph: &Graph| count(graph) * 5 < count(alone) * 4;
     if let Some(graph) = cheapest.filter(pays) {
@@ -422,6 +423,9 @@ fn abreast(function: Function, source: &Source<'_>, alone: &Graph) -> Option<Gra
 
 /// Most operations of a function, limbs one after the other, that waits for its longest way.
 const MOST_BALANCED: usize = 2000;
+
+/// Most operations of derivatives, column by column, that are compiled with columns side by side, too.
+const MOST_COLUMNS: usize = 20_000;
 
 /// Operations of functions that are compiled for several instruction sets even if nothing stands side by
 /// side: fewer take no longer than finding out, more cost the compiler more than they are worth.

@@ -252,6 +252,7 @@ impl Limbs {
                 }
                 for lane in 0..column.len().max(row.len()) {
                     let at = |of: &Lanes| of[lane.min(of.len() - 1)];
+                    // What hangs on the world by another body has no part in it.
                     if at(&self.roots[c]) != at(&self.roots[r]) {
                         continue;
                     }

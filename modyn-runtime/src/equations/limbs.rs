@@ -141,7 +141,8 @@ pub fn across<S: Scalar>(
     across
 }
 
-/// Whether a degree of freedom moves the one of these limbs: not if it hangs on another body of the world.
+/// Whether a degree of freedom moves the one of these limbs: not if the limb hangs on a body in front of it, or
+/// on another tree.
 fn moves<S>(model: &Prepared<S>, dof: usize, of: Limb, limb: usize) -> bool {
     let first = &model.bodies[of.first];
     let mut on = first.parents.get(limb).copied().unwrap_or(first.parent);

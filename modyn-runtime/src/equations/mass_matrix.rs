@@ -11,7 +11,7 @@ use crate::spatial::Wrench;
 /// Composite inertias by (8); element (i, j) is the part that joint j feels of the wrench that a
 /// unit acceleration of joint i needs on its composite, (10). With modules of one link that is
 /// the composite-rigid-body algorithm (Walker and Orin 1982); larger modules are the same sums
-/// in blocks.
+/// in blocks. (Derivatives need what is carried here, too, and get the GIM by the way: `derivatives::projection`.)
 pub fn mass_matrix<S: Scalar>(
     model: &Prepared<S>,
     q: &[S],

@@ -4,7 +4,8 @@
 //! it. The vectors can't be named from outside: they reach generic code as the type parameter of
 //! [`Work::run`] only, which is called only where the processor has what they need, so that their
 //! operations need no proof each time. All of it is inlined into that one function: what were
-//! not would lose the instruction set, and with it the speed.
+//! not would lose the instruction set, and with it the speed. (A function that has the instruction set itself,
+//! as `fused` has, loses nothing but the call.)
 
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod abreast;
@@ -17,6 +18,7 @@ mod avx512;
 mod fused;
 mod level;
 #[cfg(target_arch = "aarch64")]
+#[allow(dead_code)] // Left out where the target lacks it.
 mod neon;
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod pair;
@@ -89,16 +91,16 @@ pub(crate) const MOST_LANES: usize = 16;
 
 macro_rules! dispatch {
     ($($float:ident by $abreast:ident)*) => {$(
-        /// Runs `work` on the best vectors for numbers of one state, or without: each text more is as much
-        /// work for rustc, so that SSE2, two lanes of which gain little, has none. Where the program counts
-        /// on the vectors, they alone have one.
+        /// Runs `work` on the best vectors for numbers of one state, or without. There is no way on SSE2: it
+        /// would be as much work for rustc as each of the others, and gains little by two lanes. Where the
+        /// program counts on AVX2, there is no way without.
         #[inline]
         #[allow(unsafe_code)] // Calls of functions for the instructions found to be there.
         pub(crate) fn $abreast<W: Abreast<$float>>(work: W) -> W::Output {
             // Few lanes gain nothing by longer vectors.
             #[cfg(target_arch = "x86_64")]
             if cfg!(all(target_feature = "avx2", target_feature = "fma")) || level() >= Level::Avx2 {
-                // SAFETY: `level` names what the processor has, and AVX-512 includes AVX2 and FMA.
+                // SAFETY: the program counts on AVX2 and FMA, or `level` has found them; AVX-512 includes both.
                 return unsafe { avx2::$abreast(work) };
             }
             // All code fuses products there, and nothing is gained for numbers alone.

@@ -220,8 +220,8 @@ pub struct Prepared<S> {
     pub frames: Vec<BodyFrame<S>>,
     /// What closes loops, in the model's order.
     pub closures: Vec<HeldFrames<S>>,
-    /// How many columns of derivatives the compiler computes side by side, of joints one behind the
-    /// other; 1 for one by one.
+    /// How many columns of derivatives are computed side by side, of joints one behind the other: 1, but
+    /// where the compiler has lanes for them (numbers have not).
     pub columns_abreast: usize,
 }
 

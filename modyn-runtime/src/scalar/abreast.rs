@@ -48,7 +48,7 @@ pub trait Beside<One, const LANES: usize>: Scalar {
     fn apart(self) -> [One; LANES];
 }
 
-/// What can be done with equal limbs abreast, or one after the other. `vectors` must be
+/// What can be done with numbers abreast, such as those of equal limbs, or one after the other. `vectors` must be
 /// `#[inline(always)]`, and all that it calls.
 pub trait Abreast<F> {
     /// What it comes to.

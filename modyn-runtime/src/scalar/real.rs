@@ -93,7 +93,8 @@ pub trait Scalar:
         work.scalar()
     }
 
-    /// Where the compiler computes limbs as one, with a lane for each: the sum over some of them, and of
+    /// Where the compiler computes limbs as one, with a lane for each (or columns of joints one behind the other,
+    /// [`Prepared::columns_abreast`](crate::model::prepare::Prepared::columns_abreast)): the sum over some of them, and of
     /// one alone (`0..1`) what it has. All other numbers belong to one body, and are that sum themselves.
     #[doc(hidden)]
     #[inline]

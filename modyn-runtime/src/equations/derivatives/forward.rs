@@ -83,7 +83,7 @@ fn multiply<S: Scalar>(columns: &[S], abreast: usize, x: &mut [S]) {
         let beside =
             columns.chunks(n).map(|column| S::by_limb(&column[k * abreast..][..rows.len()]));
         let products = beside.zip(&factors).map(|(column, &factor)| column * factor);
-        let sum = products.reduce(|sum, product| sum + product).expect("a square matrix");
+        let sum = products.reduce(|sum, product| sum + product).expect("as many columns as rows");
         for (row, x) in rows.iter_mut().enumerate() {
             *x = sum.of_limb(row);
         }

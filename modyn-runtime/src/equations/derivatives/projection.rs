@@ -21,11 +21,11 @@ pub(super) enum By {
 }
 
 /// The derivatives of the joint torques by columns, of `workspace.deviations`; and the GIM, which takes the
-/// same way, into `gim` if that is there. Expects composites (by coordinates, with their wrenches) and
+/// same way, into `gim` if that is there (as in `mass_matrix`, but for what is carried). Expects composites (by coordinates, with their wrenches) and
 /// angular velocities.
 ///
 /// Columns are carried towards the root one by one, or several side by side
-/// ([`Prepared::columns_abreast`]): those of joints one behind the other, which join as they are come by.
+/// ([`Prepared::columns_abreast`]): those of joints one behind the other, each of which joins at its own joint.
 pub(super) fn project<S: Scalar>(
     model: &Prepared<S>,
     by: By,
@@ -34,14 +34,20 @@ pub(super) fn project<S: Scalar>(
     mut gim: Option<&mut [S]>,
 ) {
     columns.fill(S::zero());
-    if let Some(gim) = &mut gim {
+    if let Some(gim) = gim.as_deref_mut() {
         gim.fill(S::zero());
     }
     let mut end = model.dofs.len();
     while end > 0 {
         let group = abreast_before(model, end);
         end = group.start;
-        project_group(model, by, workspace, &group, &mut Entries { model, columns, gim: &mut gim });
+        project_group(
+            model,
+            by,
+            workspace,
+            &group,
+            &mut Entries { model, columns, gim: gim.as_deref_mut() },
+        );
     }
 }
 
@@ -65,7 +71,7 @@ fn project_group<S: Scalar>(
     by: By,
     workspace: &Workspace<S>,
     group: &Range<usize>,
-    entries: &mut Entries<'_, '_, S>,
+    entries: &mut Entries<'_, S>,
 ) {
     let mut at = model.dofs[group.end - 1].body;
     // What columns from `joined` on have behind the body `at`.
@@ -114,13 +120,13 @@ fn project_group<S: Scalar>(
 }
 
 /// Where the entries go.
-struct Entries<'a, 'b, S> {
+struct Entries<'a, S> {
     model: &'a Prepared<S>,
     columns: &'a mut [S],
-    gim: &'a mut Option<&'b mut [S]>,
+    gim: Option<&'a mut [S]>,
 }
 
-impl<S: Scalar> Entries<'_, '_, S> {
+impl<S: Scalar> Entries<'_, S> {
     /// Adds a column's entries of its own body's degrees of freedom; what of it is behind that body.
     fn own(
         &mut self,
@@ -157,7 +163,7 @@ impl<S: Scalar> Entries<'_, '_, S> {
 
     /// Adds to the GIM's.
     fn add_mass(&mut self, row: usize, column: usize, entry: S) {
-        let Some(gim) = &mut self.gim else { return };
+        let Some(gim) = self.gim.as_deref_mut() else { return };
         let (row, column) = (&self.model.dofs[row], &self.model.dofs[column]);
         let sum = &mut gim[column.v * self.model.nv + row.v];
         *sum = *sum + row.scale(column.scale(entry));
@@ -267,6 +273,7 @@ impl<S: Scalar> Behind<S> {
         Self { wrench: body.wrench_to_parent(motion, self.wrench), weights }
     }
 
+    /// All of it, to be taken apart number by number.
     fn numbers(&self) -> [S; 15] {
         let [[a, b, c], [d, e, f]] = [self.wrench.moment.0, self.wrench.force.0];
         let Weights { wrench, turning: Vector3([m, n, o]) } = self.weights;
