@@ -6,6 +6,7 @@ use modyn_codegen::partition::whole_chains;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::{Limbs, Tracer};
 use modyn_codegen::urdf::{self, Base, ReadOptions};
+use modyn_codegen::{Builder, Function};
 use modyn_runtime::equations::brge::Layout;
 use modyn_runtime::model::prepare::Prepared;
 use modyn_runtime::model::{Model, ModuleTree};
@@ -241,8 +242,22 @@ fn limbs_on_two_branches_are_not_on_one_way() {
             text += &part(&upper, &lower, "revolute", "0 1 0");
         }
     }
-    let model = read(&(text + "</robot>"), "two branches", Base::Fixed);
+    text += "</robot>";
+    let model = read(&text, "two branches", Base::Fixed);
     let prepared = Prepared::new(&model);
     let joined = Limbs::joined(&prepared).expect("limbs that can join");
     assert!(!joined.on_one_way(&prepared));
+    // So they join for torques, but not where columns are carried.
+    let joins = |function| {
+        let builder = Builder::new().urdf_text(&text, "two.urdf").functions([function]);
+        builder.generate().expect("a good robot").text.contains("Beside<A, 4>")
+    };
+    assert!(joins(Function::InverseDynamics));
+    for function in [
+        Function::MassMatrix,
+        Function::InverseDynamicsDerivatives,
+        Function::ForwardDynamicsDerivatives,
+    ] {
+        assert!(!joins(function), "{}", function.name());
+    }
 }

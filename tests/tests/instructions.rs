@@ -1,5 +1,5 @@
-//! What batches, and equal limbs of one state, are compiled to: packed arithmetic of the level's width and no other, without a call on
-//! the common path. What is not inlined into the function for a level would silently lose all of it.
+//! What batches, and equal limbs and columns of one state, are compiled to: packed arithmetic of the level's width,
+//! without a call on the common path. What is not inlined into the function for a level would silently lose all of it.
 
 #![cfg(target_arch = "x86_64")]
 
@@ -10,6 +10,7 @@ const CRATE: &str = r#"
 modyn::modyn! { pub Arm = "arm7.urdf", functions = [forward_dynamics_batch, mass_matrix_batch] }
 modyn::modyn! { pub Single = "arm7.urdf", scalar = f32, functions = [inverse_dynamics_batch] }
 modyn::modyn! { pub Quadruped = "quadruped.urdf", functions = [forward_dynamics] }
+modyn::modyn! { pub Slopes = "arm7.urdf", functions = [forward_dynamics_derivatives] }
 modyn::modyn! { pub Humanoid = "humanoid.urdf", functions = [bias_forces_batch] }
 "#;
 
@@ -102,17 +103,24 @@ fn functions<'a>(lines: &'a [&'a str], mangled: &str) -> Vec<(&'a str, Counts)> 
     counts.collect()
 }
 
-/// Four legs in four lanes: packed, but for what is put together from single numbers.
+/// Four legs in four lanes: packed, but for what is put together from single numbers. An arm's derivatives:
+/// what is carried for four columns at once, and single numbers, whose products fuse in place.
 #[test]
-fn limbs_are_packed() {
+fn limbs_and_columns_are_packed() {
     let text = assembly();
     let lines: Vec<&str> = text.lines().collect();
-    let found = functions(&lines, "5lanes4avx211abreast_f64");
-    let [(symbol, counts)] = &found[..] else { panic!("{found:?}") };
-    assert!(counts.packed[1].1 >= 100, "{symbol} {counts:?}");
-    assert!(counts.packed[0].1 + counts.packed[2].1 + counts.scalar < 10, "{symbol} {counts:?}");
-    let known = |call: &String| call.contains("correct") || call.starts_with("*%");
-    assert!(counts.calls.iter().all(known), "{symbol} {counts:?}");
+    let mut found = functions(&lines, "5lanes4avx211abreast_f64");
+    found.sort_by_key(|(_, counts)| counts.scalar);
+    let [legs, arm] = &found[..] else { panic!("{found:?}") };
+    for (symbol, counts) in [legs, arm] {
+        assert!(counts.packed[1].1 >= 100, "{symbol} {counts:?}");
+        let known = |call: &String| call.contains("correct") || call.starts_with("*%");
+        assert!(counts.calls.iter().all(known), "{symbol} {counts:?}");
+    }
+    let (symbol, legs) = legs;
+    assert!(legs.packed[0].1 + legs.packed[2].1 + legs.scalar < 10, "{symbol} {legs:?}");
+    let (symbol, arm) = arm;
+    assert!(arm.packed[1].1 >= 300 && arm.scalar < 2000, "{symbol} {arm:?}");
 }
 
 #[test]
