@@ -343,7 +343,7 @@ impl Builder {
     /// Adds functions for C, named `prefix_function`: `extern "C"` over pointers to arrays of fixed
     /// sizes, without namespaces (`#[unsafe(no_mangle)]`, so not under `forbid(unsafe_code)`: that two
     /// functions have one name is found by the linker alone). What they are given must be valid and
-    /// aligned, and `out` must overlap nothing, as ever in C. cbindgen makes the header.
+    /// aligned, and `out` must overlap nothing, as ever in C. [`c_header`](crate::c_header()) makes the header.
     #[must_use]
     pub fn c_functions(mut self, prefix: impl Into<String>) -> Self {
         self.c_prefix = Some(prefix.into());

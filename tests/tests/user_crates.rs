@@ -1,7 +1,8 @@
 //! Crates as users have them, outside the workspace: each is built by a Cargo of its own.
 //!
-//! All of them share one target folder, so that what they depend on is built once; the workspace's
-//! `Cargo.lock` beside each one pins what that is.
+//! All of them share one target folder, so that their dependencies are built once; the workspace's `Cargo.lock` beside
+//! each one pins the versions. The slow ones are ignored unless they are asked for (`-- --include-ignored`), as
+//! `.ci/run` does.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -29,8 +30,7 @@ fn cargo(folder: &Path, arguments: &str) -> Output {
     let mut command = Command::new(env!("CARGO"));
     for (name, _) in std::env::vars_os() {
         let name = name.to_string_lossy();
-        // How much is kept on disk may be said from outside.
-        let kept = ["CARGO_HOME", "CARGO_INCREMENTAL", "CARGO_PROFILE_DEV_DEBUG"].contains(&&*name);
+        let kept = ["CARGO_HOME", "CARGO_INCREMENTAL"].contains(&&*name);
         if (name.starts_with("CARGO") && !kept) || name == "RUSTFLAGS" {
             command.env_remove(&*name);
         }
@@ -39,6 +39,8 @@ fn cargo(folder: &Path, arguments: &str) -> Output {
     let arguments = arguments.split_whitespace();
     command.current_dir(folder).args(arguments).arg("--target-dir").arg(target);
     command.args(["--jobs", "2"]).env("CARGO_TERM_COLOR", "never");
+    // Half the time and most of the disk; the test of debug information asks for it.
+    command.env("CARGO_PROFILE_DEV_DEBUG", "0");
     command.output().expect("Cargo runs")
 }
 
@@ -83,6 +85,7 @@ fn without_the_standard_library() {
 }
 
 #[test]
+#[ignore = "slow: rustc, clippy and rustdoc on all functions"]
 fn with_the_strictest_lints() {
     let folder = user_crate("strict");
     succeeds(&folder, "test");
@@ -107,19 +110,23 @@ fn by_a_build_script() {
 }
 
 #[test]
+#[ignore = "slow: debug information of a long text"]
 fn the_largest_robot_with_debug_information() {
     let folder = user_crate("humanoid");
-    for arguments in ["build", "build --release"] {
+    // Debug information makes rustc slow on long functions, or crash.
+    for profile in ["dev", "release"] {
+        let arguments = format!("build --profile {profile} --config profile.{profile}.debug=true");
         succeeds(&folder, &format!("{arguments} -p modyn"));
         let start = Instant::now();
-        succeeds(&folder, arguments);
+        succeeds(&folder, &arguments);
         // No limit: machines differ. `--nocapture` shows it.
         println!("cargo {arguments} of the humanoid: {:.1} s", start.elapsed().as_secs_f64());
     }
 }
 
 #[test]
-#[cfg_attr(not(unix), ignore = "links against the C library")]
+#[ignore = "slow: link-time optimisation at four levels"]
+#[cfg(unix)] // It links against the C library.
 fn no_path_panics() {
     let folder = user_crate("no-panic");
     for level in ["3", "\"s\"", "1"] {

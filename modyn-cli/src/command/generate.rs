@@ -4,10 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use modyn_codegen::error::Diagnostics;
-use modyn_codegen::{Builder, FloatType, ModuleChoice, names, tame};
+use modyn_codegen::{Builder, FloatType, ModuleChoice, c_header, names, tame};
 
 use crate::command::choices::{Functions, functions, modules};
-use crate::command::header;
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::{Description, Robot};
@@ -100,8 +99,8 @@ fn write(
 ) -> Result<(), Failure> {
     let generated = builder.write(output).map_err(named)?;
     if let Some(path) = &arguments.c_header {
-        let header =
-            header::text(output, &arguments.prefix(description)?, arguments.scalar.into())?;
+        let prefix = arguments.prefix(description)?;
+        let header = c_header(&generated.text, &prefix, arguments.scalar.into());
         if !std::fs::read_to_string(path).is_ok_and(|found| found == header) {
             to_file(path, &header)?;
         }
@@ -127,7 +126,8 @@ fn stale(
         // That of the file as it would be, which is there only if it is not stale.
         let same = !stale && {
             let prefix = arguments.prefix(description)?;
-            let header = header::text(output, &prefix, arguments.scalar.into())?;
+            let text = builder.generate().map_err(named)?.text;
+            let header = c_header(&text, &prefix, arguments.scalar.into());
             std::fs::read_to_string(path).is_ok_and(|found| found.replace("\r\n", "\n") == header)
         };
         stale |= is(path, !same);

@@ -3,13 +3,14 @@
 use std::hint::black_box;
 
 use modyn::{Factorization, Inertial, InertialDefect, Payload, Robot};
+use modyn_fleet::ROBOTS;
+use modyn_fleet::robots::{
+    GoldenPandaLoaded, GoldenPandaLoadedParams, Zoo10153_8Loaded, Zoo10153_8LoadedParams,
+};
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_tests::changed::changed;
 use modyn_tests::close::assert_close;
-use modyn_tests::compiled::robots::{
-    GoldenPandaLoaded, GoldenPandaLoadedParams, Zoo10153_8Loaded, Zoo10153_8LoadedParams,
-};
-use modyn_tests::compiled::{Compiled, ROBOTS};
+use modyn_tests::compiled::Compiled;
 use modyn_tests::counting::{Counting, measure};
 use modyn_tests::random::{Random, state};
 use modyn_tests::values::{

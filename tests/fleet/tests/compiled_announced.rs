@@ -3,15 +3,31 @@
 use std::collections::BTreeMap;
 
 use modyn_codegen::Function;
+use modyn_fleet::{PARTS, ROBOTS};
 use modyn_runtime::model::{Joint, Limits};
 use modyn_runtime::{Interpreter, OperationCount};
-use modyn_tests::compiled::{Compiled, Consts, Figures, ROBOTS};
-use modyn_tests::fleet::Spec;
+use modyn_tests::compiled::{Compiled, Consts, Figures};
+use modyn_tests::fleet::{FLEET, Part, Spec};
 use syn::{BinOp, Block, Expr, ExprCall, File, Item, ItemFn, Stmt, UnOp};
 
 #[test]
+fn a_part_is_what_the_table_says() {
+    for &(part, robots) in PARTS {
+        let expected = FLEET.iter().filter(|spec| spec.part == part);
+        assert_eq!(
+            robots.iter().map(|robot| &robot.spec).collect::<Vec<_>>(),
+            expected.collect::<Vec<_>>()
+        );
+    }
+    if cfg!(feature = "whole") {
+        assert!(Part::ALL.iter().all(|part| PARTS.iter().any(|(built, _)| built == part)));
+        assert_eq!(ROBOTS.len(), FLEET.len());
+    }
+}
+
+#[test]
 fn constants_are_the_models() {
-    for robot in &ROBOTS {
+    for robot in ROBOTS.iter() {
         let model = robot.spec.model();
         for consts in robot.consts {
             let Consts { name, nq, nv, joint_names, link_names, .. } = consts;
@@ -32,7 +48,7 @@ fn constants_are_the_models() {
 
 #[test]
 fn enums_are_the_names_in_their_order() {
-    for robot in &ROBOTS {
+    for robot in ROBOTS.iter() {
         let [Consts { joint_names, link_names, .. }, _] = robot.consts;
         let numbered =
             |names: &[&'static str]| names.iter().copied().enumerate().collect::<Vec<_>>();
@@ -43,7 +59,7 @@ fn enums_are_the_names_in_their_order() {
 
 #[test]
 fn joints_know_their_place() {
-    for robot in &ROBOTS {
+    for robot in ROBOTS.iter() {
         let model = robot.spec.model();
         let places = (0..model.links().len()).map(|i| [model.q_range(i), model.v_range(i)]);
         assert_eq!((robot.ranges)(), places.collect::<Vec<_>>(), "{}", robot.name());
@@ -52,7 +68,7 @@ fn joints_know_their_place() {
 
 #[test]
 fn figures_are_the_models() {
-    for robot in &ROBOTS {
+    for robot in ROBOTS.iter() {
         let (model, name) = (robot.spec.model(), robot.name());
         let links = 0..model.links().len();
         let parameters: Vec<f64> = links.flat_map(|i| model.inertial_parameters(i)).collect();
@@ -92,7 +108,7 @@ fn figures_are_the_models() {
 
 #[test]
 fn neutral_coordinates_are_the_interpreters() {
-    for robot in &ROBOTS {
+    for robot in ROBOTS.iter() {
         let interpreter = Interpreter::<f64>::new(robot.spec.model());
         let mut expected = vec![f64::NAN; robot.consts[0].nq];
         interpreter.neutral(&mut expected).expect("the length is right");
@@ -102,7 +118,7 @@ fn neutral_coordinates_are_the_interpreters() {
 
 #[test]
 fn modules_are_those_that_were_asked_for() {
-    for robot in &ROBOTS {
+    for robot in ROBOTS.iter() {
         let (model, name) = (robot.spec.model(), robot.name());
         let expected = robot.spec.modules(&model);
         let [Consts { modules, .. }, _] = robot.consts;
@@ -145,7 +161,7 @@ fn another_process_compiles_the_same_text() {
 
 #[test]
 fn what_is_announced_is_what_is_executed() {
-    for robot in &ROBOTS {
+    for robot in ROBOTS.iter() {
         let functions = Functions::of(robot);
         for &(name, announced) in robot.operations {
             assert_eq!(functions.most(name), announced, "{}: `{name}`", robot.name());
@@ -162,7 +178,7 @@ fn what_is_announced_is_what_is_executed() {
 /// What has no announced count is straight-line code all the same.
 #[test]
 fn factors_are_used_by_straight_lines() {
-    for robot in &ROBOTS {
+    for robot in ROBOTS.iter() {
         let functions = Functions::of(robot);
         for name in ["u", "d"] {
             assert_eq!(functions.count(name), OperationCount::default(), "{}", robot.name());

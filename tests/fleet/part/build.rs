@@ -1,10 +1,11 @@
-//! Compiles the robots of `src/fleet.rs`, and writes a table of them for `src/compiled.rs`.
+//! Compiles the robots of `tests/src/fleet.rs` that are the package's, and writes a table of them for the macro of
+//! `tests/src/compiled.rs`. All packages of parts of the fleet have this build script.
 
 #[allow(dead_code)]
-#[path = "src/fleet.rs"]
+#[path = "../../src/fleet.rs"]
 mod fleet;
 #[allow(dead_code)]
-#[path = "src/random.rs"]
+#[path = "../../src/random.rs"]
 mod random;
 
 use std::error::Error;
@@ -15,7 +16,8 @@ use modyn_codegen::FloatType;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (mut includes, mut table) = (String::new(), String::new());
-    for (index, spec) in fleet::FLEET.iter().enumerate() {
+    let all = fleet::FLEET.iter().enumerate();
+    for (index, spec) in all.filter(|(_, spec)| spec.part.package() == env!("CARGO_PKG_NAME")) {
         let generated = spec.builder().compile()?;
         let (module, name) = (spec.module(), generated.type_name);
         let float = match spec.float {
@@ -37,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         )?;
     }
     let folder = std::env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
-    let text = format!("{includes}\ncompiled! {{\n{table}}}\n");
+    let text = format!("{includes}\n::modyn_tests::compiled! {{\n{table}}}\n");
     std::fs::write(Path::new(&folder).join("fleet.rs"), text)?;
     Ok(())
 }

@@ -6,12 +6,14 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use modyn::spatial::Pose;
 use modyn::{Array, Factorization, Nalgebra, OperationCount, Robot, Scalar};
-use modyn_tests::close::assert_close;
-use modyn_tests::compiled::ROBOTS;
-use modyn_tests::compiled::robots::{
+use modyn_fleet::ROBOTS;
+use modyn_fleet::robots::{
     Arm6, Arm6Link, GoldenPandaFingers, GoldenUr5, Gripper, GripperLink, Quadruped, QuadrupedLink,
-    Tree10_6, Tree15_12, Tree15_12Link, Zoo7423_7, Zoo7423_7Link,
+    Tree9_5, Zoo7423_7, Zoo7423_7Link,
 };
+#[cfg(feature = "whole")]
+use modyn_fleet::robots::{Tree10_6, Tree15_12, Tree15_12Link};
+use modyn_tests::close::assert_close;
 use modyn_tests::dual::Tangent;
 use modyn_tests::fleet::Source;
 use modyn_tests::golden::Golden;
@@ -304,9 +306,9 @@ fn dual_numbers_give_the_derivatives_of_the_reference_data() {
 
 #[test]
 fn dual_numbers_are_near_finite_differences() {
-    type R = Tree10_6;
+    type R = Tree9_5;
     const N: usize = R::NV;
-    let State { q, qd, tau, .. } = state_of("tree10_6", 3);
+    let State { q, qd, tau, .. } = state_of("tree9_5", 3);
     let exact = jacobian(N, |i| {
         let (q, qd, tau) = (varied(&q, i), varied(&qd, N), varied(&tau, N));
         slopes(&<R as Robot>::forward_dynamics(&q, &qd, &tau))
@@ -353,6 +355,8 @@ fn torques_are_the_derivatives_of_the_energies() {
     }
     check::<Gripper>("gripper");
     check::<Arm6>("arm6");
+    check::<Tree9_5>("tree9_5");
+    #[cfg(feature = "whole")]
     check::<Tree10_6>("tree10_6");
 }
 
@@ -538,6 +542,7 @@ fn what_is_counted_is_what_is_announced() {
     check::<Gripper>(Source::Described("gripper"), &GripperLink::ALL);
     check::<Arm6>(Source::Described("arm6"), &Arm6Link::ALL);
     check::<Quadruped>(Source::Described("quadruped"), &QuadrupedLink::ALL);
+    #[cfg(feature = "whole")]
     check::<Tree15_12>(Source::Random(15, 12), &Tree15_12Link::ALL);
     check::<Zoo7423_7>(Source::Zoo(7423, 7), &Zoo7423_7Link::ALL);
 }

@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 use std::iter::zip;
 
+use modyn_fleet::ROBOTS;
 use modyn_tests::close::assert_close;
-use modyn_tests::compiled::{Compiled, Consts, ROBOTS};
+use modyn_tests::compiled::{Compiled, Consts};
 use modyn_tests::fleet::Source;
 use modyn_tests::golden::{FIXED_BASE, FLOATING_BASE, Golden, Quantities};
 use modyn_tests::values::{Inputs, Values};
@@ -15,7 +16,7 @@ const TOLERANCE: f64 = 1e-9;
 /// Runs `check` at every state of every robot.
 fn everywhere(check: impl Fn(&str, &Compiled, &Quantities, &Values<f64>)) {
     let mut found = BTreeSet::new();
-    for robot in &ROBOTS {
+    for robot in ROBOTS.iter() {
         let Source::Golden(name) = robot.spec.source else { continue };
         let name = if robot.spec.floating { format!("{name}_ff") } else { name.into() };
         for state in Golden::load(&name).states {
@@ -26,8 +27,10 @@ fn everywhere(check: impl Fn(&str, &Compiled, &Quantities, &Values<f64>)) {
         }
         found.insert(name);
     }
-    let expected = FIXED_BASE.into_iter().chain(FLOATING_BASE).map(String::from);
-    assert_eq!(found, expected.collect());
+    if cfg!(feature = "whole") {
+        let expected = FIXED_BASE.into_iter().chain(FLOATING_BASE).map(String::from);
+        assert_eq!(found, expected.collect());
+    }
 }
 
 #[test]

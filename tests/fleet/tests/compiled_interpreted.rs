@@ -2,10 +2,11 @@
 
 use std::iter::zip;
 
+use modyn_fleet::ROBOTS;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Drive, Friction, Model, ModuleTree};
 use modyn_tests::close::{assert_close, difference};
-use modyn_tests::compiled::{Compiled, Own, ROBOTS};
+use modyn_tests::compiled::{Compiled, Own};
 use modyn_tests::dense::{identity, square, times};
 use modyn_tests::fleet::{Division, Source};
 use modyn_tests::random::state;
@@ -60,6 +61,7 @@ fn condition(columns: &[f64]) -> f64 {
 }
 
 #[test]
+#[cfg_attr(not(feature = "whole"), ignore = "of the whole fleet")]
 fn the_fleet_is_various() {
     let is_random = |source| matches!(source, Source::Random(..) | Source::Zoo(..));
     let random: Vec<Subject> = subjects().filter(|s| is_random(s.robot.spec.source)).collect();
@@ -265,7 +267,10 @@ fn single_precision_solves() {
             }
         }
     }
-    assert!(well_conditioned >= 30, "{well_conditioned}");
+    assert!(
+        well_conditioned >= if cfg!(feature = "whole") { 30 } else { 20 },
+        "{well_conditioned}"
+    );
 }
 
 fn both(robot: &Compiled, inputs: &Inputs<f32>) -> (Values<f32>, Values<f64>) {

@@ -4,12 +4,14 @@ use std::f64::consts::PI;
 
 use modyn::simulate::{Gains, Reference, State};
 use modyn::{Array, Robot, Scalar};
-use modyn_tests::close::assert_close;
-use modyn_tests::compiled::ROBOTS;
-use modyn_tests::compiled::robots::{
-    Arm6, GoldenDoublePendulum, GoldenSolo12Floating, JointZoo, Zoo7423_7, Zoo10153_8Loaded,
+use modyn_fleet::ROBOTS;
+#[cfg(feature = "whole")]
+use modyn_fleet::robots::GoldenSolo12Floating;
+use modyn_fleet::robots::{
+    Arm6, GoldenDoublePendulum, JointZoo, QuadrupedFloatingShared, Zoo7423_7, Zoo10153_8Loaded,
     Zoo10153_8LoadedParams,
 };
+use modyn_tests::close::assert_close;
 use modyn_tests::random;
 use modyn_tests::values::array;
 
@@ -17,6 +19,8 @@ use modyn_tests::values::array;
 macro_rules! for_robots {
     ($check:ident($($argument:expr),*)) => {
         $check::<Arm6>("arm6" $(, $argument)*);
+        $check::<QuadrupedFloatingShared>("quadruped_floating_shared" $(, $argument)*);
+        #[cfg(feature = "whole")]
         $check::<GoldenSolo12Floating>("golden_solo12_floating" $(, $argument)*);
         $check::<JointZoo>("joint_zoo" $(, $argument)*);
         $check::<Zoo7423_7>("zoo7423_7" $(, $argument)*);
