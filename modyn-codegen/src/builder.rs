@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::model::{Friction, Model, ModuleTree};
+use modyn_runtime::model::{Friction, Model, ModuleError, ModuleTree};
 
 use crate::condition;
 use crate::emit::{EmitOptions, Emitted, FloatType, emit};
@@ -268,10 +268,11 @@ impl Builder {
         self
     }
 
-    /// How the description's damping and friction act on the joints; not at all by default.
+    /// How the description's damping and friction act on the joints; not at all by default, with a warning if
+    /// there are some. [`Friction::None`] says that they are not to act, without a warning.
     #[must_use]
     pub fn friction(mut self, friction: Friction) -> Self {
-        self.read.friction = friction;
+        self.read.friction = Some(friction);
         self
     }
 
@@ -538,9 +539,19 @@ impl Builder {
             ModuleChoice::Chains => Ok(ModuleTree::chains(model)),
             ModuleChoice::Links => Ok(ModuleTree::links(model)),
             ModuleChoice::List(list) => ModuleTree::from_names(model, list).map_err(|errors| {
-                let diagnostics =
-                    errors.iter().map(|error| Diagnostic::error(Code::Modules, error.to_string()));
-                Diagnostics::new(diagnostics.collect())
+                let names = || model.links().iter().map(|link| link.name.as_str());
+                let diagnostic = |error: &ModuleError| {
+                    let diagnostic = Diagnostic::error(Code::Modules, error.to_string());
+                    let meant = match error {
+                        ModuleError::UnknownLink { name, .. } => nearest(name, names()),
+                        _ => None,
+                    };
+                    match meant {
+                        Some(meant) => diagnostic.with_help(format!("did you mean `{meant}`?")),
+                        None => diagnostic,
+                    }
+                };
+                Diagnostics::new(errors.iter().map(diagnostic).collect())
             }),
         }
     }
@@ -599,7 +610,7 @@ impl Builder {
             ("base", read.base != Base::default()),
             ("mimic", read.mimic != Mimic::default()),
             ("rotor", !read.rotors.is_empty()),
-            ("friction", read.friction != Friction::default()),
+            ("friction", read.friction.is_some()),
         ];
         let given = of_reading.iter().filter(|(_, given)| *given);
         for (option, _) in given.filter(|_| matches!(self.source, Source::Model(_))) {
@@ -813,6 +824,18 @@ mod tests {
         assert_eq!(other.model.gravity(), [1.0, 0.0, 0.0]);
         let errors = builder.gravity([1e70, 0.0, 0.0]).generate().expect_err("too large");
         assert_eq!(errors.iter().map(|error| error.code).collect::<Vec<_>>(), [Code::Gravity]);
+    }
+
+    #[test]
+    fn a_misspelt_link_of_a_module_is_suggested() {
+        let model = || changed(&comb(1, 2), |link| link.name = "forearm".into());
+        let list = |name: &str| ModuleChoice::List(vec![vec!["1".into(), name.into()]]);
+        let refused = |name| {
+            let builder = Builder::new().model(model()).modules(list(name));
+            builder.generate().expect_err("no such link").to_string()
+        };
+        assert!(refused("fourarm").contains("help: did you mean `forearm`?"));
+        assert!(!refused("hand").contains("did you mean"));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The functions that a generated robot can have, and which it has by default.
 
+use crate::urdf::nearest::nearest;
+
 macro_rules! functions {
     ($($(#[$docs:meta])* $variant:ident $name:literal;)*) => {
         /// A function of generated robots.
@@ -198,5 +200,31 @@ impl Function {
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|function| function.name() == name)
+    }
+
+    /// A message that there is no function of this name: with the one that was probably meant, else with all
+    /// names, as the macro and the command line have them.
+    #[must_use]
+    pub fn unknown(name: &str) -> String {
+        let names = || ["default", "all"].into_iter().chain(Self::ALL.iter().map(|one| one.name()));
+        match nearest(name, names()) {
+            Some(meant) => format!("there is no function `{name}`; did you mean `{meant}`?"),
+            None => {
+                let names: Vec<&str> = names().collect();
+                format!("there is no function `{name}`; there are: {}", names.join(", "))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Function;
+
+    #[test]
+    fn a_function_is_suggested() {
+        let said = Function::unknown("mas_matrix");
+        assert_eq!(said, "there is no function `mas_matrix`; did you mean `mass_matrix`?");
+        assert!(Function::unknown("foo").contains("there are: default, all, forward_dynamics, "));
     }
 }

@@ -34,3 +34,4 @@ pub use condition::{CARRIED_BY_F32, condition_number};
 pub use emit::FloatType;
 pub use functions::Function;
 pub use tame::tame;
+pub use urdf::nearest::nearest;

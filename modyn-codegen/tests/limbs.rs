@@ -214,8 +214,11 @@ fn upright(low: usize, high: usize) -> String {
 
 #[test]
 fn limbs_that_join_may_be_longer_or_shorter_above() {
-    let options =
-        |base| ReadOptions { base, friction: urdf::Friction::Viscous, ..ReadOptions::default() };
+    let options = |base| ReadOptions {
+        base,
+        friction: Some(urdf::Friction::Viscous),
+        ..ReadOptions::default()
+    };
     for (low, high) in [(2, 4), (4, 2), (3, 3), (2, 3)] {
         for base in [Base::Fixed, Base::Floating] {
             let read = urdf::read(&upright(low, high), "upright", &options(base));

@@ -75,7 +75,7 @@ const ARM_URDF: &str = r#"<robot name="arm">
 #[test]
 fn the_same_arm_gives_the_same_numbers() {
     for friction in [urdf::Friction::None, urdf::Friction::Viscous, urdf::Friction::Smooth(0.1)] {
-        let options = ReadOptions { friction, ..ReadOptions::default() };
+        let options = ReadOptions { friction: Some(friction), ..ReadOptions::default() };
         let ours = mjcf::read(ARM, "arm.xml", &options).expect("an MJCF").model;
         let theirs = urdf::read(ARM_URDF, "arm.urdf", &options).expect("a URDF").model;
         let names = |model: &Model| model.coordinate_names();

@@ -2,7 +2,7 @@
 
 use modyn_codegen::error::Severity;
 use modyn_codegen::urdf::{Base, ClosureKind, Friction, Loop, LoopEnd, Mimic};
-use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
+use modyn_codegen::{Builder, FloatType, Function, ModuleChoice, nearest};
 use proc_macro2::{Span, TokenTree};
 use quote::ToTokens as _;
 use syn::ext::IdentExt as _;
@@ -61,6 +61,23 @@ impl Parse for Input {
     }
 }
 
+/// The names of all options.
+const OPTIONS: [&str; 13] = [
+    "gravity",
+    "payload",
+    "functions",
+    "modules",
+    "scalar",
+    "base",
+    "mimic",
+    "rotors",
+    "loops",
+    "friction",
+    "share",
+    "unphysical_inertia",
+    "crate",
+];
+
 /// One `, name = value`, or a last comma.
 fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> Result<Builder> {
     input.parse::<Token![,]>()?;
@@ -110,10 +127,11 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
             Err(error) => Err(Error::new(error.span(), "expected a path, such as `::modyn`")),
         },
         other => {
-            let options = "gravity, payload, functions, modules, scalar, base, mimic, rotors, \
-                           loops, friction, share, unphysical_inertia, crate";
-            let message = format!("there is no option `{other}`; options are {options}");
-            Err(Error::new(name.span(), message))
+            let help = match nearest(other, OPTIONS.iter().copied()) {
+                Some(meant) => format!("did you mean `{meant}`?"),
+                None => format!("options are {}", OPTIONS.join(", ")),
+            };
+            Err(Error::new(name.span(), format!("there is no option `{other}`; {help}")))
         }
     }
 }
@@ -247,14 +265,9 @@ fn function(input: ParseStream<'_>) -> Result<Vec<Function>> {
     match name.to_string().as_str() {
         "all" => Ok(Function::ALL.to_vec()),
         "default" => Ok(Function::DEFAULT.to_vec()),
-        other => Function::from_name(other).map(|function| vec![function]).ok_or_else(|| {
-            let names: Vec<&str> = Function::ALL.iter().map(|function| function.name()).collect();
-            let message = format!(
-                "there is no function `{other}`; there are: default, all, {}",
-                names.join(", ")
-            );
-            Error::new(name.span(), message)
-        }),
+        other => Function::from_name(other)
+            .map(|function| vec![function])
+            .ok_or_else(|| Error::new(name.span(), Function::unknown(other))),
     }
 }
 

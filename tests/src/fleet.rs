@@ -261,7 +261,7 @@ impl Spec {
         let options = ReadOptions {
             mimic: self.mimic(),
             base: self.base(),
-            friction: self.friction,
+            friction: Some(self.friction),
             rotors: self.rotors.iter().map(rotor).collect(),
             ..ReadOptions::default()
         };

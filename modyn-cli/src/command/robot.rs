@@ -43,9 +43,10 @@ pub struct Options {
     /// fixed, revolute or prismatic; behind each X,Y,Z may stand roll, pitch and yaw
     #[arg(long = "loop", value_name = "JOINT", value_parser = loop_joint)]
     loops: Vec<Loop>,
-    /// Which of the description's damping and friction acts: none, viscous, coulomb, smooth=VELOCITY
-    #[arg(long, value_name = "KIND", default_value = "none", value_parser = friction)]
-    friction: Friction,
+    /// Which of the description's damping and friction acts: none, viscous, coulomb, smooth=VELOCITY [default: none,
+    /// with a warning if there are some]
+    #[arg(long, value_name = "KIND", value_parser = friction)]
+    friction: Option<Friction>,
     /// The acceleration of free fall in world axes, m/s^2 [default: 0,0,-9.81, or what an MJCF says]
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     gravity: Option<[f64; 3]>,
@@ -178,16 +179,13 @@ impl Options {
         let builder = builder
             .base(self.base.into())
             .mimic(self.mimic.into())
-            .friction(self.friction)
             .unphysical_inertia(self.unphysical_inertia.into());
         let builder = self.rotors.iter().fold(builder, |builder, rotor| {
             builder.rotor(&rotor.joint, rotor.inertia, rotor.gear_ratio)
         });
         let builder = self.loops.iter().cloned().fold(builder, Builder::loop_joint);
-        match self.gravity {
-            Some(gravity) => builder.gravity(gravity),
-            None => builder,
-        }
+        let builder = self.friction.into_iter().fold(builder, Builder::friction);
+        self.gravity.into_iter().fold(builder, Builder::gravity)
     }
 }
 

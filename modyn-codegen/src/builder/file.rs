@@ -3,8 +3,6 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use modyn_runtime::model::Friction;
-
 use super::{Builder, Generated, ModuleChoice, Source, place};
 use crate::FloatType;
 use crate::error::{Code, Diagnostic, Diagnostics, Severity};
@@ -107,8 +105,8 @@ impl Builder {
         for closing in &self.read.loops {
             call(format!("loop_joint({closing:?})"));
         }
-        if self.read.friction != Friction::default() {
-            call(format!("friction(Friction::{:?})", self.read.friction));
+        if let Some(friction) = self.read.friction {
+            call(format!("friction(Friction::{friction:?})"));
         }
         if self.read.mimic != Mimic::default() {
             call(format!("mimic(Mimic::{:?})", self.read.mimic));

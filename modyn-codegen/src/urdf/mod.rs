@@ -56,8 +56,9 @@ pub struct ReadOptions {
     pub base: Base,
     /// The rotors of joints; each replaces what the description says about its joint's.
     pub rotors: Vec<Rotor>,
-    /// Which torques damping and friction exert.
-    pub friction: Friction,
+    /// Which torques damping and friction exert; `None` (not chosen) is as [`Friction::None`], with a
+    /// warning if the description has damping or friction.
+    pub friction: Option<Friction>,
     /// What closes loops, besides what the description says.
     pub loops: Vec<Loop>,
 }
@@ -70,7 +71,7 @@ impl Default for ReadOptions {
             mimic: Mimic::default(),
             base: Base::default(),
             rotors: Vec::new(),
-            friction: Friction::default(),
+            friction: None,
             loops: Vec::new(),
         }
     }
@@ -169,13 +170,13 @@ pub(crate) fn reading(
     let mut report = Report::new(text, file);
     let mut options = options.clone();
     let gravity = options.gravity.and_then(gravity_error);
-    let friction = friction_error(options.friction);
+    let friction = options.friction.and_then(friction_error);
     // To find what else is wrong.
     if gravity.is_some() {
         options.gravity = None;
     }
     if friction.is_some() {
-        options.friction = Friction::None;
+        options.friction = Some(Friction::None);
     }
     let model = read(&options, &mut report);
     let options = gravity.into_iter().chain(friction);

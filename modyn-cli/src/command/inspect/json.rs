@@ -5,6 +5,7 @@ use modyn_runtime::OperationCount;
 use modyn_runtime::model::Model;
 use serde_json::{Value, json};
 
+use super::text::acting;
 use super::{Cost, Inspection, advice};
 use crate::command::diagnostics;
 
@@ -62,6 +63,7 @@ fn joint(model: &Model, link: usize) -> Value {
     let moved = &model.links()[link];
     let joint = &moved.joint;
     let (q, v) = (model.q_range(link), model.v_range(link));
+    let [damps, rubs] = acting(model);
     json!({
         "name": joint.name,
         "type": joint.joint_type.name(),
@@ -84,6 +86,8 @@ fn joint(model: &Model, link: usize) -> Value {
         "armature": joint.drive.armature,
         "damping": joint.drive.damping,
         "friction": joint.drive.friction,
+        "damping_acts": damps,
+        "friction_acts": rubs,
     })
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use modyn_codegen::{CARRIED_BY_F32, tame};
-use modyn_runtime::model::{Closure, Link, Model, ModuleTree};
+use modyn_runtime::model::{Closure, Friction, Link, Model, ModuleTree};
 
 use super::{Cost, Inspection, advice};
 use crate::command::figure::figure;
@@ -114,6 +114,12 @@ fn parent(model: &Model, link: &Link) -> String {
     link.parent.map_or_else(|| "the base".into(), |p| tame(&model.links()[p].name))
 }
 
+/// Whether damping acts, and whether Coulomb friction does.
+pub fn acting(model: &Model) -> [bool; 2] {
+    let friction = model.friction();
+    [friction != Friction::None, !matches!(friction, Friction::None | Friction::Viscous)]
+}
+
 /// What a joint has besides.
 fn notes(model: &Model, link: usize) -> String {
     let joint = &model.links()[link].joint;
@@ -124,11 +130,14 @@ fn notes(model: &Model, link: usize) -> String {
         notes.push(format!("follows {leader} times {ratio} plus {offset}"));
     }
     let drive = &joint.drive;
-    for (what, x) in
-        [("rotor", drive.armature), ("damping", drive.damping), ("friction", drive.friction)]
-    {
+    if drive.armature != 0.0 {
+        notes.push(format!("rotor {}", figure(drive.armature)));
+    }
+    let [damps, rubs] = acting(model);
+    for (what, x, acts) in [("damping", drive.damping, damps), ("friction", drive.friction, rubs)] {
         if x != 0.0 {
-            notes.push(format!("{what} {}", figure(x)));
+            let inactive = if acts { "" } else { " (does not act)" };
+            notes.push(format!("{what} {}{inactive}", figure(x)));
         }
     }
     notes.join(", ")
