@@ -114,6 +114,35 @@ fn factorization_has_the_determinant() {
 }
 
 #[test]
+fn center_of_mass() {
+    everywhere(|name, _, state, values| {
+        assert_close(name, values.other("center_of_mass"), &state.position("com"), TOLERANCE);
+    });
+}
+
+#[test]
+fn centroidal_momentum_and_regressor() {
+    let mut compared = [0, 0];
+    let counts = std::cell::RefCell::new(&mut compared);
+    everywhere(|name, robot, state, values| {
+        if !robot.spec.all {
+            return;
+        }
+        let momentum = state.centroidal_momentum();
+        assert_close(name, values.other("centroidal_momentum"), &momentum, TOLERANCE);
+        let matrix = state.centroidal_momentum_matrix();
+        let found = values.other("centroidal_momentum_matrix");
+        assert_close(name, found, matrix.as_slice(), TOLERANCE);
+        counts.borrow_mut()[0] += 1;
+        if let Some(regressor) = state.regressor() {
+            assert_close(name, values.other("regressor"), regressor.as_slice(), TOLERANCE);
+            counts.borrow_mut()[1] += 1;
+        }
+    });
+    assert!(compared.iter().all(|&states| states > 0), "{compared:?}");
+}
+
+#[test]
 fn jacobians() {
     everywhere(|name, robot, state, values| {
         let Consts { link_names, nv, .. } = robot.consts[0];
