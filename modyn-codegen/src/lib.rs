@@ -22,6 +22,7 @@ pub mod mjcf;
 pub mod names;
 pub mod partition;
 pub mod passes;
+mod size;
 pub mod source;
 mod tame;
 pub mod trace;

@@ -6,9 +6,11 @@ mod dual;
 mod elementary;
 mod float;
 mod native;
+mod portable;
 mod real;
 #[cfg(test)]
 mod root;
 pub(crate) mod trig;
 
+pub use portable::Portable;
 pub use real::Scalar;
