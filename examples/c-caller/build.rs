@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use modyn_codegen::{Builder, FloatType, Function, c_header};
+use modyn_codegen::{Builder, Function};
 
 const FUNCTIONS: [Function; 6] = [
     Function::ForwardDynamics,
@@ -22,9 +22,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let source = Path::new(&out).join("arm7.rs");
     let builder = Builder::new().urdf(urdf).functions(FUNCTIONS).self_contained();
     let generated = builder.c_functions("arm7").write(&source)?;
-
     let header =
         std::env::var_os("ARM7_HEADER").map_or_else(|| Path::new(&out).join("arm7.h"), Into::into);
-    std::fs::write(header, c_header(&generated.text, "arm7", FloatType::F64))?;
+    std::fs::write(header, generated.c_header.ok_or("no functions for C")?)?;
     Ok(())
 }

@@ -14,11 +14,9 @@ use crate::emit::{EmitOptions, Emitted, FloatType, emit};
 use crate::error::{Code, Diagnostic, Diagnostics, Severity, Subject};
 use crate::functions::Function;
 use crate::names;
+use crate::size::too_large;
 use crate::source::read_first;
 use crate::urdf::{self, Base, Loop, Mimic, ReadOptions, Reading, Rotor, nearest::nearest};
-
-/// Most operations, by [`estimate`]: tens of megabytes of text.
-const MOST_OPERATIONS: u64 = 400_000;
 
 /// Which kinematic modules a robot is divided into; see [`ModuleTree`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -134,6 +132,8 @@ impl Format {
 pub struct Generated {
     /// Rust items: the type named [`type_name`](Self::type_name) and what belongs to it.
     pub text: String,
+    /// The header of the functions for C, if [`Builder::c_functions`] asked for some.
+    pub c_header: Option<String>,
     /// The name of the generated type.
     pub type_name: String,
     /// The robot.
@@ -344,7 +344,7 @@ impl Builder {
     /// Adds functions for C, named `prefix_function`: `extern "C"` over pointers to arrays of fixed
     /// sizes, without namespaces (`#[unsafe(no_mangle)]`, so not under `forbid(unsafe_code)`: that two
     /// functions have one name is found by the linker alone). What they are given must be valid and
-    /// aligned, and `out` must overlap nothing, as ever in C. [`c_header`](crate::c_header()) makes the header.
+    /// aligned, and `out` must overlap nothing, as ever in C. [`Generated::c_header`] is their header.
     #[must_use]
     pub fn c_functions(mut self, prefix: impl Into<String>) -> Self {
         self.c_prefix = Some(prefix.into());
@@ -363,7 +363,8 @@ impl Builder {
             self.module_tree(&reading.model).map_err(|found| errors.extend(found)).ok()
         });
         if let (Some(Reading { model, .. }), Some(modules)) = (&reading, &modules) {
-            errors.extend(too_large(model, modules));
+            let functions = self.functions.as_deref().unwrap_or(Function::DEFAULT);
+            errors.extend(too_large(model, modules, functions));
         }
         let payload = reading.as_ref().and_then(|reading| {
             self.payload_frames(&reading.model).map_err(|found| errors.extend(found)).ok()
@@ -391,12 +392,13 @@ impl Builder {
             payload: payload.unwrap_or_default(),
             warnings,
         };
-        let Emitted { text, type_name, operations, written, partition } =
+        let Emitted { text, c_header, type_name, operations, written, partition } =
             emit(&model, &modules, &options);
         let (partition, partition_costs) = partition;
         let warnings = options.warnings;
         Ok(Generated {
             text,
+            c_header,
             type_name,
             model,
             warnings,
@@ -631,46 +633,6 @@ fn is_c_prefix(name: &str) -> bool {
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-/// About how many operations and entries the text will have, found without writing it: the rows
-/// of the mass matrix and its factors reach from each link to the base, the matrix itself has all
-/// columns, and the pivot block of a module with k joints takes k^3.
-fn estimate(model: &Model, modules: &ModuleTree) -> u64 {
-    let mut depths: Vec<u64> = Vec::with_capacity(model.links().len());
-    for link in model.links() {
-        // Parents come before their children.
-        depths.push(1 + link.parent.map_or(0, |parent| depths[parent]));
-    }
-    let rows = depths.iter().fold(0, |sum: u64, depth| sum.saturating_add(depth * 40));
-    let square = (depths.len() as u64).saturating_pow(2);
-    let pivots =
-        modules.modules().iter().map(|module| (module.links.len() as u64).saturating_pow(3));
-    pivots.fold(rows.saturating_add(square), u64::saturating_add)
-}
-
-/// Says so if code for this robot would be endless.
-fn too_large(model: &Model, modules: &ModuleTree) -> Option<Diagnostic> {
-    let operations = estimate(model, modules);
-    if operations <= MOST_OPERATIONS {
-        return None;
-    }
-    let longest = modules.modules().iter().map(|module| &module.links).max_by_key(|l| l.len())?;
-    let message = format!(
-        "code for {} moving joints would take about {operations} operations, more than \
-         {MOST_OPERATIONS}; the longest module has {} links, from `{}` to `{}`",
-        model.links().len(),
-        longest.len(),
-        model.links()[longest.start].name,
-        model.links()[longest.end - 1].name,
-    );
-    let links = estimate(model, &ModuleTree::links(model));
-    let help = if links <= MOST_OPERATIONS {
-        "divide it: `modules = links`; or use `modyn::Interpreter`, which has no such limit"
-    } else {
-        "use `modyn::Interpreter`, which has no such limit, or make joints `fixed`"
-    };
-    Some(Diagnostic::error(Code::TooLarge, message).with_help(help))
-}
-
 /// Where a file is: as given, or from the folder of the crate's `Cargo.toml`.
 fn place(path: &Path) -> PathBuf {
     std::env::var_os("CARGO_MANIFEST_DIR")
@@ -684,22 +646,45 @@ fn is_visibility(text: &str) -> bool {
     match inside {
         None => rest.is_empty(),
         Some("crate" | "super" | "self") => true,
-        Some(inside) => inside.strip_prefix("in ").is_some_and(is_path),
+        // A visibility ends at a module around the robot.
+        Some(inside) => inside.strip_prefix("in ").is_some_and(|path| {
+            let first = path.trim().split("::").next().unwrap_or_default();
+            is_way(first.trim()) && is_path(&format!("{path}::name"))
+        }),
     }
 }
 
+/// Whether a text is the path of a module that `use .. as` takes.
 fn is_path(text: &str) -> bool {
     let text = text.trim();
-    text.strip_prefix("::").unwrap_or(text).split("::").map(str::trim).enumerate().all(
-        |(i, part)| {
-            let name = part.strip_prefix("r#").unwrap_or(part);
-            let letters = name.chars().all(|c| c == '_' || c.is_alphanumeric());
-            let digit = name.starts_with(|c: char| c.is_numeric());
-            // Keywords that may stand in a path do so at its start.
-            let place = i == 0 || part == "super" || !matches!(part, "crate" | "self" | "Self");
-            letters && place && !digit && !name.is_empty() && name != "_"
-        },
-    )
+    let (global, path) = text.strip_prefix("::").map_or((false, text), |path| (true, path));
+    let parts: Vec<&str> = path.split("::").map(str::trim).collect();
+    // `self` and `super` alone are no names to import.
+    let Some((last, before)) = parts.split_last() else { return false };
+    let mut ways = before.iter().take_while(|part| is_way(part)).count();
+    if *last == "crate" && before.is_empty() {
+        ways = 1;
+    }
+    let (ways, names) = parts.split_at(ways);
+    let ways = ways.iter().enumerate().all(|(i, way)| *way == "super" || i == 0);
+    ways && (!global || !is_way(parts[0])) && names.iter().all(|name| is_identifier(name))
+}
+
+/// Whether part of a path is a way to a module and not a name.
+fn is_way(part: &str) -> bool {
+    matches!(part, "crate" | "self" | "super")
+}
+
+/// Whether a text is an identifier in every edition, perhaps a raw one.
+fn is_identifier(text: &str) -> bool {
+    let name = text.strip_prefix("r#").unwrap_or(text);
+    let mut letters = name.chars();
+    let first = letters.next().is_some_and(|c| c == '_' || unicode_ident::is_xid_start(c));
+    let keyword = match text.strip_prefix("r#") {
+        Some(raw) => matches!(raw, "crate" | "self" | "super" | "Self"),
+        None => names::KEYWORDS.contains(&name),
+    };
+    first && letters.all(unicode_ident::is_xid_continue) && name != "_" && !keyword
 }
 
 #[cfg(test)]
@@ -715,14 +700,80 @@ mod tests {
         {
             assert!(!is_visibility(bad), "{bad}");
         }
-        for good in ["::modyn", "modyn", "crate::a::b", ":: a :: r#b", "self::a", "super::super::a"]
-        {
-            assert!(is_path(good), "{good}");
+        for good in ["pub(in self)", "pub(in super::super)", "pub(in crate)", "pub(in super::a)"] {
+            assert!(is_visibility(good), "{good}");
         }
-        for bad in
-            ["", "::", "a::", "a b", "a; b", "a-b", "1a", "a::crate", "_", "a::<b>", "$crate"]
-        {
-            assert!(!is_path(bad), "{bad}");
+        for bad in ["pub(in a)", "pub(in ::a)", "pub(in crate::fn)", "pub(in Self)"] {
+            assert!(!is_visibility(bad), "{bad}");
+        }
+    }
+
+    /// What is taken compiles as an import, and what does not compile is refused.
+    #[test]
+    fn paths_are_those_that_can_be_imported() {
+        let good = [
+            "::modyn",
+            "modyn",
+            "crate::a::b",
+            ":: a :: r#b",
+            "self::a",
+            "super::super::a",
+            "crate",
+            "self::super::a",
+            "r#fn::a",
+            "union::auto",
+            "\u{e9}t\u{e9}",
+            "a::_b",
+            "::r#gen",
+        ];
+        for path in good {
+            assert!(is_path(path), "{path}");
+            syn::parse_str::<syn::ItemUse>(&format!("use {path} as __modyn;")).expect(path);
+        }
+        let bad = [
+            "",
+            "::",
+            "a::",
+            "a b",
+            "a; b",
+            "a-b",
+            "1a",
+            "a::crate",
+            "_",
+            "a::<b>",
+            "$crate",
+            "fn",
+            "a::fn",
+            "::fn::a",
+            "self",
+            "super",
+            "a::self",
+            "a::super::b",
+            "::crate",
+            "::self::a",
+            "::super",
+            "Self",
+            "Self::a",
+            "crate::self::a",
+            "r#crate",
+            "r#self::a",
+            "r#_",
+            "gen",
+            "a::dyn::b",
+            "\u{24b6}",
+            "a\u{b2}",
+            "a::::b",
+            "super::crate",
+            "r#",
+            "r# a",
+            "a as b",
+        ];
+        for path in bad {
+            assert!(!is_path(path), "{path}");
+        }
+        let keywords = names::KEYWORDS.iter().filter(|&&word| word != "crate");
+        for word in keywords {
+            assert!(!is_path(word) && !is_path(&format!("a::{word}")), "{word}");
         }
     }
 
@@ -737,27 +788,42 @@ mod tests {
         assert!(errors.contains("1000 links, from `1` to `1000`"), "{errors}");
         // Links as modules would not help here.
         assert!(!errors.contains("modules = links"), "{errors}");
-        let errors = refused(comb(1, 90), ModuleChoice::Chains);
-        assert!(errors.contains("about 900") && errors.contains("modules = links"), "{errors}");
-        refused(comb(1000, 1), ModuleChoice::Links);
+        let errors = refused(comb(1, 66), ModuleChoice::Chains);
+        assert!(errors.contains("`brge` 2") && errors.contains("modules = links"), "{errors}");
+        // What takes most is named, and what would do without it.
+        let errors = refused(comb(600, 1), ModuleChoice::Links);
+        assert!(errors.contains("`jacobian` 5"), "{errors}");
+        assert!(errors.contains("leave `jacobian` out of the option `functions`"), "{errors}");
     }
 
     #[test]
     fn the_limit_is_about_cost_not_joints() {
-        let size = |model: &Model, modules: &ModuleTree| too_large(model, modules).is_some();
+        let refused = |model: &Model, modules: &ModuleTree, functions: &[Function]| {
+            too_large(model, modules, functions).is_some()
+        };
         for (model, chains, links) in [
             (comb(1, 60), false, false),
-            (comb(1, 90), true, false),
+            (comb(1, 66), true, false),
             (comb(1, 150), true, true),
             (comb(40, 5), false, false),
             (comb(25, 8), false, false),
-            (comb(600, 1), false, false),
+            (comb(400, 1), false, false),
         ] {
-            assert_eq!(size(&model, &ModuleTree::chains(&model)), chains, "{}", model.nv());
-            assert_eq!(size(&model, &ModuleTree::links(&model)), links, "{}", model.nv());
+            let (by_chains, by_links) = (ModuleTree::chains(&model), ModuleTree::links(&model));
+            let default = Function::DEFAULT;
+            assert_eq!(refused(&model, &by_chains, default), chains, "{}", model.nv());
+            assert_eq!(refused(&model, &by_links, default), links, "{}", model.nv());
+            // One function that takes linear time is small.
+            let one = [Function::ForwardDynamics];
+            assert!(!refused(&model, &by_links, &one), "{}", model.nv());
         }
-        let tree = Builder::new().model(comb(40, 5)).generate().expect("short chains");
-        assert_eq!(tree.model.nv(), 200);
+        // Derivatives of a chain take the cube of its length, and twice that with those of batches.
+        let model = comb(1, 45);
+        let links = ModuleTree::links(&model);
+        let mut functions = vec![Function::ForwardDynamicsDerivatives];
+        assert!(!refused(&model, &links, &functions));
+        functions.push(Function::ForwardDynamicsDerivativesBatch);
+        assert!(refused(&model, &links, &functions));
     }
 
     /// So many chains of so many links.

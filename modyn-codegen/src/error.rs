@@ -283,10 +283,10 @@ codes! {
     /// A link whose inertia is to be an argument does not exist or does not move.
     Payload = "payload":
         "Name links of the description that move, each once.",
-    /// The robot takes more operations than code can be written out for.
+    /// The robot's functions take more text than code can be written out for.
     TooLarge = "too-large":
-        "Choose `modules = links` where that is proposed, make joints `fixed` that do not \
-        matter, or use `modyn::Interpreter`, which takes robots of any size.",
+        "Choose `modules = links` or fewer `functions` where that is proposed, make joints `fixed` that do \
+        not matter, or use `modyn::Interpreter`, which takes robots of any size.",
     /// The name of the generated type is no Rust identifier, or likely to be taken.
     TypeName = "type-name":
         "Give the type a name of your own in upper camel case: `modyn!(pub MyArm = \"...\")`, \

@@ -166,6 +166,50 @@ impl Function {
         })
     }
 
+    /// The Rust functions that it becomes, by name, each with the number of its arguments (those of the
+    /// robot's run-time parameters aside).
+    pub(crate) fn signatures(self) -> Vec<(String, usize)> {
+        let inputs = match self.batched().unwrap_or(self) {
+            Self::GravityTorques
+            | Self::MassMatrix
+            | Self::Brge
+            | Self::PotentialEnergy
+            | Self::CenterOfMass
+            | Self::CenterOfMassJacobian
+            | Self::CentroidalMomentumMatrix
+            | Self::LinkPoses
+            | Self::Normalize
+            | Self::Random => 1,
+            Self::BiasForces
+            | Self::KineticEnergy
+            | Self::ClosureErrors
+            | Self::CentroidalMomentum
+            | Self::LinkPose
+            | Self::Jacobian
+            | Self::LocalJacobian
+            | Self::Integrate
+            | Self::Difference
+            | Self::CoordinateRates => 2,
+            Self::ForwardDynamicsExternal
+            | Self::ForwardDynamicsExternalWorld
+            | Self::InverseDynamicsExternal
+            | Self::InverseDynamicsExternalWorld
+            | Self::ConstrainedForwardDynamics
+            | Self::LinkAcceleration
+            | Self::LocalLinkAcceleration => 4,
+            _ => 3,
+        };
+        let Some(one) = self.batched() else { return vec![(self.name().into(), inputs)] };
+        // Over slices for each coordinate, each result is an argument; over slices of states they are one.
+        let outputs = match one {
+            Self::InverseDynamicsDerivatives => 2,
+            Self::ForwardDynamicsDerivatives => 4,
+            _ => 1,
+        };
+        let name = one.name();
+        vec![(format!("{name}_batch"), inputs + outputs), (format!("{name}_each"), inputs + 1)]
+    }
+
     /// Whether it is about closed loops, so that only robots with some have it.
     #[must_use]
     pub const fn is_of_loops(self) -> bool {

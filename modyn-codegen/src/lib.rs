@@ -7,12 +7,11 @@
 //! The macro `modyn::modyn!`, build scripts and anyone who wants the text all come in through
 //! [`Builder`].
 //!
-//! Stable are [`Builder`] with its options and result, [`c_header`], [`error`], [`urdf`], `mjcf` and [`names`]. The other
+//! Stable are [`Builder`] with its options and result, [`error`], [`urdf`], `mjcf` and [`names`]. The other
 //! modules (`emit`, `expr`, `partition`, `passes`, `source`, `trace`) are public for tests and
 //! measurements, and may change in any release.
 
 mod builder;
-mod c_header;
 mod condition;
 pub mod emit;
 pub mod error;
@@ -23,13 +22,13 @@ pub mod mjcf;
 pub mod names;
 pub mod partition;
 pub mod passes;
+mod size;
 pub mod source;
 mod tame;
 pub mod trace;
 pub mod urdf;
 
 pub use builder::{Builder, Generated, ModuleChoice};
-pub use c_header::c_header;
 pub use condition::{CARRIED_BY_F32, condition_number};
 pub use emit::FloatType;
 pub use functions::Function;

@@ -62,6 +62,26 @@ fn a_file_needs_nothing_but_core() {
     }
 }
 
+/// By itself, as `rustc --crate-type lib` takes it without a word about editions: that is 2015.
+#[test]
+fn a_file_compiles_in_every_edition() {
+    let folder = folder("editions");
+    let builder =
+        Builder::new().urdf(robot("joint_zoo.urdf")).type_name("Option").c_functions("zoo");
+    let builder = builder.functions(Function::ALL.iter().copied()).self_contained();
+    let link = builder.generate().expect("good").model.links()[0].name.clone();
+    let file = folder.join("zoo.rs");
+    builder.payload([link]).runtime_gravity().write(&file).expect("good");
+    let rustc = std::env::var_os("RUSTC").unwrap_or("rustc".into());
+    for edition in ["", "--edition=2015", "--edition=2018", "--edition=2021", "--edition=2024"] {
+        let mut command = Command::new(&rustc);
+        command.args(Some(edition).filter(|edition| !edition.is_empty()));
+        command.args(["--crate-type=lib", "--emit=metadata", "-Dwarnings", "--out-dir"]);
+        let output = command.arg(&folder).arg(&file).output().expect("rustc runs");
+        assert!(output.status.success(), "{edition}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
 #[test]
 fn functions_for_c_compile_where_their_names_may_stand() {
     let file = folder("c").join("arm.rs");

@@ -1,6 +1,6 @@
 //! The inertia of a rigid link, as a description states it.
 
-use core::fmt;
+use core::{fmt, iter};
 
 use crate::spatial::Pose;
 
@@ -78,8 +78,8 @@ impl Inertial {
     /// 2e-15 m c^2 for what rounding leaves where a centre of mass is c from the link's origin.
     #[must_use]
     pub fn defect(&self) -> Option<InertialDefect> {
-        let figures = [self.mass].into_iter().chain(self.center_of_mass).chain(self.inertia);
-        if !figures.into_iter().all(f64::is_finite) {
+        let mut figures = iter::once(self.mass).chain(self.center_of_mass).chain(self.inertia);
+        if !figures.all(f64::is_finite) {
             return Some(InertialDefect::NotFinite);
         }
         if self.mass < 0.0 {
@@ -226,7 +226,7 @@ impl Payload {
     }
 }
 
-impl TryFrom<Inertial> for Payload {
+impl core::convert::TryFrom<Inertial> for Payload {
     type Error = InertialDefect;
     fn try_from(inertial: Inertial) -> Result<Self, InertialDefect> {
         Self::new(inertial)

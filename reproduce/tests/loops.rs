@@ -3,7 +3,7 @@
 
 use modyn::simulate::State;
 use modyn::spatial::{Twist, Wrench};
-use modyn::{ClosureSettings, Interpreter, Nalgebra, Robot};
+use modyn::{ClosureSettings, Interpreter, Nalgebra, Robot, functions};
 use modyn_codegen::urdf;
 
 modyn::modyn!("../../robots/four_bar.urdf");
@@ -30,7 +30,7 @@ fn assert_near(found: &[f64], expected: &[f64]) {
 /// The quantities of a robot at a state, one after the other, compiled and interpreted.
 fn compared<R, const N: usize>(model: modyn::model::Model, [q, qd, tau]: [[f64; N]; 3])
 where
-    R: Robot<Q<f64> = [f64; N], V<f64> = [f64; N]>,
+    R: Robot<Q<f64> = [f64; N], V<f64> = [f64; N]> + functions::Loops,
     R: Robot<PerClosure<Wrench<f64>> = [Wrench<f64>; 1], PerClosure<Twist<f64>> = [Twist<f64>; 1]>,
 {
     let settings = ClosureSettings::<f64>::DEFAULT;

@@ -4,6 +4,7 @@ use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 use modyn_runtime::spatial::{Momentum, Twist, Vector3, Wrench};
 use modyn_runtime::{
     Array, Factorization, Forces, ForwardDerivatives, FrameError, Interpreter, Robot, Scalar,
+    functions,
 };
 
 use crate::quantities::{Quantities, numbers};
@@ -320,7 +321,7 @@ pub type GivenTo<R, T> =
 /// # Panics
 ///
 /// If the inputs do not have the robot's length.
-pub fn generated<R: Robot, T: Scalar>(
+pub fn generated<R: Robot + functions::Defaults, T: Scalar>(
     inputs: &Inputs<T>,
     links: &[R::Link],
     pivot_blocks: impl FnOnce(&R::Brge<T>) -> Vec<Vec<T>>,
@@ -361,7 +362,10 @@ pub fn generated<R: Robot, T: Scalar>(
 /// # Panics
 ///
 /// If the inputs do not have the robot's length.
-pub fn generated_others<R: Robot, T: Scalar>(inputs: &Inputs<T>, links: &[R::Link]) -> Named<T> {
+pub fn generated_others<R: Robot + functions::All, T: Scalar>(
+    inputs: &Inputs<T>,
+    links: &[R::Link],
+) -> Named<T> {
     let given = GivenTo::<R, T>::new(inputs);
     other_quantities!(R, &given, links)
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use modyn_codegen::error::Diagnostics;
-use modyn_codegen::{Builder, FloatType, ModuleChoice, c_header, names, tame};
+use modyn_codegen::{Builder, FloatType, ModuleChoice, names, tame};
 
 use crate::command::choices::{Functions, functions, modules};
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let named = |found: Diagnostics| description.failure(arguments.robot.named(found));
     let progress = Progress::start("compiling");
     let result = match &arguments.output {
-        Some(output) if arguments.check => stale(arguments, &builder, output, &description, &named),
+        Some(output) if arguments.check => stale(arguments, &builder, output, &named),
         Some(output) => write(arguments, &builder, output, &description, &named),
         None => {
             let generated = builder.generate().map_err(named)?;
@@ -98,12 +98,10 @@ fn write(
     named: &impl Fn(Diagnostics) -> Failure,
 ) -> Result<(), Failure> {
     let generated = builder.write(output).map_err(named)?;
-    if let Some(path) = &arguments.c_header {
-        let prefix = arguments.prefix(description)?;
-        let header = c_header(&generated.text, &prefix, arguments.scalar.into());
-        if !std::fs::read_to_string(path).is_ok_and(|found| found == header) {
-            to_file(path, &header)?;
-        }
+    if let (Some(path), Some(header)) = (&arguments.c_header, &generated.c_header)
+        && !std::fs::read_to_string(path).is_ok_and(|found| found == *header)
+    {
+        to_file(path, header)?;
     }
     description.warn(arguments.robot.named(Diagnostics::new(generated.warnings)));
     Ok(())
@@ -113,7 +111,6 @@ fn stale(
     arguments: &Arguments,
     builder: &Builder,
     output: &Path,
-    description: &Description,
     named: &impl Fn(Diagnostics) -> Failure,
 ) -> Result<(), Failure> {
     let is = |path: &Path, stale: bool| {
@@ -123,14 +120,9 @@ fn stale(
     };
     let mut stale = is(output, builder.is_stale(output).map_err(named)?);
     if let Some(path) = &arguments.c_header {
-        // That of the file as it would be, which is there only if it is not stale.
-        let same = !stale && {
-            let prefix = arguments.prefix(description)?;
-            let text = builder.generate().map_err(named)?.text;
-            let header = c_header(&text, &prefix, arguments.scalar.into());
-            std::fs::read_to_string(path).is_ok_and(|found| found.replace("\r\n", "\n") == header)
-        };
-        stale |= is(path, !same);
+        let header = builder.generate().map_err(named)?.c_header.unwrap_or_default();
+        let found = std::fs::read_to_string(path);
+        stale |= is(path, !found.is_ok_and(|found| found.replace("\r\n", "\n") == header));
     }
     if stale { Err(Failure::Said) } else { Ok(()) }
 }

@@ -1,13 +1,12 @@
 //! The robot that a command is about: where its description is, and how it is to be read.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use modyn_codegen::Builder;
 use modyn_codegen::error::{Code, Diagnostic, Diagnostics, Severity};
 use modyn_codegen::mjcf;
-use modyn_codegen::source::read_first;
+use modyn_codegen::source::{read_first, read_text};
 use modyn_codegen::urdf::{
     self, ClosureKind, Friction, Loop, LoopEnd, ReadOptions, Reading, Rotor,
 };
@@ -93,11 +92,7 @@ impl Description {
         let name = path.display().to_string();
         if path == Path::new("-") {
             let name = String::from("standard input");
-            let mut text = String::new();
-            std::io::stdin().lock().read_to_string(&mut text).map_err(|error| {
-                Diagnostic::error(Code::MissingFile, format!("{name} cannot be read: {error}"))
-                    .with_help("give a URDF as UTF-8 text")
-            })?;
+            let text = read_text(&name, std::io::stdin().lock())?;
             return Ok(Self { name, text, path: None });
         }
         if !path.exists() {

@@ -202,7 +202,7 @@ fn outputs(quantity: &Quantity) -> Vec<Parameter> {
 }
 
 fn kernel_name(quantity: &Quantity) -> String {
-    format!("{}Kernel", crate::names::type_name(name(quantity)))
+    format!("{}Kernel", crate::names::helper_type(name(quantity)))
 }
 
 fn table_name(quantity: &Quantity) -> String {

@@ -12,8 +12,11 @@ mod constants;
 mod docs;
 mod embedded;
 mod factorization;
+pub(crate) mod frames;
 mod function;
+mod header;
 mod layout;
+mod missing;
 mod parameters;
 mod quantities;
 mod shape;
@@ -35,6 +38,7 @@ use crate::functions::Function;
 use crate::names;
 use crate::partition::{self, Choice};
 use crate::trace::{Limbs, Parameters, Tracer};
+use frames::Frames;
 use function::{Parameter, function};
 use quantities::{Graphs, Quantity, Source};
 use shape::Shape;
@@ -109,6 +113,8 @@ impl Default for EmitOptions {
 pub struct Emitted {
     /// Rust items.
     pub text: String,
+    /// The header of the functions for C, if there are some.
+    pub c_header: Option<String>,
     /// The name of the type.
     pub type_name: String,
     /// What each function takes, by name.
@@ -129,13 +135,20 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let options = &options;
     let prepared = Prepared::new(model);
     let parameters = Parameters::new(model, options.runtime_gravity, &options.payload);
-    let tracer = Tracer::with_parameters(&prepared, parameters);
+    let frames = &Frames::new(&prepared);
+    let all_links = Tracer::with_parameters(&prepared, parameters.clone());
+    // Nearly no function is about links, of which there may be very many; but what one weighs may be given.
+    let tracer = if options.payload.is_empty() {
+        Tracer::with_parameters(frames.bare(), parameters)
+    } else {
+        all_links.clone()
+    };
     let Choice { modules: eliminated, graph: forward_dynamics, candidates } =
         partition::choose(model, &prepared, &tracer);
     let type_name = options.type_name.clone().unwrap_or_else(|| names::type_name(model.name()));
     let layout = Layout::new(&prepared, modules);
-    let robot =
-        Robot { model, modules, options, layout: &layout, tracer: &tracer, name: &type_name };
+    let (layout, tracer) = (&layout, &tracer);
+    let robot = Robot { model, modules, options, layout, tracer, frames, name: &type_name };
     let elimination = Elimination::new(&prepared, &eliminated);
     // A file of its own has no vectors, and a link that is given at run time has no equal.
     let pays = (options.share || !options.self_contained) && options.payload.is_empty();
@@ -146,13 +159,15 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let partitions: Vec<Partition> =
         [&eliminated].into_iter().chain(others).map(|m| Partition::new(&prepared, m)).collect();
     let source = Source {
-        tracer: &tracer,
+        tracer,
+        all_links: &all_links,
+        frames,
         limbs: &limbs,
         partitions: &partitions,
         independent: limbs.first().is_some_and(|limbs| limbs.independent(&prepared)),
         vectors: !options.self_contained && !options.share,
         elimination: &elimination,
-        layout: &layout,
+        layout,
         for_derivatives: &Layout::new(&prepared, &partition::whole_chains(model)),
         forward_dynamics: &forward_dynamics,
     };
@@ -167,7 +182,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
         selected.map(|f| robot.quantity(*f, &source)).partition(|q| q.function.batched().is_some());
     let count = |q: &Quantity| match &q.abreast {
         Some(graph) if options.share => shared::count(graph),
-        _ => q.graphs.largest().map_or_else(OperationCount::default, Graph::count),
+        _ => q.graphs.count(frames.rows()),
     };
     let named = |q: &Quantity| (q.function.name(), count(q));
     let mut operations: Vec<_> = quantities.iter().map(named).collect();
@@ -194,12 +209,17 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     robot.own_functions(&mut text, &quantities);
     if !options.self_contained {
         robot.robot_trait(&mut text, &quantities);
+        let generated = quantities.iter().chain(&batches).map(|quantity| quantity.function);
+        robot.availability(&mut text, &generated.collect::<Vec<_>>());
     }
     if robot.factorizes() {
         robot.factorization(&mut text);
     }
     robot.enums(&mut text);
     robot.parameters(&mut text);
+    if quantities.iter().any(|q| !matches!(q.graphs, Graphs::One(_))) && frames.any_shared() {
+        frames.table(&mut text, options.float);
+    }
     for quantity in &quantities {
         robot.private_functions(&mut text, quantity);
     }
@@ -208,14 +228,15 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     }
     text += "};\n";
     operations.extend(batches.iter().map(named));
-    if let Some(prefix) = &options.c_prefix {
+    let c_header = options.c_prefix.as_ref().map(|prefix| {
         robot.c_functions(&mut text, prefix, &quantities);
-    }
+        robot.c_header(prefix, &quantities)
+    });
     if options.self_contained {
-        text = layout::indented(&text);
+        text = layout::indented(&embedded::in_any_edition(&text));
         text += &embedded::module(&text);
     }
-    Emitted { text, type_name, operations, written, partition: (eliminated, candidates) }
+    Emitted { text, c_header, type_name, operations, written, partition: (eliminated, candidates) }
 }
 
 /// What the parts of the text are written from.
@@ -225,6 +246,7 @@ struct Robot<'a> {
     options: &'a EmitOptions,
     layout: &'a Layout,
     tracer: &'a Tracer<'a>,
+    frames: &'a Frames,
     name: &'a str,
 }
 
@@ -267,10 +289,10 @@ impl Robot<'_> {
                 None => *text += &function(name, &parameters, &quantity.shape, graph),
             },
             Graphs::ByLink(graphs) => {
-                for (i, graph) in graphs.iter().enumerate() {
-                    let name = format!("{name}_{i}");
-                    *text += &function(&name, &parameters, &quantity.shape, graph);
-                }
+                self.frames.functions(text, quantity, graphs, self.options.float);
+            }
+            Graphs::Poses(graphs) => {
+                self.frames.poses_function(text, quantity, graphs, self.options.float);
             }
         }
     }
@@ -289,14 +311,15 @@ impl Robot<'_> {
         }
         let arguments = arguments.join(", ");
         match &quantity.graphs {
-            Graphs::One(_) => format!("{name}({arguments})"),
+            Graphs::One(_) | Graphs::Poses(_) => format!("{name}({arguments})"),
             Graphs::ByLink(_) => {
                 let arms: Vec<String> = self
                     .link_variants()
                     .iter()
                     .enumerate()
                     .map(|(i, link)| {
-                        format!("{}Link::{link} => {name}_{i}({arguments}),\n", self.name)
+                        let call = self.frames.call(name, i, &arguments);
+                        format!("{}Link::{link} => {call},\n", self.name)
                     })
                     .collect();
                 format!("match link {{\n{}    }}", arms.concat())

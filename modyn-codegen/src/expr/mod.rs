@@ -10,4 +10,4 @@ mod graph;
 mod scalar;
 
 pub use graph::{Graph, Id, Node};
-pub use scalar::Expr;
+pub use scalar::{Expr, ForeignExpr};

@@ -5,7 +5,7 @@ use std::iter::zip;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use modyn::spatial::Pose;
-use modyn::{Array, Factorization, Nalgebra, OperationCount, Robot, Scalar};
+use modyn::{Array, Factorization, Nalgebra, OperationCount, Robot, Scalar, functions};
 use modyn_fleet::ROBOTS;
 use modyn_fleet::robots::{
     Arm6, Arm6Link, GoldenPandaFingers, GoldenUr5, Gripper, GripperLink, Quadruped, QuadrupedLink,
@@ -83,7 +83,10 @@ impl<R: Robot, T: Scalar> Motion<R, T> {
         }
     }
 
-    fn energy(&self) -> T {
+    fn energy(&self) -> T
+    where
+        R: functions::KineticEnergy + functions::PotentialEnergy,
+    {
         R::kinetic_energy(&self.q, &self.qd) + R::potential_energy(&self.q)
     }
 }
@@ -94,7 +97,7 @@ struct Rates<R: Robot, T: Scalar> {
 }
 
 /// A step of Runge and Kutta's method under the torques that `torques` gives.
-fn rk4_step<R: Robot, T: Scalar>(
+fn rk4_step<R: Robot + functions::Defaults, T: Scalar>(
     motion: &Motion<R, T>,
     torques: impl Fn(&Motion<R, T>) -> R::V<T>,
     h: T,
@@ -131,7 +134,10 @@ fn wanted<R: Robot, T: Scalar>(motion: &Motion<R, T>, goal: &R::Q<T>) -> R::V<T>
 }
 
 /// The torques of that acceleration.
-fn computed_torque<R: Robot, T: Scalar>(motion: &Motion<R, T>, goal: &R::Q<T>) -> R::V<T> {
+fn computed_torque<R: Robot + functions::Defaults, T: Scalar>(
+    motion: &Motion<R, T>,
+    goal: &R::Q<T>,
+) -> R::V<T> {
     R::inverse_dynamics(&motion.q, &motion.qd, &wanted(motion, goal))
 }
 
@@ -147,7 +153,7 @@ macro_rules! for_two_robots {
 
 #[test]
 fn computed_torque_gives_the_acceleration_it_wants() {
-    fn check<R: Robot, T: Real>(name: &str, tolerance: f64) {
+    fn check<R: Robot + functions::Defaults, T: Real>(name: &str, tolerance: f64) {
         for seed in 0..5 {
             let State { q, qd, qdd: goal, .. } = state_of(name, seed);
             let (motion, goal) = (Motion::<R, T>::new(&q, &qd), vector(&goal));
@@ -162,7 +168,7 @@ fn computed_torque_gives_the_acceleration_it_wants() {
 
 #[test]
 fn computed_torque_brings_a_robot_to_its_goal() {
-    fn check<R: Robot, T: Real>(name: &str, tolerance: f64) {
+    fn check<R: Robot + functions::Defaults, T: Real>(name: &str, tolerance: f64) {
         let State { q, qd, qdd: goal, .. } = state_of(name, 1);
         let target = vector(&goal);
         let mut motion = Motion::<R, T>::new(&q, &qd);
@@ -178,7 +184,7 @@ fn computed_torque_brings_a_robot_to_its_goal() {
 #[test]
 fn an_unforced_motion_keeps_its_energy() {
     /// The change of energy in a quarter of a second, to scale.
-    fn drift<R: Robot, T: Real>(name: &str, steps: u32) -> f64 {
+    fn drift<R: Robot + functions::Defaults, T: Real>(name: &str, steps: u32) -> f64 {
         let State { q, qd, .. } = state_of(name, 2);
         let start = Motion::<R, T>::new(&q, &qd);
         let h = T::from_f64(0.25 / f64::from(steps));
@@ -188,7 +194,7 @@ fn an_unforced_motion_keeps_its_energy() {
         let energy = start.energy().to_f64();
         (end.energy().to_f64() - energy).abs() / energy.abs().max(1.0)
     }
-    fn check<R: Robot>(name: &str) {
+    fn check<R: Robot + functions::Defaults>(name: &str) {
         let (coarse, fine) = (drift::<R, f64>(name, 200), drift::<R, f64>(name, 400));
         // The method is of fourth order, but rounding has an end of it.
         assert!(fine < coarse / 10.0 || fine < 1e-13, "{name}: {coarse:e}, then {fine:e}");
@@ -209,7 +215,7 @@ fn nalgebra_calls_are_the_array_calls() {
                 V<f64> = [f64; N],
                 M<f64> = [[f64; N]; N],
                 PerLink<Pose<f64>> = [Pose<f64>; LINKS],
-            >,
+            > + functions::Defaults,
     {
         for seed in 0..3 {
             let State { q, qd, qdd, tau } = state_of(name, seed);
@@ -275,7 +281,7 @@ fn jacobian(n: usize, column: impl Fn(usize) -> Vec<f64>) -> DMatrix<f64> {
 
 #[test]
 fn dual_numbers_give_the_derivatives_of_the_reference_data() {
-    fn check<R: Robot>(name: &str) {
+    fn check<R: Robot + functions::Defaults>(name: &str) {
         let constant = R::NV;
         let states = Golden::load(name).states;
         assert!(!states.is_empty());
@@ -340,7 +346,7 @@ fn dual_numbers_are_near_finite_differences() {
 
 #[test]
 fn torques_are_the_derivatives_of_the_energies() {
-    fn check<R: Robot>(name: &str) {
+    fn check<R: Robot + functions::Defaults>(name: &str) {
         let State { q, qd, .. } = state_of(name, 4);
         let constant = R::NV;
         let gravity: Vec<f64> =
@@ -466,7 +472,7 @@ fn counted(run: impl FnOnce()) -> OperationCount {
 
 #[test]
 fn what_is_counted_is_what_is_announced() {
-    fn check<R: Robot>(source: Source, links: &[R::Link]) {
+    fn check<R: Robot + functions::Defaults>(source: Source, links: &[R::Link]) {
         let robot = ROBOTS.iter().find(|robot| robot.spec.source == source).expect("compiled");
         let State { q, qd, qdd, tau } = state_of(&robot.name(), 5);
         let at: R::Q<Counted> = vector(&q);

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use modyn::{Factorization, Inertial, InertialDefect, Payload, Robot};
+use modyn::{Factorization, Inertial, InertialDefect, Payload, Robot, functions};
 use modyn_fleet::ROBOTS;
 use modyn_fleet::robots::{
     GoldenPandaLoaded, GoldenPandaLoadedParams, Zoo10153_8Loaded, Zoo10153_8LoadedParams,
@@ -31,7 +31,7 @@ fn compiled(name: &str) -> (&'static Compiled, Model, ModuleTree) {
 }
 
 /// All default functions that parameters matter to.
-fn defaults<R: Robot>(params: &R::Params, given: &GivenTo<R, f64>) -> Named<f64> {
+fn defaults<R: Robot + functions::All>(params: &R::Params, given: &GivenTo<R, f64>) -> Named<f64> {
     let Given { q, qd, qdd, tau, .. } = given;
     let brge = R::brge_with(params, q);
     vec![
@@ -50,7 +50,7 @@ fn defaults<R: Robot>(params: &R::Params, given: &GivenTo<R, f64>) -> Named<f64>
 }
 
 /// All others.
-fn others<R: Robot>(params: &R::Params, given: &GivenTo<R, f64>) -> Named<f64> {
+fn others<R: Robot + functions::All>(params: &R::Params, given: &GivenTo<R, f64>) -> Named<f64> {
     let Given { q, qd, qdd, tau, forces, .. } = given;
     let inverse = R::inverse_dynamics_derivatives_with(params, q, qd, qdd);
     let forward = R::forward_dynamics_derivatives_with(params, q, qd, tau);
@@ -128,7 +128,7 @@ fn changes(links: [&'static str; 2]) -> Vec<Change> {
 }
 
 /// Asserts that the robot with parameters is the interpreter of the changed model.
-fn check<R: Robot>(
+fn check<R: Robot + functions::All>(
     name: &str,
     links: [&'static str; 2],
     others: Option<Others<R>>,

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use modyn::simulate::{Gains, Reference, State};
-use modyn::{Array, Robot, Scalar};
+use modyn::{Array, Robot, Scalar, functions};
 use modyn_fleet::ROBOTS;
 #[cfg(feature = "whole")]
 use modyn_fleet::robots::GoldenSolo12Floating;
@@ -40,29 +40,29 @@ fn start<R: Robot>(name: &str) -> State<R> {
 }
 
 /// The torques that friction takes: what of the bias forces changes sign with the velocities.
-fn resistance<R: Robot>(State { q, qd }: &State<R>) -> R::V<f64> {
+fn resistance<R: Robot + functions::Defaults>(State { q, qd }: &State<R>) -> R::V<f64> {
     let back = R::V::<f64>::from_fn(|i| -qd.as_ref()[i]);
     let (there, back) = (R::bias_forces(q, qd), R::bias_forces(q, &back));
     R::V::<f64>::from_fn(|i| 0.5 * (there.as_ref()[i] - back.as_ref()[i]))
 }
 
 /// Free motion without friction.
-fn free<R: Robot>(state: &State<R>) -> R::V<f64> {
+fn free<R: Robot + functions::Defaults>(state: &State<R>) -> R::V<f64> {
     R::forward_dynamics(&state.q, &state.qd, &resistance(state))
 }
 
-fn energy<R: Robot>(State { q, qd }: &State<R>) -> f64 {
+fn energy<R: Robot + functions::Defaults>(State { q, qd }: &State<R>) -> f64 {
     R::kinetic_energy(q, qd) + R::potential_energy(q)
 }
 
 /// How a state goes on for a step.
 type Step<R> = fn(&State<R>, f64) -> State<R>;
 
-fn runge_kutta<R: Robot>(state: &State<R>, dt: f64) -> State<R> {
+fn runge_kutta<R: Robot + functions::Defaults>(state: &State<R>, dt: f64) -> State<R> {
     state.runge_kutta_4(dt, free)
 }
 
-fn euler<R: Robot>(state: &State<R>, dt: f64) -> State<R> {
+fn euler<R: Robot + functions::Defaults>(state: &State<R>, dt: f64) -> State<R> {
     state.semi_implicit_euler(dt, free)
 }
 
@@ -72,7 +72,7 @@ fn run<R: Robot>(start: State<R>, step: Step<R>, time: f64, steps: u32) -> State
 }
 
 /// The largest difference of coordinates and velocities.
-fn distance<R: Robot>(a: &State<R>, b: &State<R>) -> f64 {
+fn distance<R: Robot + functions::Defaults>(a: &State<R>, b: &State<R>) -> f64 {
     let q = R::difference(&a.q, &b.q);
     let qd = a.qd.as_ref().iter().zip(b.qd.as_ref()).map(|(a, b)| a - b);
     q.as_ref().iter().copied().chain(qd).fold(0.0, |worst, x| worst.max(x.abs()))
@@ -80,7 +80,7 @@ fn distance<R: Robot>(a: &State<R>, b: &State<R>) -> f64 {
 
 #[test]
 fn runge_kutta_is_of_fourth_order() {
-    fn check<R: Robot>(name: &str) {
+    fn check<R: Robot + functions::Defaults>(name: &str) {
         let start = start::<R>(name);
         let end = |steps| run(start, runge_kutta, 0.05, steps);
         let exact = end(320);
@@ -94,7 +94,7 @@ fn runge_kutta_is_of_fourth_order() {
 
 #[test]
 fn semi_implicit_euler_is_of_first_order() {
-    fn check<R: Robot>(name: &str) {
+    fn check<R: Robot + functions::Defaults>(name: &str) {
         let start = start::<R>(name);
         let exact = run(start, runge_kutta, 0.05, 80);
         let [coarse, fine] = [100, 200].map(|n| distance(&run(start, euler, 0.05, n), &exact));
@@ -106,7 +106,7 @@ fn semi_implicit_euler_is_of_first_order() {
 
 #[test]
 fn free_motion_keeps_its_energy() {
-    fn check<R: Robot>(name: &str) {
+    fn check<R: Robot + functions::Defaults>(name: &str) {
         let start = start::<R>(name);
         let end = run(start, runge_kutta, 0.2, 400);
         let drift = (energy(&end) - energy(&start)).abs() / energy(&start).abs().max(1.0);
@@ -141,7 +141,7 @@ const GAINS: Gains = Gains { stiffness: 100.0, damping: 20.0 };
 
 #[test]
 fn computed_torque_brings_a_robot_to_its_goal() {
-    fn check<R: Robot>(name: &str) {
+    fn check<R: Robot + functions::Defaults>(name: &str) {
         let random::State { q, .. } = state_of(name, 2);
         let goal = Reference::<R>::standing(array(&q));
         let mut state = start::<R>(name);
