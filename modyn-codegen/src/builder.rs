@@ -807,7 +807,7 @@ mod tests {
             (comb(1, 150), true, true),
             (comb(40, 5), false, false),
             (comb(25, 8), false, false),
-            (comb(400, 1), false, false),
+            (comb(300, 1), false, false),
         ] {
             let (by_chains, by_links) = (ModuleTree::chains(&model), ModuleTree::links(&model));
             let default = Function::DEFAULT;

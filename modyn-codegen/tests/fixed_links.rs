@@ -23,7 +23,7 @@ const OF_LINKS: [Function; 9] = [
 /// A chain of joints in general position, with so many links fixed to the world and to each moving link.
 fn urdf(joints: usize, fixed: &[usize]) -> String {
     let mut text = String::from("<robot name='comb'><link name='b0'/>");
-    let mut fix = |body: usize, text: &mut String| {
+    let fix = |body: usize, text: &mut String| {
         for i in 0..fixed[body.min(fixed.len() - 1)] {
             let x = 0.1 * i as f64 + 0.3 * body as f64;
             *text += &format!(

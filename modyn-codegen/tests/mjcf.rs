@@ -276,3 +276,26 @@ fn no_mutation_panics() {
     }
     assert!(usable > 100, "only {usable} reach the end");
 }
+
+/// Rotations become part of the generated text: their sines are libm's, which are the same on every host, and not
+/// the system's.
+#[test]
+fn rotations_are_the_same_on_every_host() {
+    let angles: Vec<f64> = (0..2000).map(|i| 0.001 + 0.0015 * f64::from(i)).collect();
+    let body = |(i, angle): (usize, &f64)| {
+        format!(
+            "<body name='b{i}' axisangle='0 0 1 {angle:?}'><joint name='j{i}' type='hinge' axis='0 1 0'/>\
+             <geom type='sphere' size='0.1' mass='1'/></body>"
+        )
+    };
+    let bodies: String = angles.iter().enumerate().map(body).collect();
+    let text = format!(
+        "<mujoco model='m'><compiler angle='radian'/><worldbody>{bodies}</worldbody></mujoco>"
+    );
+    let model = read(&text).expect("good");
+    for (link, angle) in model.links().iter().zip(angles) {
+        let (sin, cos) = libm::sincos(angle * 0.5);
+        let expected = modyn_runtime::conventions::rotation_from_quaternion([0.0, 0.0, sin, cos]);
+        assert_eq!(link.joint.origin.rotation, expected, "{angle}");
+    }
+}

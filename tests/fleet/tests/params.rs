@@ -31,7 +31,10 @@ fn compiled(name: &str) -> (&'static Compiled, Model, ModuleTree) {
 }
 
 /// All default functions that parameters matter to.
-fn defaults<R: Robot + functions::All>(params: &R::Params, given: &GivenTo<R, f64>) -> Named<f64> {
+fn defaults<R: Robot + functions::Defaults>(
+    params: &R::Params,
+    given: &GivenTo<R, f64>,
+) -> Named<f64> {
     let Given { q, qd, qdd, tau, .. } = given;
     let brge = R::brge_with(params, q);
     vec![
@@ -128,7 +131,7 @@ fn changes(links: [&'static str; 2]) -> Vec<Change> {
 }
 
 /// Asserts that the robot with parameters is the interpreter of the changed model.
-fn check<R: Robot + functions::All>(
+fn check<R: Robot + functions::Defaults>(
     name: &str,
     links: [&'static str; 2],
     others: Option<Others<R>>,
