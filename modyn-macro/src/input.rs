@@ -83,6 +83,7 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
             .parse::<LitBool>()
             .map_err(|error| Error::new(error.span(), "expected `true` or `false`"))
             .map(|share| if share.value { builder.share() } else { builder }),
+        "runtime_inertia" => strings(input).map(|links| builder.runtime_inertia(links)),
         "payload" => strings(input).map(|links| builder.payload(links)),
         "functions" => functions(input).map(|functions| builder.functions(functions)),
         "modules" => modules(input).map(|modules| builder.modules(modules)),
@@ -110,7 +111,7 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
             Err(error) => Err(Error::new(error.span(), "expected a path, such as `::modyn`")),
         },
         other => {
-            let options = "gravity, payload, functions, modules, scalar, base, mimic, rotors, \
+            let options = "gravity, runtime_inertia, payload, functions, modules, scalar, base, mimic, rotors, \
                            loops, friction, share, unphysical_inertia, crate";
             let message = format!("there is no option `{other}`; options are {options}");
             Err(Error::new(name.span(), message))

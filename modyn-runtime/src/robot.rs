@@ -4,6 +4,7 @@ use core::convert::Infallible;
 use core::marker::PhantomData;
 
 use crate::Scalar;
+use crate::configuration::{self, ConfigurationError};
 use crate::figures::{
     ClosingStep, ClosureErrors, ClosureSettings, ConstrainedForwardDynamics,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
@@ -60,7 +61,9 @@ macro_rules! no_loops {
 /// The generated type has the same functions by itself on plain numbers; the trait is for code
 /// that does not know the robot. Vectors stand in the order of
 /// [`COORDINATE_NAMES`](Self::COORDINATE_NAMES) and [`VELOCITY_NAMES`](Self::VELOCITY_NAMES),
-/// matrices are arrays of columns; SI units, radians. A call of a function that the robot was
+/// matrices are arrays of columns; SI units, radians. Quaternions in coordinates must have length 1, which is not checked
+/// but by [`check_configuration`](Self::check_configuration): with one of length 1.1, accelerations are wrong by a part in a
+/// hundred or more. A call of a function that the robot was
 /// compiled without (option `functions`) does not compile.
 pub trait Robot {
     /// The robot's name in its description.
@@ -79,13 +82,16 @@ pub trait Robot {
     const VELOCITY_NAMES: &'static [&'static str];
     /// The joints that close loops, in the description's order.
     const CLOSURE_NAMES: &'static [&'static str] = &[];
+    /// The quaternions in the coordinate vector: the name of the joint of each, and the entry that it begins at.
+    const QUATERNIONS: &'static [(&'static str, usize)] = &[];
     /// The limits of the joints, as the description states them.
     const LIMITS: JointLimits<'static>;
     /// The kinematic modules, parents before children.
     const MODULES: &'static [KinematicModule];
 
-    /// What can be changed at run time: gravity and payloads, where the robot was compiled so.
-    type Params: Default;
+    /// The numbers that can be changed at run time, in the scalar of the computation: gravity, inertias and payloads,
+    /// where the robot was compiled so. On dual numbers, results come with their derivatives by them.
+    type Params<T: Scalar>: Clone + Default;
     /// A link of the description.
     type Link: Copy;
     /// Coordinates.
@@ -108,7 +114,7 @@ pub trait Robot {
 
     /// Joint accelerations under the joint torques `tau`.
     fn forward_dynamics_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
@@ -122,12 +128,12 @@ pub trait Robot {
         qd: &Self::V<T>,
         tau: &Self::V<T>,
     ) -> Self::V<T> {
-        Self::forward_dynamics_with(&Self::Params::default(), q, qd, tau)
+        Self::forward_dynamics_with(&Self::Params::<T>::default(), q, qd, tau)
     }
 
     /// Joint torques of the accelerations `qdd`.
     fn inverse_dynamics_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         qdd: &Self::V<T>,
@@ -141,12 +147,12 @@ pub trait Robot {
         qd: &Self::V<T>,
         qdd: &Self::V<T>,
     ) -> Self::V<T> {
-        Self::inverse_dynamics_with(&Self::Params::default(), q, qd, qdd)
+        Self::inverse_dynamics_with(&Self::Params::<T>::default(), q, qd, qdd)
     }
 
     /// Coriolis, centrifugal and gravity torques (damping and friction too, where they act).
     fn bias_forces_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
     ) -> Self::V<T> {
@@ -155,63 +161,67 @@ pub trait Robot {
 
     /// [`bias_forces_with`](Self::bias_forces_with) the default parameters.
     fn bias_forces<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::V<T> {
-        Self::bias_forces_with(&Self::Params::default(), q, qd)
+        Self::bias_forces_with(&Self::Params::<T>::default(), q, qd)
     }
 
     /// Joint torques that hold the robot still.
-    fn gravity_torques_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>) -> Self::V<T> {
+    fn gravity_torques_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> Self::V<T> {
         missing!(gravity_torques: params, q)
     }
 
     /// [`gravity_torques_with`](Self::gravity_torques_with) the default parameters.
     fn gravity_torques<T: Scalar>(q: &Self::Q<T>) -> Self::V<T> {
-        Self::gravity_torques_with(&Self::Params::default(), q)
+        Self::gravity_torques_with(&Self::Params::<T>::default(), q)
     }
 
     /// The generalized inertia matrix.
-    fn mass_matrix_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>) -> Self::M<T> {
+    fn mass_matrix_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> Self::M<T> {
         missing!(mass_matrix: params, q)
     }
 
     /// [`mass_matrix_with`](Self::mass_matrix_with) the default parameters.
     fn mass_matrix<T: Scalar>(q: &Self::Q<T>) -> Self::M<T> {
-        Self::mass_matrix_with(&Self::Params::default(), q)
+        Self::mass_matrix_with(&Self::Params::<T>::default(), q)
     }
 
     /// The generalized inertia matrix as U D U^T by modules.
-    fn brge_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>) -> Self::Brge<T> {
+    fn brge_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> Self::Brge<T> {
         missing!(brge: params, q)
     }
 
     /// [`brge_with`](Self::brge_with) the default parameters.
     fn brge<T: Scalar>(q: &Self::Q<T>) -> Self::Brge<T> {
-        Self::brge_with(&Self::Params::default(), q)
+        Self::brge_with(&Self::Params::<T>::default(), q)
     }
 
     /// Kinetic energy, J.
-    fn kinetic_energy_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>, qd: &Self::V<T>) -> T {
+    fn kinetic_energy_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+    ) -> T {
         missing!(kinetic_energy: params, q, qd)
     }
 
     /// [`kinetic_energy_with`](Self::kinetic_energy_with) the default parameters.
     fn kinetic_energy<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> T {
-        Self::kinetic_energy_with(&Self::Params::default(), q, qd)
+        Self::kinetic_energy_with(&Self::Params::<T>::default(), q, qd)
     }
 
     /// Potential energy under gravity, J; zero at the world's origin.
-    fn potential_energy_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>) -> T {
+    fn potential_energy_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> T {
         missing!(potential_energy: params, q)
     }
 
     /// [`potential_energy_with`](Self::potential_energy_with) the default parameters.
     fn potential_energy<T: Scalar>(q: &Self::Q<T>) -> T {
-        Self::potential_energy_with(&Self::Params::default(), q)
+        Self::potential_energy_with(&Self::Params::<T>::default(), q)
     }
 
     /// Joint accelerations under the joint torques `tau` and a wrench on each link, at the link's
     /// origin in its own axes.
     fn forward_dynamics_external_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
@@ -227,13 +237,13 @@ pub trait Robot {
         tau: &Self::V<T>,
         forces: &Self::PerLink<Wrench<T>>,
     ) -> Self::V<T> {
-        Self::forward_dynamics_external_with(&Self::Params::default(), q, qd, tau, forces)
+        Self::forward_dynamics_external_with(&Self::Params::<T>::default(), q, qd, tau, forces)
     }
 
     /// Joint accelerations under the joint torques `tau` and a wrench on each link, at the link's
     /// origin in the world's axes.
     fn forward_dynamics_external_world_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
@@ -249,13 +259,19 @@ pub trait Robot {
         tau: &Self::V<T>,
         forces: &Self::PerLink<Wrench<T>>,
     ) -> Self::V<T> {
-        Self::forward_dynamics_external_world_with(&Self::Params::default(), q, qd, tau, forces)
+        Self::forward_dynamics_external_world_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            tau,
+            forces,
+        )
     }
 
     /// Joint torques of the accelerations `qdd` under a wrench on each link, at the link's origin in
     /// its own axes.
     fn inverse_dynamics_external_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         qdd: &Self::V<T>,
@@ -271,13 +287,13 @@ pub trait Robot {
         qdd: &Self::V<T>,
         forces: &Self::PerLink<Wrench<T>>,
     ) -> Self::V<T> {
-        Self::inverse_dynamics_external_with(&Self::Params::default(), q, qd, qdd, forces)
+        Self::inverse_dynamics_external_with(&Self::Params::<T>::default(), q, qd, qdd, forces)
     }
 
     /// Joint torques of the accelerations `qdd` under a wrench on each link, at the link's origin in
     /// the world's axes.
     fn inverse_dynamics_external_world_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         qdd: &Self::V<T>,
@@ -293,7 +309,13 @@ pub trait Robot {
         qdd: &Self::V<T>,
         forces: &Self::PerLink<Wrench<T>>,
     ) -> Self::V<T> {
-        Self::inverse_dynamics_external_world_with(&Self::Params::default(), q, qd, qdd, forces)
+        Self::inverse_dynamics_external_world_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            qdd,
+            forces,
+        )
     }
 
     /// The poses of all links in the world.
@@ -303,7 +325,7 @@ pub trait Robot {
 
     /// The derivatives of the inverse dynamics; with respect to `q` in tangent space.
     fn inverse_dynamics_derivatives_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         qdd: &Self::V<T>,
@@ -317,12 +339,12 @@ pub trait Robot {
         qd: &Self::V<T>,
         qdd: &Self::V<T>,
     ) -> InverseDynamicsDerivatives<Self::M<T>> {
-        Self::inverse_dynamics_derivatives_with(&Self::Params::default(), q, qd, qdd)
+        Self::inverse_dynamics_derivatives_with(&Self::Params::<T>::default(), q, qd, qdd)
     }
 
     /// The derivatives of the forward dynamics; with respect to `q` in tangent space.
     fn forward_dynamics_derivatives_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
@@ -336,14 +358,14 @@ pub trait Robot {
         qd: &Self::V<T>,
         tau: &Self::V<T>,
     ) -> ForwardDynamicsDerivatives<Self::V<T>, Self::M<T>> {
-        Self::forward_dynamics_derivatives_with(&Self::Params::default(), q, qd, tau)
+        Self::forward_dynamics_derivatives_with(&Self::Params::<T>::default(), q, qd, tau)
     }
 
     /// Joint accelerations under the joint torques `tau` with the loops closed, and what closes each
     /// of them: the wrench on its second link at the second frame's origin, in the first frame's axes.
     /// Of redundant constraints the first have all forces.
     fn constrained_forward_dynamics_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
@@ -359,7 +381,7 @@ pub trait Robot {
         tau: &Self::V<T>,
         settings: &ClosureSettings<T>,
     ) -> ConstrainedForwardDynamics<Self::V<T>, Self::PerClosure<Wrench<T>>> {
-        Self::constrained_forward_dynamics_with(&Self::Params::default(), q, qd, tau, settings)
+        Self::constrained_forward_dynamics_with(&Self::Params::<T>::default(), q, qd, tau, settings)
     }
 
     /// How far the frames of each closure are apart, and how fast they part: the second frame against
@@ -376,7 +398,7 @@ pub trait Robot {
     /// at `q`, and the smallest change of `qd` that keeps them closed. Of `settings` the tolerance
     /// alone matters.
     fn closing_step_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         settings: &ClosureSettings<T>,
@@ -390,14 +412,14 @@ pub trait Robot {
         qd: &Self::V<T>,
         settings: &ClosureSettings<T>,
     ) -> ClosingStep<Self::V<T>> {
-        Self::closing_step_with(&Self::Params::default(), q, qd, settings)
+        Self::closing_step_with(&Self::Params::<T>::default(), q, qd, settings)
     }
 
     /// The regressor Y of the inverse dynamics, an array of columns: tau = Y pi (rotors and friction
     /// apart), where pi holds ten numbers a moving link: mass, mass times centre of mass x, y, z, and
     /// Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in its own axes.
     fn regressor_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         qdd: &Self::V<T>,
@@ -411,22 +433,22 @@ pub trait Robot {
         qd: &Self::V<T>,
         qdd: &Self::V<T>,
     ) -> Self::Regressor<T> {
-        Self::regressor_with(&Self::Params::default(), q, qd, qdd)
+        Self::regressor_with(&Self::Params::<T>::default(), q, qd, qdd)
     }
 
     /// The centre of mass of the moving links in the world, m.
-    fn center_of_mass_with<T: Scalar>(params: &Self::Params, q: &Self::Q<T>) -> Vector3<T> {
+    fn center_of_mass_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>) -> [T; 3] {
         missing!(center_of_mass: params, q)
     }
 
     /// [`center_of_mass_with`](Self::center_of_mass_with) the default parameters.
-    fn center_of_mass<T: Scalar>(q: &Self::Q<T>) -> Vector3<T> {
-        Self::center_of_mass_with(&Self::Params::default(), q)
+    fn center_of_mass<T: Scalar>(q: &Self::Q<T>) -> [T; 3] {
+        Self::center_of_mass_with(&Self::Params::<T>::default(), q)
     }
 
     /// The derivative of the centre of mass: its velocity is this times `qd`. An array of columns.
     fn center_of_mass_jacobian_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
     ) -> Self::PerVelocity<Vector3<T>> {
         missing!(center_of_mass_jacobian: params, q)
@@ -434,13 +456,13 @@ pub trait Robot {
 
     /// [`center_of_mass_jacobian_with`](Self::center_of_mass_jacobian_with) the default parameters.
     fn center_of_mass_jacobian<T: Scalar>(q: &Self::Q<T>) -> Self::PerVelocity<Vector3<T>> {
-        Self::center_of_mass_jacobian_with(&Self::Params::default(), q)
+        Self::center_of_mass_jacobian_with(&Self::Params::<T>::default(), q)
     }
 
     /// The centroidal momentum matrix, an array of columns: this times `qd` is the momentum about the
     /// centre of mass, in world axes.
     fn centroidal_momentum_matrix_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
     ) -> Self::PerVelocity<Momentum<T>> {
         missing!(centroidal_momentum_matrix: params, q)
@@ -448,12 +470,12 @@ pub trait Robot {
 
     /// [`centroidal_momentum_matrix_with`](Self::centroidal_momentum_matrix_with) the default parameters.
     fn centroidal_momentum_matrix<T: Scalar>(q: &Self::Q<T>) -> Self::PerVelocity<Momentum<T>> {
-        Self::centroidal_momentum_matrix_with(&Self::Params::default(), q)
+        Self::centroidal_momentum_matrix_with(&Self::Params::<T>::default(), q)
     }
 
     /// The momentum about the centre of mass, in world axes.
     fn centroidal_momentum_with<T: Scalar>(
-        params: &Self::Params,
+        params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
     ) -> Momentum<T> {
@@ -462,7 +484,7 @@ pub trait Robot {
 
     /// [`centroidal_momentum_with`](Self::centroidal_momentum_with) the default parameters.
     fn centroidal_momentum<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> Momentum<T> {
-        Self::centroidal_momentum_with(&Self::Params::default(), q, qd)
+        Self::centroidal_momentum_with(&Self::Params::<T>::default(), q, qd)
     }
 
     /// The pose of a link in the world.
@@ -545,6 +567,18 @@ pub trait Robot {
     /// The rates of the coordinates: dq/dt.
     fn coordinate_rates<T: Scalar>(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::Q<T> {
         missing!(coordinate_rates: q, qd)
+    }
+
+    /// Checks that the quaternions of spherical and floating joints in `q` have length 1, to half of the scalar's digits: to
+    /// 1.5e-8 in `f64`, to 3.5e-4 in `f32`.
+    ///
+    /// # Errors
+    ///
+    /// The first joint whose quaternion has another length.
+    fn check_configuration<T: Scalar + PartialOrd>(
+        q: &Self::Q<T>,
+    ) -> Result<(), ConfigurationError<T>> {
+        configuration::check(Self::QUATERNIONS.iter().copied(), q.as_ref())
     }
 
     /// The same coordinates, quaternions of unit length.

@@ -113,14 +113,14 @@ impl<R: Robot, T: Scalar> State<R, T> {
     /// reference's acceleration and the errors' share of it (computed torque control).
     #[must_use]
     pub fn computed_torque(&self, reference: &Reference<R, T>, gains: Gains<T>) -> R::V<T> {
-        self.computed_torque_with(&R::Params::default(), reference, gains)
+        self.computed_torque_with(&R::Params::<T>::default(), reference, gains)
     }
 
     /// The same with a robot's run-time parameters.
     #[must_use]
     pub fn computed_torque_with(
         &self,
-        params: &R::Params,
+        params: &R::Params<T>,
         reference: &Reference<R, T>,
         gains: Gains<T>,
     ) -> R::V<T> {

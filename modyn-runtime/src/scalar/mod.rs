@@ -12,3 +12,4 @@ mod root;
 pub(crate) mod trig;
 
 pub use real::Scalar;
+pub(crate) use real::epsilon;
