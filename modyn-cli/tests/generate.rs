@@ -74,6 +74,8 @@ fn a_build_script_would_write_the_same() {
     let extra = [
         "--base",
         "floating",
+        "--runtime-inertia",
+        "front_left_foot",
         "--payload",
         "trunk",
         "--rotor",
@@ -102,6 +104,7 @@ fn a_build_script_would_write_the_same() {
         .friction(modyn_codegen::urdf::Friction::Smooth(0.01))
         .gravity([0.0, 0.0, -1.62])
         .modules(modyn_codegen::ModuleChoice::Links)
+        .runtime_inertia(["front_left_foot"])
         .payload(["trunk"])
         .runtime_gravity()
         .type_name("Hand")
@@ -205,6 +208,7 @@ fn options_that_are_wrong_are_usage_and_refused_models_are_not() {
     };
     assert_eq!(code(&["--functions", "fly"]), 2);
     assert_eq!(code(&["--payload", "nobody"]), 2);
+    assert_eq!(code(&["--runtime-inertia", "nobody"]), 2);
     assert_eq!(code(&["--type-name", "my arm"]), 2);
     assert_eq!(code(&["--modules", r#"[["nobody"]]"#]), 2);
     assert_eq!(code(&["--check"]), 2, "without a file");

@@ -76,6 +76,7 @@ pub struct Builder {
     float: FloatType,
     /// `None` for the default, or a model's own.
     runtime_gravity: bool,
+    runtime_inertia: Vec<String>,
     payload: Vec<String>,
     /// `None` for the default ones.
     functions: Option<Vec<Function>>,
@@ -299,15 +300,23 @@ impl Builder {
         self
     }
 
-    /// Makes gravity an argument (a field of the robot's `Params`); its value is then the default.
+    /// Makes gravity an argument, one of the robot's `Params`; its value is then the default.
     #[must_use]
     pub fn runtime_gravity(mut self) -> Self {
         self.runtime_gravity = true;
         self
     }
 
-    /// Makes the inertia of these links (of each alone, without what is fixed to it) arguments:
-    /// fields of the robot's `Params`, by default as in the description.
+    /// Makes the inertias of these links (of each link alone, without the links that are fixed to it) arguments, among the
+    /// robot's `Params`: each replaces the description's, which is the default.
+    #[must_use]
+    pub fn runtime_inertia(mut self, links: impl IntoIterator<Item = impl Into<String>>) -> Self {
+        self.runtime_inertia.extend(links.into_iter().map(Into::into));
+        self
+    }
+
+    /// Adds an inertia to each of these links that is an argument, among the robot's `Params`: the inertia of a load, by
+    /// default none.
     #[must_use]
     pub fn payload(mut self, links: impl IntoIterator<Item = impl Into<String>>) -> Self {
         self.payload.extend(links.into_iter().map(Into::into));
@@ -323,8 +332,8 @@ impl Builder {
     }
 
     /// Runs equal limbs (legs, arms, fingers) through one function, with a table of constants for each:
-    /// the smallest code. Limbs of which one carries a [`payload`](Self::payload) are not equal: a robot
-    /// with payloads has them one after the other. Without it they run side by side where there are vectors, else one after the
+    /// the smallest code. Limbs of which one carries a [`payload`](Self::payload) or a
+    /// [`runtime_inertia`](Self::runtime_inertia) are not equal: such a robot has them one after the other. Without it they run side by side where there are vectors, else one after the
     /// other.
     #[must_use]
     pub fn share(mut self) -> Self {
@@ -366,8 +375,15 @@ impl Builder {
             let functions = self.functions.as_deref().unwrap_or(Function::DEFAULT);
             errors.extend(too_large(model, modules, functions));
         }
-        let payload = reading.as_ref().and_then(|reading| {
-            self.payload_frames(&reading.model).map_err(|found| errors.extend(found)).ok()
+        let inertias = [
+            ("runtime_inertia", Code::RuntimeInertia, &self.runtime_inertia),
+            ("payload", Code::Payload, &self.payload),
+        ];
+        let [runtime_inertia, payload] = inertias.map(|(option, code, names)| {
+            reading.as_ref().and_then(|reading| {
+                let frames = moving_frames(&reading.model, option, code, names);
+                frames.map_err(|found| errors.extend(found)).ok()
+            })
         });
         let (Some(Reading { model, mut warnings }), Some(modules), true) =
             (reading, modules, errors.is_empty())
@@ -389,6 +405,7 @@ impl Builder {
             c_prefix: self.c_prefix.clone(),
             functions: self.functions.clone().unwrap_or(defaults.functions),
             runtime_gravity: self.runtime_gravity,
+            runtime_inertia: runtime_inertia.unwrap_or_default(),
             payload: payload.unwrap_or_default(),
             warnings,
         };
@@ -503,39 +520,6 @@ impl Builder {
         })
     }
 
-    /// The links of [`payload`](Self::payload), as indices into the model's frames.
-    fn payload_frames(&self, model: &Model) -> Result<Vec<usize>, Diagnostics> {
-        let mut errors = Vec::new();
-        let mut frames = Vec::new();
-        let names = || model.frames().iter().map(|frame| frame.name.as_str());
-        for name in &self.payload {
-            let mut error = |message: String, help: String| {
-                errors.push(Diagnostic::error(Code::Payload, message).with_help(help));
-            };
-            match names().position(|other| other == name) {
-                None => {
-                    let help = match nearest(name, names()) {
-                        Some(meant) => format!("did you mean `{meant}`?"),
-                        None => "name a link of the description".into(),
-                    };
-                    error(format!("`{name}` in `payload` is no link"), help);
-                }
-                Some(frame) if model.frames()[frame].link.is_none() => error(
-                    format!("link `{name}` in `payload` does not move"),
-                    "leave it out: what is fixed to the world has no part in the dynamics".into(),
-                ),
-                Some(frame) if frames.contains(&frame) => {
-                    error(
-                        format!("link `{name}` stands in `payload` twice"),
-                        "name it once".into(),
-                    );
-                }
-                Some(frame) => frames.push(frame),
-            }
-        }
-        if errors.is_empty() { Ok(frames) } else { Err(Diagnostics::new(errors)) }
-    }
-
     fn module_tree(&self, model: &Model) -> Result<ModuleTree, Diagnostics> {
         match &self.modules {
             ModuleChoice::Chains => Ok(ModuleTree::chains(model)),
@@ -631,6 +615,42 @@ impl Builder {
 fn is_c_prefix(name: &str) -> bool {
     name.starts_with(|c: char| c.is_ascii_alphabetic())
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+/// The links of this `option`, as indices into the model's frames.
+fn moving_frames(
+    model: &Model,
+    option: &str,
+    code: Code,
+    links: &[String],
+) -> Result<Vec<usize>, Diagnostics> {
+    let mut errors = Vec::new();
+    let mut frames = Vec::new();
+    let names = || model.frames().iter().map(|frame| frame.name.as_str());
+    for name in links {
+        let mut error = |message: String, help: String| {
+            errors.push(Diagnostic::error(code, message).with_help(help));
+        };
+        match names().position(|other| other == name) {
+            None => {
+                let help = match nearest(name, names()) {
+                    Some(meant) => format!("did you mean `{meant}`?"),
+                    None => "name a link of the description".into(),
+                };
+                error(format!("`{name}` in `{option}` is no link"), help);
+            }
+            Some(frame) if model.frames()[frame].link.is_none() => error(
+                format!("link `{name}` in `{option}` does not move"),
+                "leave it out: a link that is fixed to the world has no part in the dynamics"
+                    .into(),
+            ),
+            Some(frame) if frames.contains(&frame) => {
+                error(format!("link `{name}` stands in `{option}` twice"), "name it once".into());
+            }
+            Some(frame) => frames.push(frame),
+        }
+    }
+    if errors.is_empty() { Ok(frames) } else { Err(Diagnostics::new(errors)) }
 }
 
 /// Where a file is: as given, or from the folder of the crate's `Cargo.toml`.

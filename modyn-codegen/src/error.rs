@@ -281,6 +281,9 @@ codes! {
         "List every moving link once, in chains from their parents outwards, each ending \
         where the tree branches. `chains` and `links` are always right.",
     /// A link whose inertia is to be an argument does not exist or does not move.
+    RuntimeInertia = "runtime-inertia":
+        "Name links of the description that move, each once.",
+    /// A link that is to carry a payload does not exist or does not move.
     Payload = "payload":
         "Name links of the description that move, each once.",
     /// The robot's functions take more text than code can be written out for.

@@ -216,7 +216,7 @@ impl Function {
         matches!(self, Self::ConstrainedForwardDynamics | Self::ClosureErrors | Self::ClosingStep)
     }
 
-    /// Whether run-time parameters (gravity, payloads) can matter to it.
+    /// Whether run-time parameters (gravity, inertias, payloads) can matter to it.
     #[must_use]
     pub const fn depends_on_parameters(self) -> bool {
         !matches!(

@@ -69,7 +69,11 @@ fn compiled(named: [&str; 6], self_contained: bool) -> (String, Vec<String>) {
     let functions =
         [Function::ForwardDynamics, Function::Jacobian, Function::LinkPoses, Function::Regressor];
     let mut builder = Builder::new().urdf_text(urdf(named), "robot.urdf").functions(functions);
-    builder = builder.type_name("Named").payload([named[2], named[4]]).c_functions("named");
+    builder = builder
+        .type_name("Named")
+        .payload([named[2], named[4]])
+        .runtime_inertia([named[2], named[4]])
+        .c_functions("named");
     if self_contained {
         builder = builder.self_contained();
     }
@@ -77,7 +81,11 @@ fn compiled(named: [&str; 6], self_contained: bool) -> (String, Vec<String>) {
     let [_, base, link, joint, tip, wrist] = named;
     let mut variants = names::variants(&[base, link, tip]);
     variants.extend(names::variants(&[joint, wrist]));
-    variants.extend(names::fields(&[link, tip], &["gravity"]));
+    for field in names::fields(&[link, tip], &[]) {
+        for function in ["inertia_of", "set_inertia_of", "payload_of", "set_payload_of"] {
+            variants.push(format!("{function}_{field}"));
+        }
+    }
     (generated.text, variants)
 }
 

@@ -96,7 +96,7 @@ fn equal_limbs_side_by_side_give_the_same() {
         let prepared = Prepared::new(&model);
         let limbs = Limbs::find(&prepared).expect("equal limbs");
         assert_eq!(limbs.independent(&prepared), independent, "{name}");
-        let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[]));
+        let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[], &[]));
         for alone in [Tracer::new(&prepared), gravity] {
             let abreast = alone.abreast(&limbs);
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
@@ -151,7 +151,7 @@ fn limbs_on_different_bodies_side_by_side_give_the_same() {
             continue;
         };
         assert!(name.contains("humanoid"), "{name}");
-        let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[]));
+        let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[], &[]));
         for alone in [Tracer::new(&prepared), gravity] {
             let (equally, jointly) = (alone.abreast(&equal), alone.abreast(&joined));
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {

@@ -57,7 +57,12 @@ fn a_file_needs_nothing_but_core() {
         // Payloads bring more of the runtime with them.
         let link = builder.generate().expect("good").model.links()[0].name.clone();
         let file = folder.join(format!("{name}_payload.rs"));
-        builder.payload([link]).runtime_gravity().write(&file).expect("good");
+        builder
+            .runtime_inertia([&link])
+            .payload([link])
+            .runtime_gravity()
+            .write(&file)
+            .expect("good");
         assert!(compiles(&file, "#![forbid(unsafe_code)]\n#![deny(warnings, missing_docs)]"));
     }
 }

@@ -62,8 +62,9 @@ impl Parse for Input {
 }
 
 /// The names of all options.
-const OPTIONS: [&str; 13] = [
+const OPTIONS: [&str; 14] = [
     "gravity",
+    "runtime_inertia",
     "payload",
     "functions",
     "modules",
@@ -100,6 +101,7 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
             .parse::<LitBool>()
             .map_err(|error| Error::new(error.span(), "expected `true` or `false`"))
             .map(|share| if share.value { builder.share() } else { builder }),
+        "runtime_inertia" => strings(input).map(|links| builder.runtime_inertia(links)),
         "payload" => strings(input).map(|links| builder.payload(links)),
         "functions" => functions(input).map(|functions| builder.functions(functions)),
         "modules" => modules(input).map(|modules| builder.modules(modules)),

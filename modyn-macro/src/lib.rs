@@ -25,8 +25,9 @@ use input::Input;
 ///
 /// | option | values | default |
 /// |---|---|---|
-/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: a field of the type's `Params` | `[0.0, 0.0, -9.81]`, an MJCF's own |
-/// | `payload` | names of links whose inertia can be changed at run time: fields of `Params` | `[]` |
+/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: one of the type's `Params` | `[0.0, 0.0, -9.81]`, an MJCF's own |
+/// | `runtime_inertia` | names of links whose own inertia can be replaced at run time, in `Params` | `[]` |
+/// | `payload` | names of links to which an inertia can be added at run time, in `Params`; by default none is | `[]` |
 /// | `functions` | a list of functions' names, in which `default` may stand; `all` | `default` |
 /// | `modules` | `chains`, `links`, or a list of lists of link names, each from its parent outwards | `chains` |
 /// | `scalar` | `f64`, `f32`: of the type's own functions | `f64` |

@@ -13,6 +13,8 @@ extern crate alloc;
 extern crate std;
 
 pub mod batch;
+#[doc(hidden)]
+pub mod configuration;
 pub mod conventions;
 #[cfg(feature = "alloc")]
 pub mod equations;
@@ -28,6 +30,8 @@ mod lanes;
 pub mod model;
 #[cfg(feature = "nalgebra")]
 mod nalgebra;
+#[doc(hidden)]
+pub mod parameters;
 mod robot;
 mod scalar;
 pub mod simulate;
@@ -52,11 +56,14 @@ pub use interpreter::{
 #[cfg(feature = "nalgebra")]
 pub use crate::nalgebra::Nalgebra;
 pub use batch::BatchError;
+pub use configuration::ConfigurationError;
 pub use figures::{
     ClosingStep, ClosureErrors, ClosureSettings, ConstrainedForwardDynamics,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
     OperationCount,
 };
-pub use inertial::{Inertial, InertialDefect, Payload};
+pub use inertial::{Inertial, InertialDefect};
+pub use parameters::ParameterError;
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 pub use scalar::{Portable, Scalar};
+pub use spatial::{Momentum, Pose, Twist, Vector3, Wrench};

@@ -247,7 +247,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
     where
         R: Robot<Q<T> = [T; NQ]> + functions::CenterOfMass,
     {
-        R::center_of_mass::<T>(array(q)).0.into()
+        R::center_of_mass::<T>(array(q)).into()
     }
 
     /// The coordinates behind a displacement `v` from `q`.

@@ -122,14 +122,14 @@ impl<R: Robot, T: Scalar> State<R, T> {
     where
         R: functions::Difference + functions::InverseDynamics,
     {
-        self.computed_torque_with(&R::Params::default(), reference, gains)
+        self.computed_torque_with(&R::Params::<T>::default(), reference, gains)
     }
 
     /// The same with a robot's run-time parameters.
     #[must_use]
     pub fn computed_torque_with(
         &self,
-        params: &R::Params,
+        params: &R::Params<T>,
         reference: &Reference<R, T>,
         gains: Gains<T>,
     ) -> R::V<T>

@@ -85,7 +85,7 @@ pub struct Spec {
     /// Rotors: joint, inertia and gear ratio.
     pub rotors: &'static [(&'static str, f64, f64)],
     /// The links whose inertia is an argument; gravity is one too if there are any.
-    pub payload: &'static [&'static str],
+    pub loaded: &'static [&'static str],
 }
 
 use Division::{Chains, Links, List};
@@ -145,7 +145,7 @@ pub const FLEET: &[Spec] = &[
 ];
 
 const fn spec(source: Source, division: Division, float: FloatType) -> Spec {
-    let (friction, rotors, payload): (_, &[_], &[_]) = (Friction::None, &[], &[]);
+    let (friction, rotors, loaded): (_, &[_], &[_]) = (Friction::None, &[], &[]);
     let (all, floating, share) = (false, false, false);
     Spec {
         source,
@@ -157,7 +157,7 @@ const fn spec(source: Source, division: Division, float: FloatType) -> Spec {
         share,
         friction,
         rotors,
-        payload,
+        loaded,
     }
 }
 
@@ -192,8 +192,8 @@ impl Spec {
         self
     }
 
-    const fn loaded(mut self, payload: &'static [&'static str]) -> Self {
-        self.payload = payload;
+    const fn loaded(mut self, links: &'static [&'static str]) -> Self {
+        self.loaded = links;
         self
     }
 
@@ -224,7 +224,7 @@ impl Spec {
             Zoo(seed, links) => format!("zoo{seed}_{links}"),
         };
         let floating = if self.floating { "_floating" } else { "" };
-        let loaded = if self.payload.is_empty() { "" } else { "_loaded" };
+        let loaded = if self.loaded.is_empty() { "" } else { "_loaded" };
         let shared = if self.share { "_shared" } else { "" };
         format!("{name}{floating}{loaded}{shared}")
     }
@@ -307,8 +307,9 @@ impl Spec {
         if self.all {
             builder = builder.functions(Self::all_functions());
         }
-        if !self.payload.is_empty() {
-            builder = builder.payload(self.payload.iter().copied()).runtime_gravity();
+        if !self.loaded.is_empty() {
+            let links = || self.loaded.iter().copied();
+            builder = builder.runtime_inertia(links()).payload(links()).runtime_gravity();
         }
         match self.source {
             // Under the name that its description gives it.

@@ -217,12 +217,12 @@ pub fn vector<T: Scalar>(Vector3(numbers): &Vector3<T>) -> Vec<T> {
 macro_rules! default_quantities {
     ($robot:ident, $given:expr, $links:expr) => {{
         use $crate::quantities::numbers;
-        use $crate::values::{each, list, twist, uniform, vector};
+        use $crate::values::{each, list, twist, uniform};
         let (given, links) = ($given, $links);
         let (q, qd) = (&given.q, &given.qd);
         let random = $robot::random(uniform());
         vec![
-            ("center_of_mass", vector(&$robot::center_of_mass(q))),
+            ("center_of_mass", list(&$robot::center_of_mass(q))),
             ("link_pose", links.iter().flat_map(|&l| numbers(&$robot::link_pose(q, l))).collect()),
             (
                 "jacobian",
@@ -437,7 +437,7 @@ fn interpreted_defaults<T: Scalar>(
     interpreter.coordinate_rates(q, qd, &mut rates).expect(LENGTHS);
     interpreter.normalize(&mut unit).expect(LENGTHS);
     vec![
-        ("center_of_mass", vector(&interpreter.center_of_mass(q).expect(LENGTHS))),
+        ("center_of_mass", interpreter.center_of_mass(q).expect(LENGTHS).to_vec()),
         ("link_pose", by_link(links, |l| numbers(&interpreter.link_pose(q, l).expect(LENGTHS)))),
         (
             "jacobian",

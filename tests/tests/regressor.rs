@@ -39,7 +39,7 @@ fn regressor(robot: &mut Interpreter<f64>, [q, qd, qdd]: &[Vec<f64>; 3]) -> DMat
 }
 
 fn parameters(model: &Model) -> DVector<f64> {
-    let all = (0..model.links().len()).flat_map(|link| model.inertial_parameters(link));
+    let all = (0..model.links().len()).filter_map(|link| model.inertial_parameters(link)).flatten();
     DVector::from_vec(all.collect())
 }
 
@@ -241,7 +241,7 @@ fn what_no_torque_depends_on_is_in_no_combination() {
 fn lengths_are_checked() {
     let mut robot = Interpreter::new(tree(1, 3));
     let (v, short, mut columns) = (vec![0.0; 3], [0.0], vec![0.0; 90]);
-    let error = |parameter, expected| Err(ShapeError { parameter, expected, found: 1 });
+    let error = |parameter, expected| Err(ShapeError::new(parameter, expected, 1));
     assert_eq!(robot.regressor(&short, &v, &v, &mut columns), error("q", 3));
     assert_eq!(robot.regressor(&v, &short, &v, &mut columns), error("qd", 3));
     assert_eq!(robot.regressor(&v, &v, &short, &mut columns), error("qdd", 3));

@@ -38,7 +38,10 @@ pub struct Arguments {
     /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
     #[arg(long, value_name = "MODULES", value_parser = modules)]
     modules: Option<ModuleChoice>,
-    /// A link whose inertia becomes an argument
+    /// A link whose own inertia becomes an argument, which replaces the description's
+    #[arg(long, value_name = "LINK")]
+    runtime_inertia: Vec<String>,
+    /// A link to which an inertia is added that is an argument
     #[arg(long, value_name = "LINK")]
     payload: Vec<String>,
     /// Make gravity an argument
@@ -141,6 +144,9 @@ impl Arguments {
         }
         if let Some(modules) = &self.modules {
             builder = builder.modules(modules.clone());
+        }
+        if !self.runtime_inertia.is_empty() {
+            builder = builder.runtime_inertia(&self.runtime_inertia);
         }
         if !self.payload.is_empty() {
             builder = builder.payload(&self.payload);

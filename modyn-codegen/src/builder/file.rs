@@ -117,6 +117,9 @@ impl Builder {
         if self.runtime_gravity {
             call("runtime_gravity()".into());
         }
+        if !self.runtime_inertia.is_empty() {
+            call(format!("runtime_inertia({:?})", self.runtime_inertia));
+        }
         if !self.payload.is_empty() {
             call(format!("payload({:?})", self.payload));
         }

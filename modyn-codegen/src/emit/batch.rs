@@ -116,9 +116,9 @@ impl Robot<'_> {
             let numbers = match *params {
                 "params" => {
                     let _ = write!(first, "params: &{robot}Params, ");
-                    "params.numbers()".to_string()
+                    "params.numbers".to_string()
                 }
-                "DEFAULT" => format!("{robot}Params::DEFAULT.numbers()"),
+                "DEFAULT" => format!("{robot}Params::DEFAULT.numbers"),
                 _ => "[]".into(),
             };
             let kernel =

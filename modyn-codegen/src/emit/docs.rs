@@ -26,12 +26,18 @@ pub(super) fn robot(
     let mut lines = format!(
         "Dynamics of the robot {}: {} joints that move, {} degrees of freedom, compiled by modyn.\n\n\
          Vectors stand in the order of the joints below, without those that mimic another; matrices are\n\
-         arrays of columns. SI units, radians; gravity {:?} m/s^2 in world axes.\n\n\
+         arrays of columns. SI units, radians; gravity {:?} m/s^2 in world axes.{}\n\n\
          | | joint | type | link | parent link |\n|---|---|---|---|---|\n",
         code(model.name()),
         model.links().len(),
         model.nv(),
         model.gravity(),
+        match model.quaternions().next() {
+            None => "",
+            Some(_) =>
+                " Quaternions in `q` must have length 1:\n\
+                 with other lengths results are wrong; `check_configuration` tells, `normalize` repairs it.",
+        },
     );
     for (i, link) in model.links().iter().enumerate() {
         let parent =

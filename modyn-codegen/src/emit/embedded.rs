@@ -73,20 +73,30 @@ pub(super) fn module(items: &str) -> String {
          #[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, unused_extern_crates)]\n\
          pub mod {MODULE} {{\n    #[doc(hidden)]\n    pub extern crate core as __core;\n\n"
     );
-    let payload = items.contains("__modyn::Payload");
-    let spatial = payload || items.contains("__modyn::spatial::");
-    let jacobi = payload || items.contains("__modyn::jacobi::");
+    let parameters = items.contains("__modyn::parameters::");
+    let spatial = parameters || items.contains("__modyn::spatial::");
+    let jacobi = parameters || items.contains("__modyn::jacobi::");
     let mut exports = vec!["pub use self::figures::*;", "pub use self::scalar::Scalar;"];
-    module_of(&mut text, &["figures"]);
-    if payload {
+    for module in ["configuration", "figures"] {
+        module_of(&mut text, &[module]);
+    }
+    exports.push("pub use self::configuration::ConfigurationError;");
+    if parameters {
         module_of(&mut text, &["inertial"]);
-        exports.push("pub use self::inertial::{Inertial, InertialDefect, Payload};");
+        module_of(&mut text, &["parameters"]);
+        exports.push("pub use self::inertial::{Inertial, InertialDefect};");
+        exports.push("pub use self::parameters::ParameterError;");
     }
     if jacobi {
         module_of(&mut text, &["jacobi"]);
     }
     let scalar = ["abreast", "elementary", "float", "native", "real", "root", "trig"];
-    folder_of(&mut text, "scalar", &scalar, "pub use self::real::Scalar;");
+    folder_of(
+        &mut text,
+        "scalar",
+        &scalar,
+        "pub use self::real::Scalar;\n    pub(crate) use self::real::epsilon;",
+    );
     if spatial {
         let exported = "pub use self::{\n        pose::Pose,\n        vector::Vector3,\n        \
                         wrench::{Momentum, Twist, Wrench},\n    };";
@@ -119,7 +129,9 @@ fn module_of(text: &mut String, path: &[&str]) {
     let source = source.split("\n#[cfg(test)]\n").next().unwrap_or_default();
     let root = vec!["super"; path.len()].join("::");
     let (indent, inner) = ("    ".repeat(path.len()), "    ".repeat(path.len() + 1));
-    let visibility = if path == ["jacobi"] { "pub mod" } else { "mod" };
+    let public =
+        [["configuration"], ["jacobi"], ["parameters"]].iter().any(|module| path == module);
+    let visibility = if public { "pub mod" } else { "mod" };
     let _ = writeln!(text, "{indent}{visibility} {} {{", path[path.len() - 1]);
     let mut example = false;
     for line in source.lines() {

@@ -85,6 +85,8 @@ pub struct EmitOptions {
     /// Whether equal limbs run through one function.
     pub share: bool,
     /// The links, as indices into the model's frames, whose own inertia is an argument.
+    pub runtime_inertia: Vec<usize>,
+    /// The links, as indices into the model's frames, to which an inertia is added that is an argument.
     pub payload: Vec<usize>,
     /// What was found odd in the description, for the documentation.
     pub warnings: Vec<Diagnostic>,
@@ -102,6 +104,7 @@ impl Default for EmitOptions {
             functions: Function::DEFAULT.to_vec(),
             runtime_gravity: false,
             share: false,
+            runtime_inertia: Vec::new(),
             payload: Vec::new(),
             warnings: Vec::new(),
         }
@@ -134,11 +137,13 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     }
     let options = &options;
     let prepared = Prepared::new(model);
-    let parameters = Parameters::new(model, options.runtime_gravity, &options.payload);
+    let (inertias, payloads) = (&options.runtime_inertia, &options.payload);
+    let equal = inertias.is_empty() && payloads.is_empty();
+    let parameters = Parameters::new(model, options.runtime_gravity, inertias, payloads);
     let frames = &Frames::new(&prepared);
     let all_links = Tracer::with_parameters(&prepared, parameters.clone());
     // Nearly no function is about links, of which there may be very many; but what one weighs may be given.
-    let tracer = if options.payload.is_empty() {
+    let tracer = if equal {
         Tracer::with_parameters(frames.bare(), parameters)
     } else {
         all_links.clone()
@@ -151,7 +156,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let robot = Robot { model, modules, options, layout, tracer, frames, name: &type_name };
     let elimination = Elimination::new(&prepared, &eliminated);
     // A file of its own has no vectors, and a link that is given at run time has no equal.
-    let pays = (options.share || !options.self_contained) && options.payload.is_empty();
+    let pays = (options.share || !options.self_contained) && equal;
     let limbs: Vec<Limbs> = if pays { Limbs::ways(&prepared, !options.share) } else { Vec::new() };
     // What is cheapest limb by limb need not be so side by side.
     let uniform = [ModuleTree::links(model), partition::whole_chains(model)];
@@ -351,7 +356,7 @@ impl Robot<'_> {
                 text,
                 "{docs}#[must_use]\npub fn {function}({}) -> {returned} {{\n    {}\n}}",
                 self.typed(quantity, None, float),
-                self.call(quantity, &format!("&{name}Params::DEFAULT.numbers()")),
+                self.call(quantity, &format!("&{name}Params::DEFAULT.numbers")),
             );
             if self.runtime_parameter(quantity).is_some() {
                 let params = format!("params: &{name}Params");
@@ -360,10 +365,20 @@ impl Robot<'_> {
                     "{docs}///\n/// With these parameters.\n#[must_use]\n\
                      pub fn {function}_with({}) -> {returned} {{\n    {}\n}}",
                     self.typed(quantity, Some(params), float),
-                    self.call(quantity, "&params.numbers()"),
+                    self.call(quantity, "&params.numbers"),
                 );
             }
         }
+        let _ = writeln!(
+            text,
+            "/// Checks that the quaternions of spherical and floating joints in `q` have length 1, to half of the scalar's\n\
+             /// digits. Nothing else checks it, and accelerations are wrong where it does not hold.\n///\n\
+             /// # Errors\n///\n/// The first joint whose quaternion has another length.\n\
+             pub fn check_configuration(q: &[{float}; {nq}]) -> \
+             ::core::result::Result<(), __modyn::ConfigurationError<{float}>> {{\n    \
+             __modyn::configuration::check(Self::QUATERNIONS.iter().copied(), q)\n}}",
+            nq = self.model.nq(),
+        );
         text.push_str("}\n\n");
     }
 
@@ -375,8 +390,11 @@ impl Robot<'_> {
             0 => "",
             _ => "const CLOSURE_NAMES: &'static [&'static str] = &Self::CLOSURE_NAMES;\n",
         };
-        let params =
-            if self.tracer.parameters().is_empty() { "()".into() } else { format!("{name}Params") };
+        let params = if self.tracer.parameters().is_empty() {
+            "()".into()
+        } else {
+            format!("{name}Params<T>")
+        };
         let brge = if self.factorizes() {
             format!("{name}Brge<T>")
         } else {
@@ -393,9 +411,10 @@ impl Robot<'_> {
              const COORDINATE_NAMES: &'static [&'static str] = &Self::COORDINATE_NAMES;\n\
              const VELOCITY_NAMES: &'static [&'static str] = &Self::VELOCITY_NAMES;\n\
              {closure_names}\
+             const QUATERNIONS: &'static [(&'static str, usize)] = &Self::QUATERNIONS;\n\
              const LIMITS: __modyn::JointLimits<'static> = Self::LIMITS;\n\
              const MODULES: &'static [__modyn::KinematicModule] = &Self::MODULES;\n\
-             type Params = {params};\n\
+             type Params<T: __modyn::Scalar> = {params};\n\
              type Link = {name}Link;\n\
              type Q<T: __modyn::Scalar> = [T; {nq}];\n\
              type V<T: __modyn::Scalar> = [T; {nv}];\n\
@@ -410,14 +429,14 @@ impl Robot<'_> {
         );
         for quantity in quantities {
             let with = if quantity.dynamic { "_with" } else { "" };
-            let first = quantity.dynamic.then(|| "params: &Self::Params".into());
+            let first = quantity.dynamic.then(|| "params: &Self::Params<T>".into());
             let _ = writeln!(
                 text,
                 "fn {}{with}<T: __modyn::Scalar>({}) -> {} {{\n    {}\n}}",
                 quantity.function.name(),
                 self.typed(quantity, first, "T"),
                 quantity.shape.type_of("T"),
-                self.call(quantity, "&params.numbers()"),
+                self.call(quantity, "&params.numbers"),
             );
         }
         text.push_str("}\n\n");

@@ -292,7 +292,7 @@ impl Robot<'_> {
             ),
             Function::CenterOfMass => (
                 vec![q()],
-                Shape::vector3(),
+                Shape::vector(3),
                 one(tracer.center_of_mass()),
                 "The centre of mass of the moving links in the world, m.",
             ),

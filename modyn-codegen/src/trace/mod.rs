@@ -21,7 +21,7 @@ use modyn_runtime::spatial::{Pose, Wrench};
 use crate::expr::{Expr, Graph};
 
 pub use limbs::Limbs;
-pub use parameters::{Parameters, Payload};
+pub use parameters::Parameters;
 
 fn in_axes(forces: &[Wrench<Expr>], axes: Axes) -> Forces<'_, Expr> {
     match axes {
@@ -89,7 +89,7 @@ impl<'a> Tracer<'a> {
     /// The same with equal limbs side by side. What is known of single links at run time only can't be.
     #[must_use]
     pub fn abreast(&self, limbs: &'a Limbs) -> Self {
-        let parameters = Parameters { gravity: self.parameters.gravity, payload: Vec::new() };
+        let parameters = self.parameters.without_inertias();
         Self { model: self.model, parameters, limbs: Some(limbs), columns: 1, link: None }
     }
 

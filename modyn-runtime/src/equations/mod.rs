@@ -22,6 +22,7 @@
 //! | `kinetic_energy` | kinetic energy | |
 //! | `regressor` | inverse dynamics as linear in the inertias | Atkeson, An and Hollerbach 1986 |
 //! | `coordinates` | steps, differences, rates and random values of the coordinates | Murray, Li and Sastry 1994 |
+//! | `singular` | the inertia that each joint feels, to find joints without any | Featherstone 1987 |
 //! | `closures` | forward dynamics of closed loops, forces that close them | Featherstone 2008, Baumgarte 1972 |
 //! | `derivatives` | derivatives of inverse and forward dynamics | Singh, Russell and Wensing 2022 |
 //! | `denoc` | the DeNOC matrices, dense, link by link | (1)-(5), A.1, A.2 |
@@ -49,6 +50,7 @@ pub mod mass_matrix;
 mod newton_euler;
 pub mod partition;
 pub mod regressor;
+pub mod singular;
 mod workspace;
 
 pub use {

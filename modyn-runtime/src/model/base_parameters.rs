@@ -87,8 +87,10 @@ impl BaseParameters {
     /// Their values for the inertias of `model`: that robot, or the same with other inertias.
     #[must_use]
     pub fn values(&self, model: &Model) -> Vec<f64> {
-        let all: Vec<f64> =
-            (0..model.links().len()).flat_map(|link| model.inertial_parameters(link)).collect();
+        let all: Vec<f64> = (0..model.links().len())
+            .filter_map(|link| model.inertial_parameters(link))
+            .flatten()
+            .collect();
         let value = |&(index, coefficient): &(usize, f64)| {
             all.get(index).map_or(0.0, |parameter| coefficient * parameter)
         };

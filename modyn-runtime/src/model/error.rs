@@ -9,6 +9,7 @@ use crate::spatial::Pose;
 
 /// A defect of a model's parts, and where it is.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ModelError {
     /// The joint, link or frame concerned; the model's name where it concerns the whole.
     pub name: String,

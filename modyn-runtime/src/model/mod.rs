@@ -339,14 +339,10 @@ impl Model {
 
     /// The ten parameters of moving link `link` that torques are linear in: see
     /// [`Inertial::parameters`]. Those of all moving links, one after the other, are the pi of
-    /// tau = Y pi.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such link.
+    /// tau = Y pi. `None` if there is no such link.
     #[must_use]
-    pub fn inertial_parameters(&self, link: usize) -> [f64; PARAMETERS_PER_LINK] {
-        self.links[link].inertial.parameters()
+    pub fn inertial_parameters(&self, link: usize) -> Option<[f64; PARAMETERS_PER_LINK]> {
+        self.links.get(link).map(|link| link.inertial.parameters())
     }
 
     /// Length of the coordinate vector q.
@@ -361,41 +357,43 @@ impl Model {
         self.places.iter().map(|place| place.v.end).max().unwrap_or(0)
     }
 
-    /// Where the coordinates of link `link`'s joint stand in q: its leader's for one that mimics.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such link.
+    /// The entries of q that belong to the joint of moving link `link`: its leader's for a joint that
+    /// mimics, none if there is no such link.
     #[must_use]
     pub fn q_range(&self, link: usize) -> Range<usize> {
-        self.places[link].q.clone()
+        self.places.get(link).map_or(0..0, |place| place.q.clone())
     }
 
-    /// Where its velocities stand in qd, and its torques in tau.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such link.
+    /// The entries of qd, and of tau, that belong to the joint of moving link `link`: its leader's for a
+    /// joint that mimics, none if there is no such link.
     #[must_use]
     pub fn v_range(&self, link: usize) -> Range<usize> {
-        self.places[link].v.clone()
+        self.places.get(link).map_or(0..0, |place| place.v.clone())
     }
 
     /// How the joint of link `link` follows one that has a coordinate of its own, chains of mimics
-    /// resolved; `None` if it has its own.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such link.
+    /// resolved; `None` if it has its own, or if there is no such link.
     #[must_use]
     pub fn mimic(&self, link: usize) -> Option<Mimic> {
-        self.places[link].mimic
+        self.places.get(link).and_then(|place| place.mimic)
     }
 
     /// Whether a joint follows another one.
     #[must_use]
     pub fn has_mimics(&self) -> bool {
         self.places.iter().any(|place| place.mimic.is_some())
+    }
+
+    /// The quaternions in q: the name of the joint of each, and the entry of q that it begins at.
+    pub fn quaternions(&self) -> impl Iterator<Item = (&str, usize)> + '_ {
+        self.links.iter().zip(&self.places).filter_map(|(link, place)| {
+            let first = match link.joint.joint_type {
+                JointType::Spherical => 0,
+                JointType::Floating => 3,
+                _ => return None,
+            };
+            Some((link.joint.name.as_str(), place.q.start + first))
+        })
     }
 
     /// What each entry of q is called: by its joint, and its part of the joint where that has

@@ -401,7 +401,30 @@ impl<S: Scalar> Body<S> {
     }
 }
 
+/// The place of a body in the tree and in the joint vectors: all that the size and the layout of
+/// results depend on, without its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BodyStructure {
+    parent: Option<usize>,
+    primitive: Primitive,
+    q: usize,
+    /// The entry of qd of its first degree of freedom.
+    v: Option<usize>,
+    mimics: bool,
+}
+
 impl<S: Scalar> Prepared<S> {
+    /// The structure of each body, in their order.
+    pub fn structure(&self) -> impl Iterator<Item = BodyStructure> + '_ {
+        self.bodies.iter().map(|body| BodyStructure {
+            parent: body.parent,
+            primitive: body.primitive,
+            q: body.q,
+            v: self.dofs.get(body.dofs.start).map(|dof| dof.v),
+            mimics: body.mimic.is_some(),
+        })
+    }
+
     /// The degrees of freedom of body `i`.
     #[must_use]
     pub fn dofs_of(&self, i: usize) -> &[Dof<S>] {
@@ -468,20 +491,43 @@ impl<S: Scalar> Prepared<S> {
         }
     }
 
-    /// Gives link `frame` of the description (as an index) another inertia in place of its own:
-    /// `own`, which a [`Model`]'s frame states, and `other`, both about the link's origin in its
-    /// own axes. On a link that is fixed to the world this changes nothing.
-    pub fn replace_inertia(
-        &mut self,
-        frame: usize,
-        own: &RigidInertia<S>,
-        other: &RigidInertia<S>,
-    ) {
+    /// Adds `inertia`, about the origin of link `frame` of the description (an index) in its own axes, to the body
+    /// that carries the link. On a link that is fixed to the world this changes nothing.
+    pub fn add_inertia(&mut self, frame: usize, inertia: &RigidInertia<S>) {
         let BodyFrame { body: Some(body), pose } = self.frames[frame] else { return };
-        let body = &mut self.bodies[body];
-        let (own, other) = (own.placed(&pose), other.placed(&pose));
-        body.inertia = body.inertia.minus(&own) + other;
-        body.minimal = body.minimal.minus(&own) + other;
+        let (body, inertia) = (&mut self.bodies[body], inertia.placed(&pose));
+        body.inertia = body.inertia + inertia;
+        body.minimal = body.minimal + inertia;
+    }
+
+    /// Makes the minimal parameters anew of the bodies' inertias: moves to the parent the inertia that a joint
+    /// cannot feel, leaves first.
+    pub fn minimize(&mut self) {
+        self.immobile = RigidInertia::zero();
+        for body in &mut self.bodies {
+            body.minimal = body.inertia;
+        }
+        for i in (0..self.bodies.len()).rev() {
+            let Body { minimal: own, primitive, .. } = self.bodies[i];
+            let (c, s) = (own.first_moment, own.second_moment);
+            let moved = match primitive {
+                Primitive::Revolute => RigidInertia {
+                    mass: own.mass,
+                    first_moment: Vector3::along_z(c[2]),
+                    second_moment: Symmetric3 { zz: s.zz, ..Symmetric3::zero() },
+                },
+                Primitive::Prismatic => RigidInertia { second_moment: s, ..RigidInertia::zero() },
+                Primitive::Spherical => RigidInertia { mass: own.mass, ..RigidInertia::zero() },
+                Primitive::Floating => continue,
+            };
+            self.bodies[i].minimal = own.minus(&moved);
+            let carried = self.bodies[i].placement.rigid_to_parent(&moved);
+            if let Some(parent) = self.bodies[i].parent {
+                self.bodies[parent].minimal = self.bodies[parent].minimal + carried;
+            } else {
+                self.immobile = self.immobile + carried;
+            }
+        }
     }
 }
 
@@ -565,31 +611,6 @@ impl Prepared<f64> {
         let [angular, linear] = closure.kind.held();
         let rows = angular.into_iter().map(row(true)).chain(linear.into_iter().map(row(false)));
         HeldFrames { ends, hinge, rows: rows.collect() }
-    }
-
-    /// Moves what joints cannot feel towards the root, leaves first.
-    fn minimize(&mut self) {
-        for i in (0..self.bodies.len()).rev() {
-            let Body { minimal: own, primitive, .. } = self.bodies[i];
-            let (c, s) = (own.first_moment, own.second_moment);
-            let moved = match primitive {
-                Primitive::Revolute => RigidInertia {
-                    mass: own.mass,
-                    first_moment: Vector3::along_z(c[2]),
-                    second_moment: Symmetric3 { zz: s.zz, ..Symmetric3::zero() },
-                },
-                Primitive::Prismatic => RigidInertia { second_moment: s, ..RigidInertia::zero() },
-                Primitive::Spherical => RigidInertia { mass: own.mass, ..RigidInertia::zero() },
-                Primitive::Floating => continue,
-            };
-            self.bodies[i].minimal = own.minus(&moved);
-            let carried = self.bodies[i].placement.rigid_to_parent(&moved);
-            if let Some(parent) = self.bodies[i].parent {
-                self.bodies[parent].minimal = self.bodies[parent].minimal + carried;
-            } else {
-                self.immobile = self.immobile + carried;
-            }
-        }
     }
 }
 
@@ -914,10 +935,43 @@ fn main_child_first(atoms: &[Atom<'_>]) -> Vec<Vec<usize>> {
     children
 }
 
-/// Mass and moments about the frame's origin.
+/// The inertia in the form of mass and moments about the origin of its frame.
 #[must_use]
-pub fn rigid_inertia(inertial: &Inertial) -> RigidInertia<f64> {
+pub fn rigid_inertia<S: Scalar>(inertial: &Inertial<S>) -> RigidInertia<S> {
     let [xx, xy, xz, yy, yz, zz] = inertial.inertia;
     let inertia = Symmetric3 { xx, xy, xz, yy, yz, zz };
     RigidInertia::new(inertial.mass, Vector3(inertial.center_of_mass), &inertia)
+}
+
+/// The inertia of moving link `link` of `model` without the own inertias of the `removed` links that are fixed to it
+/// (indices of [`Model::frames`], itself among them), about its origin in its own axes. A difference that is
+/// rounding is zero.
+#[must_use]
+pub fn inertia_without(
+    model: &Model,
+    link: usize,
+    removed: impl Fn(usize) -> bool,
+) -> RigidInertia<f64> {
+    /// Relative to the terms of the difference.
+    const ROUNDING: f64 = 1e-13;
+    let whole = rigid_inertia(&model.links()[link].inertial);
+    let frames = model.frames().iter().enumerate();
+    let parts = frames
+        .filter(|(i, frame)| frame.link == Some(link) && removed(*i))
+        .map(|(_, frame)| rigid_inertia(&frame.inertial).placed(&frame.pose))
+        .fold(RigidInertia::zero(), |sum, part| sum + part);
+    let trace = |i: &RigidInertia<f64>| {
+        let Symmetric3 { xx, yy, zz, .. } = i.second_moment;
+        xx.abs() + yy.abs() + zz.abs()
+    };
+    let mass = ROUNDING * (whole.mass.abs() + parts.mass.abs());
+    let second = ROUNDING * (trace(&whole) + trace(&parts));
+    let first = libm::sqrt(mass * second);
+    let rounded = |x: f64, rounding: f64| if x.abs() <= rounding { 0.0 } else { x };
+    let left = whole.minus(&parts);
+    RigidInertia {
+        mass: rounded(left.mass, mass),
+        first_moment: Vector3(left.first_moment.0.map(|x| rounded(x, first))),
+        second_moment: left.second_moment.map(|x| rounded(x, second)),
+    }
 }

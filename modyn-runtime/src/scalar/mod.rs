@@ -16,3 +16,4 @@ pub(crate) mod trig;
 
 pub use portable::Portable;
 pub use real::Scalar;
+pub(crate) use real::epsilon;

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use modyn::{Factorization, Inertial, InertialDefect, Payload, Robot, functions};
+use modyn::{Factorization, Inertial, InertialDefect, ParameterError, Robot, functions};
 use modyn_fleet::ROBOTS;
 use modyn_fleet::robots::{
     GoldenPandaLoaded, GoldenPandaLoadedParams, Zoo10153_8Loaded, Zoo10153_8LoadedParams,
@@ -32,7 +32,7 @@ fn compiled(name: &str) -> (&'static Compiled, Model, ModuleTree) {
 
 /// All default functions that parameters matter to.
 fn defaults<R: Robot + functions::Defaults>(
-    params: &R::Params,
+    params: &R::Params<f64>,
     given: &GivenTo<R, f64>,
 ) -> Named<f64> {
     let Given { q, qd, qdd, tau, .. } = given;
@@ -45,7 +45,7 @@ fn defaults<R: Robot + functions::Defaults>(
         ("mass_matrix", columns(&R::mass_matrix_with(params, q))),
         ("kinetic_energy", vec![R::kinetic_energy_with(params, q, qd)]),
         ("potential_energy", vec![R::potential_energy_with(params, q)]),
-        ("center_of_mass", vector(&R::center_of_mass_with(params, q))),
+        ("center_of_mass", R::center_of_mass_with(params, q).to_vec()),
         ("u", columns(&brge.u())),
         ("d", columns(&brge.d())),
         ("solve", list(&brge.solve(tau))),
@@ -53,7 +53,7 @@ fn defaults<R: Robot + functions::Defaults>(
 }
 
 /// All others.
-fn others<R: Robot + functions::All>(params: &R::Params, given: &GivenTo<R, f64>) -> Named<f64> {
+fn others<R: Robot + functions::All>(params: &R::Params<f64>, given: &GivenTo<R, f64>) -> Named<f64> {
     let Given { q, qd, qdd, tau, forces, .. } = given;
     let inverse = R::inverse_dynamics_derivatives_with(params, q, qd, qdd);
     let forward = R::forward_dynamics_derivatives_with(params, q, qd, tau);
@@ -91,13 +91,14 @@ fn others<R: Robot + functions::All>(params: &R::Params, given: &GivenTo<R, f64>
 }
 
 /// [`others`] of a robot that has them.
-type Others<R> = fn(&<R as Robot>::Params, &GivenTo<R, f64>) -> Named<f64>;
+type Others<R> = fn(&<R as Robot>::Params<f64>, &GivenTo<R, f64>) -> Named<f64>;
 
-/// What is changed: the acceleration of free fall, and inertias by link.
+/// A change of the acceleration of free fall, and of the inertias of links: their own, and payloads.
 #[derive(Clone, Debug, Default)]
 struct Change {
     gravity: Option<[f64; 3]>,
     inertias: Vec<(&'static str, Inertial)>,
+    payloads: Vec<(&'static str, Inertial)>,
 }
 
 impl Change {
@@ -105,9 +106,14 @@ impl Change {
     fn of(&self, model: &Model) -> Model {
         let gravity = self.gravity.unwrap_or(model.gravity());
         let fallen = model.clone().with_gravity(gravity).expect("finite");
-        self.inertias.iter().fold(fallen, |model, (link, inertial)| {
+        let replaced = self.inertias.iter().fold(fallen, |model, (link, inertial)| {
             let at = model.frame_index(link).expect("a link");
             changed(&model, at, *inertial)
+        });
+        self.payloads.iter().fold(replaced, |model, (link, payload)| {
+            let at = model.frame_index(link).expect("a link");
+            let loaded = model.frames()[at].inertial.merged(payload);
+            changed(&model, at, loaded)
         })
     }
 }
@@ -118,7 +124,12 @@ fn changes(links: [&'static str; 2]) -> Vec<Change> {
     let [first, second] = links.map(|link| (link, random.inertial()));
     let none = (links[0], Inertial::default());
     let gravity = Some([1.0, 2.0, -3.0]);
-    let change = |gravity, inertias: &[_]| Change { gravity, inertias: inertias.to_vec() };
+    let [load, other_load] = links.map(|link| (link, random.inertial()));
+    let change = |gravity, inertias: &[_]| {
+        let inertias = inertias.to_vec();
+        Change { gravity, inertias, payloads: Vec::new() }
+    };
+    let loaded = |change: Change, payloads: &[_]| Change { payloads: payloads.to_vec(), ..change };
     vec![
         Change::default(),
         change(gravity, &[]),
@@ -126,7 +137,9 @@ fn changes(links: [&'static str; 2]) -> Vec<Change> {
         change(None, &[first]),
         change(None, &[none]),
         change(None, &[second]),
-        change(gravity, &[first, second]),
+        loaded(change(None, &[]), &[load]),
+        loaded(change(None, &[none]), &[load, other_load]),
+        loaded(change(gravity, &[first, second]), &[load, other_load]),
     ]
 }
 
@@ -135,7 +148,7 @@ fn check<R: Robot + functions::Defaults>(
     name: &str,
     links: [&'static str; 2],
     others: Option<Others<R>>,
-    params: impl Fn(&Change) -> R::Params,
+    params: impl Fn(&Change) -> R::Params<f64>,
 ) {
     let (_, described, modules) = compiled(name);
     for change in changes(links) {
@@ -156,55 +169,74 @@ fn check<R: Robot + functions::Defaults>(
     }
 }
 
-fn payload(inertial: Inertial) -> Payload {
-    Payload::new(inertial).expect("a body's")
-}
-
 /// The parameters of a robot with that change.
 macro_rules! params {
-    ($params:ident, [$first:ident, $second:ident], $change:expr) => {{
-        let Change { gravity, inertias } = $change;
+    ($params:ident, [$first:literal: $own:ident, $load:ident; $second:literal: $other:ident, $other_load:ident], $change:expr) => {{
+        let Change { gravity, inertias, payloads } = $change;
         let mut params = $params::default();
-        params.gravity = gravity.unwrap_or(params.gravity);
-        for (link, inertial) in inertias {
-            if *link == stringify!($first) {
-                params.$first = payload(*inertial);
-            }
-            if *link == stringify!($second) {
-                params.$second = payload(*inertial);
-            }
+        params.set_gravity(gravity.unwrap_or(params.gravity()));
+        for &(link, inertial) in inertias {
+            let set = match link {
+                $first => params.$own(inertial),
+                _ => params.$other(inertial),
+            };
+            set.expect("a body's");
+        }
+        for &(link, inertial) in payloads {
+            let set = match link {
+                $first => params.$load(inertial),
+                _ => params.$other_load(inertial),
+            };
+            set.expect("a body's");
         }
         params
     }};
 }
 
+/// Those of the Panda.
+fn panda(change: &Change) -> GoldenPandaLoadedParams {
+    params!(
+        GoldenPandaLoadedParams,
+        ["panda_hand": set_inertia_of_panda_hand, set_payload_of_panda_hand;
+         "panda_link4": set_inertia_of_panda_link4, set_payload_of_panda_link4],
+        change
+    )
+}
+
+/// Those of a robot of all joint types.
+fn zoo(change: &Change) -> Zoo10153_8LoadedParams {
+    params!(
+        Zoo10153_8LoadedParams,
+        ["fixed6": set_inertia_of_fixed6, set_payload_of_fixed6;
+         "link2": set_inertia_of_link2, set_payload_of_link2],
+        change
+    )
+}
+
 #[test]
 fn parameters_are_another_description() {
-    check::<GoldenPandaLoaded>(
-        "golden_panda_loaded",
-        ["panda_hand", "panda_link4"],
-        None,
-        |change| params!(GoldenPandaLoadedParams, [panda_hand, panda_link4], change),
-    );
-    check::<Zoo10153_8Loaded>(
-        "zoo10153_8_loaded",
-        ["fixed6", "link2"],
-        Some(others::<Zoo10153_8Loaded>),
-        |change| params!(Zoo10153_8LoadedParams, [fixed6, link2], change),
-    );
+    let links = ["panda_hand", "panda_link4"];
+    check::<GoldenPandaLoaded>("golden_panda_loaded", links, None, panda);
+    let others = Some(others::<Zoo10153_8Loaded> as Others<_>);
+    check::<Zoo10153_8Loaded>("zoo10153_8_loaded", ["fixed6", "link2"], others, zoo);
 }
 
 #[test]
 fn the_default_is_the_description() {
     let (_, model, _) = compiled("golden_panda_loaded");
-    let GoldenPandaLoadedParams { gravity, panda_hand, panda_link4 } =
-        GoldenPandaLoadedParams::DEFAULT;
-    assert_eq!(GoldenPandaLoadedParams::default(), GoldenPandaLoadedParams::DEFAULT);
-    assert_eq!(gravity, model.gravity());
-    for (link, payload) in [("panda_hand", panda_hand), ("panda_link4", panda_link4)] {
+    let described = GoldenPandaLoadedParams::DEFAULT;
+    assert_eq!(GoldenPandaLoadedParams::default(), described);
+    assert_eq!(described.gravity(), model.gravity());
+    for (link, inertial) in [
+        ("panda_hand", described.inertia_of_panda_hand()),
+        ("panda_link4", described.inertia_of_panda_link4()),
+    ] {
         let frame = &model.frames()[model.frame_index(link).expect("a link")];
-        assert_eq!(payload.inertial(), frame.inertial, "{link}");
+        assert_eq!(inertial, frame.inertial, "{link}");
     }
+    // A payload is added, so by default there is none: the hand stays.
+    assert_eq!(described.payload_of_panda_hand(), Inertial::default());
+    assert_eq!(described.payload_of_panda_link4(), Inertial::default());
     // A hand is fixed to another link, the other is a moving one.
     let fixed = |link: &str| model.links().iter().all(|moving| moving.name != link);
     assert!(fixed("panda_hand") && !fixed("panda_link4"));
@@ -216,7 +248,7 @@ fn a_types_own_functions_take_parameters_as_the_traits_do() {
     let (_, model, _) = compiled("zoo10153_8_loaded");
     let change = changes(["fixed6", "link2"]).pop().expect("a change");
     let described = Zoo10153_8LoadedParams::DEFAULT;
-    let params = params!(Zoo10153_8LoadedParams, [fixed6, link2], &change);
+    let params = zoo(&change);
     assert_ne!(params, described);
     let given = GivenTo::<R, f64>::new(&Inputs::from(&state(3, &model)));
     let Given { q, qd, qdd, tau, forces, .. } = &given;
@@ -259,11 +291,14 @@ fn a_types_own_functions_take_parameters_as_the_traits_do() {
 }
 
 #[test]
-fn a_payload_is_a_bodys_inertia() {
+fn an_inertia_is_a_bodys() {
     let good = Random::new(1).inertial();
-    assert_eq!(payload(good).inertial(), good);
-    assert_eq!(Payload::try_from(good), Ok(payload(good)));
-    assert_eq!([Payload::NONE, Payload::default()].map(|none| none.inertial().mass), [0.0; 2]);
+    let mut params = GoldenPandaLoadedParams::DEFAULT;
+    assert_eq!(params.set_inertia_of_panda_hand(good), Ok(()));
+    assert_eq!(params.inertia_of_panda_hand(), good);
+    assert_eq!(params.set_payload_of_panda_link4(good), Ok(()));
+    assert_eq!(params.payload_of_panda_link4(), good);
+    let before = params;
     let unequal = Inertial { inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 3.0], ..good };
     let indefinite = Inertial { inertia: [1.0, 2.0, 0.0, 1.0, 0.0, 1.0], ..good };
     for (nonsense, expected) in [
@@ -275,8 +310,14 @@ fn a_payload_is_a_bodys_inertia() {
         (unequal, InertialDefect::TriangleInequality([1.0, 1.0, 3.0])),
         (indefinite, InertialDefect::NotPositiveSemidefinite([-1.0, 1.0, 3.0])),
     ] {
-        let found = Payload::new(nonsense).expect_err("no body's");
-        assert_eq!(std::mem::discriminant(&found), std::mem::discriminant(&expected), "{found}");
+        let expected = std::mem::discriminant(&expected);
+        for found in
+            [params.set_inertia_of_panda_hand(nonsense), params.set_payload_of_panda_hand(nonsense)]
+        {
+            let Err(ParameterError::Defect(found)) = found else { panic!("{nonsense:?} is taken") };
+            assert_eq!(std::mem::discriminant(&found), expected, "{found}");
+        }
+        assert_eq!(params, before, "nothing has changed");
     }
 }
 
@@ -287,13 +328,14 @@ fn a_change_allocates_nothing() {
     let ((), allocated) = measure(|| {
         let mut params = GoldenPandaLoadedParams::DEFAULT;
         for scale in [1.0, 2.0] {
-            params.gravity[2] *= scale;
-            params.panda_hand = Payload::new(inertial).unwrap_or(Payload::NONE);
+            params.set_gravity(params.gravity().map(|g| g * scale));
+            params.set_inertia_of_panda_hand(inertial).ok();
+            params.set_payload_of_panda_link4(inertial).ok();
             black_box(GoldenPandaLoaded::forward_dynamics_with(&params, &q, &qd, &qd));
             black_box(GoldenPandaLoaded::brge_with(&params, &q));
         }
         let nonsense = Inertial { mass: -1.0, ..inertial };
-        black_box(Payload::new(nonsense)).ok();
+        black_box(params.set_payload_of_panda_hand(nonsense)).ok();
     });
     assert_eq!((allocated.calls, allocated.peak), (0, 0));
 }

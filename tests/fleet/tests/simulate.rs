@@ -191,8 +191,9 @@ fn a_controller_may_know_the_payload() {
     let random::State { q, .. } = state_of("zoo10153_8_loaded", 2);
     let goal = Reference::<R>::standing(array(&q));
     let mut params = Zoo10153_8LoadedParams::DEFAULT;
-    params.gravity = [0.0, 0.0, -1.62];
-    params.fixed6 = modyn::Payload::NONE;
+    params.set_gravity([0.0, 0.0, -1.62]);
+    let load = modyn::Inertial { mass: 2.0, center_of_mass: [0.1, 0.2, 0.3], inertia: [0.0; 6] };
+    params.set_payload_of_fixed6(load).expect("a rigid body");
     let state = start::<R>("zoo10153_8_loaded");
     let tau = state.computed_torque_with(&params, &goal, GAINS);
     let found = R::forward_dynamics_with(&params, &state.q, &state.qd, &tau);
