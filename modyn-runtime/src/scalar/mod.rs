@@ -6,6 +6,8 @@ mod dual;
 mod elementary;
 mod float;
 mod native;
+#[cfg(test)]
+pub(crate) mod near_pi;
 mod real;
 #[cfg(test)]
 mod root;
