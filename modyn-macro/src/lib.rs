@@ -25,7 +25,7 @@ use input::Input;
 ///
 /// | option | values | default |
 /// |---|---|---|
-/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: a field of the type's `Params` | `[0.0, 0.0, -9.81]`, an MJCF's own |
+/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: a field of the type's `Params` | `[0.0, 0.0, -9.81]` |
 /// | `payload` | names of links whose inertia can be changed at run time: fields of `Params` | `[]` |
 /// | `functions` | a list of functions' names, in which `default` may stand; `all` | `default` |
 /// | `modules` | `chains`, `links`, or a list of lists of link names, each from its parent outwards | `chains` |
@@ -34,7 +34,7 @@ use input::Input;
 /// | `mimic` | `follow`, `independent`, `refuse`: joints that mimic another one | `follow` |
 /// | `rotors` | `["joint": (inertia, gear_ratio), ...]`, kg m^2 | the description's |
 /// | `friction` | `none`, `viscous`, `coulomb`, `smooth(velocity)`: which of the description's damping and friction acts | `none` |
-/// | `loops` | `["name": point("link", [x, y, z], "link", [x, y, z]), ...]`, or `rigid`, `revolute`, `prismatic`: what closes loops | the description's |
+/// | `loops` | `["name": spherical("link", [x, y, z], "link", [x, y, z]), ...]`, or `fixed`, `revolute`, `continuous`, `prismatic`: loop joints | the description's |
 /// | `share` | `true`, `false`: equal limbs through one function | `false` |
 /// | `unphysical_inertia` | `error`, `warn` | `error` |
 /// | `crate` | the path of `modyn`, where it was renamed | `::modyn` |

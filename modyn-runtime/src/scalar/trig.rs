@@ -5,7 +5,7 @@
 //! multiples of pi keep their digits, with fused products or without. Both functions are
 //! polynomials there (near-minimax, Taylor-like coefficients), and an odd multiple flips both
 //! signs by a bit operation. Beyond a limit (or where the argument is NaN or infinite)
-//! integers reduce it: the one data-dependent branch of generated code. They take a fixed number of
+//! integers reduce it: the one branch on a value here. They take a fixed number of
 //! steps, whatever the angle. `f32` never passes through `f64`.
 
 #![allow(clippy::excessive_precision, clippy::unreadable_literal, clippy::cast_possible_truncation)]
