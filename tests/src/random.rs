@@ -259,6 +259,18 @@ pub fn general_zoo(seed: u64, links: usize) -> Model {
     furnished(parts, seed, format!("general_zoo{seed}_{links}"))
 }
 
+/// [`tree`], or of every second seed [`general_tree`].
+#[must_use]
+pub fn mixed_tree(seed: u64, links: usize) -> Model {
+    if seed.is_multiple_of(2) { tree(seed, links) } else { general_tree(seed, links) }
+}
+
+/// [`zoo`], or of every second seed [`general_zoo`].
+#[must_use]
+pub fn mixed_zoo(seed: u64, links: usize) -> Model {
+    if seed.is_multiple_of(2) { zoo(seed, links) } else { general_zoo(seed, links) }
+}
+
 /// The model of these parts with mimics, drives, friction, and inertias of fixed frames.
 fn furnished(mut parts: Parts, seed: u64, name: String) -> Model {
     let mut random = Random::new(seed ^ 0x005a_4f4f);
