@@ -25,7 +25,7 @@ use input::Input;
 ///
 /// | option | values | default |
 /// |---|---|---|
-/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: one of the type's `Params` | `[0.0, 0.0, -9.81]`, an MJCF's own |
+/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: one of the type's `Params` | `[0.0, 0.0, -9.81]` |
 /// | `runtime_inertia` | names of links whose own inertia can be replaced at run time, in `Params` | `[]` |
 /// | `payload` | names of links to which an inertia can be added at run time, in `Params`; by default none is | `[]` |
 /// | `functions` | a list of functions' names, in which `default` may stand; `all` | `default` |
@@ -35,7 +35,7 @@ use input::Input;
 /// | `mimic` | `follow`, `independent`, `refuse`: joints that mimic another one | `follow` |
 /// | `rotors` | `["joint": (inertia, gear_ratio), ...]`, kg m^2 | the description's |
 /// | `friction` | `none`, `viscous`, `coulomb`, `smooth(velocity)`: which of the description's damping and friction acts | `none`, with a warning if there are some |
-/// | `loops` | `["name": point("link", [x, y, z], "link", [x, y, z]), ...]`, or `rigid`, `revolute`, `prismatic`: what closes loops | the description's |
+/// | `loops` | `["name": spherical("link", [x, y, z], "link", [x, y, z]), ...]`, or `fixed`, `revolute`, `continuous`, `prismatic`: loop joints | the description's |
 /// | `share` | `true`, `false`: equal limbs through one function | `false` |
 /// | `unphysical_inertia` | `error`, `warn` | `error` |
 /// | `crate` | the path of `modyn`, where it was renamed | `::modyn` |

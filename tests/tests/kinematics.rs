@@ -17,7 +17,7 @@ use modyn_tests::close::assert_close;
 use modyn_tests::counting::{Counting, measure};
 use modyn_tests::golden::{self, FIXED_BASE, FLOATING_BASE, Golden};
 use modyn_tests::quantities::{Quantities, numbers};
-use modyn_tests::random::{Random, tree};
+use modyn_tests::random::{Random, mixed_tree, tree};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 
 /// Of the reference data's README.
@@ -141,7 +141,7 @@ fn models() -> Vec<Model> {
             ],
         ),
     ];
-    models.extend((0..12).map(|seed| tree(seed, 1 + seed as usize)));
+    models.extend((0..12).map(|seed| mixed_tree(seed, 1 + seed as usize)));
     models
 }
 

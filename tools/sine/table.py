@@ -33,7 +33,7 @@ def main():
         table = rows(kind, limit)
         print(f"\n/// Angles that `{name.lower()}` holds exactly, and their sines rounded to double precision.")
         print("#[rustfmt::skip]")
-        print("#[allow(clippy::unreadable_literal)]")
+        print("#[allow(clippy::unreadable_literal, clippy::approx_constant)]")
         print(f"pub(crate) const {name}: [(f64, f64); {len(table)}] = [")
         for x, sine in table:
             print(f"    ({x!r}, {sine!r}),")

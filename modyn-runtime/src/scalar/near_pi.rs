@@ -4,7 +4,7 @@
 
 /// Angles that `f64` holds exactly, and their sines rounded to double precision.
 #[rustfmt::skip]
-#[allow(clippy::unreadable_literal)]
+#[allow(clippy::unreadable_literal, clippy::approx_constant)]
 pub(crate) const F64: [(f64, f64); 40] = [
     (3.141592653589793, 1.2246467991473532e-16),
     (6.283185307179586, -2.4492935982947064e-16),
@@ -50,7 +50,7 @@ pub(crate) const F64: [(f64, f64); 40] = [
 
 /// Angles that `f32` holds exactly, and their sines rounded to double precision.
 #[rustfmt::skip]
-#[allow(clippy::unreadable_literal)]
+#[allow(clippy::unreadable_literal, clippy::approx_constant)]
 pub(crate) const F32: [(f64, f64); 40] = [
     (3.1415927410125732, -8.742278000372475e-08),
     (6.2831854820251465, 1.7484556000744883e-07),

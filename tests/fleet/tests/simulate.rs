@@ -137,6 +137,24 @@ fn semi_implicit_euler_keeps_an_oscillation_going() {
     assert!(first > 0.0 && first < 0.1 && later < 1.5 * first, "{first:e}, then {later:e}");
 }
 
+/// A spring of angular frequency w: the motion is bounded up to w dt = 2, and diverges beyond.
+#[test]
+fn semi_implicit_euler_is_stable_up_to_two_over_the_frequency() {
+    type R = GoldenDoublePendulum;
+    let farthest = |frequency: f64| {
+        let mut state = State::<R> { q: [0.1, 0.0], qd: [0.0; 2] };
+        let mut farthest: f64 = 0.0;
+        for _ in 0..1000 {
+            let spring = |state: &State<R>| state.q.map(|q| -frequency * frequency * q);
+            state = state.semi_implicit_euler(1.0, spring);
+            farthest = farthest.max(state.q[0].abs());
+        }
+        farthest
+    };
+    assert!(farthest(1.9) < 1.0, "{:e}", farthest(1.9));
+    assert!(farthest(2.1) > 1e10, "{:e}", farthest(2.1));
+}
+
 const GAINS: Gains = Gains { stiffness: 100.0, damping: 20.0 };
 
 #[test]
