@@ -56,9 +56,9 @@ functions! {
     /// Forward dynamics with the loops closed.
     ConstrainedForwardDynamics "constrained_forward_dynamics";
     /// How well the loops are closed.
-    ClosureErrors "closure_errors";
+    ConstraintResidual "constraint_residual";
     /// The step that closes them.
-    ClosingStep "closing_step";
+    ProjectConstraints "project_constraints";
     /// The regressor of inverse dynamics.
     Regressor "regressor";
     /// The centre of mass.
@@ -133,8 +133,8 @@ impl Function {
         Self::KineticEnergy,
         Self::PotentialEnergy,
         Self::ConstrainedForwardDynamics,
-        Self::ClosureErrors,
-        Self::ClosingStep,
+        Self::ConstraintResidual,
+        Self::ProjectConstraints,
         Self::CenterOfMass,
         Self::LinkPoses,
         Self::LinkPose,
@@ -167,7 +167,10 @@ impl Function {
     /// Whether it is about closed loops, so that only robots with some have it.
     #[must_use]
     pub const fn is_of_loops(self) -> bool {
-        matches!(self, Self::ConstrainedForwardDynamics | Self::ClosureErrors | Self::ClosingStep)
+        matches!(
+            self,
+            Self::ConstrainedForwardDynamics | Self::ConstraintResidual | Self::ProjectConstraints
+        )
     }
 
     /// Whether run-time parameters (gravity, payloads) can matter to it.
@@ -175,7 +178,7 @@ impl Function {
     pub const fn depends_on_parameters(self) -> bool {
         !matches!(
             self,
-            Self::ClosureErrors
+            Self::ConstraintResidual
                 | Self::LinkPoses
                 | Self::LinkPose
                 | Self::LinkVelocity

@@ -52,7 +52,7 @@ pub use interpreter::{
 pub use crate::nalgebra::Nalgebra;
 pub use batch::BatchError;
 pub use figures::{
-    ClosingStep, ClosureErrors, ClosureSettings, ConstrainedForwardDynamics,
+    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual, ConstraintSettings,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
     OperationCount,
 };

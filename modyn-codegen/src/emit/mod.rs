@@ -159,7 +159,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     // Batches are the runtime's to run; a tree has no loops.
     let left_out = |function: &Function| {
         options.self_contained && function.batched().is_some()
-            || function.is_of_loops() && model.closures().is_empty()
+            || function.is_of_loops() && model.loop_constraints().is_empty()
     };
     let selected = Function::ALL.iter().filter(|function| options.functions.contains(function));
     let selected = selected.filter(|function| !left_out(function));
@@ -347,10 +347,13 @@ impl Robot<'_> {
     /// `impl Robot`.
     fn robot_trait(&self, text: &mut String, quantities: &[Quantity]) {
         let (name, nq, nv) = (self.name, self.model.nq(), self.model.nv());
-        let (links, closures) = (self.model.frames().len(), self.model.closures().len());
-        let closure_names = match closures {
+        let (links, loop_constraints) =
+            (self.model.frames().len(), self.model.loop_constraints().len());
+        let loop_constraint_names = match loop_constraints {
             0 => "",
-            _ => "const CLOSURE_NAMES: &'static [&'static str] = &Self::CLOSURE_NAMES;\n",
+            _ => {
+                "const LOOP_CONSTRAINT_NAMES: &'static [&'static str] = &Self::LOOP_CONSTRAINT_NAMES;\n"
+            }
         };
         let params =
             if self.tracer.parameters().is_empty() { "()".into() } else { format!("{name}Params") };
@@ -369,7 +372,7 @@ impl Robot<'_> {
              const LINK_NAMES: &'static [&'static str] = &Self::LINK_NAMES;\n\
              const COORDINATE_NAMES: &'static [&'static str] = &Self::COORDINATE_NAMES;\n\
              const VELOCITY_NAMES: &'static [&'static str] = &Self::VELOCITY_NAMES;\n\
-             {closure_names}\
+             {loop_constraint_names}\
              const LIMITS: __modyn::JointLimits<'static> = Self::LIMITS;\n\
              const MODULES: &'static [__modyn::KinematicModule] = &Self::MODULES;\n\
              type Params = {params};\n\
@@ -379,7 +382,7 @@ impl Robot<'_> {
              type M<T: __modyn::Scalar> = [[T; {nv}]; {nv}];\n\
              type PerVelocity<X: ::core::marker::Copy> = [X; {nv}];\n\
              type PerLink<X: ::core::marker::Copy> = [X; {links}];\n\
-             type PerClosure<X: ::core::marker::Copy> = [X; {closures}];\n\
+             type PerLoopConstraint<X: ::core::marker::Copy> = [X; {loop_constraints}];\n\
              type Regressor<T: __modyn::Scalar> = [[T; {nv}]; {columns}];\n\
              type Brge<T: __modyn::Scalar> = {brge};\n\
              fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| T::from_f64(::core::convert::Into::into(x)))\n}}",

@@ -56,7 +56,7 @@ pub fn build(
         }
     }
     let carriers: Vec<_> = place.iter().map(|(carrier, _)| *carrier).collect();
-    let closures = loops::closures(parts, &options.loops, &carriers, report);
+    let loop_constraints = loops::loop_constraints(parts, &options.loops, &carriers, report);
     if report.errors() > 0 {
         return None;
     }
@@ -69,7 +69,7 @@ pub fn build(
     let gravity = options.gravity.unwrap_or(DEFAULT_GRAVITY);
     let model = Model::new(parts.name, gravity, links, frames.collect())
         .and_then(|model| model.with_friction(options.friction))
-        .and_then(|model| model.with_closures(closures));
+        .and_then(|model| model.with_loop_constraints(loop_constraints));
     let model = match model {
         Ok(model) => model,
         Err(errors) => {

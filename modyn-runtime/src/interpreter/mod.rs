@@ -1,6 +1,6 @@
 //! The equations run on numbers, for any model at run time.
 
-mod closures;
+mod constraints;
 mod coordinates;
 mod derivatives;
 mod kinematics;
@@ -15,7 +15,7 @@ use crate::equations::denoc::{self, DeNoc};
 use crate::equations::forward_dynamics::Elimination;
 use crate::equations::kinematics::link_poses;
 use crate::equations::{
-    ClosureWorkspace, Decomposition, Forces, Workspace, forward_dynamics, gravity,
+    ConstraintWorkspace, Decomposition, Forces, Workspace, forward_dynamics, gravity,
     inverse_dynamics, kinetic_energy, mass_matrix,
 };
 use crate::model::prepare::{Prepared, rigid_inertia};
@@ -96,7 +96,7 @@ impl core::error::Error for InertialError {}
 /// and [`decomposition`](Self::decomposition), which return new objects, and the first call of
 /// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives) and of either of
 /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) and
-/// [`closing_step`](Self::closing_step)), in time and memory linear in the number of
+/// [`project_constraints`](Self::project_constraints)), in time and memory linear in the number of
 /// links (but for dense results); nothing recurses on the call stack. Vectors stand in the order of
 /// [`Model::links`]; matrices are given by columns.
 #[derive(Clone, Debug)]
@@ -112,7 +112,7 @@ pub struct Interpreter<S = f64> {
     /// By links, made when derivatives are first asked for.
     links: Option<Layout>,
     /// Made when loops are first closed.
-    closing: Option<ClosureWorkspace<S>>,
+    constraints: Option<ConstraintWorkspace<S>>,
 }
 
 impl<S: Scalar> Interpreter<S> {
@@ -141,7 +141,7 @@ impl<S: Scalar> Interpreter<S> {
         elimination.make_room(&prepared, &mut workspace);
         let body_poses = vec![Pose::identity(); prepared.bodies.len()];
         let inertias = model.frames().iter().map(|frame| inertia(&frame.inertial)).collect();
-        let (links, closing) = (None, None);
+        let (links, constraints) = (None, None);
         Self {
             model,
             modules,
@@ -151,7 +151,7 @@ impl<S: Scalar> Interpreter<S> {
             body_poses,
             inertias,
             links,
-            closing,
+            constraints,
         }
     }
 
