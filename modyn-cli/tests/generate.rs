@@ -92,7 +92,7 @@ fn a_build_script_would_write_the_same() {
         .rotor("front_left_knee", 0.0001, 100.0)
         .loop_joint(modyn_codegen::urdf::Loop {
             name: "rod".into(),
-            kind: modyn_codegen::urdf::ClosureKind::Revolute([0.0, 2.0, 0.0]),
+            kind: modyn_codegen::urdf::LoopConstraintKind::Revolute([0.0, 2.0, 0.0]),
             ends: [("trunk", [0.1, 0.0, -0.2], 0.0), ("front_left_foot", [0.0; 3], 1.5)].map(
                 |(link, xyz, yaw)| modyn_codegen::urdf::LoopEnd {
                     link: link.into(),

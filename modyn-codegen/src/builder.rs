@@ -278,7 +278,7 @@ impl Builder {
     }
 
     /// A joint that closes a loop, besides the `<loop_joint>`s of the description. (A
-    /// [model](Self::model) has its own: [`Model::with_closures`].)
+    /// [model](Self::model) has its own: [`Model::with_loop_constraints`].)
     #[must_use]
     pub fn loop_joint(mut self, closing: Loop) -> Self {
         self.read.loops.push(closing);
@@ -588,7 +588,7 @@ impl Builder {
             error(
                 Code::Option,
                 "a model that is given as one has its own loops".into(),
-                "close them by `Model::with_closures`".into(),
+                "close them by `Model::with_loop_constraints`".into(),
             );
         }
         let read = &self.read;

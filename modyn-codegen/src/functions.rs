@@ -58,9 +58,9 @@ functions! {
     /// Forward dynamics with the loops closed.
     ConstrainedForwardDynamics "constrained_forward_dynamics";
     /// How well the loops are closed.
-    ClosureErrors "closure_errors";
+    ConstraintResidual "constraint_residual";
     /// The step that closes them.
-    ClosingStep "closing_step";
+    ProjectConstraints "project_constraints";
     /// The regressor of inverse dynamics.
     Regressor "regressor";
     /// The centre of mass.
@@ -135,8 +135,8 @@ impl Function {
         Self::KineticEnergy,
         Self::PotentialEnergy,
         Self::ConstrainedForwardDynamics,
-        Self::ClosureErrors,
-        Self::ClosingStep,
+        Self::ConstraintResidual,
+        Self::ProjectConstraints,
         Self::CenterOfMass,
         Self::LinkPoses,
         Self::LinkPose,
@@ -182,7 +182,7 @@ impl Function {
             | Self::Random => 1,
             Self::BiasForces
             | Self::KineticEnergy
-            | Self::ClosureErrors
+            | Self::ConstraintResidual
             | Self::CentroidalMomentum
             | Self::LinkPose
             | Self::Jacobian
@@ -213,7 +213,10 @@ impl Function {
     /// Whether it is about closed loops, so that only robots with some have it.
     #[must_use]
     pub const fn is_of_loops(self) -> bool {
-        matches!(self, Self::ConstrainedForwardDynamics | Self::ClosureErrors | Self::ClosingStep)
+        matches!(
+            self,
+            Self::ConstrainedForwardDynamics | Self::ConstraintResidual | Self::ProjectConstraints
+        )
     }
 
     /// Whether run-time parameters (gravity, inertias, payloads) can matter to it.
@@ -221,7 +224,7 @@ impl Function {
     pub const fn depends_on_parameters(self) -> bool {
         !matches!(
             self,
-            Self::ClosureErrors
+            Self::ConstraintResidual
                 | Self::LinkPoses
                 | Self::LinkPose
                 | Self::LinkVelocity

@@ -79,7 +79,7 @@ impl Measures {
                 .sum(),
             rows: on_body.iter().map(|&n| n.saturating_sub(MAX_OWN_FUNCTIONS) as f64).sum(),
             nv: model.nv() as f64,
-            closures: model.closures().len() as f64,
+            closures: model.loop_constraints().len() as f64,
         }
     }
 
@@ -110,10 +110,10 @@ impl Measures {
             Function::ForwardDynamicsDerivatives => {
                 5000.0 * depths + 600.0 * squares + 100.0 * entries
             }
-            Function::ConstrainedForwardDynamics | Function::ClosingStep => {
+            Function::ConstrainedForwardDynamics | Function::ProjectConstraints => {
                 factors + closures * (40_000.0 + 10_000.0 * links) + 50_000.0 * closures.powi(2)
             }
-            Function::ClosureErrors => closures * (5000.0 + 1500.0 * links),
+            Function::ConstraintResidual => closures * (5000.0 + 1500.0 * links),
             Function::Regressor => 2200.0 * depths + 120.0 * squares + 60.0 * entries,
             Function::CenterOfMass => 600.0 * links,
             Function::CenterOfMassJacobian => 1200.0 * links,

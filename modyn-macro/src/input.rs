@@ -1,7 +1,7 @@
 //! What stands in the macro: `[[visibility] Name =] "path" [, option = value]*`.
 
 use modyn_codegen::error::Severity;
-use modyn_codegen::urdf::{Base, ClosureKind, Friction, Loop, LoopEnd, Mimic};
+use modyn_codegen::urdf::{Base, Friction, Loop, LoopConstraintKind, LoopEnd, Mimic};
 use modyn_codegen::{Builder, FloatType, Function, ModuleChoice, nearest};
 use proc_macro2::{Span, TokenTree};
 use quote::ToTokens as _;
@@ -217,7 +217,7 @@ fn loop_joint(input: ParseStream<'_>) -> Result<Loop> {
         figures.parse::<Option<Token![,]>>()?;
     }
     let along = axis.map_or([1.0, 0.0, 0.0], |(axis, _)| axis);
-    let kind = ClosureKind::of_joint(joint_type, along)
+    let kind = LoopConstraintKind::of_joint(joint_type, along)
         .ok_or_else(|| Error::new(name.span(), "expected the type of a joint"))?;
     match axis {
         Some((_, span)) if kind.axis().is_none() => {

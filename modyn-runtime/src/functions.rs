@@ -100,8 +100,8 @@ functions! {
 functions! {
     "a robot has this function if its description closes loops (`<loop_joint>`, option `loops`) and its option `functions` does not leave it out":
     ConstrainedForwardDynamics "constrained_forward_dynamics" "`{Self}` has no function `constrained_forward_dynamics`";
-    ClosureErrors "closure_errors" "`{Self}` has no function `closure_errors`";
-    ClosingStep "closing_step" "`{Self}` has no function `closing_step`";
+    ConstraintResidual "constraint_residual" "`{Self}` has no function `constraint_residual`";
+    ProjectConstraints "project_constraints" "`{Self}` has no function `project_constraints`";
 }
 
 all_of! {
@@ -114,7 +114,7 @@ all_of! {
 all_of! {
     /// Robots that have all functions of closed loops.
     Loops "`{Self}` lacks a function of closed loops":
-    ConstrainedForwardDynamics ClosureErrors ClosingStep
+    ConstrainedForwardDynamics ConstraintResidual ProjectConstraints
 }
 
 all_of! {

@@ -58,7 +58,7 @@ pub use crate::nalgebra::Nalgebra;
 pub use batch::BatchError;
 pub use configuration::ConfigurationError;
 pub use figures::{
-    ClosingStep, ClosureErrors, ClosureSettings, ConstrainedForwardDynamics,
+    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual, ConstraintSettings,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
     OperationCount,
 };

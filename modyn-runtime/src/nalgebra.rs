@@ -9,11 +9,11 @@ use nalgebra::{
 };
 
 use crate::figures::{
-    ClosingStep, ClosureErrors, ClosureSettings, ConstrainedForwardDynamics,
+    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual, ConstraintSettings,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives,
 };
-use crate::robot::{Factorization, Robot};
-use crate::spatial::{Pose, Twist, Vector3, Wrench};
+use crate::robot::{Constrained, Factorization, Robot};
+use crate::spatial::{Pose, Twist, Vector3};
 use crate::{Scalar, functions};
 
 /// A generated robot's most used functions over `SVector`, `SMatrix` and `Isometry3`:
@@ -173,47 +173,48 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         }
     }
 
-    /// Joint accelerations under the joint torques `tau` with the loops closed, and what closes each
-    /// of them.
+    /// Joint accelerations under the joint torques or forces `tau` with the loops closed, the wrenches
+    /// that close them, the residuals and the rank.
     #[must_use]
     pub fn constrained_forward_dynamics<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
         qd: &SVector<T, NV>,
         tau: &SVector<T, NV>,
-        settings: &ClosureSettings<T>,
-    ) -> ConstrainedForwardDynamics<SVector<T, NV>, R::PerClosure<Wrench<T>>>
+        settings: &ConstraintSettings<T>,
+    ) -> Constrained<R, SVector<T, NV>, T>
     where
         R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ConstrainedForwardDynamics,
     {
         let (q, qd, tau) = (array(q), array(qd), array(tau));
         let found = R::constrained_forward_dynamics::<T>(q, qd, tau, settings);
-        ConstrainedForwardDynamics { qdd: found.qdd.into(), forces: found.forces }
+        let ConstrainedForwardDynamics { qdd, wrenches, residuals, rank } = found;
+        ConstrainedForwardDynamics { qdd: qdd.into(), wrenches, residuals, rank }
     }
 
-    /// How far the frames of each closure are apart, and how fast they part.
+    /// The displacement and the relative velocity of each loop constraint.
     #[must_use]
-    pub fn closure_errors<const NQ: usize, const NV: usize>(
+    pub fn constraint_residual<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
         qd: &SVector<T, NV>,
-    ) -> ClosureErrors<R::PerClosure<Twist<T>>>
+    ) -> ConstraintResidual<R::PerLoopConstraint<Twist<T>>>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ClosureErrors,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ConstraintResidual,
     {
-        R::closure_errors::<T>(array(q), array(qd))
+        R::constraint_residual::<T>(array(q), array(qd))
     }
 
-    /// The step that closes the loops, and the change of velocities that keeps them closed.
+    /// The step that closes the loops, the change of velocities that keeps them closed, and the rank.
     #[must_use]
-    pub fn closing_step<const NQ: usize, const NV: usize>(
+    pub fn project_constraints<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
         qd: &SVector<T, NV>,
-        settings: &ClosureSettings<T>,
-    ) -> ClosingStep<SVector<T, NV>>
+        settings: &ConstraintSettings<T>,
+    ) -> ConstraintProjection<SVector<T, NV>, T>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ClosingStep,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ProjectConstraints,
     {
-        let found = R::closing_step::<T>(array(q), array(qd), settings);
-        ClosingStep { dq: found.dq.into(), dqd: found.dqd.into() }
+        let found = R::project_constraints::<T>(array(q), array(qd), settings);
+        ConstraintProjection { dq: found.dq.into(), dqd: found.dqd.into(), rank: found.rank }
     }
 
     /// The pose of a link in the world.

@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 
 use crate::configuration::{self, ConfigurationError};
 use crate::figures::{
-    ClosingStep, ClosureErrors, ClosureSettings, ConstrainedForwardDynamics,
+    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual, ConstraintSettings,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
@@ -36,6 +36,14 @@ macro_rules! missing {
     }};
 }
 
+/// The result of constrained forward dynamics for robot `R`, with accelerations as `V`.
+pub(crate) type Constrained<R, V, T> = ConstrainedForwardDynamics<
+    V,
+    <R as Robot>::PerLoopConstraint<Wrench<T>>,
+    <R as Robot>::PerLoopConstraint<Twist<T>>,
+    T,
+>;
+
 /// A generated robot, over any scalar.
 ///
 /// The generated type has the same functions by itself on plain numbers; the trait is for code
@@ -63,7 +71,7 @@ pub trait Robot {
     /// What each entry of the velocity vector is called.
     const VELOCITY_NAMES: &'static [&'static str];
     /// The joints that close loops, in the description's order.
-    const CLOSURE_NAMES: &'static [&'static str] = &[];
+    const LOOP_CONSTRAINT_NAMES: &'static [&'static str] = &[];
     /// The quaternions in the coordinate vector: the name of the joint of each, and the entry that it begins at.
     const QUATERNIONS: &'static [(&'static str, usize)] = &[];
     /// The limits of the joints, as the description states them.
@@ -87,8 +95,8 @@ pub trait Robot {
     /// Something for each link of the description, in the order of [`LINK_NAMES`](Self::LINK_NAMES).
     type PerLink<X: Copy>: Array<X>;
     /// Something for each joint that closes a loop, in the order of
-    /// [`CLOSURE_NAMES`](Self::CLOSURE_NAMES).
-    type PerClosure<X: Copy>: Array<X>;
+    /// [`LOOP_CONSTRAINT_NAMES`](Self::LOOP_CONSTRAINT_NAMES).
+    type PerLoopConstraint<X: Copy>: Array<X>;
     /// The regressor's columns.
     type Regressor<T: Scalar>: Array<Self::V<T>>;
     /// The factorization by modules.
@@ -205,7 +213,11 @@ pub trait Robot {
     }
 
     /// Kinetic energy, J.
-    fn kinetic_energy_with<T: Scalar>(params: &Self::Params<T>, q: &Self::Q<T>, qd: &Self::V<T>) -> T
+    fn kinetic_energy_with<T: Scalar>(
+        params: &Self::Params<T>,
+        q: &Self::Q<T>,
+        qd: &Self::V<T>,
+    ) -> T
     where
         Self: functions::KineticEnergy,
     {
@@ -289,7 +301,13 @@ pub trait Robot {
     where
         Self: functions::ForwardDynamicsExternalWorld,
     {
-        Self::forward_dynamics_external_world_with(&Self::Params::<T>::default(), q, qd, tau, forces)
+        Self::forward_dynamics_external_world_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            tau,
+            forces,
+        )
     }
 
     /// Joint torques of the accelerations `qdd` under a wrench on each link, at the link's origin in
@@ -345,7 +363,13 @@ pub trait Robot {
     where
         Self: functions::InverseDynamicsExternalWorld,
     {
-        Self::inverse_dynamics_external_world_with(&Self::Params::<T>::default(), q, qd, qdd, forces)
+        Self::inverse_dynamics_external_world_with(
+            &Self::Params::<T>::default(),
+            q,
+            qd,
+            qdd,
+            forces,
+        )
     }
 
     /// The poses of all links in the world.
@@ -406,16 +430,17 @@ pub trait Robot {
         Self::forward_dynamics_derivatives_with(&Self::Params::<T>::default(), q, qd, tau)
     }
 
-    /// Joint accelerations under the joint torques `tau` with the loops closed, and what closes each
-    /// of them: the wrench on its second link at the second frame's origin, in the first frame's axes.
-    /// Of redundant constraints the first have all forces.
+    /// Joint accelerations under the joint torques or forces `tau` with the loops closed; for each loop
+    /// constraint the wrench on its second link and the part of its acceleration that could not be met, at
+    /// the second frame's origin in the first frame's axes; and the number of independent constraint rows.
+    /// Redundant constraints share their forces.
     fn constrained_forward_dynamics_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
-        settings: &ClosureSettings<T>,
-    ) -> ConstrainedForwardDynamics<Self::V<T>, Self::PerClosure<Wrench<T>>>
+        settings: &ConstraintSettings<T>,
+    ) -> Constrained<Self, Self::V<T>, T>
     where
         Self: functions::ConstrainedForwardDynamics,
     {
@@ -427,52 +452,52 @@ pub trait Robot {
         q: &Self::Q<T>,
         qd: &Self::V<T>,
         tau: &Self::V<T>,
-        settings: &ClosureSettings<T>,
-    ) -> ConstrainedForwardDynamics<Self::V<T>, Self::PerClosure<Wrench<T>>>
+        settings: &ConstraintSettings<T>,
+    ) -> Constrained<Self, Self::V<T>, T>
     where
         Self: functions::ConstrainedForwardDynamics,
     {
         Self::constrained_forward_dynamics_with(&Self::Params::<T>::default(), q, qd, tau, settings)
     }
 
-    /// How far the frames of each closure are apart, and how fast they part: the second frame against
-    /// the first, in the first one's axes, without what is free. Rotations are given by their axes
+    /// How far the second frame of each loop constraint is displaced from the first, and its relative
+    /// velocity, in the first frame's axes, without the free directions. Rotations are given by their axes
     /// times the sines of their angles.
-    fn closure_errors<T: Scalar>(
+    fn constraint_residual<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
-    ) -> ClosureErrors<Self::PerClosure<Twist<T>>>
+    ) -> ConstraintResidual<Self::PerLoopConstraint<Twist<T>>>
     where
-        Self: functions::ClosureErrors,
+        Self: functions::ConstraintResidual,
     {
         missing!(q, qd)
     }
 
-    /// The smallest step (in the metric of the inertia matrix) that, to first order, closes the loops
-    /// at `q`, and the smallest change of `qd` that keeps them closed. Of `settings` the tolerance
-    /// alone matters.
-    fn closing_step_with<T: Scalar>(
+    /// The smallest step (in the metric of the mass matrix) that, to first order, closes the loops at `q`,
+    /// the smallest change of `qd` that keeps them closed, and the number of independent constraint rows. Of
+    /// `settings`, `alpha` and `beta` do not matter.
+    fn project_constraints_with<T: Scalar>(
         params: &Self::Params<T>,
         q: &Self::Q<T>,
         qd: &Self::V<T>,
-        settings: &ClosureSettings<T>,
-    ) -> ClosingStep<Self::V<T>>
+        settings: &ConstraintSettings<T>,
+    ) -> ConstraintProjection<Self::V<T>, T>
     where
-        Self: functions::ClosingStep,
+        Self: functions::ProjectConstraints,
     {
         missing!(params, q, qd, settings)
     }
 
-    /// [`closing_step_with`](Self::closing_step_with) the default parameters.
-    fn closing_step<T: Scalar>(
+    /// [`project_constraints_with`](Self::project_constraints_with) the default parameters.
+    fn project_constraints<T: Scalar>(
         q: &Self::Q<T>,
         qd: &Self::V<T>,
-        settings: &ClosureSettings<T>,
-    ) -> ClosingStep<Self::V<T>>
+        settings: &ConstraintSettings<T>,
+    ) -> ConstraintProjection<Self::V<T>, T>
     where
-        Self: functions::ClosingStep,
+        Self: functions::ProjectConstraints,
     {
-        Self::closing_step_with(&Self::Params::<T>::default(), q, qd, settings)
+        Self::project_constraints_with(&Self::Params::<T>::default(), q, qd, settings)
     }
 
     /// The regressor Y of the inverse dynamics, an array of columns: tau = Y pi (rotors and friction

@@ -3,11 +3,13 @@
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
-    BaseParameters, Closure, ClosureEnd, ClosureKind, Drive, Frame, Friction, Joint, Limits, Link,
-    Mimic, Model, ModuleTree,
+    BaseParameters, Drive, Frame, Friction, Joint, Limits, Link, LoopConstraint, LoopConstraintEnd,
+    LoopConstraintKind, Mimic, Model, ModuleTree,
 };
 use modyn_runtime::spatial::{Twist, Vector3, Wrench};
-use modyn_runtime::{Forces, ForwardDerivatives, Inertial, Interpreter, Pose, conventions};
+use modyn_runtime::{
+    ConstraintSettings, Forces, ForwardDerivatives, Inertial, Interpreter, Pose, conventions,
+};
 
 /// Small numbers that look random.
 struct Dice(u64);
@@ -144,19 +146,19 @@ impl Dice {
             model = other;
         }
         let closures = (0..self.below(3)).map(|i| {
-            let mut end = || ClosureEnd { frame: self.index(ends), pose: self.pose() };
+            let mut end = || LoopConstraintEnd { frame: self.index(ends), pose: self.pose() };
             let ends = [end(), end()];
             let axis = self.axis();
             let kinds = [
-                ClosureKind::Point,
-                ClosureKind::Rigid,
-                ClosureKind::Revolute(axis),
-                ClosureKind::Prismatic(axis),
+                LoopConstraintKind::Point,
+                LoopConstraintKind::Rigid,
+                LoopConstraintKind::Revolute(axis),
+                LoopConstraintKind::Prismatic(axis),
             ];
-            Closure { name: format!("loop{i}"), kind: kinds[self.below(4)], ends }
+            LoopConstraint { name: format!("loop{i}"), kind: kinds[self.below(4)], ends }
         });
         let closures = closures.collect();
-        Some(model.clone().with_closures(closures).unwrap_or(model))
+        Some(model.clone().with_loop_constraints(closures).unwrap_or(model))
     }
 }
 
@@ -184,6 +186,10 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         let wrenches: Vec<Wrench<f64>> = vector(frames).into_iter().map(wrench).collect();
         let mut poses = vec![Pose::identity(); vector(frames).len()];
         let mut twists = vec![Twist::zero(); vector(nv).len()];
+        let loops = model.loop_constraints().len();
+        let mut loop_wrenches = vec![Wrench::zero(); vector(loops).len()];
+        let mut displacements = vec![Twist::zero(); vector(loops).len()];
+        let mut velocities = vec![Twist::zero(); vector(loops).len()];
         let mut points = vec![Vector3::zero(); vector(nv).len()];
         let frame = match vector(3).len() {
             2 => usize::MAX,
@@ -200,8 +206,13 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
             r.forward_dynamics_external(&q, &qd, &tau, forces, &mut a).ok();
             r.inverse_dynamics_external(&q, &qd, &qdd, forces, &mut b).ok();
         }
-        let (kinetic, potential) = (r.kinetic_energy(&q, &qd), r.potential_energy(&q));
-        drop((kinetic, potential));
+        r.kinetic_energy(&q, &qd).ok();
+        r.potential_energy(&q).ok();
+        let settings = ConstraintSettings::<f64>::DEFAULT;
+        let results = (&mut a[..], &mut loop_wrenches[..], &mut displacements[..]);
+        r.constrained_forward_dynamics(&q, &qd, &tau, &settings, results).ok();
+        r.constraint_residual(&q, &qd, &mut displacements, &mut velocities).ok();
+        r.project_constraints(&q, &qd, &settings, (&mut a, &mut b)).ok();
         r.inverse_dynamics_derivatives(&q, &qd, &qdd, &mut c, &mut d).ok();
         let outputs = ForwardDerivatives {
             qdd: &mut a,

@@ -1,8 +1,8 @@
 //! Run-time inertias, payloads and gravity in the robot's own scalar: which combinations are errors, and derivatives
 //! by them.
 
-use modyn::{Inertial, ParameterError, Robot, Scalar};
-use modyn_runtime::num_dual::{Dual64, DualStruct};
+use modyn::{Inertial, ParameterError, Robot, Scalar, functions};
+use modyn_runtime::num_dual::Dual64;
 
 modyn::modyn! {
     Arm = "../../robots/arm7.urdf",
@@ -42,7 +42,7 @@ const LOAD: Inertial = Inertial {
 const NONE: Inertial = Inertial { mass: 0.0, center_of_mass: [0.0; 3], inertia: [0.0; 6] };
 
 /// All accelerations that `params` have a part in, for any robot and scalar.
-fn accelerations<R: Robot, T: Scalar>(
+fn accelerations<R: Robot + functions::ForwardDynamics, T: Scalar>(
     params: &R::Params<T>,
     q: &R::Q<T>,
     qd: &R::V<T>,

@@ -8,7 +8,7 @@ use modyn_codegen::error::{Code, Diagnostic, Diagnostics, Severity};
 use modyn_codegen::mjcf;
 use modyn_codegen::source::{read_first, read_text};
 use modyn_codegen::urdf::{
-    self, ClosureKind, Friction, Loop, LoopEnd, ReadOptions, Reading, Rotor,
+    self, Friction, Loop, LoopConstraintKind, LoopEnd, ReadOptions, Reading, Rotor,
 };
 
 use crate::command::diagnostics;
@@ -243,7 +243,7 @@ fn loop_joint(text: &str) -> Result<Loop, String> {
         [axis] => vector(axis)?,
         _ => return Err(expected()),
     };
-    let kind = ClosureKind::of_joint(joint_type, along).ok_or_else(|| {
+    let kind = LoopConstraintKind::of_joint(joint_type, along).ok_or_else(|| {
         format!("`{joint_type}` is none of spherical, fixed, revolute, continuous, prismatic")
     })?;
     if kind.axis().is_none() && !axis.is_empty() {

@@ -57,13 +57,14 @@ impl Robot<'_> {
             parameters.len(),
             model.gravity(),
         );
-        let closures: Vec<&str> = model.closures().iter().map(|c| c.name.as_str()).collect();
-        if !closures.is_empty() {
+        let loop_constraints: Vec<&str> =
+            model.loop_constraints().iter().map(|c| c.name.as_str()).collect();
+        if !loop_constraints.is_empty() {
             let _ = writeln!(
                 text,
                 "/// The joints that close loops, in the description's order.\n\
-                 pub const CLOSURE_NAMES: [&'static str; {}] = {closures:?};",
-                closures.len()
+                 pub const LOOP_CONSTRAINT_NAMES: [&'static str; {}] = {loop_constraints:?};",
+                loop_constraints.len()
             );
         }
         self.limits(text);

@@ -45,15 +45,15 @@ pub(super) fn robot(
         let (joint, kind) = (code(&link.joint.name), link.joint.joint_type.name());
         let _ = writeln!(lines, "| {i} | {joint} | {kind} | {} | {parent} |", code(&link.name));
     }
-    if !model.closures().is_empty() {
+    if !model.loop_constraints().is_empty() {
         lines.push_str(
             "\nLoops, which `constrained_forward_dynamics` closes; all other functions are of the tree:\n\n\
              | | loop joint | type | first link | second link |\n|---|---|---|---|---|\n",
         );
-        for (i, closure) in model.closures().iter().enumerate() {
+        for (i, constraint) in model.loop_constraints().iter().enumerate() {
             let [first, second] =
-                closure.ends.each_ref().map(|end| code(&model.frames()[end.frame].name));
-            let (name, kind) = (code(&closure.name), closure.kind.name());
+                constraint.ends.each_ref().map(|end| code(&model.frames()[end.frame].name));
+            let (name, kind) = (code(&constraint.name), constraint.kind.name());
             let _ = writeln!(lines, "| {i} | {name} | {kind} | {first} | {second} |");
         }
     }

@@ -143,11 +143,8 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let frames = &Frames::new(&prepared);
     let all_links = Tracer::with_parameters(&prepared, parameters.clone());
     // Nearly no function is about links, of which there may be very many; but what one weighs may be given.
-    let tracer = if equal {
-        Tracer::with_parameters(frames.bare(), parameters)
-    } else {
-        all_links.clone()
-    };
+    let tracer =
+        if equal { Tracer::with_parameters(frames.bare(), parameters) } else { all_links.clone() };
     let Choice { modules: eliminated, graph: forward_dynamics, candidates } =
         partition::choose(model, &prepared, &tracer);
     let type_name = options.type_name.clone().unwrap_or_else(|| names::type_name(model.name()));
@@ -179,7 +176,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     // Batches are the runtime's to run; a tree has no loops.
     let left_out = |function: &Function| {
         options.self_contained && function.batched().is_some()
-            || function.is_of_loops() && model.closures().is_empty()
+            || function.is_of_loops() && model.loop_constraints().is_empty()
     };
     let selected = Function::ALL.iter().filter(|function| options.functions.contains(function));
     let selected = selected.filter(|function| !left_out(function));
@@ -385,10 +382,13 @@ impl Robot<'_> {
     /// `impl Robot`.
     fn robot_trait(&self, text: &mut String, quantities: &[Quantity]) {
         let (name, nq, nv) = (self.name, self.model.nq(), self.model.nv());
-        let (links, closures) = (self.model.frames().len(), self.model.closures().len());
-        let closure_names = match closures {
+        let (links, loop_constraints) =
+            (self.model.frames().len(), self.model.loop_constraints().len());
+        let loop_constraint_names = match loop_constraints {
             0 => "",
-            _ => "const CLOSURE_NAMES: &'static [&'static str] = &Self::CLOSURE_NAMES;\n",
+            _ => {
+                "const LOOP_CONSTRAINT_NAMES: &'static [&'static str] = &Self::LOOP_CONSTRAINT_NAMES;\n"
+            }
         };
         let params = if self.tracer.parameters().is_empty() {
             "()".into()
@@ -410,7 +410,7 @@ impl Robot<'_> {
              const LINK_NAMES: &'static [&'static str] = &Self::LINK_NAMES;\n\
              const COORDINATE_NAMES: &'static [&'static str] = &Self::COORDINATE_NAMES;\n\
              const VELOCITY_NAMES: &'static [&'static str] = &Self::VELOCITY_NAMES;\n\
-             {closure_names}\
+             {loop_constraint_names}\
              const QUATERNIONS: &'static [(&'static str, usize)] = &Self::QUATERNIONS;\n\
              const LIMITS: __modyn::JointLimits<'static> = Self::LIMITS;\n\
              const MODULES: &'static [__modyn::KinematicModule] = &Self::MODULES;\n\
@@ -421,7 +421,7 @@ impl Robot<'_> {
              type M<T: __modyn::Scalar> = [[T; {nv}]; {nv}];\n\
              type PerVelocity<X: ::core::marker::Copy> = [X; {nv}];\n\
              type PerLink<X: ::core::marker::Copy> = [X; {links}];\n\
-             type PerClosure<X: ::core::marker::Copy> = [X; {closures}];\n\
+             type PerLoopConstraint<X: ::core::marker::Copy> = [X; {loop_constraints}];\n\
              type Regressor<T: __modyn::Scalar> = [[T; {nv}]; {columns}];\n\
              type Brge<T: __modyn::Scalar> = {brge};\n\
              fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| T::from_f64(::core::convert::Into::into(x)))\n}}",

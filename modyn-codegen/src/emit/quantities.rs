@@ -106,8 +106,8 @@ impl Robot<'_> {
         let (nq, nv, links) = (self.model.nq(), self.model.nv(), self.model.frames().len());
         let q = || Parameter::new("q", Shape::vector(nq));
         let v = |name| Parameter::new(name, Shape::vector(nv));
-        let closures = self.model.closures().len();
-        let settings = || Parameter::new("settings", Shape::closure_settings());
+        let loop_constraints = self.model.loop_constraints().len();
+        let settings = || Parameter::new("settings", Shape::constraint_settings());
         let forces = || Parameter::new("forces", Shape::wrench().array(links));
         let one = |graph| Graphs::One(optimize(graph));
         let by_link = |graph: &dyn Fn(&Tracer<'_>) -> Graph| {
@@ -243,44 +243,50 @@ impl Robot<'_> {
                 Shape::Struct {
                     path: "__modyn::ConstrainedForwardDynamics".into(),
                     arguments: format!(
-                        "{}, {}",
+                        "{}, {}, {}, {{t}}",
                         vector().type_of("{t}"),
-                        Shape::wrench().array(closures).type_of("{t}")
+                        Shape::wrench().array(loop_constraints).type_of("{t}"),
+                        Shape::twist().array(loop_constraints).type_of("{t}")
                     ),
-                    fields: vec![("qdd", vector()), ("forces", Shape::wrench().array(closures))],
-                },
-                one(tracer.constrained_forward_dynamics(layout)),
-                "Joint accelerations under the joint torques or forces `tau` with the loops closed, and what\n\
-                 closes each of them (in the order of `CLOSURE_NAMES`): the wrench on its second link at the\n\
-                 second frame's origin, in the first frame's axes. Of redundant constraints the first have all\n\
-                 forces.",
-            ),
-            Function::ClosureErrors => (
-                vec![q(), v("qd")],
-                Shape::Struct {
-                    path: "__modyn::ClosureErrors".into(),
-                    arguments: Shape::twist().array(closures).type_of("{t}"),
                     fields: vec![
-                        ("displacements", Shape::twist().array(closures)),
-                        ("velocities", Shape::twist().array(closures)),
+                        ("qdd", vector()),
+                        ("wrenches", Shape::wrench().array(loop_constraints)),
+                        ("residuals", Shape::twist().array(loop_constraints)),
+                        ("rank", Shape::Scalar),
                     ],
                 },
-                one(tracer.closure_errors()),
-                "How far the frames of each closure are apart, and how fast they part: the second frame against\n\
-                 the first, in the first one's axes, without what is free. Rotations are given by their axes\n\
-                 times the sines of their angles.",
+                one(tracer.constrained_forward_dynamics(layout)),
+                "Joint accelerations under the joint torques or forces `tau` with the loops closed; for each loop\n\
+                 constraint (in the order of `LOOP_CONSTRAINT_NAMES`) the wrench on its second link and the part\n\
+                 of its acceleration that could not be met, at the second frame's origin in the first frame's\n\
+                 axes; and the number of independent constraint rows. Redundant constraints share their forces.",
             ),
-            Function::ClosingStep => (
+            Function::ConstraintResidual => (
+                vec![q(), v("qd")],
+                Shape::Struct {
+                    path: "__modyn::ConstraintResidual".into(),
+                    arguments: Shape::twist().array(loop_constraints).type_of("{t}"),
+                    fields: vec![
+                        ("displacements", Shape::twist().array(loop_constraints)),
+                        ("velocities", Shape::twist().array(loop_constraints)),
+                    ],
+                },
+                one(tracer.constraint_residual()),
+                "How far the second frame of each loop constraint is displaced from the first, and its relative\n\
+                 velocity, in the first frame's axes, without the free directions. Rotations are given by their\n\
+                 axes times the sines of their angles.",
+            ),
+            Function::ProjectConstraints => (
                 vec![q(), v("qd"), settings()],
                 Shape::Struct {
-                    path: "__modyn::ClosingStep".into(),
-                    arguments: vector().type_of("{t}"),
-                    fields: vec![("dq", vector()), ("dqd", vector())],
+                    path: "__modyn::ConstraintProjection".into(),
+                    arguments: format!("{}, {{t}}", vector().type_of("{t}")),
+                    fields: vec![("dq", vector()), ("dqd", vector()), ("rank", Shape::Scalar)],
                 },
-                one(tracer.closing_step(layout)),
-                "The smallest step (in the metric of the inertia matrix) that, to first order, closes the loops\n\
-                 at `q`, and the smallest change of `qd` that keeps them closed. Of `settings` the tolerance\n\
-                 alone matters.",
+                one(tracer.project_constraints(layout)),
+                "The smallest step (in the metric of the mass matrix) that, to first order, closes the loops at\n\
+                 `q`, the smallest change of `qd` that keeps them closed, and the number of independent\n\
+                 constraint rows. Of `settings`, `alpha` and `beta` do not matter.",
             ),
             Function::Regressor => (
                 vec![q(), v("qd"), v("qdd")],

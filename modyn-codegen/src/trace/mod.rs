@@ -1,6 +1,6 @@
 //! The equations run on expressions: one graph a quantity.
 
-mod closures;
+mod constraints;
 mod coordinates;
 mod derivatives;
 mod kinematics;

@@ -64,7 +64,7 @@ pub fn build(
     check_densities(parts, &bodies, report);
     inactive_friction(parts, &bodies, options.friction, report);
     let carriers: Vec<_> = place.iter().map(|(carrier, _)| *carrier).collect();
-    let closures = loops::closures(parts, &options.loops, &carriers, report);
+    let loop_constraints = loops::loop_constraints(parts, &options.loops, &carriers, report);
     let errors = report.errors();
     let frames = parts.links.iter().zip(place).map(|(part, (link, pose))| Frame {
         name: part.name.text.into(),
@@ -75,7 +75,9 @@ pub fn build(
     let gravity = options.gravity.unwrap_or(DEFAULT_GRAVITY);
     let model = Model::new(parts.name, gravity, links, frames.collect())
         .and_then(|model| model.with_friction(options.friction.unwrap_or_default()))
-        .and_then(|model| if errors > 0 { Ok(model) } else { model.with_closures(closures) });
+        .and_then(|model| {
+            if errors > 0 { Ok(model) } else { model.with_loop_constraints(loop_constraints) }
+        });
     let model = match model {
         Ok(model) => model,
         // One of the errors above.

@@ -3,7 +3,7 @@
 //! ```text
 //! text ─ document ─▶ XML ─ parts, joint ─▶ links and joints ─ tree ─▶ order ─ build ─▶ Model
 //!                                              ├ mimics ─▶ leaders ──────────┤
-//!                                              └ loops ─▶ closures ──────────┘
+//!                                              └ loops ─▶ loop constraints ──────────┘
 //! ```
 //!
 //! Each step reports all that is wrong with it and goes on as far as it can, so that a user sees
@@ -36,7 +36,7 @@ mod tree;
 
 pub(crate) use limits::MOST_BYTES;
 use modyn_runtime::model::Model;
-pub use modyn_runtime::model::{ClosureKind, Friction};
+pub use modyn_runtime::model::{Friction, LoopConstraintKind};
 
 use crate::error::{Code, Diagnostic, Diagnostics, Severity};
 use parts::Parts;
@@ -119,7 +119,7 @@ pub struct Loop {
     /// Its name, which no other joint has.
     pub name: String,
     /// What it holds; an axis may be of any length.
-    pub kind: ClosureKind,
+    pub kind: LoopConstraintKind,
     /// The two frames.
     pub ends: [LoopEnd; 2],
 }

@@ -1,6 +1,6 @@
 //! The equations run on numbers, for any model at run time.
 
-mod closures;
+mod constraints;
 mod coordinates;
 mod derivatives;
 mod inertias;
@@ -16,7 +16,7 @@ use crate::equations::denoc::{self, DeNoc};
 use crate::equations::forward_dynamics::Elimination;
 use crate::equations::kinematics::link_poses;
 use crate::equations::{
-    ClosureWorkspace, Decomposition, Forces, Workspace, forward_dynamics, gravity,
+    ConstraintWorkspace, Decomposition, Forces, Workspace, forward_dynamics, gravity,
     inverse_dynamics, kinetic_energy, mass_matrix,
 };
 use crate::model::prepare::{BodyStructure, Prepared};
@@ -86,7 +86,7 @@ impl core::error::Error for ModuleMismatch {}
 /// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives), of
 /// [`set_inertial`](Self::set_inertial) or [`set_payload`](Self::set_payload), and of either of
 /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) and
-/// [`closing_step`](Self::closing_step)), in time and memory linear in the number of
+/// [`project_constraints`](Self::project_constraints)), in time and memory linear in the number of
 /// links (but for dense results); nothing recurses on the call stack. Vectors stand in the order of
 /// [`Model::links`]; matrices are given by columns. Quaternions in `q` must have length 1, which
 /// [`check_configuration`](Self::check_configuration) alone checks.
@@ -103,7 +103,7 @@ pub struct Interpreter<S = f64> {
     /// By links, made when derivatives are first asked for.
     links: Option<Layout>,
     /// Made when loops are first closed.
-    closing: Option<ClosureWorkspace<S>>,
+    constraints: Option<ConstraintWorkspace<S>>,
 }
 
 impl<S: Scalar> Interpreter<S> {
@@ -131,7 +131,7 @@ impl<S: Scalar> Interpreter<S> {
         let mut workspace = Workspace::new(&prepared);
         elimination.make_room(&prepared, &mut workspace);
         let body_poses = vec![Pose::identity(); prepared.bodies.len()];
-        let (inertias, links, closing) = (None, None, None);
+        let (inertias, links, constraints) = (None, None, None);
         Self {
             model,
             modules,
@@ -141,7 +141,7 @@ impl<S: Scalar> Interpreter<S> {
             body_poses,
             inertias,
             links,
-            closing,
+            constraints,
         }
     }
 

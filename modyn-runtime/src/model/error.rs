@@ -44,10 +44,10 @@ pub enum ModelErrorKind {
     Drive,
     /// Friction is smoothed by what is no velocity above zero.
     Friction,
-    /// A closure holds a link that does not exist.
-    ClosureLink,
-    /// A closure holds two links that cannot move against each other.
-    ClosureEnds,
+    /// A loop constraint holds a link that does not exist.
+    LoopConstraintLink,
+    /// A loop constraint holds two links that cannot move against each other.
+    LoopConstraintEnds,
 }
 
 impl fmt::Display for ModelError {
@@ -69,8 +69,10 @@ impl fmt::Display for ModelError {
             }
             ModelErrorKind::Drive => "has a negative armature, damping or friction",
             ModelErrorKind::Friction => "smooths friction by what is no velocity above zero",
-            ModelErrorKind::ClosureLink => "holds a link that does not exist",
-            ModelErrorKind::ClosureEnds => "holds two links that cannot move against each other",
+            ModelErrorKind::LoopConstraintLink => "holds a link that does not exist",
+            ModelErrorKind::LoopConstraintEnds => {
+                "holds two links that cannot move against each other"
+            }
         };
         write!(f, "`{}` {what}", self.name)
     }
@@ -78,7 +80,7 @@ impl fmt::Display for ModelError {
 
 impl core::error::Error for ModelError {}
 
-/// Every defect of `model` without closures: of the whole, then links, then frames.
+/// Every defect of `model` without loop constraints: of the whole, then links, then frames.
 pub(super) fn check(model: &Model) -> Vec<ModelError> {
     let mut errors = check_whole(model);
     let mut report = |name: &str, kind| errors.push(ModelError { name: name.into(), kind });
@@ -184,24 +186,24 @@ pub(super) fn check_whole(model: &Model) -> Vec<ModelError> {
     bad.map(|(_, kind)| ModelError { name: model.name.clone(), kind }).collect()
 }
 
-/// Every defect of the closures of a `model` that is sound without them.
-pub(super) fn check_closures(model: &Model) -> Vec<ModelError> {
+/// Every defect of the loop constraints of a `model` that is sound without them.
+pub(super) fn check_loop_constraints(model: &Model) -> Vec<ModelError> {
     let mut errors = Vec::new();
     let mut names = BTreeMap::new();
-    for (i, closure) in model.closures.iter().enumerate() {
-        let name = &closure.name;
+    for (i, constraint) in model.loop_constraints.iter().enumerate() {
+        let name = &constraint.name;
         let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
         if names.insert(name, i).is_some() {
             report(ModelErrorKind::DuplicateName);
         }
-        let links = closure.ends.each_ref().map(|end| model.frames.get(end.frame));
+        let links = constraint.ends.each_ref().map(|end| model.frames.get(end.frame));
         match links {
-            [Some(a), Some(b)] if a.link == b.link => report(ModelErrorKind::ClosureEnds),
+            [Some(a), Some(b)] if a.link == b.link => report(ModelErrorKind::LoopConstraintEnds),
             [Some(_), Some(_)] => {}
-            _ => report(ModelErrorKind::ClosureLink),
+            _ => report(ModelErrorKind::LoopConstraintLink),
         }
-        let axis = closure.kind.axis();
-        let poses = closure.ends.each_ref().map(|end| &end.pose);
+        let axis = constraint.kind.axis();
+        let poses = constraint.ends.each_ref().map(|end| &end.pose);
         if !poses
             .iter()
             .all(|pose| pose.rotation.iter().all(|row| finite(row)) && finite(&pose.translation))

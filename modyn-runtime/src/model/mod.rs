@@ -6,16 +6,16 @@
 //! weigh has been merged into the link that carries them.
 
 mod base_parameters;
-mod closure;
 pub mod coordinates;
 mod error;
+mod loop_constraint;
 mod modules;
 pub mod prepare;
 
 pub use crate::inertial::{INERTIAL_PARAMETERS, Inertial, InertialDefect, PARAMETERS_PER_LINK};
 pub use base_parameters::{BaseParameter, BaseParameters};
-pub use closure::{Closure, ClosureEnd, ClosureKind};
 pub use error::{ModelError, ModelErrorKind};
+pub use loop_constraint::{LoopConstraint, LoopConstraintEnd, LoopConstraintKind};
 pub use modules::{Module, ModuleError, ModuleTree};
 
 use alloc::{string::String, vec::Vec};
@@ -169,7 +169,7 @@ pub struct Model {
     friction: Friction,
     links: Vec<Link>,
     frames: Vec<Frame>,
-    closures: Vec<Closure>,
+    loop_constraints: Vec<LoopConstraint>,
     /// By link: where its joint's coordinates and velocities stand.
     #[cfg_attr(feature = "serde", serde(skip))]
     places: Vec<Place>,
@@ -203,9 +203,9 @@ impl Model {
         frames: Vec<Frame>,
     ) -> Result<Self, Vec<ModelError>> {
         let friction = Friction::None;
-        let (closures, places) = (Vec::new(), Vec::new());
+        let (loop_constraints, places) = (Vec::new(), Vec::new());
         let name = name.into();
-        let mut model = Self { name, gravity, friction, links, frames, closures, places };
+        let mut model = Self { name, gravity, friction, links, frames, loop_constraints, places };
         let errors = error::check(&model);
         if !errors.is_empty() {
             return Err(errors);
@@ -289,9 +289,12 @@ impl Model {
     /// Every defect found: a name used twice, a link that does not exist or does not move against
     /// the other, an axis that is not of unit length, a rotation that is none, a number that is not
     /// finite.
-    pub fn with_closures(mut self, closures: Vec<Closure>) -> Result<Self, Vec<ModelError>> {
-        self.closures = closures;
-        let errors = error::check_closures(&self);
+    pub fn with_loop_constraints(
+        mut self,
+        loop_constraints: Vec<LoopConstraint>,
+    ) -> Result<Self, Vec<ModelError>> {
+        self.loop_constraints = loop_constraints;
+        let errors = error::check_loop_constraints(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
@@ -327,8 +330,8 @@ impl Model {
 
     /// What holds links together besides the joints.
     #[must_use]
-    pub fn closures(&self) -> &[Closure] {
-        &self.closures
+    pub fn loop_constraints(&self) -> &[LoopConstraint] {
+        &self.loop_constraints
     }
 
     /// The link of the description of that name, as an index of [`frames`](Self::frames).
@@ -447,13 +450,13 @@ impl<'de> serde::Deserialize<'de> for Model {
             links: Vec<Link>,
             frames: Vec<Frame>,
             #[serde(default)]
-            closures: Vec<Closure>,
+            loop_constraints: Vec<LoopConstraint>,
         }
-        let Parts { name, gravity, friction, links, frames, closures } =
+        let Parts { name, gravity, friction, links, frames, loop_constraints } =
             Parts::deserialize(deserializer)?;
         let model = Self::new(name, gravity, links, frames)
             .and_then(|model| model.with_friction(friction))
-            .and_then(|model| model.with_closures(closures));
+            .and_then(|model| model.with_loop_constraints(loop_constraints));
         model.map_err(|errors| {
             let all: Vec<String> = errors.iter().map(alloc::string::ToString::to_string).collect();
             serde::de::Error::custom(all.join("; "))

@@ -26,7 +26,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::coordinates::{Coordinates, coordinates};
-use super::{Closure, ClosureKind, Friction, Inertial, Joint, Model};
+use super::{Friction, Inertial, Joint, LoopConstraint, LoopConstraintKind, Model};
 use crate::Scalar;
 use crate::joint::{JointType, Motion, Primitive, planar};
 use crate::spatial::{
@@ -160,36 +160,44 @@ impl<S: Scalar> BodyFrame<S> {
     }
 }
 
-/// Two frames that are held together.
+/// A loop constraint between two frames of bodies.
 #[derive(Clone, Debug)]
-pub struct HeldFrames<S> {
-    /// The first frame, whose axes what is held is given in, and the second.
+pub struct ConstrainedFrames<S> {
+    /// The first frame, in whose axes the relative twist is expressed, and the second.
     pub ends: [BodyFrame<S>; 2],
-    /// The axis that the frames have in common, if one is held.
+    /// The axis that both frames have, if one is held.
     pub hinge: Option<Vector3<S>>,
-    /// What is held, a row of the constraint Jacobian each.
-    pub rows: Vec<HeldRow<S>>,
+    /// The constrained directions, a row of the constraint Jacobian each.
+    pub rows: Vec<ConstraintRow<S>>,
+    /// The free directions: with `rows` an orthonormal basis of rotations and displacements.
+    pub free: Vec<ConstraintRow<S>>,
+    /// The characteristic length between rotations and displacements, m.
+    pub length: S,
 }
 
-/// What a closure holds in one direction.
+/// A direction of a constraint's relative twist.
 #[derive(Clone, Copy, Debug)]
-pub struct HeldRow<S> {
+pub struct ConstraintRow<S> {
     /// Whether it is a rotation about the direction, not a displacement along it.
     pub angular: bool,
     /// A unit vector in the first frame's axes.
     pub direction: Vector3<S>,
 }
 
-impl<S: Scalar> HeldFrames<S> {
+impl<S: Scalar> ConstrainedFrames<S> {
     /// Each number through `f`.
-    fn map<T>(&self, f: impl Fn(S) -> T) -> HeldFrames<T> {
+    fn map<T>(&self, f: impl Fn(S) -> T) -> ConstrainedFrames<T> {
         let vector = |v: Vector3<S>| Vector3(v.0.map(&f));
-        let row =
-            |row: &HeldRow<S>| HeldRow { angular: row.angular, direction: vector(row.direction) };
-        HeldFrames {
+        let row = |row: &ConstraintRow<S>| ConstraintRow {
+            angular: row.angular,
+            direction: vector(row.direction),
+        };
+        ConstrainedFrames {
             ends: self.ends.map(|end| end.map(&f)),
             hinge: self.hinge.map(vector),
             rows: self.rows.iter().map(row).collect(),
+            free: self.free.iter().map(row).collect(),
+            length: f(self.length),
         }
     }
 }
@@ -218,8 +226,8 @@ pub struct Prepared<S> {
     pub smooth: Option<S>,
     /// One frame a link of the description, in the model's order.
     pub frames: Vec<BodyFrame<S>>,
-    /// What closes loops, in the model's order.
-    pub closures: Vec<HeldFrames<S>>,
+    /// The constraints that close loops, in the model's order.
+    pub loop_constraints: Vec<ConstrainedFrames<S>>,
     /// How many columns of derivatives are computed side by side, of joints one behind the other: 1, but
     /// where the compiler has lanes for them (numbers have not).
     pub columns_abreast: usize,
@@ -541,7 +549,11 @@ impl Prepared<f64> {
         frames.shift();
         let mut prepared = frames.finish(model, &atoms, links);
         prepared.minimize();
-        prepared.closures = model.closures().iter().map(|c| prepared.held(c)).collect();
+        let constrained = model.loop_constraints().iter().enumerate();
+        let constrained = constrained.map(|(i, constraint)| {
+            prepared.constrained(constraint, model.characteristic_length(i))
+        });
+        prepared.loop_constraints = constrained.collect();
         prepared
     }
 
@@ -592,25 +604,32 @@ impl Prepared<f64> {
             coordinates: self.coordinates.iter().map(|c| c.map(|x| f(*x))).collect(),
             smooth: self.smooth.map(f),
             frames: self.frames.iter().map(|frame| frame.map(f)).collect(),
-            closures: self.closures.iter().map(|closure| closure.map(f)).collect(),
+            loop_constraints: self
+                .loop_constraints
+                .iter()
+                .map(|constraint| constraint.map(f))
+                .collect(),
             columns_abreast: self.columns_abreast,
         }
     }
 
-    /// What a closure holds.
-    fn held(&self, closure: &Closure) -> HeldFrames<f64> {
-        let ends = closure.ends.each_ref().map(|end| {
+    /// A loop constraint on bodies' frames.
+    fn constrained(&self, constraint: &LoopConstraint, length: f64) -> ConstrainedFrames<f64> {
+        let ends = constraint.ends.each_ref().map(|end| {
             let BodyFrame { body, pose } = self.frames[end.frame];
             BodyFrame { body, pose: pose.compose(&end.pose).map(snap) }
         });
-        let hinge = match closure.kind {
-            ClosureKind::Revolute(axis) => Some(Vector3(axis.map(snap))),
+        let hinge = match constraint.kind {
+            LoopConstraintKind::Revolute(axis) => Some(Vector3(axis.map(snap))),
             _ => None,
         };
-        let row = |angular| move |d: [f64; 3]| HeldRow { angular, direction: Vector3(d.map(snap)) };
-        let [angular, linear] = closure.kind.held();
-        let rows = angular.into_iter().map(row(true)).chain(linear.into_iter().map(row(false)));
-        HeldFrames { ends, hinge, rows: rows.collect() }
+        let row =
+            |angular| move |d: [f64; 3]| ConstraintRow { angular, direction: Vector3(d.map(snap)) };
+        let rows = |[angular, linear]: [Vec<[f64; 3]>; 2]| {
+            angular.into_iter().map(row(true)).chain(linear.into_iter().map(row(false))).collect()
+        };
+        let (constrained, free) = constraint.kind.directions();
+        ConstrainedFrames { ends, hinge, rows: rows(constrained), free: rows(free), length }
     }
 }
 
@@ -831,7 +850,7 @@ impl Frames {
         Prepared {
             gravity: Vector3(model.gravity()),
             frames: frames.collect(),
-            closures: Vec::new(),
+            loop_constraints: Vec::new(),
             columns_abreast: 1,
             bodies,
             dofs,

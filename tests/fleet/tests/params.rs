@@ -53,7 +53,10 @@ fn defaults<R: Robot + functions::Defaults>(
 }
 
 /// All others.
-fn others<R: Robot + functions::All>(params: &R::Params<f64>, given: &GivenTo<R, f64>) -> Named<f64> {
+fn others<R: Robot + functions::All>(
+    params: &R::Params<f64>,
+    given: &GivenTo<R, f64>,
+) -> Named<f64> {
     let Given { q, qd, qdd, tau, forces, .. } = given;
     let inverse = R::inverse_dynamics_derivatives_with(params, q, qd, qdd);
     let forward = R::forward_dynamics_derivatives_with(params, q, qd, tau);

@@ -36,11 +36,11 @@ pub fn of(inspection: &Inspection) -> String {
         "coordinates": model.coordinate_names(),
         "velocities": model.velocity_names(),
         "joints": (0..model.links().len()).map(|i| joint(model, i)).collect::<Vec<_>>(),
-        "loops": model.closures().iter().map(|closure| json!({
-            "name": closure.name,
-            "type": closure.kind.name(),
-            "axis": closure.kind.axis(),
-            "links": closure.ends.each_ref().map(|end| &model.frames()[end.frame].name),
+        "loops": model.loop_constraints().iter().map(|constraint| json!({
+            "name": constraint.name,
+            "type": constraint.kind.name(),
+            "axis": constraint.kind.axis(),
+            "links": constraint.ends.each_ref().map(|end| &model.frames()[end.frame].name),
         })).collect::<Vec<_>>(),
         "links": model.links().iter().map(|link| json!({
             "name": link.name,
