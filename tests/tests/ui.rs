@@ -22,7 +22,7 @@ const ELSEWHERE: &[Code] = &[
     Code::MimicMultiplier,
 ];
 
-/// The folder of this package: rustc runs there, so that messages show paths relative to it.
+/// The folder of this package.
 fn folder() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -70,20 +70,22 @@ fn rustc(case: &Path) -> Command {
     dependencies.push(modyn().parent().expect("a folder").join("deps"));
     let mut command = Command::new(rustc);
     command
-        .current_dir(folder())
+        // Elsewhere, as Cargo runs it for a package that is not in its workspace: paths are absolute then.
+        .current_dir(env!("CARGO_TARGET_TMPDIR"))
         .env("CARGO_MANIFEST_DIR", folder())
         .args(["--edition=2024", "--color=never", "--extern"])
         .arg(library)
         .arg("-L")
         .arg(dependencies)
-        .arg(case.strip_prefix(folder()).expect("a case of this package"));
+        .arg(case);
     command
 }
 
-/// rustc's messages without the absolute folder and without its closing remarks.
+/// rustc's messages with places relative to this package, `$DIR` for its folder elsewhere, and without closing remarks.
 fn messages(output: &Output) -> String {
     let text = String::from_utf8_lossy(&output.stderr);
     let text = text.replace(folder().to_str().expect("a path in UTF-8"), "$DIR");
+    let text = text.replace("--> $DIR/", "--> ");
     let remarks = ["error: aborting due to ", "For more information about ", "Some errors have "];
     let lines = text.lines().filter(|line| !remarks.iter().any(|start| line.starts_with(start)));
     lines.collect::<Vec<_>>().join("\n").trim_end().to_owned() + "\n"
@@ -139,7 +141,8 @@ fn good_cases_compile_and_run() {
         let name = case.file_stem().expect("a name");
         let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         let built = rustc(case).arg("-o").arg(&program).output().expect("rustc runs");
-        if !built.status.success() || !built.stderr.is_empty() {
+        // Warnings of the macro about descriptions may be there; those of rustc are errors in these cases.
+        if !built.status.success() {
             return Err(messages(&built));
         }
         let run = Command::new(&program).output().expect("it runs");
