@@ -22,7 +22,7 @@ const ELSEWHERE: &[Code] = &[
     Code::MimicMultiplier,
 ];
 
-/// The folder of this package.
+/// The folder of this package, where rustc runs: it shows paths relative to it, as users see them.
 fn folder() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -70,22 +70,19 @@ fn rustc(case: &Path) -> Command {
     dependencies.push(modyn().parent().expect("a folder").join("deps"));
     let mut command = Command::new(rustc);
     command
-        // Elsewhere, as Cargo runs it for a package that is not in its workspace: paths are absolute then.
-        .current_dir(env!("CARGO_TARGET_TMPDIR"))
+        .current_dir(folder())
         .env("CARGO_MANIFEST_DIR", folder())
         .args(["--edition=2024", "--color=never", "--extern"])
         .arg(library)
         .arg("-L")
         .arg(dependencies)
-        .arg(case);
+        .arg(case.strip_prefix(folder()).expect("a case of this package"));
     command
 }
 
-/// rustc's messages with places relative to this package, `$DIR` for its folder elsewhere, and without closing remarks.
+/// rustc's messages without its closing remarks.
 fn messages(output: &Output) -> String {
     let text = String::from_utf8_lossy(&output.stderr);
-    let text = text.replace(folder().to_str().expect("a path in UTF-8"), "$DIR");
-    let text = text.replace("--> $DIR/", "--> ");
     let remarks = ["error: aborting due to ", "For more information about ", "Some errors have "];
     let lines = text.lines().filter(|line| !remarks.iter().any(|start| line.starts_with(start)));
     lines.collect::<Vec<_>>().join("\n").trim_end().to_owned() + "\n"
