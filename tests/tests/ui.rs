@@ -28,7 +28,7 @@ const ELSEWHERE: &[Code] = &[
     Code::ImplausibleMass,
 ];
 
-/// The folder of this package: rustc runs there, so that messages show paths relative to it.
+/// The folder of this package, where rustc runs: it shows paths relative to it, as users see them.
 fn folder() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -86,10 +86,9 @@ fn rustc(case: &Path) -> Command {
     command
 }
 
-/// rustc's messages without the absolute folder and without its closing remarks.
+/// rustc's messages without its closing remarks.
 fn messages(output: &Output) -> String {
     let text = String::from_utf8_lossy(&output.stderr);
-    let text = text.replace(folder().to_str().expect("a path in UTF-8"), "$DIR");
     let remarks = ["error: aborting due to ", "For more information about ", "Some errors have "];
     let lines = text.lines().filter(|line| !remarks.iter().any(|start| line.starts_with(start)));
     lines.collect::<Vec<_>>().join("\n").trim_end().to_owned() + "\n"
@@ -145,7 +144,8 @@ fn good_cases_compile_and_run() {
         let name = case.file_stem().expect("a name");
         let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         let built = rustc(case).arg("-o").arg(&program).output().expect("rustc runs");
-        if !built.status.success() || !built.stderr.is_empty() {
+        // Warnings of the macro about descriptions may be there; those of rustc are errors in these cases.
+        if !built.status.success() {
             return Err(messages(&built));
         }
         let run = Command::new(&program).output().expect("it runs");

@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
     let builder = arguments.builder(&description)?;
     let named = |found: Diagnostics| description.failure(arguments.robot.named(found));
-    let progress = Progress::start("compiling");
+    let mut progress = Progress::start("compiling");
     let result = match &arguments.output {
         Some(output) if arguments.check => stale(arguments, &builder, output, &named),
         Some(output) => write(arguments, &builder, output, &description, &named),
