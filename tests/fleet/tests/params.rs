@@ -220,7 +220,7 @@ fn zoo(change: &Change) -> Zoo10153_8LoadedParams {
 fn parameters_are_another_description() {
     let links = ["panda_hand", "panda_link4"];
     check::<GoldenPandaLoaded>("golden_panda_loaded", links, None, panda);
-    let others = Some(others::<Zoo10153_8Loaded> as Others<_>);
+    let others = Some(others::<Zoo10153_8Loaded> as Others<Zoo10153_8Loaded>);
     check::<Zoo10153_8Loaded>("zoo10153_8_loaded", ["fixed6", "link2"], others, zoo);
 }
 
