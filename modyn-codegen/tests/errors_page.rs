@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use modyn_codegen::error::Code;
+use modyn_codegen::diagnostics::Code;
 
 /// The page.
 fn page() -> String {

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use modyn_codegen::error::Code;
+use modyn_codegen::diagnostics::Code;
 
 /// Kinds that no input of the macro leads to, and those that are only warnings.
 const ELSEWHERE: &[Code] = &[
@@ -14,6 +14,7 @@ const ELSEWHERE: &[Code] = &[
     Code::AxisLength,
     Code::InvertedLimits,
     Code::MimicMultiplier,
+    Code::NotMjcf,
     Code::Include,
     Code::MissingLimit,
     Code::NegativeLimit,
