@@ -24,7 +24,7 @@ pub fn markup(text: &str) -> String {
 /// As a cell of a table: a spreadsheet takes what begins like a formula for one.
 #[cfg(feature = "command")]
 pub fn cell(text: &str) -> String {
-    let text = modyn_codegen::sanitize_for_display(text);
+    let text = modyn_codegen::diagnostics::sanitize_for_display(text);
     if text.starts_with(['=', '+', '-', '@']) { format!("'{text}") } else { text }
 }
 
