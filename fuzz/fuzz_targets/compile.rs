@@ -3,8 +3,8 @@
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
-use modyn_codegen::error::{Code, Severity};
-use modyn_codegen::urdf::{Base, Friction, Mimic};
+use modyn_codegen::diagnostics::{Code, Severity};
+use modyn_codegen::{Base, Friction, Mimic};
 use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
 
 /// A few functions at a time: all of them would be few robots a second.

@@ -2,8 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
-use modyn_codegen::error::{Code, Severity};
-use modyn_codegen::urdf::{Base, Friction, Mimic, ReadOptions, Rotor, read};
+use modyn_codegen::diagnostics::{Code, Severity};
+use modyn_codegen::{Base, Friction, Mimic, ReadOptions, Rotor, read};
 
 fuzz_target!(|data: &[u8]| {
     let (text, choice) = modyn_fuzz::text(data);

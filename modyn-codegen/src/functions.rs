@@ -1,6 +1,6 @@
 //! The functions that a generated robot can have, and which it has by default.
 
-use crate::urdf::nearest::nearest;
+use crate::diagnostics::suggest;
 
 macro_rules! functions {
     ($($(#[$docs:meta])* $variant:ident $name:literal;)*) => {
@@ -254,7 +254,7 @@ impl Function {
     #[must_use]
     pub fn unknown(name: &str) -> String {
         let names = || ["default", "all"].into_iter().chain(Self::ALL.iter().map(|one| one.name()));
-        match nearest(name, names()) {
+        match suggest(name, names()) {
             Some(meant) => format!("there is no function `{name}`; did you mean `{meant}`?"),
             None => {
                 let names: Vec<&str> = names().collect();

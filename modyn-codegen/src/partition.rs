@@ -169,13 +169,13 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::urdf;
 
     #[test]
     fn a_search_finds_what_no_uniform_choice_has() {
         let text = include_str!("../../robots/arm6.urdf");
-        let model =
-            urdf::read(text, "arm6.urdf", &urdf::ReadOptions::default()).expect("good").model;
+        let model = crate::read_urdf(text, "arm6.urdf", &crate::ReadOptions::default())
+            .expect("good")
+            .model;
         let prepared = Prepared::new(&model);
         let Choice { modules, graph, candidates } =
             choose(&model, &prepared, &Tracer::new(&prepared));

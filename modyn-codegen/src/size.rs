@@ -2,8 +2,8 @@
 
 use modyn_runtime::model::{Model, ModuleTree};
 
+use crate::diagnostics::{Code, Diagnostic};
 use crate::emit::frames::MAX_OWN_FUNCTIONS;
-use crate::error::{Code, Diagnostic};
 use crate::functions::Function;
 
 /// Most bytes of generated text, by [`estimate`].

@@ -108,7 +108,7 @@ const QDD: [f64; 3] = [-0.5, 1.2, 0.3];
 
 /// The same by the interpreter.
 fn interpreted(urdf: &str) -> Vec<f64> {
-    let reading = modyn_codegen::urdf::read(urdf, "comb.urdf", &Default::default()).expect("good");
+    let reading = modyn_codegen::read(urdf, "comb.urdf", &Default::default()).expect("good");
     let mut robot = Interpreter::<f64>::new(reading.model);
     let links = robot.model().frames().len();
     let mut poses = vec![Pose::identity(); links];

@@ -5,7 +5,7 @@ use modyn_codegen::expr::Graph;
 use modyn_codegen::partition::whole_chains;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::{Limbs, Tracer};
-use modyn_codegen::urdf::{self, Base, ReadOptions};
+use modyn_codegen::{Base, ReadOptions};
 use modyn_codegen::{Builder, Function};
 use modyn_runtime::equations::brge::Layout;
 use modyn_runtime::model::prepare::Prepared;
@@ -14,7 +14,7 @@ use modyn_runtime::{ForwardDerivatives, Interpreter};
 
 fn read(text: &str, name: &str, base: Base) -> Model {
     let options = ReadOptions { base, ..ReadOptions::default() };
-    urdf::read(text, name, &options).expect("a good robot").model
+    modyn_codegen::read(text, name, &options).expect("a good robot").model
 }
 
 /// Three forked legs on a body, a tail, a waist behind them, and two arms on that: limbs of several modules,

@@ -3,7 +3,7 @@
 use modyn_codegen::expr::{Expr, Graph};
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::{Limbs, Parameters, Tracer};
-use modyn_codegen::urdf::{self, Base, ReadOptions};
+use modyn_codegen::{Base, ReadOptions};
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::Partition;
 use modyn_runtime::equations::brge::Layout;
@@ -57,7 +57,7 @@ fn hand() -> String {
 
 fn read(text: &str, name: &str, base: Base) -> Model {
     let options = ReadOptions { base, ..ReadOptions::default() };
-    urdf::read(text, name, &options).expect("a good robot").model
+    modyn_codegen::read(text, name, &options).expect("a good robot").model
 }
 
 /// Robots with equal limbs, and whether their limbs are independent of each other.
@@ -216,12 +216,12 @@ fn upright(low: usize, high: usize) -> String {
 fn limbs_that_join_may_be_longer_or_shorter_above() {
     let options = |base| ReadOptions {
         base,
-        friction: Some(urdf::Friction::Viscous),
+        friction: Some(modyn_codegen::Friction::Viscous),
         ..ReadOptions::default()
     };
     for (low, high) in [(2, 4), (4, 2), (3, 3), (2, 3)] {
         for base in [Base::Fixed, Base::Floating] {
-            let read = urdf::read(&upright(low, high), "upright", &options(base));
+            let read = modyn_codegen::read(&upright(low, high), "upright", &options(base));
             let model = read.expect("a good robot").model;
             let prepared = Prepared::new(&model);
             let joined = Limbs::joined(&prepared).expect("limbs that can join");
@@ -261,7 +261,7 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
         }
     }
     // Three joints more are too many to be made up for.
-    let read = urdf::read(&upright(2, 5), "upright", &ReadOptions::default());
+    let read = modyn_codegen::read(&upright(2, 5), "upright", &ReadOptions::default());
     assert_eq!(Limbs::joined(&Prepared::new(&read.expect("a good robot").model)), None);
 }
 

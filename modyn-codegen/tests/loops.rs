@@ -4,10 +4,10 @@
 
 use std::f64::consts::PI;
 
-use modyn_codegen::error::Code;
+use modyn_codegen::diagnostics::Code;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::Tracer;
-use modyn_codegen::urdf::{Base, Loop, LoopConstraintKind, LoopEnd, ReadOptions, read};
+use modyn_codegen::{Base, Loop, LoopConstraintKind, LoopEnd, ReadOptions, read};
 use modyn_codegen::{Builder, Function};
 use modyn_runtime::equations::brge::Layout;
 use modyn_runtime::model::prepare::Prepared;

@@ -2,8 +2,8 @@
 
 use modyn_codegen::partition::{Choice, choose};
 use modyn_codegen::trace::Tracer;
-use modyn_codegen::urdf::{ReadOptions, read};
-use modyn_codegen::{Builder, FloatType, condition_number, error::Code};
+use modyn_codegen::{Builder, FloatType, condition_number, diagnostics::Code};
+use modyn_codegen::{ReadOptions, read};
 use modyn_runtime::equations::coordinates;
 use modyn_runtime::model::Model;
 use modyn_runtime::model::prepare::Prepared;

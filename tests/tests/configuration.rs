@@ -1,7 +1,7 @@
 //! Quaternions whose length is not 1: what they do, and the check.
 
 use modyn::{ConfigurationError, Interpreter, Robot, Scalar};
-use modyn_codegen::urdf::{ReadOptions, read};
+use modyn_codegen::{ReadOptions, read};
 
 modyn::modyn!(Zoo = "../../robots/joint_zoo.urdf", functions = [forward_dynamics, normalize]);
 modyn::modyn!(

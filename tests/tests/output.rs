@@ -312,7 +312,7 @@ fn chain(robot: &str, names: &[String]) -> modyn_runtime::model::Model {
         urdf = urdf.replace(&format!("\"l{i}\""), &format!("\"{name}\""));
         urdf = urdf.replace(&format!("name=\"j{i}\""), &format!("name=\"{name}\""));
     }
-    let read = modyn_codegen::urdf::read(&urdf, "odd.urdf", &Default::default());
+    let read = modyn_codegen::read(&urdf, "odd.urdf", &Default::default());
     read.expect("odd, but good").model
 }
 

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use modyn_codegen::error::Diagnostics;
-use modyn_codegen::{Builder, FloatType, ModuleChoice, names, tame};
+use modyn_codegen::diagnostics::Diagnostics;
+use modyn_codegen::diagnostics::sanitize_for_display;
+use modyn_codegen::{Builder, FloatType, ModuleChoice, names};
 
 use crate::command::choices::{Functions, functions, modules};
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
@@ -118,7 +119,7 @@ fn stale(
 ) -> Result<(), Failure> {
     let is = |path: &Path, stale: bool| {
         let what = if stale { "stale" } else { "up to date" };
-        to_stderr(&format!("{} is {what}\n", tame(&path.display().to_string())));
+        to_stderr(&format!("{} is {what}\n", sanitize_for_display(&path.display().to_string())));
         stale
     };
     let mut stale = is(output, builder.is_stale(output).map_err(named)?);

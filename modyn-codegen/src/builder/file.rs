@@ -5,8 +5,9 @@ use std::path::Path;
 
 use super::{Builder, Generated, ModuleChoice, Source, place};
 use crate::FloatType;
-use crate::error::{Code, Diagnostic, Diagnostics, Severity};
-use crate::urdf::{Base, Mimic};
+use crate::description::{Base, Mimic};
+use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
+use crate::read::Format;
 
 impl Builder {
     /// Compiles to the file `path`, to be kept beside the sources: its first lines say which modyn made
@@ -69,10 +70,12 @@ impl Builder {
                 } else {
                     path.to_string_lossy()
                 };
-                call(format!("{}({name:?})", self.format.name()));
+                call(format!("{}({name:?})", self.format.map_or("file", Format::name)));
             }
             Source::Text { file, .. } => {
-                call(format!("{}_text(text, {file:?})", self.format.name()));
+                let prefix =
+                    self.format.map_or(String::new(), |format| format!("{}_", format.name()));
+                call(format!("{prefix}text(text, {file:?})"));
             }
             _ => call("model(model)".into()),
         }

@@ -6,13 +6,13 @@ use modyn_runtime::OperationCount;
 use modyn_runtime::model::ModuleTree;
 
 use super::Robot;
-use crate::error::{Diagnostic, Diagnostics};
-use crate::tame::tame;
+use crate::diagnostics::sanitize_for_display;
+use crate::diagnostics::{Diagnostic, Diagnostics};
 
 /// `name` as code in a doc comment, whatever stands in it.
 pub(super) fn code(name: &str) -> String {
     // A backtick would end the code, a bar a table's cell.
-    format!("`{}`", tame(name).replace(['`', '|'], "\u{fffd}"))
+    format!("`{}`", sanitize_for_display(name).replace(['`', '|'], "\u{fffd}"))
 }
 
 /// The doc comment of the robot's type.

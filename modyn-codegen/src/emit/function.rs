@@ -794,7 +794,7 @@ fn number(value: f64) -> String {
     if value.is_finite() {
         format!("{value:?}")
     } else {
-        // Figures are below 1e60 (`urdf::build::LARGEST`), but folding multiplies them, along a
+        // Figures are below 1e60 (`description::LARGEST`), but folding multiplies them, along a
         // chain without end: what overflows is written as what it would be at run time.
         format!("f64::from_bits({})", value.to_bits())
     }

@@ -6,8 +6,8 @@ use super::Robot;
 use super::c::in_c;
 use super::quantities::{Graphs, Quantity};
 use super::shape::Shape;
+use crate::diagnostics::sanitize_for_display;
 use crate::names;
-use crate::tame::tame;
 
 impl Robot<'_> {
     /// The header of `prefix_function` for each of the `quantities` that C has.
@@ -111,5 +111,8 @@ fn declaration(
 /// A name in a comment, whatever it holds.
 fn comment(name: &str) -> String {
     // Neither the end of a comment nor the beginning of another one, which compilers warn of; no trigraph.
-    format!("`{}`", tame(name).replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?"))
+    format!(
+        "`{}`",
+        sanitize_for_display(name).replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?")
+    )
 }

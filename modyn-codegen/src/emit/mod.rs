@@ -32,7 +32,7 @@ use modyn_runtime::equations::forward_dynamics::Elimination;
 use modyn_runtime::model::prepare::Prepared;
 use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 
-use crate::error::Diagnostic;
+use crate::diagnostics::Diagnostic;
 use crate::expr::Graph;
 use crate::functions::Function;
 use crate::names;

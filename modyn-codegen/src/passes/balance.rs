@@ -222,7 +222,6 @@ mod tests {
     use crate::expr::Expr;
     use crate::passes::optimize;
     use crate::trace::Tracer;
-    use crate::urdf;
 
     /// The outputs stay, and so do the operations.
     fn same(graph: &Graph) -> Graph {
@@ -275,7 +274,7 @@ mod tests {
         for (robot, before, after) in frozen {
             let text = std::fs::read_to_string(format!("{robots}/{robot}")).expect("a robot");
             let model =
-                urdf::read(&text, robot, &urdf::ReadOptions::default()).expect("good").model;
+                crate::read_urdf(&text, robot, &crate::ReadOptions::default()).expect("good").model;
             let prepared = Prepared::new(&model);
             let links =
                 Elimination::Recursive(Partition::new(&prepared, &ModuleTree::links(&model)));

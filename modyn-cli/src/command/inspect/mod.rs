@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
-use modyn_codegen::error::{Code, Diagnostic, Diagnostics};
-use modyn_codegen::urdf::Reading;
+use modyn_codegen::Reading;
+use modyn_codegen::diagnostics::{Code, Diagnostic, Diagnostics};
 use modyn_codegen::{Builder, Function, ModuleChoice, condition_number};
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Model, ModuleTree};
