@@ -12,8 +12,8 @@ use modyn_runtime::model::{Friction, Model, ModuleTree};
 use crate::condition;
 use crate::emit::{EmitOptions, Emitted, FloatType, emit};
 use crate::error::{Code, Diagnostic, Diagnostics, Severity, Subject};
-use crate::functions::Function;
 use crate::names;
+use crate::plan::Function;
 use crate::source::read_first;
 use crate::urdf::{self, Base, Loop, Mimic, ReadOptions, Reading, Rotor, nearest::nearest};
 

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use modyn_codegen::expr::{Expr, Graph};
+use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::PASSES;
 use modyn_runtime::Scalar;
 

@@ -9,7 +9,7 @@ use modyn_runtime::equations::{ClosureWorkspace, Workspace, closures};
 use modyn_runtime::spatial::{Twist, Wrench};
 
 use super::Tracer;
-use crate::expr::{Expr, Graph};
+use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
     /// The accelerations, then a wrench a closure, from `q`, `qd`, `tau` and settings, through the

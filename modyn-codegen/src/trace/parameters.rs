@@ -5,7 +5,7 @@ use modyn_runtime::model::prepare::{Prepared, rigid_inertia};
 use modyn_runtime::model::{Inertial, Model};
 use modyn_runtime::spatial::{RigidInertia, Symmetric3, Vector3};
 
-use crate::expr::Expr;
+use crate::graph::Expr;
 
 /// The parts of a robot that are known at run time only.
 #[derive(Clone, Debug, Default)]

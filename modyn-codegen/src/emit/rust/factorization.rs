@@ -5,40 +5,19 @@ use std::fmt::Write as _;
 use super::function::{Parameter, function};
 use super::shape::Shape;
 use super::{Robot, docs};
-use crate::passes::optimize;
+use crate::plan::FactorFunction;
 
 impl Robot<'_> {
     /// The functions of the factorization.
     pub(super) fn factorization(&self, text: &mut String) {
-        let (name, n, layout, tracer) = (self.name, self.model.nv(), self.layout, self.tracer);
-        let square = || Shape::matrix(n, n);
-        let matrix = square().type_of("T");
+        let (name, layout, float) = (self.name, &self.plan.layout, self.options.float);
+        let n = self.model.nv();
         let vector = Shape::vector(n).type_of("T");
-        let factors = Parameter::new("factors", Shape::vector(layout.size()));
-        let rhs = Parameter::new("rhs", Shape::vector(n));
-        let graphs = [
-            (
-                "u",
-                square(),
-                tracer.u(layout),
-                "The block upper triangular U, (43), an array of columns.",
-            ),
-            ("d", square(), tracer.d(layout), "The block diagonal D, (45), an array of columns."),
-            ("u_inverse", square(), tracer.u_inverse(layout), "U^-1, (54), an array of columns."),
-            ("d_inverse", square(), tracer.d_inverse(layout), "D^-1, (54), an array of columns."),
-            (
-                "inverse",
-                square(),
-                tracer.inverse(layout),
-                "The inverse, (50), an array of columns.",
-            ),
-            (
-                "log_determinant",
-                Shape::Scalar,
-                tracer.log_determinant(layout),
-                "The natural logarithm of the determinant.",
-            ),
-        ];
+        let matrix = Shape::vector(n).array(n).type_of("T");
+        let shape = |planned: &crate::plan::Shape| Shape::new(planned, name);
+        // Of the factors alone; `solve` takes a right-hand side, too.
+        let (of_factors, solve): (Vec<_>, Vec<_>) =
+            self.plan.factorization.iter().partition(|function| function.arguments.len() == 1);
         let _ = writeln!(
             text,
             "impl<T: __modyn::Scalar> {name}Brge<T> {{\n\
@@ -52,12 +31,12 @@ impl Robot<'_> {
              pub const fn factors(&self) -> &[T; {size}] {{\n    &self.factors\n}}",
             size = layout.size()
         );
-        for (function_name, shape, _, docs) in &graphs {
+        for FactorFunction { name: function_name, docs, result, .. } in of_factors.iter().copied() {
             let _ = writeln!(
                 text,
                 "/// {docs}\n#[must_use]\npub fn {function_name}(&self) -> {} {{\n    \
                  {function_name}(&self.factors)\n}}",
-                shape.type_of("T")
+                shape(result).type_of("T")
             );
         }
         let _ = writeln!(
@@ -125,11 +104,11 @@ impl Robot<'_> {
              type V = {vector};\n\
              type M = {matrix};"
             );
-            for (function_name, shape, ..) in &graphs {
+            for FactorFunction { name: function_name, result, .. } in of_factors.iter().copied() {
                 let _ = writeln!(
                     text,
                     "fn {function_name}(&self) -> {} {{\n    Self::{function_name}(self)\n}}",
-                    shape.type_of("T")
+                    shape(result).type_of("T")
                 );
             }
             let _ = writeln!(
@@ -139,11 +118,14 @@ impl Robot<'_> {
              Self::condition_number(self, module)\n}}\n}}\n"
             );
         }
-        for (function_name, shape, graph, _) in graphs {
-            *text +=
-                &function(function_name, std::slice::from_ref(&factors), &shape, &optimize(graph));
+        for FactorFunction { name, arguments, result, program, .. } in
+            of_factors.into_iter().chain(solve)
+        {
+            let parameter = |(name, given): &(&'static str, crate::plan::Shape)| {
+                Parameter::new(name, shape(given))
+            };
+            let parameters: Vec<Parameter> = arguments.iter().map(parameter).collect();
+            *text += &function(name, &parameters, &shape(result), program, float);
         }
-        let solve = optimize(tracer.solve(layout));
-        *text += &function("solve", &[factors, rhs], &Shape::vector(n), &solve);
     }
 }

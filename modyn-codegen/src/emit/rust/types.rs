@@ -40,7 +40,7 @@ impl Robot<'_> {
              #[allow(dead_code)]\n\
              #[derive(Clone, Copy, Debug, PartialEq)]\n\
              {vis} struct {name}Brge<T = {float}> {{\n    factors: [T; {}],\n}}\n",
-            self.layout.size()
+            self.plan.layout.size()
         );
     }
 

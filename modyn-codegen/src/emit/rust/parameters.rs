@@ -12,13 +12,13 @@ impl Robot<'_> {
     fn payload_fields(&self) -> Vec<(String, &str)> {
         let links = self.link_names();
         let names: Vec<&str> =
-            self.tracer.parameters().payload.iter().map(|payload| links[payload.frame]).collect();
+            self.plan.parameters.payload.iter().map(|payload| links[payload.frame]).collect();
         names::fields(&names, &["gravity"]).into_iter().zip(names).collect()
     }
 
     /// The structure of the parameters, without its functions; nothing if there are none.
     pub(super) fn parameters_type(&self, text: &mut String) {
-        let parameters = self.tracer.parameters();
+        let parameters = &self.plan.parameters;
         if parameters.is_empty() {
             return;
         }
@@ -49,7 +49,7 @@ impl Robot<'_> {
 
     /// Its functions.
     pub(super) fn parameters(&self, text: &mut String) {
-        let parameters = self.tracer.parameters();
+        let parameters = &self.plan.parameters;
         if parameters.is_empty() {
             return;
         }

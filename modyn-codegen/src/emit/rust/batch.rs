@@ -5,28 +5,26 @@
 
 use std::fmt::Write as _;
 
-use super::Robot;
-use super::function::{Parameter, lanes_function};
-use super::quantities::{Graphs, Quantity};
+use super::function::{Parameter, function};
 use super::shape::Shape;
+use super::{Quantity, Robot};
+use crate::plan::Kernels;
 
 impl Robot<'_> {
     /// All that belongs to the batches of a quantity.
-    pub(super) fn batches(&self, text: &mut String, quantity: &Quantity) {
-        let Graphs::One(graph) = &quantity.graphs else { return };
-        let name = name(quantity);
-        let mut parameters = quantity.parameters.clone();
-        parameters.extend(self.runtime_parameter(quantity));
+    pub(super) fn batches(&self, text: &mut String, quantity: &Quantity<'_>) {
+        let Kernels::One(program) = quantity.kernels else { return };
+        let (name, parameters) = (name(quantity), quantity.all_parameters());
         let inlined = format!("{name}_lanes");
-        *text += &lanes_function(&inlined, &parameters, &quantity.shape, graph);
+        *text += &function(&inlined, &parameters, &quantity.shape, program, self.options.float);
         self.kernel(text, quantity);
         self.batch_functions(text, quantity);
     }
 
     /// The type that loads states and calls the inlined function.
-    fn kernel(&self, text: &mut String, quantity: &Quantity) {
+    fn kernel(&self, text: &mut String, quantity: &Quantity<'_>) {
         let float = self.options.float.name();
-        let runtime = self.runtime_parameter(quantity).map_or(0, |p| p.shape.len());
+        let runtime = quantity.runtime_parameter().map_or(0, |p| p.shape.len());
         let (inputs, outputs) = (count(&quantity.parameters), quantity.shape.len());
         let mut body = String::new();
         let mut first = 0;
@@ -59,7 +57,7 @@ impl Robot<'_> {
 
     /// The public functions: over slices for each coordinate, the same on all cores, over slices of
     /// states; and all of them with parameters, if there are any.
-    fn batch_functions(&self, text: &mut String, quantity: &Quantity) {
+    fn batch_functions(&self, text: &mut String, quantity: &Quantity<'_>) {
         let (robot, float) = (self.name, self.options.float.name());
         let name = name(quantity);
         let result = result_name(name);
@@ -108,7 +106,7 @@ impl Robot<'_> {
         };
         let parts = format!("|x| [{}]", parts.join(", "));
 
-        let dynamic = self.runtime_parameter(quantity).is_some();
+        let dynamic = quantity.runtime_parameter().is_some();
         let doors: &[(&str, &str)] =
             if dynamic { &[("_with", "params"), ("", "DEFAULT")] } else { &[("", "")] };
         for (with, params) in doors {
@@ -177,7 +175,7 @@ impl Robot<'_> {
 }
 
 /// The name of the function for one state.
-fn name(quantity: &Quantity) -> &'static str {
+fn name(quantity: &Quantity<'_>) -> &'static str {
     quantity.function.batched().unwrap_or(quantity.function).name()
 }
 
@@ -192,7 +190,7 @@ fn result_name(name: &'static str) -> &'static str {
 }
 
 /// The slices for the results: one argument for each field if there are several.
-fn outputs(quantity: &Quantity) -> Vec<Parameter> {
+fn outputs(quantity: &Quantity<'_>) -> Vec<Parameter> {
     match &quantity.shape {
         Shape::Struct { fields, .. } => {
             fields.iter().map(|(name, field)| Parameter::new(name, field.clone())).collect()
@@ -201,11 +199,11 @@ fn outputs(quantity: &Quantity) -> Vec<Parameter> {
     }
 }
 
-fn kernel_name(quantity: &Quantity) -> String {
+fn kernel_name(quantity: &Quantity<'_>) -> String {
     format!("{}Kernel", crate::names::type_name(name(quantity)))
 }
 
-fn table_name(quantity: &Quantity) -> String {
+fn table_name(quantity: &Quantity<'_>) -> String {
     format!("{}_ARGUMENTS", name(quantity).to_uppercase())
 }
 

@@ -8,7 +8,7 @@ use modyn_runtime::model::prepare::Prepared;
 use modyn_runtime::model::{BaseParameter, BaseParameters, Link};
 
 use super::Robot;
-use crate::functions::Function;
+use crate::plan::Function;
 
 impl Robot<'_> {
     /// The type's constants.
@@ -110,7 +110,7 @@ impl Robot<'_> {
              pub const MODULES: [__modyn::KinematicModule; {}] = [",
             self.modules.modules().len()
         );
-        for (module, block) in self.modules.modules().iter().zip(self.layout.blocks()) {
+        for (module, block) in self.modules.modules().iter().zip(self.plan.layout.blocks()) {
             let range = module.links.clone();
             let link_names: Vec<&str> =
                 self.model.links()[range.clone()].iter().map(|l| l.name.as_str()).collect();

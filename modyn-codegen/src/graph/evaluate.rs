@@ -48,11 +48,11 @@ impl Graph {
             Node::Abs(a) => at(a).abs(),
             Node::Max(a, b) => at(a).max(at(b)),
             Node::Select(a, b, c) => at(a).select_nonnegative(at(b), at(c)),
-            Node::Beside(a, b, width) => {
+            Node::Pack(a, b, width) => {
                 let half = usize::from(width / 2);
                 if lane < half { of(a, lane) } else { of(b, lane - half) }
             }
-            Node::Lane(a, lane) => of(a, usize::from(lane)),
+            Node::ExtractLane(a, lane) => of(a, usize::from(lane)),
         }
     }
 }

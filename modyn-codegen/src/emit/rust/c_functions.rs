@@ -1,15 +1,14 @@
-//! Functions for C: plain pointers to arrays whose sizes their types state.
+//! Rust functions that C can call: plain pointers to arrays whose sizes their types state.
 
 use std::fmt::Write as _;
 
-use super::Robot;
-use super::quantities::{Graphs, Quantity};
 use super::shape::Shape;
-use crate::functions::Function;
+use super::{Quantity, Robot};
+use crate::plan::{Function, Kernels};
 
 impl Robot<'_> {
     /// `extern "C"` functions named `prefix_function`, for all but those whose results are Rust's own.
-    pub(super) fn c_functions(&self, text: &mut String, prefix: &str, quantities: &[Quantity]) {
+    pub(super) fn c_functions(&self, text: &mut String, prefix: &str, quantities: &[Quantity<'_>]) {
         let upper = prefix.to_uppercase();
         let (nq, nv, name) = (self.model.nq(), self.model.nv(), self.name);
         let links = self.model.frames().len();
@@ -20,16 +19,16 @@ impl Robot<'_> {
              /// Number of links.\npub const {upper}_LINKS: usize = {links};\n\
              const _: () = assert!({upper}_NQ == {name}::NQ && {upper}_NV == {name}::NV);"
         );
-        let has_c = |q: &&Quantity| !matches!(q.function, Function::Brge | Function::Random);
+        let has_c = |q: &&Quantity<'_>| !matches!(q.function, Function::Brge | Function::Random);
         for quantity in quantities.iter().filter(has_c) {
             self.c_function(text, prefix, quantity);
         }
     }
 
-    fn c_function(&self, text: &mut String, prefix: &str, quantity: &Quantity) {
+    fn c_function(&self, text: &mut String, prefix: &str, quantity: &Quantity<'_>) {
         let (name, float) = (self.name, self.options.float.name());
         let function = quantity.function.name();
-        let by_link = matches!(quantity.graphs, Graphs::ByLink(_));
+        let by_link = matches!(quantity.kernels, Kernels::ByLink(_));
         let scalar = matches!(quantity.shape, Shape::Scalar);
         let mut parameters: Vec<String> = quantity
             .parameters
@@ -98,7 +97,7 @@ impl Robot<'_> {
     }
 }
 
-impl Quantity {
+impl Quantity<'_> {
     /// Whether a structure is among its parameters or results.
     fn uses_spatial(&self) -> bool {
         let shapes = self.parameters.iter().map(|p| &p.shape).chain([&self.shape]);

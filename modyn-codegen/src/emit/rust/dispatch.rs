@@ -1,27 +1,26 @@
-//! Functions in which equal limbs or columns are computed side by side, where numbers have vectors.
+//! Functions that are printed twice, on scalars and on vectors; the scalar chooses.
 
 use std::fmt::Write as _;
 
-use super::Robot;
-use super::function::{Parameter, abreast_function, function, unpacked};
-use super::quantities::Quantity;
-use crate::expr::Graph;
+use super::function::{Parameter, function, unpacked, vector_types};
+use super::{Quantity, Robot};
 use crate::names::type_name;
+use crate::program::Program;
 
 impl Robot<'_> {
-    /// A private function that leaves the choice to its scalar: limbs side by side by `vectors`, or one
-    /// after the other by `scalars`.
-    pub(super) fn abreast(
+    /// A private function that leaves the choice to its scalar: the program on `vectors`, or the program on `scalars`.
+    pub(super) fn dispatched(
+        &self,
         text: &mut String,
-        quantity: &Quantity,
+        quantity: &Quantity<'_>,
         parameters: &[Parameter],
-        (scalars, vectors): (&Graph, &Graph),
+        (scalars, vectors): (&Program, &Program),
     ) {
         let (name, shape) = (quantity.function.name(), &quantity.shape);
         let (alone, abreast) = (format!("{name}_alone"), format!("{name}_abreast"));
-        *text += &function(&alone, parameters, shape, scalars);
-        let (on_vectors, types) = abreast_function(&abreast, parameters, shape, vectors);
-        *text += &on_vectors;
+        *text += &function(&alone, parameters, shape, scalars, self.options.float);
+        *text += &function(&abreast, parameters, shape, vectors, self.options.float);
+        let types = vector_types(vectors);
         let kind = format!("{}Abreast", type_name(name));
         let fields: Vec<String> =
             parameters.iter().map(|p| p.typed("T").replace('&', "&'a ")).collect();

@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::model::ModuleTree;
 
 use super::Robot;
 use crate::error::{Diagnostic, Diagnostics};
@@ -16,12 +15,7 @@ pub(super) fn code(name: &str) -> String {
 }
 
 /// The doc comment of the robot's type.
-pub(super) fn robot(
-    text: &mut String,
-    robot: &Robot<'_>,
-    operations: &[(&str, OperationCount)],
-    (eliminated, candidates): (&ModuleTree, &[(&str, usize)]),
-) {
+pub(super) fn robot(text: &mut String, robot: &Robot<'_>, operations: &[(&str, OperationCount)]) {
     let model = robot.model;
     let mut lines = format!(
         "Dynamics of the robot {}: {} joints that move, {} degrees of freedom, compiled by modyn.\n\n\
@@ -62,12 +56,16 @@ pub(super) fn robot(
     for (name, count) in operations {
         let _ = writeln!(lines, "- `{name}`: {count}");
     }
-    let costs: Vec<String> =
-        candidates.iter().map(|(name, total)| format!("{name} it takes {total}")).collect();
+    let costs: Vec<String> = robot
+        .plan
+        .candidates
+        .iter()
+        .map(|(name, total)| format!("{name} it takes {total}"))
+        .collect();
     let _ = writeln!(
         lines,
         "\nForward dynamics is eliminated by {} modules; with {} operations.",
-        eliminated.modules().len(),
+        robot.plan.eliminated.modules().len(),
         costs.join(", with ")
     );
     if !robot.options.warnings.is_empty() {

@@ -19,8 +19,8 @@ impl Graph {
                 Node::Constant(_)
                 | Node::Input(_)
                 | Node::Neg(_)
-                | Node::Beside(..)
-                | Node::Lane(..) => {}
+                | Node::Pack(..)
+                | Node::ExtractLane(..) => {}
                 Node::Add(..) | Node::Sub(..) => count.additions += 1,
                 Node::Mul(..) => count.multiplications += 1,
                 Node::Recip(_) => count.divisions += 1,

@@ -42,7 +42,7 @@ impl Expr {
     ///
     /// If there are none, or more than 128.
     #[must_use]
-    pub fn beside(numbers: &[Self]) -> Self {
+    pub fn pack(numbers: &[Self]) -> Self {
         fn filled(numbers: &[Expr], lanes: usize) -> Expr {
             if lanes == 1 {
                 return numbers[0];
@@ -51,15 +51,15 @@ impl Expr {
             let first = filled(a, lanes / 2);
             let rest = if b.is_empty() { &a[a.len() - 1..] } else { b };
             let width = u8::try_from(lanes).expect("few lanes");
-            Expr::make(Node::Beside(first.0, filled(rest, lanes / 2).0, width))
+            Expr::make(Node::Pack(first.0, filled(rest, lanes / 2).0, width))
         }
         filled(numbers, numbers.len().next_power_of_two())
     }
 
     /// The number in a lane.
     #[must_use]
-    pub fn lane(self, lane: usize) -> Self {
-        Self::make(Node::Lane(self.0, u8::try_from(lane).expect("few lanes")))
+    pub fn extract_lane(self, lane: usize) -> Self {
+        Self::make(Node::ExtractLane(self.0, u8::try_from(lane).expect("few lanes")))
     }
 
     fn make(node: Node) -> Self {
@@ -145,7 +145,7 @@ impl Scalar for Expr {
         // In pairs: as few additions one behind the other as can be.
         fn sum(x: Expr, lanes: Range<usize>) -> Expr {
             if lanes.len() == 1 {
-                return x.lane(lanes.start);
+                return x.extract_lane(lanes.start);
             }
             let middle = lanes.start + lanes.len() / 2;
             sum(x, lanes.start..middle) + sum(x, middle..lanes.end)
@@ -154,10 +154,10 @@ impl Scalar for Expr {
     }
 
     fn of_limb(self, limb: usize) -> Self {
-        self.lane(limb)
+        self.extract_lane(limb)
     }
 
     fn by_limb(each: &[Self]) -> Self {
-        Self::beside(each)
+        Self::pack(each)
     }
 }

@@ -40,9 +40,9 @@ pub enum Node {
     Select(Id, Id, Id),
     /// The lanes of a, then those of b: so many together, half of them each (one number stands for
     /// all of its half).
-    Beside(Id, Id, u8),
+    Pack(Id, Id, u8),
     /// The number in that lane of a.
-    Lane(Id, u8),
+    ExtractLane(Id, u8),
 }
 
 impl Node {
@@ -64,8 +64,8 @@ impl Node {
             Self::Abs(a) => Self::Abs(f(a)),
             Self::Max(a, b) => Self::Max(f(a), f(b)),
             Self::Select(a, b, c) => Self::Select(f(a), f(b), f(c)),
-            Self::Beside(a, b, width) => Self::Beside(f(a), f(b), width),
-            Self::Lane(a, lane) => Self::Lane(f(a), lane),
+            Self::Pack(a, b, width) => Self::Pack(f(a), f(b), width),
+            Self::ExtractLane(a, lane) => Self::ExtractLane(f(a), lane),
         }
     }
 
@@ -80,13 +80,13 @@ impl Node {
             | Self::Sqrt(a)
             | Self::Ln(a)
             | Self::Abs(a)
-            | Self::Lane(a, _) => (Some(a), None, None),
+            | Self::ExtractLane(a, _) => (Some(a), None, None),
             Self::Add(a, b)
             | Self::Sub(a, b)
             | Self::Mul(a, b)
             | Self::Atan2(a, b)
             | Self::Max(a, b)
-            | Self::Beside(a, b, _) => (Some(a), Some(b), None),
+            | Self::Pack(a, b, _) => (Some(a), Some(b), None),
             Self::Select(a, b, c) => (Some(a), Some(b), Some(c)),
         };
         [a, b, c].into_iter().flatten()
@@ -179,8 +179,8 @@ impl Graph {
         *self.known.entry(node).or_insert_with(|| {
             nodes.push(node);
             widths.push(match node {
-                Node::Beside(_, _, width) => width,
-                Node::Lane(..) => 1,
+                Node::Pack(_, _, width) => width,
+                Node::ExtractLane(..) => 1,
                 _ => node.operands().map(|a| widths[a as usize]).max().unwrap_or(1),
             });
             Id::try_from(nodes.len() - 1).expect("a graph has fewer than 2^32 nodes")
@@ -208,14 +208,17 @@ impl Graph {
             Node::Abs(a) => self.fold(a, f64::abs, Node::Abs),
             Node::Max(a, b) => self.max(a, b),
             Node::Select(a, b, c) => self.select(a, b, c),
-            Node::Beside(a, b, width) => self.beside(a, b, width),
-            Node::Lane(a, lane) => self.lane(a, lane),
+            Node::Pack(a, b, width) => self.pack(a, b, width),
+            Node::ExtractLane(a, lane) => self.extract_lane(a, lane),
         }
     }
 
     /// What an operation on constants comes to, lane by lane, where some are lanes of constants.
     fn fold_lanes(&mut self, node: Node) -> Option<Id> {
-        if matches!(node, Node::Constant(_) | Node::Input(_) | Node::Beside(..) | Node::Lane(..)) {
+        if matches!(
+            node,
+            Node::Constant(_) | Node::Input(_) | Node::Pack(..) | Node::ExtractLane(..)
+        ) {
             return None;
         }
         let width = node.operands().map(|a| self.width(a)).max()?;
@@ -224,13 +227,14 @@ impl Graph {
         }
         let lanes: Vec<Id> = (0..width)
             .map(|lane| {
-                let mut operands = node.operands().map(|a| self.lane(a, lane)).collect::<Vec<_>>();
+                let mut operands =
+                    node.operands().map(|a| self.extract_lane(a, lane)).collect::<Vec<_>>();
                 operands.reverse();
                 let of = std::cell::RefCell::new(operands);
                 self.make(node.map(|_| of.borrow_mut().pop().expect("one an operand")))
             })
             .collect();
-        Some(self.all_beside(&lanes))
+        Some(self.pack_all(&lanes))
     }
 
     /// Whether it is a constant, or lanes of constants.
@@ -238,44 +242,44 @@ impl Graph {
     pub fn is_constant(&self, id: Id) -> bool {
         match self.node(id) {
             Node::Constant(_) => true,
-            Node::Beside(a, b, _) => self.is_constant(a) && self.is_constant(b),
+            Node::Pack(a, b, _) => self.is_constant(a) && self.is_constant(b),
             _ => false,
         }
     }
 
     /// The number that was put into a lane; the node itself if it is not made so.
     #[must_use]
-    pub fn beside_at(&self, id: Id, lane: u8) -> Id {
+    pub fn packed_at(&self, id: Id, lane: u8) -> Id {
         match self.node(id) {
-            Node::Beside(first, _, width) if lane < width / 2 => self.beside_at(first, lane),
-            Node::Beside(_, second, width) => self.beside_at(second, lane - width / 2),
+            Node::Pack(first, _, width) if lane < width / 2 => self.packed_at(first, lane),
+            Node::Pack(_, second, width) => self.packed_at(second, lane - width / 2),
             _ => id,
         }
     }
 
     /// Numbers side by side, a power of two of them.
-    fn all_beside(&mut self, numbers: &[Id]) -> Id {
+    fn pack_all(&mut self, numbers: &[Id]) -> Id {
         let [number] = numbers else {
             let (a, b) = numbers.split_at(numbers.len() / 2);
-            let (a, b) = (self.all_beside(a), self.all_beside(b));
-            return self.beside(a, b, u8::try_from(numbers.len()).expect("few lanes"));
+            let (a, b) = (self.pack_all(a), self.pack_all(b));
+            return self.pack(a, b, u8::try_from(numbers.len()).expect("few lanes"));
         };
         *number
     }
 
-    fn beside(&mut self, a: Id, b: Id, width: u8) -> Id {
-        if a == b && self.width(a) == 1 { a } else { self.insert(Node::Beside(a, b, width)) }
+    fn pack(&mut self, a: Id, b: Id, width: u8) -> Id {
+        if a == b && self.width(a) == 1 { a } else { self.insert(Node::Pack(a, b, width)) }
     }
 
-    fn lane(&mut self, a: Id, lane: u8) -> Id {
+    fn extract_lane(&mut self, a: Id, lane: u8) -> Id {
         match self.node(a) {
             _ if self.width(a) == 1 => a,
-            Node::Beside(..) => self.beside_at(a, lane),
+            Node::Pack(..) => self.packed_at(a, lane),
             Node::Neg(inner) => {
-                let inner = self.lane(inner, lane);
+                let inner = self.extract_lane(inner, lane);
                 self.neg(inner)
             }
-            _ => self.insert(Node::Lane(a, lane)),
+            _ => self.insert(Node::ExtractLane(a, lane)),
         }
     }
 

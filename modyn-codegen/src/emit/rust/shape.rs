@@ -25,44 +25,32 @@ impl Shape {
         Self::Scalar.array(n)
     }
 
-    /// By columns.
-    pub(super) fn matrix(columns: usize, rows: usize) -> Self {
-        Self::vector(rows).array(columns)
-    }
-
-    /// A structure of the runtime that is generic over the scalar.
-    fn spatial(name: &str, fields: Vec<(&'static str, Self)>) -> Self {
-        Self::Struct { path: format!("__modyn::spatial::{name}"), arguments: "{t}".into(), fields }
-    }
-
-    pub(super) fn vector3() -> Self {
-        Self::spatial("Vector3", vec![("", Self::vector(3))])
-    }
-
-    pub(super) fn pose() -> Self {
-        let fields = vec![("rotation", Self::matrix(3, 3)), ("translation", Self::vector(3))];
-        Self::spatial("Pose", fields)
-    }
-
-    pub(super) fn twist() -> Self {
-        Self::spatial("Twist", vec![("angular", Self::vector3()), ("linear", Self::vector3())])
-    }
-
-    pub(super) fn momentum() -> Self {
-        Self::spatial("Momentum", vec![("angular", Self::vector3()), ("linear", Self::vector3())])
-    }
-
-    pub(super) fn wrench() -> Self {
-        Self::spatial("Wrench", vec![("moment", Self::vector3()), ("force", Self::vector3())])
-    }
-
-    pub(super) fn closure_settings() -> Self {
-        let fields = ["alpha", "beta", "tolerance"].map(|name| (name, Self::Scalar));
-        Self::Struct {
-            path: "__modyn::ClosureSettings".into(),
-            arguments: "{t}".into(),
-            fields: fields.into(),
-        }
+    /// The type of a planned shape, for the robot whose type has this name.
+    pub(super) fn new(shape: &crate::plan::Shape, robot: &str) -> Self {
+        use crate::plan::{Record, Shape as Planned};
+        let (record, fields) = match shape {
+            Planned::Scalar => return Self::Scalar,
+            Planned::Array(of, n) => return Self::new(of, robot).array(*n),
+            Planned::Record(record, fields) => (record, fields),
+        };
+        let fields: Vec<(&'static str, Self)> =
+            fields.iter().map(|(name, field)| (*name, Self::new(field, robot))).collect();
+        let (path, arguments) = match record {
+            Record::Spatial(name) => (format!("__modyn::spatial::{name}"), "{t}".into()),
+            Record::Factorization => (format!("{robot}Brge"), "{t}".into()),
+            Record::Several(name) => {
+                // Generic over the types of its fields.
+                let mut types: Vec<String> = Vec::new();
+                for (_, field) in &fields {
+                    let field = field.type_of("{t}");
+                    if !types.contains(&field) {
+                        types.push(field);
+                    }
+                }
+                (format!("__modyn::{name}"), types.join(", "))
+            }
+        };
+        Self::Struct { path, arguments, fields }
     }
 
     /// How many scalars it holds.

@@ -13,7 +13,7 @@ use modyn_runtime::joint::JointType;
 use modyn_runtime::model::prepare::Prepared;
 use modyn_runtime::model::{Model, ModuleTree};
 
-use crate::expr::Graph;
+use crate::graph::Graph;
 use crate::passes::optimize;
 use crate::trace::Tracer;
 
@@ -28,11 +28,11 @@ pub struct Choice {
 }
 
 /// The longest chain that is considered as one module.
-const LONGEST: usize = 70;
+const MAX_MODULE: usize = 70;
 
 /// Most operations that are traced to search: a tenth of a second in a macro, which runs
 /// unoptimised.
-const BUDGET: usize = 80_000;
+const MAX_TRACED: usize = 80_000;
 
 /// Every chain a module, or every link if one of them is too long.
 ///
@@ -43,7 +43,7 @@ const BUDGET: usize = 80_000;
 pub fn whole_chains(model: &Model) -> ModuleTree {
     let chains = ModuleTree::chains(model);
     let longest = chains.modules().iter().map(|module| module.links.len()).max();
-    if longest <= Some(LONGEST) { chains } else { ModuleTree::links(model) }
+    if longest <= Some(MAX_MODULE) { chains } else { ModuleTree::links(model) }
 }
 
 /// Traces and counts candidates, and takes the cheapest.
@@ -63,21 +63,21 @@ pub fn choose(model: &Model, prepared: &Prepared<f64>, tracer: &Tracer<'_>) -> C
         if better {
             best = Some((cost, graph, modules));
         }
-        (better, cost, traced > BUDGET)
+        (better, cost, traced > MAX_TRACED)
     };
     let (_, by_links, _) = consider(ModuleTree::links(model));
     let mut candidates = vec![("every link its own module", by_links)];
     if whole_chains(model) != ModuleTree::links(model) {
-        let (better, by_chains, mut tired) = consider(whole_chains(model));
+        let (better, by_chains, mut over_budget) = consider(whole_chains(model));
         candidates.push(("every chain one module", by_chains));
         search.start(!better);
         for (group, cut) in search.alternatives() {
-            if tired {
+            if over_budget {
                 break;
             }
             let Some(modules) = search.modules(model, group, &cut) else { continue };
             let better;
-            (better, _, tired) = consider(modules);
+            (better, _, over_budget) = consider(modules);
             if better {
                 search.cuts[group] = cut;
             }
@@ -138,7 +138,7 @@ impl Search {
         let heads = each(&|length| (2..length).rev().map(|h| head(length, h)).collect());
         let halves = each(&|length| (1..length).map(|h| vec![h, length - h]).collect());
         let all = [uniform, heads, halves].concat();
-        all.into_iter().filter(|(group, _)| (2..=LONGEST).contains(&lengths[*group])).collect()
+        all.into_iter().filter(|(group, _)| (2..=MAX_MODULE).contains(&lengths[*group])).collect()
     }
 
     /// The modules with `group` cut so, and the others as they are; `None` if it is cut so now.
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn a_search_finds_what_no_uniform_choice_has() {
-        let text = include_str!("../../robots/arm6.urdf");
+        let text = include_str!("../../../robots/arm6.urdf");
         let model =
             urdf::read(text, "arm6.urdf", &urdf::ReadOptions::default()).expect("good").model;
         let prepared = Prepared::new(&model);
