@@ -29,6 +29,6 @@ pub mod urdf;
 
 pub use builder::{Builder, Generated, ModuleChoice};
 pub use condition::{CARRIED_BY_F32, condition_number};
-pub use emit::FloatType;
+pub use emit::{CSource, FloatType};
 pub use plan::Function;
 pub use tame::tame;

@@ -110,7 +110,7 @@ fn derivatives_side_by_side_are_the_interpreters() {
         let tracer = Tracer::new(&prepared);
         let ways = LimbPacking::candidates(&prepared, true);
         assert_eq!(ways.len(), if name.starts_with("humanoid") { 2 } else { 1 }, "{name}");
-        assert!(ways.iter().all(|limbs| limbs.on_one_way(&prepared)), "{name}");
+        assert!(ways.iter().all(|limbs| limbs.share_root_path(&prepared)), "{name}");
         let mut tracers: Vec<Tracer> = ways.iter().map(|limbs| tracer.packed(limbs)).collect();
         tracers.push(tracer.column_lanes());
         let layouts = [ModuleTree::chains(&model), ModuleTree::links(&model)]
@@ -221,7 +221,7 @@ fn operations_by_columns_are_those_of_the_page() {
 
 /// Legs on one branch, arms alike on another: what they leave is not carried on together.
 #[test]
-fn limbs_on_two_branches_are_not_on_one_way() {
+fn limbs_on_two_branches_are_not_share_root_path() {
     let part = |parent: &str, child: &str, kind: &str, axis: &str| {
         format!(
             "<joint name=\"to_{child}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
@@ -245,7 +245,7 @@ fn limbs_on_two_branches_are_not_on_one_way() {
     let model = read(&text, "two branches", Base::Fixed);
     let prepared = Prepared::new(&model);
     let joined = LimbPacking::joined(&prepared).expect("limbs that can join");
-    assert!(!joined.on_one_way(&prepared));
+    assert!(!joined.share_root_path(&prepared));
     // So they join for torques, but not where columns are carried.
     let joins = |function| {
         let builder = Builder::new().urdf_text(&text, "two.urdf").functions([function]);

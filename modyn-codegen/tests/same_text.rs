@@ -65,7 +65,7 @@ fn code(generated: &Generated) -> String {
     let own = generated.text.split("\npub mod runtime {").next().unwrap_or_default();
     let lines = own.lines().filter(|line| !line.trim_start().starts_with("//"));
     let mut code = lines.fold(String::new(), |text, line| text + line + "\n");
-    for (name, count) in &generated.written {
+    for (name, count) in &generated.static_operations {
         let _ = writeln!(code, "{name} {}", count.total());
     }
     code

@@ -1,6 +1,9 @@
 //! Back ends: from a [`Plan`] to text. Each language has a folder, which decides nothing.
 
+mod c;
 mod rust;
+
+pub use c::CSource;
 
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Model, ModuleTree};
@@ -93,7 +96,7 @@ impl EmitOptions {
         Plan::new(model, modules, &choices)
     }
 
-    /// The name of the type.
+    /// The type's name.
     fn type_name(&self, model: &Model) -> String {
         self.type_name.clone().unwrap_or_else(|| names::type_name(model.name()))
     }
@@ -109,7 +112,7 @@ pub struct Emitted {
     /// The operations of a call of each function, by name.
     pub operations: Vec<(&'static str, OperationCount)>,
     /// The operations in the text of each function of one state, by name: all that it may call.
-    pub written: Vec<(&'static str, OperationCount)>,
+    pub static_operations: Vec<(&'static str, OperationCount)>,
     /// The modules of the forward recursion, and the operations of each candidate.
     pub partition: (ModuleTree, Vec<(&'static str, usize)>),
 }
@@ -121,8 +124,24 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let per_call = |p: &Planned| (p.function.name(), p.operations_per_call());
     let operations = plan.functions.iter().chain(&plan.batches).map(per_call).collect();
     let all = |p: &Planned| (p.function.name(), p.static_operations());
-    let written = plan.functions.iter().map(all).collect();
+    let static_operations = plan.functions.iter().map(all).collect();
     let text = rust::print((model, modules), &plan, options, &type_name);
     let partition = (plan.eliminated, plan.candidates);
-    Emitted { text, type_name, operations, written, partition }
+    Emitted { text, type_name, operations, static_operations, partition }
+}
+
+/// Compiles `model` to C99: a header and a source file. Equal limbs run through one function if `options` say so. The
+/// header file is called `header`; by default after the robot's type.
+#[must_use]
+pub fn emit_c(
+    model: &Model,
+    modules: &ModuleTree,
+    options: &EmitOptions,
+    header: Option<&str>,
+) -> CSource {
+    // C has neither vectors nor batches.
+    let options = EmitOptions { self_contained: true, ..options.clone() };
+    let prefix = names::snake(&options.type_name(model));
+    let header = header.map_or_else(|| format!("{prefix}.h"), String::from);
+    c::print(&options.plan(model, modules), model, (&prefix, &header), options.float)
 }
