@@ -10,6 +10,13 @@ use crate::FloatType;
 use crate::error::{Code, Diagnostic, Diagnostics, Severity};
 use crate::urdf::{Base, Mimic};
 
+/// The files of a C source.
+struct CFiles {
+    /// The source file and its header, with their texts.
+    files: [(PathBuf, String); 2],
+    warnings: Vec<Diagnostic>,
+}
+
 impl Builder {
     /// Compiles to the file `path`, to be kept beside the sources: its first lines say which modyn made
     /// it from which description with which options, and how to make it again. Nothing in it depends
@@ -46,7 +53,7 @@ impl Builder {
     ///
     /// All that is wrong with the description and the options, or a file that cannot be written.
     pub fn write_c(&self, path: impl AsRef<Path>) -> Result<Vec<Diagnostic>, Diagnostics> {
-        let (files, warnings) = self.c_files(path.as_ref())?;
+        let CFiles { files, warnings } = self.c_files(path.as_ref())?;
         for (path, text) in files {
             if !holds(&path, &text) {
                 std::fs::write(&path, text).map_err(|reason| unwritten(&path, &reason))?;
@@ -61,15 +68,12 @@ impl Builder {
     ///
     /// All that is wrong with the description and the options.
     pub fn is_stale_c(&self, path: impl AsRef<Path>) -> Result<bool, Diagnostics> {
-        let (files, _) = self.c_files(path.as_ref())?;
+        let CFiles { files, .. } = self.c_files(path.as_ref())?;
         Ok(!files.iter().all(|(path, text)| holds(path, text)))
     }
 
     /// The source file and its header, with their texts, and the warnings.
-    fn c_files(
-        &self,
-        path: &Path,
-    ) -> Result<([(PathBuf, String); 2], Vec<Diagnostic>), Diagnostics> {
+    fn c_files(&self, path: &Path) -> Result<CFiles, Diagnostics> {
         let header = path.with_extension("h");
         let name = header.file_name().and_then(|name| name.to_str()).unwrap_or_default();
         let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
@@ -86,7 +90,8 @@ impl Builder {
             env!("CARGO_PKG_VERSION"),
             self.description_hash(),
         );
-        Ok((files.map(|(path, text)| (path, comment.clone() + &text)), warnings))
+        let files = files.map(|(path, text)| (path, comment.clone() + &text));
+        Ok(CFiles { files, warnings })
     }
 
     /// The whole file.

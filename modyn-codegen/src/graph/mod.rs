@@ -4,10 +4,10 @@
 //! (hash-consing), constants folded and signs normalised as nodes are made. An [`Expr`] is an
 //! index into the graph that the current thread is [tracing](Graph::trace).
 
+mod arena;
 mod count;
 mod evaluate;
-mod graph;
 mod scalar;
 
-pub use graph::{Graph, Id, Node};
+pub use arena::{Graph, Id, Node};
 pub use scalar::Expr;

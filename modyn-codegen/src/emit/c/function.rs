@@ -223,7 +223,7 @@ impl Body<'_> {
 
     fn local(&self, s: usize, place: usize) -> String {
         match &self.program.statements[s].operation {
-            Operation::SinCos(_) if place % 2 == 0 => format!("s{s}_{}", place / 2),
+            Operation::SinCos(_) if place.is_multiple_of(2) => format!("s{s}_{}", place / 2),
             Operation::SinCos(_) => format!("c{s}_{}", place / 2),
             Operation::Call(call) => format!("p{}_{}[{place}]", call.routine, call.repetition),
             _ => format!("x{s}"),
