@@ -221,7 +221,7 @@ fn operations_by_columns_are_those_of_the_page() {
 
 /// Legs on one branch, arms alike on another: what they leave is not carried on together.
 #[test]
-fn limbs_on_two_branches_are_not_share_root_path() {
+fn limbs_on_two_branches_share_no_root_path() {
     let part = |parent: &str, child: &str, kind: &str, axis: &str| {
         format!(
             "<joint name=\"to_{child}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
