@@ -1,27 +1,27 @@
 //! modyn's compiler: from a robot description (URDF) to specialised Rust.
 //!
 //! ```text
-//! URDF text ─ urdf ─▶ Model ─ modules ─▶ equations on Expr (trace) ─▶ Graph ─ passes ─▶ emit ─▶ Rust
+//! URDF text ─ urdf ─▶ Model ─ modules ─▶ equations on Expr (trace) ─▶ Graph ─ passes, plan ─▶ Program ─ emit ─▶ Rust, C
 //! ```
 //!
 //! The macro `modyn::modyn!`, build scripts and anyone who wants the text all come in through
 //! [`Builder`].
 //!
 //! Stable are [`Builder`] with its options and result, [`error`], [`urdf`], `mjcf` and [`names`]. The other
-//! modules (`emit`, `expr`, `partition`, `passes`, `source`, `trace`) are public for tests and
+//! modules (`emit`, `graph`, `passes`, `plan`, `program`, `source`, `trace`) are public for tests and
 //! measurements, and may change in any release.
 
 mod builder;
 mod condition;
 pub mod emit;
 pub mod error;
-pub mod expr;
-mod functions;
+pub mod graph;
 #[cfg(feature = "mjcf")]
 pub mod mjcf;
 pub mod names;
-pub mod partition;
 pub mod passes;
+pub mod plan;
+pub mod program;
 mod size;
 pub mod source;
 mod tame;
@@ -30,7 +30,7 @@ pub mod urdf;
 
 pub use builder::{Builder, Generated, ModuleChoice};
 pub use condition::{CARRIED_BY_F32, condition_number};
-pub use emit::FloatType;
-pub use functions::Function;
+pub use emit::{CSource, FloatType};
+pub use plan::Function;
 pub use tame::tame;
 pub use urdf::nearest::nearest;
