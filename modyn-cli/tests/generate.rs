@@ -36,6 +36,27 @@ fn a_file_is_written_and_known_to_be_stale() {
 }
 
 #[test]
+fn c_is_written_with_its_header_and_known_to_be_stale() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (file, header) = (at(folder.path(), "arm.c"), at(folder.path(), "arm.h"));
+    let arguments = ["generate", "robots/arm6.urdf", "--target", "c"];
+    let arguments = [&arguments[..], &["--functions", "mass_matrix"]].concat();
+    let with = |more: &[&str]| modyn(&[&arguments[..], more].concat());
+    assert_eq!(with(&["-o", &file, "--check"]).code, 1, "there is none yet");
+    assert_eq!(with(&["-o", &file]).code, 0);
+    assert_eq!(with(&["-o", &file, "--check"]).code, 0);
+    let read = |path: &str| std::fs::read_to_string(path).expect("written");
+    assert!(read(&file).contains("#include \"arm.h\""));
+    assert!(read(&header).contains("arm6_mass_matrix(const double q[6], double out[36]);"));
+    std::fs::write(&header, "").expect("writes");
+    assert_eq!(with(&["-o", &file, "--check"]).code, 1, "the header");
+    for wrong in [&["-o", "arm.rs"][..], &[], &["-o", &file, "--c-functions", "arm"]] {
+        let found = with(wrong);
+        assert!(found.code > 0 && found.err.contains("error"), "{wrong:?}: {}", found.err);
+    }
+}
+
+#[test]
 fn a_build_script_would_write_the_same() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = at(folder.path(), "gripper.rs");

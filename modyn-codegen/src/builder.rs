@@ -12,9 +12,9 @@ use modyn_runtime::model::{Friction, Model, ModuleError, ModuleTree};
 use crate::check::{check_model, conditioning_warning, gravity_error};
 use crate::description::{Base, Loop, Mimic, ReadOptions, Rotor};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
-use crate::emit::{EmitOptions, Emitted, FloatType, emit};
-use crate::functions::Function;
+use crate::emit::{CSource, EmitOptions, Emitted, FloatType, emit, emit_c};
 use crate::names;
+use crate::plan::Function;
 use crate::read::file::read_first;
 use crate::read::{Format, Reading};
 use crate::size::too_large;
@@ -120,7 +120,7 @@ pub struct Generated {
     /// The operations that stand in the text of each function but batches, where [`operations`](Self::operations) has
     /// those of a call: for a function of a link, those of all links together; equal limbs once if they share their
     /// code, and if they stand side by side, both that and one after the other.
-    pub written: Vec<(&'static str, OperationCount)>,
+    pub static_operations: Vec<(&'static str, OperationCount)>,
     /// The modules that forward dynamics is eliminated by.
     pub partition: ModuleTree,
     /// What each partition that was considered costs, the chosen one first.
@@ -355,6 +355,43 @@ impl Builder {
     ///
     /// All that is wrong with the description and the options.
     pub fn generate(&self) -> Result<Generated, Diagnostics> {
+        let (model, modules, options) = self.compiled()?;
+        let Emitted { text, c_header, type_name, operations, static_operations, partition } =
+            emit(&model, &modules, &options);
+        let (partition, partition_costs) = partition;
+        let warnings = options.warnings;
+        Ok(Generated {
+            text,
+            c_header,
+            type_name,
+            model,
+            warnings,
+            operations,
+            static_operations,
+            partition,
+            partition_costs,
+        })
+    }
+
+    /// Compiles to C99, without writing anything: a header and a source file that need `<math.h>` alone. Options about
+    /// Rust (visibility, crate, [`c_functions`](Self::c_functions)) have no part in it; the names begin with the type's
+    /// name in snake case. Besides it returns the warnings.
+    ///
+    /// # Errors
+    ///
+    /// All that is wrong with the description and the options.
+    pub fn generate_c(&self) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
+        self.c_source(None)
+    }
+
+    /// The C source whose header file has this name, and the warnings.
+    fn c_source(&self, header: Option<&str>) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
+        let (model, modules, options) = self.compiled()?;
+        Ok((emit_c(&model, &modules, &options, header), options.warnings))
+    }
+
+    /// Everything that back ends need: the model, its modules, and the options.
+    fn compiled(&self) -> Result<(Model, ModuleTree, EmitOptions), Diagnostics> {
         let mut errors = self.option_errors();
         let reading = self.read().map_err(|found| errors.extend(found)).ok();
         let modules = reading.as_ref().and_then(|reading| {
@@ -398,21 +435,7 @@ impl Builder {
             payload: payload.unwrap_or_default(),
             warnings,
         };
-        let Emitted { text, c_header, type_name, operations, written, partition } =
-            emit(&model, &modules, &options);
-        let (partition, partition_costs) = partition;
-        let warnings = options.warnings;
-        Ok(Generated {
-            text,
-            c_header,
-            type_name,
-            model,
-            warnings,
-            operations,
-            written,
-            partition,
-            partition_costs,
-        })
+        Ok((model, modules, options))
     }
 
     /// From a build script: compiles to `OUT_DIR`, for `modyn::include_model!`, and has Cargo run

@@ -1,10 +1,10 @@
 //! Derivatives of equal limbs side by side, and by columns side by side, are the interpreter's, by fewer
 //! operations.
 
-use modyn_codegen::expr::Graph;
-use modyn_codegen::partition::whole_chains;
+use modyn_codegen::graph::Graph;
 use modyn_codegen::passes::optimize;
-use modyn_codegen::trace::{Limbs, Tracer};
+use modyn_codegen::plan::partition::whole_chains;
+use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, ReadOptions};
 use modyn_codegen::{Builder, Function};
 use modyn_runtime::equations::brge::Layout;
@@ -108,11 +108,11 @@ fn derivatives_side_by_side_are_the_interpreters() {
     for (name, model) in robots() {
         let prepared = Prepared::new(&model);
         let tracer = Tracer::new(&prepared);
-        let ways = Limbs::ways(&prepared, true);
+        let ways = LimbPacking::candidates(&prepared, true);
         assert_eq!(ways.len(), if name.starts_with("humanoid") { 2 } else { 1 }, "{name}");
-        assert!(ways.iter().all(|limbs| limbs.on_one_way(&prepared)), "{name}");
-        let mut tracers: Vec<Tracer> = ways.iter().map(|limbs| tracer.abreast(limbs)).collect();
-        tracers.push(tracer.columns_abreast());
+        assert!(ways.iter().all(|limbs| limbs.share_root_path(&prepared)), "{name}");
+        let mut tracers: Vec<Tracer> = ways.iter().map(|limbs| tracer.packed(limbs)).collect();
+        tracers.push(tracer.column_lanes());
         let layouts = [ModuleTree::chains(&model), ModuleTree::links(&model)]
             .map(|modules| Layout::new(&prepared, &modules));
         let inverse: Vec<Graph> =
@@ -176,10 +176,10 @@ fn operations_of_derivatives_are_those_of_the_page() {
         let prepared = Prepared::new(&model);
         let layout = Layout::new(&prepared, &whole_chains(&model));
         let alone = Tracer::new(&prepared);
-        let ways = Limbs::ways(&prepared, true);
+        let ways = LimbPacking::candidates(&prepared, true);
         let count = |graph: Graph| optimize(graph).count().total();
         let counts = |of: &dyn Fn(&Tracer) -> Graph| {
-            let ways = ways.iter().map(|limbs| count(of(&alone.abreast(limbs))).to_string());
+            let ways = ways.iter().map(|limbs| count(of(&alone.packed(limbs))).to_string());
             let mut counts: Vec<String> =
                 [count(of(&alone)).to_string()].into_iter().chain(ways).collect();
             counts.resize(3, String::new());
@@ -209,9 +209,8 @@ fn operations_by_columns_are_those_of_the_page() {
         let alone = Tracer::new(&prepared);
         let count = |graph: Graph| optimize(graph).count().total();
         let [inverse, forward] = [
-            [&alone, &alone.columns_abreast()].map(|t| count(t.inverse_dynamics_derivatives())),
-            [&alone, &alone.columns_abreast()]
-                .map(|t| count(t.forward_dynamics_derivatives(&layout))),
+            [&alone, &alone.column_lanes()].map(|t| count(t.inverse_dynamics_derivatives())),
+            [&alone, &alone.column_lanes()].map(|t| count(t.forward_dynamics_derivatives(&layout))),
         ];
         let [a, b] = inverse;
         let [c, d] = forward;
@@ -222,7 +221,7 @@ fn operations_by_columns_are_those_of_the_page() {
 
 /// Legs on one branch, arms alike on another: what they leave is not carried on together.
 #[test]
-fn limbs_on_two_branches_are_not_on_one_way() {
+fn limbs_on_two_branches_share_no_root_path() {
     let part = |parent: &str, child: &str, kind: &str, axis: &str| {
         format!(
             "<joint name=\"to_{child}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
@@ -245,8 +244,8 @@ fn limbs_on_two_branches_are_not_on_one_way() {
     text += "</robot>";
     let model = read(&text, "two branches", Base::Fixed);
     let prepared = Prepared::new(&model);
-    let joined = Limbs::joined(&prepared).expect("limbs that can join");
-    assert!(!joined.on_one_way(&prepared));
+    let joined = LimbPacking::joined(&prepared).expect("limbs that can join");
+    assert!(!joined.share_root_path(&prepared));
     // So they join for torques, but not where columns are carried.
     let joins = |function| {
         let builder = Builder::new().urdf_text(&text, "two.urdf").functions([function]);

@@ -1,8 +1,8 @@
 //! Equal limbs side by side give what they give one after the other, by fewer operations.
 
-use modyn_codegen::expr::{Expr, Graph};
+use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::optimize;
-use modyn_codegen::trace::{Limbs, Parameters, Tracer};
+use modyn_codegen::trace::{LimbPacking, Parameters, Tracer};
 use modyn_codegen::{Base, ReadOptions};
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::Partition;
@@ -94,11 +94,11 @@ fn compare(name: &str, quantity: &str, alone: Graph, abreast: Graph) -> [usize; 
 fn equal_limbs_side_by_side_give_the_same() {
     for (name, model, independent) in robots() {
         let prepared = Prepared::new(&model);
-        let limbs = Limbs::find(&prepared).expect("equal limbs");
+        let limbs = LimbPacking::find(&prepared).expect("equal limbs");
         assert_eq!(limbs.independent(&prepared), independent, "{name}");
         let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[], &[]));
         for alone in [Tracer::new(&prepared), gravity] {
-            let abreast = alone.abreast(&limbs);
+            let abreast = alone.packed(&limbs);
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
                 let partition = Partition::new(&prepared, &modules);
                 let merged = Elimination::Recursive(limbs.partition(&partition));
@@ -145,18 +145,19 @@ fn equal_limbs_side_by_side_give_the_same() {
 fn limbs_on_different_bodies_side_by_side_give_the_same() {
     for (name, model, _) in robots() {
         let prepared = Prepared::new(&model);
-        let equal = Limbs::find(&prepared).expect("equal limbs");
-        let Some(joined) = Limbs::joined(&prepared) else {
+        let equal = LimbPacking::find(&prepared).expect("equal limbs");
+        let Some(joined) = LimbPacking::joined(&prepared) else {
             assert!(!name.contains("humanoid"), "{name} has legs and arms");
             continue;
         };
         assert!(name.contains("humanoid"), "{name}");
         let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[], &[]));
         for alone in [Tracer::new(&prepared), gravity] {
-            let (equally, jointly) = (alone.abreast(&equal), alone.abreast(&joined));
+            let (equally, jointly) = (alone.packed(&equal), alone.packed(&joined));
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
                 let partition = Partition::new(&prepared, &modules);
-                let merged = |limbs: &Limbs| Elimination::Recursive(limbs.partition(&partition));
+                let merged =
+                    |limbs: &LimbPacking| Elimination::Recursive(limbs.partition(&partition));
                 let [before, after] = compare(
                     name,
                     "forward dynamics",
@@ -224,9 +225,9 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
             let read = modyn_codegen::read(&upright(low, high), "upright", &options(base));
             let model = read.expect("a good robot").model;
             let prepared = Prepared::new(&model);
-            let joined = Limbs::joined(&prepared).expect("limbs that can join");
+            let joined = LimbPacking::joined(&prepared).expect("limbs that can join");
             let alone = Tracer::new(&prepared);
-            let abreast = alone.abreast(&joined);
+            let abreast = alone.packed(&joined);
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
                 let partition = Partition::new(&prepared, &modules);
                 let merged = Elimination::Recursive(joined.partition(&partition));
@@ -245,7 +246,7 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
                     abreast.forward_dynamics_derivatives(&layout),
                 );
             }
-            assert!(joined.on_one_way(&prepared));
+            assert!(joined.share_root_path(&prepared));
             for (quantity, alone, abreast) in [
                 ("torques", alone.inverse_dynamics(), abreast.inverse_dynamics()),
                 ("gravity", alone.gravity_torques(), abreast.gravity_torques()),
@@ -262,7 +263,7 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
     }
     // Three joints more are too many to be made up for.
     let read = modyn_codegen::read(&upright(2, 5), "upright", &ReadOptions::default());
-    assert_eq!(Limbs::joined(&Prepared::new(&read.expect("a good robot").model)), None);
+    assert_eq!(LimbPacking::joined(&Prepared::new(&read.expect("a good robot").model)), None);
 }
 
 /// The table in `docs/limbs.md`.
@@ -273,7 +274,7 @@ fn operations_of_forward_dynamics_are_those_of_the_page() {
     let mut rows = 0;
     for (name, model, _) in robots() {
         let prepared = Prepared::new(&model);
-        let limbs = Limbs::find(&prepared).expect("equal limbs");
+        let limbs = LimbPacking::find(&prepared).expect("equal limbs");
         let name = match name.strip_prefix("floating ") {
             Some(name) => format!("{name}, floating"),
             None => name.into(),
@@ -290,11 +291,11 @@ fn operations_of_forward_dynamics_are_those_of_the_page() {
                 &name,
                 "forward dynamics",
                 alone.forward_dynamics(&Elimination::Recursive(partition.clone())),
-                alone.abreast(&limbs).forward_dynamics(&merged),
+                alone.packed(&limbs).forward_dynamics(&merged),
             );
-            let joined = Limbs::joined(&prepared).map(|joined| {
+            let joined = LimbPacking::joined(&prepared).map(|joined| {
                 let merged = Elimination::Recursive(joined.partition(&partition));
-                let graph = alone.abreast(&joined).forward_dynamics(&merged);
+                let graph = alone.packed(&joined).forward_dynamics(&merged);
                 format!("{} ", optimize(graph).count().total())
             });
             let numbers = format!("| {before} | {after} | {}|", joined.unwrap_or_default());
@@ -308,9 +309,9 @@ fn operations_of_forward_dynamics_are_those_of_the_page() {
 #[test]
 fn what_has_no_equal_limbs_stays_alone() {
     let arm = read(include_str!("../../robots/arm7.urdf"), "arm7", Base::Fixed);
-    assert_eq!(Limbs::find(&Prepared::new(&arm)), None);
+    assert_eq!(LimbPacking::find(&Prepared::new(&arm)), None);
     let mimics = read(include_str!("../../robots/mimic_gripper.urdf"), "gripper", Base::Fixed);
-    assert_eq!(Limbs::find(&Prepared::new(&mimics)), None);
+    assert_eq!(LimbPacking::find(&Prepared::new(&mimics)), None);
 }
 
 #[test]
@@ -318,8 +319,13 @@ fn lanes_are_put_together_and_taken_apart() {
     let graph = Graph::trace(|| {
         let numbers: Vec<Expr> = (0..3).map(Expr::input).collect();
         let constants: Vec<Expr> = [1.0, 2.0, 3.0].map(Expr::from_f64).to_vec();
-        let lanes = Expr::beside(&numbers) * Expr::beside(&constants) + Expr::input(3);
-        vec![lanes.lane(0), lanes.lane(2), lanes.over_limbs(0..3), (-lanes).lane(1)]
+        let lanes = Expr::pack(&numbers) * Expr::pack(&constants) + Expr::input(3);
+        vec![
+            lanes.extract_lane(0),
+            lanes.extract_lane(2),
+            lanes.over_limbs(0..3),
+            (-lanes).extract_lane(1),
+        ]
     });
     assert_eq!(graph.evaluate(&[2.0, 3.0, 5.0, 7.0]), [9.0, 22.0, 44.0, -13.0]);
     // A product and a sum, of four lanes each, and a sum over three.
@@ -330,9 +336,13 @@ fn lanes_are_put_together_and_taken_apart() {
 fn lanes_of_constants_are_folded() {
     let graph = Graph::trace(|| {
         let [a, b] =
-            [[1.0, 2.0], [3.0, 5.0]].map(|numbers| Expr::beside(&numbers.map(Expr::from_f64)));
+            [[1.0, 2.0], [3.0, 5.0]].map(|numbers| Expr::pack(&numbers.map(Expr::from_f64)));
         let sum = a * b + Expr::from_f64(1.0);
-        vec![sum.lane(0), sum.lane(1), Expr::beside(&[Expr::input(0); 4]).lane(3)]
+        vec![
+            sum.extract_lane(0),
+            sum.extract_lane(1),
+            Expr::pack(&[Expr::input(0); 4]).extract_lane(3),
+        ]
     });
     assert_eq!(graph.count().total(), 0);
     assert_eq!(graph.evaluate(&[9.0]), [4.0, 11.0, 9.0]);

@@ -1,6 +1,6 @@
 //! How many digits forward dynamics keeps in single precision, for every robot of `robots/`.
 
-use modyn_codegen::partition::{Choice, choose};
+use modyn_codegen::plan::partition::{Choice, choose};
 use modyn_codegen::trace::Tracer;
 use modyn_codegen::{Builder, FloatType, condition_number, diagnostics::Code};
 use modyn_codegen::{ReadOptions, read};

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::iter::zip;
 
-use modyn_codegen::expr::Graph;
+use modyn_codegen::graph::Graph;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::coordinates::Space;

@@ -1,7 +1,7 @@
 //! Derivatives of inverse and forward dynamics: against figures from other software, against
 //! tangents of the dynamics themselves, and what they cost.
 
-use modyn_codegen::expr::{Expr, Graph};
+use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::brge::Layout;
@@ -122,7 +122,7 @@ fn traced_derivatives_are_the_interpreters() {
         };
         let by_inverse = inverse(&mut interpreter, [&q, &qd, &qdd]).concat();
         let by_forward = forward(&mut interpreter, [&q, &qd, &tau]).concat();
-        for tracer in [&tracer, &tracer.columns_abreast()] {
+        for tracer in [&tracer, &tracer.column_lanes()] {
             let found = evaluate(tracer.inverse_dynamics_derivatives(), &qdd);
             assert_close("inverse dynamics", &found, &by_inverse, 1e-11);
             for modules in [ModuleTree::links(&model), ModuleTree::chains(&model)] {

@@ -1,6 +1,6 @@
 //! Compiled is interpreted: a traced graph on numbers gives what the interpreter gives.
 
-use modyn_codegen::expr::Graph;
+use modyn_codegen::graph::Graph;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::Interpreter;
 use modyn_runtime::equations::brge::Layout;

@@ -3,7 +3,7 @@
 
 use std::iter::zip;
 
-use modyn_codegen::expr::Node;
+use modyn_codegen::graph::Node;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::kinematics::Axes;

@@ -1,7 +1,7 @@
 //! How many operations the compiled robots take.
 
-use modyn_codegen::expr::Graph;
-use modyn_codegen::partition;
+use modyn_codegen::graph::Graph;
+use modyn_codegen::plan::partition;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::forward_dynamics::Elimination;
 use modyn_runtime::model::ModuleTree;

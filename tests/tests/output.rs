@@ -9,7 +9,7 @@ use modyn_codegen::{Builder, FloatType, Function, Generated, ModuleChoice};
 use modyn_tests::fleet::Spec;
 use syn::visit::{self, Visit};
 
-/// Most statements in a block and in a function: what `modyn-codegen/src/emit/function.rs` allows
+/// Most statements in a block and in a function: what `modyn-codegen/src/program/outline.rs` allows
 /// itself, and the few around them (names of parameters, calls of parts).
 const BLOCK: usize = 260;
 const FUNCTION: usize = 3100;

@@ -18,9 +18,9 @@ use modyn_runtime::equations::{
 use modyn_runtime::model::prepare::{BodyFrame, Prepared};
 use modyn_runtime::spatial::{Pose, Wrench};
 
-use crate::expr::{Expr, Graph};
+use crate::graph::{Expr, Graph};
 
-pub use limbs::Limbs;
+pub use limbs::LimbPacking;
 pub use parameters::Parameters;
 
 fn in_axes(forces: &[Wrench<Expr>], axes: Axes) -> Forces<'_, Expr> {
@@ -38,7 +38,7 @@ pub struct Tracer<'a> {
     model: &'a Prepared<f64>,
     parameters: Parameters,
     /// Equal limbs that are computed side by side.
-    limbs: Option<&'a Limbs>,
+    limbs: Option<&'a LimbPacking>,
     /// How many columns of derivatives are.
     columns: usize,
     /// The one link of a model that has none.
@@ -88,14 +88,14 @@ impl<'a> Tracer<'a> {
 
     /// The same with equal limbs side by side. What is known of single links at run time only can't be.
     #[must_use]
-    pub fn abreast(&self, limbs: &'a Limbs) -> Self {
+    pub fn packed(&self, limbs: &'a LimbPacking) -> Self {
         let parameters = self.parameters.without_inertias();
         Self { model: self.model, parameters, limbs: Some(limbs), columns: 1, link: None }
     }
 
     /// The same with columns of derivatives side by side, of joints one behind the other.
     #[must_use]
-    pub fn columns_abreast(&self) -> Self {
+    pub fn column_lanes(&self) -> Self {
         Self { parameters: self.parameters.clone(), columns: 4, ..Self::new(self.model) }
     }
 
@@ -157,8 +157,8 @@ impl<'a> Tracer<'a> {
             let n = model.nv;
             let computed = equations(model, groups);
             let (first, rest) = computed.split_at(vectors * n);
-            let first = first.chunks(n).flat_map(|x| limbs.vector_apart(x, nv));
-            let rest = rest.chunks(n * n).flat_map(|x| limbs.matrix_apart(x, nv));
+            let first = first.chunks(n).flat_map(|x| limbs.unpack_vector(x, nv));
+            let rest = rest.chunks(n * n).flat_map(|x| limbs.unpack_matrix(x, nv));
             first.chain(rest).collect()
         })
     }
@@ -166,7 +166,7 @@ impl<'a> Tracer<'a> {
     /// The same, for equations of equal limbs side by side that take their lanes apart.
     fn trace_lanes<const G: usize>(
         &self,
-        limbs: &Limbs,
+        limbs: &LimbPacking,
         equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
         self.trace(|whole, groups| {

@@ -6,7 +6,7 @@ mod mechanisms;
 mod reference;
 
 use mechanisms::{Mechanism, Random, all, lengths, rotated};
-use modyn_codegen::expr::Graph;
+use modyn_codegen::graph::Graph;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::brge::Layout;

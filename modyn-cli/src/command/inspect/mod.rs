@@ -121,9 +121,10 @@ fn costs(
     }
     match builder.generate() {
         Ok(generated) => {
-            let written: BTreeMap<_, _> = generated.written.into_iter().collect();
+            let static_operations: BTreeMap<_, _> =
+                generated.static_operations.into_iter().collect();
             let cost = |(name, operations)| {
-                let bytes = written.get(name).map(size::bytes);
+                let bytes = static_operations.get(name).map(size::bytes);
                 Cost { name, operations, bytes }
             };
             Ok(Ok(generated.operations.into_iter().map(cost).collect()))
