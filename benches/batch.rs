@@ -2,7 +2,7 @@
 //! has, beside one state after the other on numbers without vectors; ns a state. The least of many runs, so
 //! that what else the machine does matters little; Criterion's averages would have it in them.
 //!
-//! `cargo bench --bench batch`; with `RUSTFLAGS="-C target-cpu=native"` products are fused one by one too (and
+//! `cargo bench -p modyn-benches --bench batch`; with `RUSTFLAGS="-C target-cpu=native"` products are fused one by one too (and
 //! lower levels are left out).
 
 #[path = "../tests/src/plain.rs"]
@@ -16,19 +16,19 @@ use modyn::batch::{Level, force_level};
 use modyn::{ForwardDynamicsDerivatives, InverseDynamicsDerivatives, Robot};
 use plain::{Plain, plain};
 
-modyn::modyn! { Arm7 = "robots/arm7.urdf", functions = [
+modyn::modyn! { Arm7 = "../robots/arm7.urdf", functions = [
     forward_dynamics, forward_dynamics_batch, inverse_dynamics, inverse_dynamics_batch,
     mass_matrix, mass_matrix_batch, brge, brge_batch,
     inverse_dynamics_derivatives, inverse_dynamics_derivatives_batch,
     forward_dynamics_derivatives, forward_dynamics_derivatives_batch
 ] }
-modyn::modyn! { Arm7Single = "robots/arm7.urdf", scalar = f32, functions = [
+modyn::modyn! { Arm7Single = "../robots/arm7.urdf", scalar = f32, functions = [
     forward_dynamics, forward_dynamics_batch
 ] }
-modyn::modyn! { Quadruped = "robots/quadruped.urdf", functions = [
+modyn::modyn! { Quadruped = "../robots/quadruped.urdf", functions = [
     forward_dynamics, forward_dynamics_batch
 ] }
-modyn::modyn! { Humanoid = "robots/humanoid.urdf", functions = [
+modyn::modyn! { Humanoid = "../robots/humanoid.urdf", functions = [
     forward_dynamics, forward_dynamics_batch
 ] }
 

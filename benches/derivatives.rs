@@ -1,7 +1,7 @@
 //! Derivatives: generated in closed form, by dual numbers through the generated dynamics (one pass,
 //! a tangent for each of q and qd), and interpreted; on the same states.
 //!
-//! `cargo bench --bench derivatives --features num-dual`
+//! `cargo bench -p modyn-benches --bench derivatives`
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -12,15 +12,15 @@ use modyn::{Array, ForwardDerivatives, Interpreter, Robot};
 use modyn_codegen::urdf;
 
 modyn::modyn! {
-    "robots/arm7.urdf",
+    "../robots/arm7.urdf",
     functions = [inverse_dynamics, inverse_dynamics_derivatives, forward_dynamics_derivatives]
 }
 modyn::modyn! {
-    "robots/quadruped.urdf",
+    "../robots/quadruped.urdf",
     functions = [inverse_dynamics, inverse_dynamics_derivatives, forward_dynamics_derivatives]
 }
 modyn::modyn! {
-    "robots/humanoid.urdf",
+    "../robots/humanoid.urdf",
     functions = [inverse_dynamics, inverse_dynamics_derivatives, forward_dynamics_derivatives]
 }
 

@@ -1,7 +1,7 @@
 //! Forward dynamics, inverse dynamics, mass matrix and BRGE of the robots in `robots/`, generated
 //! beside interpreted, on the same states.
 //!
-//! `cargo bench`; with `RUSTFLAGS="-C target-cpu=native"` for this machine's instructions.
+//! `cargo bench -p modyn-benches --bench dynamics`; with `RUSTFLAGS="-C target-cpu=native"` for this machine's instructions.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -11,11 +11,11 @@ use criterion::{BenchmarkGroup, Criterion};
 use modyn::{Interpreter, Robot};
 use modyn_codegen::urdf;
 
-modyn::modyn!("robots/gripper.urdf");
-modyn::modyn!("robots/arm6.urdf");
-modyn::modyn!("robots/arm7.urdf");
-modyn::modyn!("robots/quadruped.urdf");
-modyn::modyn!("robots/humanoid.urdf");
+modyn::modyn!("../robots/gripper.urdf");
+modyn::modyn!("../robots/arm6.urdf");
+modyn::modyn!("../robots/arm7.urdf");
+modyn::modyn!("../robots/quadruped.urdf");
+modyn::modyn!("../robots/humanoid.urdf");
 
 /// How many states a benchmark goes through, over and over.
 const STATES: usize = 64;

@@ -14,7 +14,7 @@
 //! |---|---|---|
 //! | `std` | yes | implies `alloc` |
 //! | `alloc` | through `std` | the model, the equations and the interpreter |
-//! | `nalgebra` | yes | the same calls over `SVector`, `SMatrix`, `Isometry3` |
+//! | `nalgebra` | no | the same calls over `SVector`, `SMatrix`, `Isometry3` |
 //! | `num-dual` | no | the numbers of num-dual as scalars: exact derivatives of everything |
 //! | `rayon` | no | batches on all cores |
 //! | `serde` | no | the model (de)serialized |
@@ -37,37 +37,4 @@ macro_rules! include_model {
             ".rs"
         ));
     };
-}
-
-/// The README's examples, run as tests.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-mod readme {}
-
-/// The same for the page of conventions.
-#[cfg(doctest)]
-#[doc = include_str!("../docs/conventions.md")]
-mod conventions_page {}
-
-/// The same for the page of batches.
-#[cfg(doctest)]
-#[doc = include_str!("../docs/batch.md")]
-mod batch_page {}
-
-/// The same for the page of closed loops.
-#[cfg(doctest)]
-#[doc = include_str!("../docs/loops.md")]
-mod loops_page {}
-
-/// The tutorials.
-#[cfg(doctest)]
-mod tutorials {
-    #[doc = include_str!("../docs/tutorial-controller.md")]
-    mod controller {}
-    #[doc = include_str!("../docs/tutorial-firmware.md")]
-    mod firmware {}
-    #[doc = include_str!("../docs/tutorial-sampling.md")]
-    mod sampling {}
-    #[doc = include_str!("../docs/tutorial-method.md")]
-    mod method {}
 }

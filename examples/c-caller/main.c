@@ -1,5 +1,5 @@
 /* Calls the 7-joint arm: inverse dynamics undoes forward dynamics, the mass matrix gives the kinetic
- * energy, and a size that does not fit does not compile (-DWRONG_SIZE). */
+ * energy, and an array that is too short draws a warning (-DWRONG_SIZE). */
 #include <math.h>
 #include <stdio.h>
 
@@ -17,17 +17,17 @@ int main(void) {
     double jacobian[6 * ARM7_NV];
     double worst = 0, energy = 0;
 
-    arm7_forward_dynamics(&q, &qd, &tau, &qdd);
-    arm7_inverse_dynamics(&q, &qd, &qdd, &back);
-    arm7_mass_matrix(&q, &mass);
+    arm7_forward_dynamics(q, qd, tau, qdd);
+    arm7_inverse_dynamics(q, qd, qdd, back);
+    arm7_mass_matrix(q, mass);
     for (int i = 0; i < ARM7_NV; i++) {
         worst = fmax(worst, fabs(back[i] - tau[i]));
         for (int j = 0; j < ARM7_NV; j++) energy += 0.5 * qd[i] * mass[i * ARM7_NV + j] * qd[j];
     }
-    double off = fabs(energy - arm7_kinetic_energy(&q, &qd));
+    double off = fabs(energy - arm7_kinetic_energy(q, qd));
     for (int i = 0; i < ARM7_NV; i++) printf("%.17g\n", qdd[i]);
-    if (!arm7_jacobian(&q, ARM7_LINKS - 1, &jacobian)) return 3;
-    if (arm7_jacobian(&q, ARM7_LINKS, &jacobian)) return 4;
+    if (!arm7_jacobian(q, ARM7_LINK_RIGHT_FINGER, jacobian)) return 3;
+    if (arm7_jacobian(q, ARM7_LINKS, jacobian)) return 4;
     fprintf(stderr, "torques differ by %g, energies by %g\n", worst, off);
     return worst < 1e-11 && off < 1e-12 ? 0 : 1;
 }

@@ -46,7 +46,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             for (float, scalar) in [(FloatType::F32, "f32"), (FloatType::F64, "f64")] {
                 let builder = Builder::new().model(model.clone()).krate("::modyn_runtime");
                 let file = Path::new(&out).join(format!("ordinary_{scalar}.rs"));
-                builder.float(float).functions([Function::ForwardDynamics]).write(&file)?;
+                let builder = builder.float(float).functions([Function::ForwardDynamics]);
+                builder.write(&file)?;
+                let loaded = builder.runtime_gravity().runtime_inertia(["link7"]).payload(["hand"]);
+                loaded.write(Path::new(&out).join(format!("loaded_{scalar}.rs")))?;
             }
         }
     }

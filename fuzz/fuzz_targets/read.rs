@@ -12,7 +12,7 @@ fuzz_target!(|data: &[u8]| {
         base: if flag(0) { Base::Floating } else { Base::Fixed },
         mimic: [Mimic::Follow, Mimic::Follow, Mimic::Independent, Mimic::Refuse][usize::from(choice >> 1 & 3)],
         unphysical_inertia: if flag(3) { Severity::Warning } else { Severity::Error },
-        friction: if flag(4) { Friction::Smooth(0.1) } else { Friction::None },
+        friction: flag(4).then_some(Friction::Smooth(0.1)),
         rotors: if flag(5) { vec![Rotor { joint: "a".into(), inertia: 0.1, gear_ratio: 9.0 }] } else { Vec::new() },
         gravity: flag(6).then_some([0.0; 3]),
         ..ReadOptions::default()

@@ -28,4 +28,14 @@ fn codes_are_explained() {
     let all = modyn(&["explain"]);
     assert_eq!(all.out.lines().count(), modyn_codegen::error::Code::ALL.len());
     assert_eq!(modyn(&["explain", "nonsense"]).code, 2);
+    let misspelt = modyn(&["explain", "negative_mass"]);
+    assert_eq!(misspelt.code, 2);
+    assert!(misspelt.err.contains("did you mean `negative-mass`?"), "{}", misspelt.err);
+}
+
+#[test]
+fn a_misspelt_function_is_suggested() {
+    let found = modyn(&["inspect", "robots/gripper.urdf", "--functions", "mass_matrx"]);
+    assert_eq!(found.code, 2);
+    assert!(found.err.contains("did you mean `mass_matrix`?"), "{}", found.err);
 }

@@ -74,6 +74,8 @@ fn a_build_script_would_write_the_same() {
     let extra = [
         "--base",
         "floating",
+        "--runtime-inertia",
+        "front_left_foot",
         "--payload",
         "trunk",
         "--rotor",
@@ -90,7 +92,7 @@ fn a_build_script_would_write_the_same() {
         .rotor("front_left_knee", 0.0001, 100.0)
         .loop_joint(modyn_codegen::urdf::Loop {
             name: "rod".into(),
-            kind: modyn_codegen::urdf::ClosureKind::Revolute([0.0, 2.0, 0.0]),
+            kind: modyn_codegen::urdf::LoopConstraintKind::Revolute([0.0, 2.0, 0.0]),
             ends: [("trunk", [0.1, 0.0, -0.2], 0.0), ("front_left_foot", [0.0; 3], 1.5)].map(
                 |(link, xyz, yaw)| modyn_codegen::urdf::LoopEnd {
                     link: link.into(),
@@ -102,6 +104,7 @@ fn a_build_script_would_write_the_same() {
         .friction(modyn_codegen::urdf::Friction::Smooth(0.01))
         .gravity([0.0, 0.0, -1.62])
         .modules(modyn_codegen::ModuleChoice::Links)
+        .runtime_inertia(["front_left_foot"])
         .payload(["trunk"])
         .runtime_gravity()
         .type_name("Hand")
@@ -125,7 +128,7 @@ fn without_a_file_the_text_goes_to_standard_output() {
     assert_eq!(found.code, 0);
     assert!(found.out.contains("pub struct Gripper;"));
     assert!(
-        found.out.contains("pub fn mass_matrix") && !found.out.contains("fn forward_dynamics(")
+        found.out.contains("pub fn mass_matrix") && !found.out.contains("fn forward_dynamics(q")
     );
 }
 
@@ -151,9 +154,11 @@ fn a_header_for_c_is_written_and_checked() {
     let found = modyn(&arguments);
     assert_eq!(found.code, 0, "{}", found.err);
     let text = std::fs::read_to_string(&header).expect("a header");
-    for wanted in
-        ["#ifndef ARM6_H", "void arm6_forward_dynamics(const float (*q)[6]", "#define ARM6_NV 6"]
-    {
+    for wanted in [
+        "#ifndef ARM6_H",
+        "void arm6_forward_dynamics(const float q[ARM6_AT_LEAST(6)]",
+        "#define ARM6_NV 6",
+    ] {
         assert!(text.contains(wanted), "{text}");
     }
     assert_eq!(check().code, 0);
@@ -203,6 +208,7 @@ fn options_that_are_wrong_are_usage_and_refused_models_are_not() {
     };
     assert_eq!(code(&["--functions", "fly"]), 2);
     assert_eq!(code(&["--payload", "nobody"]), 2);
+    assert_eq!(code(&["--runtime-inertia", "nobody"]), 2);
     assert_eq!(code(&["--type-name", "my arm"]), 2);
     assert_eq!(code(&["--modules", r#"[["nobody"]]"#]), 2);
     assert_eq!(code(&["--check"]), 2, "without a file");

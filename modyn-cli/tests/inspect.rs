@@ -33,6 +33,36 @@ fn json_has_what_the_terminal_shows() {
     assert!((found["mass"].as_f64().expect("a mass") - 5.0).abs() < 1e-12);
 }
 
+/// Damping and friction are shown with whether they act, and there is no warning once that was chosen.
+#[test]
+fn friction_that_does_not_act_is_said_to() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("rubbing.urdf");
+    let text = std::fs::read_to_string(root().join("robots/gripper.urdf")).expect("a robot");
+    let dynamics = "<dynamics damping=\"0.7\" friction=\"0.2\"/></joint>";
+    std::fs::write(&path, text.replacen("</joint>", dynamics, 1)).expect("written");
+    let path = path.to_string_lossy();
+    let shown = |friction: &[&str]| modyn(&[&["inspect", &*path], friction].concat()).out;
+    let by_default = shown(&[]);
+    let inactive = "damping 0.7 (does not act), friction 0.2 (does not act)";
+    assert!(by_default.contains(inactive), "{by_default}");
+    assert!(by_default.contains("warning[inactive-friction]"), "{by_default}");
+    let chosen = shown(&["--friction", "none"]);
+    assert!(chosen.contains(inactive) && !chosen.contains("inactive-friction"), "{chosen}");
+    let viscous = shown(&["--friction", "viscous"]);
+    assert!(viscous.contains("damping 0.7, friction 0.2 (does not act)"), "{viscous}");
+    let coulomb = shown(&["--friction", "coulomb"]);
+    assert!(!coulomb.contains("does not act"), "{coulomb}");
+    let json = modyn(&["inspect", "--json", &path, "--friction", "viscous"]).json();
+    let rubbing =
+        json["joints"].as_array().expect("joints").iter().find(|one| one["damping"] == 0.7);
+    let rubbing = rubbing.expect("the joint");
+    assert_eq!(
+        (&rubbing["damping_acts"], &rubbing["friction_acts"]),
+        (&true.into(), &false.into())
+    );
+}
+
 #[test]
 fn a_refused_description_is_json_too() {
     let found = modyn(&["inspect", "--json", "modyn-codegen/tests/bad/negative_mass.urdf"]);

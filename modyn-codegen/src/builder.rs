@@ -7,18 +7,16 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::model::{Friction, Model, ModuleTree};
+use modyn_runtime::model::{Friction, Model, ModuleError, ModuleTree};
 
 use crate::condition;
 use crate::emit::{EmitOptions, Emitted, FloatType, emit};
 use crate::error::{Code, Diagnostic, Diagnostics, Severity, Subject};
 use crate::functions::Function;
 use crate::names;
+use crate::size::too_large;
 use crate::source::read_first;
 use crate::urdf::{self, Base, Loop, Mimic, ReadOptions, Reading, Rotor, nearest::nearest};
-
-/// Most operations, by [`estimate`]: tens of megabytes of text.
-const MOST_OPERATIONS: u64 = 400_000;
 
 /// Which kinematic modules a robot is divided into; see [`ModuleTree`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -78,6 +76,7 @@ pub struct Builder {
     float: FloatType,
     /// `None` for the default, or a model's own.
     runtime_gravity: bool,
+    runtime_inertia: Vec<String>,
     payload: Vec<String>,
     /// `None` for the default ones.
     functions: Option<Vec<Function>>,
@@ -134,6 +133,8 @@ impl Format {
 pub struct Generated {
     /// Rust items: the type named [`type_name`](Self::type_name) and what belongs to it.
     pub text: String,
+    /// The header of the functions for C, if [`Builder::c_functions`] asked for some.
+    pub c_header: Option<String>,
     /// The name of the generated type.
     pub type_name: String,
     /// The robot.
@@ -268,15 +269,16 @@ impl Builder {
         self
     }
 
-    /// How the description's damping and friction act on the joints; not at all by default.
+    /// How the description's damping and friction act on the joints; not at all by default, with a warning if
+    /// there are some. [`Friction::None`] says that they are not to act, without a warning.
     #[must_use]
     pub fn friction(mut self, friction: Friction) -> Self {
-        self.read.friction = friction;
+        self.read.friction = Some(friction);
         self
     }
 
     /// A joint that closes a loop, besides the `<loop_joint>`s of the description. (A
-    /// [model](Self::model) has its own: [`Model::with_closures`].)
+    /// [model](Self::model) has its own: [`Model::with_loop_constraints`].)
     #[must_use]
     pub fn loop_joint(mut self, closing: Loop) -> Self {
         self.read.loops.push(closing);
@@ -298,15 +300,23 @@ impl Builder {
         self
     }
 
-    /// Makes gravity an argument (a field of the robot's `Params`); its value is then the default.
+    /// Makes gravity an argument, one of the robot's `Params`; its value is then the default.
     #[must_use]
     pub fn runtime_gravity(mut self) -> Self {
         self.runtime_gravity = true;
         self
     }
 
-    /// Makes the inertia of these links (of each alone, without what is fixed to it) arguments:
-    /// fields of the robot's `Params`, by default as in the description.
+    /// Makes the inertias of these links (of each link alone, without the links that are fixed to it) arguments, among the
+    /// robot's `Params`: each replaces the description's, which is the default.
+    #[must_use]
+    pub fn runtime_inertia(mut self, links: impl IntoIterator<Item = impl Into<String>>) -> Self {
+        self.runtime_inertia.extend(links.into_iter().map(Into::into));
+        self
+    }
+
+    /// Adds an inertia to each of these links that is an argument, among the robot's `Params`: the inertia of a load, by
+    /// default none.
     #[must_use]
     pub fn payload(mut self, links: impl IntoIterator<Item = impl Into<String>>) -> Self {
         self.payload.extend(links.into_iter().map(Into::into));
@@ -322,8 +332,8 @@ impl Builder {
     }
 
     /// Runs equal limbs (legs, arms, fingers) through one function, with a table of constants for each:
-    /// the smallest code. Limbs of which one carries a [`payload`](Self::payload) are not equal: a robot
-    /// with payloads has them one after the other. Without it they run side by side where there are vectors, else one after the
+    /// the smallest code. Limbs of which one carries a [`payload`](Self::payload) or a
+    /// [`runtime_inertia`](Self::runtime_inertia) are not equal: such a robot has them one after the other. Without it they run side by side where there are vectors, else one after the
     /// other.
     #[must_use]
     pub fn share(mut self) -> Self {
@@ -343,7 +353,7 @@ impl Builder {
     /// Adds functions for C, named `prefix_function`: `extern "C"` over pointers to arrays of fixed
     /// sizes, without namespaces (`#[unsafe(no_mangle)]`, so not under `forbid(unsafe_code)`: that two
     /// functions have one name is found by the linker alone). What they are given must be valid and
-    /// aligned, and `out` must overlap nothing, as ever in C. cbindgen makes the header.
+    /// aligned, and `out` must overlap nothing, as ever in C. [`Generated::c_header`] is their header.
     #[must_use]
     pub fn c_functions(mut self, prefix: impl Into<String>) -> Self {
         self.c_prefix = Some(prefix.into());
@@ -362,10 +372,18 @@ impl Builder {
             self.module_tree(&reading.model).map_err(|found| errors.extend(found)).ok()
         });
         if let (Some(Reading { model, .. }), Some(modules)) = (&reading, &modules) {
-            errors.extend(too_large(model, modules));
+            let functions = self.functions.as_deref().unwrap_or(Function::DEFAULT);
+            errors.extend(too_large(model, modules, functions));
         }
-        let payload = reading.as_ref().and_then(|reading| {
-            self.payload_frames(&reading.model).map_err(|found| errors.extend(found)).ok()
+        let inertias = [
+            ("runtime_inertia", Code::RuntimeInertia, &self.runtime_inertia),
+            ("payload", Code::Payload, &self.payload),
+        ];
+        let [runtime_inertia, payload] = inertias.map(|(option, code, names)| {
+            reading.as_ref().and_then(|reading| {
+                let frames = moving_frames(&reading.model, option, code, names);
+                frames.map_err(|found| errors.extend(found)).ok()
+            })
         });
         let (Some(Reading { model, mut warnings }), Some(modules), true) =
             (reading, modules, errors.is_empty())
@@ -387,15 +405,17 @@ impl Builder {
             c_prefix: self.c_prefix.clone(),
             functions: self.functions.clone().unwrap_or(defaults.functions),
             runtime_gravity: self.runtime_gravity,
+            runtime_inertia: runtime_inertia.unwrap_or_default(),
             payload: payload.unwrap_or_default(),
             warnings,
         };
-        let Emitted { text, type_name, operations, written, partition } =
+        let Emitted { text, c_header, type_name, operations, written, partition } =
             emit(&model, &modules, &options);
         let (partition, partition_costs) = partition;
         let warnings = options.warnings;
         Ok(Generated {
             text,
+            c_header,
             type_name,
             model,
             warnings,
@@ -500,47 +520,24 @@ impl Builder {
         })
     }
 
-    /// The links of [`payload`](Self::payload), as indices into the model's frames.
-    fn payload_frames(&self, model: &Model) -> Result<Vec<usize>, Diagnostics> {
-        let mut errors = Vec::new();
-        let mut frames = Vec::new();
-        let names = || model.frames().iter().map(|frame| frame.name.as_str());
-        for name in &self.payload {
-            let mut error = |message: String, help: String| {
-                errors.push(Diagnostic::error(Code::Payload, message).with_help(help));
-            };
-            match names().position(|other| other == name) {
-                None => {
-                    let help = match nearest(name, names()) {
-                        Some(meant) => format!("did you mean `{meant}`?"),
-                        None => "name a link of the description".into(),
-                    };
-                    error(format!("`{name}` in `payload` is no link"), help);
-                }
-                Some(frame) if model.frames()[frame].link.is_none() => error(
-                    format!("link `{name}` in `payload` does not move"),
-                    "leave it out: what is fixed to the world has no part in the dynamics".into(),
-                ),
-                Some(frame) if frames.contains(&frame) => {
-                    error(
-                        format!("link `{name}` stands in `payload` twice"),
-                        "name it once".into(),
-                    );
-                }
-                Some(frame) => frames.push(frame),
-            }
-        }
-        if errors.is_empty() { Ok(frames) } else { Err(Diagnostics::new(errors)) }
-    }
-
     fn module_tree(&self, model: &Model) -> Result<ModuleTree, Diagnostics> {
         match &self.modules {
             ModuleChoice::Chains => Ok(ModuleTree::chains(model)),
             ModuleChoice::Links => Ok(ModuleTree::links(model)),
             ModuleChoice::List(list) => ModuleTree::from_names(model, list).map_err(|errors| {
-                let diagnostics =
-                    errors.iter().map(|error| Diagnostic::error(Code::Modules, error.to_string()));
-                Diagnostics::new(diagnostics.collect())
+                let names = || model.links().iter().map(|link| link.name.as_str());
+                let diagnostic = |error: &ModuleError| {
+                    let diagnostic = Diagnostic::error(Code::Modules, error.to_string());
+                    let meant = match error {
+                        ModuleError::UnknownLink { name, .. } => nearest(name, names()),
+                        _ => None,
+                    };
+                    match meant {
+                        Some(meant) => diagnostic.with_help(format!("did you mean `{meant}`?")),
+                        None => diagnostic,
+                    }
+                };
+                Diagnostics::new(errors.iter().map(diagnostic).collect())
             }),
         }
     }
@@ -591,7 +588,7 @@ impl Builder {
             error(
                 Code::Option,
                 "a model that is given as one has its own loops".into(),
-                "close them by `Model::with_closures`".into(),
+                "close them by `Model::with_loop_constraints`".into(),
             );
         }
         let read = &self.read;
@@ -599,7 +596,7 @@ impl Builder {
             ("base", read.base != Base::default()),
             ("mimic", read.mimic != Mimic::default()),
             ("rotor", !read.rotors.is_empty()),
-            ("friction", read.friction != Friction::default()),
+            ("friction", read.friction.is_some()),
         ];
         let given = of_reading.iter().filter(|(_, given)| *given);
         for (option, _) in given.filter(|_| matches!(self.source, Source::Model(_))) {
@@ -620,44 +617,40 @@ fn is_c_prefix(name: &str) -> bool {
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-/// About how many operations and entries the text will have, found without writing it: the rows
-/// of the mass matrix and its factors reach from each link to the base, the matrix itself has all
-/// columns, and the pivot block of a module with k joints takes k^3.
-fn estimate(model: &Model, modules: &ModuleTree) -> u64 {
-    let mut depths: Vec<u64> = Vec::with_capacity(model.links().len());
-    for link in model.links() {
-        // Parents come before their children.
-        depths.push(1 + link.parent.map_or(0, |parent| depths[parent]));
+/// The links of this `option`, as indices into the model's frames.
+fn moving_frames(
+    model: &Model,
+    option: &str,
+    code: Code,
+    links: &[String],
+) -> Result<Vec<usize>, Diagnostics> {
+    let mut errors = Vec::new();
+    let mut frames = Vec::new();
+    let names = || model.frames().iter().map(|frame| frame.name.as_str());
+    for name in links {
+        let mut error = |message: String, help: String| {
+            errors.push(Diagnostic::error(code, message).with_help(help));
+        };
+        match names().position(|other| other == name) {
+            None => {
+                let help = match nearest(name, names()) {
+                    Some(meant) => format!("did you mean `{meant}`?"),
+                    None => "name a link of the description".into(),
+                };
+                error(format!("`{name}` in `{option}` is no link"), help);
+            }
+            Some(frame) if model.frames()[frame].link.is_none() => error(
+                format!("link `{name}` in `{option}` does not move"),
+                "leave it out: a link that is fixed to the world has no part in the dynamics"
+                    .into(),
+            ),
+            Some(frame) if frames.contains(&frame) => {
+                error(format!("link `{name}` stands in `{option}` twice"), "name it once".into());
+            }
+            Some(frame) => frames.push(frame),
+        }
     }
-    let rows = depths.iter().fold(0, |sum: u64, depth| sum.saturating_add(depth * 40));
-    let square = (depths.len() as u64).saturating_pow(2);
-    let pivots =
-        modules.modules().iter().map(|module| (module.links.len() as u64).saturating_pow(3));
-    pivots.fold(rows.saturating_add(square), u64::saturating_add)
-}
-
-/// Says so if code for this robot would be endless.
-fn too_large(model: &Model, modules: &ModuleTree) -> Option<Diagnostic> {
-    let operations = estimate(model, modules);
-    if operations <= MOST_OPERATIONS {
-        return None;
-    }
-    let longest = modules.modules().iter().map(|module| &module.links).max_by_key(|l| l.len())?;
-    let message = format!(
-        "code for {} moving joints would take about {operations} operations, more than \
-         {MOST_OPERATIONS}; the longest module has {} links, from `{}` to `{}`",
-        model.links().len(),
-        longest.len(),
-        model.links()[longest.start].name,
-        model.links()[longest.end - 1].name,
-    );
-    let links = estimate(model, &ModuleTree::links(model));
-    let help = if links <= MOST_OPERATIONS {
-        "divide it: `modules = links`; or use `modyn::Interpreter`, which has no such limit"
-    } else {
-        "use `modyn::Interpreter`, which has no such limit, or make joints `fixed`"
-    };
-    Some(Diagnostic::error(Code::TooLarge, message).with_help(help))
+    if errors.is_empty() { Ok(frames) } else { Err(Diagnostics::new(errors)) }
 }
 
 /// Where a file is: as given, or from the folder of the crate's `Cargo.toml`.
@@ -673,22 +666,45 @@ fn is_visibility(text: &str) -> bool {
     match inside {
         None => rest.is_empty(),
         Some("crate" | "super" | "self") => true,
-        Some(inside) => inside.strip_prefix("in ").is_some_and(is_path),
+        // A visibility ends at a module around the robot.
+        Some(inside) => inside.strip_prefix("in ").is_some_and(|path| {
+            let first = path.trim().split("::").next().unwrap_or_default();
+            is_way(first.trim()) && is_path(&format!("{path}::name"))
+        }),
     }
 }
 
+/// Whether a text is the path of a module that `use .. as` takes.
 fn is_path(text: &str) -> bool {
     let text = text.trim();
-    text.strip_prefix("::").unwrap_or(text).split("::").map(str::trim).enumerate().all(
-        |(i, part)| {
-            let name = part.strip_prefix("r#").unwrap_or(part);
-            let letters = name.chars().all(|c| c == '_' || c.is_alphanumeric());
-            let digit = name.starts_with(|c: char| c.is_numeric());
-            // Keywords that may stand in a path do so at its start.
-            let place = i == 0 || part == "super" || !matches!(part, "crate" | "self" | "Self");
-            letters && place && !digit && !name.is_empty() && name != "_"
-        },
-    )
+    let (global, path) = text.strip_prefix("::").map_or((false, text), |path| (true, path));
+    let parts: Vec<&str> = path.split("::").map(str::trim).collect();
+    // `self` and `super` alone are no names to import.
+    let Some((last, before)) = parts.split_last() else { return false };
+    let mut ways = before.iter().take_while(|part| is_way(part)).count();
+    if *last == "crate" && before.is_empty() {
+        ways = 1;
+    }
+    let (ways, names) = parts.split_at(ways);
+    let ways = ways.iter().enumerate().all(|(i, way)| *way == "super" || i == 0);
+    ways && (!global || !is_way(parts[0])) && names.iter().all(|name| is_identifier(name))
+}
+
+/// Whether part of a path is a way to a module and not a name.
+fn is_way(part: &str) -> bool {
+    matches!(part, "crate" | "self" | "super")
+}
+
+/// Whether a text is an identifier in every edition, perhaps a raw one.
+fn is_identifier(text: &str) -> bool {
+    let name = text.strip_prefix("r#").unwrap_or(text);
+    let mut letters = name.chars();
+    let first = letters.next().is_some_and(|c| c == '_' || unicode_ident::is_xid_start(c));
+    let keyword = match text.strip_prefix("r#") {
+        Some(raw) => matches!(raw, "crate" | "self" | "super" | "Self"),
+        None => names::KEYWORDS.contains(&name),
+    };
+    first && letters.all(unicode_ident::is_xid_continue) && name != "_" && !keyword
 }
 
 #[cfg(test)]
@@ -704,14 +720,80 @@ mod tests {
         {
             assert!(!is_visibility(bad), "{bad}");
         }
-        for good in ["::modyn", "modyn", "crate::a::b", ":: a :: r#b", "self::a", "super::super::a"]
-        {
-            assert!(is_path(good), "{good}");
+        for good in ["pub(in self)", "pub(in super::super)", "pub(in crate)", "pub(in super::a)"] {
+            assert!(is_visibility(good), "{good}");
         }
-        for bad in
-            ["", "::", "a::", "a b", "a; b", "a-b", "1a", "a::crate", "_", "a::<b>", "$crate"]
-        {
-            assert!(!is_path(bad), "{bad}");
+        for bad in ["pub(in a)", "pub(in ::a)", "pub(in crate::fn)", "pub(in Self)"] {
+            assert!(!is_visibility(bad), "{bad}");
+        }
+    }
+
+    /// What is taken compiles as an import, and what does not compile is refused.
+    #[test]
+    fn paths_are_those_that_can_be_imported() {
+        let good = [
+            "::modyn",
+            "modyn",
+            "crate::a::b",
+            ":: a :: r#b",
+            "self::a",
+            "super::super::a",
+            "crate",
+            "self::super::a",
+            "r#fn::a",
+            "union::auto",
+            "\u{e9}t\u{e9}",
+            "a::_b",
+            "::r#gen",
+        ];
+        for path in good {
+            assert!(is_path(path), "{path}");
+            syn::parse_str::<syn::ItemUse>(&format!("use {path} as __modyn;")).expect(path);
+        }
+        let bad = [
+            "",
+            "::",
+            "a::",
+            "a b",
+            "a; b",
+            "a-b",
+            "1a",
+            "a::crate",
+            "_",
+            "a::<b>",
+            "$crate",
+            "fn",
+            "a::fn",
+            "::fn::a",
+            "self",
+            "super",
+            "a::self",
+            "a::super::b",
+            "::crate",
+            "::self::a",
+            "::super",
+            "Self",
+            "Self::a",
+            "crate::self::a",
+            "r#crate",
+            "r#self::a",
+            "r#_",
+            "gen",
+            "a::dyn::b",
+            "\u{24b6}",
+            "a\u{b2}",
+            "a::::b",
+            "super::crate",
+            "r#",
+            "r# a",
+            "a as b",
+        ];
+        for path in bad {
+            assert!(!is_path(path), "{path}");
+        }
+        let keywords = names::KEYWORDS.iter().filter(|&&word| word != "crate");
+        for word in keywords {
+            assert!(!is_path(word) && !is_path(&format!("a::{word}")), "{word}");
         }
     }
 
@@ -726,27 +808,42 @@ mod tests {
         assert!(errors.contains("1000 links, from `1` to `1000`"), "{errors}");
         // Links as modules would not help here.
         assert!(!errors.contains("modules = links"), "{errors}");
-        let errors = refused(comb(1, 90), ModuleChoice::Chains);
-        assert!(errors.contains("about 900") && errors.contains("modules = links"), "{errors}");
-        refused(comb(1000, 1), ModuleChoice::Links);
+        let errors = refused(comb(1, 66), ModuleChoice::Chains);
+        assert!(errors.contains("`brge` 2") && errors.contains("modules = links"), "{errors}");
+        // What takes most is named, and what would do without it.
+        let errors = refused(comb(600, 1), ModuleChoice::Links);
+        assert!(errors.contains("`jacobian` 5"), "{errors}");
+        assert!(errors.contains("leave `jacobian` out of the option `functions`"), "{errors}");
     }
 
     #[test]
     fn the_limit_is_about_cost_not_joints() {
-        let size = |model: &Model, modules: &ModuleTree| too_large(model, modules).is_some();
+        let refused = |model: &Model, modules: &ModuleTree, functions: &[Function]| {
+            too_large(model, modules, functions).is_some()
+        };
         for (model, chains, links) in [
             (comb(1, 60), false, false),
-            (comb(1, 90), true, false),
+            (comb(1, 66), true, false),
             (comb(1, 150), true, true),
             (comb(40, 5), false, false),
             (comb(25, 8), false, false),
-            (comb(600, 1), false, false),
+            (comb(300, 1), false, false),
         ] {
-            assert_eq!(size(&model, &ModuleTree::chains(&model)), chains, "{}", model.nv());
-            assert_eq!(size(&model, &ModuleTree::links(&model)), links, "{}", model.nv());
+            let (by_chains, by_links) = (ModuleTree::chains(&model), ModuleTree::links(&model));
+            let default = Function::DEFAULT;
+            assert_eq!(refused(&model, &by_chains, default), chains, "{}", model.nv());
+            assert_eq!(refused(&model, &by_links, default), links, "{}", model.nv());
+            // One function that takes linear time is small.
+            let one = [Function::ForwardDynamics];
+            assert!(!refused(&model, &by_links, &one), "{}", model.nv());
         }
-        let tree = Builder::new().model(comb(40, 5)).generate().expect("short chains");
-        assert_eq!(tree.model.nv(), 200);
+        // Derivatives of a chain take the cube of its length, and twice that with those of batches.
+        let model = comb(1, 45);
+        let links = ModuleTree::links(&model);
+        let mut functions = vec![Function::ForwardDynamicsDerivatives];
+        assert!(!refused(&model, &links, &functions));
+        functions.push(Function::ForwardDynamicsDerivativesBatch);
+        assert!(refused(&model, &links, &functions));
     }
 
     /// So many chains of so many links.
@@ -813,6 +910,18 @@ mod tests {
         assert_eq!(other.model.gravity(), [1.0, 0.0, 0.0]);
         let errors = builder.gravity([1e70, 0.0, 0.0]).generate().expect_err("too large");
         assert_eq!(errors.iter().map(|error| error.code).collect::<Vec<_>>(), [Code::Gravity]);
+    }
+
+    #[test]
+    fn a_misspelt_link_of_a_module_is_suggested() {
+        let model = || changed(&comb(1, 2), |link| link.name = "forearm".into());
+        let list = |name: &str| ModuleChoice::List(vec![vec!["1".into(), name.into()]]);
+        let refused = |name| {
+            let builder = Builder::new().model(model()).modules(list(name));
+            builder.generate().expect_err("no such link").to_string()
+        };
+        assert!(refused("fourarm").contains("help: did you mean `forearm`?"));
+        assert!(!refused("hand").contains("did you mean"));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use modyn_runtime::equations::coordinates;
 use modyn_runtime::model::Model;
 use modyn_runtime::model::prepare::Prepared;
-use modyn_runtime::{Interpreter, jacobi};
+use modyn_runtime::{Interpreter, Portable, Scalar as _, jacobi};
 
 use crate::error::{Code, Diagnostic, Severity, Subject};
 
@@ -29,24 +29,26 @@ pub fn condition_number(model: &Model) -> Option<f64> {
         return None;
     }
     let prepared = Prepared::new(model);
-    let mut interpreter = Interpreter::<f64>::new(model.clone());
-    let mut q = vec![0.0; model.nq()];
-    let mut matrix = vec![0.0; nv * nv];
+    // The warning is part of the generated text, which is the same on every host.
+    let prepared = prepared.cast::<Portable>();
+    let mut interpreter = Interpreter::<Portable>::new(model.clone());
+    let mut q = vec![Portable(0.0); model.nq()];
+    let mut matrix = vec![Portable(0.0); nv * nv];
     let mut worst = 1.0_f64;
     let mut number = 0.0_f64;
     let mut uniform = || {
         // Steps of the golden ratio are spread evenly.
         number = (number + 0.618_033_988_749_894_9).fract();
-        number
+        Portable(number)
     };
     for _ in 0..STATES {
         coordinates::random(&prepared, &mut uniform, &mut q);
         interpreter.mass_matrix(&q, &mut matrix).ok()?;
-        let scale: Vec<f64> = (0..nv).map(|i| matrix[i * (nv + 1)].sqrt().recip()).collect();
+        let scale: Vec<Portable> = (0..nv).map(|i| matrix[i * (nv + 1)].sqrt().recip()).collect();
         for (j, column) in matrix.chunks_mut(nv).enumerate() {
-            column.iter_mut().zip(&scale).for_each(|(x, s)| *x *= s * scale[j]);
+            column.iter_mut().zip(&scale).for_each(|(x, &s)| *x = *x * s * scale[j]);
         }
-        worst = worst.max(jacobi::condition_number(&mut matrix, nv));
+        worst = worst.max(jacobi::condition_number(&mut matrix, nv).0);
     }
     Some(worst)
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::tame::tame;
+use crate::urdf::nearest::nearest;
 
 /// How serious a diagnostic is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -138,6 +139,10 @@ codes! {
     NotRead = "not-read":
         "Write the figure in the way that the help says, or remove what is not URDF. Where it \
         is a warning, check the spelling: what is not read changes nothing.",
+    /// The description includes another file, which is not read: parts of the robot are missing.
+    Include = "include":
+        "Write the parts of that file into this one. The file that a tool has expanded (`xacro`, or the \
+        exporter of a CAD program) has no includes.",
     /// A text that should be a number is none.
     BadNumber = "bad-number":
         "Write a decimal number, such as `0.25` or `2.5e-1`: with a point, without a unit, \
@@ -198,6 +203,14 @@ codes! {
     /// The lower limit of a joint is above the upper one.
     InvertedLimits = "inverted-limits":
         "Exchange `lower` and `upper`; one that is not written is 0.",
+    /// A revolute or prismatic joint has no `<limit>`; it is read as a joint without limits.
+    MissingLimit = "missing-limit":
+        "Write `<limit lower=\"...\" upper=\"...\" effort=\"...\" velocity=\"...\"/>`, which URDF \
+        requires. A joint that turns without end is `continuous`.",
+    /// The effort or velocity limit of a joint is negative; it is read as if it were not written.
+    NegativeLimit = "negative-limit":
+        "Write the largest size of the effort or velocity, which is at least 0. Leave the attribute \
+        out if there is no limit.",
     /// A joint mimics another one, which an option refuses.
     Mimic = "mimic":
         "Remove `<mimic>`, or choose the option `mimic = follow` or `mimic = independent`.",
@@ -226,6 +239,10 @@ codes! {
     NegativeDrive = "negative-drive":
         "Write a figure of at least 0: damping and friction work against the motion, and a \
         rotor has inertia.",
+    /// The description has damping or friction, but no option says whether it acts; it does not.
+    InactiveFriction = "inactive-friction":
+        "Set the option `friction`: `viscous`, `coulomb` or `smooth` makes damping (and friction) act on \
+        the joints; `none` says that neither is wanted, and ends the warning.",
     /// The rotor of a joint is given in two ways.
     RepeatedArmature = "repeated-armature":
         "Leave one of `armature` and `rotor_inertia` with `gear_ratio`: armature = \
@@ -233,6 +250,14 @@ codes! {
     /// The mass of a link is negative.
     NegativeMass = "negative-mass":
         "Write a mass of at least 0, in kg. There is no option that takes a negative one.",
+    /// A link that moves has no `<inertial>`, nor has a link that is fixed to it; it counts as massless.
+    MissingInertial = "missing-inertial":
+        "Write the link's `<inertial>`. If it is massless on purpose, between two joints about different \
+        axes, write an `<inertial>` with zeros.",
+    /// A link would be denser than any material, by its mass and its rotational inertia.
+    ImplausibleMass = "implausible-mass":
+        "Check the units: the mass is in kg, not in g, and the inertia in kg m^2, about the centre of \
+        mass. A point mass has an inertia of zeros.",
     /// A moving body has rotational inertia but no mass.
     InertiaWithoutMass = "inertia-without-mass":
         "Give the link its mass, or remove its inertia.",
@@ -256,12 +281,15 @@ codes! {
         "List every moving link once, in chains from their parents outwards, each ending \
         where the tree branches. `chains` and `links` are always right.",
     /// A link whose inertia is to be an argument does not exist or does not move.
+    RuntimeInertia = "runtime-inertia":
+        "Name links of the description that move, each once.",
+    /// A link that is to carry a payload does not exist or does not move.
     Payload = "payload":
         "Name links of the description that move, each once.",
-    /// The robot takes more operations than code can be written out for.
+    /// The robot's functions take more text than code can be written out for.
     TooLarge = "too-large":
-        "Choose `modules = links` where that is proposed, make joints `fixed` that do not \
-        matter, or use `modyn::Interpreter`, which takes robots of any size.",
+        "Choose `modules = links` or fewer `functions` where that is proposed, make joints `fixed` that do \
+        not matter, or use `modyn::Interpreter`, which takes robots of any size.",
     /// The name of the generated type is no Rust identifier, or likely to be taken.
     TypeName = "type-name":
         "Give the type a name of your own in upper camel case: `modyn!(pub MyArm = \"...\")`, \
@@ -287,6 +315,12 @@ impl Code {
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|code| code.name() == name)
+    }
+
+    /// The kind whose name differs from this text by a letter or two.
+    #[must_use]
+    pub fn suggest(name: &str) -> Option<Self> {
+        nearest(name, Self::ALL.iter().map(|code| code.name())).and_then(Self::from_name)
     }
 }
 
@@ -379,26 +413,56 @@ impl Diagnostic {
 /// end a comment.
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write_place(f)?;
+        let severity = match self.severity {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+        };
+        write!(f, "{severity}[{}]: ", self.code)?;
+        self.write_message(f)?;
+        match &self.help {
+            Some(help) => write!(f, "\n  help: {}", tame(help)),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Diagnostic {
+    /// Its text for a tool that writes `error: ` itself, such as rustc: `robots/foo.urdf:12:7: link `arm`: the mass is
+    /// -1 kg [negative-mass]`, then the help.
+    #[must_use]
+    pub fn without_severity(&self) -> impl fmt::Display + '_ {
+        WithoutSeverity(self)
+    }
+
+    fn write_place(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(file) = &self.file {
             write!(f, "{}:", tame(file))?;
         }
         if let Some(position) = self.position {
             write!(f, "{position}:")?;
         }
-        if self.file.is_some() || self.position.is_some() {
-            f.write_str(" ")?;
-        }
-        let severity = match self.severity {
-            Severity::Error => "error",
-            Severity::Warning => "warning",
-        };
-        write!(f, "{severity}[{}]: ", self.code)?;
+        if self.file.is_some() || self.position.is_some() { f.write_str(" ") } else { Ok(()) }
+    }
+
+    fn write_message(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(subject) = &self.subject {
             write!(f, "{}: ", tame(&subject.to_string()))?;
         }
-        f.write_str(&tame(&self.message))?;
-        match &self.help {
-            Some(help) => write!(f, "\n  help: {}", tame(help)),
+        f.write_str(&tame(&self.message))
+    }
+}
+
+struct WithoutSeverity<'d>(&'d Diagnostic);
+
+impl fmt::Display for WithoutSeverity<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(diagnostic) = self;
+        diagnostic.write_place(f)?;
+        diagnostic.write_message(f)?;
+        write!(f, " [{}]", diagnostic.code)?;
+        match &diagnostic.help {
+            Some(help) => write!(f, "\nhelp: {}", tame(help)),
             None => Ok(()),
         }
     }
@@ -452,9 +516,18 @@ impl Diagnostics {
     }
 }
 
-/// As for a user: this is what a build script prints whose `main` returns diagnostics.
+/// As for a user: a build script whose `main` returns diagnostics prints this after `Error: `. So their number comes
+/// first, in a line of its own.
 impl fmt::Debug for Diagnostics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let count = |severity, one: &str| {
+            let count = self.0.iter().filter(|found| found.severity == severity).count();
+            let plural = if count == 1 { "" } else { "s" };
+            (count > 0).then(|| format!("{count} {one}{plural}"))
+        };
+        let counts = [count(Severity::Error, "error"), count(Severity::Warning, "warning")];
+        let counts: Vec<String> = counts.into_iter().flatten().collect();
+        writeln!(f, "{}", if counts.is_empty() { "none".into() } else { counts.join(", ") })?;
         fmt::Display::fmt(self, f)
     }
 }
@@ -524,6 +597,32 @@ mod tests {
         // A build script has no place but one.
         let missing = Diagnostic::missing_file("a.urdf", &["a.urdf"]).to_string();
         assert!(!missing.contains("source file") && missing.contains("Cargo.toml"), "{missing}");
+    }
+
+    /// Rustc and `main` write `error: ` before a text.
+    #[test]
+    fn error_is_said_once() {
+        let diagnostic = Diagnostic::error(Code::NegativeMass, "the mass is -1 kg")
+            .in_file("robots/foo.urdf")
+            .at(Position { line: 12, column: 7 })
+            .about(Subject::Link("arm".into()))
+            .with_help("write a mass of at least 0");
+        assert_eq!(
+            diagnostic.without_severity().to_string(),
+            "robots/foo.urdf:12:7: link `arm`: the mass is -1 kg [negative-mass]\nhelp: write a mass of at least 0"
+        );
+        let gravity = Diagnostic::error(Code::Gravity, "it is not finite");
+        assert_eq!(gravity.without_severity().to_string(), "it is not finite [gravity]");
+        let warning = Diagnostic::new(Severity::Warning, Code::Mimic, "odd");
+        let all = Diagnostics::new(vec![warning, gravity.clone(), gravity]);
+        let shown = format!("Error: {all:?}");
+        assert!(shown.starts_with("Error: 2 errors, 1 warning\nerror[gravity]: it is"), "{shown}");
+    }
+
+    #[test]
+    fn a_code_is_suggested() {
+        assert_eq!(Code::suggest("no-inertia-flet"), Some(Code::NoInertiaFelt));
+        assert_eq!(Code::suggest("inertia"), None);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The functions that a generated robot can have, and which it has by default.
 
+use crate::urdf::nearest::nearest;
+
 macro_rules! functions {
     ($($(#[$docs:meta])* $variant:ident $name:literal;)*) => {
         /// A function of generated robots.
@@ -56,9 +58,9 @@ functions! {
     /// Forward dynamics with the loops closed.
     ConstrainedForwardDynamics "constrained_forward_dynamics";
     /// How well the loops are closed.
-    ClosureErrors "closure_errors";
+    ConstraintResidual "constraint_residual";
     /// The step that closes them.
-    ClosingStep "closing_step";
+    ProjectConstraints "project_constraints";
     /// The regressor of inverse dynamics.
     Regressor "regressor";
     /// The centre of mass.
@@ -133,8 +135,8 @@ impl Function {
         Self::KineticEnergy,
         Self::PotentialEnergy,
         Self::ConstrainedForwardDynamics,
-        Self::ClosureErrors,
-        Self::ClosingStep,
+        Self::ConstraintResidual,
+        Self::ProjectConstraints,
         Self::CenterOfMass,
         Self::LinkPoses,
         Self::LinkPose,
@@ -164,18 +166,65 @@ impl Function {
         })
     }
 
+    /// The Rust functions that it becomes, by name, each with the number of its arguments (those of the
+    /// robot's run-time parameters aside).
+    pub(crate) fn signatures(self) -> Vec<(String, usize)> {
+        let inputs = match self.batched().unwrap_or(self) {
+            Self::GravityTorques
+            | Self::MassMatrix
+            | Self::Brge
+            | Self::PotentialEnergy
+            | Self::CenterOfMass
+            | Self::CenterOfMassJacobian
+            | Self::CentroidalMomentumMatrix
+            | Self::LinkPoses
+            | Self::Normalize
+            | Self::Random => 1,
+            Self::BiasForces
+            | Self::KineticEnergy
+            | Self::ConstraintResidual
+            | Self::CentroidalMomentum
+            | Self::LinkPose
+            | Self::Jacobian
+            | Self::LocalJacobian
+            | Self::Integrate
+            | Self::Difference
+            | Self::CoordinateRates => 2,
+            Self::ForwardDynamicsExternal
+            | Self::ForwardDynamicsExternalWorld
+            | Self::InverseDynamicsExternal
+            | Self::InverseDynamicsExternalWorld
+            | Self::ConstrainedForwardDynamics
+            | Self::LinkAcceleration
+            | Self::LocalLinkAcceleration => 4,
+            _ => 3,
+        };
+        let Some(one) = self.batched() else { return vec![(self.name().into(), inputs)] };
+        // Over slices for each coordinate, each result is an argument; over slices of states they are one.
+        let outputs = match one {
+            Self::InverseDynamicsDerivatives => 2,
+            Self::ForwardDynamicsDerivatives => 4,
+            _ => 1,
+        };
+        let name = one.name();
+        vec![(format!("{name}_batch"), inputs + outputs), (format!("{name}_each"), inputs + 1)]
+    }
+
     /// Whether it is about closed loops, so that only robots with some have it.
     #[must_use]
     pub const fn is_of_loops(self) -> bool {
-        matches!(self, Self::ConstrainedForwardDynamics | Self::ClosureErrors | Self::ClosingStep)
+        matches!(
+            self,
+            Self::ConstrainedForwardDynamics | Self::ConstraintResidual | Self::ProjectConstraints
+        )
     }
 
-    /// Whether run-time parameters (gravity, payloads) can matter to it.
+    /// Whether run-time parameters (gravity, inertias, payloads) can matter to it.
     #[must_use]
     pub const fn depends_on_parameters(self) -> bool {
         !matches!(
             self,
-            Self::ClosureErrors
+            Self::ConstraintResidual
                 | Self::LinkPoses
                 | Self::LinkPose
                 | Self::LinkVelocity
@@ -198,5 +247,31 @@ impl Function {
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|function| function.name() == name)
+    }
+
+    /// A message that there is no function of this name: with the one that was probably meant, else with all
+    /// names, as the macro and the command line have them.
+    #[must_use]
+    pub fn unknown(name: &str) -> String {
+        let names = || ["default", "all"].into_iter().chain(Self::ALL.iter().map(|one| one.name()));
+        match nearest(name, names()) {
+            Some(meant) => format!("there is no function `{name}`; did you mean `{meant}`?"),
+            None => {
+                let names: Vec<&str> = names().collect();
+                format!("there is no function `{name}`; there are: {}", names.join(", "))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Function;
+
+    #[test]
+    fn a_function_is_suggested() {
+        let said = Function::unknown("mas_matrix");
+        assert_eq!(said, "there is no function `mas_matrix`; did you mean `mass_matrix`?");
+        assert!(Function::unknown("foo").contains("there are: default, all, forward_dynamics, "));
     }
 }

@@ -36,6 +36,12 @@ pub fn type_name(name: &str) -> String {
     identifier(result, "N", "Unnamed")
 }
 
+/// The name of a type that only the generated text itself uses. No robot's type can have it: [`type_name`] never
+/// begins with an underscore.
+pub(crate) fn helper_type(name: &str) -> String {
+    format!("__{}", type_name(name))
+}
+
 /// The variants of an enum that has one for each name, in their order; no two are equal.
 #[must_use]
 pub fn variants(names: &[&str]) -> Vec<String> {
@@ -107,7 +113,7 @@ pub fn snake(name: &str) -> String {
 }
 
 /// Rust's keywords, strict and reserved, up to edition 2024.
-const KEYWORDS: &[&str] = &[
+pub(crate) const KEYWORDS: &[&str] = &[
     "Self", "abstract", "as", "async", "await", "become", "box", "break", "const", "continue",
     "crate", "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if",
     "impl", "in", "let", "loop", "macro", "match", "mod", "move", "mut", "override", "priv", "pub",

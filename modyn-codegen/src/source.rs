@@ -1,6 +1,8 @@
 //! Reading the file of a description, for all doors.
 
 use std::fmt::Display;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Code, Diagnostic, Diagnostics, Position};
@@ -30,19 +32,48 @@ pub fn read_first(
     if !place.is_file() {
         return Err(unreadable(&"it is no file"));
     }
-    let length = std::fs::metadata(place).map_err(|error| unreadable(&error))?.len();
+    let file = File::open(place).map_err(|error| unreadable(&error))?;
+    let length = file.metadata().map_err(|error| unreadable(&error))?.len();
     if length > MOST_BYTES as u64 {
         let message = format!("`{}` has {length} bytes, more than {MOST_BYTES}", relative(place));
         let help = "give the path of a URDF file; none is of this size";
         return Err(Diagnostic::error(Code::Excessive, message).with_help(help).into());
     }
-    let bytes = std::fs::read(place).map_err(|error| unreadable(&error))?;
-    let text = String::from_utf8(bytes).map_err(|error| not_text(wanted, &error))?;
-    Ok((place, text))
+    // It may have grown since.
+    Ok((place, read_text(wanted, file)?))
+}
+
+/// The text that a stream gives until its end, such as standard input's. `wanted` is what diagnostics call
+/// it.
+///
+/// # Errors
+///
+/// The stream cannot be read, is no UTF-8, or goes on beyond the size of any description.
+pub fn read_text(wanted: impl Display, stream: impl Read) -> Result<String, Diagnostics> {
+    read_at_most(MOST_BYTES, wanted, stream)
+}
+
+fn read_at_most(
+    limit: usize,
+    wanted: impl Display,
+    stream: impl Read,
+) -> Result<String, Diagnostics> {
+    let mut bytes = Vec::new();
+    stream.take(limit as u64 + 1).read_to_end(&mut bytes).map_err(|reason| {
+        let message = format!("{wanted} cannot be read: {reason}");
+        let help = "give a URDF as UTF-8 text";
+        Diagnostics::from(Diagnostic::error(Code::MissingFile, message).with_help(help))
+    })?;
+    if bytes.len() > limit {
+        let message = format!("{wanted} has more than {limit} bytes");
+        let help = "give a URDF file; none is of this size";
+        return Err(Diagnostic::error(Code::Excessive, message).with_help(help).into());
+    }
+    String::from_utf8(bytes).map_err(|error| not_text(wanted, &error))
 }
 
 /// Where and why a file is no UTF-8.
-fn not_text(wanted: impl Display, error: &std::string::FromUtf8Error) -> Diagnostic {
+fn not_text(wanted: impl Display, error: &std::string::FromUtf8Error) -> Diagnostics {
     let (good, rest) = error.as_bytes().split_at(error.utf8_error().valid_up_to());
     let line = String::from_utf8_lossy(good.rsplit(|&b| b == b'\n').next().unwrap_or_default());
     let position = Position {
@@ -54,6 +85,7 @@ fn not_text(wanted: impl Display, error: &std::string::FromUtf8Error) -> Diagnos
         .in_file(wanted.to_string())
         .at(position)
         .with_help("save the file as UTF-8; a URDF is a text file")
+        .into()
 }
 
 /// A path as seen from the folder of `Cargo.toml`, where it is in there.
@@ -96,6 +128,21 @@ mod tests {
             message.contains("error[excessive]") && message.contains("more than 1073741824"),
             "{message}"
         );
+    }
+
+    /// Standard input may go on for ever: not more is read than a description can have.
+    #[test]
+    fn a_stream_without_end_is_not_read() {
+        let found =
+            read_at_most(1000, "standard input", std::io::repeat(b' ')).expect_err("endless");
+        let message = found.to_string();
+        assert!(
+            message.starts_with("error[excessive]: standard input has more than 1000 bytes"),
+            "{message}"
+        );
+        assert_eq!(read_at_most(3, "x", &b"abc"[..]).expect("fits"), "abc");
+        let found = read_text("standard input", &b"<robot>\n\xff"[..]).expect_err("no text");
+        assert!(found.to_string().starts_with("standard input:2:1: error[not-urdf]"), "{found}");
     }
 
     #[test]

@@ -3,13 +3,13 @@
 //!
 //! `<!-- ERROR code: part of the text -->`, `<!-- WARNING code: part of the text -->`.
 //!
-//! `<!-- OPTIONS mimic = independent, unphysical_inertia = warn -->` sets options (also `base`).
+//! `<!-- OPTIONS mimic = independent, unphysical_inertia = warn -->` sets options (also `base`, `friction`).
 
 use std::{collections::BTreeSet, fs, path::Path};
 
 use modyn_codegen::{
     error::{Code, Diagnostic, Severity},
-    urdf::{Base, Mimic, ReadOptions, read},
+    urdf::{Base, Friction, Mimic, ReadOptions, read},
 };
 
 /// What a file says about itself.
@@ -46,6 +46,8 @@ fn options(text: &str) -> ReadOptions {
             "base = floating" => options.base = Base::Floating,
             "mimic = refuse" => options.mimic = Mimic::Refuse,
             "mimic = independent" => options.mimic = Mimic::Independent,
+            "friction = none" => options.friction = Some(Friction::None),
+            "friction = viscous" => options.friction = Some(Friction::Viscous),
             "unphysical_inertia = warn" => options.unphysical_inertia = Severity::Warning,
             other => panic!("no option `{other}`"),
         }
@@ -116,6 +118,7 @@ fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
         Code::Gravity,
         Code::InvalidModel,
         Code::Modules,
+        Code::RuntimeInertia,
         Code::Payload,
         Code::TooLarge,
         Code::TypeName,
@@ -123,6 +126,11 @@ fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
         Code::Output,
         Code::IllConditioned,
         Code::InvertedLimits,
+        Code::Include,
+        Code::MissingLimit,
+        Code::NegativeLimit,
+        Code::InactiveFriction,
+        Code::ImplausibleMass,
     ];
     let missing: Vec<_> =
         Code::ALL.iter().filter(|code| !seen.contains(code) && !elsewhere.contains(code)).collect();
@@ -132,7 +140,18 @@ fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
 #[test]
 fn good_files_are_read_with_exactly_the_marked_warnings() {
     let seen = run("good", false);
-    for code in [Code::InvertedLimits, Code::MimicTarget, Code::MimicMultiplier, Code::AxisLength] {
+    for code in [
+        Code::InvertedLimits,
+        Code::MimicTarget,
+        Code::MimicMultiplier,
+        Code::AxisLength,
+        Code::Include,
+        Code::MissingLimit,
+        Code::NegativeLimit,
+        Code::InactiveFriction,
+        Code::MissingInertial,
+        Code::ImplausibleMass,
+    ] {
         assert!(seen.contains(&code), "no file in good/ for {code}");
     }
 }

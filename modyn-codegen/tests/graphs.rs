@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use modyn_codegen::expr::{Expr, Graph};
+use modyn_codegen::expr::{Expr, ForeignExpr, Graph};
 use modyn_codegen::passes::PASSES;
 use modyn_runtime::Scalar;
 
@@ -136,4 +136,42 @@ fn a_trace_inside_a_trace_does_not_disturb_it() {
         vec![x + x]
     });
     assert_eq!(graph.evaluate(&[5.0]), [10.0]);
+}
+
+/// An expression of another trace would name any node: the trace says so and gives no graph.
+#[test]
+fn expressions_belong_to_their_trace() {
+    let mut kept = None;
+    let first = Graph::try_trace(|| {
+        kept = Some(Expr::input(0) * Expr::input(1));
+        vec![Expr::input(0)]
+    });
+    assert!(first.is_ok());
+    let kept = kept.expect("made");
+    let uses: [fn(Expr) -> Expr; 6] = [
+        |x| x,
+        |x| x + Expr::input(0),
+        |x| Expr::input(0).atan2(x),
+        |x| x.sin_cos().1,
+        |x| Expr::beside(&[Expr::input(0), x]).lane(1),
+        |x| Expr::input(0).select_nonnegative(Expr::one(), x),
+    ];
+    for (i, of) in uses.iter().enumerate() {
+        assert_eq!(Graph::try_trace(|| vec![of(kept)]).err(), Some(ForeignExpr), "{i}");
+        // Also if nothing comes of it, and from an outer trace.
+        let dropped = Graph::try_trace(|| {
+            let outer = Expr::input(0);
+            let inner = Graph::try_trace(|| vec![of(outer)]);
+            assert_eq!(inner.err(), Some(ForeignExpr), "{i}");
+            let _ = of(kept);
+            vec![outer]
+        });
+        // Handed through, it takes part in nothing.
+        assert_eq!(dropped.is_err(), i > 0, "{i}");
+    }
+    assert!(
+        Graph::try_trace(|| vec![Expr::input(0) + Expr::one()]).is_ok(),
+        "the next one is sound"
+    );
+    assert!(std::panic::catch_unwind(|| Graph::trace(|| vec![kept])).is_err());
 }

@@ -69,7 +69,11 @@ fn compiled(named: [&str; 6], self_contained: bool) -> (String, Vec<String>) {
     let functions =
         [Function::ForwardDynamics, Function::Jacobian, Function::LinkPoses, Function::Regressor];
     let mut builder = Builder::new().urdf_text(urdf(named), "robot.urdf").functions(functions);
-    builder = builder.type_name("Named").payload([named[2], named[4]]).c_functions("named");
+    builder = builder
+        .type_name("Named")
+        .payload([named[2], named[4]])
+        .runtime_inertia([named[2], named[4]])
+        .c_functions("named");
     if self_contained {
         builder = builder.self_contained();
     }
@@ -77,7 +81,11 @@ fn compiled(named: [&str; 6], self_contained: bool) -> (String, Vec<String>) {
     let [_, base, link, joint, tip, wrist] = named;
     let mut variants = names::variants(&[base, link, tip]);
     variants.extend(names::variants(&[joint, wrist]));
-    variants.extend(names::fields(&[link, tip], &["gravity"]));
+    for field in names::fields(&[link, tip], &[]) {
+        for function in ["inertia_of", "set_inertia_of", "payload_of", "set_payload_of"] {
+            variants.push(format!("{function}_{field}"));
+        }
+    }
     (generated.text, variants)
 }
 
@@ -107,6 +115,80 @@ fn documentation_runs_nothing() {
     ] {
         check([name, "b", name, name, "t", "w"], false);
     }
+}
+
+/// The names of all items inside of the block of generated functions.
+fn helpers(text: &str) -> Vec<String> {
+    let name = |item: &syn::Item| match item {
+        syn::Item::Struct(item) => Some(item.ident.to_string()),
+        syn::Item::Enum(item) => Some(item.ident.to_string()),
+        syn::Item::Trait(item) => Some(item.ident.to_string()),
+        syn::Item::Type(item) => Some(item.ident.to_string()),
+        syn::Item::Static(item) => Some(item.ident.to_string()),
+        syn::Item::Const(item) => Some(item.ident.to_string()),
+        syn::Item::Fn(item) => Some(item.sig.ident.to_string()),
+        syn::Item::Mod(item) => Some(item.ident.to_string()),
+        _ => None,
+    };
+    let items = syn::parse_file(text).expect("Rust").items;
+    let blocks = items.iter().filter_map(|item| match item {
+        syn::Item::Const(item) if item.ident == "_" => match &*item.expr {
+            syn::Expr::Block(block) => Some(block.block.stmts.clone()),
+            _ => None,
+        },
+        _ => None,
+    });
+    let inside = blocks.flatten().filter_map(|statement| match statement {
+        syn::Stmt::Item(item) => name(&item),
+        _ => None,
+    });
+    inside.collect()
+}
+
+/// A type of the text's own would hide a robot's of that name: none is called as a robot's type can be.
+#[test]
+fn no_helper_is_called_as_a_robot_can_be() {
+    let robot = |name: &str| format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
+    let mut kinds = [0; 4];
+    for (name, share) in [("quadruped", false), ("quadruped", true), ("arm6", false)] {
+        let builder = Builder::new().urdf(robot(name)).functions(Function::ALL.iter().copied());
+        let builder = if share { builder.share() } else { builder };
+        let found = helpers(&builder.generate().expect("good").text);
+        for helper in &found {
+            // A robot's type is what its name becomes.
+            assert_ne!(names::type_name(helper), *helper);
+        }
+        let kind = |end: &str| found.iter().filter(|helper| helper.contains(end)).count();
+        let counts = ["Kernel", "Abreast", "Part", "_TABLE_"].map(kind);
+        kinds.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
+    }
+    assert!(kinds.iter().all(|&count| count > 0), "{kinds:?}");
+}
+
+/// Names that the prelude, the text's generic parameters and the file's module have, too.
+#[test]
+fn robots_may_be_called_as_what_the_text_mentions() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("mentioned");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let rustc = std::env::var_os("RUSTC").unwrap_or("rustc".into());
+    let mut root = String::from("#![no_std]\n#![deny(warnings)]\n");
+    for name in
+        ["T", "V", "Some", "Option", "Default", "Copy", "Scalar", "Runtime", "Into", "Payload"]
+    {
+        let functions =
+            [Function::ForwardDynamics, Function::Brge, Function::LinkPose, Function::Random];
+        let builder = Builder::new().urdf_text(urdf(PLAIN), "robot.urdf").functions(functions);
+        let builder = builder.type_name(name).self_contained().c_functions(names::snake(name));
+        let builder = builder.payload(["l0"]).runtime_gravity();
+        let file = folder.join(format!("{}.rs", names::snake(name)));
+        std::fs::write(&file, builder.generate().expect("good").text).expect("writes");
+        root += &format!("pub mod {};\n", names::snake(name));
+    }
+    std::fs::write(folder.join("lib.rs"), root).expect("writes");
+    let mut command = std::process::Command::new(rustc);
+    command.current_dir(&folder).args(["--edition=2024", "--crate-type=lib", "--emit=metadata"]);
+    let output = command.arg("lib.rs").output().expect("rustc runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 /// Parts of names that mean something where they could get to.

@@ -96,7 +96,7 @@ fn equal_limbs_side_by_side_give_the_same() {
         let prepared = Prepared::new(&model);
         let limbs = Limbs::find(&prepared).expect("equal limbs");
         assert_eq!(limbs.independent(&prepared), independent, "{name}");
-        let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[]));
+        let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[], &[]));
         for alone in [Tracer::new(&prepared), gravity] {
             let abreast = alone.abreast(&limbs);
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
@@ -151,7 +151,7 @@ fn limbs_on_different_bodies_side_by_side_give_the_same() {
             continue;
         };
         assert!(name.contains("humanoid"), "{name}");
-        let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[]));
+        let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[], &[]));
         for alone in [Tracer::new(&prepared), gravity] {
             let (equally, jointly) = (alone.abreast(&equal), alone.abreast(&joined));
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
@@ -214,8 +214,11 @@ fn upright(low: usize, high: usize) -> String {
 
 #[test]
 fn limbs_that_join_may_be_longer_or_shorter_above() {
-    let options =
-        |base| ReadOptions { base, friction: urdf::Friction::Viscous, ..ReadOptions::default() };
+    let options = |base| ReadOptions {
+        base,
+        friction: Some(urdf::Friction::Viscous),
+        ..ReadOptions::default()
+    };
     for (low, high) in [(2, 4), (4, 2), (3, 3), (2, 3)] {
         for base in [Base::Fixed, Base::Floating] {
             let read = urdf::read(&upright(low, high), "upright", &options(base));

@@ -75,7 +75,7 @@ const ARM_URDF: &str = r#"<robot name="arm">
 #[test]
 fn the_same_arm_gives_the_same_numbers() {
     for friction in [urdf::Friction::None, urdf::Friction::Viscous, urdf::Friction::Smooth(0.1)] {
-        let options = ReadOptions { friction, ..ReadOptions::default() };
+        let options = ReadOptions { friction: Some(friction), ..ReadOptions::default() };
         let ours = mjcf::read(ARM, "arm.xml", &options).expect("an MJCF").model;
         let theirs = urdf::read(ARM_URDF, "arm.urdf", &options).expect("a URDF").model;
         let names = |model: &Model| model.coordinate_names();
@@ -275,4 +275,27 @@ fn no_mutation_panics() {
         usable += usize::from(read(&tokens.concat()).is_ok());
     }
     assert!(usable > 100, "only {usable} reach the end");
+}
+
+/// Rotations become part of the generated text: their sines are libm's, which are the same on every host, and not
+/// the system's.
+#[test]
+fn rotations_are_the_same_on_every_host() {
+    let angles: Vec<f64> = (0..2000).map(|i| 0.001 + 0.0015 * f64::from(i)).collect();
+    let body = |(i, angle): (usize, &f64)| {
+        format!(
+            "<body name='b{i}' axisangle='0 0 1 {angle:?}'><joint name='j{i}' type='hinge' axis='0 1 0'/>\
+             <geom type='sphere' size='0.1' mass='1'/></body>"
+        )
+    };
+    let bodies: String = angles.iter().enumerate().map(body).collect();
+    let text = format!(
+        "<mujoco model='m'><compiler angle='radian'/><worldbody>{bodies}</worldbody></mujoco>"
+    );
+    let model = read(&text).expect("good");
+    for (link, angle) in model.links().iter().zip(angles) {
+        let (sin, cos) = libm::sincos(angle * 0.5);
+        let expected = modyn_runtime::conventions::rotation_from_quaternion([0.0, 0.0, sin, cos]);
+        assert_eq!(link.joint.origin.rotation, expected, "{angle}");
+    }
 }

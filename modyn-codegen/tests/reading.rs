@@ -59,7 +59,7 @@ fn pendulum() -> String {
         "<robot name='r'>{}{}{}</robot>",
         link("a"),
         link("b"),
-        joint("j", "revolute", "a", "b")
+        joint("j", "continuous", "a", "b")
     )
 }
 
@@ -190,7 +190,7 @@ fn gravity_must_be_finite() {
         "<robot name='r'>{}{}{}</robot>",
         link("a"),
         link("b"),
-        joint("j", "revolute", "a", "b")
+        joint("j", "continuous", "a", "b")
     );
     for bad in [f64::NAN, f64::INFINITY] {
         let options = ReadOptions { gravity: Some([0.0, bad, 0.0]), ..ReadOptions::default() };
@@ -282,7 +282,8 @@ fn bad_options_are_errors_without_a_place() {
     }
     // All at once, and in no more than linear time.
     let rotors = (0..50_000).map(|i| rotor(&format!("x{i}"), -1.0, 1.0)).collect();
-    let options = ReadOptions { rotors, friction: Friction::Smooth(0.0), ..ReadOptions::default() };
+    let options =
+        ReadOptions { rotors, friction: Some(Friction::Smooth(0.0)), ..ReadOptions::default() };
     assert_eq!(refused(&fixed, options).len(), 100_001);
     let rotors = vec![rotor("j", 1.0, 1.0); 2];
     let errors = refused(&fixed, ReadOptions { rotors, ..ReadOptions::default() });
@@ -292,6 +293,7 @@ fn bad_options_are_errors_without_a_place() {
 #[test]
 fn friction_is_the_models() {
     let read_with = |friction| {
+        let friction = Some(friction);
         read(&pendulum(), "test.urdf", &ReadOptions { friction, ..ReadOptions::default() })
     };
     for good in [Friction::None, Friction::Viscous, Friction::Coulomb, Friction::Smooth(0.5)] {

@@ -57,8 +57,33 @@ fn a_file_needs_nothing_but_core() {
         // Payloads bring more of the runtime with them.
         let link = builder.generate().expect("good").model.links()[0].name.clone();
         let file = folder.join(format!("{name}_payload.rs"));
-        builder.payload([link]).runtime_gravity().write(&file).expect("good");
+        builder
+            .runtime_inertia([&link])
+            .payload([link])
+            .runtime_gravity()
+            .write(&file)
+            .expect("good");
         assert!(compiles(&file, "#![forbid(unsafe_code)]\n#![deny(warnings, missing_docs)]"));
+    }
+}
+
+/// By itself, as `rustc --crate-type lib` takes it without a word about editions: that is 2015.
+#[test]
+fn a_file_compiles_in_every_edition() {
+    let folder = folder("editions");
+    let builder =
+        Builder::new().urdf(robot("joint_zoo.urdf")).type_name("Option").c_functions("zoo");
+    let builder = builder.functions(Function::ALL.iter().copied()).self_contained();
+    let link = builder.generate().expect("good").model.links()[0].name.clone();
+    let file = folder.join("zoo.rs");
+    builder.payload([link]).runtime_gravity().write(&file).expect("good");
+    let rustc = std::env::var_os("RUSTC").unwrap_or("rustc".into());
+    for edition in ["", "--edition=2015", "--edition=2018", "--edition=2021", "--edition=2024"] {
+        let mut command = Command::new(&rustc);
+        command.args(Some(edition).filter(|edition| !edition.is_empty()));
+        command.args(["--crate-type=lib", "--emit=metadata", "-Dwarnings", "--out-dir"]);
+        let output = command.arg(&folder).arg(&file).output().expect("rustc runs");
+        assert!(output.status.success(), "{edition}: {}", String::from_utf8_lossy(&output.stderr));
     }
 }
 

@@ -1,8 +1,8 @@
 //! What stands in the macro: `[[visibility] Name =] "path" [, option = value]*`.
 
 use modyn_codegen::error::Severity;
-use modyn_codegen::urdf::{Base, ClosureKind, Friction, Loop, LoopEnd, Mimic};
-use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
+use modyn_codegen::urdf::{Base, Friction, Loop, LoopConstraintKind, LoopEnd, Mimic};
+use modyn_codegen::{Builder, FloatType, Function, ModuleChoice, nearest};
 use proc_macro2::{Span, TokenTree};
 use quote::ToTokens as _;
 use syn::ext::IdentExt as _;
@@ -61,6 +61,24 @@ impl Parse for Input {
     }
 }
 
+/// The names of all options.
+const OPTIONS: [&str; 14] = [
+    "gravity",
+    "runtime_inertia",
+    "payload",
+    "functions",
+    "modules",
+    "scalar",
+    "base",
+    "mimic",
+    "rotors",
+    "loops",
+    "friction",
+    "share",
+    "unphysical_inertia",
+    "crate",
+];
+
 /// One `, name = value`, or a last comma.
 fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> Result<Builder> {
     input.parse::<Token![,]>()?;
@@ -83,6 +101,7 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
             .parse::<LitBool>()
             .map_err(|error| Error::new(error.span(), "expected `true` or `false`"))
             .map(|share| if share.value { builder.share() } else { builder }),
+        "runtime_inertia" => strings(input).map(|links| builder.runtime_inertia(links)),
         "payload" => strings(input).map(|links| builder.payload(links)),
         "functions" => functions(input).map(|functions| builder.functions(functions)),
         "modules" => modules(input).map(|modules| builder.modules(modules)),
@@ -110,10 +129,11 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
             Err(error) => Err(Error::new(error.span(), "expected a path, such as `::modyn`")),
         },
         other => {
-            let options = "gravity, payload, functions, modules, scalar, base, mimic, rotors, \
-                           loops, friction, share, unphysical_inertia, crate";
-            let message = format!("there is no option `{other}`; options are {options}");
-            Err(Error::new(name.span(), message))
+            let help = match nearest(other, OPTIONS.iter().copied()) {
+                Some(meant) => format!("did you mean `{meant}`?"),
+                None => format!("options are {}", OPTIONS.join(", ")),
+            };
+            Err(Error::new(name.span(), format!("there is no option `{other}`; {help}")))
         }
     }
 }
@@ -197,7 +217,7 @@ fn loop_joint(input: ParseStream<'_>) -> Result<Loop> {
         figures.parse::<Option<Token![,]>>()?;
     }
     let along = axis.map_or([1.0, 0.0, 0.0], |(axis, _)| axis);
-    let kind = ClosureKind::of_joint(joint_type, along)
+    let kind = LoopConstraintKind::of_joint(joint_type, along)
         .ok_or_else(|| Error::new(name.span(), "expected the type of a joint"))?;
     match axis {
         Some((_, span)) if kind.axis().is_none() => {
@@ -247,14 +267,9 @@ fn function(input: ParseStream<'_>) -> Result<Vec<Function>> {
     match name.to_string().as_str() {
         "all" => Ok(Function::ALL.to_vec()),
         "default" => Ok(Function::DEFAULT.to_vec()),
-        other => Function::from_name(other).map(|function| vec![function]).ok_or_else(|| {
-            let names: Vec<&str> = Function::ALL.iter().map(|function| function.name()).collect();
-            let message = format!(
-                "there is no function `{other}`; there are: default, all, {}",
-                names.join(", ")
-            );
-            Error::new(name.span(), message)
-        }),
+        other => Function::from_name(other)
+            .map(|function| vec![function])
+            .ok_or_else(|| Error::new(name.span(), Function::unknown(other))),
     }
 }
 

@@ -6,7 +6,7 @@ mod locate;
 use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use modyn_codegen::error::Diagnostics;
+use modyn_codegen::error::{Diagnostic, Diagnostics, Severity};
 use proc_macro::TokenStream;
 use syn::{Error, Result};
 
@@ -25,16 +25,17 @@ use input::Input;
 ///
 /// | option | values | default |
 /// |---|---|---|
-/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: a field of the type's `Params` | `[0.0, 0.0, -9.81]`, an MJCF's own |
-/// | `payload` | names of links whose inertia can be changed at run time: fields of `Params` | `[]` |
+/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: one of the type's `Params` | `[0.0, 0.0, -9.81]` |
+/// | `runtime_inertia` | names of links whose own inertia can be replaced at run time, in `Params` | `[]` |
+/// | `payload` | names of links to which an inertia can be added at run time, in `Params`; by default none is | `[]` |
 /// | `functions` | a list of functions' names, in which `default` may stand; `all` | `default` |
 /// | `modules` | `chains`, `links`, or a list of lists of link names, each from its parent outwards | `chains` |
 /// | `scalar` | `f64`, `f32`: of the type's own functions | `f64` |
 /// | `base` | `fixed`, `floating` | `fixed` |
 /// | `mimic` | `follow`, `independent`, `refuse`: joints that mimic another one | `follow` |
 /// | `rotors` | `["joint": (inertia, gear_ratio), ...]`, kg m^2 | the description's |
-/// | `friction` | `none`, `viscous`, `coulomb`, `smooth(velocity)`: which of the description's damping and friction acts | `none` |
-/// | `loops` | `["name": point("link", [x, y, z], "link", [x, y, z]), ...]`, or `rigid`, `revolute`, `prismatic`: what closes loops | the description's |
+/// | `friction` | `none`, `viscous`, `coulomb`, `smooth(velocity)`: which of the description's damping and friction acts | `none`, with a warning if there are some |
+/// | `loops` | `["name": spherical("link", [x, y, z], "link", [x, y, z]), ...]`, or `fixed`, `revolute`, `continuous`, `prismatic`: loop joints | the description's |
 /// | `share` | `true`, `false`: equal limbs through one function | `false` |
 /// | `unphysical_inertia` | `error`, `warn` | `error` |
 /// | `crate` | the path of `modyn`, where it was renamed | `::modyn` |
@@ -53,6 +54,18 @@ pub fn modyn(input: TokenStream) -> TokenStream {
 fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
     let error = |message: &dyn Display| Error::new(span, message);
     let bug = |what| error(&format!("modyn {what}; please report this, with the description"));
+    let refused = |found: Diagnostics| {
+        let (errors, warnings): (Vec<_>, Vec<_>) =
+            found.into_iter().partition(|one| one.severity == Severity::Error);
+        warn(warnings);
+        // Rustc writes `error: ` before each, and an editor lists each.
+        let mut errors = errors.iter().map(|one| error(&one.without_severity()));
+        let first = errors.next().unwrap_or_else(|| bug("refused a description without a reason"));
+        errors.take(Diagnostics::SHOWN - 1).fold(first, |mut all, one| {
+            all.combine(one);
+            all
+        })
+    };
     let compiled = catch_unwind(AssertUnwindSafe(|| {
         let (builder, tracking) = match locate::locate(&path, span) {
             Ok(found) => (builder.urdf_text(found.text, &path), found.tracking),
@@ -61,14 +74,17 @@ fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
         };
         Ok((builder.generate()?, tracking))
     }));
-    let (generated, tracking) =
-        compiled.map_err(|_| bug("panicked"))?.map_err(|found: Diagnostics| error(&found))?;
-    if !generated.warnings.is_empty() {
-        // All that a macro can do on stable Rust. Cargo repeats it, as it does warnings.
-        eprintln!("{}", Diagnostics::new(generated.warnings));
-    }
+    let (generated, tracking) = compiled.map_err(|_| bug("panicked"))?.map_err(refused)?;
+    warn(generated.warnings);
     // The compiler's own lexer is much faster than building tokens one by one in a macro, which
     // runs unoptimised.
     let text = generated.text + &tracking;
     text.parse().map_err(|_| bug("wrote what is no Rust"))
+}
+
+/// Prints warnings: all that a macro can do on stable Rust. Cargo repeats them, as it does rustc's.
+fn warn(warnings: Vec<Diagnostic>) {
+    if !warnings.is_empty() {
+        eprintln!("{}", Diagnostics::new(warnings));
+    }
 }

@@ -308,6 +308,7 @@ fn gather<F: Float>(states: &[F], columns: &mut [[F; MOST_LANES]]) {
 
 /// An argument holds another number of states than the first one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct BatchError {
     /// The argument.
     pub argument: &'static str,

@@ -44,73 +44,91 @@ pub struct ForwardDynamicsDerivatives<V, M> {
     pub dtau: M,
 }
 
-/// How closed loops are kept closed, and which of their rows count as redundant.
+/// How constraints are stabilized, and which of their rows count as independent.
 ///
-/// Where the frames of a closure are apart by phi, it is held by phi'' = -2 alpha phi' - beta^2 phi
-/// (Baumgarte 1972). Alpha = beta is the fastest return without swinging, by half in 1.7 / beta; zeros
-/// leave apart what an integrator's errors took apart.
+/// A constraint whose frames are displaced by phi obeys phi'' = -2 alpha phi' - beta^2 phi (Baumgarte 1972).
+/// Alpha = beta is the fastest return without oscillation, by half in 1.7 / beta; zeros keep the
+/// displacement that an integrator's errors have caused.
+///
+/// A row of the constraints depends on others where they leave it a mobility (inverse inertia, 1/kg) of at
+/// most `tolerance` times the mobility of its constraint's relative motion, plus `rounding` times the
+/// row's own. Rotations count times the constraint's characteristic length.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClosureSettings<T> {
-    /// Damping of what parts, 1/s.
+pub struct ConstraintSettings<T> {
+    /// Damping of the displacements, 1/s.
     pub alpha: T,
-    /// Its stiffness, 1/s.
+    /// Stiffness of the displacements, 1/s.
     pub beta: T,
-    /// Below which share of the diagonal's sum, over rows of its kind (rotations or displacements), a row
-    /// of the constraints follows from others.
+    /// The mobility of a dependent row as a share of its constraint's mobility in all six directions: the
+    /// square of the error, as an angle, that axes and joints of the mechanism may have.
     pub tolerance: T,
+    /// The share of a row's own mobility that rounding may leave of it.
+    pub rounding: T,
 }
 
-impl ClosureSettings<f64> {
-    /// alpha = beta = 20/s, and the square root of the precision.
-    pub const DEFAULT: Self = Self { alpha: 20.0, beta: 20.0, tolerance: 1e-8 };
+impl ConstraintSettings<f64> {
+    /// alpha = beta = 20/s, axes that are off by 1e-5 rad, and the square root of the precision.
+    pub const DEFAULT: Self = Self { alpha: 20.0, beta: 20.0, tolerance: 1e-10, rounding: 1e-10 };
 
-    /// Constraints of accelerations alone: for what is exactly closed.
+    /// Constraints of accelerations alone: for mechanisms whose constraints are met exactly.
     pub const EXACT: Self = Self { alpha: 0.0, beta: 0.0, ..Self::DEFAULT };
 }
 
-impl ClosureSettings<f32> {
-    /// alpha = beta = 20/s, and the square root of the precision.
-    pub const DEFAULT: Self = Self { alpha: 20.0, beta: 20.0, tolerance: 3e-4 };
+impl ConstraintSettings<f32> {
+    /// alpha = beta = 20/s, axes that are off by 1e-4 rad, and a hundred times the precision.
+    pub const DEFAULT: Self = Self { alpha: 20.0, beta: 20.0, tolerance: 1e-8, rounding: 1e-5 };
 
-    /// Constraints of accelerations alone: for what is exactly closed.
+    /// Constraints of accelerations alone: for mechanisms whose constraints are met exactly.
     pub const EXACT: Self = Self { alpha: 0.0, beta: 0.0, ..Self::DEFAULT };
 }
 
-impl Default for ClosureSettings<f64> {
+impl Default for ConstraintSettings<f64> {
     fn default() -> Self {
         Self::DEFAULT
     }
 }
 
-impl Default for ClosureSettings<f32> {
+impl Default for ConstraintSettings<f32> {
     fn default() -> Self {
         Self::DEFAULT
     }
 }
 
-/// The accelerations of a robot whose loops are closed.
+/// The accelerations of a robot under its constraints, and the wrenches that meet them.
+///
+/// Wrenches and residuals are arrays with an entry for each loop constraint, at its second frame's
+/// origin in its first frame's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ConstrainedForwardDynamics<V, W> {
-    /// The accelerations.
+pub struct ConstrainedForwardDynamics<V, W, R, T> {
+    /// The accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
-    /// For each closure what holds it: the wrench on the second link at the second frame's origin,
-    /// in the first frame's axes. The first link feels the opposite there.
-    pub forces: W,
+    /// The wrench on the constraint's second link, N m and N; the first link feels the opposite. Where
+    /// rows are redundant, the wrenches with the smallest sum of force^2 + (moment / l)^2 over all
+    /// constraints, with the characteristic length l of each.
+    pub wrenches: W,
+    /// The part of each constraint's relative acceleration that could not be met, rad/s^2 and m/s^2:
+    /// rounding, unless rows contradict each other. Then it is the smallest possible, as a sum of
+    /// linear^2 + (l angular)^2.
+    pub residuals: R,
+    /// The number of independent constraint rows, an integer.
+    pub rank: T,
 }
 
-/// A step that closes loops, and the change of velocities that keeps them closed.
+/// A step that meets the constraints, and the change of the velocities that keeps them met.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClosingStep<V> {
-    /// The displacement, from coordinates whose loops are nearly closed.
+pub struct ConstraintProjection<V, T> {
+    /// The displacement, in tangent space, from coordinates that nearly meet the constraints.
     pub dq: V,
     /// The change of the velocities.
     pub dqd: V,
+    /// The number of independent constraint rows, an integer.
+    pub rank: T,
 }
 
-/// How far closures are apart: for each the motion of the second frame against the first, in the
-/// first one's axes, without what is free.
+/// How far constraints are from being met: arrays with an entry for each loop constraint, of its second
+/// frame relative to its first, in the first frame's axes, without the free directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClosureErrors<D> {
+pub struct ConstraintResidual<D> {
     /// Displacements, m; rotations by their axes times the sines of their angles.
     pub displacements: D,
     /// Velocities, m/s and rad/s.

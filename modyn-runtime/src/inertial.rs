@@ -1,50 +1,59 @@
 //! The inertia of a rigid link, as a description states it.
 
-use core::fmt;
+use core::{fmt, iter};
 
+use crate::Scalar;
+use crate::scalar::epsilon;
 use crate::spatial::Pose;
 
 /// Mass, centre of mass and rotational inertia of a rigid link.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Inertial {
+pub struct Inertial<S = f64> {
     /// Mass, kg.
-    pub mass: f64,
+    pub mass: S,
     /// Centre of mass in the link's frame, m.
-    pub center_of_mass: [f64; 3],
+    pub center_of_mass: [S; 3],
     /// Rotational inertia about the centre of mass in the link's axes, kg m^2:
     /// `[ixx, ixy, ixz, iyy, iyz, izz]`.
-    pub inertia: [f64; 6],
+    pub inertia: [S; 6],
+}
+
+/// No mass and no rotational inertia.
+impl<S: Scalar> Default for Inertial<S> {
+    fn default() -> Self {
+        Self { mass: S::zero(), center_of_mass: [S::zero(); 3], inertia: [S::zero(); 6] }
+    }
 }
 
 /// How many numbers the inertia of a rigid link is.
 pub const PARAMETERS_PER_LINK: usize = 10;
 
-/// What the [parameters](Inertial::parameters) of a link are called.
+/// The names of the [parameters](Inertial::parameters) of a link.
 #[allow(dead_code)] // For the model, which needs a heap.
 pub const INERTIAL_PARAMETERS: [&str; PARAMETERS_PER_LINK] =
     ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"];
 
-/// Why an inertia is not that of any rigid body.
+/// Why no rigid body has an inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum InertialDefect {
-    /// A figure is NaN or infinite.
+pub enum InertialDefect<S = f64> {
+    /// A number is NaN or infinite.
     NotFinite,
-    /// The mass is negative.
-    NegativeMass(f64),
+    /// The mass is negative; the mass, kg.
+    NegativeMass(S),
     /// There is rotational inertia but no mass.
     InertiaWithoutMass,
     /// The rotational inertia is not positive semidefinite; its principal moments, ascending.
-    NotPositiveSemidefinite([f64; 3]),
+    NotPositiveSemidefinite([S; 3]),
     /// The largest principal moment exceeds the sum of the two others; ascending.
-    TriangleInequality([f64; 3]),
+    TriangleInequality([S; 3]),
 }
 
-impl fmt::Display for InertialDefect {
+impl<S: fmt::Display + fmt::LowerExp> fmt::Display for InertialDefect<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotFinite => write!(f, "a figure is NaN or infinite"),
+            Self::NotFinite => write!(f, "a number is NaN or infinite"),
             Self::NegativeMass(mass) => write!(f, "the mass is negative ({mass} kg)"),
             Self::InertiaWithoutMass => {
                 write!(f, "the mass is zero, but the rotational inertia is not")
@@ -62,36 +71,47 @@ impl fmt::Display for InertialDefect {
     }
 }
 
-/// Relative slack of the tests for being physical: figures in descriptions are rounded.
+impl<S: fmt::Debug + fmt::Display + fmt::LowerExp> core::error::Error for InertialDefect<S> {}
+
+/// Relative slack of the tests for being physical: numbers in descriptions are rounded.
 const SLACK: f64 = 1e-6;
 
-/// Slack relative to the mass times the squared distance of its centre: tools compute the inertia about
-/// the centre of mass as a difference of two figures that are at least as large, and a point mass then keeps
-/// what rounding left of them. So much as an inertia it does not change any robot.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Slack in units of the scalar's precision, relative to the mass times the squared distance of its centre:
+/// tools compute the inertia about the centre of mass as a difference of two numbers that are at least as
+/// large, and a point mass then keeps their rounding. An inertia as small as that does not change any robot.
+const ROUNDING: f64 = 8.0;
 
-impl Inertial {
-    /// Why this is no rigid body's inertia; `None` if it is one.
+impl<S: Scalar> Inertial<S> {
+    /// Returns why this is no rigid body's inertia; `None` if it is one.
     ///
     /// The bounds are those of Traversaro et al. 2016, "Identification of fully physical
     /// consistent inertial parameters", with a slack of 1e-6 of the largest principal moment, and of
-    /// 2e-15 m c^2 for what rounding leaves where a centre of mass is c from the link's origin.
+    /// 8 units of the scalar's precision (2e-15 for `f64`) of m c^2 for the rounding of a centre of mass that is c from the
+    /// link's origin.
     #[must_use]
-    pub fn defect(&self) -> Option<InertialDefect> {
-        let figures = [self.mass].into_iter().chain(self.center_of_mass).chain(self.inertia);
-        if !figures.into_iter().all(f64::is_finite) {
+    pub fn defect(&self) -> Option<InertialDefect<S>>
+    where
+        S: PartialOrd,
+    {
+        let zero = S::zero();
+        let mut numbers = iter::once(self.mass).chain(self.center_of_mass).chain(self.inertia);
+        // The difference of an infinite number and itself is NaN.
+        if !numbers.all(|x| x - x >= zero) {
             return Some(InertialDefect::NotFinite);
         }
-        if self.mass < 0.0 {
+        if self.mass < zero {
             return Some(InertialDefect::NegativeMass(self.mass));
         }
-        if self.mass == 0.0 && self.inertia.iter().any(|&x| x != 0.0) {
+        let massless = self.mass <= zero;
+        if massless && self.inertia.iter().any(|&x| x < zero || x > zero) {
             return Some(InertialDefect::InertiaWithoutMass);
         }
         let moments = self.principal_moments();
         let [x, y, z] = self.center_of_mass;
-        let slack = SLACK * moments[2].abs().max(moments[0].abs())
-            + ROUNDING * self.mass * (x * x + y * y + z * z);
+        let epsilon = S::from_f64(ROUNDING) * epsilon();
+        let relative = S::from_f64(SLACK) + epsilon;
+        let slack = relative * moments[2].abs().max(moments[0].abs())
+            + epsilon * self.mass * (x * x + y * y + z * z);
         if moments[0] < -slack {
             Some(InertialDefect::NotPositiveSemidefinite(moments))
         } else if moments[2] > moments[0] + moments[1] + slack {
@@ -103,20 +123,34 @@ impl Inertial {
 
     /// The principal moments of inertia about the centre of mass, kg m^2, ascending.
     #[must_use]
-    pub fn principal_moments(&self) -> [f64; 3] {
+    pub fn principal_moments(&self) -> [S; 3]
+    where
+        S: PartialOrd,
+    {
         let [xx, xy, xz, yy, yz, zz] = self.inertia;
         let mut full = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
         crate::jacobi::diagonalize(&mut full, 3);
-        let mut moments = [full[0], full[4], full[8]];
-        moments.sort_unstable_by(f64::total_cmp);
-        moments
+        let ascending = |a: S, b: S| if b < a { (b, a) } else { (a, b) };
+        let (a, b) = ascending(full[0], full[4]);
+        let (b, c) = ascending(b, full[8]);
+        let (a, b) = ascending(a, b);
+        [a, b, c]
+    }
+
+    /// Each number through `f`.
+    pub fn map<T>(&self, mut f: impl FnMut(S) -> T) -> Inertial<T> {
+        Inertial {
+            mass: f(self.mass),
+            center_of_mass: self.center_of_mass.map(&mut f),
+            inertia: self.inertia.map(&mut f),
+        }
     }
 
     /// The parameters that the dynamics are linear in: `[m, m cx, m cy, m cz, Ixx, Ixy, Ixz, Iyy,
     /// Iyz, Izz]`, in kg, kg m and kg m^2. The first moment and the rotational inertia are about the
     /// link's origin (not the centre of mass), in its axes.
     #[must_use]
-    pub fn parameters(&self) -> [f64; PARAMETERS_PER_LINK] {
+    pub fn parameters(&self) -> [S; PARAMETERS_PER_LINK] {
         let m = self.mass;
         let [x, y, z] = self.center_of_mass;
         let [xx, xy, xz, yy, yz, zz] = self.inertia;
@@ -134,17 +168,17 @@ impl Inertial {
         ]
     }
 
-    /// The same body seen from a frame in which this one stands at `pose`.
+    /// The same body seen from a frame in which this body's frame has the pose `pose`.
     #[must_use]
-    pub fn transformed(&self, pose: &Pose<f64>) -> Self {
+    pub fn transformed(&self, pose: &Pose<S>) -> Self {
         let r = &pose.rotation;
         let [xx, xy, xz, yy, yz, zz] = self.inertia;
         let full = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
         let entry = |i: usize, j: usize| {
-            let mut sum = 0.0;
+            let mut sum = S::zero();
             for (k, row) in full.iter().enumerate() {
-                for (l, x) in row.iter().enumerate() {
-                    sum += r[i][k] * x * r[j][l];
+                for (l, &x) in row.iter().enumerate() {
+                    sum = sum + r[i][k] * x * r[j][l];
                 }
             }
             sum
@@ -158,77 +192,30 @@ impl Inertial {
 
     /// The two bodies, in the same frame, as one.
     #[must_use]
-    pub fn merged(&self, other: &Self) -> Self {
+    pub fn merged(&self, other: &Self) -> Self
+    where
+        S: PartialEq,
+    {
         let mass = self.mass + other.mass;
-        if mass == 0.0 {
-            let mut inertia = self.inertia;
-            inertia.iter_mut().zip(other.inertia).for_each(|(a, b)| *a += b);
+        if mass == S::zero() {
+            let inertia = core::array::from_fn(|i| self.inertia[i] + other.inertia[i]);
             return Self { mass, center_of_mass: self.center_of_mass, inertia };
         }
-        if other.mass == 0.0 && other.inertia == [0.0; 6] {
+        if other.mass == S::zero() && other.inertia == [S::zero(); 6] {
             return *self;
         }
-        let mut center_of_mass = [0.0; 3];
-        for (i, c) in center_of_mass.iter_mut().enumerate() {
-            *c = (self.mass * self.center_of_mass[i] + other.mass * other.center_of_mass[i]) / mass;
-        }
-        let mut inertia = [0.0; 6];
+        let center_of_mass: [S; 3] = core::array::from_fn(|i| {
+            (self.mass * self.center_of_mass[i] + other.mass * other.center_of_mass[i]) / mass
+        });
+        let mut inertia = [S::zero(); 6];
         for body in [self, other] {
-            let [x, y, z]: [f64; 3] =
+            let [x, y, z]: [S; 3] =
                 core::array::from_fn(|i| body.center_of_mass[i] - center_of_mass[i]);
             let shift = [y * y + z * z, -x * y, -x * z, x * x + z * z, -y * z, x * x + y * y];
-            for (sum, (own, s)) in inertia.iter_mut().zip(body.inertia.iter().zip(shift)) {
-                *sum += own + body.mass * s;
+            for (sum, (&own, s)) in inertia.iter_mut().zip(body.inertia.iter().zip(shift)) {
+                *sum = *sum + (own + body.mass * s);
             }
         }
         Self { mass, center_of_mass, inertia }
-    }
-}
-
-/// An inertia that a rigid body can have, to be given to a robot at run time.
-///
-/// ```
-/// use modyn_runtime::{Inertial, InertialDefect, Payload};
-///
-/// let cup = Inertial { mass: 0.3, center_of_mass: [0.0, 0.0, 0.05], ..Inertial::default() };
-/// assert!(Payload::new(cup).is_ok());
-/// let nonsense = Inertial { mass: -1.0, ..cup };
-/// assert_eq!(Payload::new(nonsense), Err(InertialDefect::NegativeMass(-1.0)));
-/// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Payload(Inertial);
-
-impl Payload {
-    /// No mass.
-    pub const NONE: Self =
-        Self(Inertial { mass: 0.0, center_of_mass: [0.0; 3], inertia: [0.0; 6] });
-
-    /// From mass, centre of mass and inertia in the link's frame.
-    ///
-    /// # Errors
-    ///
-    /// If no rigid body has such an inertia, or a figure is not finite.
-    pub fn new(inertial: Inertial) -> Result<Self, InertialDefect> {
-        inertial.defect().map_or(Ok(Self(inertial)), Err)
-    }
-
-    /// What a description says, which has been checked when it was read.
-    #[doc(hidden)]
-    #[must_use]
-    pub const fn as_described(inertial: Inertial) -> Self {
-        Self(inertial)
-    }
-
-    /// Its figures.
-    #[must_use]
-    pub const fn inertial(&self) -> Inertial {
-        self.0
-    }
-}
-
-impl TryFrom<Inertial> for Payload {
-    type Error = InertialDefect;
-    fn try_from(inertial: Inertial) -> Result<Self, InertialDefect> {
-        Self::new(inertial)
     }
 }

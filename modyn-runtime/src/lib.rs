@@ -1,7 +1,7 @@
 //! What modyn's generated code needs at run time, and the equations of motion behind it.
 //!
 //! Without features this crate is what generated code needs, on `core` alone (and `libm` for square roots):
-//! [`Scalar`], [`Pose`](spatial::Pose), the [`Robot`] trait, [`conventions`]. Feature `alloc` adds the
+//! [`Scalar`], [`Pose`](spatial::Pose), the [`Robot`] trait with its [`functions`], [`conventions`]. Feature `alloc` adds the
 //! [`model`], the [`equations`] and the [`Interpreter`] that runs them for any model at run time;
 //! `nalgebra` the same calls over nalgebra's types; `rayon` batches on all cores;
 //! `num-dual` its numbers as scalars, for exact derivatives; `serde` (de)serialization of the model.
@@ -13,10 +13,13 @@ extern crate alloc;
 extern crate std;
 
 pub mod batch;
+#[doc(hidden)]
+pub mod configuration;
 pub mod conventions;
 #[cfg(feature = "alloc")]
 pub mod equations;
 mod figures;
+pub mod functions;
 mod inertial;
 #[cfg(feature = "alloc")]
 mod interpreter;
@@ -27,6 +30,8 @@ mod lanes;
 pub mod model;
 #[cfg(feature = "nalgebra")]
 mod nalgebra;
+#[doc(hidden)]
+pub mod parameters;
 mod robot;
 mod scalar;
 pub mod simulate;
@@ -51,11 +56,14 @@ pub use interpreter::{
 #[cfg(feature = "nalgebra")]
 pub use crate::nalgebra::Nalgebra;
 pub use batch::BatchError;
+pub use configuration::ConfigurationError;
 pub use figures::{
-    ClosingStep, ClosureErrors, ClosureSettings, ConstrainedForwardDynamics,
+    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual, ConstraintSettings,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
     OperationCount,
 };
-pub use inertial::{Inertial, InertialDefect, Payload};
+pub use inertial::{Inertial, InertialDefect};
+pub use parameters::ParameterError;
 pub use robot::{Array, Factorization, NotGenerated, Robot};
-pub use scalar::Scalar;
+pub use scalar::{Portable, Scalar};
+pub use spatial::{Momentum, Pose, Twist, Vector3, Wrench};

@@ -8,13 +8,13 @@ use nalgebra::{
     Isometry3, Matrix3, RealField, Rotation3, SMatrix, SVector, Translation3, UnitQuaternion,
 };
 
-use crate::Scalar;
 use crate::figures::{
-    ClosingStep, ClosureErrors, ClosureSettings, ConstrainedForwardDynamics,
+    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual, ConstraintSettings,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives,
 };
-use crate::robot::{Factorization, Robot};
-use crate::spatial::{Pose, Twist, Vector3, Wrench};
+use crate::robot::{Constrained, Factorization, Robot};
+use crate::spatial::{Pose, Twist, Vector3};
+use crate::{Scalar, functions};
 
 /// A generated robot's most used functions over `SVector`, `SMatrix` and `Isometry3`:
 /// `Nalgebra::<Gripper>::forward_dynamics(&q, &qd, &tau)`.
@@ -37,7 +37,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         tau: &SVector<T, NV>,
     ) -> SVector<T, NV>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ForwardDynamics,
     {
         R::forward_dynamics::<T>(array(q), array(qd), array(tau)).into()
     }
@@ -50,7 +50,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         qdd: &SVector<T, NV>,
     ) -> SVector<T, NV>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::InverseDynamics,
     {
         R::inverse_dynamics::<T>(array(q), array(qd), array(qdd)).into()
     }
@@ -62,7 +62,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         qd: &SVector<T, NV>,
     ) -> SVector<T, NV>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::BiasForces,
     {
         R::bias_forces::<T>(array(q), array(qd)).into()
     }
@@ -71,7 +71,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
     #[must_use]
     pub fn gravity_torques<const NQ: usize, const NV: usize>(q: &SVector<T, NQ>) -> SVector<T, NV>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::GravityTorques,
     {
         R::gravity_torques::<T>(array(q)).into()
     }
@@ -80,7 +80,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
     #[must_use]
     pub fn mass_matrix<const NQ: usize, const NV: usize>(q: &SVector<T, NQ>) -> SMatrix<T, NV, NV>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV], M<T> = [[T; NV]; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV], M<T> = [[T; NV]; NV]> + functions::MassMatrix,
     {
         R::mass_matrix::<T>(array(q)).into()
     }
@@ -89,7 +89,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
     #[must_use]
     pub fn brge<const NQ: usize>(q: &SVector<T, NQ>) -> R::Brge<T>
     where
-        R: Robot<Q<T> = [T; NQ]>,
+        R: Robot<Q<T> = [T; NQ]> + functions::Brge,
     {
         R::brge::<T>(array(q))
     }
@@ -101,7 +101,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         rhs: &SVector<T, NV>,
     ) -> SVector<T, NV>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::Brge,
     {
         R::brge::<T>(array(q)).solve(array(rhs)).into()
     }
@@ -113,7 +113,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         qd: &SVector<T, NV>,
     ) -> T
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::KineticEnergy,
     {
         R::kinetic_energy::<T>(array(q), array(qd))
     }
@@ -122,7 +122,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
     #[must_use]
     pub fn potential_energy<const NQ: usize>(q: &SVector<T, NQ>) -> T
     where
-        R: Robot<Q<T> = [T; NQ]>,
+        R: Robot<Q<T> = [T; NQ]> + functions::PotentialEnergy,
     {
         R::potential_energy::<T>(array(q))
     }
@@ -133,7 +133,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         q: &SVector<T, NQ>,
     ) -> [Isometry3<T>; LINKS]
     where
-        R: Robot<Q<T> = [T; NQ], PerLink<Pose<T>> = [Pose<T>; LINKS]>,
+        R: Robot<Q<T> = [T; NQ], PerLink<Pose<T>> = [Pose<T>; LINKS]> + functions::LinkPoses,
     {
         R::link_poses::<T>(array(q)).map(Isometry3::from)
     }
@@ -146,7 +146,8 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         qdd: &SVector<T, NV>,
     ) -> InverseDynamicsDerivatives<SMatrix<T, NV, NV>>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV], M<T> = [[T; NV]; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV], M<T> = [[T; NV]; NV]>
+            + functions::InverseDynamicsDerivatives,
     {
         let found = R::inverse_dynamics_derivatives::<T>(array(q), array(qd), array(qdd));
         InverseDynamicsDerivatives { dq: found.dq.into(), dqd: found.dqd.into() }
@@ -160,7 +161,8 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         tau: &SVector<T, NV>,
     ) -> ForwardDynamicsDerivatives<SVector<T, NV>, SMatrix<T, NV, NV>>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV], M<T> = [[T; NV]; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV], M<T> = [[T; NV]; NV]>
+            + functions::ForwardDynamicsDerivatives,
     {
         let found = R::forward_dynamics_derivatives::<T>(array(q), array(qd), array(tau));
         ForwardDynamicsDerivatives {
@@ -171,54 +173,55 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         }
     }
 
-    /// Joint accelerations under the joint torques `tau` with the loops closed, and what closes each
-    /// of them.
+    /// Joint accelerations under the joint torques or forces `tau` with the loops closed, the wrenches
+    /// that close them, the residuals and the rank.
     #[must_use]
     pub fn constrained_forward_dynamics<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
         qd: &SVector<T, NV>,
         tau: &SVector<T, NV>,
-        settings: &ClosureSettings<T>,
-    ) -> ConstrainedForwardDynamics<SVector<T, NV>, R::PerClosure<Wrench<T>>>
+        settings: &ConstraintSettings<T>,
+    ) -> Constrained<R, SVector<T, NV>, T>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ConstrainedForwardDynamics,
     {
         let (q, qd, tau) = (array(q), array(qd), array(tau));
         let found = R::constrained_forward_dynamics::<T>(q, qd, tau, settings);
-        ConstrainedForwardDynamics { qdd: found.qdd.into(), forces: found.forces }
+        let ConstrainedForwardDynamics { qdd, wrenches, residuals, rank } = found;
+        ConstrainedForwardDynamics { qdd: qdd.into(), wrenches, residuals, rank }
     }
 
-    /// How far the frames of each closure are apart, and how fast they part.
+    /// The displacement and the relative velocity of each loop constraint.
     #[must_use]
-    pub fn closure_errors<const NQ: usize, const NV: usize>(
+    pub fn constraint_residual<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
         qd: &SVector<T, NV>,
-    ) -> ClosureErrors<R::PerClosure<Twist<T>>>
+    ) -> ConstraintResidual<R::PerLoopConstraint<Twist<T>>>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ConstraintResidual,
     {
-        R::closure_errors::<T>(array(q), array(qd))
+        R::constraint_residual::<T>(array(q), array(qd))
     }
 
-    /// The step that closes the loops, and the change of velocities that keeps them closed.
+    /// The step that closes the loops, the change of velocities that keeps them closed, and the rank.
     #[must_use]
-    pub fn closing_step<const NQ: usize, const NV: usize>(
+    pub fn project_constraints<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
         qd: &SVector<T, NV>,
-        settings: &ClosureSettings<T>,
-    ) -> ClosingStep<SVector<T, NV>>
+        settings: &ConstraintSettings<T>,
+    ) -> ConstraintProjection<SVector<T, NV>, T>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ProjectConstraints,
     {
-        let found = R::closing_step::<T>(array(q), array(qd), settings);
-        ClosingStep { dq: found.dq.into(), dqd: found.dqd.into() }
+        let found = R::project_constraints::<T>(array(q), array(qd), settings);
+        ConstraintProjection { dq: found.dq.into(), dqd: found.dqd.into(), rank: found.rank }
     }
 
     /// The pose of a link in the world.
     #[must_use]
     pub fn link_pose<const NQ: usize>(q: &SVector<T, NQ>, link: R::Link) -> Isometry3<T>
     where
-        R: Robot<Q<T> = [T; NQ]>,
+        R: Robot<Q<T> = [T; NQ]> + functions::LinkPose,
     {
         R::link_pose::<T>(array(q), link).into()
     }
@@ -231,7 +234,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         link: R::Link,
     ) -> SMatrix<T, 6, NV>
     where
-        R: Robot<Q<T> = [T; NQ], PerVelocity<Twist<T>> = [Twist<T>; NV]>,
+        R: Robot<Q<T> = [T; NQ], PerVelocity<Twist<T>> = [Twist<T>; NV]> + functions::Jacobian,
     {
         let columns = R::jacobian::<T>(array(q), link);
         SMatrix::from(columns.map(|Twist { angular: Vector3(w), linear: Vector3(v) }| {
@@ -243,9 +246,9 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
     #[must_use]
     pub fn center_of_mass<const NQ: usize>(q: &SVector<T, NQ>) -> SVector<T, 3>
     where
-        R: Robot<Q<T> = [T; NQ]>,
+        R: Robot<Q<T> = [T; NQ]> + functions::CenterOfMass,
     {
-        R::center_of_mass::<T>(array(q)).0.into()
+        R::center_of_mass::<T>(array(q)).into()
     }
 
     /// The coordinates behind a displacement `v` from `q`.
@@ -255,7 +258,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         v: &SVector<T, NV>,
     ) -> SVector<T, NQ>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::Integrate,
     {
         R::integrate::<T>(array(q), array(v)).into()
     }
@@ -267,7 +270,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         to: &SVector<T, NQ>,
     ) -> SVector<T, NV>
     where
-        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]>,
+        R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::Difference,
     {
         R::difference::<T>(array(from), array(to)).into()
     }

@@ -2,10 +2,10 @@
 //!
 //! ```no_run
 //! use modyn_runtime::simulate::{Gains, Reference, State};
-//! use modyn_runtime::Robot;
+//! use modyn_runtime::{Robot, functions};
 //!
 //! /// A second of computed torque towards `goal`.
-//! fn steer<R: Robot>(mut state: State<R>, goal: R::Q<f64>) -> State<R> {
+//! fn steer<R: Robot + functions::Defaults>(mut state: State<R>, goal: R::Q<f64>) -> State<R> {
 //!     let reference = Reference::<R>::standing(goal);
 //!     for _ in 0..1000 {
 //!         state = state.runge_kutta_4(0.001, |state| {
@@ -23,7 +23,7 @@
 
 use core::fmt;
 
-use crate::{Array, Robot, Scalar};
+use crate::{Array, Robot, Scalar, functions};
 
 /// Where a robot is and how it moves.
 pub struct State<R: Robot, T: Scalar = f64> {
@@ -75,12 +75,16 @@ impl<R: Robot, T: Scalar> State<R, T> {
         Self { q, qd: R::V::<T>::from_fn(|_| T::zero()) }
     }
 
-    /// The state a time `dt` (s) later, by semi-implicit Euler: the new velocity moves the robot.
+    /// The state a time `dt` (s) later, by the semi-implicit Euler method, which is of first order: the new
+    /// velocities move the robot. One evaluation of `accelerations` (rad/s^2, m/s^2) a step.
     ///
-    /// Of first order, and stable for stiff springs and long runs: the energy error of an
-    /// oscillation stays bounded. One evaluation of `accelerations` (rad/s^2, m/s^2) a step.
+    /// The energy error of an undamped oscillation of angular frequency w stays bounded if w `dt` is below 2;
+    /// a stiffer spring makes the motion diverge, as with any explicit method.
     #[must_use]
-    pub fn semi_implicit_euler(&self, dt: T, accelerations: impl FnOnce(&Self) -> R::V<T>) -> Self {
+    pub fn semi_implicit_euler(&self, dt: T, accelerations: impl FnOnce(&Self) -> R::V<T>) -> Self
+    where
+        R: functions::Integrate,
+    {
         let qd = plus(&self.qd, dt, &accelerations(self));
         let zero = R::V::<T>::from_fn(|_| T::zero());
         Self { q: R::integrate(&self.q, &plus(&zero, dt, &qd)), qd }
@@ -91,7 +95,10 @@ impl<R: Robot, T: Scalar> State<R, T> {
     /// Four evaluations of `accelerations` (rad/s^2, m/s^2) a step. Quaternions are integrated as
     /// four numbers and brought back to unit length at the end of the step, which keeps the order.
     #[must_use]
-    pub fn runge_kutta_4(&self, dt: T, mut accelerations: impl FnMut(&Self) -> R::V<T>) -> Self {
+    pub fn runge_kutta_4(&self, dt: T, mut accelerations: impl FnMut(&Self) -> R::V<T>) -> Self
+    where
+        R: functions::CoordinateRates + functions::Normalize,
+    {
         let half = dt * T::from_f64(0.5);
         let mut rates =
             |state: &Self| (R::coordinate_rates(&state.q, &state.qd), accelerations(state));
@@ -112,18 +119,24 @@ impl<R: Robot, T: Scalar> State<R, T> {
     /// The joint torques that make the robot follow `reference`: inverse dynamics of the
     /// reference's acceleration and the errors' share of it (computed torque control).
     #[must_use]
-    pub fn computed_torque(&self, reference: &Reference<R, T>, gains: Gains<T>) -> R::V<T> {
-        self.computed_torque_with(&R::Params::default(), reference, gains)
+    pub fn computed_torque(&self, reference: &Reference<R, T>, gains: Gains<T>) -> R::V<T>
+    where
+        R: functions::Difference + functions::InverseDynamics,
+    {
+        self.computed_torque_with(&R::Params::<T>::default(), reference, gains)
     }
 
     /// The same with a robot's run-time parameters.
     #[must_use]
     pub fn computed_torque_with(
         &self,
-        params: &R::Params,
+        params: &R::Params<T>,
         reference: &Reference<R, T>,
         gains: Gains<T>,
-    ) -> R::V<T> {
+    ) -> R::V<T>
+    where
+        R: functions::Difference + functions::InverseDynamics,
+    {
         let displacement = R::difference(&self.q, &reference.q);
         let velocity = plus(&reference.qd, -T::one(), &self.qd);
         let qdd = plus(&reference.qdd, gains.stiffness, &displacement);

@@ -43,7 +43,7 @@ fn cases() -> Vec<Case> {
     let cases: Vec<Case> = (0..SEEDS)
         .flat_map(|seed| {
             let links = 2 + usize::try_from(seed % 9).expect("small");
-            let models = [random::tree(seed, links), random::zoo(seed, links)];
+            let models = [random::mixed_tree(seed, links), random::mixed_zoo(seed, links)];
             let of_one = |model: &Model| {
                 cut(model, seed)
                     .map(|modules| case(model, modules, seed))
@@ -399,7 +399,7 @@ fn the_interpreter_has_the_same_factors() {
 #[test]
 fn one_link_a_module_is_the_articulated_body_inertia() {
     for seed in 0..SEEDS {
-        let model = random::tree(seed, 8);
+        let model = random::mixed_tree(seed, 8);
         let case = case(&model, ModuleTree::links(&model), seed).expect("no mimics");
         let d = &case.decomposition;
         let mut inertias: Vec<Matrix> = (0..8).map(|i| d.mass(i)).collect();
@@ -423,8 +423,8 @@ fn one_link_a_module_is_the_articulated_body_inertia() {
 fn table_6_is_the_recursion_on_any_tree() {
     for seed in 0..4 * SEEDS {
         let links = 1 + usize::try_from(seed % 14).expect("small");
-        let zoo = random::zoo(seed, links);
-        let model = if zoo.has_mimics() { random::tree(seed, links) } else { zoo };
+        let zoo = random::mixed_zoo(seed, links);
+        let model = if zoo.has_mimics() { random::mixed_tree(seed, links) } else { zoo };
         let random::State { q, tau, .. } = random::state(seed, &model);
         let found = modyn_reproduce::table6::Table6::<f64>::new(&model).solve(&q, &tau);
         let expected = Interpreter::<f64>::new(model).brge(&q).and_then(|brge| brge.solve(&tau));

@@ -1,12 +1,12 @@
-//! The robots of [`fleet`](crate::fleet), compiled by this crate's build script with it, and a
-//! table of them.
+//! A robot of the [fleet](crate::fleet) as it was compiled, behind pointers to its functions. The packages in
+//! `tests/fleet/` compile the robots; the package `modyn-fleet` has a table of them, and tests that go through it.
 
 use std::ops::Range;
 
 use modyn_runtime::{JointLimits, KinematicModule, OperationCount};
 
-use crate::fleet::{FLEET, Spec};
-use crate::values::{Factors, Given, Inputs, Values, columns, each, generated, generated_others};
+use crate::fleet::Spec;
+use crate::values::{Inputs, Values};
 
 /// A compiled robot, for tests that go through all of them.
 #[derive(Clone, Copy, Debug)]
@@ -81,9 +81,11 @@ impl Compiled {
     }
 }
 
-/// The consts of a type or, given `as Robot`, of the trait.
-macro_rules! consts {
-    ($robot:ty) => {
+/// The table `ROBOTS` of the robots that a package compiles; its build script writes the rows.
+#[macro_export]
+macro_rules! compiled {
+    // The constants of a type or, given `as Robot`, of the trait.
+    (@consts $robot:ty) => {
         Consts {
             name: <$robot>::NAME,
             nq: <$robot>::NQ,
@@ -96,7 +98,7 @@ macro_rules! consts {
             modules: &<$robot>::MODULES,
         }
     };
-    ($robot:ty as Robot) => {
+    (@consts $robot:ty as Robot) => {
         Consts {
             name: <$robot as modyn_runtime::Robot>::NAME,
             nq: <$robot as modyn_runtime::Robot>::NQ,
@@ -109,34 +111,24 @@ macro_rules! consts {
             modules: <$robot as modyn_runtime::Robot>::MODULES,
         }
     };
-}
-
-/// What a robot has that has all functions, or nothing.
-macro_rules! others {
-    (all $others:expr) => {
-        $others
-    };
-    (default $others:expr) => {
-        Vec::new()
-    };
-}
-
-/// The table; its rows are the build script's.
-macro_rules! compiled {
+    // The other quantities of a robot that has all functions.
+    (@others all $others:expr) => { $others };
+    (@others default $others:expr) => { Vec::new() };
     ($(
         $index:literal $robot:ident $joint:ident $link:ident $functions:ident $float:ident
         $precision:ident $module:literal [$($operations:literal $constant:ident)*] [$($pivot:ident)*];
     )*) => {
-        /// All robots that were compiled.
-        pub static ROBOTS: [super::Compiled; super::FLEET.len()] = {
-            use super::{
-                Compiled, Consts, FLEET, Factors, Figures, Given, Own, Values, columns, each,
-                generated, generated_others,
+        /// The robots of this package.
+        pub static ROBOTS: &[$crate::compiled::Compiled] = {
+            use $crate::compiled::{Compiled, Consts, Figures, Own};
+            use $crate::fleet::FLEET;
+            use $crate::values::{
+                Factors, Given, Values, columns, each, generated, generated_others,
             };
-            [$(Compiled {
+            &[$(Compiled {
                 spec: FLEET[$index],
                 text: include_str!(concat!(env!("OUT_DIR"), "/", $module, ".rs")),
-                consts: [consts!($robot), consts!($robot as Robot)],
+                consts: [$crate::compiled!(@consts $robot), $crate::compiled!(@consts $robot as Robot)],
                 gravity: $robot::GRAVITY,
                 figures: Figures {
                     parameters: &$robot::PARAMETERS,
@@ -158,8 +150,8 @@ macro_rules! compiled {
                     let mut values = generated::<$robot, f64>(inputs, &$link::ALL, |brge| {
                         vec![$(brge.$pivot().concat()),*]
                     });
-                    values.others.extend(others!(
-                        $functions generated_others::<$robot, f64>(inputs, &$link::ALL)
+                    values.others.extend($crate::compiled!(
+                        @others $functions generated_others::<$robot, f64>(inputs, &$link::ALL)
                     ));
                     values
                 },
@@ -167,8 +159,8 @@ macro_rules! compiled {
                     let mut values = generated::<$robot, f32>(inputs, &$link::ALL, |brge| {
                         vec![$(brge.$pivot().concat()),*]
                     });
-                    values.others.extend(others!(
-                        $functions generated_others::<$robot, f32>(inputs, &$link::ALL)
+                    values.others.extend($crate::compiled!(
+                        @others $functions generated_others::<$robot, f32>(inputs, &$link::ALL)
                     ));
                     values
                 },
@@ -199,12 +191,12 @@ macro_rules! compiled {
                         mass_matrix: columns(&$robot::mass_matrix(q)),
                         kinetic_energy: $robot::kinetic_energy(q, qd),
                         potential_energy: $robot::potential_energy(q),
-                        link_poses: each(&$robot::link_poses(q), crate::quantities::numbers),
+                        link_poses: each(&$robot::link_poses(q), $crate::quantities::numbers),
                         factors,
-                        others: crate::default_quantities!($robot, &given, &$link::ALL),
+                        others: $crate::default_quantities!($robot, &given, &$link::ALL),
                     };
-                    values.others.extend(others!(
-                        $functions crate::other_quantities!($robot, &given, &$link::ALL)
+                    values.others.extend($crate::compiled!(
+                        @others $functions $crate::other_quantities!($robot, &given, &$link::ALL)
                     ));
                     values
                 }),
@@ -212,10 +204,3 @@ macro_rules! compiled {
         };
     };
 }
-
-/// The types.
-pub mod robots {
-    include!(concat!(env!("OUT_DIR"), "/fleet.rs"));
-}
-
-pub use robots::ROBOTS;

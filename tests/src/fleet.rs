@@ -1,5 +1,5 @@
-//! The robots that the build script compiles. Needs `modyn_codegen`, `modyn_runtime` and
-//! [`random`](crate::random) alone, so that a build script can include this file.
+//! The robots that are compiled for tests, and the package that compiles each of them. Needs `modyn_codegen`,
+//! `modyn_runtime` and [`random`](crate::random) alone, so that a build script can include this file.
 
 use std::path::{Path, PathBuf};
 
@@ -33,11 +33,43 @@ pub enum Division {
     List(u64),
 }
 
+/// The package in `tests/fleet/` that compiles a robot. One package is one run of rustc, on at most
+/// 10 MB of text: then 3 GB of memory suffice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Small robots, which `cargo test --workspace` compiles.
+    Small,
+    /// Large robots with legs.
+    Legged,
+    /// Random trees of 11 to 30 links.
+    Trees,
+    /// Robots with all functions.
+    Complete,
+}
+
+impl Part {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Small, Self::Legged, Self::Trees, Self::Complete];
+
+    /// The name of its package.
+    #[must_use]
+    pub fn package(self) -> &'static str {
+        match self {
+            Self::Small => "modyn-fleet-small",
+            Self::Legged => "modyn-fleet-legged",
+            Self::Trees => "modyn-fleet-trees",
+            Self::Complete => "modyn-fleet-complete",
+        }
+    }
+}
+
 /// A robot as it is compiled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spec {
     /// The robot.
     pub source: Source,
+    /// The package that compiles it.
+    pub part: Part,
     /// Its modules.
     pub division: Division,
     /// The scalar of the type's own functions.
@@ -53,34 +85,36 @@ pub struct Spec {
     /// Rotors: joint, inertia and gear ratio.
     pub rotors: &'static [(&'static str, f64, f64)],
     /// The links whose inertia is an argument; gravity is one too if there are any.
-    pub payload: &'static [&'static str],
+    pub loaded: &'static [&'static str],
 }
 
 use Division::{Chains, Links, List};
 use FloatType::{F32, F64};
+use Part::{Complete, Legged, Trees};
 use Source::{Described, Golden, Random, Zoo};
 
-/// All of them.
-pub const FLEET: [Spec; 43] = [
+/// All of them. Most of the text is that of a few: `cargo test --workspace` compiles [`Part::Small`] alone, and the
+/// feature `whole` of the package `modyn-fleet` the others, too.
+pub const FLEET: &[Spec] = &[
     spec(Golden("double_pendulum"), Chains, F64).all(),
     spec(Golden("double_pendulum_continuous"), Links, F64),
     spec(Golden("ur5"), Chains, F64).all(),
-    spec(Golden("panda"), Links, F64).all(),
+    spec(Golden("panda"), Links, F64).all().part(Complete),
     spec(Golden("panda"), Chains, F64).loaded(&["panda_hand", "panda_link4"]),
     spec(Golden("panda_fingers"), Chains, F64),
     spec(Golden("solo12"), Chains, F64),
-    spec(Golden("solo12"), Chains, F64).floating().all(),
-    spec(Golden("g1"), Chains, F64),
-    spec(Golden("g1"), Chains, F64).floating(),
+    spec(Golden("solo12"), Chains, F64).floating().all().part(Legged),
+    spec(Golden("g1"), Chains, F64).part(Legged),
+    spec(Golden("g1"), Chains, F64).floating().part(Legged),
     spec(Described("gripper"), Chains, F64),
     spec(Described("double_pendulum"), Links, F32),
     spec(Described("arm6"), Chains, F64),
     spec(Described("arm7"), List(1), F32),
     spec(Described("quadruped"), List(2), F64),
-    spec(Described("humanoid"), Links, F64),
+    spec(Described("humanoid"), Links, F64).part(Legged),
     spec(Golden("solo12"), Chains, F64).shared(),
-    spec(Golden("solo12"), Chains, F64).floating().shared(),
-    spec(Golden("g1"), Chains, F64).floating().shared(),
+    spec(Golden("solo12"), Chains, F64).floating().shared().part(Legged),
+    spec(Golden("g1"), Chains, F64).floating().shared().part(Legged),
     spec(Described("quadruped"), Links, F64).floating().shared(),
     spec(Described("mimic_gripper"), Chains, F64).resisted(Friction::Coulomb).all(),
     spec(Described("four_bar"), Chains, F64),
@@ -98,25 +132,41 @@ pub const FLEET: [Spec; 43] = [
     spec(Random(7, 4), Chains, F32),
     spec(Random(8, 5), Links, F64),
     spec(Random(9, 5), List(9), F64),
-    spec(Random(10, 6), Chains, F64).all(),
-    spec(Random(11, 7), List(11), F32),
-    spec(Random(12, 8), Links, F64),
-    spec(Random(13, 9), Chains, F64),
-    spec(Random(14, 10), List(14), F64),
-    spec(Random(15, 12), Chains, F64),
-    spec(Random(16, 16), List(16), F64),
-    spec(Random(17, 30), Chains, F64),
+    spec(Random(10, 6), Chains, F64).all().part(Complete),
+    spec(Random(11, 7), List(11), F32).part(Trees),
+    spec(Random(12, 8), Links, F64).part(Trees),
+    spec(Random(13, 9), Chains, F64).part(Trees),
+    spec(Random(14, 10), List(14), F64).part(Trees),
+    spec(Random(15, 12), Chains, F64).part(Trees),
+    spec(Random(16, 16), List(16), F64).part(Trees),
+    spec(Random(17, 30), Chains, F64).part(Trees),
     spec(Zoo(7423, 7), Links, F32),
     spec(Zoo(10153, 8), List(18), F64).loaded(&["fixed6", "link2"]).all(),
 ];
 
 const fn spec(source: Source, division: Division, float: FloatType) -> Spec {
-    let (friction, rotors, payload): (_, &[_], &[_]) = (Friction::None, &[], &[]);
+    let (friction, rotors, loaded): (_, &[_], &[_]) = (Friction::None, &[], &[]);
     let (all, floating, share) = (false, false, false);
-    Spec { source, division, float, all, floating, share, friction, rotors, payload }
+    Spec {
+        source,
+        part: Part::Small,
+        division,
+        float,
+        all,
+        floating,
+        share,
+        friction,
+        rotors,
+        loaded,
+    }
 }
 
 impl Spec {
+    const fn part(mut self, part: Part) -> Self {
+        self.part = part;
+        self
+    }
+
     const fn all(mut self) -> Self {
         self.all = true;
         self
@@ -142,18 +192,21 @@ impl Spec {
         self
     }
 
-    const fn loaded(mut self, payload: &'static [&'static str]) -> Self {
-        self.payload = payload;
+    const fn loaded(mut self, links: &'static [&'static str]) -> Self {
+        self.loaded = links;
         self
     }
 
-    /// The file that describes the robot, if one does, from the folder of this crate.
+    /// The file that describes the robot, if one does.
     fn file(&self) -> Option<PathBuf> {
-        match self.source {
-            Golden(name) => Some(format!("golden/{name}.urdf").into()),
-            Described(name) => Some(format!("../robots/{name}.urdf").into()),
-            Random(..) | Zoo(..) => None,
-        }
+        let file = match self.source {
+            Golden(name) => format!("tests/golden/{name}.urdf"),
+            Described(name) => format!("robots/{name}.urdf"),
+            Random(..) | Zoo(..) => return None,
+        };
+        // The packages that include this file are in folders of different depths.
+        let mut folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+        folders.find_map(|folder| Some(folder.join(&file)).filter(|file| file.is_file()))
     }
 
     /// All functions of single states; batches have tests of their own.
@@ -171,7 +224,7 @@ impl Spec {
             Zoo(seed, links) => format!("zoo{seed}_{links}"),
         };
         let floating = if self.floating { "_floating" } else { "" };
-        let loaded = if self.payload.is_empty() { "" } else { "_loaded" };
+        let loaded = if self.loaded.is_empty() { "" } else { "_loaded" };
         let shared = if self.share { "_shared" } else { "" };
         format!("{name}{floating}{loaded}{shared}")
     }
@@ -193,10 +246,10 @@ impl Spec {
     #[must_use]
     pub fn model(&self) -> Model {
         let file = match (self.file(), self.source) {
-            (Some(file), _) => Path::new(env!("CARGO_MANIFEST_DIR")).join(file),
+            (Some(file), _) => file,
             (None, Random(seed, links)) => return tree(seed, links),
             (None, Zoo(seed, links)) => return zoo(seed, links),
-            (None, _) => unreachable!("only random robots have no file"),
+            (None, source) => panic!("there is no file of {source:?}"),
         };
         let name = file.display().to_string();
         let text = std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -208,7 +261,7 @@ impl Spec {
         let options = ReadOptions {
             mimic: self.mimic(),
             base: self.base(),
-            friction: self.friction,
+            friction: Some(self.friction),
             rotors: self.rotors.iter().map(rotor).collect(),
             ..ReadOptions::default()
         };
@@ -254,8 +307,9 @@ impl Spec {
         if self.all {
             builder = builder.functions(Self::all_functions());
         }
-        if !self.payload.is_empty() {
-            builder = builder.payload(self.payload.iter().copied()).runtime_gravity();
+        if !self.loaded.is_empty() {
+            let links = || self.loaded.iter().copied();
+            builder = builder.runtime_inertia(links()).payload(links()).runtime_gravity();
         }
         match self.source {
             // Under the name that its description gives it.

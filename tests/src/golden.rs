@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use modyn_codegen::urdf::{Mimic, ReadOptions, read};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Inertial, Model};
+use modyn_runtime::spatial::{Vector3, Wrench};
 use nalgebra::DMatrix;
 use serde_json::Value;
 
@@ -25,6 +26,15 @@ pub const FIXED_BASE: [&str; 7] = [
 /// Robots on a floating base.
 pub const FLOATING_BASE: [&str; 2] = ["solo12_ff", "g1_ff"];
 
+/// Random trees in general position with planar, spherical, floating and universal joints inside.
+pub const GENERAL_TREES: [&str; 3] = ["joints_floating", "joints_planar", "joints_spherical"];
+
+/// The four-bar linkage in general position.
+pub const PLANAR_LOOP: &str = "four_bar_general";
+
+/// Mechanisms in general position with one closed spatial loop each.
+pub const SPATIAL_LOOPS: [&str; 3] = ["loop_spherical", "loop_revolute", "loop_fixed"];
+
 /// A robot, with its quantities at a few states.
 pub struct Golden {
     /// The robot.
@@ -36,12 +46,19 @@ pub struct Golden {
 /// What is known at one state, in the order of the model's joint vectors.
 pub struct Quantities {
     state: Value,
-    /// How many coordinates a floating base has in front of the joints.
-    base: usize,
-    /// For each of the model's joints of one coordinate, where the file has it.
-    joints: Vec<usize>,
-    /// For each of the model's velocities, where the file has it.
-    order: Vec<usize>,
+    order: Order,
+}
+
+/// The order of the file's numbers.
+#[derive(Clone, Default)]
+struct Order {
+    /// For a robot that is in Pinocchio's coordinates: how many a floating base has before the joints, and for each
+    /// of the model's joints of one coordinate its place in the file. Else the file has the model's coordinates.
+    joints: Option<(usize, Vec<usize>)>,
+    /// For each of the model's velocities its place in the file.
+    velocities: Vec<usize>,
+    /// For each of the model's moving links its place among the regressor's columns in the file.
+    links: Vec<usize>,
 }
 
 /// A frame's placement.
@@ -98,26 +115,40 @@ impl Golden {
         let model = if fixed.is_some() { floated(&model, Inertial::default()) } else { model };
         assert_eq!(numbers(&data["gravity"]), model.gravity(), "{name}: gravity");
 
+        let order = if data["coordinates"] == "modyn" {
+            let same = |n: usize| (0..n).collect();
+            Order { joints: None, velocities: same(model.nv()), links: same(model.links().len()) }
+        } else {
+            Order::by_name(&data, &model)
+        };
+        let states = list(&data["states"]).iter().cloned();
+        let states = states.map(|state| Quantities { state, order: order.clone() }).collect();
+        Self { model, states }
+    }
+}
+
+impl Order {
+    /// Pinocchio's order, in which joints stand by name.
+    fn by_name(data: &Value, model: &Model) -> Self {
         let floats = |joint: JointType| joint == JointType::Floating;
         let (bases, links): (Vec<_>, Vec<_>) =
             model.links().iter().partition(|link| floats(link.joint.joint_type));
         let names = list(&data["joint_order"]).iter().filter_map(Value::as_str);
         let names: Vec<&str> = names.skip(bases.len()).collect();
-        assert_eq!(names.len(), links.len(), "{name}: joints");
+        assert_eq!(names.len(), links.len(), "{}: joints", model.name());
         let find = |joint: &str| names.iter().position(|&other| other == joint);
         let joints = links.iter().map(|link| {
-            find(&link.joint.name).unwrap_or_else(|| panic!("{name}: no `{}`", link.joint.name))
+            find(&link.joint.name).unwrap_or_else(|| panic!("no joint `{}`", link.joint.name))
         });
         let joints: Vec<usize> = joints.collect();
         let [base, velocities] =
             [JointType::nq, JointType::nv].map(|count| bases.len() * count(JointType::Floating));
-        let behind = joints.iter().map(|joint| velocities + joint);
-        let order: Vec<usize> = (0..velocities).chain(behind).collect();
-        let states = list(&data["states"]).iter().cloned().map(|state| {
-            let (joints, order) = (joints.clone(), order.clone());
-            Quantities { state, base, joints, order }
-        });
-        Self { states: states.collect(), model }
+        let after = |first: usize| {
+            let places = joints.iter().map(move |joint| first + joint);
+            (0..first).chain(places).collect()
+        };
+        let (velocities, links) = (after(velocities), after(bases.len()));
+        Self { joints: Some((base, joints)), velocities, links }
     }
 }
 
@@ -126,10 +157,12 @@ impl Quantities {
     #[must_use]
     pub fn q(&self) -> Vec<f64> {
         let mut q = numbers(self.get("q"));
-        q.truncate(self.base);
-        let angles = numbers(self.get("q_angle"));
-        assert_eq!(angles.len(), self.joints.len(), "`q_angle`");
-        q.extend(self.joints.iter().map(|&k| angles[k]));
+        if let Some((base, joints)) = &self.order.joints {
+            q.truncate(*base);
+            let angles = numbers(self.get("q_angle"));
+            assert_eq!(angles.len(), joints.len(), "`q_angle`");
+            q.extend(joints.iter().map(|&k| angles[k]));
+        }
         q
     }
 
@@ -137,16 +170,72 @@ impl Quantities {
     #[must_use]
     pub fn vector(&self, name: &str) -> Vec<f64> {
         let all = numbers(self.get(name));
-        assert_eq!(all.len(), self.order.len(), "`{name}`");
-        self.order.iter().map(|&k| all[k]).collect()
+        assert_eq!(all.len(), self.order.velocities.len(), "`{name}`");
+        self.order.velocities.iter().map(|&k| all[k]).collect()
     }
 
     /// The square matrix of that name, a row and a column a velocity.
     #[must_use]
     pub fn matrix(&self, name: &str) -> DMatrix<f64> {
-        let (matrix, n) = (matrix(self.get(name)), self.order.len());
-        assert_eq!(matrix.shape(), (n, n), "`{name}`");
-        matrix.select_rows(&self.order).select_columns(&self.order)
+        let (matrix, order) = (matrix(self.get(name)), &self.order.velocities);
+        assert_eq!(matrix.shape(), (order.len(), order.len()), "`{name}`");
+        matrix.select_rows(order).select_columns(order)
+    }
+
+    /// The 3 numbers of a position.
+    #[must_use]
+    pub fn position(&self, name: &str) -> Vec<f64> {
+        let position = numbers(self.get(name));
+        assert_eq!(position.len(), 3, "`{name}`");
+        position
+    }
+
+    /// The momentum about the centre of mass: angular part first.
+    #[must_use]
+    pub fn centroidal_momentum(&self) -> Vec<f64> {
+        let momentum = numbers(self.get("hg"));
+        assert_eq!(momentum.len(), 6, "`hg`");
+        [&momentum[3..], &momentum[..3]].concat()
+    }
+
+    /// The matrix from velocities to the momentum about the centre of mass: 3 angular rows, then 3 linear ones.
+    #[must_use]
+    pub fn centroidal_momentum_matrix(&self) -> DMatrix<f64> {
+        let matrix = matrix(self.get("Ag")).select_columns(&self.order.velocities);
+        assert_eq!(matrix.nrows(), 6, "`Ag`");
+        matrix.select_rows(&[3, 4, 5, 0, 1, 2])
+    }
+
+    /// The regressor: a row a velocity, ten columns a moving link. At some states of some robots.
+    #[must_use]
+    pub fn regressor(&self) -> Option<DMatrix<f64>> {
+        let matrix = matrix(self.state.get("regressor")?);
+        let Order { velocities, links, .. } = &self.order;
+        assert_eq!(matrix.shape(), (velocities.len(), 10 * links.len()), "`regressor`");
+        let columns: Vec<usize> =
+            links.iter().flat_map(|link| 10 * link..10 * (link + 1)).collect();
+        Some(matrix.select_rows(velocities).select_columns(&columns))
+    }
+
+    /// The wrenches on links from outside, in the links' axes at their origins, in the order of `model`'s frames;
+    /// zero on a link that the file does not name.
+    ///
+    /// # Panics
+    ///
+    /// If the file names a link that `model` does not have.
+    #[must_use]
+    pub fn wrenches(&self, model: &Model) -> Vec<Wrench<f64>> {
+        let given = self.get("wrenches").as_object().expect("wrenches by link");
+        let mut wrenches = vec![Wrench::zero(); model.frames().len()];
+        for (name, wrench) in given {
+            let at = model.frames().iter().position(|frame| &frame.name == name);
+            let at = at.unwrap_or_else(|| panic!("no link `{name}`"));
+            let wrench = numbers(wrench);
+            let [force, moment] =
+                [0, 3].map(|k| Vector3([wrench[k], wrench[k + 1], wrench[k + 2]]));
+            wrenches[at] = Wrench { moment, force };
+        }
+        wrenches
     }
 
     /// The number of that name.
@@ -166,7 +255,7 @@ impl Quantities {
         let placement = |(name, frame): (&String, &Value)| {
             let mut rows: Vec<f64> = list(&frame["R"]).iter().flat_map(numbers).collect();
             rows.extend(numbers(&frame["p"]));
-            let jacobian = matrix(&frame["J"]).select_columns(&self.order);
+            let jacobian = matrix(&frame["J"]).select_columns(&self.order.velocities);
             Placement { name: name.clone(), numbers: rows, jacobian }
         };
         frames.iter().map(placement).collect()

@@ -85,18 +85,21 @@ impl Random {
                     _ => [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]],
                 }
             }
-            _ => {
-                let [w, x, y, z] = self.unit();
-                let (xx, yy, zz) = (2.0 * x * x, 2.0 * y * y, 2.0 * z * z);
-                let (xy, xz, yz) = (2.0 * x * y, 2.0 * x * z, 2.0 * y * z);
-                let (wx, wy, wz) = (2.0 * w * x, 2.0 * w * y, 2.0 * w * z);
-                [
-                    [1.0 - yy - zz, xy - wz, xz + wy],
-                    [xy + wz, 1.0 - xx - zz, yz - wx],
-                    [xz - wy, yz + wx, 1.0 - xx - yy],
-                ]
-            }
+            _ => self.any_rotation(),
         }
+    }
+
+    /// Of no special angle.
+    fn any_rotation(&mut self) -> [[f64; 3]; 3] {
+        let [w, x, y, z] = self.unit();
+        let (xx, yy, zz) = (2.0 * x * x, 2.0 * y * y, 2.0 * z * z);
+        let (xy, xz, yz) = (2.0 * x * y, 2.0 * x * z, 2.0 * y * z);
+        let (wx, wy, wz) = (2.0 * w * x, 2.0 * w * y, 2.0 * w * z);
+        [
+            [1.0 - yy - zz, xy - wz, xz + wy],
+            [xy + wz, 1.0 - xx - zz, yz - wx],
+            [xz - wy, yz + wx, 1.0 - xx - yy],
+        ]
     }
 
     /// A signed permutation that keeps handedness.
@@ -124,6 +127,12 @@ impl Random {
             _ => translation = std::array::from_fn(|_| self.between(-0.4, 0.4)),
         }
         translation
+    }
+
+    /// A pose with no entry that is special.
+    fn any_pose(&mut self) -> Pose<f64> {
+        let translation = std::array::from_fn(|_| self.between(-0.4, 0.4));
+        Pose { rotation: self.any_rotation(), translation }
     }
 
     fn pose(&mut self) -> Pose<f64> {
@@ -183,13 +192,20 @@ impl Random {
         };
         let (axis, origin) = (self.axis(), self.pose());
         let name = format!("joint{number}");
-        Joint { second_axis: self.across(axis), ..Joint::new(name, joint_type, axis, origin) }
+        Joint {
+            second_axis: self.across(axis, Self::axis),
+            ..Joint::new(name, joint_type, axis, origin)
+        }
     }
 
     /// An axis at an angle to that one, often not a right one.
-    fn across(&mut self, axis: [f64; 3]) -> [f64; 3] {
+    fn across(
+        &mut self,
+        axis: [f64; 3],
+        mut another: impl FnMut(&mut Self) -> [f64; 3],
+    ) -> [f64; 3] {
         loop {
-            let other = self.axis();
+            let other = another(self);
             let cosine: f64 = axis.iter().zip(other).map(|(a, b)| a * b).sum();
             if cosine.abs() < 0.8 {
                 return other;
@@ -212,6 +228,14 @@ pub fn tree(seed: u64, links: usize) -> Model {
     parts.model(format!("tree{seed}_{links}"))
 }
 
+/// Such a tree in general position: no axis is a coordinate axis, no frame is parallel to another.
+#[must_use]
+pub fn general_tree(seed: u64, links: usize) -> Model {
+    let mut parts = grow(seed, links, serial(seed), |random, i, _| random.joint(i));
+    parts.unalign(seed);
+    parts.model(format!("general_tree{seed}_{links}"))
+}
+
 /// A chain of that many links (at least one).
 #[must_use]
 pub fn chain(seed: u64, links: usize) -> Model {
@@ -223,7 +247,32 @@ pub fn chain(seed: u64, links: usize) -> Model {
 /// some have drives and bearings that resist, smoothly; fixed frames have inertias.
 #[must_use]
 pub fn zoo(seed: u64, links: usize) -> Model {
+    let parts = grow(seed, links, serial(seed), Random::any_joint);
+    furnished(parts, seed, format!("zoo{seed}_{links}"))
+}
+
+/// Such a tree in general position.
+#[must_use]
+pub fn general_zoo(seed: u64, links: usize) -> Model {
     let mut parts = grow(seed, links, serial(seed), Random::any_joint);
+    parts.unalign(seed);
+    furnished(parts, seed, format!("general_zoo{seed}_{links}"))
+}
+
+/// [`tree`], or of every second seed [`general_tree`].
+#[must_use]
+pub fn mixed_tree(seed: u64, links: usize) -> Model {
+    if seed.is_multiple_of(2) { tree(seed, links) } else { general_tree(seed, links) }
+}
+
+/// [`zoo`], or of every second seed [`general_zoo`].
+#[must_use]
+pub fn mixed_zoo(seed: u64, links: usize) -> Model {
+    if seed.is_multiple_of(2) { zoo(seed, links) } else { general_zoo(seed, links) }
+}
+
+/// The model of these parts with mimics, drives, friction, and inertias of fixed frames.
+fn furnished(mut parts: Parts, seed: u64, name: String) -> Model {
     let mut random = Random::new(seed ^ 0x005a_4f4f);
     parts.weigh_frames(&mut random);
     if random.chance(0.5) {
@@ -237,7 +286,7 @@ pub fn zoo(seed: u64, links: usize) -> Model {
         1 => Friction::Viscous,
         _ => Friction::Smooth(random.between(0.05, 0.5)),
     };
-    let model = parts.model(format!("zoo{seed}_{links}"));
+    let model = parts.model(name);
     model.with_friction(friction).expect("sound friction")
 }
 
@@ -304,6 +353,19 @@ impl Parts {
         let Self { gravity, links, frames } = self;
         Model::new(&*name, gravity, links, frames)
             .unwrap_or_else(|errors| panic!("{name}: {errors:?}"))
+    }
+
+    /// Gives joints and fixed frames other axes and poses, none of them special.
+    fn unalign(&mut self, seed: u64) {
+        let mut random = Random::new(seed ^ 0x0047_454e);
+        for Link { joint, .. } in &mut self.links {
+            joint.axis = random.unit();
+            joint.second_axis = random.across(joint.axis, Random::unit);
+            joint.origin = random.any_pose();
+        }
+        for frame in self.frames.iter_mut().filter(|frame| frame.name.starts_with("fixed")) {
+            frame.pose = random.any_pose();
+        }
     }
 
     /// Gives fixed frames inertias, which their links then have, too.

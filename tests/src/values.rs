@@ -4,6 +4,7 @@ use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 use modyn_runtime::spatial::{Momentum, Twist, Vector3, Wrench};
 use modyn_runtime::{
     Array, Factorization, Forces, ForwardDerivatives, FrameError, Interpreter, Robot, Scalar,
+    functions,
 };
 
 use crate::quantities::{Quantities, numbers};
@@ -216,12 +217,12 @@ pub fn vector<T: Scalar>(Vector3(numbers): &Vector3<T>) -> Vec<T> {
 macro_rules! default_quantities {
     ($robot:ident, $given:expr, $links:expr) => {{
         use $crate::quantities::numbers;
-        use $crate::values::{each, list, twist, uniform, vector};
+        use $crate::values::{each, list, twist, uniform};
         let (given, links) = ($given, $links);
         let (q, qd) = (&given.q, &given.qd);
         let random = $robot::random(uniform());
         vec![
-            ("center_of_mass", vector(&$robot::center_of_mass(q))),
+            ("center_of_mass", list(&$robot::center_of_mass(q))),
             ("link_pose", links.iter().flat_map(|&l| numbers(&$robot::link_pose(q, l))).collect()),
             (
                 "jacobian",
@@ -320,7 +321,7 @@ pub type GivenTo<R, T> =
 /// # Panics
 ///
 /// If the inputs do not have the robot's length.
-pub fn generated<R: Robot, T: Scalar>(
+pub fn generated<R: Robot + functions::Defaults, T: Scalar>(
     inputs: &Inputs<T>,
     links: &[R::Link],
     pivot_blocks: impl FnOnce(&R::Brge<T>) -> Vec<Vec<T>>,
@@ -361,7 +362,10 @@ pub fn generated<R: Robot, T: Scalar>(
 /// # Panics
 ///
 /// If the inputs do not have the robot's length.
-pub fn generated_others<R: Robot, T: Scalar>(inputs: &Inputs<T>, links: &[R::Link]) -> Named<T> {
+pub fn generated_others<R: Robot + functions::All, T: Scalar>(
+    inputs: &Inputs<T>,
+    links: &[R::Link],
+) -> Named<T> {
     let given = GivenTo::<R, T>::new(inputs);
     other_quantities!(R, &given, links)
 }
@@ -433,7 +437,7 @@ fn interpreted_defaults<T: Scalar>(
     interpreter.coordinate_rates(q, qd, &mut rates).expect(LENGTHS);
     interpreter.normalize(&mut unit).expect(LENGTHS);
     vec![
-        ("center_of_mass", vector(&interpreter.center_of_mass(q).expect(LENGTHS))),
+        ("center_of_mass", interpreter.center_of_mass(q).expect(LENGTHS).to_vec()),
         ("link_pose", by_link(links, |l| numbers(&interpreter.link_pose(q, l).expect(LENGTHS)))),
         (
             "jacobian",

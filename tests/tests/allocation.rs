@@ -1,5 +1,5 @@
-//! The interpreter allocates when it is made, not when it is called; what it makes for derivatives and closed loops,
-//! when they are first asked for.
+//! The interpreter allocates when it is made, not when it is called; the memory for derivatives, closed loops and changes of
+//! inertias, when they are first asked for.
 
 use modyn_runtime::model::{Inertial, Model, ModuleTree};
 use modyn_runtime::spatial::{Pose, Wrench};
@@ -30,6 +30,9 @@ fn calls_allocate_nothing() {
                 .expect("its own modules");
             let mut poses = vec![Pose::identity(); model.frames().len()];
             let (mut a, mut b, mut columns) = (vec![0.0; n], vec![0.0; n], vec![0.0; n * n]);
+            let own = model.frames()[1].inertial;
+            let heavier = Inertial { mass: 2.0 * own.mass, ..own };
+            interpreter.set_inertial(1, &own).expect("the description's");
             let (result, allocated) = measure(|| {
                 interpreter.forward_dynamics(&q, &qd, &tau, &mut a)?;
                 interpreter.inverse_dynamics(&q, &qd, &a, &mut b)?;
@@ -44,7 +47,8 @@ fn calls_allocate_nothing() {
                     interpreter.inverse_dynamics_external(&q, &qd, &a, forces, &mut b)?;
                 }
                 interpreter.set_gravity([0.0, 0.0, -1.62]);
-                interpreter.set_inertial(1, &Inertial::default()).expect("no body is a body");
+                interpreter.set_inertial(1, &heavier).expect("a body's");
+                interpreter.set_payload(1, &own).expect("a body's");
                 interpreter.gravity_torques(&[], &mut b).expect_err("wrong length");
                 Ok::<_, ShapeError>(())
             });

@@ -410,14 +410,26 @@ fn long_texts() {
     });
 }
 
+/// Other parameters than those of the description.
+macro_rules! parameters_of {
+    ($params:ident) => {{
+        let mut params = $params::DEFAULT;
+        params.set_gravity([1.0, -2.0, 3.0]);
+        let inertia = [0.02, 0.001, 0.0, 0.03, 0.0, 0.04];
+        let load = modyn::Inertial { mass: 1.5, center_of_mass: [0.1, 0.2, 0.3], inertia };
+        params.set_payload_of_link7(load).expect("a rigid body");
+        params
+    }};
+}
+
 #[test]
 fn parameters() {
     const STATES: usize = 19;
     let [q, qd, tau]: [Vec<[f64; 7]>; 3] = [3.0, 2.0, 5.0].map(|size| vectors(STATES, size));
-    let params = ArmParams { gravity: [1.0, -2.0, 3.0], ..ArmParams::DEFAULT };
+    let params = parameters_of!(ArmParams);
     let expected = |i: usize| {
         let [q, qd, tau] = [q[i], qd[i], tau[i]].map(|x| plain(&x));
-        number(<Arm as Robot>::forward_dynamics_with(&params, &q, &qd, &tau))
+        number(<Arm as Robot>::forward_dynamics_with(&params.map(Plain), &q, &qd, &tau))
     };
     let expected: Vec<_> = (0..STATES).map(expected).collect();
     on_every_level(|fused| {
@@ -439,10 +451,10 @@ fn parameters_of_several_arrays() {
     use several::{Arm, ArmParams};
     const STATES: usize = 19;
     let [q, qd, tau]: [Vec<[f64; 7]>; 3] = [3.0, 2.0, 5.0].map(|size| vectors(STATES, size));
-    let params = ArmParams { gravity: [1.0, -2.0, 3.0], ..ArmParams::DEFAULT };
+    let params = parameters_of!(ArmParams);
     let expected = |i: usize| {
         let [q, qd, tau] = [q[i], qd[i], tau[i]].map(|x| plain(&x));
-        <Arm as Robot>::forward_dynamics_derivatives_with(&params, &q, &qd, &tau)
+        <Arm as Robot>::forward_dynamics_derivatives_with(&params.map(Plain), &q, &qd, &tau)
     };
     let expected: Vec<[f64; 49]> = (0..STATES)
         .map(|i| expected(i).dq.map(number).as_flattened().try_into().expect("a square"))

@@ -400,7 +400,7 @@ fn lengths_are_checked() {
     let (nq, nv) = (robot.model().nq(), robot.model().nv());
     let (q, v, short) = (vec![0.0; nq], vec![0.0; nv], [0.0]);
     let (mut to_q, mut to_v) = (q.clone(), v.clone());
-    let error = |parameter, expected| Err(ShapeError { parameter, expected, found: 1 });
+    let error = |parameter, expected| Err(ShapeError::new(parameter, expected, 1));
     assert_eq!(robot.integrate(&short, &v, &mut to_q), error("q", nq));
     assert_eq!(robot.integrate(&q, &short, &mut to_q), error("v", nv));
     assert_eq!(robot.integrate(&q, &v, &mut [0.0]), error("moved", nq));

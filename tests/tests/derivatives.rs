@@ -69,7 +69,7 @@ fn random_trees_agree_with_tangents_of_the_dynamics() {
     let (mut followers, mut types) = (0, Vec::new());
     for seed in 0..200 {
         let links = 1 + usize::try_from(seed % 9).expect("a digit");
-        let model = random::zoo(seed, links);
+        let model = random::mixed_zoo(seed, links);
         followers += model.links().iter().filter(|link| link.joint.mimic.is_some()).count();
         types.extend(model.links().iter().map(|link| link.joint.joint_type.name()));
         let n = model.nv();
@@ -112,7 +112,7 @@ fn random_trees_agree_with_tangents_of_the_dynamics() {
 #[test]
 fn traced_derivatives_are_the_interpreters() {
     for seed in 0..20 {
-        let model = random::zoo(seed, 5);
+        let model = random::mixed_zoo(seed, 5);
         let prepared = Prepared::new(&model);
         let tracer = Tracer::new(&prepared);
         let State { q, qd, qdd, tau } = random::state(seed, &model);

@@ -2,7 +2,7 @@
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Drive, Friction, Model};
-use modyn_tests::random::{State, chain, state, tree, zoo};
+use modyn_tests::random::{State, chain, general_tree, general_zoo, state, tree, zoo};
 
 /// FNV-1a over the bits of the figures.
 fn fingerprint(model: &Model) -> u64 {
@@ -125,4 +125,24 @@ fn zoos_have_all_there_is() {
     assert!((20..=45).contains(&count(&driven)));
     assert!((5..=30).contains(&count(&|model| model.friction() == Friction::Viscous)));
     assert!((5..=30).contains(&count(&|model| matches!(model.friction(), Friction::Smooth(_)))));
+}
+
+/// No entry of an axis, a rotation or a translation is 0 or 1 in magnitude, nor near it.
+#[test]
+fn general_robots_have_nothing_special() {
+    for seed in 0..50 {
+        for model in [general_tree(seed, 10), general_zoo(seed, 5)] {
+            let poses = model.links().iter().map(|link| link.joint.origin);
+            let fixed = model.frames().iter().filter(|frame| frame.name.starts_with("fixed"));
+            for pose in poses.chain(fixed.map(|frame| frame.pose)) {
+                let entries = [pose.rotation.concat(), pose.translation.to_vec()].concat();
+                assert!(entries.iter().all(|x| x.abs() > 1e-6 && (1.0 - x.abs()) > 1e-9), "{seed}");
+            }
+            for link in model.links() {
+                for axis in [link.joint.axis, link.joint.second_axis] {
+                    assert!(axis.iter().all(|x| x.abs() > 1e-6), "{seed}: {axis:?}");
+                }
+            }
+        }
+    }
 }

@@ -476,7 +476,7 @@ proptest! {
 
         let short = Forces::InWorldAxes(&wrenches[1..]);
         let (expected, found) = (wrenches.len(), wrenches.len() - 1);
-        let refused = Err(ShapeError { parameter: "forces", expected, found });
+        let refused = Err(ShapeError::new("forces", expected, found));
         let mut out = tau.clone();
         let result = interpreter.forward_dynamics_external(&q, &qd, &tau, short, &mut out);
         prop_assert_eq!(result, refused);

@@ -106,6 +106,7 @@ fn functions<'a>(lines: &'a [&'a str], mangled: &str) -> Vec<(&'a str, Counts)> 
 /// Four legs in four lanes: packed, but for what is put together from single numbers. An arm's derivatives:
 /// what is carried for four columns at once, and single numbers, whose products fuse in place.
 #[test]
+#[ignore = "slow: an optimised build of modyn and of five robots"]
 fn limbs_and_columns_are_packed() {
     let text = assembly();
     let lines: Vec<&str> = text.lines().collect();
@@ -124,6 +125,7 @@ fn limbs_and_columns_are_packed() {
 }
 
 #[test]
+#[ignore = "slow: an optimised build of modyn and of five robots"]
 fn packed_and_of_full_width() {
     let text = assembly();
     let lines: Vec<&str> = text.lines().collect();

@@ -388,7 +388,7 @@ fn a_broken_model_is_not_deserialized() {
 #[test]
 fn what_a_model_may_lack_can_be_left_out() {
     let mut json = serde_json::to_value(model()).expect("plain data");
-    for part in ["friction", "closures"] {
+    for part in ["friction", "loop_constraints"] {
         json.as_object_mut().expect("an object").remove(part).expect("written");
     }
     assert_eq!(serde_json::from_value::<Model>(json).expect("a model"), model());

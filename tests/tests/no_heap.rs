@@ -2,9 +2,9 @@
 
 use std::hint::black_box;
 
-use modyn::Nalgebra;
 use modyn::simulate::{Gains, Reference, State};
 use modyn::spatial::Wrench;
+use modyn::{Inertial, Nalgebra};
 use modyn_tests::counting::{Counting, measure};
 
 #[global_allocator]
@@ -19,6 +19,7 @@ modyn::modyn!(
     functions = all,
     friction = smooth(0.01),
     gravity = runtime,
+    runtime_inertia = ["tip"],
     payload = ["tip"],
 );
 
@@ -62,7 +63,10 @@ fn nor_do_those_of_all_functions() {
     let (q, v) = black_box((JointZoo::NEUTRAL, [0.3; V]));
     let forces = black_box([Wrench::<f64>::zero(); JointZoo::LINK_NAMES.len()]);
     let ((), allocated) = measure(|| {
-        let params = JointZooParams { gravity: black_box([0.0; 3]), ..JointZooParams::DEFAULT };
+        let mut params = JointZooParams::DEFAULT;
+        params.set_gravity(black_box([0.0; 3]));
+        params.set_inertia_of_tip(black_box(Inertial::default())).ok();
+        params.set_payload_of_tip(black_box(Inertial::default())).ok();
         black_box(JointZoo::forward_dynamics(&q, &v, &v));
         black_box(JointZoo::forward_dynamics_with(&params, &q, &v, &v));
         black_box(JointZoo::inverse_dynamics_with(&params, &q, &v, &v));

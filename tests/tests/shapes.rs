@@ -1,9 +1,10 @@
 //! A wrong length is an error that names what is wrong, never a panic.
 
-use modyn_runtime::model::ModuleTree;
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::{Joint, Link, Model, ModuleTree};
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Interpreter, ModuleMismatch, ShapeError, UpdateError};
-use modyn_tests::random::tree;
+use modyn_tests::random::{Random, tree};
 
 const LINKS: usize = 4;
 const GOOD: [f64; LINKS] = [0.1; LINKS];
@@ -79,7 +80,7 @@ fn factorizations() {
     for found in WRONG {
         assert_shape(brge.solve(&BAD[..found]), "rhs", LINKS, found);
         assert_shape(brge.solve_in_place(&mut BAD.to_vec()[..found]), "x", LINKS, found);
-        let expected = ShapeError { parameter: "q", expected: LINKS, found };
+        let expected = ShapeError::new("q", LINKS, found);
         assert_eq!(brge.update(&r, &BAD[..found]), Err(UpdateError::Shape(expected)));
     }
 }
@@ -92,9 +93,9 @@ fn modules_of_another_model_are_refused() {
     assert!(ModuleTree::links(&star).fits(&star) && ModuleTree::chains(&star).fits(&star));
     assert!(!ModuleTree::links(&tree(7, 6)).fits(&star));
     let error = Interpreter::<f64>::with_modules(star.clone(), foreign.clone()).map(drop);
-    assert_eq!(error, Err(ModuleMismatch));
+    assert_eq!(error, Err(ModuleMismatch::default()));
     let error = Interpreter::<f64>::new(star.clone()).eliminating_by(&foreign).map(drop);
-    assert_eq!(error, Err(ModuleMismatch));
+    assert_eq!(error, Err(ModuleMismatch::default()));
     // Another robot's factorization, and one by other modules.
     let interpreter = Interpreter::<f64>::new(star.clone());
     let mut brge = interpreter.brge(&[0.2; 5]).expect("five numbers");
@@ -102,8 +103,54 @@ fn modules_of_another_model_are_refused() {
     let by_links = Interpreter::<f64>::with_modules(star, links).expect("its own modules");
     for stranger in [Interpreter::<f64>::new(other), by_links] {
         let error = brge.update(&stranger, &[0.1; 5]);
-        assert_eq!(error, Err(UpdateError::Modules(ModuleMismatch)));
+        assert_eq!(error, Err(UpdateError::Modules(ModuleMismatch::default())));
     }
     let expected = interpreter.brge(&[0.2; 5]).expect("five numbers");
     assert_eq!((brge.u(), brge.d()), (expected.u(), expected.d()));
+}
+
+/// As many coordinates in as many links, but of other joints: a factorization has another layout.
+#[test]
+fn factorizations_of_other_joints_are_refused() {
+    let joints = [JointType::Spherical, JointType::Revolute];
+    let models = [joints, [joints[1], joints[0]]].map(|types| chain(&types));
+    let [first, second] = models.map(|model| {
+        let links = ModuleTree::links(&model);
+        Interpreter::<f64>::with_modules(model, links).expect("its own modules")
+    });
+    assert_eq!((first.model().nq(), first.modules()), (second.model().nq(), second.modules()));
+    let mut q = [0.0, 0.6, 0.0, 0.8, 0.3];
+    let mut brge = first.brge(&q).expect("five numbers");
+    let before = brge.clone();
+    let refused = Err(UpdateError::Modules(ModuleMismatch::default()));
+    assert_eq!(brge.update(&second, &q), refused);
+    assert_eq!(brge.inverse(), before.inverse(), "nothing was written");
+    assert_eq!(brge.solve(&[1.0, 2.0, 3.0, 4.0]), before.solve(&[1.0, 2.0, 3.0, 4.0]));
+    // With other numbers alone, the memory serves another robot.
+    let mut other = chain(&joints);
+    other = Model::new("other", [0.0; 3], changed_mass(&other, 3.0), Vec::new()).expect("sound");
+    let links = ModuleTree::links(&other);
+    let other = Interpreter::<f64>::with_modules(other, links).expect("its own modules");
+    q[4] = -0.4;
+    assert_eq!(brge.update(&other, &q), Ok(()));
+    assert_eq!(brge.inverse(), other.brge(&q).expect("five numbers").inverse());
+}
+
+/// The links of `model`, each so many times as heavy.
+fn changed_mass(model: &Model, times: f64) -> Vec<Link> {
+    let mut links = model.links().to_vec();
+    links.iter_mut().for_each(|link| link.inertial.mass *= times);
+    links
+}
+
+/// A chain of joints of these types, in general position.
+fn chain(types: &[JointType]) -> Model {
+    let mut random = Random::new(5);
+    let link = |(i, joint_type): (usize, &JointType)| {
+        let origin = Pose { translation: [0.1, -0.2, 0.3], ..Pose::identity() };
+        let joint = Joint::new(format!("j{i}"), *joint_type, [0.6, 0.0, -0.8], origin);
+        Link { name: format!("l{i}"), parent: i.checked_sub(1), joint, inertial: random.inertial() }
+    };
+    let links = types.iter().enumerate().map(link).collect();
+    Model::new("chain", [0.0; 3], links, Vec::new()).expect("sound parts")
 }

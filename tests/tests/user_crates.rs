@@ -1,7 +1,8 @@
 //! Crates as users have them, outside the workspace: each is built by a Cargo of its own.
 //!
-//! All of them share one target folder, so that what they depend on is built once; the workspace's
-//! `Cargo.lock` beside each one pins what that is.
+//! All of them share one target folder, so that their dependencies are built once; the workspace's `Cargo.lock` beside
+//! each one pins the versions. The slow ones are ignored unless they are asked for (`-- --include-ignored`), as
+//! `.ci/run` does.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -29,8 +30,7 @@ fn cargo(folder: &Path, arguments: &str) -> Output {
     let mut command = Command::new(env!("CARGO"));
     for (name, _) in std::env::vars_os() {
         let name = name.to_string_lossy();
-        // How much is kept on disk may be said from outside.
-        let kept = ["CARGO_HOME", "CARGO_INCREMENTAL", "CARGO_PROFILE_DEV_DEBUG"].contains(&&*name);
+        let kept = ["CARGO_HOME", "CARGO_INCREMENTAL"].contains(&&*name);
         if (name.starts_with("CARGO") && !kept) || name == "RUSTFLAGS" {
             command.env_remove(&*name);
         }
@@ -39,6 +39,8 @@ fn cargo(folder: &Path, arguments: &str) -> Output {
     let arguments = arguments.split_whitespace();
     command.current_dir(folder).args(arguments).arg("--target-dir").arg(target);
     command.args(["--jobs", "2"]).env("CARGO_TERM_COLOR", "never");
+    // Half the time and most of the disk; the test of debug information asks for it.
+    command.env("CARGO_PROFILE_DEV_DEBUG", "0");
     command.output().expect("Cargo runs")
 }
 
@@ -83,6 +85,7 @@ fn without_the_standard_library() {
 }
 
 #[test]
+#[ignore = "slow: rustc, clippy and rustdoc on all functions"]
 fn with_the_strictest_lints() {
     let folder = user_crate("strict");
     succeeds(&folder, "test");
@@ -107,19 +110,23 @@ fn by_a_build_script() {
 }
 
 #[test]
+#[ignore = "slow: debug information of a long text"]
 fn the_largest_robot_with_debug_information() {
     let folder = user_crate("humanoid");
-    for arguments in ["build", "build --release"] {
+    // Debug information makes rustc slow on long functions, or crash.
+    for profile in ["dev", "release"] {
+        let arguments = format!("build --profile {profile} --config profile.{profile}.debug=true");
         succeeds(&folder, &format!("{arguments} -p modyn"));
         let start = Instant::now();
-        succeeds(&folder, arguments);
+        succeeds(&folder, &arguments);
         // No limit: machines differ. `--nocapture` shows it.
         println!("cargo {arguments} of the humanoid: {:.1} s", start.elapsed().as_secs_f64());
     }
 }
 
 #[test]
-#[cfg_attr(not(unix), ignore = "links against the C library")]
+#[ignore = "slow: link-time optimisation at four levels"]
+#[cfg(unix)] // It links against the C library.
 fn no_path_panics() {
     let folder = user_crate("no-panic");
     for level in ["3", "\"s\"", "1"] {
@@ -211,45 +218,4 @@ fn a_member_of_a_workspace() {
     write("Cargo.toml", "[workspace]\nmembers = [\"member\"]\nresolver = \"3\"\n");
     succeeds(&folder, "build");
     succeeds(&member, "build");
-}
-
-/// A robot that can do one thing; generic code may ask it for others.
-const LITTLE: &str = r#"
-modyn::modyn!(pub Little = "robot.urdf", functions = [forward_dynamics]);
-
-pub fn ask<R: modyn::Robot>(q: &R::Q<f64>, qd: &R::V<f64>) -> R::V<f64> {
-    R::FUNCTION
-}
-
-pub fn run() -> [f64; 1] {
-    Little::forward_dynamics(&[0.1], &[0.2], &[0.3]);
-    ask::<Little>(&[0.1], &[0.2])
-}
-"#;
-
-#[test]
-fn what_was_left_out_is_named() {
-    let calling = |call: &str| {
-        let folder = new_crate("user-little", &LITTLE.replace("FUNCTION", call));
-        std::fs::write(folder.join("robot.urdf"), PENDULUM).expect("a file");
-        folder
-    };
-    succeeds(&calling("forward_dynamics(q, qd, qd)"), "build");
-    for (call, missing) in [
-        ("gravity_torques(q)", "gravity_torques"),
-        ("inverse_dynamics_with(&R::Params::default(), q, qd, qd)", "inverse_dynamics"),
-        ("difference(q, q)", "difference"),
-    ] {
-        let output = fails(&calling(call), "build");
-        let expected = format!("this robot was compiled without `{missing}`");
-        assert!(output.contains(&expected), "{output}");
-        assert!(output.contains("add it to its option `functions`"), "{output}");
-    }
-    // By the type itself there is no such function to call.
-    let folder = calling("forward_dynamics(q, qd, qd)");
-    let source = "modyn::modyn!(Little = \"robot.urdf\", functions = [forward_dynamics]);\n\
-                  pub fn run() { let _ = Little::gravity_torques(&[0.1]); }\n";
-    std::fs::write(folder.join("src/lib.rs"), source).expect("a file");
-    let output = fails(&folder, "build");
-    assert!(output.contains("E0599") && output.contains("`gravity_torques`"), "{output}");
 }

@@ -12,6 +12,7 @@ modyn::modyn! {
     payload = hand,
     functions = [default, forward_kinematics],
     colour = red,
+    gravty = runtime,
     crate = 7,
 }
 modyn::modyn!("good.urdf", gravity = [0.0, down, 1.0]);
@@ -22,5 +23,6 @@ modyn::modyn!("good.urdf", friction = sticky);
 modyn::modyn!("good.urdf", friction = smooth(slow));
 modyn::modyn!("good.urdf", rotors = [elbow: (1e-4, 100.0)]);
 modyn::modyn!("good.urdf", functions = "all");
+modyn::modyn!("good.urdf", functions = [mas_matrix]);
 
 fn main() {}

@@ -163,12 +163,32 @@ fn ordinary_agrees() -> bool {
     })
 }
 
+/// A robot with run-time parameters takes them, in its own scalar, and refuses an inertia that no body has.
+fn loaded_agrees() -> bool {
+    use robots_::loaded::{Arm7, Arm7Params};
+
+    black_box(&cases::ARM7).iter().all(|case| {
+        let (q, qd, tau) = (numbers(&case.q), numbers(&case.qd), numbers(&case.tau));
+        let mut params = black_box(Arm7Params::DEFAULT);
+        let described = Arm7::forward_dynamics_with(&params, &q, &qd, &tau);
+        let own = params.inertia_of_link7();
+        let mut nonsense = own;
+        nonsense.mass = black_box(-1.0);
+        params.set_gravity(black_box([0.5, -0.25, -1.62]));
+        let set = params.set_payload_of_hand(black_box(own)).is_ok()
+            && params.set_inertia_of_link7(black_box(own)).is_ok()
+            && params.set_payload_of_hand(nonsense).is_err();
+        let loaded = Arm7::forward_dynamics_with(&params, &q, &qd, &tau);
+        set && bits(loaded) != bits(described)
+    })
+}
+
 fn main() -> ! {
     #[cfg(feature = "fail")]
     fail();
     measure::prepare();
     let robots = [gripper::run(), arm7::run(), leg::run(), legs::run(), legs_shared::run()];
-    let good = robots.iter().all(|&good| good) && ordinary_agrees();
+    let good = robots.iter().all(|&good| good) && ordinary_agrees() && loaded_agrees();
     Line::default()
         .text(if good { "all agree" } else { "a result differs from the host's" })
         .print();

@@ -16,11 +16,9 @@ pub fn functions(text: &str) -> Result<Functions, String> {
         match name {
             "all" => functions.extend(Function::ALL),
             "default" => functions.extend(Function::DEFAULT),
-            _ => functions.push(Function::from_name(name).ok_or_else(|| {
-                let names: Vec<&str> = Function::ALL.iter().map(|one| one.name()).collect();
-                let names = names.join(", ");
-                format!("there is no function `{name}`; there are: default, all, {names}")
-            })?),
+            _ => {
+                functions.push(Function::from_name(name).ok_or_else(|| Function::unknown(name))?);
+            }
         }
     }
     Ok(Functions(functions))

@@ -22,8 +22,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return to_stdout(&Code::ALL.iter().map(line).collect::<String>());
     };
     let code = Code::from_name(name).ok_or_else(|| {
-        let name = tame(name);
-        Failure::usage(format!("error: there is no code `{name}`; `modyn explain` lists all"))
+        let help = match Code::suggest(name) {
+            Some(meant) => format!("did you mean `{meant}`?"),
+            None => "`modyn explain` lists all".into(),
+        };
+        Failure::usage(format!("error: there is no code `{}`; {help}", tame(name)))
     })?;
     to_stdout(&format!("{code}: {}\n\n{}\n", code.cause(), code.remedy()))
 }

@@ -7,7 +7,6 @@ use modyn_codegen::error::Diagnostics;
 use modyn_codegen::{Builder, FloatType, ModuleChoice, names, tame};
 
 use crate::command::choices::{Functions, functions, modules};
-use crate::command::header;
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::{Description, Robot};
@@ -39,7 +38,10 @@ pub struct Arguments {
     /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
     #[arg(long, value_name = "MODULES", value_parser = modules)]
     modules: Option<ModuleChoice>,
-    /// A link whose inertia becomes an argument
+    /// A link whose own inertia becomes an argument, which replaces the description's
+    #[arg(long, value_name = "LINK")]
+    runtime_inertia: Vec<String>,
+    /// A link to which an inertia is added that is an argument
     #[arg(long, value_name = "LINK")]
     payload: Vec<String>,
     /// Make gravity an argument
@@ -76,9 +78,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
     let builder = arguments.builder(&description)?;
     let named = |found: Diagnostics| description.failure(arguments.robot.named(found));
-    let progress = Progress::start("compiling");
+    let mut progress = Progress::start("compiling");
     let result = match &arguments.output {
-        Some(output) if arguments.check => stale(arguments, &builder, output, &description, &named),
+        Some(output) if arguments.check => stale(arguments, &builder, output, &named),
         Some(output) => write(arguments, &builder, output, &description, &named),
         None => {
             let generated = builder.generate().map_err(named)?;
@@ -99,12 +101,10 @@ fn write(
     named: &impl Fn(Diagnostics) -> Failure,
 ) -> Result<(), Failure> {
     let generated = builder.write(output).map_err(named)?;
-    if let Some(path) = &arguments.c_header {
-        let header =
-            header::text(output, &arguments.prefix(description)?, arguments.scalar.into())?;
-        if !std::fs::read_to_string(path).is_ok_and(|found| found == header) {
-            to_file(path, &header)?;
-        }
+    if let (Some(path), Some(header)) = (&arguments.c_header, &generated.c_header)
+        && !std::fs::read_to_string(path).is_ok_and(|found| found == *header)
+    {
+        to_file(path, header)?;
     }
     description.warn(arguments.robot.named(Diagnostics::new(generated.warnings)));
     Ok(())
@@ -114,7 +114,6 @@ fn stale(
     arguments: &Arguments,
     builder: &Builder,
     output: &Path,
-    description: &Description,
     named: &impl Fn(Diagnostics) -> Failure,
 ) -> Result<(), Failure> {
     let is = |path: &Path, stale: bool| {
@@ -124,13 +123,9 @@ fn stale(
     };
     let mut stale = is(output, builder.is_stale(output).map_err(named)?);
     if let Some(path) = &arguments.c_header {
-        // That of the file as it would be, which is there only if it is not stale.
-        let same = !stale && {
-            let prefix = arguments.prefix(description)?;
-            let header = header::text(output, &prefix, arguments.scalar.into())?;
-            std::fs::read_to_string(path).is_ok_and(|found| found.replace("\r\n", "\n") == header)
-        };
-        stale |= is(path, !same);
+        let header = builder.generate().map_err(named)?.c_header.unwrap_or_default();
+        let found = std::fs::read_to_string(path);
+        stale |= is(path, !found.is_ok_and(|found| found.replace("\r\n", "\n") == header));
     }
     if stale { Err(Failure::Said) } else { Ok(()) }
 }
@@ -149,6 +144,9 @@ impl Arguments {
         }
         if let Some(modules) = &self.modules {
             builder = builder.modules(modules.clone());
+        }
+        if !self.runtime_inertia.is_empty() {
+            builder = builder.runtime_inertia(&self.runtime_inertia);
         }
         if !self.payload.is_empty() {
             builder = builder.payload(&self.payload);

@@ -7,7 +7,6 @@ mod diagnostics;
 mod explain;
 mod figure;
 mod generate;
-mod header;
 mod inspect;
 mod outcome;
 mod progress;

@@ -49,6 +49,7 @@ impl Failure {
                     Code::MissingFile,
                     Code::Gravity,
                     Code::Modules,
+                    Code::RuntimeInertia,
                     Code::Payload,
                     Code::TypeName,
                     Code::Option,

@@ -1,31 +1,64 @@
-//! A sign of life while something takes long, for who watches.
+//! A sign of life in a terminal while something takes long.
 
-use std::time::Duration;
+use std::io::{IsTerminal as _, Write as _};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread::{JoinHandle, spawn};
+use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+/// A line on standard error with what is going on and for how long, until it is stopped or dropped; nothing if standard
+/// error is no terminal.
+pub struct Progress(Option<Shown>);
 
-/// Shown on standard error until it is stopped or dropped, if that is a terminal.
-pub struct Progress(ProgressBar);
+struct Shown {
+    /// What is shown now; the line goes when this does.
+    messages: Sender<&'static str>,
+    thread: JoinHandle<()>,
+}
+
+const PERIOD: Duration = Duration::from_millis(200);
+const FRAMES: [&str; 4] = ["-", "\\", "|", "/"];
 
 impl Progress {
     /// Says what is going on, and for how long.
     pub fn start(what: &'static str) -> Self {
-        let bar = ProgressBar::new_spinner().with_message(what);
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
-            bar.set_style(style);
+        if !std::io::stderr().is_terminal() {
+            return Self(None);
         }
-        bar.enable_steady_tick(Duration::from_millis(200));
-        Self(bar)
+        let (messages, received) = channel();
+        let thread = spawn(move || {
+            let (start, mut what) = (Instant::now(), what);
+            let show = |text: &str| {
+                // Erases the line first.
+                let mut err = anstream::stderr().lock();
+                let _ = write!(err, "\r\x1b[K{text}").and_then(|()| err.flush());
+            };
+            for frame in FRAMES.iter().cycle() {
+                show(&format!("{frame} {what} ({} s)", start.elapsed().as_secs()));
+                match received.recv_timeout(PERIOD) {
+                    Ok(next) => what = next,
+                    Err(RecvTimeoutError::Timeout) => {}
+                    Err(RecvTimeoutError::Disconnected) => break,
+                }
+            }
+            show("");
+        });
+        Self(Some(Shown { messages, thread }))
     }
 
     /// Says what is going on now.
     pub fn then(&self, what: &'static str) {
-        self.0.set_message(what);
+        if let Some(shown) = &self.0 {
+            // The thread ends after the last sender only.
+            let _ = shown.messages.send(what);
+        }
     }
 
     /// Leaves no trace.
-    pub fn stop(&self) {
-        self.0.finish_and_clear();
+    pub fn stop(&mut self) {
+        if let Some(Shown { messages, thread }) = self.0.take() {
+            drop(messages);
+            let _ = thread.join();
+        }
     }
 }
 

@@ -1,15 +1,14 @@
 //! The robot that a command is about: where its description is, and how it is to be read.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use modyn_codegen::Builder;
 use modyn_codegen::error::{Code, Diagnostic, Diagnostics, Severity};
 use modyn_codegen::mjcf;
-use modyn_codegen::source::read_first;
+use modyn_codegen::source::{read_first, read_text};
 use modyn_codegen::urdf::{
-    self, ClosureKind, Friction, Loop, LoopEnd, ReadOptions, Reading, Rotor,
+    self, Friction, Loop, LoopConstraintKind, LoopEnd, ReadOptions, Reading, Rotor,
 };
 
 use crate::command::diagnostics;
@@ -43,9 +42,10 @@ pub struct Options {
     /// fixed, revolute or prismatic; behind each X,Y,Z may stand roll, pitch and yaw
     #[arg(long = "loop", value_name = "JOINT", value_parser = loop_joint)]
     loops: Vec<Loop>,
-    /// Which of the description's damping and friction acts: none, viscous, coulomb, smooth=VELOCITY
-    #[arg(long, value_name = "KIND", default_value = "none", value_parser = friction)]
-    friction: Friction,
+    /// Which of the description's damping and friction acts: none, viscous, coulomb, smooth=VELOCITY [default: none,
+    /// with a warning if there are some]
+    #[arg(long, value_name = "KIND", value_parser = friction)]
+    friction: Option<Friction>,
     /// The acceleration of free fall in world axes, m/s^2 [default: 0,0,-9.81, or what an MJCF says]
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     gravity: Option<[f64; 3]>,
@@ -92,11 +92,7 @@ impl Description {
         let name = path.display().to_string();
         if path == Path::new("-") {
             let name = String::from("standard input");
-            let mut text = String::new();
-            std::io::stdin().lock().read_to_string(&mut text).map_err(|error| {
-                Diagnostic::error(Code::MissingFile, format!("{name} cannot be read: {error}"))
-                    .with_help("give a URDF as UTF-8 text")
-            })?;
+            let text = read_text(&name, std::io::stdin().lock())?;
             return Ok(Self { name, text, path: None });
         }
         if !path.exists() {
@@ -178,16 +174,13 @@ impl Options {
         let builder = builder
             .base(self.base.into())
             .mimic(self.mimic.into())
-            .friction(self.friction)
             .unphysical_inertia(self.unphysical_inertia.into());
         let builder = self.rotors.iter().fold(builder, |builder, rotor| {
             builder.rotor(&rotor.joint, rotor.inertia, rotor.gear_ratio)
         });
         let builder = self.loops.iter().cloned().fold(builder, Builder::loop_joint);
-        match self.gravity {
-            Some(gravity) => builder.gravity(gravity),
-            None => builder,
-        }
+        let builder = self.friction.into_iter().fold(builder, Builder::friction);
+        self.gravity.into_iter().fold(builder, Builder::gravity)
     }
 }
 
@@ -250,7 +243,7 @@ fn loop_joint(text: &str) -> Result<Loop, String> {
         [axis] => vector(axis)?,
         _ => return Err(expected()),
     };
-    let kind = ClosureKind::of_joint(joint_type, along).ok_or_else(|| {
+    let kind = LoopConstraintKind::of_joint(joint_type, along).ok_or_else(|| {
         format!("`{joint_type}` is none of spherical, fixed, revolute, continuous, prismatic")
     })?;
     if kind.axis().is_none() && !axis.is_empty() {

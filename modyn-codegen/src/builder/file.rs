@@ -3,8 +3,6 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use modyn_runtime::model::Friction;
-
 use super::{Builder, Generated, ModuleChoice, Source, place};
 use crate::FloatType;
 use crate::error::{Code, Diagnostic, Diagnostics, Severity};
@@ -107,8 +105,8 @@ impl Builder {
         for closing in &self.read.loops {
             call(format!("loop_joint({closing:?})"));
         }
-        if self.read.friction != Friction::default() {
-            call(format!("friction(Friction::{:?})", self.read.friction));
+        if let Some(friction) = self.read.friction {
+            call(format!("friction(Friction::{friction:?})"));
         }
         if self.read.mimic != Mimic::default() {
             call(format!("mimic(Mimic::{:?})", self.read.mimic));
@@ -118,6 +116,9 @@ impl Builder {
         }
         if self.runtime_gravity {
             call("runtime_gravity()".into());
+        }
+        if !self.runtime_inertia.is_empty() {
+            call(format!("runtime_inertia({:?})", self.runtime_inertia));
         }
         if !self.payload.is_empty() {
             call(format!("payload({:?})", self.payload));

@@ -6,7 +6,7 @@ use super::Robot;
 use super::function::{Parameter, abreast_function, function, unpacked};
 use super::quantities::Quantity;
 use crate::expr::Graph;
-use crate::names::type_name;
+use crate::names::helper_type;
 
 impl Robot<'_> {
     /// A private function that leaves the choice to its scalar: limbs side by side by `vectors`, or one
@@ -22,7 +22,7 @@ impl Robot<'_> {
         *text += &function(&alone, parameters, shape, scalars);
         let (on_vectors, types) = abreast_function(&abreast, parameters, shape, vectors);
         *text += &on_vectors;
-        let kind = format!("{}Abreast", type_name(name));
+        let kind = format!("{}Abreast", helper_type(name));
         let fields: Vec<String> =
             parameters.iter().map(|p| p.typed("T").replace('&', "&'a ")).collect();
         let typed: Vec<String> = parameters.iter().map(|p| p.typed("T")).collect();
@@ -57,7 +57,8 @@ impl Robot<'_> {
 }
 
 /// A parameter as numbers to compute with.
-fn ones(Parameter { name, shape, .. }: &Parameter) -> String {
-    let numbers: Vec<String> = (0..shape.len()).map(|i| format!("V::one({name}{i})")).collect();
-    format!("&{}", shape.value(&numbers))
+fn ones(parameter: &Parameter) -> String {
+    let shape = &parameter.shape;
+    let one = |i| format!("V::one({})", parameter.entry(i));
+    format!("&{}", shape.value(&(0..shape.len()).map(one).collect::<Vec<_>>()))
 }

@@ -116,9 +116,9 @@ impl Robot<'_> {
             let numbers = match *params {
                 "params" => {
                     let _ = write!(first, "params: &{robot}Params, ");
-                    "params.numbers()".to_string()
+                    "params.numbers".to_string()
                 }
-                "DEFAULT" => format!("{robot}Params::DEFAULT.numbers()"),
+                "DEFAULT" => format!("{robot}Params::DEFAULT.numbers"),
                 _ => "[]".into(),
             };
             let kernel =
@@ -202,7 +202,7 @@ fn outputs(quantity: &Quantity) -> Vec<Parameter> {
 }
 
 fn kernel_name(quantity: &Quantity) -> String {
-    format!("{}Kernel", crate::names::type_name(name(quantity)))
+    format!("{}Kernel", crate::names::helper_type(name(quantity)))
 }
 
 fn table_name(quantity: &Quantity) -> String {

@@ -8,7 +8,7 @@ use super::shape::Shape;
 use crate::functions::Function;
 
 impl Robot<'_> {
-    /// `extern "C"` functions named `prefix_function`, for all but those whose results are Rust's own.
+    /// `extern "C"` functions named `prefix_function`, for all functions that C has.
     pub(super) fn c_functions(&self, text: &mut String, prefix: &str, quantities: &[Quantity]) {
         let upper = prefix.to_uppercase();
         let (nq, nv, name) = (self.model.nq(), self.model.nv(), self.name);
@@ -20,8 +20,7 @@ impl Robot<'_> {
              /// Number of links.\npub const {upper}_LINKS: usize = {links};\n\
              const _: () = assert!({upper}_NQ == {name}::NQ && {upper}_NV == {name}::NV);"
         );
-        let has_c = |q: &&Quantity| !matches!(q.function, Function::Brge | Function::Random);
-        for quantity in quantities.iter().filter(has_c) {
+        for quantity in quantities.iter().filter(|quantity| in_c(quantity)) {
             self.c_function(text, prefix, quantity);
         }
     }
@@ -98,6 +97,11 @@ impl Robot<'_> {
     }
 }
 
+/// Whether C has the function: the results of others are Rust's own.
+pub(super) fn in_c(quantity: &Quantity) -> bool {
+    !matches!(quantity.function, Function::Brge | Function::Random)
+}
+
 impl Quantity {
     /// Whether a structure is among its parameters or results.
     fn uses_spatial(&self) -> bool {
@@ -113,7 +117,7 @@ impl Shape {
     }
 
     /// In which order its scalars stand, one behind the other.
-    fn c_layout(&self) -> String {
+    pub(super) fn c_layout(&self) -> String {
         match self {
             Self::Scalar => "a number".into(),
             Self::Array(of, n) if matches!(**of, Self::Scalar) => format!("{n} numbers"),

@@ -16,8 +16,11 @@ impl Robot<'_> {
         let (name, model) = (self.name, self.model);
         let (nq, nv, float) = (model.nq(), model.nv(), self.options.float.name());
         let (joints, links) = (self.joint_names(), self.link_names());
-        let parameters: Vec<f64> =
-            (0..model.links().len()).flat_map(|link| model.inertial_parameters(link)).collect();
+        let quaternions: Vec<(&str, usize)> = model.quaternions().collect();
+        let parameters: Vec<f64> = (0..model.links().len())
+            .filter_map(|link| model.inertial_parameters(link))
+            .flatten()
+            .collect();
         let _ = writeln!(
             text,
             "impl {name} {{\n\
@@ -35,6 +38,9 @@ impl Robot<'_> {
              pub const COORDINATE_NAMES: [&'static str; {nq}] = {:?};\n\
              /// What each entry of `qd` is called.\n\
              pub const VELOCITY_NAMES: [&'static str; {nv}] = {:?};\n\
+             /// The quaternions in `q`, which must have length 1: the name of the joint of each, and the entry of `q` that it\n\
+             /// begins at.\n\
+             pub const QUATERNIONS: [(&'static str, usize); {}] = {quaternions:?};\n\
              /// Coordinates with every joint at zero, and quaternions of no rotation.\n\
              pub const NEUTRAL: [{float}; {nq}] = {:?};\n\
              /// The inertial parameters of the moving links, ten each, as `regressor` has them.\n\
@@ -46,17 +52,19 @@ impl Robot<'_> {
             links.len(),
             model.coordinate_names(),
             model.velocity_names(),
+            quaternions.len(),
             self.neutral(),
             parameters.len(),
             model.gravity(),
         );
-        let closures: Vec<&str> = model.closures().iter().map(|c| c.name.as_str()).collect();
-        if !closures.is_empty() {
+        let loop_constraints: Vec<&str> =
+            model.loop_constraints().iter().map(|c| c.name.as_str()).collect();
+        if !loop_constraints.is_empty() {
             let _ = writeln!(
                 text,
                 "/// The joints that close loops, in the description's order.\n\
-                 pub const CLOSURE_NAMES: [&'static str; {}] = {closures:?};",
-                closures.len()
+                 pub const LOOP_CONSTRAINT_NAMES: [&'static str; {}] = {loop_constraints:?};",
+                loop_constraints.len()
             );
         }
         self.limits(text);

@@ -26,12 +26,18 @@ pub(super) fn robot(
     let mut lines = format!(
         "Dynamics of the robot {}: {} joints that move, {} degrees of freedom, compiled by modyn.\n\n\
          Vectors stand in the order of the joints below, without those that mimic another; matrices are\n\
-         arrays of columns. SI units, radians; gravity {:?} m/s^2 in world axes.\n\n\
+         arrays of columns. SI units, radians; gravity {:?} m/s^2 in world axes.{}\n\n\
          | | joint | type | link | parent link |\n|---|---|---|---|---|\n",
         code(model.name()),
         model.links().len(),
         model.nv(),
         model.gravity(),
+        match model.quaternions().next() {
+            None => "",
+            Some(_) =>
+                " Quaternions in `q` must have length 1:\n\
+                 with other lengths results are wrong; `check_configuration` tells, `normalize` repairs it.",
+        },
     );
     for (i, link) in model.links().iter().enumerate() {
         let parent =
@@ -39,15 +45,15 @@ pub(super) fn robot(
         let (joint, kind) = (code(&link.joint.name), link.joint.joint_type.name());
         let _ = writeln!(lines, "| {i} | {joint} | {kind} | {} | {parent} |", code(&link.name));
     }
-    if !model.closures().is_empty() {
+    if !model.loop_constraints().is_empty() {
         lines.push_str(
             "\nLoops, which `constrained_forward_dynamics` closes; all other functions are of the tree:\n\n\
              | | loop joint | type | first link | second link |\n|---|---|---|---|---|\n",
         );
-        for (i, closure) in model.closures().iter().enumerate() {
+        for (i, constraint) in model.loop_constraints().iter().enumerate() {
             let [first, second] =
-                closure.ends.each_ref().map(|end| code(&model.frames()[end.frame].name));
-            let (name, kind) = (code(&closure.name), closure.kind.name());
+                constraint.ends.each_ref().map(|end| code(&model.frames()[end.frame].name));
+            let (name, kind) = (code(&constraint.name), constraint.kind.name());
             let _ = writeln!(lines, "| {i} | {name} | {kind} | {first} | {second} |");
         }
     }

@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use super::Shape;
 use crate::expr::{Graph, Id, Node};
-use crate::names::type_name;
+use crate::names::helper_type;
 
 /// Most statements in one block.
 const BLOCK: usize = 250;
@@ -53,6 +53,13 @@ impl Parameter {
     /// One of constants, in the type's own scalar.
     pub(super) fn constants(name: &'static str, shape: Shape, float: &'static str) -> Self {
         Self { name, shape, constants: Some(float) }
+    }
+
+    /// What entry `i` is called in the function. No temporary is called so: their names are letters and
+    /// digits at first (`x1`, `s1_0`), those of parameters letters alone (but `k`, a function of constants).
+    pub(super) fn entry(&self, i: usize) -> String {
+        debug_assert!(self.name != "k" && !self.name.contains(|c: char| c.is_ascii_digit()));
+        format!("{}_{i}", self.name)
     }
 
     /// With its type over scalar `t`.
@@ -619,7 +626,7 @@ impl<'a> Writer<'a> {
         let in_field = |input: &String| input.replace('&', "&'a ").replace("'_", "'a");
         let mut fields: Vec<String> = inputs.iter().map(in_field).collect();
         let names: Vec<&str> = inputs.iter().filter_map(|i| i.split(':').next()).collect();
-        let kind = type_name(name);
+        let kind = helper_type(name);
         let (bounds, own) = match self.on {
             On::Vectors => (self.vector_parameters(), self.vector_names()),
             On::Numbers | On::States => ("T: __modyn::batch::Lanes".into(), "T".into()),
@@ -655,7 +662,7 @@ impl<'a> Writer<'a> {
                         On::Vectors => ("V", self.vector_names()),
                         On::Numbers | On::States => ("T", "T".into()),
                     };
-                    let part = format!("{}::<'_, {own}>", type_name(&name));
+                    let part = format!("{}::<'_, {own}>", helper_type(&name));
                     format!(
                         "{by}::outlined({part} {{ {arguments}, of: ::core::marker::PhantomData }})"
                     )
@@ -769,7 +776,7 @@ pub(super) fn input(parameters: &[Parameter], number: usize) -> (String, &Parame
     let mut rest = number;
     for parameter in parameters {
         if rest < parameter.shape.len() {
-            return (format!("{}{rest}", parameter.name), parameter);
+            return (parameter.entry(rest), parameter);
         }
         rest -= parameter.shape.len();
     }
@@ -794,7 +801,8 @@ fn number(value: f64) -> String {
 }
 
 /// Names for a parameter's entries.
-pub(super) fn unpacked(Parameter { name, shape, .. }: &Parameter) -> String {
-    let names: Vec<String> = (0..shape.len()).map(|i| format!("{name}{i}")).collect();
+pub(super) fn unpacked(parameter: &Parameter) -> String {
+    let Parameter { name, shape, .. } = parameter;
+    let names: Vec<String> = (0..shape.len()).map(|i| parameter.entry(i)).collect();
     format!("let {} = *{name};", shape.value(&names))
 }

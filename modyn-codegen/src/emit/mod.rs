@@ -12,8 +12,11 @@ mod constants;
 mod docs;
 mod embedded;
 mod factorization;
+pub(crate) mod frames;
 mod function;
+mod header;
 mod layout;
+mod missing;
 mod parameters;
 mod quantities;
 mod shape;
@@ -35,6 +38,7 @@ use crate::functions::Function;
 use crate::names;
 use crate::partition::{self, Choice};
 use crate::trace::{Limbs, Parameters, Tracer};
+use frames::Frames;
 use function::{Parameter, function};
 use quantities::{Graphs, Quantity, Source};
 use shape::Shape;
@@ -81,6 +85,8 @@ pub struct EmitOptions {
     /// Whether equal limbs run through one function.
     pub share: bool,
     /// The links, as indices into the model's frames, whose own inertia is an argument.
+    pub runtime_inertia: Vec<usize>,
+    /// The links, as indices into the model's frames, to which an inertia is added that is an argument.
     pub payload: Vec<usize>,
     /// What was found odd in the description, for the documentation.
     pub warnings: Vec<Diagnostic>,
@@ -98,6 +104,7 @@ impl Default for EmitOptions {
             functions: Function::DEFAULT.to_vec(),
             runtime_gravity: false,
             share: false,
+            runtime_inertia: Vec::new(),
             payload: Vec::new(),
             warnings: Vec::new(),
         }
@@ -109,6 +116,8 @@ impl Default for EmitOptions {
 pub struct Emitted {
     /// Rust items.
     pub text: String,
+    /// The header of the functions for C, if there are some.
+    pub c_header: Option<String>,
     /// The name of the type.
     pub type_name: String,
     /// What each function takes, by name.
@@ -128,17 +137,23 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     }
     let options = &options;
     let prepared = Prepared::new(model);
-    let parameters = Parameters::new(model, options.runtime_gravity, &options.payload);
-    let tracer = Tracer::with_parameters(&prepared, parameters);
+    let (inertias, payloads) = (&options.runtime_inertia, &options.payload);
+    let equal = inertias.is_empty() && payloads.is_empty();
+    let parameters = Parameters::new(model, options.runtime_gravity, inertias, payloads);
+    let frames = &Frames::new(&prepared);
+    let all_links = Tracer::with_parameters(&prepared, parameters.clone());
+    // Nearly no function is about links, of which there may be very many; but what one weighs may be given.
+    let tracer =
+        if equal { Tracer::with_parameters(frames.bare(), parameters) } else { all_links.clone() };
     let Choice { modules: eliminated, graph: forward_dynamics, candidates } =
         partition::choose(model, &prepared, &tracer);
     let type_name = options.type_name.clone().unwrap_or_else(|| names::type_name(model.name()));
     let layout = Layout::new(&prepared, modules);
-    let robot =
-        Robot { model, modules, options, layout: &layout, tracer: &tracer, name: &type_name };
+    let (layout, tracer) = (&layout, &tracer);
+    let robot = Robot { model, modules, options, layout, tracer, frames, name: &type_name };
     let elimination = Elimination::new(&prepared, &eliminated);
     // A file of its own has no vectors, and a link that is given at run time has no equal.
-    let pays = (options.share || !options.self_contained) && options.payload.is_empty();
+    let pays = (options.share || !options.self_contained) && equal;
     let limbs: Vec<Limbs> = if pays { Limbs::ways(&prepared, !options.share) } else { Vec::new() };
     // What is cheapest limb by limb need not be so side by side.
     let uniform = [ModuleTree::links(model), partition::whole_chains(model)];
@@ -146,20 +161,22 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let partitions: Vec<Partition> =
         [&eliminated].into_iter().chain(others).map(|m| Partition::new(&prepared, m)).collect();
     let source = Source {
-        tracer: &tracer,
+        tracer,
+        all_links: &all_links,
+        frames,
         limbs: &limbs,
         partitions: &partitions,
         independent: limbs.first().is_some_and(|limbs| limbs.independent(&prepared)),
         vectors: !options.self_contained && !options.share,
         elimination: &elimination,
-        layout: &layout,
+        layout,
         for_derivatives: &Layout::new(&prepared, &partition::whole_chains(model)),
         forward_dynamics: &forward_dynamics,
     };
     // Batches are the runtime's to run; a tree has no loops.
     let left_out = |function: &Function| {
         options.self_contained && function.batched().is_some()
-            || function.is_of_loops() && model.closures().is_empty()
+            || function.is_of_loops() && model.loop_constraints().is_empty()
     };
     let selected = Function::ALL.iter().filter(|function| options.functions.contains(function));
     let selected = selected.filter(|function| !left_out(function));
@@ -167,7 +184,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
         selected.map(|f| robot.quantity(*f, &source)).partition(|q| q.function.batched().is_some());
     let count = |q: &Quantity| match &q.abreast {
         Some(graph) if options.share => shared::count(graph),
-        _ => q.graphs.largest().map_or_else(OperationCount::default, Graph::count),
+        _ => q.graphs.count(frames.rows()),
     };
     let named = |q: &Quantity| (q.function.name(), count(q));
     let mut operations: Vec<_> = quantities.iter().map(named).collect();
@@ -194,12 +211,17 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     robot.own_functions(&mut text, &quantities);
     if !options.self_contained {
         robot.robot_trait(&mut text, &quantities);
+        let generated = quantities.iter().chain(&batches).map(|quantity| quantity.function);
+        robot.availability(&mut text, &generated.collect::<Vec<_>>());
     }
     if robot.factorizes() {
         robot.factorization(&mut text);
     }
     robot.enums(&mut text);
     robot.parameters(&mut text);
+    if quantities.iter().any(|q| !matches!(q.graphs, Graphs::One(_))) && frames.any_shared() {
+        frames.table(&mut text, options.float);
+    }
     for quantity in &quantities {
         robot.private_functions(&mut text, quantity);
     }
@@ -208,14 +230,15 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     }
     text += "};\n";
     operations.extend(batches.iter().map(named));
-    if let Some(prefix) = &options.c_prefix {
+    let c_header = options.c_prefix.as_ref().map(|prefix| {
         robot.c_functions(&mut text, prefix, &quantities);
-    }
+        robot.c_header(prefix, &quantities)
+    });
     if options.self_contained {
-        text = layout::indented(&text);
+        text = layout::indented(&embedded::in_any_edition(&text));
         text += &embedded::module(&text);
     }
-    Emitted { text, type_name, operations, written, partition: (eliminated, candidates) }
+    Emitted { text, c_header, type_name, operations, written, partition: (eliminated, candidates) }
 }
 
 /// What the parts of the text are written from.
@@ -225,6 +248,7 @@ struct Robot<'a> {
     options: &'a EmitOptions,
     layout: &'a Layout,
     tracer: &'a Tracer<'a>,
+    frames: &'a Frames,
     name: &'a str,
 }
 
@@ -267,10 +291,10 @@ impl Robot<'_> {
                 None => *text += &function(name, &parameters, &quantity.shape, graph),
             },
             Graphs::ByLink(graphs) => {
-                for (i, graph) in graphs.iter().enumerate() {
-                    let name = format!("{name}_{i}");
-                    *text += &function(&name, &parameters, &quantity.shape, graph);
-                }
+                self.frames.functions(text, quantity, graphs, self.options.float);
+            }
+            Graphs::Poses(graphs) => {
+                self.frames.poses_function(text, quantity, graphs, self.options.float);
             }
         }
     }
@@ -289,14 +313,15 @@ impl Robot<'_> {
         }
         let arguments = arguments.join(", ");
         match &quantity.graphs {
-            Graphs::One(_) => format!("{name}({arguments})"),
+            Graphs::One(_) | Graphs::Poses(_) => format!("{name}({arguments})"),
             Graphs::ByLink(_) => {
                 let arms: Vec<String> = self
                     .link_variants()
                     .iter()
                     .enumerate()
                     .map(|(i, link)| {
-                        format!("{}Link::{link} => {name}_{i}({arguments}),\n", self.name)
+                        let call = self.frames.call(name, i, &arguments);
+                        format!("{}Link::{link} => {call},\n", self.name)
                     })
                     .collect();
                 format!("match link {{\n{}    }}", arms.concat())
@@ -328,7 +353,7 @@ impl Robot<'_> {
                 text,
                 "{docs}#[must_use]\npub fn {function}({}) -> {returned} {{\n    {}\n}}",
                 self.typed(quantity, None, float),
-                self.call(quantity, &format!("&{name}Params::DEFAULT.numbers()")),
+                self.call(quantity, &format!("&{name}Params::DEFAULT.numbers")),
             );
             if self.runtime_parameter(quantity).is_some() {
                 let params = format!("params: &{name}Params");
@@ -337,23 +362,39 @@ impl Robot<'_> {
                     "{docs}///\n/// With these parameters.\n#[must_use]\n\
                      pub fn {function}_with({}) -> {returned} {{\n    {}\n}}",
                     self.typed(quantity, Some(params), float),
-                    self.call(quantity, "&params.numbers()"),
+                    self.call(quantity, "&params.numbers"),
                 );
             }
         }
+        let _ = writeln!(
+            text,
+            "/// Checks that the quaternions of spherical and floating joints in `q` have length 1, to half of the scalar's\n\
+             /// digits. Nothing else checks it, and accelerations are wrong where it does not hold.\n///\n\
+             /// # Errors\n///\n/// The first joint whose quaternion has another length.\n\
+             pub fn check_configuration(q: &[{float}; {nq}]) -> \
+             ::core::result::Result<(), __modyn::ConfigurationError<{float}>> {{\n    \
+             __modyn::configuration::check(Self::QUATERNIONS.iter().copied(), q)\n}}",
+            nq = self.model.nq(),
+        );
         text.push_str("}\n\n");
     }
 
     /// `impl Robot`.
     fn robot_trait(&self, text: &mut String, quantities: &[Quantity]) {
         let (name, nq, nv) = (self.name, self.model.nq(), self.model.nv());
-        let (links, closures) = (self.model.frames().len(), self.model.closures().len());
-        let closure_names = match closures {
+        let (links, loop_constraints) =
+            (self.model.frames().len(), self.model.loop_constraints().len());
+        let loop_constraint_names = match loop_constraints {
             0 => "",
-            _ => "const CLOSURE_NAMES: &'static [&'static str] = &Self::CLOSURE_NAMES;\n",
+            _ => {
+                "const LOOP_CONSTRAINT_NAMES: &'static [&'static str] = &Self::LOOP_CONSTRAINT_NAMES;\n"
+            }
         };
-        let params =
-            if self.tracer.parameters().is_empty() { "()".into() } else { format!("{name}Params") };
+        let params = if self.tracer.parameters().is_empty() {
+            "()".into()
+        } else {
+            format!("{name}Params<T>")
+        };
         let brge = if self.factorizes() {
             format!("{name}Brge<T>")
         } else {
@@ -369,17 +410,18 @@ impl Robot<'_> {
              const LINK_NAMES: &'static [&'static str] = &Self::LINK_NAMES;\n\
              const COORDINATE_NAMES: &'static [&'static str] = &Self::COORDINATE_NAMES;\n\
              const VELOCITY_NAMES: &'static [&'static str] = &Self::VELOCITY_NAMES;\n\
-             {closure_names}\
+             {loop_constraint_names}\
+             const QUATERNIONS: &'static [(&'static str, usize)] = &Self::QUATERNIONS;\n\
              const LIMITS: __modyn::JointLimits<'static> = Self::LIMITS;\n\
              const MODULES: &'static [__modyn::KinematicModule] = &Self::MODULES;\n\
-             type Params = {params};\n\
+             type Params<T: __modyn::Scalar> = {params};\n\
              type Link = {name}Link;\n\
              type Q<T: __modyn::Scalar> = [T; {nq}];\n\
              type V<T: __modyn::Scalar> = [T; {nv}];\n\
              type M<T: __modyn::Scalar> = [[T; {nv}]; {nv}];\n\
              type PerVelocity<X: ::core::marker::Copy> = [X; {nv}];\n\
              type PerLink<X: ::core::marker::Copy> = [X; {links}];\n\
-             type PerClosure<X: ::core::marker::Copy> = [X; {closures}];\n\
+             type PerLoopConstraint<X: ::core::marker::Copy> = [X; {loop_constraints}];\n\
              type Regressor<T: __modyn::Scalar> = [[T; {nv}]; {columns}];\n\
              type Brge<T: __modyn::Scalar> = {brge};\n\
              fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| T::from_f64(::core::convert::Into::into(x)))\n}}",
@@ -387,14 +429,14 @@ impl Robot<'_> {
         );
         for quantity in quantities {
             let with = if quantity.dynamic { "_with" } else { "" };
-            let first = quantity.dynamic.then(|| "params: &Self::Params".into());
+            let first = quantity.dynamic.then(|| "params: &Self::Params<T>".into());
             let _ = writeln!(
                 text,
                 "fn {}{with}<T: __modyn::Scalar>({}) -> {} {{\n    {}\n}}",
                 quantity.function.name(),
                 self.typed(quantity, first, "T"),
                 quantity.shape.type_of("T"),
-                self.call(quantity, "&params.numbers()"),
+                self.call(quantity, "&params.numbers"),
             );
         }
         text.push_str("}\n\n");

@@ -1,50 +1,87 @@
-//! The type of what is known at run time only.
+//! The type of the parts of a robot that are known at run time only.
 
 use std::fmt::Write as _;
 
 use modyn_runtime::model::Inertial;
 
-use super::{Robot, docs};
+use super::function::{Parameter, function};
+use super::{FloatType, Robot, Shape, docs};
 use crate::names;
+use crate::passes::optimize;
+
+/// One inertia among the parameters.
+struct Field {
+    /// The name of the function that returns it.
+    name: String,
+    /// One sentence about it.
+    docs: String,
+    /// Where its ten numbers begin.
+    at: usize,
+}
 
 impl Robot<'_> {
-    /// The names of the fields for payloads, and what they are called in the description.
-    fn payload_fields(&self) -> Vec<(String, &str)> {
+    /// The run-time inertias and the payloads.
+    fn inertia_fields(&self) -> Vec<Field> {
+        let parameters = self.tracer.parameters();
         let links = self.link_names();
-        let names: Vec<&str> =
-            self.tracer.parameters().payload.iter().map(|payload| links[payload.frame]).collect();
-        names::fields(&names, &["gravity"]).into_iter().zip(names).collect()
+        let own: Vec<&str> = parameters.inertias.iter().map(|(frame, _)| links[*frame]).collect();
+        let payloads: Vec<&str> = parameters.payloads.iter().map(|&frame| links[frame]).collect();
+        let field = |what: &'static str, docs: &'static str, first: usize, names: &[&str]| {
+            let fields = names::fields(names, &[]).into_iter().zip(names).enumerate();
+            let field = |(k, (field, link)): (usize, (String, &&str))| Field {
+                name: format!("{what}_of_{field}"),
+                docs: docs.replace("{}", &docs::code(link)),
+                at: parameters.inertial(first + k),
+            };
+            fields.map(field).collect::<Vec<Field>>()
+        };
+        let own = field(
+            "inertia",
+            "the inertia of link {} alone, in its own frame; by default the description's.",
+            0,
+            &own,
+        );
+        let first = own.len();
+        let payloads = field(
+            "payload",
+            "the inertia that is added to link {}, in the link's frame; by default none.",
+            first,
+            &payloads,
+        );
+        own.into_iter().chain(payloads).collect()
     }
 
     /// The structure of the parameters, without its functions; nothing if there are none.
     pub(super) fn parameters_type(&self, text: &mut String) {
-        let parameters = self.tracer.parameters();
-        if parameters.is_empty() {
+        let count = self.tracer.parameters().len();
+        if count == 0 {
             return;
         }
-        let (name, vis) = (self.name, &self.options.visibility);
+        let (name, vis, float) = (self.name, &self.options.visibility, self.options.float.name());
         let _ = writeln!(
             text,
-            "/// What of [`{name}`] can be changed at run time; by default as in the description.\n\
+            "/// The numbers of [`{name}`] that can be changed at run time; by default as in the description. Its\n\
+             /// functions change them, and check what they are given.\n\
              #[allow(dead_code)]\n\
              #[derive(Clone, Copy, Debug, PartialEq)]\n\
-             {vis} struct {name}Params {{"
+             {vis} struct {name}Params<T = {float}> {{\n    numbers: [T; {count}],\n}}\n"
         );
+    }
+
+    /// The numbers as the description has them.
+    fn described_parameters(&self) -> Vec<f64> {
+        let parameters = self.tracer.parameters();
+        let mut numbers = Vec::with_capacity(parameters.len());
         if parameters.gravity {
-            let _ = writeln!(
-                text,
-                "    /// The acceleration of free fall in world axes, m/s^2.\n    pub gravity: [f64; 3],"
-            );
+            numbers.extend(self.model.gravity());
         }
-        for (field, link) in self.payload_fields() {
-            let _ = writeln!(
-                text,
-                "    /// The inertia of link {} alone, in its own frame.\n    pub {field}: {}::Payload,",
-                docs::code(link),
-                self.options.krate,
-            );
+        for (_, Inertial { mass, center_of_mass, inertia }) in &parameters.inertias {
+            numbers.push(*mass);
+            numbers.extend(center_of_mass);
+            numbers.extend(inertia);
         }
-        text.push_str("}\n\n");
+        numbers.resize(parameters.len(), 0.0);
+        numbers
     }
 
     /// Its functions.
@@ -53,44 +90,99 @@ impl Robot<'_> {
         if parameters.is_empty() {
             return;
         }
-        let name = self.name;
-        let (mut defaults, mut lets) = (String::new(), String::new());
-        let mut numbers: Vec<String> = Vec::new();
-        if parameters.gravity {
-            let _ = write!(defaults, "gravity: {:?}, ", self.model.gravity());
-            lets += "    let [gx, gy, gz] = self.gravity;\n";
-            numbers.extend(["gx", "gy", "gz"].map(String::from));
-        }
-        for (k, ((field, _), payload)) in
-            self.payload_fields().iter().zip(&parameters.payload).enumerate()
-        {
-            let Inertial { mass, center_of_mass, inertia } = payload.described;
-            let _ = write!(
-                defaults,
-                "{field}: __modyn::Payload::as_described(__modyn::Inertial {{ mass: {mass:?}, \
-                 center_of_mass: {center_of_mass:?}, inertia: {inertia:?} }}), "
-            );
-            let names: Vec<String> = (0..10).map(|i| format!("p{k}_{i}")).collect();
-            let _ = writeln!(
-                lets,
-                "    let __modyn::Inertial {{ mass: {}, center_of_mass: [{}], inertia: [{}] }} = self.{field}.inertial();",
-                names[0],
-                names[1..4].join(", "),
-                names[4..].join(", "),
-            );
-            numbers.extend(names);
-        }
-        let numbers: Vec<String> = numbers.iter().map(|n| format!("T::from_f64({n})")).collect();
+        let (name, float) = (self.name, self.options.float.name());
+        let described = self.described_parameters();
+        let constants: Vec<String> = match self.options.float {
+            FloatType::F64 => described.iter().map(|x| format!("{x:?}")).collect(),
+            #[allow(clippy::cast_possible_truncation)] // As `from_f64` rounds them.
+            FloatType::F32 => described.iter().map(|x| format!("{:?}", *x as f32)).collect(),
+        };
+        let generic: Vec<String> =
+            described.iter().map(|x| format!("T::from_f64({x:?})")).collect();
         let _ = writeln!(
             text,
-            "impl {name}Params {{\n\
+            "impl {name}Params<{float}> {{\n\
              /// As in the description.\n\
-             pub const DEFAULT: Self = Self {{ {defaults}}};\n\
-             fn numbers<T: __modyn::Scalar>(&self) -> [T; {}] {{\n{lets}    [{}]\n}}\n}}\n\
-             impl ::core::default::Default for {name}Params {{\n\
-             fn default() -> Self {{\n    Self::DEFAULT\n}}\n}}\n",
-            numbers.len(),
-            numbers.join(", "),
+             pub const DEFAULT: Self = Self {{ numbers: [{}] }};\n}}\n\
+             impl<T: __modyn::Scalar> ::core::default::Default for {name}Params<T> {{\n\
+             fn default() -> Self {{\n    Self {{ numbers: [{}] }}\n}}\n}}\n\
+             impl<T> {name}Params<T> {{\n\
+             /// The same with each number through `f`, such as to another scalar; values that `f` changes are not checked.\n\
+             #[must_use]\n\
+             pub fn map<U>(self, f: impl ::core::ops::FnMut(T) -> U) -> {name}Params<U> {{\n    \
+             {name}Params {{ numbers: self.numbers.map(f) }}\n}}\n}}\n",
+            constants.join(", "),
+            generic.join(", "),
         );
+        if parameters.gravity {
+            let _ = writeln!(
+                text,
+                "impl<T: __modyn::Scalar> {name}Params<T> {{\n\
+                 /// Returns the acceleration of free fall in world axes, m/s^2.\n\
+                 #[must_use]\n\
+                 pub fn gravity(&self) -> [T; 3] {{\n    [self.numbers[0], self.numbers[1], self.numbers[2]]\n}}\n\
+                 /// Sets the acceleration of free fall in world axes, m/s^2.\n\
+                 pub fn set_gravity(&mut self, gravity: [T; 3]) {{\n    \
+                 [self.numbers[0], self.numbers[1], self.numbers[2]] = gravity;\n}}\n}}\n"
+            );
+        }
+        self.inertias(text);
+    }
+
+    /// The functions of run-time inertias and payloads.
+    fn inertias(&self, text: &mut String) {
+        let fields = self.inertia_fields();
+        if fields.is_empty() {
+            return;
+        }
+        let name = self.name;
+        let (mut check, mut refused) = ("", "");
+        if let Some((entries, graph)) = self.tracer.inertia_pivots() {
+            let parameters = [
+                Parameter::new("epsilon", Shape::vector(1)),
+                Parameter::new("params", Shape::vector(self.tracer.parameters().len())),
+            ];
+            let shape = Shape::vector(entries.len());
+            *text += &function("inertia_pivots", &parameters, &shape, &optimize(graph));
+            let joints: Vec<&str> = entries.iter().map(|&v| self.joint_of(v)).collect();
+            let _ = writeln!(
+                text,
+                "const NEEDY_JOINTS: [&'static str; {}] = {joints:?};\n",
+                joints.len()
+            );
+            check = "    let pivots = |epsilon: T| inertia_pivots(&[epsilon], &numbers);\n    \
+                     __modyn::parameters::check_pivots(pivots, &NEEDY_JOINTS)?;\n";
+            refused = ", or if a joint would then move no inertia (its acceleration would be\n/// infinite)";
+        }
+        let _ =
+            writeln!(text, "impl<T: __modyn::Scalar + ::core::cmp::PartialOrd> {name}Params<T> {{");
+        for Field { name, docs, at } in &fields {
+            let _ = writeln!(
+                text,
+                "/// Returns {docs}\n\
+                 #[must_use]\n\
+                 pub fn {name}(&self) -> __modyn::Inertial<T> {{\n    \
+                 __modyn::parameters::inertial(&self.numbers, {at})\n}}\n\
+                 /// Sets {docs}\n///\n/// # Errors\n///\n\
+                 /// If no rigid body has this inertia{refused}; nothing has changed then.\n\
+                 pub fn set_{name}(&mut self, inertial: __modyn::Inertial<T>) \
+                 -> ::core::result::Result<(), __modyn::ParameterError<T>> {{\n    \
+                 self.set({at}, &inertial)\n}}"
+            );
+        }
+        let _ = writeln!(
+            text,
+            "fn set(&mut self, at: usize, inertial: &__modyn::Inertial<T>) \
+             -> ::core::result::Result<(), __modyn::ParameterError<T>> {{\n    \
+             let numbers = __modyn::parameters::with_inertial(&self.numbers, at, inertial)?;\n{check}    \
+             self.numbers = numbers;\n    ::core::result::Result::Ok(())\n}}\n}}\n"
+        );
+    }
+
+    /// The name of the joint that entry `v` of qd belongs to.
+    fn joint_of(&self, v: usize) -> &str {
+        let own = |i: &usize| self.model.mimic(*i).is_none() && self.model.v_range(*i).contains(&v);
+        let link = (0..self.model.links().len()).find(own);
+        link.map_or("", |link| self.model.links()[link].joint.name.as_str())
     }
 }

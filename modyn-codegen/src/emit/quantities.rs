@@ -1,5 +1,6 @@
 //! The table of quantities: what each function is called, takes and returns, and its graph.
 
+use modyn_runtime::OperationCount;
 use modyn_runtime::equations::Partition;
 use modyn_runtime::equations::brge::Layout;
 use modyn_runtime::equations::forward_dynamics::Elimination;
@@ -8,6 +9,7 @@ use modyn_runtime::equations::kinematics::Axes;
 use modyn_runtime::model::PARAMETERS_PER_LINK;
 
 use super::Robot;
+use super::frames::Frames;
 use super::function::Parameter;
 use super::shape::Shape;
 use crate::expr::Graph;
@@ -29,10 +31,14 @@ pub(super) struct Quantity {
     pub docs: &'static str,
 }
 
-/// One graph, or one for each link of the description.
+/// What a function is written by.
 pub(super) enum Graphs {
+    /// Its graph.
     One(Graph),
+    /// Those of functions of a link: see [`Frames::kernels`].
     ByLink(Vec<Graph>),
+    /// Those of all links together, where some share code: see [`Frames::poses`].
+    Poses(Box<[Graph; 2]>),
 }
 
 impl Graphs {
@@ -41,18 +47,33 @@ impl Graphs {
         match self {
             Self::One(graph) => std::slice::from_ref(graph),
             Self::ByLink(graphs) => graphs,
+            Self::Poses(graphs) => &**graphs,
         }
     }
 
-    /// The most expensive one.
-    pub fn largest(&self) -> Option<&Graph> {
-        self.all().iter().max_by_key(|graph| graph.count().total())
+    /// The operations of a call: of a function of a link, for the most expensive one. `rows` links share code.
+    pub fn count(&self, rows: usize) -> OperationCount {
+        match self {
+            Self::One(graph) => graph.count(),
+            Self::ByLink(graphs) => {
+                let counts = graphs.iter().map(Graph::count);
+                counts.max_by_key(OperationCount::total).unwrap_or_default()
+            }
+            Self::Poses(graphs) => {
+                let placed = std::iter::repeat_n(graphs[1].count(), rows);
+                placed.chain([graphs[0].count()]).sum()
+            }
+        }
     }
 }
 
 /// What the graphs are traced from.
 pub(super) struct Source<'a> {
     pub tracer: &'a Tracer<'a>,
+    /// The same for functions of all links together: the other one may have none.
+    pub all_links: &'a Tracer<'a>,
+    /// The links, by the code that their functions have.
+    pub frames: &'a Frames,
     /// Limbs that can be computed side by side: the ways to choose from.
     pub limbs: &'a [Limbs],
     /// The modules that forward dynamics with limbs side by side can be eliminated by.
@@ -73,16 +94,24 @@ impl Robot<'_> {
     /// The quantity that a function computes.
     #[allow(clippy::too_many_lines)] // A table.
     pub(super) fn quantity(&self, function: Function, source: &Source<'_>) -> Quantity {
-        let Source { tracer, elimination, layout, for_derivatives, forward_dynamics, .. } = source;
+        let Source {
+            tracer,
+            all_links,
+            elimination,
+            layout,
+            for_derivatives,
+            forward_dynamics,
+            ..
+        } = source;
         let (nq, nv, links) = (self.model.nq(), self.model.nv(), self.model.frames().len());
         let q = || Parameter::new("q", Shape::vector(nq));
         let v = |name| Parameter::new(name, Shape::vector(nv));
-        let closures = self.model.closures().len();
-        let settings = || Parameter::new("settings", Shape::closure_settings());
+        let loop_constraints = self.model.loop_constraints().len();
+        let settings = || Parameter::new("settings", Shape::constraint_settings());
         let forces = || Parameter::new("forces", Shape::wrench().array(links));
         let one = |graph| Graphs::One(optimize(graph));
-        let by_link = |graph: &dyn Fn(usize) -> Graph| {
-            Graphs::ByLink((0..links).map(|link| optimize(graph(link))).collect())
+        let by_link = |graph: &dyn Fn(&Tracer<'_>) -> Graph| {
+            Graphs::ByLink(source.frames.kernels(|tracer| optimize(graph(tracer))))
         };
         let vector = || Shape::vector(nv);
         let square = || Shape::matrix(nv, nv);
@@ -146,35 +175,39 @@ impl Robot<'_> {
             Function::ForwardDynamicsExternal => (
                 vec![q(), v("qd"), v("tau"), forces()],
                 vector(),
-                one(tracer.forward_dynamics_external(elimination, Axes::Link)),
+                one(all_links.forward_dynamics_external(elimination, Axes::Link)),
                 "Forward dynamics with a wrench on each link (in the order of `LINK_NAMES`) at the link's\n\
                  origin in its own axes.",
             ),
             Function::ForwardDynamicsExternalWorld => (
                 vec![q(), v("qd"), v("tau"), forces()],
                 vector(),
-                one(tracer.forward_dynamics_external(elimination, Axes::World)),
+                one(all_links.forward_dynamics_external(elimination, Axes::World)),
                 "Forward dynamics with a wrench on each link (in the order of `LINK_NAMES`) at the link's\n\
                  origin in the world's axes.",
             ),
             Function::InverseDynamicsExternal => (
                 vec![q(), v("qd"), v("qdd"), forces()],
                 vector(),
-                one(tracer.inverse_dynamics_external(Axes::Link)),
+                one(all_links.inverse_dynamics_external(Axes::Link)),
                 "Inverse dynamics with a wrench on each link (in the order of `LINK_NAMES`) at the link's\n\
                  origin in its own axes.",
             ),
             Function::InverseDynamicsExternalWorld => (
                 vec![q(), v("qd"), v("qdd"), forces()],
                 vector(),
-                one(tracer.inverse_dynamics_external(Axes::World)),
+                one(all_links.inverse_dynamics_external(Axes::World)),
                 "Inverse dynamics with a wrench on each link (in the order of `LINK_NAMES`) at the link's\n\
                  origin in the world's axes.",
             ),
             Function::LinkPoses => (
                 vec![q()],
                 Shape::pose().array(links),
-                one(tracer.link_poses()),
+                if source.frames.any_shared() {
+                    Graphs::Poses(Box::new(source.frames.poses().map(optimize)))
+                } else {
+                    one(all_links.link_poses())
+                },
                 "The poses in the world of all links of the description, fixed ones too, in the order of\n\
                  `LINK_NAMES`.",
             ),
@@ -210,44 +243,50 @@ impl Robot<'_> {
                 Shape::Struct {
                     path: "__modyn::ConstrainedForwardDynamics".into(),
                     arguments: format!(
-                        "{}, {}",
+                        "{}, {}, {}, {{t}}",
                         vector().type_of("{t}"),
-                        Shape::wrench().array(closures).type_of("{t}")
+                        Shape::wrench().array(loop_constraints).type_of("{t}"),
+                        Shape::twist().array(loop_constraints).type_of("{t}")
                     ),
-                    fields: vec![("qdd", vector()), ("forces", Shape::wrench().array(closures))],
-                },
-                one(tracer.constrained_forward_dynamics(layout)),
-                "Joint accelerations under the joint torques or forces `tau` with the loops closed, and what\n\
-                 closes each of them (in the order of `CLOSURE_NAMES`): the wrench on its second link at the\n\
-                 second frame's origin, in the first frame's axes. Of redundant constraints the first have all\n\
-                 forces.",
-            ),
-            Function::ClosureErrors => (
-                vec![q(), v("qd")],
-                Shape::Struct {
-                    path: "__modyn::ClosureErrors".into(),
-                    arguments: Shape::twist().array(closures).type_of("{t}"),
                     fields: vec![
-                        ("displacements", Shape::twist().array(closures)),
-                        ("velocities", Shape::twist().array(closures)),
+                        ("qdd", vector()),
+                        ("wrenches", Shape::wrench().array(loop_constraints)),
+                        ("residuals", Shape::twist().array(loop_constraints)),
+                        ("rank", Shape::Scalar),
                     ],
                 },
-                one(tracer.closure_errors()),
-                "How far the frames of each closure are apart, and how fast they part: the second frame against\n\
-                 the first, in the first one's axes, without what is free. Rotations are given by their axes\n\
-                 times the sines of their angles.",
+                one(tracer.constrained_forward_dynamics(layout)),
+                "Joint accelerations under the joint torques or forces `tau` with the loops closed; for each loop\n\
+                 constraint (in the order of `LOOP_CONSTRAINT_NAMES`) the wrench on its second link and the part\n\
+                 of its acceleration that could not be met, at the second frame's origin in the first frame's\n\
+                 axes; and the number of independent constraint rows. Redundant constraints share their forces.",
             ),
-            Function::ClosingStep => (
+            Function::ConstraintResidual => (
+                vec![q(), v("qd")],
+                Shape::Struct {
+                    path: "__modyn::ConstraintResidual".into(),
+                    arguments: Shape::twist().array(loop_constraints).type_of("{t}"),
+                    fields: vec![
+                        ("displacements", Shape::twist().array(loop_constraints)),
+                        ("velocities", Shape::twist().array(loop_constraints)),
+                    ],
+                },
+                one(tracer.constraint_residual()),
+                "How far the second frame of each loop constraint is displaced from the first, and its relative\n\
+                 velocity, in the first frame's axes, without the free directions. Rotations are given by their\n\
+                 axes times the sines of their angles.",
+            ),
+            Function::ProjectConstraints => (
                 vec![q(), v("qd"), settings()],
                 Shape::Struct {
-                    path: "__modyn::ClosingStep".into(),
-                    arguments: vector().type_of("{t}"),
-                    fields: vec![("dq", vector()), ("dqd", vector())],
+                    path: "__modyn::ConstraintProjection".into(),
+                    arguments: format!("{}, {{t}}", vector().type_of("{t}")),
+                    fields: vec![("dq", vector()), ("dqd", vector()), ("rank", Shape::Scalar)],
                 },
-                one(tracer.closing_step(layout)),
-                "The smallest step (in the metric of the inertia matrix) that, to first order, closes the loops\n\
-                 at `q`, and the smallest change of `qd` that keeps them closed. Of `settings` the tolerance\n\
-                 alone matters.",
+                one(tracer.project_constraints(layout)),
+                "The smallest step (in the metric of the mass matrix) that, to first order, closes the loops at\n\
+                 `q`, the smallest change of `qd` that keeps them closed, and the number of independent\n\
+                 constraint rows. Of `settings`, `alpha` and `beta` do not matter.",
             ),
             Function::Regressor => (
                 vec![q(), v("qd"), v("qdd")],
@@ -259,7 +298,7 @@ impl Robot<'_> {
             ),
             Function::CenterOfMass => (
                 vec![q()],
-                Shape::vector3(),
+                Shape::vector(3),
                 one(tracer.center_of_mass()),
                 "The centre of mass of the moving links in the world, m.",
             ),
@@ -285,62 +324,62 @@ impl Robot<'_> {
             Function::LinkPose => (
                 vec![q()],
                 Shape::pose(),
-                by_link(&|link| tracer.link_pose(link)),
+                by_link(&|tracer| tracer.link_pose(0)),
                 "The pose of a link in the world; computes its chain alone.",
             ),
             Function::LinkVelocity => (
                 vec![q(), v("qd")],
                 Shape::twist(),
-                by_link(&|link| tracer.link_velocity(link, Axes::World)),
+                by_link(&|tracer| tracer.link_velocity(0, Axes::World)),
                 "The velocity of a link's origin (m/s) and its angular velocity (rad/s), in world axes;\n\
                  computes its chain alone.",
             ),
             Function::LocalLinkVelocity => (
                 vec![q(), v("qd")],
                 Shape::twist(),
-                by_link(&|link| tracer.link_velocity(link, Axes::Link)),
+                by_link(&|tracer| tracer.link_velocity(0, Axes::Link)),
                 "The velocity of a link's origin (m/s) and its angular velocity (rad/s), in its own axes;\n\
                  computes its chain alone.",
             ),
             Function::LinkAcceleration => (
                 vec![q(), v("qd"), v("qdd")],
                 Shape::twist(),
-                by_link(&|link| tracer.link_acceleration(link, Axes::World)),
+                by_link(&|tracer| tracer.link_acceleration(0, Axes::World)),
                 "The (classical) acceleration of a link's origin (m/s^2), gravity left out, and its angular\n\
                  acceleration (rad/s^2), in world axes; computes its chain alone.",
             ),
             Function::LocalLinkAcceleration => (
                 vec![q(), v("qd"), v("qdd")],
                 Shape::twist(),
-                by_link(&|link| tracer.link_acceleration(link, Axes::Link)),
+                by_link(&|tracer| tracer.link_acceleration(0, Axes::Link)),
                 "The (classical) acceleration of a link's origin (m/s^2), gravity left out, and its angular\n\
                  acceleration (rad/s^2), in its own axes; computes its chain alone.",
             ),
             Function::Jacobian => (
                 vec![q()],
                 Shape::twist().array(nv),
-                by_link(&|link| tracer.jacobian(link, Axes::World)),
+                by_link(&|tracer| tracer.jacobian(0, Axes::World)),
                 "The Jacobian of a link, an array of columns: this times `qd` is its velocity at its origin, in\n\
                  world axes; computes its chain alone.",
             ),
             Function::LocalJacobian => (
                 vec![q()],
                 Shape::twist().array(nv),
-                by_link(&|link| tracer.jacobian(link, Axes::Link)),
+                by_link(&|tracer| tracer.jacobian(0, Axes::Link)),
                 "The Jacobian of a link, an array of columns: this times `qd` is its velocity at its origin, in\n\
                  its own axes; computes its chain alone.",
             ),
             Function::JacobianRate => (
                 vec![q(), v("qd")],
                 Shape::twist(),
-                by_link(&|link| tracer.jacobian_rate(link, Axes::World)),
+                by_link(&|tracer| tracer.jacobian_rate(0, Axes::World)),
                 "The time derivative of `jacobian`, times `qd`: the link's (classical) acceleration without\n\
                  joint accelerations, in world axes; computes its chain alone.",
             ),
             Function::LocalJacobianRate => (
                 vec![q(), v("qd")],
                 Shape::twist(),
-                by_link(&|link| tracer.jacobian_rate(link, Axes::Link)),
+                by_link(&|tracer| tracer.jacobian_rate(0, Axes::Link)),
                 "The time derivative of `local_jacobian`, times `qd`: the rates of the components of the link's\n\
                  velocity in its own axes; computes its chain alone.",
             ),
@@ -390,7 +429,7 @@ impl Robot<'_> {
         let dynamic = function.depends_on_parameters();
         let abreast = match &graphs {
             Graphs::One(graph) => abreast(function, source, graph),
-            Graphs::ByLink(_) => None,
+            Graphs::ByLink(_) | Graphs::Poses(_) => None,
         };
         Quantity { function, parameters, shape, dynamic, graphs, abreast, docs }
     }

@@ -56,10 +56,10 @@ impl Shape {
         Self::spatial("Wrench", vec![("moment", Self::vector3()), ("force", Self::vector3())])
     }
 
-    pub(super) fn closure_settings() -> Self {
-        let fields = ["alpha", "beta", "tolerance"].map(|name| (name, Self::Scalar));
+    pub(super) fn constraint_settings() -> Self {
+        let fields = ["alpha", "beta", "tolerance", "rounding"].map(|name| (name, Self::Scalar));
         Self::Struct {
-            path: "__modyn::ClosureSettings".into(),
+            path: "__modyn::ConstraintSettings".into(),
             arguments: "{t}".into(),
             fields: fields.into(),
         }

@@ -135,7 +135,7 @@ fn value(graph: &Graph, pieces: &[Piece], parameters: &[Parameter], id: Id, lane
 
 /// A constant in a table, in the table's precision.
 #[allow(clippy::cast_possible_truncation)]
-fn figure(value: f64, float: FloatType) -> String {
+pub(super) fn figure(value: f64, float: FloatType) -> String {
     let single = value as f32;
     match float {
         FloatType::F64 if value.is_finite() => format!("{value:?}"),

@@ -1,6 +1,6 @@
 //! The arena of nodes, and the rewrites made while it grows.
 
-use rustc_hash::FxHashMap;
+use super::table::Table;
 
 /// Index of a node in its graph; operands always stand before their users.
 pub type Id = u32;
@@ -71,8 +71,8 @@ impl Node {
 
     /// The nodes it is made of.
     pub fn operands(self) -> impl Iterator<Item = Id> {
-        let (a, b, c) = match self {
-            Self::Constant(_) | Self::Input(_) => (None, None, None),
+        let (ids, count) = match self {
+            Self::Constant(_) | Self::Input(_) => ([0; 3], 0),
             Self::Neg(a)
             | Self::Recip(a)
             | Self::Sin(a)
@@ -80,16 +80,35 @@ impl Node {
             | Self::Sqrt(a)
             | Self::Ln(a)
             | Self::Abs(a)
-            | Self::Lane(a, _) => (Some(a), None, None),
+            | Self::Lane(a, _) => ([a, 0, 0], 1),
             Self::Add(a, b)
             | Self::Sub(a, b)
             | Self::Mul(a, b)
             | Self::Atan2(a, b)
             | Self::Max(a, b)
-            | Self::Beside(a, b, _) => (Some(a), Some(b), None),
-            Self::Select(a, b, c) => (Some(a), Some(b), Some(c)),
+            | Self::Beside(a, b, _) => ([a, b, 0], 2),
+            Self::Select(a, b, c) => ([a, b, c], 3),
         };
-        [a, b, c].into_iter().flatten()
+        Operands { ids, next: 0, count }
+    }
+}
+
+/// The operands of a node, from the first to the last.
+struct Operands {
+    ids: [Id; 3],
+    next: usize,
+    count: usize,
+}
+
+impl Iterator for Operands {
+    type Item = Id;
+
+    fn next(&mut self) -> Option<Id> {
+        if self.next == self.count {
+            return None;
+        }
+        self.next += 1;
+        Some(self.ids[self.next - 1])
     }
 }
 
@@ -102,7 +121,9 @@ pub struct Graph {
     nodes: Vec<Node>,
     /// By node: how many lanes it has; 1 for a number.
     widths: Vec<u8>,
-    known: FxHashMap<Node, Id>,
+    known: Table,
+    /// Whether some node has several lanes.
+    has_lanes: bool,
     /// The nodes that are wanted.
     pub outputs: Vec<Id>,
 }
@@ -167,24 +188,34 @@ impl Graph {
     /// The node, if the graph has it.
     #[must_use]
     pub fn find(&self, node: Node) -> Option<Id> {
-        self.known.get(&node).copied()
+        self.known.find(node, &self.nodes)
     }
 
     fn known(&self, node: Node) -> bool {
-        self.known.contains_key(&node)
+        self.find(node).is_some()
     }
 
     fn insert(&mut self, node: Node) -> Id {
-        let (nodes, widths) = (&mut self.nodes, &mut self.widths);
-        *self.known.entry(node).or_insert_with(|| {
-            nodes.push(node);
-            widths.push(match node {
-                Node::Beside(_, _, width) => width,
-                Node::Lane(..) => 1,
-                _ => node.operands().map(|a| widths[a as usize]).max().unwrap_or(1),
-            });
-            Id::try_from(nodes.len() - 1).expect("a graph has fewer than 2^32 nodes")
-        })
+        if let Some(id) = self.find(node) {
+            return id;
+        }
+        assert!(self.nodes.len() < Id::MAX as usize, "a graph has fewer than 2^32 nodes");
+        let width = match node {
+            Node::Beside(_, _, width) => width,
+            Node::Lane(..) => 1,
+            _ if self.has_lanes => self.widest_operand(node),
+            _ => 1,
+        };
+        self.has_lanes |= width > 1;
+        self.nodes.push(node);
+        self.widths.push(width);
+        self.known.insert_last(&self.nodes);
+        (self.nodes.len() - 1) as Id
+    }
+
+    /// The lanes of the operand that has most; 1 without operands.
+    fn widest_operand(&self, node: Node) -> u8 {
+        node.operands().map(|operand| self.width(operand)).max().unwrap_or(1)
     }
 
     /// Makes `node`, whose operands are nodes of this graph, or finds what it equals.
@@ -215,10 +246,15 @@ impl Graph {
 
     /// What an operation on constants comes to, lane by lane, where some are lanes of constants.
     fn fold_lanes(&mut self, node: Node) -> Option<Id> {
-        if matches!(node, Node::Constant(_) | Node::Input(_) | Node::Beside(..) | Node::Lane(..)) {
+        if !self.has_lanes
+            || matches!(
+                node,
+                Node::Constant(_) | Node::Input(_) | Node::Beside(..) | Node::Lane(..)
+            )
+        {
             return None;
         }
-        let width = node.operands().map(|a| self.width(a)).max()?;
+        let width = self.widest_operand(node);
         if width == 1 || !node.operands().all(|a| self.is_constant(a)) {
             return None;
         }

@@ -8,6 +8,7 @@ mod count;
 mod evaluate;
 mod graph;
 mod scalar;
+mod table;
 
 pub use graph::{Graph, Id, Node};
-pub use scalar::Expr;
+pub use scalar::{Expr, ForeignExpr};

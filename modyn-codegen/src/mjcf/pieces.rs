@@ -27,6 +27,10 @@ struct LinkPiece {
     name: String,
     at: usize,
     inertial: Option<(Inertial, usize)>,
+    /// Whether its inertia could be read.
+    sound: bool,
+    /// Whether it only stands between two joints of one body.
+    auxiliary: bool,
     /// Whether a joint moves it or what carries it.
     moves: bool,
 }
@@ -42,6 +46,8 @@ struct JointPiece {
     axis: [f64; 3],
     limits: Option<Limits>,
     drive: Drive,
+    /// Whether all of it could be read.
+    sound: bool,
 }
 
 impl Pieces {
@@ -54,7 +60,14 @@ impl Pieces {
             let help = "write `<mujoco model=\"...\">`; it is called `robot` here";
             report.add(Severity::Warning, Code::MissingAttribute, at, None, message, help);
         }
-        let world = LinkPiece { name: "world".into(), at, inertial: None, moves: false };
+        let world = LinkPiece {
+            name: "world".into(),
+            at,
+            inertial: None,
+            sound: true,
+            auxiliary: false,
+            moves: false,
+        };
         let name = named.unwrap_or("robot").into();
         let mut pieces = Self { name, at, links: vec![world], joints: Vec::new() };
         // mjcf-rs keeps the order of the text.
@@ -114,6 +127,7 @@ impl Pieces {
             let last = k + 1 == body.joints.len() && anchor == [0.0; 3];
             let link = if last { name.clone() } else { format!("{name}_behind_{joint_name}") };
             let child = self.link(link, place, true);
+            self.links[child].auxiliary = !last;
             self.joints.push(JointPiece { parent: above, child, origin, ..made });
             above = child;
             frame = shift(anchor.map(|x| -x));
@@ -132,15 +146,27 @@ impl Pieces {
                 axis: [0.0, 0.0, 1.0],
                 limits: None,
                 drive: Drive::default(),
+                sound: true,
             });
             above = child;
         }
-        self.links[above].inertial = reader.inertial(body, &name, self.links[above].moves);
+        let errors = reader.report.errors();
+        let inertial = reader.inertial(body, &name, self.links[above].moves);
+        let link = &mut self.links[above];
+        link.sound = reader.report.errors() == errors;
+        link.inertial = inertial.or_else(|| (!link.sound).then_some((Inertial::default(), at)));
         above
     }
 
     fn link(&mut self, name: String, at: usize, moves: bool) -> usize {
-        self.links.push(LinkPiece { name, at, inertial: None, moves });
+        self.links.push(LinkPiece {
+            name,
+            at,
+            inertial: None,
+            sound: true,
+            auxiliary: false,
+            moves,
+        });
         self.links.len() - 1
     }
 
@@ -156,8 +182,9 @@ impl Pieces {
                 inertial,
                 at,
                 mass_at: at,
-                sound: true,
+                sound: self.links[i].sound,
             }),
+            auxiliary: self.links[i].auxiliary,
         });
         let joints = self.joints.iter().map(|joint| JointPart {
             name: Located { text: &joint.name, at: joint.at },
@@ -170,6 +197,8 @@ impl Pieces {
             limits: joint.limits,
             mimic: None,
             drive: joint.drive,
+            drive_at: joint.at,
+            sound: joint.sound,
         });
         let (links, joints) = (links.collect(), joints.collect());
         Parts { name: &self.name, at: self.at, links, joints, loops: Vec::new() }
@@ -209,6 +238,7 @@ impl Reader<'_, '_, '_, '_> {
     /// A joint without its ends.
     fn joint(&mut self, joint: &Joint, name: &str, at: usize, alone: bool) -> JointPiece {
         let subject = Subject::Joint(name.into());
+        let errors = self.report.errors();
         let mut refuse = |code, message: &str, help: &str| {
             self.report.error(code, at, Some(&subject), message, help);
         };
@@ -217,7 +247,6 @@ impl Reader<'_, '_, '_, '_> {
             refuse(Code::NotRead, "its spring is not read", help);
         }
         let Joint { armature, damping, frictionloss: friction, .. } = *joint;
-        let drive = Drive { armature, damping, friction };
         let figures = [armature, damping, friction];
         if figures.iter().any(|&figure| figure < 0.0) {
             let help = "write figures of at least 0: they work against the motion";
@@ -233,6 +262,7 @@ impl Reader<'_, '_, '_, '_> {
                 "`armature`, `damping` and `frictionloss` of a ball or free joint are not read";
             refuse(Code::NotRead, message, "write 0, or the class that the joint should have");
         }
+        let drive = if single { Drive { armature, damping, friction } } else { Drive::default() };
         if joint.type_ == Type::Free && !alone {
             let message = "a free joint stands alone in a body of the world";
             refuse(Code::NotRead, message, "write the body in `<worldbody>`, with this joint only");
@@ -283,7 +313,8 @@ impl Reader<'_, '_, '_, '_> {
         });
         let (name, origin) = (name.into(), Pose::identity());
         let axis = axis.unwrap_or([0.0, 0.0, 1.0]);
-        JointPiece { name, at, parent: 0, child: 0, kind, origin, axis, limits, drive }
+        let sound = self.report.errors() == errors;
+        JointPiece { name, at, parent: 0, child: 0, kind, origin, axis, limits, drive, sound }
     }
 
     /// The inertia of a body in its frame, and where it stands.

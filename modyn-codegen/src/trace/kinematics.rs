@@ -15,7 +15,27 @@ pub(super) fn numbers(pose: &Pose<Expr>) -> Vec<Expr> {
     [pose.rotation.concat(), pose.translation.to_vec()].concat()
 }
 
+/// The pose of which the next twelve inputs are the numbers.
+pub(super) fn pose_input(next: &mut usize) -> Pose<Expr> {
+    let mut input = || {
+        *next += 1;
+        Expr::input(*next - 1)
+    };
+    let rotation = std::array::from_fn(|_| std::array::from_fn(|_| input()));
+    Pose { rotation, translation: std::array::from_fn(|_| input()) }
+}
+
 impl Tracer<'_> {
+    /// The pose in the world of a link from that of its body and its own on the body.
+    #[must_use]
+    pub fn placed_pose() -> Graph {
+        Graph::trace(|| {
+            let mut next = 0;
+            let [body, own] = std::array::from_fn(|_| pose_input(&mut next));
+            numbers(&body.compose(&own))
+        })
+    }
+
     /// The pose of a link from `q`.
     #[must_use]
     pub fn link_pose(&self, frame: usize) -> Graph {

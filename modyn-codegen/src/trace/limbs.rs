@@ -191,7 +191,7 @@ impl Limbs {
         merged.links.clear();
         merged.frames.clear();
         merged.coordinates.clear();
-        merged.closures.clear();
+        merged.loop_constraints.clear();
         merged
     }
 

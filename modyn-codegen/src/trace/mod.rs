@@ -1,6 +1,6 @@
 //! The equations run on expressions: one graph a quantity.
 
-mod closures;
+mod constraints;
 mod coordinates;
 mod derivatives;
 mod kinematics;
@@ -15,13 +15,13 @@ use modyn_runtime::equations::kinematics::{Axes, link_poses};
 use modyn_runtime::equations::{
     Forces, Workspace, forward_dynamics, gravity, inverse_dynamics, kinetic_energy, mass_matrix,
 };
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::model::prepare::{BodyFrame, Prepared};
 use modyn_runtime::spatial::{Pose, Wrench};
 
 use crate::expr::{Expr, Graph};
 
 pub use limbs::Limbs;
-pub use parameters::{Parameters, Payload};
+pub use parameters::Parameters;
 
 fn in_axes(forces: &[Wrench<Expr>], axes: Axes) -> Forces<'_, Expr> {
     match axes {
@@ -33,6 +33,7 @@ fn in_axes(forces: &[Wrench<Expr>], axes: Axes) -> Forces<'_, Expr> {
 /// A robot on expressions, ready to be traced.
 ///
 /// Each quantity's inputs are numbered group by group in the order of its parameters.
+#[derive(Clone)]
 pub struct Tracer<'a> {
     model: &'a Prepared<f64>,
     parameters: Parameters,
@@ -40,6 +41,30 @@ pub struct Tracer<'a> {
     limbs: Option<&'a Limbs>,
     /// How many columns of derivatives are.
     columns: usize,
+    /// The one link of a model that has none.
+    link: Option<LinkFrame>,
+}
+
+/// A link that is fixed to a body.
+#[derive(Clone, Copy, Debug)]
+pub enum LinkFrame {
+    /// Where it is known.
+    Known(BodyFrame<f64>),
+    /// On this body, or on the world; its pose there is twelve further inputs: nine numbers of the rotation
+    /// by rows, then three of the translation.
+    On(Option<usize>),
+}
+
+impl LinkFrame {
+    /// The link, with inputs from `next` on, of which it takes those that it needs.
+    fn enter(self, next: &mut usize) -> BodyFrame<Expr> {
+        match self {
+            Self::Known(BodyFrame { body, pose }) => {
+                BodyFrame { body, pose: pose.map(Expr::from_f64) }
+            }
+            Self::On(body) => BodyFrame { body, pose: kinematics::pose_input(next) },
+        }
+    }
 }
 
 impl<'a> Tracer<'a> {
@@ -52,20 +77,26 @@ impl<'a> Tracer<'a> {
     /// Traces equations of `model`; `parameters` are further inputs, behind all others.
     #[must_use]
     pub fn with_parameters(model: &'a Prepared<f64>, parameters: Parameters) -> Self {
-        Self { model, parameters, limbs: None, columns: 1 }
+        Self { model, parameters, limbs: None, columns: 1, link: None }
+    }
+
+    /// Traces equations of `model`, which has no links, with this one in their place.
+    #[must_use]
+    pub fn with_link(model: &'a Prepared<f64>, link: LinkFrame) -> Self {
+        Self { link: Some(link), ..Self::new(model) }
     }
 
     /// The same with equal limbs side by side. What is known of single links at run time only can't be.
     #[must_use]
     pub fn abreast(&self, limbs: &'a Limbs) -> Self {
-        let parameters = Parameters { gravity: self.parameters.gravity, payload: Vec::new() };
-        Self { model: self.model, parameters, limbs: Some(limbs), columns: 1 }
+        let parameters = self.parameters.without_inertias();
+        Self { model: self.model, parameters, limbs: Some(limbs), columns: 1, link: None }
     }
 
     /// The same with columns of derivatives side by side, of joints one behind the other.
     #[must_use]
     pub fn columns_abreast(&self) -> Self {
-        Self { model: self.model, parameters: self.parameters.clone(), limbs: None, columns: 4 }
+        Self { parameters: self.parameters.clone(), columns: 4, ..Self::new(self.model) }
     }
 
     /// The robot.
@@ -94,6 +125,7 @@ impl<'a> Tracer<'a> {
                 next += length;
                 (start..next).map(Expr::input).collect()
             });
+            model.frames.extend(self.link.map(|link| link.enter(&mut next)));
             self.parameters.enter(next, &mut model);
             equations(&model, groups)
         })

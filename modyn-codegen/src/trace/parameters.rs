@@ -1,51 +1,68 @@
-//! What of a robot is an argument of its functions.
+//! The parts of a robot that are arguments of its functions.
 
-use modyn_runtime::Scalar as _;
-use modyn_runtime::model::prepare::{Prepared, rigid_inertia};
-use modyn_runtime::model::{Inertial, Model};
-use modyn_runtime::spatial::{RigidInertia, Symmetric3, Vector3};
+use modyn_runtime::Scalar;
+use modyn_runtime::equations::singular::{self, PivotWorkspace};
+use modyn_runtime::model::prepare::{Prepared, inertia_without, rigid_inertia};
+use modyn_runtime::model::{Inertial, Model, PARAMETERS_PER_LINK};
+use modyn_runtime::spatial::{RigidInertia, Vector3};
 
-use crate::expr::Expr;
+use super::Tracer;
+use crate::expr::{Expr, Graph};
 
 /// The parts of a robot that are known at run time only.
 #[derive(Clone, Debug, Default)]
 pub struct Parameters {
     /// Whether gravity is.
     pub gravity: bool,
-    /// Links whose own inertia is.
-    pub payload: Vec<Payload>,
-}
-
-/// A link whose own inertia is an argument.
-#[derive(Clone, Debug)]
-pub struct Payload {
-    /// The link, as an index into [`Model::frames`].
-    pub frame: usize,
-    /// What the description says it is.
-    pub described: Inertial,
+    /// The links, as indices into [`Model::frames`], whose own inertia is, with their own inertias in the description.
+    pub inertias: Vec<(usize, Inertial)>,
+    /// The links, as indices into [`Model::frames`], to which an inertia is added.
+    pub payloads: Vec<usize>,
+    /// The moving links that carry one of the `inertias`, with their inertia without these, about their origin.
+    rest: Vec<(usize, RigidInertia<f64>)>,
 }
 
 impl Parameters {
-    /// Those of a model: gravity, and these links, as indices into its frames.
+    /// Those of a model: gravity, and links as indices into its frames whose own inertia is an argument, or to which an
+    /// inertia is added.
     #[must_use]
-    pub fn new(model: &Model, gravity: bool, payload: &[usize]) -> Self {
-        let payload = payload
-            .iter()
-            .map(|&frame| Payload { frame, described: model.frames()[frame].inertial });
-        Self { gravity, payload: payload.collect() }
+    pub fn new(model: &Model, gravity: bool, inertias: &[usize], payloads: &[usize]) -> Self {
+        let mut carrying: Vec<usize> =
+            inertias.iter().filter_map(|&frame| model.frames()[frame].link).collect();
+        carrying.sort_unstable();
+        carrying.dedup();
+        let rest = |link| (link, inertia_without(model, link, |frame| inertias.contains(&frame)));
+        let own = |&frame: &usize| (frame, model.frames()[frame].inertial);
+        Self {
+            gravity,
+            inertias: inertias.iter().map(own).collect(),
+            payloads: payloads.to_vec(),
+            rest: carrying.into_iter().map(rest).collect(),
+        }
     }
 
-    /// How many numbers they are: gravity's three, then for each link its mass, centre of mass
-    /// and inertia about that, as [`Inertial`] has them.
+    /// Gravity alone.
+    pub(super) fn without_inertias(&self) -> Self {
+        Self { gravity: self.gravity, ..Self::default() }
+    }
+
+    /// How many numbers they are: gravity's three, then for each run-time inertia and for each payload its mass, centre
+    /// of mass and inertia about that, as [`Inertial`] has them.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.payload.len() * 10 + if self.gravity { 3 } else { 0 }
+        self.inertial(self.inertias.len() + self.payloads.len())
     }
 
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Where the ten numbers of run-time inertia `k` begin; those of payloads follow.
+    #[must_use]
+    pub fn inertial(&self, k: usize) -> usize {
+        k * PARAMETERS_PER_LINK + if self.gravity { 3 } else { 0 }
     }
 
     /// Puts the inputs from number `next` on where they belong.
@@ -55,13 +72,58 @@ impl Parameters {
         if self.gravity {
             model.gravity = Vector3([input(), input(), input()]);
         }
-        for payload in &self.payload {
-            let mass = input();
-            let center = Vector3([input(), input(), input()]);
-            let [xx, xy, xz, yy, yz, zz] = std::array::from_fn(|_| input());
-            let inertia = Symmetric3 { xx, xy, xz, yy, yz, zz };
-            let own = rigid_inertia(&payload.described).map(Expr::from_f64);
-            model.replace_inertia(payload.frame, &own, &RigidInertia::new(mass, center, &inertia));
+        self.remove(model);
+        let own = self.inertias.iter().map(|(frame, _)| frame);
+        for &frame in own.chain(&self.payloads) {
+            let inertial = Inertial {
+                mass: input(),
+                center_of_mass: std::array::from_fn(|_| input()),
+                inertia: std::array::from_fn(|_| input()),
+            };
+            model.add_inertia(frame, &rigid_inertia(&inertial));
         }
+    }
+
+    /// Takes the described inertias of the links away that have others at run time.
+    fn remove<S: Scalar>(&self, model: &mut Prepared<S>) {
+        if self.rest.is_empty() {
+            return;
+        }
+        for (link, rest) in &self.rest {
+            let body = model.links[*link];
+            let body = &mut model.bodies[body];
+            body.inertia = rest.map(S::from_f64).placed(&body.link);
+        }
+        model.minimize();
+    }
+}
+
+impl Tracer<'_> {
+    /// The entries of qd that feel no inertia if all run-time inertias are zero, with the graph of the inertia that each
+    /// of them feels: of the scalar's precision, then the parameters. `None` if there is no such entry: then any
+    /// inertias will do, since more inertia never makes a mass matrix singular.
+    ///
+    /// An entry that feels none with some run-time inertias feels none without them, so that no other need be
+    /// looked at.
+    #[must_use]
+    pub fn inertia_pivots(&self) -> Option<(Vec<usize>, Graph)> {
+        let felt = |model: &Prepared<f64>| {
+            let mut pivots = vec![0.0; model.nv];
+            singular::pivots(model, f64::EPSILON, &mut PivotWorkspace::new(model), &mut pivots);
+            pivots.into_iter().map(|pivot| pivot > 0.0).collect::<Vec<bool>>()
+        };
+        let mut least = self.model.clone();
+        self.parameters.remove(&mut least);
+        let (described, least) = (felt(self.model), felt(&least));
+        let needy: Vec<usize> = (0..least.len()).filter(|&v| described[v] && !least[v]).collect();
+        if needy.is_empty() {
+            return None;
+        }
+        let graph = self.trace_groups([1], |model, [epsilon]| {
+            let mut pivots = self.vector();
+            singular::pivots(model, epsilon[0], &mut PivotWorkspace::new(model), &mut pivots);
+            needy.iter().map(|&v| pivots[v]).collect()
+        });
+        Some((needy, graph))
     }
 }

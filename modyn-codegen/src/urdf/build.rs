@@ -7,14 +7,14 @@ use modyn_runtime::{
 };
 
 use super::{
-    Base, ReadOptions, felt,
+    Base, Friction, Mimic, ReadOptions, felt,
     joint::{JointPart, Kind, MimicPart},
     loops, mimics,
     parts::{LinkPart, Parts},
-    report::Report,
+    report::{Place, Report},
     tree::Tree,
 };
-use crate::error::{Code, Subject};
+use crate::error::{Code, Severity, Subject};
 
 /// A moving body: a link that a joint moves, and all that is fixed to it.
 struct Body {
@@ -24,6 +24,8 @@ struct Body {
     joint: Option<usize>,
     /// Whether all figures of its inertia could be read.
     sound: bool,
+    /// Whether its inertia and its joint are known, so that its motion can be judged.
+    known: bool,
 }
 
 /// The bodies while they are put together.
@@ -43,23 +45,27 @@ pub fn build(
     report: &mut Report<'_>,
 ) -> Option<Model> {
     let mut assembly = assemble(parts, tree, options.base, report);
-    assembly.follow(parts, leaders);
-    let Assembly { links, bodies, place } = assembly;
+    assembly.follow(parts, leaders, options.mimic != Mimic::Independent);
+    let Assembly { mut links, mut bodies, place } = assembly;
     if links.is_empty() {
         let help = "make a joint `revolute`, `continuous` or `prismatic`, or let the base float";
         report.error(Code::NoMovingJoint, parts.at, None, "no joint of the robot moves", help);
     }
-    for (link, body) in links.iter().zip(&bodies) {
+    for (link, body) in links.iter_mut().zip(&mut bodies) {
         let negative = check_masses(parts, &body.links, report);
-        if body.sound {
-            check_inertia(parts, &body.links, &link.inertial, negative, options, report);
+        let sound = body.sound
+            && check_inertia(parts, &body.links, &link.inertial, negative, options, report);
+        if !sound || negative {
+            // Its error is reported; with this, the motions of the other bodies can be judged.
+            body.known = false;
+            link.inertial = STAND_IN;
         }
     }
+    check_densities(parts, &bodies, report);
+    inactive_friction(parts, &bodies, options.friction, report);
     let carriers: Vec<_> = place.iter().map(|(carrier, _)| *carrier).collect();
-    let closures = loops::closures(parts, &options.loops, &carriers, report);
-    if report.errors() > 0 {
-        return None;
-    }
+    let loop_constraints = loops::loop_constraints(parts, &options.loops, &carriers, report);
+    let errors = report.errors();
     let frames = parts.links.iter().zip(place).map(|(part, (link, pose))| Frame {
         name: part.name.text.into(),
         link,
@@ -68,10 +74,14 @@ pub fn build(
     });
     let gravity = options.gravity.unwrap_or(DEFAULT_GRAVITY);
     let model = Model::new(parts.name, gravity, links, frames.collect())
-        .and_then(|model| model.with_friction(options.friction))
-        .and_then(|model| model.with_closures(closures));
+        .and_then(|model| model.with_friction(options.friction.unwrap_or_default()))
+        .and_then(|model| {
+            if errors > 0 { Ok(model) } else { model.with_loop_constraints(loop_constraints) }
+        });
     let model = match model {
         Ok(model) => model,
+        // One of the errors above.
+        Err(_) if errors > 0 => return None,
         Err(errors) => {
             // All of this has been checked. Should a check be missing, the user hears of it here.
             for error in errors {
@@ -98,12 +108,18 @@ fn assemble(parts: &Parts, tree: &Tree, base: Base, report: &mut Report<'_>) -> 
             let origin = placed(joint, &above.1, report);
             assembly.place[link] = match moving(joint, origin) {
                 None => (above.0, origin),
-                Some(joint) => assembly.push(part, above.0, joint, Some(j)),
+                Some(moved) => {
+                    let known = joint.sound && joint.kind != Kind::Unknown;
+                    assembly.push(part, above.0, moved, Some(j), known)
+                }
             };
+            if let (Some(carrier), false) = (assembly.place[link].0, joint.sound) {
+                assembly.bodies[carrier].known = false;
+            }
         } else if base == Base::Floating {
             let up = [0.0, 0.0, 1.0];
             let joint = Joint::new(base_name(parts), JointType::Floating, up, Pose::identity());
-            assembly.place[link] = assembly.push(part, None, joint, None);
+            assembly.place[link] = assembly.push(part, None, joint, None, true);
         }
         assembly.carry(link, part);
     }
@@ -118,10 +134,11 @@ impl Assembly {
         parent: Option<usize>,
         joint: Joint,
         index: Option<usize>,
+        known: bool,
     ) -> (Option<usize>, Pose<f64>) {
         let name = part.name.text.into();
         self.links.push(Link { name, parent, joint, inertial: Inertial::default() });
-        self.bodies.push(Body { links: Vec::new(), joint: index, sound: true });
+        self.bodies.push(Body { links: Vec::new(), joint: index, sound: true, known });
         (Some(self.links.len() - 1), Pose::identity())
     }
 
@@ -139,20 +156,21 @@ impl Assembly {
     }
 
     /// Has joints follow their leaders, which may stand anywhere in the tree.
-    fn follow(&mut self, parts: &Parts, leaders: &[Option<usize>]) {
+    fn follow(&mut self, parts: &Parts, leaders: &[Option<usize>], follows: bool) {
         let mut moved_by = vec![None; parts.joints.len()];
         for (i, body) in self.bodies.iter().enumerate() {
             if let Some(joint) = body.joint {
                 moved_by[joint] = Some(i);
             }
         }
-        for (link, body) in self.links.iter_mut().zip(&self.bodies) {
+        for (link, body) in self.links.iter_mut().zip(&mut self.bodies) {
             let Some(joint) = body.joint else { continue };
-            if let (Some(mimic), Some(leader)) = (&parts.joints[joint].mimic, leaders[joint])
-                && let Some(leader) = moved_by[leader]
-            {
+            let Some(mimic) = &parts.joints[joint].mimic else { continue };
+            if let Some(leader) = leaders[joint].and_then(|leader| moved_by[leader]) {
                 let MimicPart { multiplier, offset, .. } = *mimic;
                 link.joint.mimic = Some(model::Mimic { leader, multiplier, offset });
+            } else if follows {
+                body.known = false;
             }
         }
     }
@@ -194,6 +212,113 @@ fn base_name(parts: &Parts) -> String {
     names.find(|name: &String| !taken.contains_key(name.as_str())).unwrap_or_default()
 }
 
+/// Which joints' motions depend on known figures alone: of the bodies that they carry, and of all
+/// that follow them.
+fn judged(bodies: &[Body], model: &Model) -> Vec<bool> {
+    let mut judged: Vec<bool> = bodies.iter().map(|body| body.known).collect();
+    if judged.iter().all(|&known| known) {
+        return judged;
+    }
+    for leader in (0..bodies.len()).filter_map(|i| Some(model.mimic(i)?.leader)) {
+        judged[leader] = false;
+    }
+    // Children come after their parents.
+    for (i, link) in model.links().iter().enumerate().rev() {
+        if let (false, Some(parent)) = (judged[i], link.parent) {
+            judged[parent] = false;
+        }
+    }
+    judged
+}
+
+/// Warns of links that move, but have no inertial, nor has a link that is fixed to them.
+fn missing_inertials(parts: &Parts, bodies: &[Body], unfelt: &[usize], report: &mut Report<'_>) {
+    let mut refused = vec![false; bodies.len()];
+    unfelt.iter().for_each(|&i| refused[i] = true);
+    let places: Vec<Place> = bodies
+        .iter()
+        .zip(refused)
+        // The joint of a refused one has said so.
+        .filter(|(body, refused)| {
+            !refused && body.links.iter().all(|&l| parts.links[l].inertial.is_none())
+        })
+        .filter_map(|(body, _)| body.links.iter().map(|&l| &parts.links[l]).find(|l| !l.auxiliary))
+        .map(|link| (link.name.at, Some(link.subject())))
+        .collect();
+    let message = "it moves, but has no `<inertial>`, so it counts as massless";
+    let help =
+        "write its mass and inertia, or an `<inertial>` with zeros if it is massless on purpose";
+    report.warn_once(Code::MissingInertial, &places, message, help);
+}
+
+/// Warns of links of moving bodies whose mass is impossibly large for their inertia.
+fn check_densities(parts: &Parts, bodies: &[Body], report: &mut Report<'_>) {
+    let links = bodies.iter().flat_map(|body| &body.links).map(|&link| &parts.links[link]);
+    let mut places = Vec::new();
+    let mut message = String::new();
+    for (link, own) in links.filter_map(|link| Some((link, link.inertial.as_ref()?))) {
+        let Some(found) = implausible(&own.inertial).filter(|_| own.sound) else { continue };
+        if places.is_empty() {
+            message = found;
+        }
+        places.push((own.mass_at, Some(link.subject())));
+    }
+    report.warn_once(Code::ImplausibleMass, &places, &message, IMPLAUSIBLE_HELP);
+}
+
+/// Denser than any material (osmium has 22,600), kg/m^3.
+const DENSEST: f64 = 30_000.0;
+
+/// A smaller radius of gyration is that of a point mass after rounding, m.
+const POINT: f64 = 1e-6;
+
+/// Returns a message if no body can have this mass and inertia at once. Among all bodies of one volume and mass, a
+/// ball has the least inertia, so a body is at least as dense as the ball of its mass and inertia.
+pub fn implausible(inertial: &Inertial) -> Option<String> {
+    let Inertial { mass, inertia: [xx, _, _, yy, _, zz], .. } = *inertial;
+    // A ball of radius r has the moment 2/5 m r^2 about each axis.
+    let radius = libm::sqrt((xx + yy + zz) / 3.0 / (0.4 * mass));
+    let density = mass / (4.0 / 3.0 * core::f64::consts::PI * radius * radius * radius);
+    (radius > POINT && density > DENSEST).then(|| {
+        format!(
+            "its mass of {mass} kg is too large for its inertia: even a ball with both, of radius {:.3} mm, has \
+             {density:.1e} kg/m^3, and no material has more than 2.3e4",
+            radius * 1e3
+        )
+    })
+}
+
+pub const IMPLAUSIBLE_HELP: &str =
+    "write the mass in kg (not in g), and the inertia in kg m^2 about the centre of mass";
+
+/// Warns of damping and friction if no option says whether they act.
+fn inactive_friction(
+    parts: &Parts,
+    bodies: &[Body],
+    chosen: Option<Friction>,
+    report: &mut Report<'_>,
+) {
+    if chosen.is_some() {
+        return;
+    }
+    let places: Vec<Place> = bodies
+        .iter()
+        .filter_map(|body| body.joint)
+        .map(|joint| &parts.joints[joint])
+        .filter(|joint| joint.drive.damping > 0.0 || joint.drive.friction > 0.0)
+        .map(|joint| (joint.drive_at, Some(joint.subject())))
+        .collect();
+    let drives =
+        || bodies.iter().filter_map(|body| body.joint).map(|joint| &parts.joints[joint].drive);
+    let message = match (drives().any(|d| d.damping > 0.0), drives().any(|d| d.friction > 0.0)) {
+        (true, false) => "its damping does not act",
+        (false, _) => "its friction does not act",
+        (true, true) => "its damping and friction do not act",
+    };
+    let help = "set the option `friction` to `viscous`, `coulomb` or `smooth` if they are to act, to `none` if not";
+    report.warn_once(Code::InactiveFriction, &places, message, help);
+}
+
 /// Whether each joint feels inertia, and follows in a ratio that one can compute with.
 fn check_motions(parts: &Parts, bodies: &[Body], model: &Model, report: &mut Report<'_>) {
     for i in mimics::too_large(model) {
@@ -204,7 +329,11 @@ fn check_motions(parts: &Parts, bodies: &[Body], model: &Model, report: &mut Rep
             report.error(Code::NotFinite, mimic.leader.at, Some(&subject), message, help);
         }
     }
-    for i in felt::unfelt(model) {
+    let judged = judged(bodies, model);
+    let mut unfelt = felt::unfelt(model);
+    unfelt.retain(|&i| judged[i]);
+    missing_inertials(parts, bodies, &unfelt, report);
+    for i in unfelt {
         let code = Code::NoInertiaFelt;
         if let Some(joint) = bodies[i].joint.map(|j| &parts.joints[j]) {
             let message = felt::message(&model.links()[i].name);
@@ -230,7 +359,11 @@ fn check_masses(parts: &Parts, links: &[usize], report: &mut Report<'_>) -> bool
     report.errors() > errors
 }
 
-/// Whether a body made of these links can exist.
+/// Stands in for an inertia that is not known.
+const STAND_IN: Inertial =
+    Inertial { mass: 1.0, center_of_mass: [0.0; 3], inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0] };
+
+/// Checks whether a body made of these links can exist; `false` with an error in the report.
 fn check_inertia(
     parts: &Parts,
     links: &[usize],
@@ -238,11 +371,11 @@ fn check_inertia(
     negative: bool,
     options: &ReadOptions,
     report: &mut Report<'_>,
-) {
+) -> bool {
     let with_inertial =
         |link: &usize| Some((&parts.links[*link], parts.links[*link].inertial.as_ref()?));
     let Some((&moving, fixed)) = links.split_first() else {
-        return;
+        return true;
     };
     let moving = &parts.links[moving];
     let at =
@@ -250,7 +383,7 @@ fn check_inertia(
     let figures = [whole.mass].into_iter().chain(whole.center_of_mass).chain(whole.inertia);
     if !figures.clone().all(|x| x.abs() < LARGEST) {
         report.error(Code::NotFinite, at, Some(&moving.subject()), TOO_LARGE, TOO_LARGE_HELP);
-        return;
+        return false;
     }
     let severity = options.unphysical_inertia;
     if negative {
@@ -267,7 +400,9 @@ fn check_inertia(
         let (code, help) = advice(&defect);
         let message = format!("{defect}{}", fixed_names(parts, fixed));
         report.add(severity, code, at, Some(&moving.subject()), message, help);
+        return severity == Severity::Warning;
     }
+    true
 }
 
 /// Beyond this, products of figures could overflow.

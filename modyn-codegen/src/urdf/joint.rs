@@ -30,6 +30,10 @@ pub struct JointPart<'a> {
     pub limits: Option<Limits>,
     pub mimic: Option<MimicPart<'a>>,
     pub drive: Drive,
+    /// Where its drive stands.
+    pub drive_at: usize,
+    /// Whether all of it could be read.
+    pub sound: bool,
 }
 
 impl JointPart<'_> {
@@ -72,6 +76,7 @@ const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
 impl<'a> Reader<'a, '_, '_, '_> {
     pub fn joint(&mut self, node: Node<'a, '_>) -> JointPart<'a> {
+        let errors = self.report.errors();
         let name = self.attribute(node, "name", None);
         let subject = name.map(|name| Subject::Joint(name.text.into()));
         let subject = subject.as_ref();
@@ -100,17 +105,20 @@ impl<'a> Reader<'a, '_, '_, '_> {
             limits: None,
             mimic: None,
             drive: Drive::default(),
+            drive_at: node.range().start,
+            sound: true,
         };
         // A fixed joint has none of these, whatever is written.
         if kind != Kind::Fixed {
             [joint.axis, joint.second_axis] = self.axes(node, kind, subject);
-            joint.drive = self.drive(node, subject);
+            (joint.drive, joint.drive_at) = self.drive(node, subject);
         }
         if let Kind::Moving(joint_type) = kind {
             joint.limits = self.limits(node, joint_type, subject);
             joint.mimic = self.mimic(node, subject);
         }
         self.no_second_axis(node, kind, subject);
+        joint.sound = self.report.errors() == errors;
         joint
     }
 
@@ -225,14 +233,17 @@ impl<'a> Reader<'a, '_, '_, '_> {
         // refused by some readers and no limit for others: no limit here.
         let (mut lower, mut upper) = (None, None);
         if matches!(joint_type, JointType::Revolute | JointType::Prismatic) {
-            lower = Some(self.figure(node, "lower", subject).unwrap_or(0.0));
-            upper = Some(self.figure(node, "upper", subject).unwrap_or(0.0));
+            let mut bound = |name| match located(node, name) {
+                Some(_) => self.figure(node, name, subject),
+                None => Some(0.0),
+            };
+            (lower, upper) = (bound("lower"), bound("upper"));
         }
         if joint_type.nv() > 1 {
             self.no_bounds(node, subject);
         }
-        let velocity = self.figure(node, "velocity", subject);
-        let effort = self.figure(node, "effort", subject);
+        let [velocity, effort] =
+            ["velocity", "effort"].map(|name| self.largest(node, name, subject));
         if let (Some(lower), Some(upper)) = (lower, upper)
             && lower > upper
         {
@@ -242,6 +253,22 @@ impl<'a> Reader<'a, '_, '_, '_> {
             self.report.add(Severity::Warning, Code::InvertedLimits, at, subject, message, help);
         }
         Some(Limits { lower, upper, velocity, effort })
+    }
+
+    /// A limit of a size; `None` where it is not written, and where it is negative, which is noted.
+    fn largest(
+        &mut self,
+        node: Node<'a, '_>,
+        name: &str,
+        subject: Option<&Subject>,
+    ) -> Option<f64> {
+        let value = self.figure(node, name, subject)?;
+        if value < 0.0 {
+            let at = located(node, name).map_or(node.range().start, |text| text.at);
+            self.negative_limits.push((at, subject.cloned()));
+            return None;
+        }
+        Some(value)
     }
 
     /// Warns of bounds of a joint that has several coordinates.
@@ -288,9 +315,10 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(MimicPart { leader, multiplier, offset })
     }
 
-    fn drive(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Drive {
+    /// The drive, and where it stands.
+    fn drive(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> (Drive, usize) {
         let Some(node) = self.single(node, "dynamics", subject) else {
-            return Drive::default();
+            return (Drive::default(), node.range().start);
         };
         let names = ["damping", "friction", "armature", "rotor_inertia", "gear_ratio"];
         self.misspelt_attribute(node, &names, subject);
@@ -304,7 +332,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             let at = node.range().start;
             self.report.error(Code::NotFinite, at, subject, DRIVE_TOO_LARGE, DRIVE_HELP);
         }
-        drive
+        (drive, node.range().start)
     }
 
     /// A figure of `<dynamics>` that is at least zero, and zero where it is not written.

@@ -8,7 +8,7 @@
 //! </loop_joint>
 //! ```
 
-use modyn_runtime::model::{Closure, ClosureEnd, ClosureKind};
+use modyn_runtime::model::{LoopConstraint, LoopConstraintEnd, LoopConstraintKind};
 use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -29,7 +29,7 @@ pub struct LoopPart<'a> {
     /// Where it stands; `None` for an option's.
     at: Option<usize>,
     /// `None` where it could not be read.
-    kind: Option<ClosureKind>,
+    kind: Option<LoopConstraintKind>,
     ends: [EndPart<'a>; 2],
 }
 
@@ -59,8 +59,8 @@ impl<'a> LoopPart<'a> {
             normalized(axis).filter(|_| finite).map(|(unit, _)| unit)
         };
         let kind = match option.kind {
-            ClosureKind::Revolute(axis) => unit(axis).map(ClosureKind::Revolute),
-            ClosureKind::Prismatic(axis) => unit(axis).map(ClosureKind::Prismatic),
+            LoopConstraintKind::Revolute(axis) => unit(axis).map(LoopConstraintKind::Revolute),
+            LoopConstraintKind::Prismatic(axis) => unit(axis).map(LoopConstraintKind::Prismatic),
             kind => Some(kind),
         };
         let part = Self { name: &option.name, at: None, kind, ends };
@@ -98,10 +98,14 @@ impl<'a> Reader<'a, '_, '_, '_> {
         LoopPart { name: name.map_or("", |name| name.text), at: Some(at), kind, ends }
     }
 
-    fn loop_kind(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Option<ClosureKind> {
+    fn loop_kind(
+        &mut self,
+        node: Node<'a, '_>,
+        subject: Option<&Subject>,
+    ) -> Option<LoopConstraintKind> {
         let text = self.attribute(node, "type", subject)?;
         let x = [1.0, 0.0, 0.0];
-        let Some(kind) = ClosureKind::of_joint(text.text, x) else {
+        let Some(kind) = LoopConstraintKind::of_joint(text.text, x) else {
             let message = format!("`{}` is no type of a loop joint", text.text);
             self.report.error(Code::UnknownJointType, text.at, subject, message, TYPES);
             return None;
@@ -109,7 +113,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         if kind.axis().is_none() {
             return Some(kind);
         }
-        ClosureKind::of_joint(text.text, self.axis(node, "axis", x, subject)?)
+        LoopConstraintKind::of_joint(text.text, self.axis(node, "axis", x, subject)?)
     }
 
     fn loop_end(
@@ -135,13 +139,13 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 }
 
-/// The closures; `carriers` has by link of the description the moving link that carries it.
-pub fn closures(
+/// The loop constraints; `carriers` has by link of the description the moving link that carries it.
+pub fn loop_constraints(
     parts: &Parts,
     options: &[Loop],
     carriers: &[Option<usize>],
     report: &mut Report<'_>,
-) -> Vec<Closure> {
+) -> Vec<LoopConstraint> {
     let mut links = FxHashMap::default();
     for (i, link) in parts.links.iter().enumerate() {
         links.entry(link.name.text).or_insert(i);
@@ -151,7 +155,7 @@ pub fn closures(
     let options: Vec<LoopPart> =
         options.iter().map(|option| LoopPart::of_option(option, report)).collect();
     let all = parts.loops.iter().chain(&options);
-    all.filter_map(|part| search.closure(part, carriers, report)).collect()
+    all.filter_map(|part| search.constraint(part, carriers, report)).collect()
 }
 
 struct Search<'p, 'a> {
@@ -164,12 +168,12 @@ struct Search<'p, 'a> {
 
 impl<'p> Search<'p, '_> {
     /// `None` with an error in the report.
-    fn closure(
+    fn constraint(
         &mut self,
         part: &LoopPart<'p>,
         carriers: &[Option<usize>],
         report: &mut Report<'_>,
-    ) -> Option<Closure> {
+    ) -> Option<LoopConstraint> {
         let errors = report.errors();
         let mut error = |code, at: Option<usize>, message: String, help: &str| match at {
             Some(at) => report.error(code, at, Some(&part.subject()), message, help),
@@ -199,7 +203,7 @@ impl<'p> Search<'p, '_> {
                 );
                 error(Code::LoopLink, end.at, message, &help);
             }
-            found.map(|frame| ClosureEnd { frame, pose: end.pose })
+            found.map(|frame| LoopConstraintEnd { frame, pose: end.pose })
         });
         if let [Some(a), Some(b)] = &ends
             && carriers[a.frame] == carriers[b.frame]
@@ -217,6 +221,6 @@ impl<'p> Search<'p, '_> {
             return None;
         }
         let [a, b] = ends;
-        Some(Closure { name: part.name.into(), kind: part.kind?, ends: [a?, b?] })
+        Some(LoopConstraint { name: part.name.into(), kind: part.kind?, ends: [a?, b?] })
     }
 }

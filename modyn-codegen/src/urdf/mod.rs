@@ -3,7 +3,7 @@
 //! ```text
 //! text ─ document ─▶ XML ─ parts, joint ─▶ links and joints ─ tree ─▶ order ─ build ─▶ Model
 //!                                              ├ mimics ─▶ leaders ──────────┤
-//!                                              └ loops ─▶ closures ──────────┘
+//!                                              └ loops ─▶ loop constraints ──────────┘
 //! ```
 //!
 //! Each step reports all that is wrong with it and goes on as far as it can, so that a user sees
@@ -36,7 +36,7 @@ mod tree;
 
 pub(crate) use limits::MOST_BYTES;
 use modyn_runtime::model::Model;
-pub use modyn_runtime::model::{ClosureKind, Friction};
+pub use modyn_runtime::model::{Friction, LoopConstraintKind};
 
 use crate::error::{Code, Diagnostic, Diagnostics, Severity};
 use parts::Parts;
@@ -56,8 +56,9 @@ pub struct ReadOptions {
     pub base: Base,
     /// The rotors of joints; each replaces what the description says about its joint's.
     pub rotors: Vec<Rotor>,
-    /// Which torques damping and friction exert.
-    pub friction: Friction,
+    /// Which torques damping and friction exert; `None` (not chosen) is as [`Friction::None`], with a
+    /// warning if the description has damping or friction.
+    pub friction: Option<Friction>,
     /// What closes loops, besides what the description says.
     pub loops: Vec<Loop>,
 }
@@ -70,7 +71,7 @@ impl Default for ReadOptions {
             mimic: Mimic::default(),
             base: Base::default(),
             rotors: Vec::new(),
-            friction: Friction::default(),
+            friction: None,
             loops: Vec::new(),
         }
     }
@@ -118,7 +119,7 @@ pub struct Loop {
     /// Its name, which no other joint has.
     pub name: String,
     /// What it holds; an axis may be of any length.
-    pub kind: ClosureKind,
+    pub kind: LoopConstraintKind,
     /// The two frames.
     pub ends: [LoopEnd; 2],
 }
@@ -169,13 +170,13 @@ pub(crate) fn reading(
     let mut report = Report::new(text, file);
     let mut options = options.clone();
     let gravity = options.gravity.and_then(gravity_error);
-    let friction = friction_error(options.friction);
+    let friction = options.friction.and_then(friction_error);
     // To find what else is wrong.
     if gravity.is_some() {
         options.gravity = None;
     }
     if friction.is_some() {
-        options.friction = Friction::None;
+        options.friction = Some(Friction::None);
     }
     let model = read(&options, &mut report);
     let options = gravity.into_iter().chain(friction);

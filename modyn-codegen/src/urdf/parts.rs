@@ -3,13 +3,18 @@
 //! What could not be read stands in as its default, so that reading can go on and find the next
 //! error; the report holds the reason, and nothing is built from it.
 
-use modyn_runtime::{model::Inertial, spatial::Pose};
+use modyn_runtime::{joint::JointType, model::Inertial, spatial::Pose};
 use roxmltree::Node;
 use rustc_hash::FxHashMap;
 
 use super::{
-    ReadOptions, document::is, joint::JointPart, loops::LoopPart, nearest::nearest,
-    numbers::numbers, report::Report,
+    ReadOptions,
+    document::is,
+    joint::{JointPart, Kind},
+    loops::LoopPart,
+    nearest::nearest,
+    numbers::numbers,
+    report::{Place, Report},
 };
 use crate::error::{Code, Severity, Subject};
 
@@ -45,6 +50,8 @@ pub struct Located<'a> {
 pub struct LinkPart<'a> {
     pub name: Located<'a>,
     pub inertial: Option<InertialPart>,
+    /// Whether the description does not have it: it stands between two joints of one body, and is massless.
+    pub auxiliary: bool,
 }
 
 /// An `<inertial>`, in its link's frame.
@@ -67,7 +74,7 @@ impl LinkPart<'_> {
 /// Reads the parts of a `<robot>`.
 pub fn read<'a>(robot: Node<'a, '_>, options: &ReadOptions, report: &mut Report<'_>) -> Parts<'a> {
     let at = robot.range().start;
-    let mut reader = Reader { robot, options, report };
+    let mut reader = Reader { robot, options, report, negative_limits: Vec::new() };
     let name = robot.attribute("name").unwrap_or("");
     if name.trim().is_empty() {
         let help = "write `<robot name=\"...\">`; it is called `robot` here, and its type `Robot` would \
@@ -93,6 +100,7 @@ pub fn read<'a>(robot: Node<'a, '_>, options: &ReadOptions, report: &mut Report<
             parts.loops.push(reader.loop_joint(node));
         }
     }
+    reader.surprises(&parts);
     parts
 }
 
@@ -101,16 +109,54 @@ pub struct Reader<'a, 't, 'r, 'f> {
     robot: Node<'a, 't>,
     pub options: &'r ReadOptions,
     pub report: &'r mut Report<'f>,
+    /// Where limits of effort or velocity are negative.
+    pub negative_limits: Vec<Place>,
 }
 
 impl<'a> Reader<'a, '_, '_, '_> {
+    /// Warns, once a kind, of what is written and would silently mean something else.
+    fn surprises(&mut self, parts: &Parts<'a>) {
+        let (message, help) = (
+            "a limit of effort or velocity is negative, and is not read",
+            "write its size, or leave the attribute out if there is no limit",
+        );
+        self.report.warn_once(Code::NegativeLimit, &self.negative_limits, message, help);
+        let unlimited: Vec<Place> = parts
+            .joints
+            .iter()
+            .filter(|joint| {
+                let bounded = [JointType::Revolute, JointType::Prismatic].map(Kind::Moving);
+                bounded.contains(&joint.kind) && joint.limits.is_none() && joint.mimic.is_none()
+            })
+            .map(|joint| (joint.name.at, Some(joint.subject())))
+            .collect();
+        let message = "it has no `<limit>`, so it moves without end here";
+        let help = "write `<limit lower=\"...\" upper=\"...\" effort=\"...\" velocity=\"...\"/>`, or make a \
+                    joint that turns without end `continuous`";
+        self.report.warn_once(Code::MissingLimit, &unlimited, message, help);
+        let robot = self.robot;
+        let read = ["link", "joint", "loop_joint"];
+        let part = |node: &Node| read.iter().any(|name| is(robot, *node, name));
+        let inside = robot.children().filter(part).flat_map(|part| part.children());
+        let included: Vec<Place> = robot
+            .children()
+            .chain(inside)
+            .filter(|node| node.is_element() && node.tag_name().name() == "include")
+            .map(|node| (node.range().start, None))
+            .collect();
+        let message =
+            "another file is included, which is not read: parts of the robot may be missing";
+        let help = "write what is in that file into this one";
+        self.report.warn_once(Code::Include, &included, message, help);
+    }
+
     fn link(&mut self, node: Node<'a, '_>) -> Option<LinkPart<'a>> {
         let name = self.attribute(node, "name", None);
         let subject = name.map(|name| Subject::Link(name.text.into()));
         self.misspelt(node, &["inertial", "visual", "collision"], &["inertial"], subject.as_ref());
         let inertial = self.single(node, "inertial", subject.as_ref());
         let inertial = inertial.map(|node| self.inertial(node, subject.as_ref()));
-        Some(LinkPart { name: name?, inertial })
+        Some(LinkPart { name: name?, inertial, auxiliary: false })
     }
 
     fn inertial(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> InertialPart {

@@ -2,7 +2,7 @@
 
 use modyn_runtime::model::Model;
 
-use super::build::{LARGEST, TOO_LARGE, TOO_LARGE_HELP, advice};
+use super::build::{IMPLAUSIBLE_HELP, LARGEST, TOO_LARGE, TOO_LARGE_HELP, advice, implausible};
 use super::joint::{DRIVE_HELP, DRIVE_TOO_LARGE, drive_is_finite};
 use super::{felt, mimics};
 use crate::error::{Code, Diagnostic, Severity, Subject};
@@ -35,6 +35,8 @@ pub fn check(model: &Model, unphysical_inertia: Severity) -> Vec<Diagnostic> {
             let severity =
                 if code == Code::NegativeMass { Severity::Error } else { unphysical_inertia };
             add(severity, code, body(), defect.to_string(), &help);
+        } else if let Some(message) = implausible(inertial) {
+            add(Severity::Warning, Code::ImplausibleMass, body(), message, IMPLAUSIBLE_HELP);
         }
     }
     for link in mimics::too_large(model).map(|i| &model.links()[i]) {

@@ -3,6 +3,12 @@
 use super::locate::Lines;
 use crate::error::{Code, Diagnostic, Position, Severity, Subject};
 
+/// A byte offset, and the joint or link that is there.
+pub type Place = (usize, Option<Subject>);
+
+/// How many of the other places a warning about many names.
+const SHOWN_PLACES: usize = 3;
+
 /// The diagnostics of one file.
 pub struct Report<'a> {
     file: &'a str,
@@ -48,6 +54,29 @@ impl<'a> Report<'a> {
         let mut diagnostic = Diagnostic::new(severity, code, message).at(position).with_help(help);
         diagnostic.subject = subject.cloned();
         self.push(diagnostic);
+    }
+
+    /// Takes one warning for all these places, which a real file may have by the dozen: at the first
+    /// place, with the number of the others and the lines of some. None for no places.
+    pub fn warn_once(&mut self, code: Code, places: &[Place], message: &str, help: &str) {
+        let Some(((at, subject), others)) = places.split_first() else { return };
+        let shown: Vec<String> = others
+            .iter()
+            .take(SHOWN_PLACES)
+            .map(|(at, subject)| match subject {
+                Some(subject) => format!("{subject} (line {})", self.position(*at).line),
+                None => format!("line {}", self.position(*at).line),
+            })
+            .collect();
+        let more = if others.len() > shown.len() { ", ..." } else { "" };
+        let message = match others.len() {
+            0 => message.to_string(),
+            1 => format!("{message}; the same holds for {}", shown[0]),
+            count => {
+                format!("{message}; the same holds for {count} others: {}{more}", shown.join(", "))
+            }
+        };
+        self.add(Severity::Warning, code, *at, subject.as_ref(), message, help);
     }
 
     /// Takes a diagnostic of this file.

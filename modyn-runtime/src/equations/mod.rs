@@ -22,7 +22,8 @@
 //! | `kinetic_energy` | kinetic energy | |
 //! | `regressor` | inverse dynamics as linear in the inertias | Atkeson, An and Hollerbach 1986 |
 //! | `coordinates` | steps, differences, rates and random values of the coordinates | Murray, Li and Sastry 1994 |
-//! | `closures` | forward dynamics of closed loops, forces that close them | Featherstone 2008, Baumgarte 1972 |
+//! | `singular` | the inertia that each joint feels, to find joints without any | Featherstone 1987 |
+//! | `constraints` | forward dynamics of closed loops, their wrenches, rank and residuals; projection | Featherstone 2008, Baumgarte 1972, Courrieu 2005 |
 //! | `derivatives` | derivatives of inverse and forward dynamics | Singh, Russell and Wensing 2022 |
 //! | `denoc` | the DeNOC matrices, dense, link by link | (1)-(5), A.1, A.2 |
 //! | `decomposition` | composite and articulated modules, EBUTMs, U, D and their inverses, dense | (1)-(57) |
@@ -31,7 +32,7 @@ pub mod brge;
 pub mod center_of_mass;
 pub mod centroidal;
 mod chain;
-pub mod closures;
+pub mod constraints;
 pub mod coordinates;
 pub mod decomposition;
 pub mod denoc;
@@ -49,9 +50,10 @@ pub mod mass_matrix;
 mod newton_euler;
 pub mod partition;
 pub mod regressor;
+pub mod singular;
 mod workspace;
 
 pub use {
-    closures::ClosureWorkspace, decomposition::Decomposition, dense::Dense, external::Forces,
+    constraints::ConstraintWorkspace, decomposition::Decomposition, dense::Dense, external::Forces,
     partition::Partition, workspace::Workspace,
 };

@@ -1,8 +1,10 @@
 //! Moving in the space of the coordinates.
 
+use alloc::string::String;
+
 use super::{Interpreter, ShapeError, check};
-use crate::Scalar;
 use crate::equations::coordinates;
+use crate::{ConfigurationError, Scalar, configuration};
 
 impl<S: Scalar> Interpreter<S> {
     /// Where the constant velocities `v` lead from `q` in a unit of time, q (+) v, into `moved`: so
@@ -50,6 +52,25 @@ impl<S: Scalar> Interpreter<S> {
         check("rates", rates, nq)?;
         coordinates::coordinate_rates(&self.prepared, (q, qd), rates);
         Ok(())
+    }
+
+    /// Checks that the quaternions of spherical and floating joints in `q` have length 1, to half of the scalar's digits:
+    /// to 1.5e-8 in `f64`, to 3.5e-4 in `f32`. No other function checks it: with a quaternion of length 1.1, accelerations
+    /// are wrong by a part in a hundred or more.
+    ///
+    /// # Errors
+    ///
+    /// If `q` does not have the model's length, or the first joint whose quaternion has another length than 1.
+    pub fn check_configuration(&self, q: &[S]) -> Result<(), ConfigurationError<S, String>>
+    where
+        S: PartialOrd,
+    {
+        check("q", q, self.model.nq()).map_err(|error| ConfigurationError::Shape {
+            expected: error.expected,
+            found: error.found,
+        })?;
+        let quaternions = self.model.quaternions();
+        configuration::check(quaternions.map(|(joint, at)| (joint.into(), at)), q)
     }
 
     /// Brings the quaternions in `q` to length 1; one of length 0 becomes the identity.

@@ -11,6 +11,7 @@ use crate::spatial::{Momentum, Pose, Twist, Vector3};
 
 /// Why a quantity of one link cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FrameError {
     /// There is no link of that index.
     NoFrame {
@@ -34,7 +35,14 @@ impl fmt::Display for FrameError {
     }
 }
 
-impl core::error::Error for FrameError {}
+impl core::error::Error for FrameError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::NoFrame { .. } => None,
+            Self::Shape(error) => Some(error),
+        }
+    }
+}
 
 impl From<ShapeError> for FrameError {
     fn from(error: ShapeError) -> Self {
@@ -248,9 +256,9 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If a slice does not have the model's length.
-    pub fn center_of_mass(&mut self, q: &[S]) -> Result<Vector3<S>, ShapeError> {
+    pub fn center_of_mass(&mut self, q: &[S]) -> Result<[S; 3], ShapeError> {
         check("q", q, self.model.nq())?;
-        Ok(center_of_mass::center_of_mass(&self.prepared, q, &mut self.workspace))
+        Ok(center_of_mass::center_of_mass(&self.prepared, q, &mut self.workspace).0)
     }
 
     /// The Jacobian of the centre of mass into `columns` (nv): its velocity is their sum times qd.

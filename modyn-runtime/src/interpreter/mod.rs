@@ -1,8 +1,9 @@
 //! The equations run on numbers, for any model at run time.
 
-mod closures;
+mod constraints;
 mod coordinates;
 mod derivatives;
+mod inertias;
 mod kinematics;
 mod regressor;
 
@@ -15,19 +16,22 @@ use crate::equations::denoc::{self, DeNoc};
 use crate::equations::forward_dynamics::Elimination;
 use crate::equations::kinematics::link_poses;
 use crate::equations::{
-    ClosureWorkspace, Decomposition, Forces, Workspace, forward_dynamics, gravity,
+    ConstraintWorkspace, Decomposition, Forces, Workspace, forward_dynamics, gravity,
     inverse_dynamics, kinetic_energy, mass_matrix,
 };
-use crate::model::prepare::{Prepared, rigid_inertia};
-use crate::model::{Inertial, InertialDefect, Model, ModuleTree};
-use crate::spatial::{Pose, RigidInertia, Vector3};
+use crate::model::prepare::{BodyStructure, Prepared};
+use crate::model::{Model, ModuleTree};
+use crate::spatial::{Pose, Vector3};
 
+pub use inertias::InertialError;
+use inertias::Inertias;
 pub use kinematics::FrameError;
 
 pub use derivatives::ForwardDerivatives;
 
 /// A vector or matrix that was given has the wrong length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ShapeError {
     /// The parameter.
     pub parameter: &'static str,
@@ -35,6 +39,14 @@ pub struct ShapeError {
     pub expected: usize,
     /// How many it holds.
     pub found: usize,
+}
+
+impl ShapeError {
+    /// The error that `parameter` holds `found` numbers instead of `expected`.
+    #[must_use]
+    pub const fn new(parameter: &'static str, expected: usize, found: usize) -> Self {
+        Self { parameter, expected, found }
+    }
 }
 
 impl fmt::Display for ShapeError {
@@ -48,57 +60,36 @@ impl core::error::Error for ShapeError {}
 
 fn check<T>(parameter: &'static str, given: &[T], expected: usize) -> Result<(), ShapeError> {
     let found = given.len();
-    if found == expected { Ok(()) } else { Err(ShapeError { parameter, expected, found }) }
+    if found == expected { Ok(()) } else { Err(ShapeError::new(parameter, expected, found)) }
 }
 
-/// The modules are those of another model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ModuleMismatch;
+/// The modules, or the factorization, are those of another model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ModuleMismatch {}
 
 impl fmt::Display for ModuleMismatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the modules are those of another model; make them from this one")
+        write!(
+            f,
+            "the modules or the factorization are those of another model; make them from this one"
+        )
     }
 }
 
 impl core::error::Error for ModuleMismatch {}
 
-/// Why a link cannot be given an inertia.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum InertialError {
-    /// There is no link of that index.
-    NoFrame {
-        /// The index.
-        frame: usize,
-        /// How many links the description has.
-        count: usize,
-    },
-    /// It is no rigid body's inertia.
-    Defect(InertialDefect),
-}
-
-impl fmt::Display for InertialError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoFrame { frame, count } => {
-                write!(f, "there is no link {frame}; the description has {count}")
-            }
-            Self::Defect(defect) => defect.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for InertialError {}
-
 /// Dynamics of a model that is only known at run time.
 ///
 /// Calls work in memory that was allocated once (but for [`brge`](Self::brge), [`denoc`](Self::denoc)
 /// and [`decomposition`](Self::decomposition), which return new objects, and the first call of
-/// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives) and of either of
+/// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives), of
+/// [`set_inertial`](Self::set_inertial) or [`set_payload`](Self::set_payload), and of either of
 /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) and
-/// [`closing_step`](Self::closing_step)), in time and memory linear in the number of
+/// [`project_constraints`](Self::project_constraints)), in time and memory linear in the number of
 /// links (but for dense results); nothing recurses on the call stack. Vectors stand in the order of
-/// [`Model::links`]; matrices are given by columns.
+/// [`Model::links`]; matrices are given by columns. Quaternions in `q` must have length 1, which
+/// [`check_configuration`](Self::check_configuration) alone checks.
 #[derive(Clone, Debug)]
 pub struct Interpreter<S = f64> {
     model: Model,
@@ -107,12 +98,12 @@ pub struct Interpreter<S = f64> {
     elimination: Elimination,
     workspace: Workspace<S>,
     body_poses: Vec<Pose<S>>,
-    /// By link of the description: its own inertia at present.
-    inertias: Vec<RigidInertia<S>>,
+    /// Made when an inertia is first changed.
+    inertias: Option<Inertias<S>>,
     /// By links, made when derivatives are first asked for.
     links: Option<Layout>,
     /// Made when loops are first closed.
-    closing: Option<ClosureWorkspace<S>>,
+    constraints: Option<ConstraintWorkspace<S>>,
 }
 
 impl<S: Scalar> Interpreter<S> {
@@ -131,7 +122,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If the modules are those of another model.
     pub fn with_modules(model: Model, modules: ModuleTree) -> Result<Self, ModuleMismatch> {
-        if modules.fits(&model) { Ok(Self::made(model, modules)) } else { Err(ModuleMismatch) }
+        if modules.fits(&model) { Ok(Self::made(model, modules)) } else { Err(ModuleMismatch {}) }
     }
 
     fn made(model: Model, modules: ModuleTree) -> Self {
@@ -140,8 +131,7 @@ impl<S: Scalar> Interpreter<S> {
         let mut workspace = Workspace::new(&prepared);
         elimination.make_room(&prepared, &mut workspace);
         let body_poses = vec![Pose::identity(); prepared.bodies.len()];
-        let inertias = model.frames().iter().map(|frame| inertia(&frame.inertial)).collect();
-        let (links, closing) = (None, None);
+        let (inertias, links, constraints) = (None, None, None);
         Self {
             model,
             modules,
@@ -151,7 +141,7 @@ impl<S: Scalar> Interpreter<S> {
             body_poses,
             inertias,
             links,
-            closing,
+            constraints,
         }
     }
 
@@ -164,7 +154,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If the modules are those of another model.
     pub fn eliminating_by(mut self, modules: &ModuleTree) -> Result<Self, ModuleMismatch> {
         if !modules.fits(&self.model) {
-            return Err(ModuleMismatch);
+            return Err(ModuleMismatch {});
         }
         self.elimination = Elimination::new(&self.prepared, modules);
         self.elimination.make_room(&self.prepared, &mut self.workspace);
@@ -181,29 +171,6 @@ impl<S: Scalar> Interpreter<S> {
     /// Sets the acceleration of free fall in world axes, m/s^2. Allocates nothing.
     pub fn set_gravity(&mut self, gravity: [S; 3]) {
         self.prepared.gravity = Vector3(gravity);
-    }
-
-    /// Gives link `frame` of the description (an index into [`Model::frames`]) another inertia of
-    /// its own, in its own frame: a payload, or an identified figure. What is fixed to the link
-    /// keeps its own; on a link that is fixed to the world nothing depends. Allocates nothing.
-    ///
-    /// As in a model, no joint may be left without any inertia to feel.
-    ///
-    /// # Errors
-    ///
-    /// If there is no such link, or if this is no rigid body's inertia; nothing has changed then.
-    pub fn set_inertial(&mut self, frame: usize, inertial: &Inertial) -> Result<(), InertialError> {
-        let count = self.inertias.len();
-        let Some(own) = self.inertias.get_mut(frame) else {
-            return Err(InertialError::NoFrame { frame, count });
-        };
-        if let Some(defect) = inertial.defect() {
-            return Err(InertialError::Defect(defect));
-        }
-        let other = inertia(inertial);
-        self.prepared.replace_inertia(frame, own, &other);
-        *own = other;
-        Ok(())
     }
 
     /// The modules that [`brge`](Self::brge) works by.
@@ -400,8 +367,9 @@ impl<S: Scalar> Interpreter<S> {
         let factors = vec![S::zero(); layout.size()];
         let workspace = Workspace::new(&self.prepared);
         let modules = self.modules.clone();
+        let structure = self.prepared.structure().collect();
         let (nq, n) = (self.model.nq(), self.model.nv());
-        let mut brge = Brge { modules, layout, factors, workspace, nq, n };
+        let mut brge = Brge { modules, layout, factors, workspace, structure, nq, n };
         brge.factorize(self, q);
         Ok(brge)
     }
@@ -431,6 +399,7 @@ impl<S: Scalar> Interpreter<S> {
 
 /// Why a model has no block decomposition in the paper's matrices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum DecompositionError {
     /// `q` has the wrong length.
     Shape(ShapeError),
@@ -450,15 +419,18 @@ impl fmt::Display for DecompositionError {
     }
 }
 
-impl core::error::Error for DecompositionError {}
-
-/// An inertia about the origin of its frame.
-fn inertia<S: Scalar>(inertial: &Inertial) -> RigidInertia<S> {
-    rigid_inertia(inertial).map(S::from_f64)
+impl core::error::Error for DecompositionError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Shape(error) => Some(error),
+            Self::Mimics => None,
+        }
+    }
 }
 
 /// Why a factorization cannot be updated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum UpdateError {
     /// It is that of another model or by other modules.
     Modules(ModuleMismatch),
@@ -475,7 +447,14 @@ impl fmt::Display for UpdateError {
     }
 }
 
-impl core::error::Error for UpdateError {}
+impl core::error::Error for UpdateError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Modules(error) => Some(error),
+            Self::Shape(error) => Some(error),
+        }
+    }
+}
 
 /// The factorization I = U D U^T of the GIM by modules. Matrices are given by columns.
 ///
@@ -488,6 +467,8 @@ pub struct Brge<S = f64> {
     layout: Layout,
     factors: Vec<S>,
     workspace: Workspace<S>,
+    /// By body: what its layout and its memory depend on besides the modules.
+    structure: Vec<BodyStructure>,
     nq: usize,
     n: usize,
 }
@@ -497,11 +478,12 @@ impl<S: Scalar> Brge<S> {
     ///
     /// # Errors
     ///
-    /// If this is the factorization of another model or by other modules, or if `q` does not have
-    /// the model's length.
+    /// If this is the factorization of a model with other joints or by other modules, or if `q` does
+    /// not have the model's length. (Models that differ in their numbers alone may share one.)
     pub fn update(&mut self, interpreter: &Interpreter<S>, q: &[S]) -> Result<(), UpdateError> {
-        if self.modules != interpreter.modules {
-            return Err(UpdateError::Modules(ModuleMismatch));
+        let structure = interpreter.prepared.structure();
+        if self.modules != interpreter.modules || !structure.eq(self.structure.iter().copied()) {
+            return Err(UpdateError::Modules(ModuleMismatch {}));
         }
         check("q", q, self.nq).map_err(UpdateError::Shape)?;
         self.factorize(interpreter, q);

@@ -1,9 +1,17 @@
 //! Every operation in every lane is the scalar's: bit for bit where products are not fused.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::vec::Vec;
 
 use super::{Float, Lanes, Level, Work, force_level};
 use crate::Scalar;
+use crate::scalar::near_pi;
+
+/// The level is the process's: one test at a time.
+fn alone() -> MutexGuard<'static, ()> {
+    static ONE: Mutex<()> = Mutex::new(());
+    ONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// All operations on one number (or several), as an array of numbers.
 #[inline(always)]
@@ -36,6 +44,9 @@ fn operations<S: Scalar>([a, b, c]: [S; 3]) -> [S; 20] {
 
 /// A product in a sum: behind those that are the scalar's on all levels.
 const PRODUCT: usize = 13;
+
+/// The sines, of one angle and of several.
+const SINES: [usize; 3] = [14, 16, 18];
 
 /// Runs the operations on numbers that hold every lane's.
 struct All<'a, F> {
@@ -88,6 +99,7 @@ fn check<F: Float + Into<f64>>(
             x.push(F::one());
         }
     }
+    let _alone = alone();
     for level in [Level::Single, Level::Sse2, Level::Avx2, Level::Avx512, Level::Neon] {
         if !force_level(Some(level)) {
             continue;
@@ -131,4 +143,35 @@ fn lanes_compute_as_scalars_do() {
     let odd =
         [0.0, -0.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e6, -5e3, 4096.0, 1e-40, 1e30];
     check::<f32>(|x| x.to_bits().into(), f32::mul_add, &odd, 1e-6);
+}
+
+/// Sines next to multiples of pi on every level, with fused products and without.
+fn check_sines<F: Float + Into<f64>>(angles: &[(f64, f64)], tolerance: f64) {
+    let numbers: Vec<F> = angles.iter().flat_map(|&(x, _)| [x, -x]).map(F::from_f64).collect();
+    assert_eq!(numbers.len() % 16, 0, "whole vectors");
+    let _alone = alone();
+    for level in [Level::Single, Level::Sse2, Level::Avx2, Level::Avx512, Level::Neon] {
+        if !force_level(Some(level)) {
+            continue;
+        }
+        let mut results = Vec::new();
+        F::dispatch(All { numbers: [&numbers; 3], results: &mut results });
+        assert_eq!(results.len(), numbers.len());
+        for (i, found) in results.iter().enumerate() {
+            let (x, sine) = angles[i / 2];
+            let expected = if i % 2 == 0 { sine } else { -sine };
+            for k in SINES {
+                let found: f64 = found[k].into();
+                let error = ((found - expected) / expected).abs();
+                assert!(error <= tolerance, "{level:?}: {x:e}: {found:e} {expected:e}");
+            }
+        }
+    }
+    assert!(force_level(None));
+}
+
+#[test]
+fn sines_near_multiples_of_pi_keep_their_digits() {
+    check_sines::<f64>(&near_pi::F64, 3.5e-16);
+    check_sines::<f32>(&near_pi::F32, 2e-7);
 }

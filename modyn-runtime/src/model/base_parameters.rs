@@ -10,6 +10,7 @@ use alloc::{format, string::String, vec, vec::Vec};
 
 use super::prepare::Prepared;
 use super::{INERTIAL_PARAMETERS, Model, PARAMETERS_PER_LINK};
+use crate::Portable;
 use crate::equations::{Workspace, coordinates, regressor};
 
 /// A column of the regressor is independent of others if more than that part of it is: below, nothing
@@ -86,8 +87,10 @@ impl BaseParameters {
     /// Their values for the inertias of `model`: that robot, or the same with other inertias.
     #[must_use]
     pub fn values(&self, model: &Model) -> Vec<f64> {
-        let all: Vec<f64> =
-            (0..model.links().len()).flat_map(|link| model.inertial_parameters(link)).collect();
+        let all: Vec<f64> = (0..model.links().len())
+            .filter_map(|link| model.inertial_parameters(link))
+            .flatten()
+            .collect();
         let value = |&(index, coefficient): &(usize, f64)| {
             all.get(index).map_or(0.0, |parameter| coefficient * parameter)
         };
@@ -101,9 +104,10 @@ impl BaseParameters {
     }
 }
 
-/// The columns of the regressors at many states, one under the other.
+/// The columns of the regressors at many states, one under the other: the same numbers on every host, since
+/// they become part of generated text.
 fn stacked(model: &Model) -> Vec<Vec<f64>> {
-    let prepared = Prepared::new(model);
+    let prepared = Prepared::new(model).cast::<Portable>();
     let workspace = &mut Workspace::new(&prepared);
     let (nq, nv) = (model.nq(), model.nv());
     let count = PARAMETERS_PER_LINK * model.links().len();
@@ -111,17 +115,18 @@ fn stacked(model: &Model) -> Vec<Vec<f64>> {
     // has parameters: generic states then show all there is to see.
     let states = (4 * count).div_ceil(nv).max(4 * PARAMETERS_PER_LINK);
     let mut columns = vec![Vec::with_capacity(states * nv); count];
-    let (mut neutral, mut q) = (vec![0.0; nq], vec![0.0; nq]);
+    let zero = Portable(0.0);
+    let (mut neutral, mut q) = (vec![zero; nq], vec![zero; nq]);
     coordinates::neutral(&prepared, &mut neutral);
     let mut random = Random(0);
-    let mut one = vec![0.0; nv * count];
+    let mut one = vec![zero; nv * count];
     for _ in 0..states {
-        let [step, qd, qdd]: [Vec<f64>; 3] =
-            core::array::from_fn(|_| (0..nv).map(|_| random.next()).collect());
+        let [step, qd, qdd]: [Vec<Portable>; 3] =
+            core::array::from_fn(|_| (0..nv).map(|_| Portable(random.next())).collect());
         coordinates::integrate(&prepared, (&neutral, &step), &mut q);
         regressor::regressor(&prepared, (&q, &qd, &qdd), workspace, &mut one);
         for (column, part) in columns.iter_mut().zip(one.chunks(nv)) {
-            column.extend_from_slice(part);
+            column.extend(part.iter().map(|number| number.0));
         }
     }
     columns

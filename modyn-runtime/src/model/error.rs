@@ -3,12 +3,13 @@
 use alloc::{collections::BTreeMap, string::String, vec::Vec};
 use core::fmt;
 
-use super::{Friction, Model};
+use super::{Friction, Inertial, Limits, Model};
 use crate::joint::JointType;
 use crate::spatial::Pose;
 
 /// A defect of a model's parts, and where it is.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ModelError {
     /// The joint, link or frame concerned; the model's name where it concerns the whole.
     pub name: String,
@@ -43,10 +44,10 @@ pub enum ModelErrorKind {
     Drive,
     /// Friction is smoothed by what is no velocity above zero.
     Friction,
-    /// A closure holds a link that does not exist.
-    ClosureLink,
-    /// A closure holds two links that cannot move against each other.
-    ClosureEnds,
+    /// A loop constraint holds a link that does not exist.
+    LoopConstraintLink,
+    /// A loop constraint holds two links that cannot move against each other.
+    LoopConstraintEnds,
 }
 
 impl fmt::Display for ModelError {
@@ -68,8 +69,10 @@ impl fmt::Display for ModelError {
             }
             ModelErrorKind::Drive => "has a negative armature, damping or friction",
             ModelErrorKind::Friction => "smooths friction by what is no velocity above zero",
-            ModelErrorKind::ClosureLink => "holds a link that does not exist",
-            ModelErrorKind::ClosureEnds => "holds two links that cannot move against each other",
+            ModelErrorKind::LoopConstraintLink => "holds a link that does not exist",
+            ModelErrorKind::LoopConstraintEnds => {
+                "holds two links that cannot move against each other"
+            }
         };
         write!(f, "`{}` {what}", self.name)
     }
@@ -77,7 +80,7 @@ impl fmt::Display for ModelError {
 
 impl core::error::Error for ModelError {}
 
-/// Every defect of `model` without closures: of the whole, then links, then frames.
+/// Every defect of `model` without loop constraints: of the whole, then links, then frames.
 pub(super) fn check(model: &Model) -> Vec<ModelError> {
     let mut errors = check_whole(model);
     let mut report = |name: &str, kind| errors.push(ModelError { name: name.into(), kind });
@@ -117,7 +120,8 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
             && joint.mimic.is_none_or(|mimic| finite(&[mimic.multiplier, mimic.offset]))
             && finite(&[inertial.mass])
             && finite(&inertial.center_of_mass)
-            && finite(&inertial.inertia))
+            && finite(&inertial.inertia)
+            && joint.limits.as_ref().is_none_or(are_numbers))
         {
             report(&link.name, ModelErrorKind::NotFinite);
             continue;
@@ -155,7 +159,13 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
             report(&frame.name, ModelErrorKind::Parent);
         }
         let Pose { rotation, translation } = &frame.pose;
-        if !(rotation.iter().all(|row| finite(row)) && finite(translation)) {
+        let Inertial { mass, center_of_mass, inertia } = &frame.inertial;
+        if !(rotation.iter().all(|row| finite(row))
+            && finite(translation)
+            && finite(&[*mass])
+            && finite(center_of_mass)
+            && finite(inertia))
+        {
             report(&frame.name, ModelErrorKind::NotFinite);
         } else if !is_rotation(rotation) {
             report(&frame.name, ModelErrorKind::Rotation);
@@ -176,24 +186,24 @@ pub(super) fn check_whole(model: &Model) -> Vec<ModelError> {
     bad.map(|(_, kind)| ModelError { name: model.name.clone(), kind }).collect()
 }
 
-/// Every defect of the closures of a `model` that is sound without them.
-pub(super) fn check_closures(model: &Model) -> Vec<ModelError> {
+/// Every defect of the loop constraints of a `model` that is sound without them.
+pub(super) fn check_loop_constraints(model: &Model) -> Vec<ModelError> {
     let mut errors = Vec::new();
     let mut names = BTreeMap::new();
-    for (i, closure) in model.closures.iter().enumerate() {
-        let name = &closure.name;
+    for (i, constraint) in model.loop_constraints.iter().enumerate() {
+        let name = &constraint.name;
         let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
         if names.insert(name, i).is_some() {
             report(ModelErrorKind::DuplicateName);
         }
-        let links = closure.ends.each_ref().map(|end| model.frames.get(end.frame));
+        let links = constraint.ends.each_ref().map(|end| model.frames.get(end.frame));
         match links {
-            [Some(a), Some(b)] if a.link == b.link => report(ModelErrorKind::ClosureEnds),
+            [Some(a), Some(b)] if a.link == b.link => report(ModelErrorKind::LoopConstraintEnds),
             [Some(_), Some(_)] => {}
-            _ => report(ModelErrorKind::ClosureLink),
+            _ => report(ModelErrorKind::LoopConstraintLink),
         }
-        let axis = closure.kind.axis();
-        let poses = closure.ends.each_ref().map(|end| &end.pose);
+        let axis = constraint.kind.axis();
+        let poses = constraint.ends.each_ref().map(|end| &end.pose);
         if !poses
             .iter()
             .all(|pose| pose.rotation.iter().all(|row| finite(row)) && finite(&pose.translation))
@@ -242,6 +252,12 @@ fn finite(figures: &[f64]) -> bool {
     figures.iter().all(|x| x.is_finite())
 }
 
+/// Whether all limits are numbers; infinite ones are none.
+fn are_numbers(limits: &Limits) -> bool {
+    let Limits { lower, upper, velocity, effort } = limits;
+    [lower, upper, velocity, effort].into_iter().flatten().all(|limit| !limit.is_nan())
+}
+
 fn is_rotation(r: &[[f64; 3]; 3]) -> bool {
     let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let [x, y, z] = r;
@@ -256,7 +272,7 @@ fn is_rotation(r: &[[f64; 3]; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{DEFAULT_GRAVITY, Inertial, Joint, Link, Mimic};
+    use crate::model::{DEFAULT_GRAVITY, Frame, Joint, Link, Mimic};
 
     /// Links beside each other, whose joints follow these; the last turns any way.
     fn model(leaders: &[Option<usize>]) -> Result<Model, Vec<ModelError>> {
@@ -270,6 +286,32 @@ mod tests {
         };
         let links = leaders.iter().enumerate().map(link).collect();
         Model::new("r", DEFAULT_GRAVITY, links, Vec::new())
+    }
+
+    /// Limits and links' own inertias become figures of the generated text, where NaN is no literal.
+    #[test]
+    fn figures_that_are_only_stated_are_numbers_too() {
+        let good = model(&[None, None]).expect("good");
+        let kinds = |change: &dyn Fn(&mut Limits, &mut Inertial)| -> Vec<ModelErrorKind> {
+            let mut links = good.links().to_vec();
+            let mut limits = Limits { lower: None, upper: None, velocity: None, effort: None };
+            let mut inertial = Inertial::default();
+            change(&mut limits, &mut inertial);
+            links[0].joint.limits = Some(limits);
+            let frame = Frame { name: "f".into(), link: Some(0), pose: Pose::identity(), inertial };
+            let model = Model::new("r", DEFAULT_GRAVITY, links, alloc::vec![frame]);
+            model.err().unwrap_or_default().into_iter().map(|error| error.kind).collect()
+        };
+        let unlimited = Some(f64::INFINITY);
+        assert_eq!(kinds(&|limits, _| (limits.upper, limits.effort) = (unlimited, unlimited)), []);
+        let bad = [ModelErrorKind::NotFinite];
+        assert_eq!(kinds(&|limits, _| limits.lower = Some(f64::NAN)), bad);
+        assert_eq!(kinds(&|limits, _| limits.upper = Some(f64::NAN)), bad);
+        assert_eq!(kinds(&|limits, _| limits.velocity = Some(-f64::NAN)), bad);
+        assert_eq!(kinds(&|limits, _| limits.effort = Some(f64::NAN)), bad);
+        assert_eq!(kinds(&|_, inertial| inertial.mass = f64::NAN), bad);
+        assert_eq!(kinds(&|_, inertial| inertial.center_of_mass[1] = f64::INFINITY), bad);
+        assert_eq!(kinds(&|_, inertial| inertial.inertia[5] = f64::NAN), bad);
     }
 
     #[test]

@@ -6,16 +6,16 @@
 //! weigh has been merged into the link that carries them.
 
 mod base_parameters;
-mod closure;
 pub mod coordinates;
 mod error;
+mod loop_constraint;
 mod modules;
 pub mod prepare;
 
 pub use crate::inertial::{INERTIAL_PARAMETERS, Inertial, InertialDefect, PARAMETERS_PER_LINK};
 pub use base_parameters::{BaseParameter, BaseParameters};
-pub use closure::{Closure, ClosureEnd, ClosureKind};
 pub use error::{ModelError, ModelErrorKind};
+pub use loop_constraint::{LoopConstraint, LoopConstraintEnd, LoopConstraintKind};
 pub use modules::{Module, ModuleError, ModuleTree};
 
 use alloc::{string::String, vec::Vec};
@@ -169,7 +169,7 @@ pub struct Model {
     friction: Friction,
     links: Vec<Link>,
     frames: Vec<Frame>,
-    closures: Vec<Closure>,
+    loop_constraints: Vec<LoopConstraint>,
     /// By link: where its joint's coordinates and velocities stand.
     #[cfg_attr(feature = "serde", serde(skip))]
     places: Vec<Place>,
@@ -203,9 +203,9 @@ impl Model {
         frames: Vec<Frame>,
     ) -> Result<Self, Vec<ModelError>> {
         let friction = Friction::None;
-        let (closures, places) = (Vec::new(), Vec::new());
+        let (loop_constraints, places) = (Vec::new(), Vec::new());
         let name = name.into();
-        let mut model = Self { name, gravity, friction, links, frames, closures, places };
+        let mut model = Self { name, gravity, friction, links, frames, loop_constraints, places };
         let errors = error::check(&model);
         if !errors.is_empty() {
             return Err(errors);
@@ -289,9 +289,12 @@ impl Model {
     /// Every defect found: a name used twice, a link that does not exist or does not move against
     /// the other, an axis that is not of unit length, a rotation that is none, a number that is not
     /// finite.
-    pub fn with_closures(mut self, closures: Vec<Closure>) -> Result<Self, Vec<ModelError>> {
-        self.closures = closures;
-        let errors = error::check_closures(&self);
+    pub fn with_loop_constraints(
+        mut self,
+        loop_constraints: Vec<LoopConstraint>,
+    ) -> Result<Self, Vec<ModelError>> {
+        self.loop_constraints = loop_constraints;
+        let errors = error::check_loop_constraints(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
@@ -327,8 +330,8 @@ impl Model {
 
     /// What holds links together besides the joints.
     #[must_use]
-    pub fn closures(&self) -> &[Closure] {
-        &self.closures
+    pub fn loop_constraints(&self) -> &[LoopConstraint] {
+        &self.loop_constraints
     }
 
     /// The link of the description of that name, as an index of [`frames`](Self::frames).
@@ -339,14 +342,10 @@ impl Model {
 
     /// The ten parameters of moving link `link` that torques are linear in: see
     /// [`Inertial::parameters`]. Those of all moving links, one after the other, are the pi of
-    /// tau = Y pi.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such link.
+    /// tau = Y pi. `None` if there is no such link.
     #[must_use]
-    pub fn inertial_parameters(&self, link: usize) -> [f64; PARAMETERS_PER_LINK] {
-        self.links[link].inertial.parameters()
+    pub fn inertial_parameters(&self, link: usize) -> Option<[f64; PARAMETERS_PER_LINK]> {
+        self.links.get(link).map(|link| link.inertial.parameters())
     }
 
     /// Length of the coordinate vector q.
@@ -361,41 +360,43 @@ impl Model {
         self.places.iter().map(|place| place.v.end).max().unwrap_or(0)
     }
 
-    /// Where the coordinates of link `link`'s joint stand in q: its leader's for one that mimics.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such link.
+    /// The entries of q that belong to the joint of moving link `link`: its leader's for a joint that
+    /// mimics, none if there is no such link.
     #[must_use]
     pub fn q_range(&self, link: usize) -> Range<usize> {
-        self.places[link].q.clone()
+        self.places.get(link).map_or(0..0, |place| place.q.clone())
     }
 
-    /// Where its velocities stand in qd, and its torques in tau.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such link.
+    /// The entries of qd, and of tau, that belong to the joint of moving link `link`: its leader's for a
+    /// joint that mimics, none if there is no such link.
     #[must_use]
     pub fn v_range(&self, link: usize) -> Range<usize> {
-        self.places[link].v.clone()
+        self.places.get(link).map_or(0..0, |place| place.v.clone())
     }
 
     /// How the joint of link `link` follows one that has a coordinate of its own, chains of mimics
-    /// resolved; `None` if it has its own.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such link.
+    /// resolved; `None` if it has its own, or if there is no such link.
     #[must_use]
     pub fn mimic(&self, link: usize) -> Option<Mimic> {
-        self.places[link].mimic
+        self.places.get(link).and_then(|place| place.mimic)
     }
 
     /// Whether a joint follows another one.
     #[must_use]
     pub fn has_mimics(&self) -> bool {
         self.places.iter().any(|place| place.mimic.is_some())
+    }
+
+    /// The quaternions in q: the name of the joint of each, and the entry of q that it begins at.
+    pub fn quaternions(&self) -> impl Iterator<Item = (&str, usize)> + '_ {
+        self.links.iter().zip(&self.places).filter_map(|(link, place)| {
+            let first = match link.joint.joint_type {
+                JointType::Spherical => 0,
+                JointType::Floating => 3,
+                _ => return None,
+            };
+            Some((link.joint.name.as_str(), place.q.start + first))
+        })
     }
 
     /// What each entry of q is called: by its joint, and its part of the joint where that has
@@ -449,13 +450,13 @@ impl<'de> serde::Deserialize<'de> for Model {
             links: Vec<Link>,
             frames: Vec<Frame>,
             #[serde(default)]
-            closures: Vec<Closure>,
+            loop_constraints: Vec<LoopConstraint>,
         }
-        let Parts { name, gravity, friction, links, frames, closures } =
+        let Parts { name, gravity, friction, links, frames, loop_constraints } =
             Parts::deserialize(deserializer)?;
         let model = Self::new(name, gravity, links, frames)
             .and_then(|model| model.with_friction(friction))
-            .and_then(|model| model.with_closures(closures));
+            .and_then(|model| model.with_loop_constraints(loop_constraints));
         model.map_err(|errors| {
             let all: Vec<String> = errors.iter().map(alloc::string::ToString::to_string).collect();
             serde::de::Error::custom(all.join("; "))

@@ -26,7 +26,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::coordinates::{Coordinates, coordinates};
-use super::{Closure, ClosureKind, Friction, Inertial, Joint, Model};
+use super::{Friction, Inertial, Joint, LoopConstraint, LoopConstraintKind, Model};
 use crate::Scalar;
 use crate::joint::{JointType, Motion, Primitive, planar};
 use crate::spatial::{
@@ -160,36 +160,44 @@ impl<S: Scalar> BodyFrame<S> {
     }
 }
 
-/// Two frames that are held together.
+/// A loop constraint between two frames of bodies.
 #[derive(Clone, Debug)]
-pub struct HeldFrames<S> {
-    /// The first frame, whose axes what is held is given in, and the second.
+pub struct ConstrainedFrames<S> {
+    /// The first frame, in whose axes the relative twist is expressed, and the second.
     pub ends: [BodyFrame<S>; 2],
-    /// The axis that the frames have in common, if one is held.
+    /// The axis that both frames have, if one is held.
     pub hinge: Option<Vector3<S>>,
-    /// What is held, a row of the constraint Jacobian each.
-    pub rows: Vec<HeldRow<S>>,
+    /// The constrained directions, a row of the constraint Jacobian each.
+    pub rows: Vec<ConstraintRow<S>>,
+    /// The free directions: with `rows` an orthonormal basis of rotations and displacements.
+    pub free: Vec<ConstraintRow<S>>,
+    /// The characteristic length between rotations and displacements, m.
+    pub length: S,
 }
 
-/// What a closure holds in one direction.
+/// A direction of a constraint's relative twist.
 #[derive(Clone, Copy, Debug)]
-pub struct HeldRow<S> {
+pub struct ConstraintRow<S> {
     /// Whether it is a rotation about the direction, not a displacement along it.
     pub angular: bool,
     /// A unit vector in the first frame's axes.
     pub direction: Vector3<S>,
 }
 
-impl<S: Scalar> HeldFrames<S> {
+impl<S: Scalar> ConstrainedFrames<S> {
     /// Each number through `f`.
-    fn map<T>(&self, f: impl Fn(S) -> T) -> HeldFrames<T> {
+    fn map<T>(&self, f: impl Fn(S) -> T) -> ConstrainedFrames<T> {
         let vector = |v: Vector3<S>| Vector3(v.0.map(&f));
-        let row =
-            |row: &HeldRow<S>| HeldRow { angular: row.angular, direction: vector(row.direction) };
-        HeldFrames {
+        let row = |row: &ConstraintRow<S>| ConstraintRow {
+            angular: row.angular,
+            direction: vector(row.direction),
+        };
+        ConstrainedFrames {
             ends: self.ends.map(|end| end.map(&f)),
             hinge: self.hinge.map(vector),
             rows: self.rows.iter().map(row).collect(),
+            free: self.free.iter().map(row).collect(),
+            length: f(self.length),
         }
     }
 }
@@ -218,8 +226,8 @@ pub struct Prepared<S> {
     pub smooth: Option<S>,
     /// One frame a link of the description, in the model's order.
     pub frames: Vec<BodyFrame<S>>,
-    /// What closes loops, in the model's order.
-    pub closures: Vec<HeldFrames<S>>,
+    /// The constraints that close loops, in the model's order.
+    pub loop_constraints: Vec<ConstrainedFrames<S>>,
     /// How many columns of derivatives are computed side by side, of joints one behind the other: 1, but
     /// where the compiler has lanes for them (numbers have not).
     pub columns_abreast: usize,
@@ -401,7 +409,30 @@ impl<S: Scalar> Body<S> {
     }
 }
 
+/// The place of a body in the tree and in the joint vectors: all that the size and the layout of
+/// results depend on, without its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BodyStructure {
+    parent: Option<usize>,
+    primitive: Primitive,
+    q: usize,
+    /// The entry of qd of its first degree of freedom.
+    v: Option<usize>,
+    mimics: bool,
+}
+
 impl<S: Scalar> Prepared<S> {
+    /// The structure of each body, in their order.
+    pub fn structure(&self) -> impl Iterator<Item = BodyStructure> + '_ {
+        self.bodies.iter().map(|body| BodyStructure {
+            parent: body.parent,
+            primitive: body.primitive,
+            q: body.q,
+            v: self.dofs.get(body.dofs.start).map(|dof| dof.v),
+            mimics: body.mimic.is_some(),
+        })
+    }
+
     /// The degrees of freedom of body `i`.
     #[must_use]
     pub fn dofs_of(&self, i: usize) -> &[Dof<S>] {
@@ -468,20 +499,43 @@ impl<S: Scalar> Prepared<S> {
         }
     }
 
-    /// Gives link `frame` of the description (as an index) another inertia in place of its own:
-    /// `own`, which a [`Model`]'s frame states, and `other`, both about the link's origin in its
-    /// own axes. On a link that is fixed to the world this changes nothing.
-    pub fn replace_inertia(
-        &mut self,
-        frame: usize,
-        own: &RigidInertia<S>,
-        other: &RigidInertia<S>,
-    ) {
+    /// Adds `inertia`, about the origin of link `frame` of the description (an index) in its own axes, to the body
+    /// that carries the link. On a link that is fixed to the world this changes nothing.
+    pub fn add_inertia(&mut self, frame: usize, inertia: &RigidInertia<S>) {
         let BodyFrame { body: Some(body), pose } = self.frames[frame] else { return };
-        let body = &mut self.bodies[body];
-        let (own, other) = (own.placed(&pose), other.placed(&pose));
-        body.inertia = body.inertia.minus(&own) + other;
-        body.minimal = body.minimal.minus(&own) + other;
+        let (body, inertia) = (&mut self.bodies[body], inertia.placed(&pose));
+        body.inertia = body.inertia + inertia;
+        body.minimal = body.minimal + inertia;
+    }
+
+    /// Makes the minimal parameters anew of the bodies' inertias: moves to the parent the inertia that a joint
+    /// cannot feel, leaves first.
+    pub fn minimize(&mut self) {
+        self.immobile = RigidInertia::zero();
+        for body in &mut self.bodies {
+            body.minimal = body.inertia;
+        }
+        for i in (0..self.bodies.len()).rev() {
+            let Body { minimal: own, primitive, .. } = self.bodies[i];
+            let (c, s) = (own.first_moment, own.second_moment);
+            let moved = match primitive {
+                Primitive::Revolute => RigidInertia {
+                    mass: own.mass,
+                    first_moment: Vector3::along_z(c[2]),
+                    second_moment: Symmetric3 { zz: s.zz, ..Symmetric3::zero() },
+                },
+                Primitive::Prismatic => RigidInertia { second_moment: s, ..RigidInertia::zero() },
+                Primitive::Spherical => RigidInertia { mass: own.mass, ..RigidInertia::zero() },
+                Primitive::Floating => continue,
+            };
+            self.bodies[i].minimal = own.minus(&moved);
+            let carried = self.bodies[i].placement.rigid_to_parent(&moved);
+            if let Some(parent) = self.bodies[i].parent {
+                self.bodies[parent].minimal = self.bodies[parent].minimal + carried;
+            } else {
+                self.immobile = self.immobile + carried;
+            }
+        }
     }
 }
 
@@ -495,7 +549,11 @@ impl Prepared<f64> {
         frames.shift();
         let mut prepared = frames.finish(model, &atoms, links);
         prepared.minimize();
-        prepared.closures = model.closures().iter().map(|c| prepared.held(c)).collect();
+        let constrained = model.loop_constraints().iter().enumerate();
+        let constrained = constrained.map(|(i, constraint)| {
+            prepared.constrained(constraint, model.characteristic_length(i))
+        });
+        prepared.loop_constraints = constrained.collect();
         prepared
     }
 
@@ -546,50 +604,32 @@ impl Prepared<f64> {
             coordinates: self.coordinates.iter().map(|c| c.map(|x| f(*x))).collect(),
             smooth: self.smooth.map(f),
             frames: self.frames.iter().map(|frame| frame.map(f)).collect(),
-            closures: self.closures.iter().map(|closure| closure.map(f)).collect(),
+            loop_constraints: self
+                .loop_constraints
+                .iter()
+                .map(|constraint| constraint.map(f))
+                .collect(),
             columns_abreast: self.columns_abreast,
         }
     }
 
-    /// What a closure holds.
-    fn held(&self, closure: &Closure) -> HeldFrames<f64> {
-        let ends = closure.ends.each_ref().map(|end| {
+    /// A loop constraint on bodies' frames.
+    fn constrained(&self, constraint: &LoopConstraint, length: f64) -> ConstrainedFrames<f64> {
+        let ends = constraint.ends.each_ref().map(|end| {
             let BodyFrame { body, pose } = self.frames[end.frame];
             BodyFrame { body, pose: pose.compose(&end.pose).map(snap) }
         });
-        let hinge = match closure.kind {
-            ClosureKind::Revolute(axis) => Some(Vector3(axis.map(snap))),
+        let hinge = match constraint.kind {
+            LoopConstraintKind::Revolute(axis) => Some(Vector3(axis.map(snap))),
             _ => None,
         };
-        let row = |angular| move |d: [f64; 3]| HeldRow { angular, direction: Vector3(d.map(snap)) };
-        let [angular, linear] = closure.kind.held();
-        let rows = angular.into_iter().map(row(true)).chain(linear.into_iter().map(row(false)));
-        HeldFrames { ends, hinge, rows: rows.collect() }
-    }
-
-    /// Moves what joints cannot feel towards the root, leaves first.
-    fn minimize(&mut self) {
-        for i in (0..self.bodies.len()).rev() {
-            let Body { minimal: own, primitive, .. } = self.bodies[i];
-            let (c, s) = (own.first_moment, own.second_moment);
-            let moved = match primitive {
-                Primitive::Revolute => RigidInertia {
-                    mass: own.mass,
-                    first_moment: Vector3::along_z(c[2]),
-                    second_moment: Symmetric3 { zz: s.zz, ..Symmetric3::zero() },
-                },
-                Primitive::Prismatic => RigidInertia { second_moment: s, ..RigidInertia::zero() },
-                Primitive::Spherical => RigidInertia { mass: own.mass, ..RigidInertia::zero() },
-                Primitive::Floating => continue,
-            };
-            self.bodies[i].minimal = own.minus(&moved);
-            let carried = self.bodies[i].placement.rigid_to_parent(&moved);
-            if let Some(parent) = self.bodies[i].parent {
-                self.bodies[parent].minimal = self.bodies[parent].minimal + carried;
-            } else {
-                self.immobile = self.immobile + carried;
-            }
-        }
+        let row =
+            |angular| move |d: [f64; 3]| ConstraintRow { angular, direction: Vector3(d.map(snap)) };
+        let rows = |[angular, linear]: [Vec<[f64; 3]>; 2]| {
+            angular.into_iter().map(row(true)).chain(linear.into_iter().map(row(false))).collect()
+        };
+        let (constrained, free) = constraint.kind.directions();
+        ConstrainedFrames { ends, hinge, rows: rows(constrained), free: rows(free), length }
     }
 }
 
@@ -810,7 +850,7 @@ impl Frames {
         Prepared {
             gravity: Vector3(model.gravity()),
             frames: frames.collect(),
-            closures: Vec::new(),
+            loop_constraints: Vec::new(),
             columns_abreast: 1,
             bodies,
             dofs,
@@ -914,10 +954,43 @@ fn main_child_first(atoms: &[Atom<'_>]) -> Vec<Vec<usize>> {
     children
 }
 
-/// Mass and moments about the frame's origin.
+/// The inertia in the form of mass and moments about the origin of its frame.
 #[must_use]
-pub fn rigid_inertia(inertial: &Inertial) -> RigidInertia<f64> {
+pub fn rigid_inertia<S: Scalar>(inertial: &Inertial<S>) -> RigidInertia<S> {
     let [xx, xy, xz, yy, yz, zz] = inertial.inertia;
     let inertia = Symmetric3 { xx, xy, xz, yy, yz, zz };
     RigidInertia::new(inertial.mass, Vector3(inertial.center_of_mass), &inertia)
+}
+
+/// The inertia of moving link `link` of `model` without the own inertias of the `removed` links that are fixed to it
+/// (indices of [`Model::frames`], itself among them), about its origin in its own axes. A difference that is
+/// rounding is zero.
+#[must_use]
+pub fn inertia_without(
+    model: &Model,
+    link: usize,
+    removed: impl Fn(usize) -> bool,
+) -> RigidInertia<f64> {
+    /// Relative to the terms of the difference.
+    const ROUNDING: f64 = 1e-13;
+    let whole = rigid_inertia(&model.links()[link].inertial);
+    let frames = model.frames().iter().enumerate();
+    let parts = frames
+        .filter(|(i, frame)| frame.link == Some(link) && removed(*i))
+        .map(|(_, frame)| rigid_inertia(&frame.inertial).placed(&frame.pose))
+        .fold(RigidInertia::zero(), |sum, part| sum + part);
+    let trace = |i: &RigidInertia<f64>| {
+        let Symmetric3 { xx, yy, zz, .. } = i.second_moment;
+        xx.abs() + yy.abs() + zz.abs()
+    };
+    let mass = ROUNDING * (whole.mass.abs() + parts.mass.abs());
+    let second = ROUNDING * (trace(&whole) + trace(&parts));
+    let first = libm::sqrt(mass * second);
+    let rounded = |x: f64, rounding: f64| if x.abs() <= rounding { 0.0 } else { x };
+    let left = whole.minus(&parts);
+    RigidInertia {
+        mass: rounded(left.mass, mass),
+        first_moment: Vector3(left.first_moment.0.map(|x| rounded(x, first))),
+        second_moment: left.second_moment.map(|x| rounded(x, second)),
+    }
 }

@@ -6,9 +6,14 @@ mod dual;
 mod elementary;
 mod float;
 mod native;
+#[cfg(test)]
+pub(crate) mod near_pi;
+mod portable;
 mod real;
 #[cfg(test)]
 mod root;
 pub(crate) mod trig;
 
+pub use portable::Portable;
 pub use real::Scalar;
+pub(crate) use real::epsilon;

@@ -119,3 +119,9 @@ pub trait Scalar:
         each[0]
     }
 }
+
+/// The distance from 1 to the next larger number.
+pub(crate) fn epsilon<S: Scalar>() -> S {
+    let third = S::from_f64(4.0) / S::from_f64(3.0) - S::one();
+    (third + third + third - S::one()).abs()
+}

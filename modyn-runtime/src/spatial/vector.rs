@@ -4,7 +4,8 @@ use core::ops::{Add, AddAssign, Index, IndexMut, Neg, Sub};
 
 use crate::Scalar;
 
-/// A vector in three dimensions.
+/// A vector with a direction of its own, such as a velocity or a force. (Positions are arrays: [`Pose`](super::Pose),
+/// [`Inertial`](crate::Inertial), the centre of mass.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vector3<S>(pub [S; 3]);
 
@@ -52,6 +53,18 @@ impl<S: Scalar> Vector3<S> {
     #[must_use]
     pub fn scale(self, factor: S) -> Self {
         Self(self.0.map(|x| x * factor))
+    }
+}
+
+impl<S> From<[S; 3]> for Vector3<S> {
+    fn from(components: [S; 3]) -> Self {
+        Self(components)
+    }
+}
+
+impl<S> From<Vector3<S>> for [S; 3] {
+    fn from(vector: Vector3<S>) -> Self {
+        vector.0
     }
 }
 

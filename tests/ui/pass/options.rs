@@ -24,6 +24,7 @@ modyn::modyn!(
     Floating = "../floating.urdf",
     base = floating,
     gravity = runtime,
+    runtime_inertia = ["hand"],
     payload = ["hand", "arm"],
     functions = all,
     friction = smooth(1e-2),
@@ -31,7 +32,7 @@ modyn::modyn!(
 );
 modyn::modyn!(Little = "../good.urdf", functions = [forward_dynamics], friction = coulomb);
 modyn::modyn!(More = "../good.urdf", functions = [default, regressor], friction = viscous);
-modyn::modyn!(Default = "../good.urdf", functions = default, payload = [], rotors = []);
+modyn::modyn!(Default = "../good.urdf", functions = default, payload = [], runtime_inertia = [], rotors = []);
 modyn::modyn!(Unphysical = "../triangle-inequality.urdf", unphysical_inertia = warn);
 
 fn main() {
@@ -43,9 +44,11 @@ fn main() {
     assert_eq!(Floating::ARMATURE[7], 1.0);
     assert_eq!(Floating::VELOCITY_NAMES[6..], ["shoulder", "elbow"]);
     let mut params = FloatingParams::DEFAULT;
-    params.gravity[2] = -1.62;
-    params.hand = modyn::Payload::NONE;
-    assert_eq!((params.arm.inertial().mass, FloatingParams::default().gravity[2]), (1.0, -9.81));
+    params.set_gravity([0.0, 0.0, -1.62]);
+    let hand = params.inertia_of_hand();
+    params.set_payload_of_arm(hand).expect("a rigid body");
+    assert_eq!((params.payload_of_hand().mass, params.payload_of_arm()), (0.0, hand));
+    assert_eq!(FloatingParams::<f64>::default().gravity()[2], -9.81);
     let _ = Floating::forward_dynamics_with(&params, &Floating::NEUTRAL, &[0.0; 8], &[0.0; 8]);
     let _ = (Little::forward_dynamics(&[0.0; 2], &[0.0; 2], &[0.0; 2]), Default::brge(&[0.0; 2]));
     assert_eq!(More::regressor(&[0.0; 2], &[0.0; 2], &[0.0; 2]).len(), More::PARAMETERS.len());

@@ -133,9 +133,6 @@ impl Harness<'_> {
         if has(Function::LinkPoses) {
             types += "flat!(robot::runtime::spatial::Pose<f64>, rotation, translation);\n";
         }
-        if has(Function::CenterOfMass) {
-            types += "flat!(robot::runtime::spatial::Vector3<f64>, 0);\n";
-        }
         if has(Function::InverseDynamicsDerivatives) {
             types +=
                 "flat!(robot::runtime::InverseDynamicsDerivatives<[[f64; NV]; NV]>, dq, dqd);\n";

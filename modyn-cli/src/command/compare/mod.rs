@@ -85,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(choice) = &arguments.modules {
         builder = builder.modules(choice.clone());
     }
-    let progress = Progress::start("generating");
+    let mut progress = Progress::start("generating");
     let generated = builder.generate();
     let generated = generated.map_err(|found| description.failure(arguments.robot.named(found)))?;
     description.warn(arguments.robot.named(Diagnostics::new(generated.warnings)));

@@ -110,7 +110,7 @@ pub const QUANTITIES: &[Quantity] = &[
         },
     ),
     quantity(Function::CenterOfMass, false, "center_of_mass(&s.q)", |i, s, out| {
-        out.extend(i.center_of_mass(&s.q)?.0);
+        out.extend(i.center_of_mass(&s.q)?);
         Ok(())
     }),
     quantity(Function::LinkPoses, false, "link_poses(&s.q)", |i, s, out| {

@@ -5,6 +5,7 @@ use modyn_runtime::OperationCount;
 use modyn_runtime::model::Model;
 use serde_json::{Value, json};
 
+use super::text::acting;
 use super::{Cost, Inspection, advice};
 use crate::command::diagnostics;
 
@@ -35,11 +36,11 @@ pub fn of(inspection: &Inspection) -> String {
         "coordinates": model.coordinate_names(),
         "velocities": model.velocity_names(),
         "joints": (0..model.links().len()).map(|i| joint(model, i)).collect::<Vec<_>>(),
-        "loops": model.closures().iter().map(|closure| json!({
-            "name": closure.name,
-            "type": closure.kind.name(),
-            "axis": closure.kind.axis(),
-            "links": closure.ends.each_ref().map(|end| &model.frames()[end.frame].name),
+        "loops": model.loop_constraints().iter().map(|constraint| json!({
+            "name": constraint.name,
+            "type": constraint.kind.name(),
+            "axis": constraint.kind.axis(),
+            "links": constraint.ends.each_ref().map(|end| &model.frames()[end.frame].name),
         })).collect::<Vec<_>>(),
         "links": model.links().iter().map(|link| json!({
             "name": link.name,
@@ -62,6 +63,7 @@ fn joint(model: &Model, link: usize) -> Value {
     let moved = &model.links()[link];
     let joint = &moved.joint;
     let (q, v) = (model.q_range(link), model.v_range(link));
+    let [damps, rubs] = acting(model);
     json!({
         "name": joint.name,
         "type": joint.joint_type.name(),
@@ -84,6 +86,8 @@ fn joint(model: &Model, link: usize) -> Value {
         "armature": joint.drive.armature,
         "damping": joint.drive.damping,
         "friction": joint.drive.friction,
+        "damping_acts": damps,
+        "friction_acts": rubs,
     })
 }
 

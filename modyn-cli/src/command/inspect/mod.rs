@@ -82,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         reading => reading.map_err(|found| description.failure(found))?,
     };
-    let progress = Progress::start("counting operations");
+    let mut progress = Progress::start("counting operations");
     let builder = arguments.robot.builder(&description);
     let costs = costs(builder, arguments)
         .map_err(|found| description.failure(arguments.robot.named(found)))?;

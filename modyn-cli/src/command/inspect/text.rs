@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use modyn_codegen::{CARRIED_BY_F32, tame};
-use modyn_runtime::model::{Closure, Link, Model, ModuleTree};
+use modyn_runtime::model::{Friction, Link, LoopConstraint, Model, ModuleTree};
 
 use super::{Cost, Inspection, advice};
 use crate::command::figure::figure;
@@ -30,7 +30,7 @@ pub fn of(inspection: &Inspection) -> String {
         figure(advice::total_mass(model)),
     );
     section(&mut out, "Joints (rad, m, s, N m, N)", &joints(model));
-    if !model.closures().is_empty() {
+    if !model.loop_constraints().is_empty() {
         section(&mut out, "Loop joints", &loops(model));
     }
     section(&mut out, "Moving links, with what is fixed to them (kg, m, kg m^2)", &links(model));
@@ -58,12 +58,12 @@ pub fn of(inspection: &Inspection) -> String {
 
 /// What closes loops.
 fn loops(model: &Model) -> String {
-    let line = |closure: &Closure| {
+    let line = |constraint: &LoopConstraint| {
         let [first, second] =
-            closure.ends.each_ref().map(|end| tame(&model.frames()[end.frame].name));
-        format!("{} ({}): {first} and {second}\n", tame(&closure.name), closure.kind.name())
+            constraint.ends.each_ref().map(|end| tame(&model.frames()[end.frame].name));
+        format!("{} ({}): {first} and {second}\n", tame(&constraint.name), constraint.kind.name())
     };
-    model.closures().iter().map(line).collect()
+    model.loop_constraints().iter().map(line).collect()
 }
 
 fn section(out: &mut String, title: &str, body: &str) {
@@ -114,6 +114,12 @@ fn parent(model: &Model, link: &Link) -> String {
     link.parent.map_or_else(|| "the base".into(), |p| tame(&model.links()[p].name))
 }
 
+/// Whether damping acts, and whether Coulomb friction does.
+pub fn acting(model: &Model) -> [bool; 2] {
+    let friction = model.friction();
+    [friction != Friction::None, !matches!(friction, Friction::None | Friction::Viscous)]
+}
+
 /// What a joint has besides.
 fn notes(model: &Model, link: usize) -> String {
     let joint = &model.links()[link].joint;
@@ -124,11 +130,14 @@ fn notes(model: &Model, link: usize) -> String {
         notes.push(format!("follows {leader} times {ratio} plus {offset}"));
     }
     let drive = &joint.drive;
-    for (what, x) in
-        [("rotor", drive.armature), ("damping", drive.damping), ("friction", drive.friction)]
-    {
+    if drive.armature != 0.0 {
+        notes.push(format!("rotor {}", figure(drive.armature)));
+    }
+    let [damps, rubs] = acting(model);
+    for (what, x, acts) in [("damping", drive.damping, damps), ("friction", drive.friction, rubs)] {
         if x != 0.0 {
-            notes.push(format!("{what} {}", figure(x)));
+            let inactive = if acts { "" } else { " (does not act)" };
+            notes.push(format!("{what} {}{inactive}", figure(x)));
         }
     }
     notes.join(", ")

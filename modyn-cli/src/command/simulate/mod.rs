@@ -86,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let settings = arguments.settings()?;
     let (q, qd) = motion::closed(&model, arguments.start(&model)?)?;
-    let progress = Progress::start("simulating");
+    let mut progress = Progress::start("simulating");
     let motion = Motion::simulate(&model, (q, qd), &torques, &settings)?;
     progress.stop();
     if let Some(path) = &arguments.csv {

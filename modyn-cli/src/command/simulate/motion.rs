@@ -6,7 +6,7 @@
 use modyn_codegen::tame;
 use modyn_runtime::model::{Friction, Model};
 use modyn_runtime::spatial::{Twist, Wrench};
-use modyn_runtime::{ClosureSettings, Interpreter, ShapeError};
+use modyn_runtime::{ConstraintSettings, Interpreter, ShapeError};
 
 use super::torques::Torques;
 use crate::command::outcome::Failure;
@@ -65,8 +65,8 @@ struct Dynamics<'a> {
     smooth: Option<Interpreter<f64>>,
     torques: &'a Torques,
     tau: Vec<f64>,
-    /// What closes each loop.
-    forces: Vec<Wrench<f64>>,
+    /// The wrench and the residual of each loop constraint.
+    loops: (Vec<Wrench<f64>>, Vec<Twist<f64>>),
 }
 
 impl Motion {
@@ -83,8 +83,9 @@ impl Motion {
         let smooth = smooth.transpose().map_err(|errors| Failure::usage(&errors[0]))?;
         let interpreter = Interpreter::new(model.clone());
         let tau = vec![0.0; model.nv()];
-        let forces = vec![Wrench::zero(); model.closures().len()];
-        let mut dynamics = Dynamics { interpreter, smooth, torques, tau, forces };
+        let loops = model.loop_constraints().len();
+        let loops = (vec![Wrench::zero(); loops], vec![Twist::zero(); loops]);
+        let mut dynamics = Dynamics { interpreter, smooth, torques, tau, loops };
         let mut state = State { q, qd, energy: [0.0; 2] };
         let mut samples = vec![dynamics.sample(0.0, &state).map_err(shape)?];
         for i in 1..=settings.steps {
@@ -162,8 +163,8 @@ impl Dynamics<'_> {
         self.torques.at(time, &mut self.tau);
         let mut rates = State { q: vec![0.0; q.len()], qd: vec![0.0; qd.len()], energy: [0.0; 2] };
         self.interpreter.coordinate_rates(q, qd, &mut rates.q)?;
-        let settings = ClosureSettings::<f64>::DEFAULT;
-        let into = (&mut *rates.qd, &mut *self.forces);
+        let settings = ConstraintSettings::<f64>::DEFAULT;
+        let into = (&mut *rates.qd, &mut *self.loops.0, &mut *self.loops.1);
         if into.1.is_empty() {
             self.interpreter.forward_dynamics(q, qd, &self.tau, into.0)?;
         } else {
@@ -222,7 +223,7 @@ pub fn place(
 }
 
 /// So many steps towards closed loops, which take as many digits again each, are enough or never will be.
-const CLOSING_STEPS: usize = 50;
+const PROJECTIONS: usize = 50;
 
 /// How far from closed loops may be: m, and sines of angles.
 const CLOSED: f64 = 1e-9;
@@ -232,34 +233,36 @@ pub fn closed(
     model: &Model,
     (mut q, mut qd): (Vec<f64>, Vec<f64>),
 ) -> Result<(Vec<f64>, Vec<f64>), Failure> {
-    if model.closures().is_empty() {
+    if model.loop_constraints().is_empty() {
         return Ok((q, qd));
     }
     let shape = |error: ShapeError| Failure::usage(format!("error: {error}"));
     let mut interpreter = Interpreter::<f64>::new(model.clone());
-    let settings = ClosureSettings::<f64>::DEFAULT;
+    let settings = ConstraintSettings::<f64>::DEFAULT;
     let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
-    for _ in 0..CLOSING_STEPS {
+    for _ in 0..PROJECTIONS {
         let into = (&mut *dq, &mut *dqd);
-        interpreter.closing_step(&q, &qd, &settings, into).map_err(shape)?;
+        interpreter.project_constraints(&q, &qd, &settings, into).map_err(shape)?;
         let before = q.clone();
         interpreter.integrate(&before, &dq, &mut q).map_err(shape)?;
-        qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
     }
-    // The last step's velocities are those of the place before it, where it was no more than rounding.
-    let twists = || vec![Twist::zero(); model.closures().len()];
+    // Velocities come last: a redundant loop that is open can be locked.
+    let into = (&mut *dq, &mut *dqd);
+    interpreter.project_constraints(&q, &qd, &settings, into).map_err(shape)?;
+    qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
+    let twists = || vec![Twist::zero(); model.loop_constraints().len()];
     let (mut apart, mut parting) = (twists(), twists());
-    interpreter.closure_errors(&q, &qd, &mut apart, &mut parting).map_err(shape)?;
-    let open = apart.iter().zip(model.closures()).find(|(apart, _)| {
+    interpreter.constraint_residual(&q, &qd, &mut apart, &mut parting).map_err(shape)?;
+    let open = apart.iter().zip(model.loop_constraints()).find(|(apart, _)| {
         // Not a number is not closed.
         !apart.components().iter().all(|x| x.abs() < CLOSED)
     });
     match open {
         None => Ok((q, qd)),
-        Some((_, closure)) => Err(Failure::No(format!(
+        Some((_, constraint)) => Err(Failure::No(format!(
             "error: the loop of joint `{}` cannot be closed from where the robot starts: give coordinates near \
              closed ones by `--q`, or others by `--random`",
-            tame(&closure.name)
+            tame(&constraint.name)
         ))),
     }
 }

@@ -7,7 +7,7 @@ use core::hint::black_box;
 
 use modyn::simulate::{Gains, Reference, State};
 use modyn::spatial::Wrench;
-use modyn::{Inertial, Payload};
+use modyn::Inertial;
 
 modyn::modyn!("../../../../robots/gripper.urdf");
 modyn::modyn!(Arm = "../../../../robots/arm7.urdf");
@@ -17,6 +17,7 @@ modyn::modyn!(
     functions = all,
     friction = coulomb,
     gravity = runtime,
+    runtime_inertia = ["tip"],
     payload = ["tip"],
 );
 
@@ -58,8 +59,10 @@ fn call_all() {
     let (q, v) = black_box((Zoo::NEUTRAL, [0.5; Zoo::NV]));
     let forces = black_box([Wrench::<f64>::zero(); Zoo::LINK_NAMES.len()]);
     let gravity = black_box([0.0, 0.0, -1.0]);
-    let tip = Payload::new(black_box(Inertial::default())).unwrap_or(Payload::NONE);
-    let params = ZooParams { gravity, tip };
+    let mut params = ZooParams::DEFAULT;
+    params.set_gravity(gravity);
+    black_box(params.set_inertia_of_tip(black_box(Inertial::default()))).ok();
+    black_box(params.set_payload_of_tip(black_box(params.inertia_of_tip()))).ok();
     black_box(Zoo::forward_dynamics_with(&params, &q, &v, &v));
     black_box(Zoo::inverse_dynamics_with(&params, &q, &v, &v));
     black_box(Zoo::brge_with(&params, &q).condition_numbers());

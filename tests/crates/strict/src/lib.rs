@@ -43,6 +43,7 @@ pub mod names {
         pub Loaded = "../robots/clash.urdf",
         functions = all,
         gravity = runtime,
+        runtime_inertia = ["Some", "None", "\u{202e}Ok"],
         payload = ["Some", "None", "\u{202e}Ok"],
     );
 }

@@ -8,6 +8,7 @@ modyn::modyn!(
     Complete = "../../../../robots/joint_zoo.urdf",
     functions = all,
     gravity = runtime,
+    runtime_inertia = ["hand"],
     payload = ["hand"],
 );
 

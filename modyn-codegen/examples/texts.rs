@@ -1,0 +1,54 @@
+//! Prints a hash of the text that is generated for each of the repository's robots, by every kind of output.
+//!
+//! ```console
+//! cargo run --release -p modyn-codegen --example texts
+//! ```
+//!
+//! The output is the same on every host and however the compiler was built: `.ci/run` compares that of a
+//! compiler with fused products and of one without.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use modyn_codegen::{Builder, FloatType, Function};
+
+/// 64-bit FNV-1a.
+fn hash(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}
+
+fn descriptions(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "urdf") {
+            found.push(path);
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    for folder in ["robots", "tests/golden"] {
+        for path in descriptions(&root.join(folder))? {
+            let builder = Builder::new().urdf(&path).functions(Function::ALL.iter().copied());
+            let kinds = [
+                ("f64", builder.clone()),
+                ("f32", builder.clone().float(FloatType::F32)),
+                ("shared", builder.clone().share()),
+                ("self-contained", builder.self_contained().runtime_gravity().c_functions("robot")),
+            ];
+            for (kind, builder) in kinds {
+                let generated = builder.generate()?;
+                let header = generated.c_header.unwrap_or_default();
+                let name = path.file_stem().unwrap_or_default().to_string_lossy();
+                println!("{:016x} {:016x} {name} {kind}", hash(&generated.text), hash(&header));
+            }
+        }
+    }
+    Ok(())
+}

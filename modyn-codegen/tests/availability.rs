@@ -1,0 +1,92 @@
+//! A function that was not generated can be named, and not called: the generated type has one of its name with
+//! as many arguments, whose bound does not hold.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use modyn_codegen::{Builder, Function};
+
+/// The functions of the robot's type by name, with their number of arguments; hidden ones or others.
+fn functions(text: &str, hidden: bool) -> BTreeMap<String, usize> {
+    fn walk(items: &[syn::Item], hidden: bool, found: &mut BTreeMap<String, usize>) {
+        for item in items {
+            match item {
+                syn::Item::Const(item) => {
+                    if let syn::Expr::Block(block) = &*item.expr {
+                        let items =
+                            block.block.stmts.iter().filter_map(|statement| match statement {
+                                syn::Stmt::Item(item) => Some(item.clone()),
+                                _ => None,
+                            });
+                        walk(&items.collect::<Vec<_>>(), hidden, found);
+                    }
+                }
+                syn::Item::Impl(item) if item.trait_.is_none() => {
+                    let syn::Type::Path(path) = &*item.self_ty else { continue };
+                    if !path.path.is_ident("Robot") {
+                        continue;
+                    }
+                    for item in &item.items {
+                        let syn::ImplItem::Fn(function) = item else { continue };
+                        let is_hidden = function.sig.generics.where_clause.is_some();
+                        if is_hidden == hidden {
+                            found.insert(function.sig.ident.to_string(), function.sig.inputs.len());
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+    let mut found = BTreeMap::new();
+    walk(&syn::parse_file(text).expect("Rust").items, hidden, &mut found);
+    found
+}
+
+#[test]
+fn missing_functions_have_the_arguments_of_those_that_are_there() {
+    for robot in ["four_bar", "joint_zoo"] {
+        for parameters in [false, true] {
+            let path =
+                Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../robots/{robot}.urdf"));
+            let builder = Builder::new().urdf(path).type_name("Robot");
+            let builder = if parameters { builder.runtime_gravity() } else { builder };
+            let all = builder.clone().functions(Function::ALL.iter().copied()).generate();
+            let none = builder.functions([]).generate().expect("good").text;
+            let all = all.expect("good").text;
+            let there = functions(&all, false);
+            assert!(there.len() > 40, "{there:?}");
+            assert_eq!(functions(&none, false).len(), 0);
+            let missing = functions(&none, true);
+            for (name, arguments) in &there {
+                assert_eq!(missing.get(name), Some(arguments), "{robot}: {name}");
+            }
+            // A tree has no loops to close, whatever is selected.
+            let of_loops = |name: &String| name.contains("constrained") || name.contains("clos");
+            let rest = missing.keys().filter(|name| !there.contains_key(*name));
+            assert!(rest.clone().all(of_loops), "{:?}", rest.collect::<Vec<_>>());
+            // What is there is not missing too, and the traits are those of what is there.
+            let hidden = functions(&all, true);
+            assert!(hidden.keys().all(|name| !there.contains_key(name)), "{hidden:?}");
+            for function in Function::ALL {
+                let line = format!("impl __modyn::functions::{function:?} for Robot {{}}");
+                let has = robot == "four_bar" || !function.is_of_loops();
+                assert_eq!(
+                    (all.contains(&line), none.contains(&line)),
+                    (has, false),
+                    "{function:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn every_function_has_a_trait_whose_message_names_it() {
+    let traits = include_str!("../../modyn-runtime/src/functions.rs");
+    for function in Function::ALL {
+        let name = function.name();
+        let row = format!("    {function:?} \"{name}\" \"`{{Self}}` has no function `{name}`\";\n");
+        assert!(traits.contains(&row), "{row}");
+    }
+}

@@ -1,0 +1,325 @@
+//! Closed loops in general position: mechanisms rotated at random and scaled, interpreted and traced, in
+//! double and single precision, against the aligned mechanism and against a dense solution by other
+//! means (`reference.rs`).
+
+mod mechanisms;
+mod reference;
+
+use mechanisms::{Mechanism, Random, all, lengths, rotated};
+use modyn_codegen::expr::Graph;
+use modyn_codegen::passes::optimize;
+use modyn_codegen::trace::Tracer;
+use modyn_runtime::equations::brge::Layout;
+use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::spatial::{Twist, Wrench};
+use modyn_runtime::{ConstraintSettings, Interpreter, Scalar};
+use nalgebra::{Matrix3, Vector3};
+use reference::{Reference, Solution};
+
+const ROTATIONS: usize = 20;
+const SIZES: [f64; 3] = [1.0, 0.02, 50.0];
+const ALPHA: f64 = 3.0;
+const BETA: f64 = 5.0;
+
+/// A scalar that mechanisms are computed in.
+trait Precision: Scalar {
+    fn to_f64(self) -> f64;
+    fn settings() -> ConstraintSettings<Self>;
+}
+
+impl Precision for f64 {
+    fn to_f64(self) -> f64 {
+        self
+    }
+    fn settings() -> ConstraintSettings<f64> {
+        ConstraintSettings { alpha: ALPHA, beta: BETA, ..ConstraintSettings::<f64>::DEFAULT }
+    }
+}
+
+impl Precision for f32 {
+    fn to_f64(self) -> f64 {
+        self.into()
+    }
+    fn settings() -> ConstraintSettings<f32> {
+        let (alpha, beta) = (f32::from_f64(ALPHA), f32::from_f64(BETA));
+        ConstraintSettings { alpha, beta, ..ConstraintSettings::<f32>::DEFAULT }
+    }
+}
+
+fn numbers<S: Precision>(settings: &ConstraintSettings<S>) -> [S; 4] {
+    [settings.alpha, settings.beta, settings.tolerance, settings.rounding]
+}
+
+fn cast<S: Scalar>(x: &[f64]) -> Vec<S> {
+    x.iter().map(|&x| S::from_f64(x)).collect()
+}
+
+fn six<S: Precision>(x: [S; 6]) -> [f64; 6] {
+    x.map(S::to_f64)
+}
+
+/// The interpreter's solution.
+fn interpreted<S: Precision>(model: &Model, [q, qd, tau]: &[Vec<f64>; 3]) -> Solution {
+    let (n, loops) = (model.nv(), model.loop_constraints().len());
+    let mut interpreter = Interpreter::<S>::new(model.clone());
+    let mut qdd = vec![S::zero(); n];
+    let (mut wrenches, mut residuals) = (vec![Wrench::zero(); loops], vec![Twist::zero(); loops]);
+    let into = (&mut *qdd, &mut *wrenches, &mut *residuals);
+    let (q, qd, tau) = (cast(q), cast(qd), cast(tau));
+    let solve = Interpreter::constrained_forward_dynamics;
+    let rank = solve(&mut interpreter, &q, &qd, &tau, &S::settings(), into).expect("fits");
+    Solution {
+        qdd: qdd.into_iter().map(S::to_f64).collect(),
+        wrenches: wrenches.iter().map(|w| six(w.components())).collect(),
+        residuals: residuals.iter().map(|r| six(r.components())).collect(),
+        rank: count(rank.to_f64()),
+    }
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn count(rank: f64) -> usize {
+    assert!(rank >= 0.0 && rank.fract() == 0.0, "{rank}");
+    rank as usize
+}
+
+/// Traced as for generated code: forward dynamics and projection.
+struct Traced {
+    forward_dynamics: Graph,
+    projection: Graph,
+    n: usize,
+    loops: usize,
+}
+
+impl Traced {
+    fn new(model: &Model) -> Self {
+        let prepared = Prepared::new(model);
+        let tracer = Tracer::new(&prepared);
+        let layout = Layout::new(&prepared, &ModuleTree::chains(model));
+        Self {
+            forward_dynamics: optimize(tracer.constrained_forward_dynamics(&layout)),
+            projection: optimize(tracer.project_constraints(&layout)),
+            n: model.nv(),
+            loops: model.loop_constraints().len(),
+        }
+    }
+
+    fn solve<S: Precision>(&self, state: &[Vec<f64>; 3]) -> Solution {
+        let inputs = [cast::<S>(&state.concat()), numbers(&S::settings()).to_vec()].concat();
+        let found = self.forward_dynamics.evaluate(&inputs);
+        let found: Vec<f64> = found.into_iter().map(S::to_f64).collect();
+        let (qdd, rest) = found.split_at(self.n);
+        let (wrenches, rest) = rest.split_at(6 * self.loops);
+        let (residuals, rank) = rest.split_at(6 * self.loops);
+        let sixes = |all: &[f64]| {
+            all.chunks(6).map(|six| std::array::from_fn(|k| six[k])).collect::<Vec<[f64; 6]>>()
+        };
+        Solution {
+            qdd: qdd.to_vec(),
+            wrenches: sixes(wrenches),
+            residuals: sixes(residuals),
+            rank: count(rank[0]),
+        }
+    }
+}
+
+/// The solution of a mechanism that was rotated and scaled back: that of the aligned one.
+fn aligned(solution: &Solution, r: &Matrix3<f64>, scale: f64, lengths: &[bool]) -> Solution {
+    let back = |six: &[f64; 6], angular: f64, linear: f64| {
+        let turned = |at: usize| r.transpose() * Vector3::new(six[at], six[at + 1], six[at + 2]);
+        let (first, second) = (turned(0) / angular, turned(3) / linear);
+        [first.x, first.y, first.z, second.x, second.y, second.z]
+    };
+    let qdd = solution.qdd.iter().zip(lengths);
+    Solution {
+        qdd: qdd.map(|(x, &length)| if length { x / scale } else { *x }).collect(),
+        wrenches: solution.wrenches.iter().map(|w| back(w, scale * scale, scale)).collect(),
+        residuals: solution.residuals.iter().map(|r| back(r, 1.0, scale)).collect(),
+        rank: solution.rank,
+    }
+}
+
+/// The largest difference of two solutions, each kind of number against the largest of its kind.
+fn difference(found: &Solution, expected: &Solution) -> f64 {
+    assert_eq!(found.rank, expected.rank);
+    let against = |found: &[f64], expected: &[f64]| {
+        assert_eq!(found.len(), expected.len());
+        let size = expected.iter().fold(1.0_f64, |size, x| size.max(x.abs()));
+        let pairs = found.iter().zip(expected);
+        // A sum keeps what is not a number.
+        pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt() / size
+    };
+    against(&found.qdd, &expected.qdd)
+        + against(&found.wrenches.concat(), &expected.wrenches.concat())
+        + against(&found.residuals.concat(), &expected.residuals.concat())
+}
+
+/// Projects on the loops; the rank of the last step.
+fn project(model: &Model, q: &mut [f64], qd: &mut [f64], steps: usize) -> usize {
+    let mut interpreter = Interpreter::new(model.clone());
+    let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
+    let mut rank = 0.0;
+    for _ in 0..steps {
+        let into = (&mut *dq, &mut *dqd);
+        let settings = ConstraintSettings::<f64>::DEFAULT;
+        rank = interpreter.project_constraints(q, qd, &settings, into).expect("fits");
+        let before = q.to_owned();
+        interpreter.integrate(&before, &dq, q).expect("fits");
+        qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
+    }
+    count(rank)
+}
+
+fn apart(model: &Model, q: &[f64]) -> f64 {
+    let mut reference = Reference::new(model);
+    (0..model.loop_constraints().len()).map(|c| reference.displacement(q, c).norm()).sum()
+}
+
+/// A state of the aligned mechanism, with the loops closed if they can be.
+fn state(mechanism: &Mechanism, random: &mut Random) -> [Vec<f64>; 3] {
+    let n = mechanism.model.nv();
+    let (mut q, mut qd) = (mechanism.q.clone(), random.vector(n, 1.0));
+    if mechanism.closes {
+        // An open loop may be locked: velocities come after coordinates.
+        project(&mechanism.model, &mut q, &mut vec![0.0; n], 40);
+        project(&mechanism.model, &mut q.clone(), &mut qd, 1);
+        let apart = apart(&mechanism.model, &q);
+        assert!(apart < 1e-13, "{}: {apart}", mechanism.name);
+    }
+    // Torques that accelerate light links no more than heavy ones.
+    let mut mass = vec![0.0; n * n];
+    let mut interpreter = Interpreter::new(mechanism.model.clone());
+    interpreter.mass_matrix(&q, &mut mass).expect("fits");
+    let accelerations = random.vector(n, 5.0);
+    let tau =
+        mass.chunks(n).map(|column| column.iter().zip(&accelerations).map(|(m, a)| m * a).sum());
+    let tau = tau.collect();
+    [q, qd, tau]
+}
+
+/// The same state of the scaled mechanism.
+fn scaled([q, qd, tau]: &[Vec<f64>; 3], scale: f64, lengths: &[bool]) -> [Vec<f64>; 3] {
+    let by = |x: &[f64], length: f64, angle: f64| {
+        let x = x.iter().zip(lengths);
+        x.map(|(x, &is)| if is { x * length } else { x * angle }).collect::<Vec<f64>>()
+    };
+    [by(q, scale, 1.0), by(qd, scale, 1.0), by(tau, scale, scale * scale)]
+}
+
+fn for_all(check: impl Fn(&Mechanism, &mut Random)) {
+    for mechanism in all() {
+        let mut random = Random(11);
+        check(&mechanism, &mut random);
+    }
+}
+
+#[test]
+fn double_precision_solves_what_the_dense_reference_solves() {
+    for_all(|mechanism, random| {
+        let name = mechanism.name;
+        let lengths = lengths(&mechanism.model);
+        let at_rest = state(mechanism, random);
+        let [q, qd, tau] = &at_rest;
+        let expected = Reference::new(&mechanism.model).solve((q, qd, tau), (ALPHA, BETA));
+        assert_eq!(expected.rank, mechanism.rank, "{name}");
+        let own = interpreted::<f64>(&mechanism.model, &at_rest);
+        let found = difference(&own, &expected);
+        assert!(found < 1e-9, "{name}: {found:e}");
+        for k in 0..ROTATIONS {
+            let (r, size) = (random.rotation(), SIZES[k % SIZES.len()]);
+            let model = rotated(&mechanism.model, &r, size);
+            let there = scaled(&at_rest, size, &lengths);
+            let interpreted = interpreted::<f64>(&model, &there);
+            let traced = Traced::new(&model).solve::<f64>(&there);
+            for solution in [&interpreted, &traced] {
+                let found = difference(&aligned(solution, &r, size, &lengths), &own);
+                assert!(found < 1e-9, "{name} {k} (size {size}): {found:e}");
+            }
+        }
+    });
+}
+
+#[test]
+fn single_precision_finds_the_same_ranks() {
+    for_all(|mechanism, random| {
+        let name = mechanism.name;
+        let lengths = lengths(&mechanism.model);
+        let at_rest = state(mechanism, random);
+        let own = interpreted::<f64>(&mechanism.model, &at_rest);
+        for k in 0..ROTATIONS {
+            let (r, size) = (random.rotation(), SIZES[k % SIZES.len()]);
+            let model = rotated(&mechanism.model, &r, size);
+            let there = scaled(&at_rest, size, &lengths);
+            let interpreted = interpreted::<f32>(&model, &there);
+            let traced = Traced::new(&model).solve::<f32>(&there);
+            for solution in [&interpreted, &traced] {
+                let found = difference(&aligned(solution, &r, size, &lengths), &own);
+                assert!(found < 1e-2, "{name} {k} (size {size}): {found:e}");
+            }
+        }
+    });
+}
+
+#[test]
+fn projection_assembles_mechanisms_in_general_position() {
+    for_all(|mechanism, random| {
+        if !mechanism.closes {
+            return;
+        }
+        let name = mechanism.name;
+        let lengths = lengths(&mechanism.model);
+        let [q, _, _] = state(mechanism, random);
+        for k in 0..ROTATIONS {
+            let (r, size) = (random.rotation(), SIZES[k % SIZES.len()]);
+            let model = rotated(&mechanism.model, &r, size);
+            let off: Vec<f64> = q.iter().map(|q| q + 0.03 * random.next()).collect();
+            let near = [off, random.vector(q.len(), 1.0), vec![0.0; q.len()]];
+            let [mut q, mut qd, _] = scaled(&near, size, &lengths);
+            let traced = Traced::new(&model);
+            let settings = <f64 as Precision>::settings();
+            let inputs = [q.clone(), qd.clone(), numbers(&settings).to_vec()].concat();
+            let step = traced.projection.evaluate(&inputs);
+            let before = (q.clone(), qd.clone());
+            project(&model, &mut q, &mut qd, 1);
+            let taken: Vec<f64> = q
+                .iter()
+                .zip(&before.0)
+                .chain(qd.iter().zip(&before.1))
+                .map(|(a, b)| a - b)
+                .collect();
+            let size_of = taken.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+            for (a, b) in step.iter().zip(&taken) {
+                assert!(
+                    (a - b).abs() < 1e-7 * size_of,
+                    "{name} {k}: {step:?} instead of {taken:?}"
+                );
+            }
+            let rank = project(&model, &mut q, &mut qd, 30);
+            let apart = apart(&model, &q);
+            assert!(apart < 1e-12 * size.max(1.0), "{name} {k} (size {size}): {apart:e}");
+            let moved = q.iter().zip(&before.0).zip(&lengths);
+            let moved =
+                moved.map(|((a, b), &length)| ((a - b) / if length { size } else { 1.0 }).abs());
+            let moved = moved.fold(0.0, f64::max);
+            assert!(moved < 3.0, "{name} {k}: {moved}");
+            // A linkage that is put together from near a singular place may leave it.
+            assert!(rank == mechanism.rank || name == "flat", "{name} {k}: {rank}");
+        }
+    });
+}
+
+#[test]
+fn the_characteristic_length_is_as_documented() {
+    for_all(|mechanism, _| {
+        for (size, r) in [(1.0, Matrix3::identity()), (7.0, Random(5).rotation())] {
+            let model = rotated(&mechanism.model, &r, size);
+            let q = scaled(&[mechanism.q.clone(), vec![], vec![]], size, &lengths(&model));
+            let neutral: Vec<f64> = q[0].iter().map(|_| 0.0).collect();
+            for c in 0..model.loop_constraints().len() {
+                let expected = Reference::new(&model).length(&neutral, c);
+                let found = model.characteristic_length(c);
+                assert!((found - expected).abs() < 1e-12 * expected, "{}", mechanism.name);
+            }
+        }
+    });
+}

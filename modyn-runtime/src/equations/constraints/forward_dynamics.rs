@@ -1,0 +1,50 @@
+//! Forward dynamics under constraints.
+
+use super::ConstraintWorkspace;
+use super::rows::constraint_rows;
+use crate::Scalar;
+use crate::equations::brge::{self, Layout};
+use crate::equations::{Workspace, inverse_dynamics};
+use crate::figures::ConstraintSettings;
+use crate::model::prepare::Prepared;
+use crate::spatial::{Twist, Wrench};
+
+/// Computes the accelerations `qdd` under the joint torques or forces `tau` with the constraints met,
+/// and for each constraint the wrench on its second link and the residual of its accelerations, both at
+/// the second frame's origin in the first frame's axes. Returns the number of independent rows.
+pub fn constrained_forward_dynamics<S: Scalar>(
+    model: &Prepared<S>,
+    layout: &Layout,
+    (q, qd, tau): (&[S], &[S], &[S]),
+    settings: &ConstraintSettings<S>,
+    (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    (qdd, wrenches, residuals): (&mut [S], &mut [Wrench<S>], &mut [Twist<S>]),
+) -> S {
+    inverse_dynamics::inverse_dynamics(model, (q, qd, None), None, workspace, qdd);
+    for (qdd, &tau) in qdd.iter_mut().zip(tau) {
+        *qdd = tau - *qdd;
+    }
+    brge::factorize(model, layout, q, workspace, &mut room.factors);
+    brge::solve(layout, &room.factors, qdd);
+
+    let two_alpha = settings.alpha + settings.alpha;
+    let beta_squared = settings.beta * settings.beta;
+    constraint_rows(model, (q, qd), workspace, room, |component, motion| {
+        let damping = two_alpha * component(motion.velocity);
+        let stiffness = beta_squared * component(motion.displacement);
+        [-component(motion.bias_acceleration) - (damping + stiffness), S::zero()]
+    });
+    room.subtract_accelerations(qdd);
+    room.factorize(model, layout, settings);
+    room.solve(0);
+    room.add_response(0, qdd);
+    let (mut multipliers, mut missed) = (room.right_hand_sides[0].iter(), room.residuals.iter());
+    let results = wrenches.iter_mut().zip(residuals).zip(&model.loop_constraints);
+    for ((wrench, residual), constraint) in results {
+        let Twist { angular, linear } = constraint.along_rows(multipliers.by_ref().copied());
+        *wrench = Wrench { moment: angular.scale(constraint.length), force: linear };
+        let Twist { angular, linear } = constraint.along_rows(missed.by_ref().copied());
+        *residual = Twist { angular: angular.scale(constraint.length.recip()), linear };
+    }
+    room.factorization.rank()
+}

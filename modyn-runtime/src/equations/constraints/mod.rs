@@ -1,0 +1,149 @@
+//! Constraints: forward dynamics under the wrenches that hold the frames of loop joints together.
+//!
+//! | file | what it has |
+//! |---|---|
+//! | `relative_motion` | the motion of a constraint's second frame relative to its first |
+//! | `rows` | the Jacobian rows in units of length, and the mobility of each constraint |
+//! | `factorization` | the pseudo-inverse of J I^-1 J^T, and its rank |
+//! | `forward_dynamics` | accelerations and constraint wrenches |
+//! | `projection` | steps that meet the constraints |
+//! | `residual` | how far the constraints are from being met |
+//!
+//! A constraint holds rows J qd = 0 of the motion of its second frame relative to its first, in the first
+//! frame's axes; their rate is J qdd + dJ/dt qd. With multipliers lambda (Featherstone 2008, "Rigid Body
+//! Dynamics Algorithms", 8.2) and the stabilization of Baumgarte (1972) towards phi = 0 and J qd = 0,
+//!
+//! ```text
+//! I qdd = tau - h + J^T lambda
+//! J qdd = gamma = -dJ/dt qd - 2 alpha J qd - beta^2 phi
+//! ```
+//!
+//! With qdd_0 the accelerations of the tree, lambda = (J I^-1 J^T)^+ (gamma - J qdd_0) and
+//! qdd = qdd_0 + I^-1 J^T lambda. Every product with I^-1 is solved for by modules, through U D U^T
+//! ([`brge`](super::brge)).
+//!
+//! Rotation rows are multiplied by the constraint's characteristic length l
+//! ([`Model::characteristic_length`](crate::model::Model::characteristic_length)). Of redundant rows the
+//! multipliers are those with the smallest sum of force^2 + (moment / l)^2 over all constraints; the
+//! accelerations of contradictory rows have the smallest sum of squared residuals, linear^2 +
+//! (l angular)^2. Neither depends on how the mechanism is rotated.
+
+mod factorization;
+mod forward_dynamics;
+mod projection;
+mod relative_motion;
+mod residual;
+mod rows;
+
+pub use forward_dynamics::constrained_forward_dynamics;
+pub use projection::project_constraints;
+pub use residual::constraint_residual;
+
+use alloc::{vec, vec::Vec};
+
+use super::brge::Layout;
+use crate::Scalar;
+use crate::figures::ConstraintSettings;
+use crate::model::prepare::{ConstrainedFrames, Prepared};
+use crate::spatial::Twist;
+use factorization::RankFactorization;
+
+/// Memory for constraints.
+#[derive(Clone, Debug)]
+pub struct ConstraintWorkspace<S> {
+    /// By end: the Jacobian of its frame in its own axes, a column for each entry of qd.
+    columns: [Vec<Twist<S>>; 2],
+    /// The number of constrained rows.
+    rows: usize,
+    /// J and I^-1 J^T: the constrained rows of all constraints, then the free ones; a row is as long
+    /// as qd.
+    jacobian: Vec<S>,
+    solved: Vec<S>,
+    /// By constraint: the trace of J I^-1 J^T over all six directions.
+    mobilities: Vec<S>,
+    /// J I^-1 J^T of the constrained rows.
+    factorization: RankFactorization<S>,
+    /// Two right-hand sides by constrained row, then the multipliers.
+    right_hand_sides: [Vec<S>; 2],
+    /// By constrained row: the part of the right-hand side that was not met.
+    residuals: Vec<S>,
+    /// Of the mass matrix.
+    factors: Vec<S>,
+}
+
+impl<S: Scalar> ConstraintWorkspace<S> {
+    /// Memory for a model whose mass matrix is factorized in this layout.
+    #[must_use]
+    pub fn new(model: &Prepared<S>, layout: &Layout) -> Self {
+        let constraints = || model.loop_constraints.iter();
+        let rows = constraints().map(|constraint| constraint.rows.len()).sum();
+        let free: usize = constraints().map(|constraint| constraint.free.len()).sum();
+        let blocks = constraints().map(|c| (c.rows.len(), degrees_of_freedom(model, c)));
+        let numbers = |count| vec![S::zero(); count];
+        Self {
+            columns: [vec![Twist::zero(); model.nv], vec![Twist::zero(); model.nv]],
+            rows,
+            jacobian: numbers((rows + free) * model.nv),
+            solved: numbers((rows + free) * model.nv),
+            mobilities: numbers(model.loop_constraints.len()),
+            factorization: RankFactorization::new(blocks),
+            right_hand_sides: [numbers(rows), numbers(rows)],
+            residuals: numbers(rows),
+            factors: numbers(layout.size()),
+        }
+    }
+
+    /// Factorizes J I^-1 J^T of the rows at present.
+    fn factorize(
+        &mut self,
+        model: &Prepared<S>,
+        layout: &Layout,
+        settings: &ConstraintSettings<S>,
+    ) {
+        rows::mobilities(model, layout, self);
+        let (tolerance, rounding) = (settings.tolerance, settings.rounding);
+        self.factorization.factorize(&self.mobilities, tolerance, rounding);
+    }
+
+    /// Replaces a right-hand side by its multipliers.
+    fn solve(&mut self, side: usize) {
+        let Self { factorization, right_hand_sides, residuals, .. } = self;
+        factorization.solve(&mut right_hand_sides[side], residuals);
+    }
+
+    /// Subtracts J qdd from the first right-hand side.
+    fn subtract_accelerations(&mut self, qdd: &[S]) {
+        let rows = self.jacobian.chunks(qdd.len().max(1));
+        for (b, row) in self.right_hand_sides[0].iter_mut().zip(rows) {
+            let products = row.iter().zip(qdd).map(|(&a, &x)| a * x);
+            *b = products.reduce(|sum, x| sum + x).map_or(*b, |sum| *b - sum);
+        }
+    }
+
+    /// Adds the joints' response I^-1 J^T lambda to the multipliers of a right-hand side.
+    fn add_response(&self, side: usize, sum: &mut [S]) {
+        let rows = self.solved.chunks(sum.len().max(1));
+        for (&multiplier, row) in self.right_hand_sides[side].iter().zip(rows) {
+            for (sum, &x) in sum.iter_mut().zip(row) {
+                *sum = *sum + x * multiplier;
+            }
+        }
+    }
+}
+
+/// The number of entries of qd that move a constraint's frames relative to each other: its rows
+/// cannot have a higher rank.
+fn degrees_of_freedom<S>(model: &Prepared<S>, constraint: &ConstrainedFrames<S>) -> usize {
+    let ancestor = relative_motion::common_ancestor(model, constraint);
+    let mut moving = vec![false; model.nv];
+    for end in &constraint.ends {
+        let mut body = end.body;
+        while let Some(i) = body.filter(|_| body != ancestor) {
+            for dof in &model.dofs[model.bodies[i].dofs.clone()] {
+                moving[dof.v] = true;
+            }
+            body = model.bodies[i].parent;
+        }
+    }
+    moving.into_iter().filter(|&moves| moves).count()
+}

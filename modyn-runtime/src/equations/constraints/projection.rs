@@ -1,0 +1,33 @@
+//! The projection of coordinates and velocities on the constraints.
+
+use super::ConstraintWorkspace;
+use super::rows::constraint_rows;
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::brge::{self, Layout};
+use crate::figures::ConstraintSettings;
+use crate::model::prepare::Prepared;
+
+/// Computes the step `dq` that meets the constraints at `q` to first order, and the change `dqd` of the
+/// velocities that keeps them met: -I^-1 J^T (J I^-1 J^T)^+ times the displacements and the velocities,
+/// the smallest in the metric of the mass matrix. Returns the number of independent rows.
+pub fn project_constraints<S: Scalar>(
+    model: &Prepared<S>,
+    layout: &Layout,
+    (q, qd): (&[S], &[S]),
+    settings: &ConstraintSettings<S>,
+    (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    (dq, dqd): (&mut [S], &mut [S]),
+) -> S {
+    brge::factorize(model, layout, q, workspace, &mut room.factors);
+    constraint_rows(model, (q, qd), workspace, room, |component, motion| {
+        [-component(motion.displacement), -component(motion.velocity)]
+    });
+    room.factorize(model, layout, settings);
+    for (side, step) in [dq, dqd].into_iter().enumerate() {
+        step.fill(S::zero());
+        room.solve(side);
+        room.add_response(side, step);
+    }
+    room.factorization.rank()
+}

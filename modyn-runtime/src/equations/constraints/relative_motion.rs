@@ -1,0 +1,138 @@
+//! The motion of a constraint's second frame relative to its first, in the first frame's axes.
+//!
+//! Bodies that carry both frames have no part in it.
+
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::chain::{self, Own};
+use crate::equations::kinematics::Seen;
+use crate::model::prepare::{BodyFrame, ConstrainedFrames, Prepared};
+use crate::spatial::{Matrix3, Twist, Vector3};
+
+/// The closest body that carries both frames of a constraint; `None` for the world.
+pub(super) fn common_ancestor<S>(
+    model: &Prepared<S>,
+    constraint: &ConstrainedFrames<S>,
+) -> Option<usize> {
+    let [mut a, mut b] = constraint.ends.each_ref().map(|end| end.body);
+    while a != b {
+        // Parents come before their children, and the world before all.
+        let later = if a > b { &mut a } else { &mut b };
+        *later = later.and_then(|i| model.bodies[i].parent);
+    }
+    a
+}
+
+/// The bodies from a frame towards the world, up to `ancestor` but without it.
+pub(super) fn path<S>(
+    model: &Prepared<S>,
+    end: BodyFrame<S>,
+    ancestor: Option<usize>,
+) -> impl Iterator<Item = usize> {
+    chain::towards_world(model, end.body).take_while(move |&i| Some(i) != ancestor)
+}
+
+/// A frame seen from the body `ancestor`; `visit` is called with the frame seen from each body on
+/// the path.
+pub(super) fn seen_from_ancestor<S: Scalar>(
+    model: &Prepared<S>,
+    end: BodyFrame<S>,
+    ancestor: Option<usize>,
+    q: &[S],
+    mut visit: impl FnMut(usize, &Seen<S>),
+) -> Seen<S> {
+    path(model, end, ancestor).fold(Seen::fixed(&end.pose), |seen, i| {
+        visit(i, &seen);
+        seen.towards_world(&model.bodies[i], q)
+    })
+}
+
+/// The pose of the second frame relative to the first.
+pub(super) struct RelativePose<S> {
+    /// The second frame's axes, as columns.
+    rotation: Matrix3<S>,
+    /// The second frame's origin.
+    origin: Vector3<S>,
+}
+
+impl<S: Scalar> RelativePose<S> {
+    /// From both frames, seen from their common ancestor.
+    pub(super) fn new([first, second]: &[Seen<S>; 2]) -> Self {
+        Self {
+            rotation: first.axes.times(&second.axes.transposed()),
+            origin: first.axes.mul_vector(second.point - first.point),
+        }
+    }
+
+    /// A twist in the second frame's axes, expressed in the first frame's.
+    fn rotated(&self, second: Twist<S>) -> Twist<S> {
+        let Twist { angular, linear } = second;
+        Twist {
+            angular: self.rotation.mul_vector(angular),
+            linear: self.rotation.mul_vector(linear),
+        }
+    }
+
+    /// The twist of the second frame relative to the first, from the twists of both, each in its own
+    /// axes at its own origin.
+    pub(super) fn twist(&self, first: Twist<S>, second: Twist<S>) -> Twist<S> {
+        let second = self.rotated(second);
+        Twist {
+            angular: second.angular - first.angular,
+            linear: second.linear - first.linear - first.angular.cross(self.origin),
+        }
+    }
+
+    /// The rotation error: of a hinge, the vector product of its two directions; else the axis of
+    /// the relative rotation times the sine of its angle.
+    fn rotation_error(&self, hinge: Option<Vector3<S>>) -> Vector3<S> {
+        if let Some(hinge) = hinge {
+            return hinge.cross(self.rotation.mul_vector(hinge));
+        }
+        let Matrix3([[_, xy, xz], [yx, _, yz], [zx, zy, _]]) = self.rotation;
+        Vector3([zy - yz, xz - zx, yx - xy]).scale(S::from_f64(0.5))
+    }
+}
+
+/// The displacement of the second frame relative to the first, its velocity and its bias
+/// acceleration.
+pub(super) struct RelativeMotion<S> {
+    /// The rotation error and the second frame's origin.
+    pub(super) displacement: Twist<S>,
+    pub(super) velocity: Twist<S>,
+    /// The rate of the velocity's components while qd does not change.
+    pub(super) bias_acceleration: Twist<S>,
+}
+
+impl<S: Scalar> RelativeMotion<S> {
+    /// At this state, of frames at this relative pose.
+    pub(super) fn new(
+        model: &Prepared<S>,
+        constraint: &ConstrainedFrames<S>,
+        pose: &RelativePose<S>,
+        state: (&[S], &[S]),
+        workspace: &mut Workspace<S>,
+    ) -> Self {
+        let ancestor = common_ancestor(model, constraint);
+        let [first, second] = constraint.ends.map(|end| {
+            workspace.chain.clear();
+            workspace.chain.extend(path(model, end, ancestor));
+            let bodies = workspace.chain.iter().rev();
+            bodies.fold(Own::at_rest(), |own, &i| own.carried_to(model, i, state)).at(&end.pose)
+        });
+        let velocity = pose.twist(first.velocity, second.velocity);
+        // The second frame's components are in axes that rotate relative to the first frame, and the
+        // first frame's velocity at the second frame's origin changes as that origin moves.
+        let (omega, second_velocity) = (first.velocity.angular, pose.rotated(second.velocity));
+        let transport = Twist {
+            angular: velocity.angular.cross(second_velocity.angular),
+            linear: velocity.angular.cross(second_velocity.linear) - omega.cross(velocity.linear),
+        };
+        let rotation_error = pose.rotation_error(constraint.hinge);
+        Self {
+            displacement: Twist { angular: rotation_error, linear: pose.origin },
+            velocity,
+            bias_acceleration: pose.twist(first.rate, second.rate) + transport,
+        }
+    }
+}

@@ -1,0 +1,28 @@
+//! The residual of the constraints: how far they are from being met.
+
+use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, seen_from_ancestor};
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::model::prepare::Prepared;
+use crate::spatial::Twist;
+
+/// Computes the displacement and the velocity of each constraint's second frame relative to its first,
+/// in the first frame's axes, without the free directions. A rotation is its axis times the sine of
+/// its angle; of a hinge, the vector product of its two directions.
+pub fn constraint_residual<S: Scalar>(
+    model: &Prepared<S>,
+    (q, qd): (&[S], &[S]),
+    workspace: &mut Workspace<S>,
+    (displacements, velocities): (&mut [Twist<S>], &mut [Twist<S>]),
+) {
+    let results = displacements.iter_mut().zip(velocities);
+    for (constraint, (displacement, velocity)) in model.loop_constraints.iter().zip(results) {
+        let ancestor = common_ancestor(model, constraint);
+        let seen =
+            constraint.ends.map(|end| seen_from_ancestor(model, end, ancestor, q, |_, _| {}));
+        let pose = RelativePose::new(&seen);
+        let motion = RelativeMotion::new(model, constraint, &pose, (q, qd), workspace);
+        *displacement = constraint.constrained_part(motion.displacement);
+        *velocity = constraint.constrained_part(motion.velocity);
+    }
+}

@@ -1,0 +1,163 @@
+//! The inertia that each joint feels while the joints after it are free: the pivots of the articulated-body
+//! elimination (Featherstone 1987), at one configuration in general position. A pivot of zero there is zero in
+//! nearly every configuration: the mass matrix is singular, and forward dynamics divides by zero.
+//!
+//! It is used where inertias change at run time; a description is checked by the compiler's reader.
+//!
+//! A joint that follows another one is held, and the inertia that it feels counts as a rotor of its leader's.
+
+use alloc::{vec, vec::Vec};
+
+use crate::Scalar;
+use crate::joint::Motion;
+use crate::model::coordinates::Space;
+use crate::model::prepare::{Dof, Prepared};
+use crate::spatial::ArticulatedInertia;
+
+/// A pivot is rounding below so many units of the scalar's precision of the inertia about the same axis with the
+/// next joints held,
+const CANCELLED: f64 = 256.0;
+/// or of the inertia about all axes together, of which a rotation of the axes may leave some.
+const ROTATED: f64 = 32.0;
+
+/// The memory of [`pivots`].
+#[derive(Clone, Debug)]
+pub struct PivotWorkspace<S> {
+    /// Coordinates in general position.
+    q: Vec<S>,
+    motions: Vec<Motion<S>>,
+    /// By body: the inertia of its children, with their joints free; and with them held.
+    free: Vec<ArticulatedInertia<S>>,
+    held: Vec<ArticulatedInertia<S>>,
+    /// By entry of qd: the inertia that joints which follow this one add.
+    followers: Vec<S>,
+}
+
+impl<S: Scalar> PivotWorkspace<S> {
+    /// Memory for `model`.
+    #[must_use]
+    pub fn new(model: &Prepared<S>) -> Self {
+        let none = vec![nothing(); model.bodies.len()];
+        Self {
+            q: configuration(model),
+            motions: Vec::with_capacity(model.bodies.len()),
+            free: none.clone(),
+            held: none,
+            followers: vec![S::zero(); model.nv],
+        }
+    }
+}
+
+fn nothing<S: Scalar>() -> ArticulatedInertia<S> {
+    ArticulatedInertia::from_fn(|_, _| S::zero())
+}
+
+/// Coordinates of no special kind, the same on every host: angles and displacements between 0.3 and 6.3, and
+/// rotations by large angles about oblique axes.
+fn configuration<S: Scalar>(model: &Prepared<S>) -> Vec<S> {
+    let spread = |entry: usize| {
+        #[allow(clippy::cast_precision_loss)] // Precise up to 2^52 entries.
+        let golden = entry as f64 * 0.618_033_988_749_895;
+        golden - libm::floor(golden)
+    };
+    let mut q = vec![0.0; model.nq];
+    for coordinates in &model.coordinates {
+        let at = coordinates.q;
+        let (numbers, rotation) = match coordinates.space {
+            Space::Line { .. } => (at..at + 1, None),
+            Space::Rotation => (at..at, Some(at)),
+            Space::Pose => (at..at + 3, Some(at + 3)),
+        };
+        for entry in numbers {
+            q[entry] = 0.3 + 6.0 * spread(entry);
+        }
+        if let Some(start) = rotation {
+            let oblique: [f64; 4] = core::array::from_fn(|k| 0.2 + spread(start + k));
+            let length = libm::sqrt(oblique.iter().map(|x| x * x).sum());
+            for (entry, x) in q[start..start + 4].iter_mut().zip(oblique) {
+                *entry = x / length;
+            }
+        }
+    }
+    q.into_iter().map(S::from_f64).collect()
+}
+
+/// By entry of qd, into `pivots`: the inertia that this motion feels while the joints after it are free, in kg or
+/// kg m^2; exactly zero where it is not above the rounding of a scalar of precision `epsilon` (the
+/// distance from 1 to the next number), or NaN.
+pub fn pivots<S: Scalar>(
+    model: &Prepared<S>,
+    epsilon: S,
+    workspace: &mut PivotWorkspace<S>,
+    pivots: &mut [S],
+) {
+    let PivotWorkspace { q, motions, .. } = workspace;
+    motions.clear();
+    motions.extend(model.bodies.iter().map(|body| body.motion(q)));
+    workspace.followers.fill(S::zero());
+    if model.has_mimics() {
+        let mut followers = core::mem::take(&mut workspace.followers);
+        sweep(model, epsilon, workspace, &[], |dof, pivot| {
+            if dof.multiplier.is_some() {
+                dof.add(dof.scale(pivot), &mut followers);
+            }
+        });
+        workspace.followers = followers;
+    }
+    let followers = core::mem::take(&mut workspace.followers);
+    sweep(model, epsilon, workspace, &followers, |dof, pivot| {
+        if dof.multiplier.is_none() {
+            pivots[dof.v] = pivot;
+        }
+    });
+    workspace.followers = followers;
+}
+
+/// Eliminates the joints from the leaves to the root and gives the pivot of each degree of freedom to `give`.
+fn sweep<S: Scalar>(
+    model: &Prepared<S>,
+    epsilon: S,
+    workspace: &mut PivotWorkspace<S>,
+    followers: &[S],
+    mut give: impl FnMut(&Dof<S>, S),
+) {
+    let PivotWorkspace { motions, free, held, .. } = workspace;
+    free.fill(nothing());
+    held.fill(nothing());
+    let units = |n: f64| epsilon * S::from_f64(n);
+    for (i, body) in model.bodies.iter().enumerate().rev() {
+        let own = body.inertia.articulated();
+        let whole = own + free[i];
+        let next_held = own + held[i];
+        let mut left = whole;
+        for dof in model.dofs_of(i).iter().rev() {
+            let component = dof.component;
+            let column = left.column(component).components();
+            let block =
+                if component < 3 { &next_held.rotational } else { &next_held.translational };
+            let rounding = units(CANCELLED) * next_held.entry(component, component)
+                + units(ROTATED) * (block.xx + block.yy + block.zz);
+            let felt =
+                (rounding - column[component]).select_nonnegative(S::zero(), column[component]);
+            let mut pivot = dof.armature.map_or(felt, |armature| felt + armature);
+            if dof.multiplier.is_none()
+                && let Some(&following) = followers.get(dof.v)
+            {
+                pivot = pivot + following;
+            }
+            give(dof, pivot);
+            if dof.multiplier.is_some() {
+                continue;
+            }
+            // A pivot of zero is left alone: the joints before it are judged as if it were held.
+            let reciprocal = (-pivot).select_nonnegative(S::zero(), pivot.recip());
+            left = ArticulatedInertia::from_fn(|row, other| {
+                left.entry(row, other) - column[row] * column[other] * reciprocal
+            });
+        }
+        if let Some(parent) = body.parent {
+            free[parent] = free[parent] + body.articulated_to_parent(&motions[i], &left);
+            held[parent] = held[parent] + body.articulated_to_parent(&motions[i], &whole);
+        }
+    }
+}

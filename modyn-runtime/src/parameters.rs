@@ -1,0 +1,97 @@
+//! The inertias among the run-time parameters of a generated robot.
+
+use core::fmt;
+
+use crate::Scalar;
+use crate::inertial::{Inertial, InertialDefect, PARAMETERS_PER_LINK};
+use crate::scalar::epsilon;
+
+/// Why a robot cannot be given a run-time inertia or a payload.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ParameterError<S = f64> {
+    /// No rigid body has this inertia.
+    Defect(InertialDefect<S>),
+    /// A joint would move no inertia, so that its acceleration would be infinite.
+    NoInertia {
+        /// The name of the joint.
+        joint: &'static str,
+    },
+}
+
+impl<S: fmt::Display + fmt::LowerExp> fmt::Display for ParameterError<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Defect(defect) => defect.fmt(f),
+            Self::NoInertia { joint } => write!(
+                f,
+                "joint `{joint}` would move no inertia that it alone would feel, so its acceleration would be \
+                 infinite; give a link that it moves a mass, and a rotational inertia if it turns"
+            ),
+        }
+    }
+}
+
+impl<S: fmt::Debug + fmt::Display + fmt::LowerExp + 'static> core::error::Error
+    for ParameterError<S>
+{
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Defect(defect) => Some(defect),
+            Self::NoInertia { .. } => None,
+        }
+    }
+}
+
+/// The inertia whose ten numbers begin at entry `at` of `numbers`.
+#[doc(hidden)]
+#[must_use]
+pub fn inertial<S: Scalar, const N: usize>(numbers: &[S; N], at: usize) -> Inertial<S> {
+    let number = |i: usize| numbers.get(at + i).copied().unwrap_or_else(S::zero);
+    Inertial {
+        mass: number(0),
+        center_of_mass: core::array::from_fn(|i| number(1 + i)),
+        inertia: core::array::from_fn(|i| number(4 + i)),
+    }
+}
+
+/// `numbers` with those of `inertial` from entry `at` on.
+///
+/// # Errors
+///
+/// If no rigid body has this inertia.
+#[doc(hidden)]
+pub fn with_inertial<S: Scalar + PartialOrd, const N: usize>(
+    numbers: &[S; N],
+    at: usize,
+    inertial: &Inertial<S>,
+) -> Result<[S; N], ParameterError<S>> {
+    if let Some(defect) = inertial.defect() {
+        return Err(ParameterError::Defect(defect));
+    }
+    let mut changed = *numbers;
+    let Inertial { mass, center_of_mass, inertia } = *inertial;
+    let new = [mass].into_iter().chain(center_of_mass).chain(inertia);
+    for (number, new) in changed.iter_mut().skip(at).take(PARAMETERS_PER_LINK).zip(new) {
+        *number = new;
+    }
+    Ok(changed)
+}
+
+/// Checks that each of the `joints` feels inertia: its number among the `pivots`, which are given the scalar's
+/// precision.
+///
+/// # Errors
+///
+/// The last of the joints that feels none.
+#[doc(hidden)]
+pub fn check_pivots<S: Scalar + PartialOrd, const N: usize>(
+    pivots: impl FnOnce(S) -> [S; N],
+    joints: &[&'static str; N],
+) -> Result<(), ParameterError<S>> {
+    let pivots = pivots(epsilon());
+    match pivots.iter().zip(joints).rev().find(|(pivot, _)| !(**pivot > S::zero())) {
+        None => Ok(()),
+        Some((_, &joint)) => Err(ParameterError::NoInertia { joint }),
+    }
+}

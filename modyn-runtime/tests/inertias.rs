@@ -1,0 +1,292 @@
+//! Inertias and payloads of the interpreter that change at run time.
+#![cfg(feature = "alloc")]
+
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::{Drive, Frame, Joint, Link, Mimic, Model};
+use modyn_runtime::{Inertial, InertialError, Interpreter, Pose, Scalar};
+
+/// A fixed stream of numbers in 0..1: SplitMix64 (Steele, Lea and Flood 2014).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
+    }
+
+    fn vector(&mut self) -> [f64; 3] {
+        std::array::from_fn(|_| self.between(-0.5, 0.5))
+    }
+
+    fn axis(&mut self) -> [f64; 3] {
+        let v = self.vector();
+        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        v.map(|x| x / length)
+    }
+
+    /// A pose in general position.
+    fn pose(&mut self) -> Pose<f64> {
+        let q: [f64; 4] = std::array::from_fn(|_| self.between(0.2, 1.0));
+        let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let rotation = modyn_runtime::conventions::rotation_from_quaternion(q.map(|x| x / length));
+        Pose { rotation, translation: self.vector() }
+    }
+
+    fn inertial(&mut self) -> Inertial {
+        let [a, b, c] = self.vector();
+        Inertial {
+            mass: self.between(0.5, 5.0),
+            center_of_mass: self.vector(),
+            inertia: [0.25 + 0.1 * a * a, 0.01 * a, 0.01 * b, 0.3, 0.01 * c, 0.28 + 0.1 * b * b],
+        }
+    }
+}
+
+/// A chain of these joints in general position; to each link a tool is fixed.
+fn chain(seed: u64, joints: &[JointType]) -> Model {
+    let mut random = Random(seed);
+    let mut frames = Vec::new();
+    let links = joints.iter().enumerate().map(|(i, joint_type)| {
+        let mut joint = Joint::new(format!("joint{i}"), *joint_type, random.axis(), random.pose());
+        joint.second_axis = random.axis();
+        let (own, tool, pose) = (random.inertial(), random.inertial(), random.pose());
+        let frame = |name: String, pose, inertial| Frame { name, link: Some(i), pose, inertial };
+        frames.push(frame(format!("link{i}"), Pose::identity(), own));
+        frames.push(frame(format!("tool{i}"), pose, tool));
+        let inertial = own.merged(&tool.transformed(&pose));
+        Link { name: format!("link{i}"), parent: i.checked_sub(1), joint, inertial }
+    });
+    let links = links.collect();
+    Model::new("chain", [0.3, -0.4, -9.6], links, frames).expect("sound parts")
+}
+
+const JOINTS: [JointType; 5] = [
+    JointType::Floating,
+    JointType::Revolute,
+    JointType::Spherical,
+    JointType::Prismatic,
+    JointType::Universal,
+];
+
+/// Every number that the inertias have a part in.
+fn numbers<S: Scalar>(interpreter: &mut Interpreter<S>) -> Vec<S> {
+    let (nq, nv) = (interpreter.model().nq(), interpreter.model().nv());
+    let mut random = Random(99);
+    let mut vector = |n| (0..n).map(|_| S::from_f64(random.between(-1.0, 1.0))).collect::<Vec<S>>();
+    let (mut q, qd, tau) = (vector(nq), vector(nv), vector(nv));
+    interpreter.normalize(&mut q).expect("the length");
+    let mut all = vec![S::zero(); nv];
+    interpreter.forward_dynamics(&q, &qd, &tau, &mut all).expect("lengths");
+    let mut torques = vec![S::zero(); nv];
+    interpreter.inverse_dynamics(&q, &qd, &tau, &mut torques).expect("lengths");
+    let mut matrix = vec![S::zero(); nv * nv];
+    interpreter.mass_matrix(&q, &mut matrix).expect("lengths");
+    all.extend(torques);
+    all.extend(matrix);
+    all.push(interpreter.potential_energy(&q).expect("lengths"));
+    all.push(interpreter.kinetic_energy(&q, &qd).expect("lengths"));
+    all.extend(interpreter.center_of_mass(&q).expect("lengths"));
+    all
+}
+
+/// The model with other own inertias of these links.
+fn described(model: &Model, changes: &[(usize, Inertial)]) -> Model {
+    let mut frames = model.frames().to_vec();
+    changes.iter().for_each(|(frame, inertial)| frames[*frame].inertial = *inertial);
+    let mut links = model.links().to_vec();
+    for (i, link) in links.iter_mut().enumerate() {
+        let parts = frames.iter().filter(|frame| frame.link == Some(i));
+        link.inertial = parts.fold(Inertial::default(), |sum, frame| {
+            sum.merged(&frame.inertial.transformed(&frame.pose))
+        });
+    }
+    Model::new(model.name(), model.gravity(), links, frames).expect("sound parts")
+}
+
+#[test]
+fn a_hundred_thousand_updates_leave_no_trace() {
+    let model = chain(1, &JOINTS[..2]);
+    let mut fresh = Interpreter::<f32>::new(model.clone());
+    let mut adapted = fresh.clone();
+    let mut random = Random(2);
+    let mut last = Vec::new();
+    for step in 0..100_000 {
+        let frame = step % model.frames().len();
+        let mut inertial = random.inertial();
+        // From light to heavy, as in an estimate that has not converged.
+        inertial.mass *= 1e3;
+        inertial.inertia = inertial.inertia.map(|x| x * 1e3);
+        adapted.set_inertial(frame, &inertial.map(|x| x as f32)).expect("a body's");
+        if step >= 100_000 - model.frames().len() {
+            last.push((frame, inertial));
+        }
+    }
+    // The last values alone count,
+    let mut direct = fresh.clone();
+    for (frame, inertial) in &last {
+        direct.set_inertial(*frame, &inertial.map(|x| x as f32)).expect("a body's");
+    }
+    let bits = |x: Vec<f32>| x.into_iter().map(f32::to_bits).collect::<Vec<_>>();
+    assert_eq!(bits(numbers(&mut adapted)), bits(numbers(&mut direct)));
+    // and the description's are the description.
+    for (frame, described) in model.frames().iter().enumerate() {
+        adapted.set_inertial(frame, &described.inertial.map(|x| x as f32)).expect("a body's");
+    }
+    assert_eq!(bits(numbers(&mut adapted)), bits(numbers(&mut fresh)));
+}
+
+#[test]
+fn changes_are_another_description() {
+    for seed in 0..20 {
+        let model = chain(seed, &JOINTS);
+        let mut random = Random(seed + 100);
+        let mut changed = Interpreter::<f64>::new(model.clone());
+        let mut changes: Vec<(usize, Inertial)> = Vec::new();
+        for _ in 0..6 {
+            let frame = (random.next() * model.frames().len() as f64) as usize;
+            let (own, load) = (random.inertial(), random.inertial());
+            changed.set_inertial(frame, &own).expect("a body's");
+            changed.set_payload(frame, &load).expect("a body's");
+            changes.push((frame, own.merged(&load)));
+            let mut other = Interpreter::<f64>::new(described(&model, &changes));
+            let pairs = std::iter::zip(numbers(&mut changed), numbers(&mut other));
+            for (i, (found, expected)) in pairs.enumerate() {
+                let close = (found - expected).abs() <= 1e-9 * expected.abs().max(1.0);
+                assert!(close, "seed {seed}, number {i}: {found} instead of {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_payload_is_added() {
+    let model = chain(3, &JOINTS);
+    let mut fresh = Interpreter::<f64>::new(model.clone());
+    let expected = numbers(&mut fresh);
+    let mut loaded = fresh.clone();
+    loaded.set_payload(9, &Inertial::default()).expect("none");
+    assert_eq!(numbers(&mut loaded), expected, "no payload changes nothing");
+    loaded.set_payload(9, &Random(4).inertial()).expect("a body's");
+    assert_ne!(numbers(&mut loaded), expected);
+    loaded.set_payload(9, &Inertial::default()).expect("none");
+    assert_eq!(numbers(&mut loaded), expected);
+}
+
+/// The joint that `changed` would leave without inertia.
+fn refused(changed: Result<(), InertialError>) -> String {
+    match changed {
+        Err(InertialError::NoInertia { joint }) => joint,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn no_joint_is_left_without_inertia() {
+    let none = Inertial::default();
+    for (joint_type, alone) in [
+        (JointType::Revolute, none),
+        (JointType::Prismatic, none),
+        (JointType::Universal, none),
+        (JointType::Spherical, none),
+        // A point mass at the centre of a spherical joint, and a floating one.
+        (JointType::Spherical, Inertial { mass: 1.0, ..none }),
+        (JointType::Floating, Inertial { mass: 1.0, center_of_mass: [0.1, 0.2, 0.3], ..none }),
+    ] {
+        let model = chain(5, &[JointType::Revolute, joint_type]);
+        let mut interpreter = Interpreter::<f64>::new(model.clone());
+        let (link, tool) = (2, 3);
+        interpreter.set_inertial(link, &none).expect("the tool is left");
+        let before = numbers(&mut interpreter);
+        let tool_alone = alone.transformed(&inverse(&model.frames()[tool].pose));
+        assert_eq!(refused(interpreter.set_inertial(tool, &tool_alone)), "joint1", "{alone:?}");
+        assert_eq!(numbers(&mut interpreter), before, "nothing has changed");
+        // A payload may carry it, and then must stay.
+        let load = Random(6).inertial();
+        interpreter.set_payload(link, &load).expect("a body's");
+        interpreter.set_inertial(tool, &tool_alone).expect("the payload is felt");
+        assert!(numbers(&mut interpreter).iter().all(|x| x.is_finite()));
+        assert_eq!(refused(interpreter.set_payload(link, &none)), "joint1");
+    }
+}
+
+/// The pose of the other frame in this one.
+fn inverse(pose: &Pose<f64>) -> Pose<f64> {
+    let r = &pose.rotation;
+    let rotation = std::array::from_fn(|i| std::array::from_fn(|j| r[j][i]));
+    let back = Pose { rotation, translation: [0.0; 3] };
+    Pose { rotation, translation: back.rotate(pose.translation).map(|x| -x) }
+}
+
+#[test]
+fn a_point_mass_on_its_axis_is_not_felt() {
+    let none = Inertial::default();
+    for seed in 0..50 {
+        let model = chain(seed, &[JointType::Revolute, JointType::Revolute]);
+        let mut interpreter = Interpreter::<f64>::new(model.clone());
+        let mut single = Interpreter::<f32>::new(model.clone());
+        interpreter.set_inertial(3, &none).expect("the link is left");
+        single.set_inertial(3, &Inertial::default()).expect("the link is left");
+        let at = |factor: f64, beside: f64| Inertial {
+            mass: 2.0,
+            center_of_mass: model.links()[1].joint.axis.map(|x| x * factor + beside),
+            ..none
+        };
+        // On the axis rounding alone is left of the moment of inertia.
+        assert_eq!(refused(interpreter.set_inertial(2, &at(0.7, 0.0))), "joint1");
+        let on_axis = at(0.7, 0.0).map(|x| x as f32);
+        assert!(matches!(single.set_inertial(2, &on_axis), Err(InertialError::NoInertia { .. })));
+        interpreter.set_inertial(2, &at(0.7, 0.01)).expect("beside the axis");
+        single.set_inertial(2, &at(0.7, 0.05).map(|x| x as f32)).expect("beside the axis");
+    }
+}
+
+#[test]
+fn inertia_is_where_it_is_felt() {
+    // A link between joints about different lines needs none; one between joints about the same line does.
+    let mut links = chain(7, &[JointType::Revolute; 3]).links().to_vec();
+    let frames = chain(7, &[JointType::Revolute; 3]).frames().to_vec();
+    let none = Inertial::default();
+    let model = Model::new("oblique", [0.0; 3], links.clone(), frames.clone()).expect("sound");
+    let mut interpreter = Interpreter::<f64>::new(model);
+    interpreter.set_inertial(2, &none).expect("the tool is left");
+    interpreter.set_inertial(3, &none).expect("joints about different lines");
+    let axis = links[2].joint.axis;
+    links[1].joint.axis = axis;
+    links[2].joint.origin = Pose { translation: axis.map(|x| 0.3 * x), ..Pose::identity() };
+    let model = Model::new("parallel", [0.0; 3], links.clone(), frames.clone()).expect("sound");
+    let mut interpreter = Interpreter::<f64>::new(model);
+    interpreter.set_inertial(2, &none).expect("the tool is left");
+    assert_eq!(refused(interpreter.set_inertial(3, &none)), "joint1");
+    // A rotor is enough, and so is a joint that follows and moves something.
+    links[1].joint.drive = Drive { armature: 0.1, ..Drive::default() };
+    let model = Model::new("rotor", [0.0; 3], links.clone(), frames.clone()).expect("sound");
+    let mut interpreter = Interpreter::<f64>::new(model);
+    interpreter.set_inertial(2, &none).expect("the tool is left");
+    interpreter.set_inertial(3, &none).expect("the rotor is felt");
+    links[1].joint.drive = Drive::default();
+    links[2].joint.mimic = Some(Mimic { leader: 1, multiplier: -0.5, offset: 0.1 });
+    let model = Model::new("mimic", [0.0; 3], links, frames).expect("sound");
+    let mut interpreter = Interpreter::<f64>::new(model);
+    for frame in 2..5 {
+        interpreter.set_inertial(frame, &none).expect("the last tool is felt");
+    }
+    assert_eq!(refused(interpreter.set_inertial(5, &none)), "joint1");
+}
+
+#[test]
+fn a_robot_without_inertia_keeps_its_defects() {
+    // A model that is singular as described may still be changed: no further joint loses its inertia.
+    let model = chain(8, &[JointType::Revolute; 2]);
+    let none = Inertial::default();
+    let massless = described(&model, &[(2, none), (3, none)]);
+    let mut interpreter = Interpreter::<f64>::new(massless);
+    interpreter.set_inertial(0, &Random(9).inertial()).expect("the first joint feels its link");
+    interpreter.set_inertial(0, &none).expect("and its tool");
+    assert_eq!(refused(interpreter.set_inertial(1, &none)), "joint0");
+}
