@@ -145,7 +145,7 @@ fn c_source(
         let message = "error: `--target c` writes two files: name the first with `--output FILE.c`";
         return Err(Failure::usage(message));
     };
-    let progress = Progress::start("compiling");
+    let mut progress = Progress::start("compiling");
     if arguments.check {
         let stale = builder.is_stale_c(output).map_err(named)?;
         progress.stop();
