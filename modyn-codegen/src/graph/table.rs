@@ -105,7 +105,12 @@ mod tests {
                 Node::Input(a),
             ]);
             nodes.extend([Node::Neg(a), Node::Recip(a), Node::Sin(a), Node::Cos(a), Node::Sqrt(a)]);
-            nodes.extend([Node::Ln(a), Node::Abs(a), Node::ExtractLane(a, 0), Node::ExtractLane(a, 3)]);
+            nodes.extend([
+                Node::Ln(a),
+                Node::Abs(a),
+                Node::ExtractLane(a, 0),
+                Node::ExtractLane(a, 3),
+            ]);
             for b in [0, 5, 1 << 29, u32::MAX] {
                 nodes.extend([Node::Add(a, b), Node::Sub(a, b), Node::Mul(a, b), Node::Max(a, b)]);
                 nodes.extend([Node::Atan2(a, b), Node::Pack(a, b, 2), Node::Pack(a, b, 4)]);

@@ -94,7 +94,8 @@ impl Frames {
 
     /// The table of placements: the pose on its body of each link that shares a program.
     pub fn placements(&self) -> impl Iterator<Item = [f64; Self::PLACEMENT]> {
-        let shared = self.frames.iter().zip(&self.codes).filter(|(_, code)| **code != LinkCode::Own);
+        let shared =
+            self.frames.iter().zip(&self.codes).filter(|(_, code)| **code != LinkCode::Own);
         shared.map(|(BodyFrame { pose, .. }, _)| {
             let mut numbers = pose.rotation.iter().flatten().chain(&pose.translation);
             std::array::from_fn(|_| *numbers.next().expect("twelve"))

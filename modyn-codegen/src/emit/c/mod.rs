@@ -268,16 +268,12 @@ impl Printer {
         let by_link = matches!(item.programs, Programs::ByLink(_));
         let docs = item.docs.replace('\n', "\n   ");
         let layout = format!("`out`: {}.", result.in_words());
-        let link = if by_link {
-            " Returns 0 and writes nothing if there is no such link."
-        } else {
-            ""
-        };
+        let link =
+            if by_link { " Returns 0 and writes nothing if there is no such link." } else { "" };
         let docs = format!("/* {docs}\n   {layout}{link} */\n");
         let (all, own) = (arguments.len(), arguments.len() - usize::from(item.with_parameters));
         let out = self.output(result.len());
-        let (returned, link) =
-            if by_link { ("int", "unsigned int link, ") } else { ("void", "") };
+        let (returned, link) = if by_link { ("int", "unsigned int link, ") } else { ("void", "") };
         let mut forms = vec![(name.clone(), own)];
         if item.with_parameters {
             forms.push((format!("{name}_with"), all));
