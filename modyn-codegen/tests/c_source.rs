@@ -195,6 +195,45 @@ fn shared_limbs_compute_what_rust_does() {
     compare("quadruped", &robot("quadruped").share().functions(LIMBS), FloatType::F64);
 }
 
+/// Links beyond the eighth of a body share a function and have a row of a table each.
+#[test]
+fn many_links_of_one_body_compute_what_rust_does() {
+    let mut text = String::from("<robot name='comb'><link name='b0'/>");
+    for body in 0..3 {
+        for i in 0..[11, 0, 10][body] {
+            let x = 0.1 * i as f64 + 0.3 * body as f64;
+            let _ = write!(
+                text,
+                "<link name='f{body}_{i}'/><joint name='fix{body}_{i}' type='fixed'><parent link='b{body}'/>\
+                 <child link='f{body}_{i}'/><origin xyz='{x} {} {}' rpy='{} {x} {}'/></joint>",
+                0.2 - x,
+                0.5 * x,
+                0.7 - x,
+                1.1 * x,
+            );
+        }
+        if body < 2 {
+            let _ = write!(
+                text,
+                "<joint name='j{body}' type='continuous'><parent link='b{body}'/><child link='b{}'/>\
+                 <origin xyz='0.1 -0.2 0.3' rpy='0.4 0.5 -0.9'/><axis xyz='0.6 0.48 0.64'/></joint>\
+                 <link name='b{}'><inertial><origin xyz='0.1 0.02 -0.03'/><mass value='1.5'/>\
+                 <inertia ixx='0.3' iyy='0.4' izz='0.5' ixy='0.01' ixz='0.02' iyz='-0.03'/></inertial></link>",
+                body + 1,
+                body + 1,
+            );
+        }
+    }
+    let builder = Builder::new().urdf_text(text + "</robot>", "comb.urdf").functions(LIMBS);
+    let source = builder.generate_c().expect("good").0.source;
+    assert!(source.contains("static const double comb_placements[7][12]"));
+    for function in ["link_pose_on_1(", "jacobian_on_0(", "link_poses_placed("] {
+        assert!(source.contains(&format!("static void comb_{function}")), "{function}");
+    }
+    compare("comb_f64", &builder, FloatType::F64);
+    compare("comb_f32", &builder, FloatType::F32);
+}
+
 /// Functions of limbs, and cheap ones.
 const LIMBS: [Function; 21] = [
     Function::ForwardDynamics,
@@ -223,12 +262,26 @@ const LIMBS: [Function; 21] = [
 #[test]
 fn run_time_parameters_compile_and_have_their_defaults() {
     let builder = robot("gripper").runtime_gravity();
-    let link = builder.generate().expect("good").model.links()[1].name.clone();
-    let (_, header) = compiled("parameters", &builder.payload([link]));
-    assert!(header.contains("extern const double ours_default_parameters[13];"));
+    let links = builder.generate().expect("good").model.links().to_vec();
+    let [replaced, loaded] = [1, 2].map(|link: usize| links[link].name.clone());
+    let builder = builder.runtime_inertia([replaced]).payload([loaded]);
+    let (folder, header) = compiled("parameters", &builder);
+    assert!(header.contains("extern const double ours_default_parameters[23];"));
     assert!(header.contains(
-        "void ours_gravity_torques_with(const double q[4], const double params[13], double out[4]);"
+        "void ours_gravity_torques_with(const double q[4], const double params[23], double out[4]);"
     ));
+    // Gravity, the inertia as the description has it, and no load.
+    let source = std::fs::read_to_string(folder.join("ours.c")).expect("the source");
+    let (_, defaults) = source.split_once("ours_default_parameters[23] = { ").expect("defaults");
+    let defaults = defaults.split_once(" };").expect("an end").0.split(", ");
+    let defaults: Vec<f64> = defaults.map(|x| x.parse().expect("a number")).collect();
+    let own = builder.generate().expect("good").model;
+    let own = own.frames().iter().find(|frame| frame.link == Some(1)).expect("a link").inertial;
+    assert_eq!(defaults[..3], [0.0, 0.0, -9.81]);
+    assert_eq!(defaults[3], own.mass);
+    assert_eq!(defaults[4..7], own.center_of_mass);
+    assert_eq!(defaults[7..13], own.inertia);
+    assert_eq!(defaults[13..], [0.0; 10]);
     assert!(header.contains("void ours_gravity_torques(const double q[4], double out[4]);"));
     assert!(header.contains("void ours_brge_solve(const double factors["));
 }

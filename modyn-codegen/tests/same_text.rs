@@ -43,11 +43,13 @@ fn all(builder: Builder) -> Builder {
     builder.functions(Function::ALL.iter().copied())
 }
 
-/// The inertia of the last link that moves is an argument.
+/// The inertia of the last link that moves is an argument, and a payload of the first one.
 fn with_inertia(builder: Builder) -> Builder {
     let only = builder.clone().functions([Function::PotentialEnergy]).generate();
-    let link = only.ok().and_then(|only| Some(only.model.links().last()?.name.clone()));
-    builder.payload(link)
+    let model = only.ok().map(|only| only.model);
+    let links = model.as_ref().map_or(&[][..], |model| model.links());
+    let name = |link: Option<&modyn_runtime::model::Link>| link.map(|link| link.name.clone());
+    builder.runtime_inertia(name(links.last())).payload(name(links.first()))
 }
 
 /// The robots, by name.
