@@ -102,7 +102,7 @@ impl Frames {
         })
     }
 
-    /// The layout of the poses that [`poses`](Self::poses) traces first.
+    /// The layout of the poses that `poses` traces first.
     #[must_use]
     pub fn poses_of_bodies(&self) -> Shape {
         Shape::pose().array(self.codes.len() - self.rows() + self.shared.len())
