@@ -1,4 +1,4 @@
-//! From a tree of links and joints to the links that move: what is fixed together becomes one.
+//! From a tree of links and joints to the links that move: links that fixed joints connect become one body.
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{self, Inertial, Joint, Link};
@@ -27,7 +27,7 @@ pub struct Assembly {
     pub place: Vec<(Option<usize>, Pose<f64>)>,
 }
 
-/// Puts each link where it belongs: what is fixed to a moving link is merged into it.
+/// Assigns each link to its body: a link that is fixed to a moving link is merged into it.
 pub fn merge(
     description: &Description,
     tree: &Tree,

@@ -99,6 +99,6 @@ fn model(
     (report.errors() == 0).then_some(model)
 }
 
-/// Stands in for an inertia that is not known.
+/// The inertia that replaces an unreadable one, so that the other bodies can be checked.
 const STAND_IN: Inertial =
     Inertial { mass: 1.0, center_of_mass: [0.0; 3], inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0] };
