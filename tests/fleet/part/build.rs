@@ -39,7 +39,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         )?;
     }
     let folder = std::env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
-    let text = format!("{includes}\n::modyn_tests::compiled! {{\n{table}}}\n");
+    let text = format!(
+        "/// The types of the robots.\npub mod robots {{\n{includes}}}\nuse robots::*;\n\n\
+         ::modyn_tests::compiled! {{\n{table}}}\n"
+    );
     std::fs::write(Path::new(&folder).join("fleet.rs"), text)?;
     Ok(())
 }

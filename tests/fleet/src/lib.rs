@@ -23,10 +23,10 @@ pub static ROBOTS: LazyLock<Vec<Compiled>> =
 /// The types of the robots.
 pub mod robots {
     #[cfg(feature = "whole")]
-    pub use modyn_fleet_complete::*;
+    pub use modyn_fleet_complete::robots::*;
     #[cfg(feature = "whole")]
-    pub use modyn_fleet_legged::*;
-    pub use modyn_fleet_small::*;
+    pub use modyn_fleet_legged::robots::*;
+    pub use modyn_fleet_small::robots::*;
     #[cfg(feature = "whole")]
-    pub use modyn_fleet_trees::*;
+    pub use modyn_fleet_trees::robots::*;
 }
