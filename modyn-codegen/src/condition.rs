@@ -1,8 +1,8 @@
 //! Whether single precision carries a robot's dynamics.
 
-use modyn_runtime::equations::coordinates;
+use modyn_runtime::equations::kinematics::coordinates;
+use modyn_runtime::mechanism::Prepared;
 use modyn_runtime::model::Model;
-use modyn_runtime::model::prepare::Prepared;
 use modyn_runtime::{Interpreter, jacobi};
 
 use crate::error::{Code, Diagnostic, Severity, Subject};

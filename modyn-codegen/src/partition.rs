@@ -8,9 +8,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use modyn_runtime::equations::forward_dynamics::Elimination;
+use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::mechanism::Prepared;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::expr::Graph;

@@ -8,7 +8,7 @@ use modyn_codegen::trace::{Limbs, Tracer};
 use modyn_codegen::urdf::{self, Base, ReadOptions};
 use modyn_codegen::{Builder, Function};
 use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::mechanism::Prepared;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{ForwardDerivatives, Interpreter};
 

@@ -7,8 +7,8 @@ use modyn_codegen::urdf::{self, Base, ReadOptions};
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::Partition;
 use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::forward_dynamics::Elimination;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Prepared;
 use modyn_runtime::model::{Model, ModuleTree};
 
 /// Three unequal fingers on a turning palm, and two on it that are no fingers.

@@ -10,7 +10,7 @@ use modyn_codegen::trace::Tracer;
 use modyn_codegen::urdf::{Base, ClosureKind, Loop, LoopEnd, ReadOptions, read};
 use modyn_codegen::{Builder, Function};
 use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::mechanism::Prepared;
 use modyn_runtime::model::{Closure, Model, ModelErrorKind, ModuleTree};
 use modyn_runtime::spatial::{Pose, Twist, Wrench};
 use modyn_runtime::{ClosureSettings, Forces, Interpreter};

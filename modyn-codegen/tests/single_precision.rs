@@ -4,9 +4,9 @@ use modyn_codegen::partition::{Choice, choose};
 use modyn_codegen::trace::Tracer;
 use modyn_codegen::urdf::{ReadOptions, read};
 use modyn_codegen::{Builder, FloatType, condition_number, error::Code};
-use modyn_runtime::equations::coordinates;
+use modyn_runtime::equations::kinematics::coordinates;
+use modyn_runtime::mechanism::Prepared;
 use modyn_runtime::model::Model;
-use modyn_runtime::model::prepare::Prepared;
 
 fn text(name: &str) -> String {
     let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));

@@ -24,6 +24,8 @@ pub mod jacobi;
 pub mod joint;
 mod lanes;
 #[cfg(feature = "alloc")]
+pub mod mechanism;
+#[cfg(feature = "alloc")]
 pub mod model;
 #[cfg(feature = "nalgebra")]
 mod nalgebra;

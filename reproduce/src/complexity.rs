@@ -10,8 +10,8 @@ use modyn_codegen::partition;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::Interpreter;
 use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::forward_dynamics::Elimination;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Prepared;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::plot::{Axis, Chart, Line};

@@ -8,8 +8,8 @@
 
 use modyn_runtime::Scalar;
 use modyn_runtime::joint::Motion;
+use modyn_runtime::mechanism::{Dof, Prepared};
 use modyn_runtime::model::Model;
-use modyn_runtime::model::prepare::{Dof, Prepared};
 use modyn_runtime::spatial::{ArticulatedInertia, Twist, Wrench};
 
 /// What the first sweep keeps of a degree of freedom.

@@ -3,8 +3,8 @@
 
 use modyn_codegen::expr::{Expr, Graph};
 use modyn_reproduce::{dense, robots};
-use modyn_runtime::equations::{Decomposition, Dense, Workspace};
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::{Workspace, paper::Decomposition, paper::Dense};
+use modyn_runtime::mechanism::Prepared;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{DecompositionError, Interpreter};
 

@@ -6,8 +6,8 @@ use std::iter::zip;
 use modyn_codegen::expr::Graph;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::coordinates::Space;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::mechanism::Prepared;
+use modyn_runtime::mechanism::coordinates::Space;
 use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Joint, Limits, Link, Mimic, Model};
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Interpreter, Scalar, ShapeError};
@@ -86,7 +86,8 @@ fn vector(random: &mut Random, n: usize, size: f64) -> Vec<f64> {
 /// Where rotations stand: the quaternions in q, the rotation vectors in qd.
 fn rotations(model: &Model) -> Vec<(usize, usize)> {
     let blocks = Prepared::new(model).coordinates;
-    let place = |block: &modyn_runtime::model::coordinates::Coordinates<f64>| match block.space {
+    let place = |block: &modyn_runtime::mechanism::coordinates::Coordinates<f64>| match block.space
+    {
         Space::Line { .. } => None,
         Space::Rotation => Some((block.q, block.v)),
         Space::Pose => Some((block.q + 3, block.v + 3)),

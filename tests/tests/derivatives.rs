@@ -5,8 +5,8 @@ use modyn_codegen::expr::{Expr, Graph};
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::{Workspace, inverse_dynamics};
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::{Workspace, dynamics::inverse_dynamics};
+use modyn_runtime::mechanism::Prepared;
 use modyn_runtime::model::{Inertial, Model, ModuleTree};
 use modyn_runtime::{ForwardDerivatives, Interpreter, Scalar};
 use modyn_tests::close::assert_close;
@@ -216,7 +216,7 @@ fn tangents(model: &Model) -> Graph {
             let mut tau = vec![Tangent::zero(); n];
             let (workspace, qdd) = (&mut Workspace::new(&prepared), constant(&qdd));
             let motion = (q, qd, Some(&*qdd));
-            inverse_dynamics::inverse_dynamics(&prepared, motion, None, workspace, &mut tau);
+            inverse_dynamics(&prepared, motion, None, workspace, &mut tau);
             derivatives.extend(tau.into_iter().map(|tau| tau.dx));
         };
         for k in 0..n {

@@ -3,9 +3,9 @@
 use modyn_codegen::expr::Graph;
 use modyn_codegen::partition;
 use modyn_codegen::trace::Tracer;
-use modyn_runtime::equations::forward_dynamics::Elimination;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Prepared;
 use modyn_runtime::model::ModuleTree;
-use modyn_runtime::model::prepare::Prepared;
 use modyn_tests::golden;
 
 /// A robot's operations: multiplications, additions and divisions together.

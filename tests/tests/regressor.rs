@@ -1,11 +1,10 @@
 //! Inverse dynamics as linear in the inertias, and the combinations of them that it depends on.
 
 use modyn_codegen::trace::Tracer;
+use modyn_runtime::equations::identification::BaseParameters;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::prepare::Prepared;
-use modyn_runtime::model::{
-    BaseParameters, DEFAULT_GRAVITY, Drive, Friction, Inertial, Joint, Link, Mimic, Model,
-};
+use modyn_runtime::mechanism::Prepared;
+use modyn_runtime::model::{DEFAULT_GRAVITY, Drive, Friction, Inertial, Joint, Link, Mimic, Model};
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Interpreter, ShapeError};
 use modyn_tests::close::assert_close;

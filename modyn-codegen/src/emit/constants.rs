@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::equations::coordinates;
-use modyn_runtime::model::prepare::Prepared;
-use modyn_runtime::model::{BaseParameter, BaseParameters, Link};
+use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
+use modyn_runtime::equations::kinematics::coordinates;
+use modyn_runtime::mechanism::Prepared;
+use modyn_runtime::model::Link;
 
 use super::Robot;
 use crate::functions::Function;

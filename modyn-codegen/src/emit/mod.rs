@@ -25,8 +25,8 @@ use std::fmt::Write as _;
 use modyn_runtime::OperationCount;
 use modyn_runtime::equations::Partition;
 use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::forward_dynamics::Elimination;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Prepared;
 use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 
 use crate::error::Diagnostic;

@@ -2,7 +2,7 @@
 
 use modyn_runtime::equations::Partition;
 use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::forward_dynamics::Elimination;
+use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::equations::kinematics::Axes;
 
 use modyn_runtime::model::PARAMETERS_PER_LINK;

@@ -214,9 +214,9 @@ impl Rewritten {
 #[cfg(test)]
 mod tests {
     use modyn_runtime::equations::Partition;
-    use modyn_runtime::equations::forward_dynamics::Elimination;
+    use modyn_runtime::equations::dynamics::Elimination;
+    use modyn_runtime::mechanism::Prepared;
     use modyn_runtime::model::ModuleTree;
-    use modyn_runtime::model::prepare::Prepared;
 
     use super::*;
     use crate::expr::Expr;

@@ -4,8 +4,8 @@ use modyn_runtime::Scalar;
 use modyn_runtime::equations::Workspace;
 use modyn_runtime::equations::brge::Layout;
 use modyn_runtime::equations::derivatives::{self, ForwardDerivatives};
-use modyn_runtime::equations::limbs::across;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::factorization::limbs::across;
+use modyn_runtime::mechanism::Prepared;
 
 use super::Tracer;
 use crate::expr::{Expr, Graph};

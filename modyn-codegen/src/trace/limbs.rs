@@ -14,9 +14,9 @@ use std::iter;
 use std::ops::Range;
 
 use modyn_runtime::equations::Partition;
-use modyn_runtime::equations::partition::Block;
+use modyn_runtime::equations::factorization::partition::Block;
 use modyn_runtime::joint::Primitive;
-use modyn_runtime::model::prepare::{Body, Dof, Prepared, Zero};
+use modyn_runtime::mechanism::{Body, Dof, Prepared, Zero};
 use modyn_runtime::spatial::{Pose, RigidInertia, Turn};
 
 use crate::expr::Expr;

@@ -10,12 +10,13 @@ mod regressor;
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::brge::{self, Layout};
-use modyn_runtime::equations::forward_dynamics::Elimination;
-use modyn_runtime::equations::kinematics::{Axes, link_poses};
-use modyn_runtime::equations::{
-    Forces, Workspace, forward_dynamics, gravity, inverse_dynamics, kinetic_energy, mass_matrix,
+use modyn_runtime::equations::dynamics::{
+    Elimination, forward_dynamics, gravity_torques, inverse_dynamics, kinetic_energy, mass_matrix,
+    potential_energy,
 };
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::kinematics::{Axes, link_poses};
+use modyn_runtime::equations::{Forces, Workspace};
+use modyn_runtime::mechanism::Prepared;
 use modyn_runtime::spatial::{Pose, Wrench};
 
 use crate::expr::{Expr, Graph};
@@ -155,7 +156,7 @@ impl<'a> Tracer<'a> {
         self.trace_joints(1, |model, [q, qd, tau]| {
             let mut qdd = vec![Expr::zero(); model.nv];
             let (state, workspace) = ((&*q, &*qd, &*tau), &mut Workspace::new(model));
-            let solve = forward_dynamics::forward_dynamics;
+            let solve = forward_dynamics;
             solve(model, elimination, state, None, workspace, &mut qdd);
             qdd
         })
@@ -167,7 +168,7 @@ impl<'a> Tracer<'a> {
         self.trace_joints(1, |model, [q, qd, qdd]| {
             let mut tau = vec![Expr::zero(); model.nv];
             let (motion, workspace) = ((&*q, &*qd, Some(&*qdd)), &mut Workspace::new(model));
-            inverse_dynamics::inverse_dynamics(model, motion, None, workspace, &mut tau);
+            inverse_dynamics(model, motion, None, workspace, &mut tau);
             tau
         })
     }
@@ -179,7 +180,7 @@ impl<'a> Tracer<'a> {
         self.with_forces(|model, [q, qd, tau], forces| {
             let mut qdd = self.vector();
             let (state, workspace) = ((q, qd, tau), &mut Workspace::new(model));
-            let solve = forward_dynamics::forward_dynamics;
+            let solve = forward_dynamics;
             solve(model, elimination, state, Some(in_axes(forces, axes)), workspace, &mut qdd);
             qdd
         })
@@ -192,7 +193,7 @@ impl<'a> Tracer<'a> {
             let mut tau = self.vector();
             let (motion, workspace) = ((q, qd, Some(qdd)), &mut Workspace::new(model));
             let forces = Some(in_axes(forces, axes));
-            inverse_dynamics::inverse_dynamics(model, motion, forces, workspace, &mut tau);
+            inverse_dynamics(model, motion, forces, workspace, &mut tau);
             tau
         })
     }
@@ -215,7 +216,7 @@ impl<'a> Tracer<'a> {
         self.trace_joints(1, |model, [q, qd]| {
             let mut tau = vec![Expr::zero(); model.nv];
             let (motion, workspace) = ((&*q, &*qd, None), &mut Workspace::new(model));
-            inverse_dynamics::inverse_dynamics(model, motion, None, workspace, &mut tau);
+            inverse_dynamics(model, motion, None, workspace, &mut tau);
             tau
         })
     }
@@ -225,7 +226,7 @@ impl<'a> Tracer<'a> {
     pub fn gravity_torques(&self) -> Graph {
         self.trace_joints(1, |model, [q]| {
             let mut tau = vec![Expr::zero(); model.nv];
-            gravity::gravity_torques(model, &q, &mut Workspace::new(model), &mut tau);
+            gravity_torques(model, &q, &mut Workspace::new(model), &mut tau);
             tau
         })
     }
@@ -236,7 +237,7 @@ impl<'a> Tracer<'a> {
         self.trace_joints(0, |model, [q]| {
             let mut columns = vec![Expr::zero(); model.nv * model.nv];
             let workspace = &mut Workspace::new(model);
-            mass_matrix::mass_matrix(model, &q, workspace, &mut columns);
+            mass_matrix(model, &q, workspace, &mut columns);
             columns
         })
     }
@@ -259,16 +260,14 @@ impl<'a> Tracer<'a> {
     pub fn kinetic_energy(&self) -> Graph {
         self.trace(|model, [q, qd]| {
             let workspace = &mut Workspace::new(model);
-            vec![kinetic_energy::kinetic_energy(model, &q, &qd, workspace)]
+            vec![kinetic_energy(model, &q, &qd, workspace)]
         })
     }
 
     /// Potential energy from `q`.
     #[must_use]
     pub fn potential_energy(&self) -> Graph {
-        self.trace(|model, [q]| {
-            vec![gravity::potential_energy(model, &q, &mut Workspace::new(model))]
-        })
+        self.trace(|model, [q]| vec![potential_energy(model, &q, &mut Workspace::new(model))])
     }
 
     /// The packed factors of U D U^T from `q`.

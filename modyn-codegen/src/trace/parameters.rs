@@ -1,7 +1,7 @@
 //! What of a robot is an argument of its functions.
 
 use modyn_runtime::Scalar as _;
-use modyn_runtime::model::prepare::{Prepared, rigid_inertia};
+use modyn_runtime::mechanism::{Prepared, rigid_inertia};
 use modyn_runtime::model::{Inertial, Model};
 use modyn_runtime::spatial::{RigidInertia, Symmetric3, Vector3};
 

@@ -22,13 +22,14 @@
 
 use alloc::{vec, vec::Vec};
 
+use super::Workspace;
 use super::brge::{self, Layout};
-use super::chain::{self, Own};
-use super::kinematics::{Seen, add_columns};
-use super::{Workspace, inverse_dynamics};
+use super::dynamics::inverse_dynamics;
+use super::kinematics::kinematic_path::{self, Own};
+use super::kinematics::links::{Seen, add_columns};
 use crate::Scalar;
 use crate::figures::ClosureSettings;
-use crate::model::prepare::{BodyFrame, HeldFrames, HeldRow, Prepared};
+use crate::mechanism::{BodyFrame, HeldFrames, HeldRow, Prepared};
 use crate::spatial::{Matrix3, Twist, Vector3, Wrench};
 
 /// Memory for closures.
@@ -92,7 +93,7 @@ pub fn constrained_forward_dynamics<S: Scalar>(
     (qdd, forces): (&mut [S], &mut [Wrench<S>]),
 ) {
     let n = model.nv;
-    inverse_dynamics::inverse_dynamics(model, (q, qd, None), None, workspace, qdd);
+    inverse_dynamics(model, (q, qd, None), None, workspace, qdd);
     for (qdd, &tau) in qdd.iter_mut().zip(tau) {
         *qdd = tau - *qdd;
     }
@@ -224,7 +225,7 @@ fn between<S>(
     end: BodyFrame<S>,
     above: Option<usize>,
 ) -> impl Iterator<Item = usize> {
-    chain::towards_world(model, end.body).take_while(move |&i| Some(i) != above)
+    kinematic_path::towards_world(model, end.body).take_while(move |&i| Some(i) != above)
 }
 
 /// A frame seen from the body `above`; `visit` meets it seen from each body on the way.

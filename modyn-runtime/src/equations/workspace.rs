@@ -5,7 +5,7 @@ use alloc::{vec, vec::Vec};
 use super::derivatives::Deviation;
 use crate::Scalar;
 use crate::joint::Motion;
-use crate::model::prepare::Prepared;
+use crate::mechanism::Prepared;
 use crate::spatial::{
     ArticulatedInertia, Field, Matrix3, RigidInertia, Twist, Vector3, VelocityMoments, Wrench,
 };

@@ -5,8 +5,8 @@ use crate::Scalar;
 use crate::equations::brge::Layout;
 use crate::equations::{ClosureWorkspace, Workspace, closures};
 use crate::figures::ClosureSettings;
+use crate::mechanism::Prepared;
 use crate::model::ModuleTree;
-use crate::model::prepare::Prepared;
 use crate::spatial::{Twist, Wrench};
 
 /// The memory that it works in.

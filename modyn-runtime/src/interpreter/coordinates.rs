@@ -2,7 +2,7 @@
 
 use super::{Interpreter, ShapeError, check};
 use crate::Scalar;
-use crate::equations::coordinates;
+use crate::equations::kinematics::coordinates;
 
 impl<S: Scalar> Interpreter<S> {
     /// Where the constant velocities `v` lead from `q` in a unit of time, q (+) v, into `moved`: so

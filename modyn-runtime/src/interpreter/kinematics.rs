@@ -5,8 +5,8 @@ use core::fmt;
 
 use super::{Interpreter, ShapeError, check};
 use crate::Scalar;
-use crate::equations::kinematics::{self, Axes};
-use crate::equations::{center_of_mass, centroidal};
+use crate::equations::dynamics::{centroidal_momentum, centroidal_momentum_matrix};
+use crate::equations::kinematics::{self, Axes, center_of_mass, center_of_mass_jacobian};
 use crate::spatial::{Momentum, Pose, Twist, Vector3};
 
 /// Why a quantity of one link cannot be computed.
@@ -250,7 +250,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn center_of_mass(&mut self, q: &[S]) -> Result<Vector3<S>, ShapeError> {
         check("q", q, self.model.nq())?;
-        Ok(center_of_mass::center_of_mass(&self.prepared, q, &mut self.workspace))
+        Ok(center_of_mass(&self.prepared, q, &mut self.workspace))
     }
 
     /// The Jacobian of the centre of mass into `columns` (nv): its velocity is their sum times qd.
@@ -265,7 +265,7 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
         check("columns", columns, self.model.nv())?;
-        center_of_mass::center_of_mass_jacobian(&self.prepared, q, &mut self.workspace, columns);
+        center_of_mass_jacobian(&self.prepared, q, &mut self.workspace, columns);
         Ok(())
     }
 
@@ -282,7 +282,7 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
         check("columns", columns, self.model.nv())?;
-        centroidal::centroidal_momentum_matrix(&self.prepared, q, &mut self.workspace, columns);
+        centroidal_momentum_matrix(&self.prepared, q, &mut self.workspace, columns);
         Ok(())
     }
 
@@ -294,6 +294,6 @@ impl<S: Scalar> Interpreter<S> {
     pub fn centroidal_momentum(&mut self, q: &[S], qd: &[S]) -> Result<Momentum<S>, ShapeError> {
         check("q", q, self.model.nq())?;
         check("qd", qd, self.model.nv())?;
-        Ok(centroidal::centroidal_momentum(&self.prepared, (q, qd), &mut self.workspace))
+        Ok(centroidal_momentum(&self.prepared, (q, qd), &mut self.workspace))
     }
 }

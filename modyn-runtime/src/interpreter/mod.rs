@@ -11,14 +11,14 @@ use core::fmt;
 
 use crate::Scalar;
 use crate::equations::brge::{self, Layout};
-use crate::equations::denoc::{self, DeNoc};
-use crate::equations::forward_dynamics::Elimination;
-use crate::equations::kinematics::link_poses;
-use crate::equations::{
-    ClosureWorkspace, Decomposition, Forces, Workspace, forward_dynamics, gravity,
-    inverse_dynamics, kinetic_energy, mass_matrix,
+use crate::equations::dynamics::{
+    Elimination, forward_dynamics, gravity_torques, inverse_dynamics, kinetic_energy, mass_matrix,
+    potential_energy,
 };
-use crate::model::prepare::{Prepared, rigid_inertia};
+use crate::equations::kinematics::link_poses;
+use crate::equations::paper::{DeNoc, Decomposition, denoc};
+use crate::equations::{ClosureWorkspace, Forces, Workspace};
+use crate::mechanism::{Prepared, rigid_inertia};
 use crate::model::{Inertial, InertialDefect, Model, ModuleTree};
 use crate::spatial::{Pose, RigidInertia, Vector3};
 
@@ -259,7 +259,7 @@ impl<S: Scalar> Interpreter<S> {
         check("qdd", qdd, n)?;
         let Self { prepared, elimination, workspace, .. } = self;
         let state = (q, qd, tau);
-        forward_dynamics::forward_dynamics(prepared, elimination, state, forces, workspace, qdd);
+        forward_dynamics(prepared, elimination, state, forces, workspace, qdd);
         Ok(())
     }
 
@@ -313,7 +313,7 @@ impl<S: Scalar> Interpreter<S> {
         self.check_forces(forces)?;
         check("tau", tau, n)?;
         let (motion, workspace) = ((q, qd, qdd), &mut self.workspace);
-        inverse_dynamics::inverse_dynamics(&self.prepared, motion, forces, workspace, tau);
+        inverse_dynamics(&self.prepared, motion, forces, workspace, tau);
         Ok(())
     }
 
@@ -335,7 +335,7 @@ impl<S: Scalar> Interpreter<S> {
         let n = self.model.nv();
         check("q", q, self.model.nq())?;
         check("tau", tau, n)?;
-        gravity::gravity_torques(&self.prepared, q, &mut self.workspace, tau);
+        gravity_torques(&self.prepared, q, &mut self.workspace, tau);
         Ok(())
     }
 
@@ -348,7 +348,7 @@ impl<S: Scalar> Interpreter<S> {
         let n = self.model.nv();
         check("q", q, self.model.nq())?;
         check("columns", columns, n * n)?;
-        mass_matrix::mass_matrix(&self.prepared, q, &mut self.workspace, columns);
+        mass_matrix(&self.prepared, q, &mut self.workspace, columns);
         Ok(())
     }
 
@@ -361,7 +361,7 @@ impl<S: Scalar> Interpreter<S> {
         let n = self.model.nv();
         check("q", q, self.model.nq())?;
         check("qd", qd, n)?;
-        Ok(kinetic_energy::kinetic_energy(&self.prepared, q, qd, &mut self.workspace))
+        Ok(kinetic_energy(&self.prepared, q, qd, &mut self.workspace))
     }
 
     /// Potential energy of the moving links under gravity, J; zero at the world's origin.
@@ -371,7 +371,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn potential_energy(&mut self, q: &[S]) -> Result<S, ShapeError> {
         check("q", q, self.model.nq())?;
-        Ok(gravity::potential_energy(&self.prepared, q, &mut self.workspace))
+        Ok(potential_energy(&self.prepared, q, &mut self.workspace))
     }
 
     /// The poses in the world of all links of the description, fixed ones too, in the order of
@@ -413,7 +413,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If `q` does not have the model's length.
     pub fn denoc(&mut self, q: &[S]) -> Result<DeNoc<S>, ShapeError> {
         check("q", q, self.model.nq())?;
-        Ok(denoc::denoc(&self.prepared, q, &mut self.workspace))
+        Ok(denoc(&self.prepared, q, &mut self.workspace))
     }
 
     /// The paper's dense matrices of the block decomposition at `q`, (1)-(57), by the modules of

@@ -5,7 +5,7 @@
 
 use super::{floating, prismatic, revolute, rotated, spherical};
 use crate::Scalar;
-use crate::model::prepare::Zero;
+use crate::mechanism::Zero;
 use crate::spatial::{
     ArticulatedInertia, Axis, Field, Matrix3, RigidInertia, Turn, Twist, Vector3, VelocityMoments,
     Wrench,

@@ -2,7 +2,7 @@
 
 use super::Carried;
 use crate::Scalar;
-use crate::model::prepare::Zero;
+use crate::mechanism::Zero;
 use crate::spatial::{ArticulatedInertia, Axis, Field, RigidInertia, Turn, Twist, Vector3, Wrench};
 
 /// The rotation at angle `q`.

@@ -2,7 +2,7 @@
 
 use super::Carried;
 use crate::Scalar;
-use crate::model::prepare::Zero;
+use crate::mechanism::Zero;
 use crate::spatial::{Axis, Field, Matrix3, Quaternion, Vector3};
 
 /// The axes behind the joint, seen from in front of it: those of the unit quaternion x, y, z, w,

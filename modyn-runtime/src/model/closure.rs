@@ -81,7 +81,7 @@ impl ClosureKind {
 
     /// The directions, unit vectors in the first frame, that the second one cannot turn about, and
     /// those that it cannot move along.
-    pub(super) fn held(self) -> [Vec<[f64; 3]>; 2] {
+    pub(crate) fn held(self) -> [Vec<[f64; 3]>; 2] {
         let across = |axis| {
             let plane = planar::plane(axis);
             vec![plane.map(|row| row[0]), plane.map(|row| row[1])]

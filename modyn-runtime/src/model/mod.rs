@@ -5,15 +5,11 @@
 //! one joint, towards its parent. Links that are fixed to another link are [`Frame`]s; what they
 //! weigh has been merged into the link that carries them.
 
-mod base_parameters;
 mod closure;
-pub mod coordinates;
 mod error;
 mod modules;
-pub mod prepare;
 
 pub use crate::inertial::{INERTIAL_PARAMETERS, Inertial, InertialDefect, PARAMETERS_PER_LINK};
-pub use base_parameters::{BaseParameter, BaseParameters};
 pub use closure::{Closure, ClosureEnd, ClosureKind};
 pub use error::{ModelError, ModelErrorKind};
 pub use modules::{Module, ModuleError, ModuleTree};

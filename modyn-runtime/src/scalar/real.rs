@@ -94,7 +94,7 @@ pub trait Scalar:
     }
 
     /// Where the compiler computes limbs as one, with a lane for each (or columns of joints one behind the other,
-    /// [`Prepared::columns_abreast`](crate::model::prepare::Prepared::columns_abreast)): the sum over some of them, and of
+    /// [`Prepared::columns_abreast`](crate::mechanism::Prepared::columns_abreast)): the sum over some of them, and of
     /// one alone (`0..1`) what it has. All other numbers belong to one body, and are that sum themselves.
     #[doc(hidden)]
     #[inline]

@@ -2,7 +2,7 @@
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::model::prepare::{Body, Prepared};
+use crate::mechanism::{Body, Prepared};
 use crate::spatial::{Twist, Vector3, VelocityMoments, Wrench};
 
 /// Fills in the bodies' angular velocities alone.

@@ -2,9 +2,9 @@
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::newton_euler::{carried, is_base};
+use crate::equations::dynamics::newton_euler::{carried, is_base};
 use crate::joint::Primitive;
-use crate::model::prepare::Prepared;
+use crate::mechanism::Prepared;
 use crate::spatial::{Field, Matrix3, Vector3};
 
 /// A change of the accelerations of all points behind a joint: at x, moving with x', by

@@ -6,10 +6,10 @@ use super::inverse::add_resistance;
 use super::projection::{By, project};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::brge::{self, Layout};
-use crate::equations::limbs;
-use crate::equations::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
-use crate::model::prepare::Prepared;
+use crate::equations::dynamics::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
+use crate::equations::factorization::brge::{self, Layout};
+use crate::equations::factorization::limbs;
+use crate::mechanism::Prepared;
 use crate::spatial::Vector3;
 
 /// Where the accelerations and their derivatives go, matrices nv x nv by columns.

@@ -5,8 +5,8 @@ use super::deviation::{by_coordinates, by_rates};
 use super::projection::{By, project};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::newton_euler::{Accelerations, link_wrenches};
-use crate::model::prepare::Prepared;
+use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
+use crate::mechanism::Prepared;
 
 /// d tau / d q and d tau / d qd of [`inverse_dynamics`](crate::equations::inverse_dynamics), nv x nv
 /// by columns; d tau / d qdd is the [`mass_matrix`](crate::equations::mass_matrix).

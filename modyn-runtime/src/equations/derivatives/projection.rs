@@ -6,9 +6,9 @@ use core::ops::Range;
 use super::Deviation;
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::limbs::Way;
+use crate::equations::factorization::limbs::Way;
 use crate::joint::Motion;
-use crate::model::prepare::{Body, Dof, Prepared};
+use crate::mechanism::{Body, Dof, Prepared};
 use crate::spatial::{Matrix3, RigidInertia, Vector3, VelocityMoments, Wrench};
 
 /// What the deviations are by.

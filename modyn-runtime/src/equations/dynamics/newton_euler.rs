@@ -3,15 +3,15 @@
 //! Accelerations are the classical ones of the bodies' origins, in the bodies' own axes (see
 //! [`Field`](crate::spatial::Field)). Gravity is an acceleration of the world upwards.
 
-use super::Workspace;
 use crate::Scalar;
+use crate::equations::Workspace;
 use crate::joint::{Carried, Motion, Primitive};
-use crate::model::prepare::{Body, Prepared};
+use crate::mechanism::{Body, Prepared};
 use crate::spatial::{Field, Vector3};
 
 /// How the joints accelerate.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Accelerations<'a, S> {
+pub(in crate::equations) enum Accelerations<'a, S> {
     /// Not at all.
     None,
     /// Not at all, but a floating base so that its origin is in free fall: see [`free_fall`].
@@ -26,7 +26,7 @@ pub(super) enum Accelerations<'a, S> {
 /// Fills `workspace.wrenches` with each body's own wrench, those of its children left out.
 ///
 /// Expects the joints at q.
-pub(super) fn link_wrenches<S: Scalar>(
+pub(in crate::equations) fn link_wrenches<S: Scalar>(
     model: &Prepared<S>,
     qd: &[S],
     accelerations: Accelerations<'_, S>,
@@ -57,7 +57,7 @@ pub(super) fn link_wrenches<S: Scalar>(
 }
 
 /// What body `i`'s joint has in front of it, from its parent's motion.
-pub(super) fn carried<S: Scalar>(
+pub(in crate::equations) fn carried<S: Scalar>(
     model: &Prepared<S>,
     i: usize,
     workspace: &Workspace<S>,
@@ -83,7 +83,7 @@ pub(super) fn carried<S: Scalar>(
 }
 
 /// What `body`'s joint has in front of it, where `parent` is its parent's motion.
-pub(super) fn carried_by<S: Scalar>(
+pub(in crate::equations) fn carried_by<S: Scalar>(
     parent: &Field<S>,
     body: &Body<S>,
     motion: &Motion<S>,
@@ -95,7 +95,7 @@ pub(super) fn carried_by<S: Scalar>(
 }
 
 /// Whether body `i` is a base that floats in the world. (One with rotors does not fall freely.)
-pub(super) fn is_base<S: Scalar>(model: &Prepared<S>, i: usize) -> bool {
+pub(in crate::equations) fn is_base<S: Scalar>(model: &Prepared<S>, i: usize) -> bool {
     let body = &model.bodies[i];
     let floats = body.parent.is_none() && body.primitive == Primitive::Floating;
     floats && model.dofs_of(i).iter().all(|dof| dof.armature.is_none())
@@ -103,7 +103,7 @@ pub(super) fn is_base<S: Scalar>(model: &Prepared<S>, i: usize) -> bool {
 
 /// The linear acceleration, as its joint has it, of a floating base `i` in free fall:
 /// g - omega x v.
-pub(super) fn free_fall<S: Scalar>(
+pub(in crate::equations) fn free_fall<S: Scalar>(
     model: &Prepared<S>,
     i: usize,
     qd: &[S],

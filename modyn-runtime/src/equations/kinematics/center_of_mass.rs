@@ -1,8 +1,10 @@
 //! The centre of mass of the moving links.
 
-use super::{Workspace, chain, gravity};
+use super::kinematic_path;
 use crate::Scalar;
-use crate::model::prepare::Prepared;
+use crate::equations::Workspace;
+use crate::equations::dynamics::gravity;
+use crate::mechanism::Prepared;
 use crate::spatial::{RigidInertia, Vector3};
 
 /// The mass of the moving links, kg.
@@ -21,7 +23,7 @@ pub fn center_of_mass<S: Scalar>(
 }
 
 /// The same, with the joints at q.
-pub(super) fn at_joints<S: Scalar>(
+pub(in crate::equations) fn at_joints<S: Scalar>(
     model: &Prepared<S>,
     workspace: &mut Workspace<S>,
 ) -> Vector3<S> {
@@ -43,8 +45,8 @@ pub fn center_of_mass_jacobian<S: Scalar>(
     gravity::gather(model, workspace, |body| shared(&body.minimal, share));
     columns.fill(Vector3::zero());
     for (i, body) in model.bodies.iter().enumerate() {
-        chain::turn_axes(model, i, workspace);
-        let axes = chain::joint_axes(model, i, workspace);
+        kinematic_path::turn_axes(model, i, workspace);
+        let axes = kinematic_path::joint_axes(model, i, workspace);
         let RigidInertia { mass, first_moment, .. } = workspace.composite[i];
         let first_moment = if body.primitive.has_axis() {
             workspace.motions[i].to_parent(first_moment)

@@ -3,9 +3,9 @@
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-use super::{Limits, Model};
 use crate::Scalar;
 use crate::joint::JointType;
+use crate::model::{Limits, Model};
 
 /// What a few coordinates that belong together are.
 #[derive(Clone, Copy, Debug, PartialEq)]

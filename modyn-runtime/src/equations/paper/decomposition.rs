@@ -9,11 +9,13 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use super::Dense;
 use super::denoc::{DeNoc, denoc};
-use super::{Dense, Partition, Workspace};
 use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::factorization::partition::Partition;
+use crate::mechanism::Prepared;
 use crate::model::ModuleTree;
-use crate::model::prepare::Prepared;
 
 /// The block decomposition of the GIM at a posture, by modules.
 ///

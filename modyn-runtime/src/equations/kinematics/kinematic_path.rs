@@ -2,14 +2,14 @@
 
 use alloc::vec::Vec;
 
-use super::Workspace;
 use crate::Scalar;
+use crate::equations::Workspace;
 use crate::joint::Motion;
-use crate::model::prepare::Prepared;
+use crate::mechanism::Prepared;
 use crate::spatial::{Matrix3, Pose, Twist, Vector3};
 
 /// Body `last` and those that it hangs on, down to the world.
-pub(super) fn towards_world<S>(
+pub(in crate::equations) fn towards_world<S>(
     model: &Prepared<S>,
     last: Option<usize>,
 ) -> impl Iterator<Item = usize> {
@@ -17,20 +17,28 @@ pub(super) fn towards_world<S>(
 }
 
 /// The same bodies from the world on, into `chain`.
-pub(super) fn from_world<S>(model: &Prepared<S>, last: Option<usize>, chain: &mut Vec<usize>) {
+pub(in crate::equations) fn from_world<S>(
+    model: &Prepared<S>,
+    last: Option<usize>,
+    chain: &mut Vec<usize>,
+) {
     chain.clear();
     chain.extend(towards_world(model, last));
     chain.reverse();
 }
 
 /// Body `i`'s axes in the world. Expects its joint at q, and its parent's axes.
-pub(super) fn turn_axes<S: Scalar>(model: &Prepared<S>, i: usize, workspace: &mut Workspace<S>) {
+pub(in crate::equations) fn turn_axes<S: Scalar>(
+    model: &Prepared<S>,
+    i: usize,
+    workspace: &mut Workspace<S>,
+) {
     workspace.axes[i] = workspace.motions[i].turn_axes(&axes_at_joint(model, i, workspace));
 }
 
 /// The axes in the world that body `i`'s degrees of freedom are along: an axis stands the same in
 /// front of the joint, where the axes have one turn less behind them.
-pub(super) fn joint_axes<S: Scalar>(
+pub(in crate::equations) fn joint_axes<S: Scalar>(
     model: &Prepared<S>,
     i: usize,
     workspace: &Workspace<S>,
@@ -51,22 +59,22 @@ fn axes_at_joint<S: Scalar>(model: &Prepared<S>, i: usize, workspace: &Workspace
 
 /// The motion of a link's origin against a body that it hangs on, in that body's axes.
 #[derive(Clone, Copy)]
-pub(super) struct Relative<S> {
+pub(in crate::equations) struct Relative<S> {
     /// The link's origin.
     point: Vector3<S>,
-    pub(super) velocity: Twist<S>,
+    pub(in crate::equations) velocity: Twist<S>,
     /// Angular acceleration and the classical one of the link's origin.
-    pub(super) acceleration: Twist<S>,
+    pub(in crate::equations) acceleration: Twist<S>,
 }
 
 impl<S: Scalar> Relative<S> {
     /// A link whose origin is fixed to the body.
-    pub(super) fn fixed(point: Vector3<S>) -> Self {
+    pub(in crate::equations) fn fixed(point: Vector3<S>) -> Self {
         Self { point, velocity: Twist::zero(), acceleration: Twist::zero() }
     }
 
     /// The motion against body `i`'s parent, from that against body `i`.
-    pub(super) fn towards_world(
+    pub(in crate::equations) fn towards_world(
         self,
         model: &Prepared<S>,
         i: usize,
@@ -121,19 +129,24 @@ impl<S: Scalar> Relative<S> {
 /// A body's velocity in its own axes at its origin, and the rate of change of these six numbers
 /// while the joints keep their rates: the spatial acceleration.
 #[derive(Clone, Copy)]
-pub(super) struct Own<S> {
-    pub(super) velocity: Twist<S>,
-    pub(super) rate: Twist<S>,
+pub(in crate::equations) struct Own<S> {
+    pub(in crate::equations) velocity: Twist<S>,
+    pub(in crate::equations) rate: Twist<S>,
 }
 
 impl<S: Scalar> Own<S> {
     /// The world's.
-    pub(super) fn at_rest() -> Self {
+    pub(in crate::equations) fn at_rest() -> Self {
         Self { velocity: Twist::zero(), rate: Twist::zero() }
     }
 
     /// Body `i`'s, from its parent's.
-    pub(super) fn carried_to(self, model: &Prepared<S>, i: usize, (q, qd): (&[S], &[S])) -> Self {
+    pub(in crate::equations) fn carried_to(
+        self,
+        model: &Prepared<S>,
+        i: usize,
+        (q, qd): (&[S], &[S]),
+    ) -> Self {
         let body = &model.bodies[i];
         let motion = body.motion(q);
         let carried = body.twist_to_child(&motion, self.velocity);
@@ -148,7 +161,7 @@ impl<S: Scalar> Own<S> {
     }
 
     /// The same for what stands on the body at `pose`.
-    pub(super) fn at(self, pose: &Pose<S>) -> Self {
+    pub(in crate::equations) fn at(self, pose: &Pose<S>) -> Self {
         let axes = Matrix3(pose.rotation).transposed();
         let point = Vector3(pose.translation);
         let twist = |t: Twist<S>| Twist {

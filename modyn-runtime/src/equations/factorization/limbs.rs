@@ -1,6 +1,6 @@
 //! Equal limbs that are computed as one, in the GIM and its inverse.
 //!
-//! The compiler puts equal limbs side by side ([`Body::limbs`](crate::model::prepare::Body::limbs)):
+//! The compiler puts equal limbs side by side ([`Body::limbs`](crate::mechanism::Body::limbs)):
 //! numbers of the one limb are then lanes, a limb each, and numbers of the trunk that carries them are the
 //! same in all lanes. In a matrix an entry of a trunk's and a limb's degree of freedom, or of two of a limb,
 //! is lanes. A limb's column stands for one of each limb, and its entries in rows of the trunk are lanes, too.
@@ -11,14 +11,14 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::Workspace;
 use super::brge::Layout;
 use crate::Scalar;
-use crate::model::prepare::{Body, Prepared};
+use crate::equations::Workspace;
+use crate::mechanism::{Body, Prepared};
 
 /// A limb that stands for equal ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Limb {
+pub(in crate::equations) struct Limb {
     /// Its first body.
     first: usize,
     /// For how many it stands.
@@ -26,7 +26,7 @@ pub(super) struct Limb {
 }
 
 /// By degree of freedom: the limb that it belongs to, if that stands for several.
-pub(super) fn of_dofs<S>(model: &Prepared<S>) -> Vec<Option<Limb>> {
+pub(in crate::equations) fn of_dofs<S>(model: &Prepared<S>) -> Vec<Option<Limb>> {
     let mut of_bodies: Vec<Option<Limb>> = Vec::with_capacity(model.bodies.len());
     for (first, body) in model.bodies.iter().enumerate() {
         of_bodies.push(match body.limbs {
@@ -39,18 +39,23 @@ pub(super) fn of_dofs<S>(model: &Prepared<S>) -> Vec<Option<Limb>> {
 
 /// Numbers on their way from a body to the root: where limbs hang on different bodies, each lane comes in
 /// at its own.
-pub(super) struct Way<'a, S, const N: usize> {
+pub(in crate::equations) struct Way<'a, S, const N: usize> {
     /// What such limbs have carried to what they hang on.
     limbs: Option<(&'a Body<S>, [S; N])>,
 }
 
 impl<'a, S: Scalar, const N: usize> Way<'a, S, N> {
-    pub(super) fn new() -> Self {
+    pub(in crate::equations) fn new() -> Self {
         Self { limbs: None }
     }
 
     /// What of numbers that are `carried` from `body` is on its parent, with those that come in there.
-    pub(super) fn onto(&mut self, body: &'a Body<S>, parent: usize, carried: [S; N]) -> [S; N] {
+    pub(in crate::equations) fn onto(
+        &mut self,
+        body: &'a Body<S>,
+        parent: usize,
+        carried: [S; N],
+    ) -> [S; N] {
         if !body.parents.is_empty() {
             self.limbs = Some((body, carried));
             return carried.map(|x| body.only_on(parent, x));
@@ -65,13 +70,13 @@ impl<'a, S: Scalar, const N: usize> Way<'a, S, N> {
 }
 
 /// Over how many limbs adds up what one of `limb` leaves on one of `other`.
-pub(super) fn over(limb: Option<Limb>, other: Option<Limb>) -> usize {
+pub(in crate::equations) fn over(limb: Option<Limb>, other: Option<Limb>) -> usize {
     limb.filter(|_| limb != other).map_or(1, |limb| limb.count)
 }
 
 /// The sum of the terms of a row, one a column: those of limbs' columns over the limbs, unless the row is
 /// a limb's itself.
-pub(super) fn sum<S: Scalar>(
+pub(in crate::equations) fn sum<S: Scalar>(
     layout: &Layout,
     row: usize,
     terms: impl Iterator<Item = S>,
@@ -101,7 +106,7 @@ pub(super) fn sum<S: Scalar>(
 /// of freedom and limb, lanes as in the column. Without meaning for the trunk, and where column and row are
 /// of one limb.
 ///
-/// Expects the factors as [`forward_dynamics_derivatives`](super::derivatives::forward_dynamics_derivatives)
+/// Expects the factors as [`forward_dynamics_derivatives`](crate::equations::derivatives::forward_dynamics_derivatives)
 /// leaves them.
 #[must_use]
 pub fn across<S: Scalar>(

@@ -1,10 +1,10 @@
 //! The regressor: inverse dynamics is linear in the links' inertias.
 
-use super::Workspace;
-use super::newton_euler::{Accelerations, link_wrenches};
 use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
+use crate::mechanism::{Body, Prepared};
 use crate::model::PARAMETERS_PER_LINK;
-use crate::model::prepare::{Body, Prepared};
 use crate::spatial::{Field, Matrix3, Twist, Vector3};
 
 /// Y(q, qd, qdd) with tau = Y pi by columns into `columns` (nv times 10 a moving link), gravity

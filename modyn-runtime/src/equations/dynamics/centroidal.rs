@@ -4,9 +4,10 @@
 //! Minimal parameters do for the momentum, and together with what they leave to the world for the
 //! centre of mass.
 
-use super::{Workspace, center_of_mass, chain};
 use crate::Scalar;
-use crate::model::prepare::Prepared;
+use crate::equations::Workspace;
+use crate::equations::kinematics::{center_of_mass, kinematic_path, total_mass};
+use crate::mechanism::Prepared;
 use crate::spatial::{Momentum, Twist, Vector3, Wrench};
 
 /// The matrix A with h = A(q) qd into `columns`, one an entry of qd: the momentum of a unit rate.
@@ -20,8 +21,8 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
     columns.fill(Momentum::zero());
     let center = gather(model, workspace);
     for (i, body) in model.bodies.iter().enumerate() {
-        chain::turn_axes(model, i, workspace);
-        let axes = chain::joint_axes(model, i, workspace);
+        kinematic_path::turn_axes(model, i, workspace);
+        let axes = kinematic_path::joint_axes(model, i, workspace);
         // The centre of mass, seen from the joint and from the body behind it.
         let center = body.parent.map_or(center, |parent| workspace.points[parent]);
         let at_joint = body.placement.point_to_child(center);
@@ -58,7 +59,7 @@ fn gather<S: Scalar>(model: &Prepared<S>, workspace: &mut Workspace<S>) -> Vecto
             None => first_moment += carried.first_moment,
         }
     }
-    first_moment.scale(center_of_mass::total_mass(model).recip())
+    first_moment.scale(total_mass(model).recip())
 }
 
 /// The momentum h of a motion, kg m^2/s and kg m/s.

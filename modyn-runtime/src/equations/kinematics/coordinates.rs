@@ -6,8 +6,8 @@
 //! Sastry 1994, A Mathematical Introduction to Robotic Manipulation, chapter 2).
 
 use crate::Scalar;
-use crate::model::coordinates::{Coordinates, Space};
-use crate::model::prepare::Prepared;
+use crate::mechanism::Prepared;
+use crate::mechanism::coordinates::{Coordinates, Space};
 use crate::spatial::{Quaternion, Vector3, screw_translation, screw_velocity};
 
 /// Where the constant velocities `v` lead from `q` in a unit of time: q (+) v into `out` (nq).

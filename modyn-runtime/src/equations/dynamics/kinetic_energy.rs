@@ -1,8 +1,8 @@
 //! Kinetic energy.
 
-use super::Workspace;
 use crate::Scalar;
-use crate::model::prepare::Prepared;
+use crate::equations::Workspace;
+use crate::mechanism::Prepared;
 use crate::spatial::Twist;
 
 /// The kinetic energy of the moving links and of the rotors, J.

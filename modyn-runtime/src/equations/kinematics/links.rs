@@ -1,10 +1,10 @@
 //! Where the links stand and how they move.
 
-use super::Workspace;
-use super::chain::{self, Own, Relative};
-use super::newton_euler::carried_by;
+use super::kinematic_path::{self, Own, Relative};
 use crate::Scalar;
-use crate::model::prepare::{Body, BodyFrame, Prepared};
+use crate::equations::Workspace;
+use crate::equations::dynamics::newton_euler::carried_by;
+use crate::mechanism::{Body, BodyFrame, Prepared};
 use crate::spatial::{Field, Matrix3, Pose, Twist, Vector3};
 
 /// The poses of all links of the description in the world, in the description's order.
@@ -48,7 +48,7 @@ pub enum Axes {
 pub fn link_pose<S: Scalar>(model: &Prepared<S>, frame: usize, q: &[S]) -> Pose<S> {
     let BodyFrame { body, pose } = model.frames[frame];
     let mut seen = Seen::fixed(&pose);
-    for i in chain::towards_world(model, body) {
+    for i in kinematic_path::towards_world(model, body) {
         seen = seen.towards_world(&model.bodies[i], q);
     }
     Pose { rotation: seen.axes.transposed().0, translation: seen.point.0 }
@@ -81,7 +81,7 @@ pub fn link_acceleration<S: Scalar>(
         Axes::World => in_world_axes(model, frame, (q, qd, Some(qdd))).acceleration,
         Axes::Link => {
             let BodyFrame { body, pose } = model.frames[frame];
-            chain::from_world(model, body, &mut workspace.chain);
+            kinematic_path::from_world(model, body, &mut workspace.chain);
             let field = workspace.chain.iter().fold(Field::zero(), |parent, &i| {
                 let (body, motion) = (&model.bodies[i], model.bodies[i].motion(q));
                 let carried = carried_by(&parent, body, &motion);
@@ -109,25 +109,31 @@ pub fn jacobian<S: Scalar>(
     let BodyFrame { body: last, pose } = model.frames[frame];
     match axes {
         Axes::World => {
-            chain::from_world(model, last, &mut workspace.chain);
+            kinematic_path::from_world(model, last, &mut workspace.chain);
             for k in 0..workspace.chain.len() {
                 let i = workspace.chain[k];
                 workspace.motions[i] = model.bodies[i].motion(q);
-                chain::turn_axes(model, i, workspace);
+                kinematic_path::turn_axes(model, i, workspace);
             }
             // The link's origin, seen from each body in turn.
             let mut point = Vector3(pose.translation);
-            for i in chain::towards_world(model, last) {
+            for i in kinematic_path::towards_world(model, last) {
                 let body = &model.bodies[i];
                 let at_joint = workspace.motions[i].point_to_parent(point);
                 let lever = if body.primitive.has_axis() { at_joint } else { point };
-                add_columns(model, i, &chain::joint_axes(model, i, workspace), lever, columns);
+                add_columns(
+                    model,
+                    i,
+                    &kinematic_path::joint_axes(model, i, workspace),
+                    lever,
+                    columns,
+                );
                 point = body.placement.point_to_parent(at_joint);
             }
         }
         Axes::Link => {
             let mut seen = Seen::fixed(&pose);
-            for i in chain::towards_world(model, last) {
+            for i in kinematic_path::towards_world(model, last) {
                 add_columns(model, i, &seen.axes, seen.point, columns);
                 seen = seen.towards_world(&model.bodies[i], q);
             }
@@ -163,7 +169,8 @@ fn in_world_axes<S: Scalar>(
 ) -> Relative<S> {
     let BodyFrame { body, pose } = model.frames[frame];
     let link = Relative::fixed(Vector3(pose.translation));
-    chain::towards_world(model, body).fold(link, |link, i| link.towards_world(model, i, motion))
+    kinematic_path::towards_world(model, body)
+        .fold(link, |link, i| link.towards_world(model, i, motion))
 }
 
 /// From the world to the link, for the same reason.
@@ -174,28 +181,28 @@ fn in_link_axes<S: Scalar>(
     workspace: &mut Workspace<S>,
 ) -> Own<S> {
     let BodyFrame { body, pose } = model.frames[frame];
-    chain::from_world(model, body, &mut workspace.chain);
+    kinematic_path::from_world(model, body, &mut workspace.chain);
     let bodies = workspace.chain.iter();
     bodies.fold(Own::at_rest(), |own, &i| own.carried_to(model, i, motion)).at(&pose)
 }
 
 /// Where a link stands, seen from a body.
-pub(super) struct Seen<S> {
+pub(in crate::equations) struct Seen<S> {
     /// The link's axes, as rows: as columns, the body's axes seen from the link.
-    pub(super) axes: Matrix3<S>,
+    pub(in crate::equations) axes: Matrix3<S>,
     /// The link's origin.
-    pub(super) point: Vector3<S>,
+    pub(in crate::equations) point: Vector3<S>,
 }
 
 impl<S: Scalar> Seen<S> {
     /// A link that is fixed to the body.
-    pub(super) fn fixed(pose: &Pose<S>) -> Self {
+    pub(in crate::equations) fn fixed(pose: &Pose<S>) -> Self {
         let axes = Matrix3(pose.rotation).transposed();
         Self { axes, point: Vector3(pose.translation) }
     }
 
     /// Seen from the parent, if it was seen from `body`.
-    pub(super) fn towards_world(&self, body: &Body<S>, q: &[S]) -> Self {
+    pub(in crate::equations) fn towards_world(&self, body: &Body<S>, q: &[S]) -> Self {
         let motion = body.motion(q);
         let axes = self.axes.0.map(|axis| body.to_parent(&motion, Vector3(axis)).0);
         let point = body.placement.point_to_parent(motion.point_to_parent(self.point));
@@ -205,7 +212,7 @@ impl<S: Scalar> Seen<S> {
 
 /// Adds the columns of body `i`'s degrees of freedom, along `axes` (as columns), for a link whose
 /// origin stands at `lever` in them.
-pub(super) fn add_columns<S: Scalar>(
+pub(in crate::equations) fn add_columns<S: Scalar>(
     model: &Prepared<S>,
     i: usize,
     axes: &Matrix3<S>,

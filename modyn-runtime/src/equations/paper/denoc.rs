@@ -1,9 +1,10 @@
 //! The decoupled natural orthogonal complement (DeNOC) matrices, dense, for study: (1)-(5), A.1
 //! and A.2, link by link; `decomposition` has them module by module.
 
-use super::{Dense, Workspace};
+use super::Dense;
 use crate::Scalar;
-use crate::model::prepare::{Body, Prepared};
+use crate::equations::Workspace;
+use crate::mechanism::{Body, Prepared};
 use crate::spatial::{Matrix3, Twist, Vector3, Wrench};
 
 /// M, N_l and N_d with the GIM = N_d^T N_l^T M N_l N_d, (5a), without the rotors' inertia.

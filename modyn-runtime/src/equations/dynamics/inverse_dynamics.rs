@@ -1,9 +1,10 @@
 //! Inverse dynamics: the joint torques of a motion.
 
+use super::Forces;
 use super::newton_euler::{Accelerations, link_wrenches};
-use super::{Forces, Workspace};
 use crate::Scalar;
-use crate::model::prepare::Prepared;
+use crate::equations::Workspace;
+use crate::mechanism::Prepared;
 
 /// tau = I(q) qdd + h(q, qd) - the external `forces`' share, gravity, rotors and what resists the
 /// joints' motion included: the recursive Newton-Euler algorithm.

@@ -1,9 +1,9 @@
 //! The generalized inertia matrix (GIM), (7)-(10).
 
-use super::Workspace;
-use super::limbs::Way;
 use crate::Scalar;
-use crate::model::prepare::Prepared;
+use crate::equations::Workspace;
+use crate::equations::factorization::limbs::Way;
+use crate::mechanism::Prepared;
 use crate::spatial::Wrench;
 
 /// The GIM by columns into `columns` (nv times nv, column by column), both triangles.

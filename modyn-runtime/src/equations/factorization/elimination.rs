@@ -8,14 +8,14 @@
 //!
 //! No joint mimics another here: each degree of freedom is an entry of the joint vectors.
 
-use super::Workspace;
 use super::partition::Block;
 use crate::Scalar;
-use crate::model::prepare::Prepared;
+use crate::equations::Workspace;
+use crate::mechanism::Prepared;
 use crate::spatial::ArticulatedInertia;
 
 /// Sets each body's inertia to its own.
-pub(super) fn start<S: Scalar>(model: &Prepared<S>, workspace: &mut Workspace<S>) {
+pub(in crate::equations) fn start<S: Scalar>(model: &Prepared<S>, workspace: &mut Workspace<S>) {
     for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
         *composite = body.minimal;
     }
@@ -24,7 +24,11 @@ pub(super) fn start<S: Scalar>(model: &Prepared<S>, workspace: &mut Workspace<S>
 
 /// Forms the module's pivot block and its columns Psi at the module's first body, and gathers the
 /// inertia of the bodies behind there.
-pub(super) fn pivot<S: Scalar>(model: &Prepared<S>, block: &Block, workspace: &mut Workspace<S>) {
+pub(in crate::equations) fn pivot<S: Scalar>(
+    model: &Prepared<S>,
+    block: &Block,
+    workspace: &mut Workspace<S>,
+) {
     let (start, size) = (block.dofs.start, block.dofs.len());
     for i in block.bodies.clone().rev() {
         let (composite, articulated) = (workspace.composite[i], workspace.articulated[i]);
@@ -69,14 +73,18 @@ pub(super) fn pivot<S: Scalar>(model: &Prepared<S>, block: &Block, workspace: &m
 }
 
 /// Splits the pivot block as V Delta V^T in place: V above the diagonal, Delta's reciprocals aside.
-pub(super) fn split<S: Scalar>(block: &Block, workspace: &mut Workspace<S>) {
+pub(in crate::equations) fn split<S: Scalar>(block: &Block, workspace: &mut Workspace<S>) {
     let size = block.dofs.len();
     let v = &mut workspace.pivots[block.pivot..block.pivot + size * size];
     split_block(v, size, &mut workspace.reciprocals[block.dofs.clone()]);
 }
 
 /// The same of a block by rows.
-pub(super) fn split_block<S: Scalar>(v: &mut [S], size: usize, reciprocals: &mut [S]) {
+pub(in crate::equations) fn split_block<S: Scalar>(
+    v: &mut [S],
+    size: usize,
+    reciprocals: &mut [S],
+) {
     for a in (0..size).rev() {
         let reciprocal = v[a * size + a].recip();
         reciprocals[a] = reciprocal;
@@ -93,7 +101,7 @@ pub(super) fn split_block<S: Scalar>(v: &mut [S], size: usize, reciprocals: &mut
 }
 
 /// x := V^-1 x, backwards; `v(row, column)` is V above its diagonal.
-pub(super) fn solve_upper<S: Scalar>(v: impl Fn(usize, usize) -> S, x: &mut [S]) {
+pub(in crate::equations) fn solve_upper<S: Scalar>(v: impl Fn(usize, usize) -> S, x: &mut [S]) {
     for a in (0..x.len()).rev() {
         for b in 0..a {
             x[b] = x[b] - v(b, a) * x[a];
@@ -102,7 +110,7 @@ pub(super) fn solve_upper<S: Scalar>(v: impl Fn(usize, usize) -> S, x: &mut [S])
 }
 
 /// x := V^-T x, forwards.
-pub(super) fn solve_lower<S: Scalar>(v: impl Fn(usize, usize) -> S, x: &mut [S]) {
+pub(in crate::equations) fn solve_lower<S: Scalar>(v: impl Fn(usize, usize) -> S, x: &mut [S]) {
     for a in 0..x.len() {
         for b in 0..a {
             x[a] = x[a] - v(b, a) * x[b];
@@ -111,7 +119,7 @@ pub(super) fn solve_lower<S: Scalar>(v: impl Fn(usize, usize) -> S, x: &mut [S])
 }
 
 /// V of a split block.
-pub(super) fn factor<'a, S: Scalar>(
+pub(in crate::equations) fn factor<'a, S: Scalar>(
     block: &Block,
     pivots: &'a [S],
 ) -> impl Fn(usize, usize) -> S + Copy + 'a {
@@ -121,7 +129,10 @@ pub(super) fn factor<'a, S: Scalar>(
 
 /// By component: the degree of freedom of the module's first joint that moves it, where nothing
 /// is left for the parent: what the joint does not hold, it gives way to. (A rotor holds.)
-pub(super) fn freed<S: Scalar>(model: &Prepared<S>, block: &Block) -> [Option<usize>; 6] {
+pub(in crate::equations) fn freed<S: Scalar>(
+    model: &Prepared<S>,
+    block: &Block,
+) -> [Option<usize>; 6] {
     let mut freed = [None; 6];
     for d in model.bodies[block.bodies.start].dofs.clone() {
         if model.dofs[d].armature.is_none() {
@@ -133,7 +144,7 @@ pub(super) fn freed<S: Scalar>(model: &Prepared<S>, block: &Block) -> [Option<us
 
 /// Turns the columns Psi into V^-1 Psi^T and, over Delta, into `gains`: row by row but the freed
 /// ones. Expects the split pivot.
-pub(super) fn reduce_columns<S: Scalar>(
+pub(in crate::equations) fn reduce_columns<S: Scalar>(
     model: &Prepared<S>,
     block: &Block,
     workspace: &mut Workspace<S>,
@@ -149,7 +160,7 @@ pub(super) fn reduce_columns<S: Scalar>(
 }
 
 /// Gives the module's inertia, with its joints eliminated, to the link it hangs on: (48).
-pub(super) fn eliminate<S: Scalar>(
+pub(in crate::equations) fn eliminate<S: Scalar>(
     model: &Prepared<S>,
     block: &Block,
     workspace: &mut Workspace<S>,

@@ -22,13 +22,15 @@
 //! fourth changes single links' inertias, and on a fixed base it drops mass that cannot move,
 //! with its constant share of the potential energy; so [`Body::inertia`] keeps what was written.
 
+pub mod coordinates;
+
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::coordinates::{Coordinates, coordinates};
-use super::{Closure, ClosureKind, Friction, Inertial, Joint, Model};
+use self::coordinates::{Coordinates, coordinates};
 use crate::Scalar;
 use crate::joint::{JointType, Motion, Primitive, planar};
+use crate::model::{Closure, ClosureKind, Friction, Inertial, Joint, Model};
 use crate::spatial::{
     ArticulatedInertia, Axis, Matrix3, Placement, Pose, RigidInertia, Symmetric3, Turn, Twist,
     Vector3, VelocityMoments, Wrench,

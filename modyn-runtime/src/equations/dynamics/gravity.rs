@@ -1,8 +1,8 @@
 //! What gravity does: torques and potential energy, from composite masses and first moments.
 
-use super::Workspace;
 use crate::Scalar;
-use crate::model::prepare::{Body, Prepared};
+use crate::equations::Workspace;
+use crate::mechanism::{Body, Prepared};
 use crate::spatial::{RigidInertia, Vector3, Wrench};
 
 /// The joint torques that hold the robot still: bias forces at zero velocity.
@@ -44,7 +44,7 @@ pub fn potential_energy<S: Scalar>(
 }
 
 /// The first moment of mass in the world. Expects the joints at q.
-pub(super) fn first_moment<S: Scalar>(
+pub(in crate::equations) fn first_moment<S: Scalar>(
     model: &Prepared<S>,
     workspace: &mut Workspace<S>,
     inertia: impl Fn(&Body<S>) -> RigidInertia<S>,
@@ -62,7 +62,7 @@ pub(super) fn first_moment<S: Scalar>(
 }
 
 /// Sums masses and first moments towards the root.
-pub(super) fn gather<S: Scalar>(
+pub(in crate::equations) fn gather<S: Scalar>(
     model: &Prepared<S>,
     workspace: &mut Workspace<S>,
     inertia: impl Fn(&Body<S>) -> RigidInertia<S>,

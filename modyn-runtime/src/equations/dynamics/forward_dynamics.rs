@@ -9,16 +9,17 @@
 //! Joints that mimic others couple links across the tree, so a robot that has some is solved
 //! through the factors of its GIM ([`brge`]).
 
-use super::brge::{self, Layout};
-use super::elimination::{
+use super::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
+use super::{Forces, inverse_dynamics};
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::factorization::brge::{self, Layout};
+use crate::equations::factorization::elimination::{
     eliminate, factor, freed, pivot, reduce_columns, solve_lower, solve_upper, split, start,
 };
-use super::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
-use super::partition::Block;
-use super::{Forces, Partition, Workspace, inverse_dynamics};
-use crate::Scalar;
+use crate::equations::factorization::partition::{Block, Partition};
+use crate::mechanism::Prepared;
 use crate::model::ModuleTree;
-use crate::model::prepare::Prepared;
 use crate::spatial::{Twist, Wrench};
 
 /// By which way, and which modules, accelerations are solved for.
@@ -67,7 +68,7 @@ pub fn forward_dynamics<S: Scalar>(
             recursive(model, partition, (q, qd, tau), forces, workspace, qdd);
         }
         Elimination::Matrix(layout) => {
-            inverse_dynamics::inverse_dynamics(model, (q, qd, None), forces, workspace, qdd);
+            inverse_dynamics(model, (q, qd, None), forces, workspace, qdd);
             for (qdd, &tau) in qdd.iter_mut().zip(tau) {
                 *qdd = tau - *qdd;
             }

@@ -1,8 +1,9 @@
 //! External forces: wrenches that act on links from outside.
 
-use super::{Workspace, chain};
 use crate::Scalar;
-use crate::model::prepare::Prepared;
+use crate::equations::Workspace;
+use crate::equations::kinematics::kinematic_path;
+use crate::mechanism::Prepared;
 use crate::spatial::{Matrix3, Vector3, Wrench};
 
 /// One wrench for each link of the description (fixed ones too), in the description's order, at
@@ -25,10 +26,10 @@ impl<S: Scalar> Forces<'_, S> {
     }
 
     /// Takes them off the wrenches that the bodies' motion asks for. Expects the joints at q.
-    pub(super) fn subtract(self, model: &Prepared<S>, workspace: &mut Workspace<S>) {
+    pub(in crate::equations) fn subtract(self, model: &Prepared<S>, workspace: &mut Workspace<S>) {
         let in_world = matches!(self, Self::InWorldAxes(_));
         if in_world {
-            (0..model.bodies.len()).for_each(|i| chain::turn_axes(model, i, workspace));
+            (0..model.bodies.len()).for_each(|i| kinematic_path::turn_axes(model, i, workspace));
         }
         for (force, frame) in self.wrenches().iter().zip(&model.frames) {
             let Some(body) = frame.body else { continue };

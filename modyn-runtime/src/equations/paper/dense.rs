@@ -3,8 +3,8 @@
 use alloc::{vec, vec::Vec};
 use core::ops::Range;
 
-use super::elimination::{solve_lower, solve_upper, split_block};
 use crate::Scalar;
+use crate::equations::factorization::elimination::{solve_lower, solve_upper, split_block};
 use crate::spatial::Twist;
 
 /// A dense matrix by rows, to be handed to whatever linear algebra is at hand.
@@ -61,12 +61,12 @@ impl<S: Scalar> Dense<S> {
         product
     }
 
-    pub(super) fn set(&mut self, i: usize, j: usize, value: S) {
+    pub(in crate::equations) fn set(&mut self, i: usize, j: usize, value: S) {
         self.entries[i * self.columns + j] = value;
     }
 
     /// Writes a twist into column `j`, from row `i` down.
-    pub(super) fn set_column(&mut self, i: usize, j: usize, twist: Twist<S>) {
+    pub(in crate::equations) fn set_column(&mut self, i: usize, j: usize, twist: Twist<S>) {
         for (k, entry) in twist.components().into_iter().enumerate() {
             self.set(i + k, j, entry);
         }
@@ -110,7 +110,7 @@ impl<S: Scalar> Dense<S> {
     }
 
     /// Writes `block` where its first entry goes to row `i` and column `j`.
-    pub(super) fn set_block(&mut self, i: usize, j: usize, block: &Self) {
+    pub(in crate::equations) fn set_block(&mut self, i: usize, j: usize, block: &Self) {
         for row in 0..block.rows {
             for column in 0..block.columns {
                 self.set(i + row, j + column, block.entries[row * block.columns + column]);
@@ -125,7 +125,7 @@ impl<S: Scalar> Dense<S> {
     }
 
     /// The inverse of a symmetric positive definite matrix.
-    pub(super) fn symmetric_inverse(&self) -> Self {
+    pub(in crate::equations) fn symmetric_inverse(&self) -> Self {
         let n = self.rows;
         let (mut v, mut reciprocals) = (self.entries.clone(), vec![S::zero(); n]);
         split_block(&mut v, n, &mut reciprocals);

@@ -3,8 +3,8 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use crate::mechanism::Prepared;
 use crate::model::ModuleTree;
-use crate::model::prepare::Prepared;
 
 /// A module, with where its block pivot lies in a packed array.
 #[derive(Clone, Debug)]

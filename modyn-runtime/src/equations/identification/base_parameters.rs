@@ -8,9 +8,11 @@
 
 use alloc::{format, string::String, vec, vec::Vec};
 
-use super::prepare::Prepared;
-use super::{INERTIAL_PARAMETERS, Model, PARAMETERS_PER_LINK};
-use crate::equations::{Workspace, coordinates, regressor};
+use super::regressor;
+use crate::equations::Workspace;
+use crate::equations::kinematics::coordinates;
+use crate::mechanism::Prepared;
+use crate::model::{INERTIAL_PARAMETERS, Model, PARAMETERS_PER_LINK};
 
 /// A column of the regressor is independent of others if more than that part of it is: below, nothing
 /// can be identified, and above is what a description's rounded angles make of parallel axes.
@@ -119,7 +121,7 @@ fn stacked(model: &Model) -> Vec<Vec<f64>> {
         let [step, qd, qdd]: [Vec<f64>; 3] =
             core::array::from_fn(|_| (0..nv).map(|_| random.next()).collect());
         coordinates::integrate(&prepared, (&neutral, &step), &mut q);
-        regressor::regressor(&prepared, (&q, &qd, &qdd), workspace, &mut one);
+        regressor(&prepared, (&q, &qd, &qdd), workspace, &mut one);
         for (column, part) in columns.iter_mut().zip(one.chunks(nv)) {
             column.extend_from_slice(part);
         }

@@ -12,9 +12,10 @@ use super::elimination::{
 };
 use super::limbs::{self, Limb};
 use super::partition::{Block, Partition};
-use super::{Workspace, mass_matrix};
+use crate::equations::Workspace;
+use crate::equations::dynamics::mass_matrix;
+use crate::mechanism::Prepared;
 use crate::model::ModuleTree;
-use crate::model::prepare::Prepared;
 use crate::spatial::Wrench;
 use crate::{Scalar, jacobi};
 
@@ -74,12 +75,12 @@ impl Layout {
     }
 
     /// The limb that module `m` is in, where equal limbs are computed as one.
-    pub(super) fn limb(&self, m: usize) -> Option<Limb> {
+    pub(in crate::equations) fn limb(&self, m: usize) -> Option<Limb> {
         self.limbs[self.partition.blocks[m].dofs.clone()].first().copied().flatten()
     }
 
     /// The same for each degree of freedom.
-    pub(super) fn limbs(&self) -> &[Option<Limb>] {
+    pub(in crate::equations) fn limbs(&self) -> &[Option<Limb>] {
         &self.limbs
     }
 
@@ -143,7 +144,10 @@ impl Layout {
     }
 
     /// The rows of U above module `m`: pairs of a degree of freedom and where its row starts in U.
-    pub(super) fn rows(&self, m: usize) -> impl DoubleEndedIterator<Item = (usize, usize)> + '_ {
+    pub(in crate::equations) fn rows(
+        &self,
+        m: usize,
+    ) -> impl DoubleEndedIterator<Item = (usize, usize)> + '_ {
         let size = self.partition.blocks[m].dofs.len();
         let start = self.rows[m];
         self.in_front[m].iter().enumerate().map(move |(k, &dof)| (dof, start + k * size))
@@ -222,7 +226,7 @@ pub fn factorize<S: Scalar>(
     if model.has_mimics() {
         workspace.make_room(layout.pivots(), model.nv * model.nv, 0);
         let mut matrix = core::mem::take(&mut workspace.matrix);
-        mass_matrix::mass_matrix(model, q, workspace, &mut matrix);
+        mass_matrix(model, q, workspace, &mut matrix);
         factorize_matrix(layout, &mut matrix, &mut workspace.pivots, factors);
         workspace.matrix = matrix;
         return;
