@@ -15,8 +15,8 @@ use std::ops::Range;
 
 use modyn_runtime::equations::Partition;
 use modyn_runtime::equations::factorization::partition::Block;
-use modyn_runtime::joint::Primitive;
-use modyn_runtime::mechanism::{Body, Dof, Prepared, Zero};
+use modyn_runtime::joint::{Primitive, Zero};
+use modyn_runtime::mechanism::{Body, Dof, Prepared};
 use modyn_runtime::spatial::{Pose, RigidInertia, Turn};
 
 use crate::expr::Expr;

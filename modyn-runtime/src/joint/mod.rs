@@ -1,12 +1,14 @@
 //! Joints: what each type contributes to the equations, one file a type.
 //!
-//! The equations see every joint along the z axis of its link's frame (`model::prepare` turns the
+//! The equations see every joint along the z axis of its link's frame (`mechanism` turns the
 //! frames), so a joint type is described by what it does to spatial quantities about z.
 
 #[cfg(feature = "alloc")]
 mod floating;
 #[cfg(feature = "alloc")]
 mod motion;
+#[cfg(feature = "alloc")]
+mod offset;
 pub mod planar;
 #[cfg(feature = "alloc")]
 mod prismatic;
@@ -18,7 +20,10 @@ mod rotated;
 mod spherical;
 
 #[cfg(feature = "alloc")]
-pub use motion::{Carried, Motion, Primitive};
+pub use {
+    motion::{Carried, Motion, Primitive},
+    offset::Zero,
+};
 
 /// What motion a joint allows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

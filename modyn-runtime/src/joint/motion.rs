@@ -1,11 +1,10 @@
 //! A joint at values of its coordinates: the one place where the equations meet joint types.
 //!
 //! The equations know four primitives. A universal joint is two revolute ones with nothing between
-//! them, a planar joint two prismatic ones and a revolute one (`model::prepare` takes them apart).
+//! them, a planar joint two prismatic ones and a revolute one (`mechanism::elementary` takes them apart).
 
-use super::{floating, prismatic, revolute, rotated, spherical};
+use super::{Zero, floating, prismatic, revolute, rotated, spherical};
 use crate::Scalar;
-use crate::mechanism::Zero;
 use crate::spatial::{
     ArticulatedInertia, Axis, Field, Matrix3, RigidInertia, Turn, Twist, Vector3, VelocityMoments,
     Wrench,

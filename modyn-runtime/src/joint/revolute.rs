@@ -1,8 +1,7 @@
 //! Revolute and continuous joints: rotation about z.
 
-use super::Carried;
+use super::{Carried, Zero};
 use crate::Scalar;
-use crate::mechanism::Zero;
 use crate::spatial::{ArticulatedInertia, Axis, Field, RigidInertia, Turn, Twist, Vector3, Wrench};
 
 /// The rotation at angle `q`.

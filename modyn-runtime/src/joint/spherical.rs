@@ -1,8 +1,7 @@
 //! Spherical joints: any rotation, by a unit quaternion and the angular velocity behind the joint.
 
-use super::Carried;
+use super::{Carried, Zero};
 use crate::Scalar;
-use crate::mechanism::Zero;
 use crate::spatial::{Axis, Field, Matrix3, Quaternion, Vector3};
 
 /// The axes behind the joint, seen from in front of it: those of the unit quaternion x, y, z, w,

@@ -1,0 +1,79 @@
+//! Composite joints taken apart: bodies that have an elementary joint each.
+
+use alloc::vec::Vec;
+
+use super::snapping::snap;
+use crate::joint::{JointType, Primitive, planar};
+use crate::model::{Inertial, Joint, Model};
+use crate::spatial::{Matrix3, Pose, Vector3};
+
+/// A body with its primitive joint, before frames are turned.
+pub(super) struct Atom<'a> {
+    pub(super) parent: Option<usize>,
+    pub(super) primitive: Primitive,
+    /// The frame whose z is the axis, in the atom's own; identity where there is no axis.
+    pub(super) frame: Matrix3<f64>,
+    /// Where the atom stands in its parent at coordinate zero.
+    pub(super) origin: Pose<f64>,
+    pub(super) joint: &'a Joint,
+    pub(super) inertial: Inertial,
+    pub(super) q: usize,
+    pub(super) v: usize,
+    pub(super) mimic: Option<(f64, f64)>,
+}
+
+/// The bodies of a model, universal and planar joints taken apart; and by link, its body.
+pub(super) fn atoms(model: &Model) -> (Vec<Atom<'_>>, Vec<usize>) {
+    let mut atoms: Vec<Atom<'_>> = Vec::with_capacity(model.links().len());
+    let mut bodies: Vec<usize> = Vec::with_capacity(model.links().len());
+    for (i, link) in model.links().iter().enumerate() {
+        let joint = &link.joint;
+        let axis = joint.axis;
+        let plane = planar::plane(axis);
+        let across = |column: usize| plane.map(|row| row[column]);
+        let along = |primitive, axis| (primitive, frame_along(axis));
+        let free = Matrix3(Pose::identity().rotation);
+        let parts: &[(Primitive, Matrix3<f64>)] = match joint.joint_type {
+            JointType::Revolute | JointType::Continuous => &[along(Primitive::Revolute, axis)],
+            JointType::Prismatic => &[along(Primitive::Prismatic, axis)],
+            JointType::Universal => {
+                &[along(Primitive::Revolute, axis), along(Primitive::Revolute, joint.second_axis)]
+            }
+            JointType::Planar => &[
+                along(Primitive::Prismatic, across(0)),
+                along(Primitive::Prismatic, across(1)),
+                along(Primitive::Revolute, axis),
+            ],
+            JointType::Spherical => &[(Primitive::Spherical, free)],
+            JointType::Floating => &[(Primitive::Floating, free)],
+        };
+        let mimic = model.mimic(i).map(|mimic| (mimic.multiplier, mimic.offset));
+        for (k, &(primitive, frame)) in parts.iter().enumerate() {
+            let first = k == 0;
+            let last = k + 1 == parts.len();
+            atoms.push(Atom {
+                parent: if first { link.parent.map(|p| bodies[p]) } else { Some(atoms.len() - 1) },
+                primitive,
+                frame,
+                origin: if first { joint.origin } else { Pose::identity() },
+                joint,
+                inertial: if last { link.inertial } else { Inertial::default() },
+                q: model.q_range(i).start + k,
+                v: model.v_range(i).start + k,
+                mimic,
+            });
+        }
+        bodies.push(atoms.len() - 1);
+    }
+    (atoms, bodies)
+}
+
+/// A right-handed frame (as columns) whose z axis is `axis`; exact where that is a coordinate axis.
+fn frame_along(axis: [f64; 3]) -> Matrix3<f64> {
+    let unit = |v: Vector3<f64>| v.scale(1.0 / libm::sqrt(v.dot(v)));
+    let z = unit(Vector3(axis.map(snap)));
+    // Any direction that is not near the axis; `turn` chooses the x axis afterwards.
+    let across = if z[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let y = unit(z.cross(Vector3(across)));
+    Matrix3([y.cross(z).0, y.0, z.0]).transposed()
+}

@@ -1,0 +1,39 @@
+//! Torques of damping and friction.
+
+use super::{Dof, Prepared};
+use crate::Scalar;
+
+impl<S: Scalar> Prepared<S> {
+    /// The torque that joints hold against the rates `qd` by damping and friction, at `dof`.
+    #[must_use]
+    pub fn resistance(&self, dof: &Dof<S>, qd: &[S]) -> Option<S> {
+        let rate = dof.rate(qd);
+        let viscous = dof.damping.map(|damping| damping * rate);
+        let dry = dof.friction.map(|friction| match self.smooth {
+            Some(w) => friction * (rate / (rate * rate + w * w).sqrt()),
+            None => {
+                let backwards = (-rate).select_nonnegative(S::zero(), friction);
+                rate.select_nonnegative(backwards, -friction)
+            }
+        });
+        match (viscous, dry) {
+            (Some(viscous), Some(dry)) => Some(viscous + dry),
+            (viscous, dry) => viscous.or(dry),
+        }
+    }
+
+    /// The derivative of [`resistance`](Self::resistance) by the degree of freedom's own rate; that
+    /// of Coulomb friction counts as 0 at the jump too.
+    #[must_use]
+    pub fn resistance_slope(&self, dof: &Dof<S>, qd: &[S]) -> Option<S> {
+        let smooth = dof.friction.zip(self.smooth).map(|(friction, w)| {
+            let (rate, square) = (dof.rate(qd), w * w);
+            let steep = (rate * rate + square).sqrt().recip();
+            friction * square * (steep * steep * steep)
+        });
+        match (dof.damping, smooth) {
+            (Some(damping), Some(smooth)) => Some(damping + smooth),
+            (damping, smooth) => damping.or(smooth),
+        }
+    }
+}
