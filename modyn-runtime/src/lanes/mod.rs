@@ -14,8 +14,6 @@ mod abreast;
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
-#[cfg(target_arch = "x86_64")]
-mod fused;
 mod level;
 #[cfg(target_arch = "aarch64")]
 #[allow(dead_code)] // Left out where the target lacks it.

@@ -1,15 +1,15 @@
 //! A number alone beside AVX2's vectors, whose products are fused into sums like theirs.
 //!
-//! Unsafe code: as in `avx2`, these types exist only where the processor has AVX2 and FMA.
+//! Unsafe code: these types exist only where the processor has AVX2 and FMA, see the folder's header.
 #![allow(unsafe_code)]
 
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::abreast::One;
-use super::avx2::{F32x8, F64x4};
-use super::{Lanes, Part};
+use super::registers::{F32x8, F64x4};
 use crate::Scalar;
+use crate::lanes::abreast::One;
+use crate::lanes::{Lanes, Part};
 use crate::scalar::trig::{FlipSign, Precision};
 
 macro_rules! fused {
