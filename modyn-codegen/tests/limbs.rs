@@ -316,7 +316,7 @@ fn lanes_are_put_together_and_taken_apart() {
         let numbers: Vec<Expr> = (0..3).map(Expr::input).collect();
         let constants: Vec<Expr> = [1.0, 2.0, 3.0].map(Expr::from_f64).to_vec();
         let lanes = Expr::beside(&numbers) * Expr::beside(&constants) + Expr::input(3);
-        vec![lanes.lane(0), lanes.lane(2), lanes.over_limbs(0..3), (-lanes).lane(1)]
+        vec![lanes.lane(0), lanes.lane(2), lanes.sum_lanes(0..3), (-lanes).lane(1)]
     });
     assert_eq!(graph.evaluate(&[2.0, 3.0, 5.0, 7.0]), [9.0, 22.0, 44.0, -13.0]);
     // A product and a sum, of four lanes each, and a sum over three.

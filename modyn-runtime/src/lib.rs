@@ -60,4 +60,6 @@ pub use figures::{
 };
 pub use inertial::{Inertial, InertialDefect, Payload};
 pub use robot::{Array, Factorization, NotGenerated, Robot};
+#[cfg(feature = "alloc")]
+pub use scalar::LaneScalar;
 pub use scalar::Scalar;

@@ -4,8 +4,8 @@ use modyn_runtime::Scalar;
 use modyn_runtime::equations::Workspace;
 use modyn_runtime::equations::brge::Layout;
 use modyn_runtime::equations::derivatives::{self, ForwardDerivatives};
-use modyn_runtime::equations::factorization::limbs::across;
-use modyn_runtime::mechanism::Prepared;
+use modyn_runtime::equations::factorization::{MergedLayout, cross_limb};
+use modyn_runtime::mechanism::MergedMechanism;
 
 use super::Tracer;
 use crate::expr::{Expr, Graph};
@@ -29,14 +29,16 @@ impl Tracer<'_> {
     pub fn forward_dynamics_derivatives(&self, layout: &Layout) -> Graph {
         let Some(limbs) = self.limbs else {
             return self.trace(|model, state| {
+                let model = &self.with_column_lanes(model);
+                let layout = &MergedLayout::new(model, layout.clone());
                 derive(model, layout, state, &mut Workspace::new(model)).concat()
             });
         };
         self.trace_lanes(limbs, |model, state| {
-            let layout = Layout::of(model, limbs.partition(layout.partition()));
+            let layout = MergedLayout::by_modules(model, limbs.partition(layout.partition()));
             let workspace = &mut Workspace::new(model);
             let [qdd, dq, dqd, dtau] = derive(model, &layout, state, workspace);
-            let [q, qd, tau] = [&dq, &dqd, &dtau].map(|x| across(model, &layout, workspace, x));
+            let [q, qd, tau] = [&dq, &dqd, &dtau].map(|x| cross_limb(model, &layout, workspace, x));
             let matrices = [
                 limbs.coupled_apart(&dq, &q),
                 limbs.coupled_apart(&dqd, &qd),
@@ -49,12 +51,12 @@ impl Tracer<'_> {
 
 /// The accelerations from `q`, `qd`, `tau` and their derivatives by these.
 fn derive(
-    model: &Prepared<Expr>,
-    layout: &Layout,
+    model: &MergedMechanism<Expr>,
+    layout: &MergedLayout,
     [q, qd, tau]: [Vec<Expr>; 3],
     workspace: &mut Workspace<Expr>,
 ) -> [Vec<Expr>; 4] {
-    let mut qdd = vec![Expr::zero(); model.nv];
+    let mut qdd = vec![Expr::zero(); model.nv()];
     let (mut dq, mut dqd, mut dtau) = (square(model), square(model), square(model));
     let outputs = ForwardDerivatives {
         qdd: &mut qdd,
@@ -68,6 +70,6 @@ fn derive(
 }
 
 /// Room for a matrix of nv x nv numbers.
-fn square(model: &Prepared<Expr>) -> Vec<Expr> {
-    vec![Expr::zero(); model.nv * model.nv]
+fn square(model: &MergedMechanism<Expr>) -> Vec<Expr> {
+    vec![Expr::zero(); model.nv() * model.nv()]
 }

@@ -3,7 +3,7 @@
 //! Limbs are equal if they have the same joint types in the same tree; their numbers may differ. They
 //! are put side by side, a limb a lane: one body stands for one of each, its numbers are lanes of
 //! theirs, and the same equations run on it. What such limbs leave on the body that they hang on adds up
-//! over the lanes ([`Body::to_parents`]); what they get from there is the same for all.
+//! over the lanes ([`MergedMechanism`]); what they get from there is the same for all.
 //!
 //! Chains that hang on different bodies can join (legs and arms): each lane then gets what its own body
 //! does, and leaves there what is its own. The shorter ones end in joints that move nothing.
@@ -14,10 +14,10 @@ use std::iter;
 use std::ops::Range;
 
 use modyn_runtime::equations::Partition;
-use modyn_runtime::equations::factorization::partition::Block;
+use modyn_runtime::equations::factorization::Block;
 use modyn_runtime::joint::{Primitive, Zero};
-use modyn_runtime::mechanism::{Body, Dof, Prepared};
-use modyn_runtime::spatial::{Pose, RigidInertia, Turn};
+use modyn_runtime::mechanism::{Body, Dof, LimbRoot, MergedMechanism, Prepared};
+use modyn_runtime::spatial::{Pose, RigidInertia, Turn, Vector3};
 
 use crate::expr::Expr;
 
@@ -145,10 +145,14 @@ impl Limbs {
     }
 
     /// The robot with one limb in place of several.
-    pub(super) fn merged(&self, model: &Prepared<f64>) -> Prepared<Expr> {
+    pub(super) fn merged(
+        &self,
+        model: &Prepared<f64>,
+        gravity: Vector3<Expr>,
+    ) -> MergedMechanism<Expr> {
         let mut merged = model.cast();
         let new = |old: usize| self.bodies.iter().position(|body| body.of.contains(&Some(old)));
-        let (mut q, mut dofs) = (0, Vec::new());
+        let (mut q, mut dofs, mut roots) = (0, Vec::new(), Vec::new());
         let mut bodies = Vec::with_capacity(self.bodies.len());
         for Merged { of, like, first } in &self.bodies {
             let like = &model.bodies[*like];
@@ -176,23 +180,20 @@ impl Limbs {
             let mut body = abreast(&each, start..dofs.len(), q);
             q += body.primitive.nq();
             body.parent = like.parent.and_then(new);
-            if *first {
-                let parents: Lanes = each.iter().map(|b| b.parent.and_then(new)).collect();
-                body.limbs = each.len();
-                if parents.iter().any(|&parent| parent != parents[0]) {
+            roots.push(first.then(|| {
+                let mut parents: Lanes = each.iter().map(|b| b.parent.and_then(new)).collect();
+                if parents.iter().all(|&parent| parent == parents[0]) {
+                    parents.clear();
+                } else {
                     body.parent = parents.iter().copied().max().flatten();
-                    body.parents = parents;
                 }
-            }
+                LimbRoot { limbs: each.len(), parents }
+            }));
             bodies.push(body);
         }
         (merged.bodies, merged.nq, merged.nv, merged.dofs) = (bodies, q, dofs.len(), dofs);
-        // What is said by link has no meaning here.
-        merged.links.clear();
-        merged.frames.clear();
-        merged.coordinates.clear();
-        merged.closures.clear();
-        merged
+        merged.gravity = gravity;
+        MergedMechanism::new(merged, roots)
     }
 
     /// Modules of the robot as those of it with one limb in place of several; modules do not reach
@@ -416,8 +417,6 @@ fn abreast(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> {
         link: Pose::identity(),
         inertia: first.inertia.map(|_| inertias.next().expect(next)),
         minimal: first.minimal.map(|_| minimal.next().expect(next)),
-        limbs: 1,
-        parents: Vec::new(),
     }
 }
 

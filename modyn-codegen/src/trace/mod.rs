@@ -12,11 +12,11 @@ use modyn_runtime::Scalar;
 use modyn_runtime::equations::brge::{self, Layout};
 use modyn_runtime::equations::dynamics::{
     Elimination, forward_dynamics, gravity_torques, inverse_dynamics, kinetic_energy, mass_matrix,
-    potential_energy,
+    potential_energy, recursive_forward_dynamics, recursive_newton_euler,
 };
 use modyn_runtime::equations::kinematics::{Axes, link_poses};
 use modyn_runtime::equations::{Forces, Workspace};
-use modyn_runtime::mechanism::Prepared;
+use modyn_runtime::mechanism::{MergedMechanism, Prepared};
 use modyn_runtime::spatial::{Pose, Wrench};
 
 use crate::expr::{Expr, Graph};
@@ -88,7 +88,6 @@ impl<'a> Tracer<'a> {
     ) -> Graph {
         Graph::trace(|| {
             let mut model = self.model.cast();
-            model.columns_abreast = self.columns;
             let mut next = 0;
             let groups = lengths.map(|length| {
                 let start = next;
@@ -118,12 +117,14 @@ impl<'a> Tracer<'a> {
     fn trace_joints<const G: usize>(
         &self,
         vectors: usize,
-        equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
+        equations: impl FnOnce(&MergedMechanism<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
-        let Some(limbs) = self.limbs else { return self.trace(equations) };
+        let Some(limbs) = self.limbs else {
+            return self.trace(|model, groups| equations(&self.with_column_lanes(model), groups));
+        };
         let nv = self.model.nv;
         self.trace_lanes(limbs, |model, groups| {
-            let n = model.nv;
+            let n = model.nv();
             let computed = equations(model, groups);
             let (first, rest) = computed.split_at(vectors * n);
             let first = first.chunks(n).flat_map(|x| limbs.vector_apart(x, nv));
@@ -132,15 +133,19 @@ impl<'a> Tracer<'a> {
         })
     }
 
+    /// The robot with its limbs as they are.
+    fn with_column_lanes(&self, model: &Prepared<Expr>) -> MergedMechanism<Expr> {
+        MergedMechanism::with_column_lanes(model.clone(), self.columns)
+    }
+
     /// The same, for equations of equal limbs side by side that take their lanes apart.
     fn trace_lanes<const G: usize>(
         &self,
         limbs: &Limbs,
-        equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
+        equations: impl FnOnce(&MergedMechanism<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
         self.trace(|whole, groups| {
-            let mut model = limbs.merged(self.model);
-            model.gravity = whole.gravity;
+            let model = limbs.merged(self.model, whole.gravity);
             let mut place = 0..;
             let groups = groups.map(|group| match place.next() {
                 Some(0) => limbs.coordinates(&group),
@@ -153,11 +158,18 @@ impl<'a> Tracer<'a> {
     /// Accelerations from `q`, `qd`, `tau`, eliminated by these modules.
     #[must_use]
     pub fn forward_dynamics(&self, elimination: &Elimination) -> Graph {
+        let Elimination::Recursive(partition) = elimination else {
+            return self.trace(|model, [q, qd, tau]| {
+                let mut qdd = self.vector();
+                let (state, workspace) = ((&*q, &*qd, &*tau), &mut Workspace::new(model));
+                forward_dynamics(model, elimination, state, None, workspace, &mut qdd);
+                qdd
+            });
+        };
         self.trace_joints(1, |model, [q, qd, tau]| {
-            let mut qdd = vec![Expr::zero(); model.nv];
+            let mut qdd = vec![Expr::zero(); model.nv()];
             let (state, workspace) = ((&*q, &*qd, &*tau), &mut Workspace::new(model));
-            let solve = forward_dynamics;
-            solve(model, elimination, state, None, workspace, &mut qdd);
+            recursive_forward_dynamics(model, partition, state, workspace, &mut qdd);
             qdd
         })
     }
@@ -166,9 +178,9 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn inverse_dynamics(&self) -> Graph {
         self.trace_joints(1, |model, [q, qd, qdd]| {
-            let mut tau = vec![Expr::zero(); model.nv];
+            let mut tau = vec![Expr::zero(); model.nv()];
             let (motion, workspace) = ((&*q, &*qd, Some(&*qdd)), &mut Workspace::new(model));
-            inverse_dynamics(model, motion, None, workspace, &mut tau);
+            recursive_newton_euler(model, motion, workspace, &mut tau);
             tau
         })
     }
@@ -214,9 +226,9 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn bias_forces(&self) -> Graph {
         self.trace_joints(1, |model, [q, qd]| {
-            let mut tau = vec![Expr::zero(); model.nv];
+            let mut tau = vec![Expr::zero(); model.nv()];
             let (motion, workspace) = ((&*q, &*qd, None), &mut Workspace::new(model));
-            inverse_dynamics(model, motion, None, workspace, &mut tau);
+            recursive_newton_euler(model, motion, workspace, &mut tau);
             tau
         })
     }
@@ -225,7 +237,7 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn gravity_torques(&self) -> Graph {
         self.trace_joints(1, |model, [q]| {
-            let mut tau = vec![Expr::zero(); model.nv];
+            let mut tau = vec![Expr::zero(); model.nv()];
             gravity_torques(model, &q, &mut Workspace::new(model), &mut tau);
             tau
         })
@@ -235,7 +247,7 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn mass_matrix(&self) -> Graph {
         self.trace_joints(0, |model, [q]| {
-            let mut columns = vec![Expr::zero(); model.nv * model.nv];
+            let mut columns = vec![Expr::zero(); model.nv() * model.nv()];
             let workspace = &mut Workspace::new(model);
             mass_matrix(model, &q, workspace, &mut columns);
             columns

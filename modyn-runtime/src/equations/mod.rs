@@ -28,6 +28,7 @@
 //! | `paper/denoc` | the DeNOC matrices, dense, link by link | (1)-(5), A.1, A.2 |
 //! | `paper/decomposition` | composite and articulated modules, EBUTMs, U, D and their inverses, dense | (1)-(57) |
 
+pub mod brge;
 pub mod closures;
 pub mod derivatives;
 pub mod dynamics;
@@ -38,6 +39,5 @@ pub mod paper;
 mod workspace;
 
 pub use {
-    closures::ClosureWorkspace, dynamics::Forces, factorization::brge,
-    factorization::partition::Partition, paper::Decomposition, paper::Dense, workspace::Workspace,
+    closures::ClosureWorkspace, dynamics::Forces, factorization::Partition, workspace::Workspace,
 };

@@ -2,12 +2,12 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::derivatives::Deviation;
 use crate::Scalar;
 use crate::joint::Motion;
-use crate::mechanism::Prepared;
+use crate::mechanism::{BodyTree, Prepared};
 use crate::spatial::{
-    ArticulatedInertia, Field, Matrix3, RigidInertia, Twist, Vector3, VelocityMoments, Wrench,
+    AccelerationPerturbation, ArticulatedInertia, Field, Matrix3, RigidInertia, Twist, Vector3,
+    VelocityMoments, Wrench,
 };
 
 /// Memory of the recursions, one entry a body or degree of freedom; linear in their number, but
@@ -30,7 +30,7 @@ pub struct Workspace<S> {
     /// Twice the velocity of each body's origin over its parent's, in the parent's axes.
     pub(super) levers: Vec<Vector3<S>>,
     /// For each degree of freedom: how it changes the accelerations behind it.
-    pub(super) deviations: Vec<Deviation<S>>,
+    pub(super) perturbations: Vec<AccelerationPerturbation<S>>,
     /// What eliminated modules leave to the body they hang on; `None` where none does.
     pub(super) articulated: Vec<Option<ArticulatedInertia<S>>>,
     /// By component, for each degree of freedom: the wrench at its module's first body (Psi),
@@ -50,7 +50,8 @@ pub struct Workspace<S> {
 impl<S: Scalar> Workspace<S> {
     /// Room for a model.
     #[must_use]
-    pub fn new(model: &Prepared<S>) -> Self {
+    pub fn new<T: BodyTree<S>>(tree: &T) -> Self {
+        let model = tree.mechanism();
         let zero = S::zero();
         let (bodies, dofs) = (model.bodies.len(), model.dofs.len());
         Self {
@@ -64,7 +65,7 @@ impl<S: Scalar> Workspace<S> {
             composite: vec![RigidInertia::zero(); bodies],
             velocities: vec![VelocityMoments::zero(); bodies],
             levers: vec![Vector3::zero(); bodies],
-            deviations: vec![Deviation::zero(); dofs],
+            perturbations: vec![AccelerationPerturbation::zero(); dofs],
             articulated: vec![None; bodies],
             columns: core::array::from_fn(|_| vec![zero; dofs]),
             gains: core::array::from_fn(|_| vec![zero; dofs]),

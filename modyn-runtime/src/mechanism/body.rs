@@ -1,6 +1,5 @@
 //! A body of the mechanism and how quantities are carried across its joint.
 
-use alloc::vec::Vec;
 use core::ops::Range;
 
 use crate::Scalar;
@@ -35,12 +34,6 @@ pub struct Body<S> {
     pub inertia: RigidInertia<S>,
     /// The inertia in minimal parameters: equal to `inertia` for all joint-space dynamics.
     pub minimal: RigidInertia<S>,
-    /// How many limbs it is the first body of, where they are computed as one; else 1. What hangs on a
-    /// parent adds up over them.
-    pub limbs: usize,
-    /// What each of these limbs hangs on, if that is not the same for all; else none. `parent` is then the
-    /// last one.
-    pub parents: Vec<Option<usize>>,
 }
 
 impl<S: Scalar> Body<S> {
@@ -57,8 +50,6 @@ impl<S: Scalar> Body<S> {
             link: self.link.map(f),
             inertia: self.inertia.map(f),
             minimal: self.minimal.map(f),
-            limbs: self.limbs,
-            parents: self.parents.clone(),
         }
     }
 
@@ -138,102 +129,6 @@ impl<S: Scalar> Body<S> {
         let turned = motion.to_parent(first_moment);
         let at_joint = motion.displacement().map_or(turned, |d| turned + d.scale(mass));
         (mass, self.placement.to_parent(at_joint) + self.placement.origin().scale(mass))
-    }
-
-    /// The numbers that its joint gets from what it hangs on: those of a body, or of the world (`None`).
-    pub fn from_parents<const N: usize>(&self, of: impl Fn(Option<usize>) -> [S; N]) -> [S; N] {
-        if self.parents.is_empty() {
-            return of(self.parent);
-        }
-        let each: Vec<[S; N]> = self.parents.iter().map(|&parent| of(parent)).collect();
-        core::array::from_fn(|n| S::by_limb(&each.iter().map(|x| x[n]).collect::<Vec<_>>()))
-    }
-
-    /// Of numbers of limbs that hang on different bodies: those of limbs on body `parent`, and zeros.
-    pub(crate) fn only_on(&self, parent: usize, x: S) -> S {
-        let on = |(limb, on): (usize, &Option<usize>)| {
-            if *on == Some(parent) { x.of_limb(limb) } else { S::zero() }
-        };
-        S::by_limb(&self.parents.iter().enumerate().map(on).collect::<Vec<_>>())
-    }
-
-    /// Gives each body that it hangs on what the limbs there leave together: `add` gets the body and what
-    /// `left` makes of the sum over them.
-    pub fn to_parents<X>(
-        &self,
-        left: impl Fn(&dyn Fn(S) -> S) -> X,
-        mut add: impl FnMut(usize, X),
-    ) {
-        let mut give = |parent: Option<usize>, limbs: Range<usize>| {
-            if let Some(parent) = parent {
-                add(parent, left(&|x: S| x.over_limbs(limbs.clone())));
-            }
-        };
-        if self.parents.is_empty() {
-            return give(self.parent, 0..self.limbs);
-        }
-        let mut start = 0;
-        for limbs in self.parents.chunk_by(|a, b| a == b) {
-            give(limbs[0], start..start + limbs.len());
-            start += limbs.len();
-        }
-    }
-
-    /// Gives them a mass on this body and its first moment.
-    pub fn mass_to_parents(
-        &self,
-        motion: &Motion<S>,
-        mass: S,
-        first_moment: Vector3<S>,
-        add: impl FnMut(usize, (S, Vector3<S>)),
-    ) {
-        if self.parent.is_some() {
-            let (mass, first_moment) = self.mass_to_parent(motion, mass, first_moment);
-            self.to_parents(|sum| (sum(mass), Vector3(first_moment.0.map(sum))), add);
-        }
-    }
-
-    /// Gives them a wrench on this body.
-    pub fn wrench_to_parents(
-        &self,
-        motion: &Motion<S>,
-        w: Wrench<S>,
-        add: impl FnMut(usize, Wrench<S>),
-    ) {
-        if self.parent.is_some() {
-            let carried = self.wrench_to_parent(motion, w).components();
-            self.to_parents(|sum| Wrench::from_components(carried.map(sum)), add);
-        }
-    }
-
-    /// Gives them a rigid inertia on this body.
-    pub fn rigid_to_parents(
-        &self,
-        motion: &Motion<S>,
-        i: &RigidInertia<S>,
-        add: impl FnMut(usize, RigidInertia<S>),
-    ) {
-        if self.parent.is_some() {
-            let carried = self.rigid_to_parent(motion, i);
-            self.to_parents(|sum| carried.map(sum), add);
-        }
-    }
-
-    /// Gives them an articulated inertia on this body.
-    pub fn articulated_to_parents(
-        &self,
-        motion: &Motion<S>,
-        i: &ArticulatedInertia<S>,
-        add: impl FnMut(usize, ArticulatedInertia<S>),
-    ) {
-        if self.parent.is_some() {
-            let carried = self.articulated_to_parent(motion, i);
-            let entry = |row, column| carried.entry(row, column);
-            self.to_parents(
-                |sum| ArticulatedInertia::from_fn(|row, column| sum(entry(row, column))),
-                add,
-            );
-        }
     }
 }
 

@@ -31,7 +31,9 @@ mod dh_frames;
 mod elementary;
 mod friction;
 mod held_frames;
+mod merged;
 mod snapping;
+mod tree;
 
 use alloc::vec::Vec;
 
@@ -44,11 +46,15 @@ use dh_frames::Frames;
 use elementary::{Atom, atoms};
 use snapping::{snap, turn_of};
 
+pub(crate) use tree::{RootwardAccumulator, TreeAccess};
+
 pub use {
     body::{Body, rigid_inertia},
     body_frame::BodyFrame,
     degree_of_freedom::{Dof, Rates},
     held_frames::{HeldFrames, HeldRow},
+    merged::MergedMechanism,
+    tree::{BodyTree, LimbRoot},
 };
 
 /// A model rewritten for computing, on scalars of type `S`.
@@ -77,9 +83,6 @@ pub struct Prepared<S> {
     pub frames: Vec<BodyFrame<S>>,
     /// What closes loops, in the model's order.
     pub closures: Vec<HeldFrames<S>>,
-    /// How many columns of derivatives are computed side by side, of joints one behind the other: 1, but
-    /// where the compiler has lanes for them (numbers have not).
-    pub columns_abreast: usize,
 }
 
 impl<S: Scalar> Prepared<S> {
@@ -154,7 +157,6 @@ impl Prepared<f64> {
             gravity: Vector3(model.gravity()),
             frames,
             closures,
-            columns_abreast: 1,
             bodies,
             dofs: dofs(&atoms, model.friction()),
             immobile,
@@ -185,7 +187,6 @@ impl Prepared<f64> {
             smooth: self.smooth.map(f),
             frames: self.frames.iter().map(|frame| frame.map(f)).collect(),
             closures: self.closures.iter().map(|closure| closure.map(f)).collect(),
-            columns_abreast: self.columns_abreast,
         }
     }
 }
@@ -215,8 +216,6 @@ fn bodies(atoms: &[Atom<'_>], frames: &Frames) -> Vec<Body<f64>> {
             link: frames.link[i],
             inertia,
             minimal: inertia,
-            limbs: 1,
-            parents: Vec::new(),
         }
     };
     atoms.iter().enumerate().map(body).collect()

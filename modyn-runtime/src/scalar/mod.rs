@@ -5,10 +5,14 @@ pub(crate) mod abreast;
 mod dual;
 mod elementary;
 mod float;
+#[cfg(feature = "alloc")]
+mod lane_scalar;
 mod native;
 mod real;
 #[cfg(test)]
 mod root;
 pub(crate) mod trig;
 
+#[cfg(feature = "alloc")]
+pub use lane_scalar::LaneScalar;
 pub use real::Scalar;

@@ -14,6 +14,8 @@ mod field;
 mod inertia;
 mod matrix;
 #[cfg(feature = "alloc")]
+mod perturbation;
+#[cfg(feature = "alloc")]
 mod placement;
 mod quaternion;
 #[cfg(feature = "alloc")]
@@ -27,6 +29,7 @@ mod wrench;
 pub use {
     field::Field,
     inertia::{ArticulatedInertia, RigidInertia},
+    perturbation::AccelerationPerturbation,
     placement::Placement,
     turn::{Axis, Turn},
     velocity::VelocityMoments,

@@ -6,7 +6,7 @@
 //! ([`VelocityMoments`](crate::spatial::VelocityMoments)).
 //!
 //! A degree of freedom gives each point behind it a displacement. Its coordinate and its rate
-//! change the points' accelerations by fields of one form (`deviation`); what a composite answers
+//! change the points' accelerations by fields of one form (`perturbation`); what a composite answers
 //! to such a field is felt in front, what such a field does to a unit displacement further behind
 //! is felt there (`projection`).
 //!
@@ -14,11 +14,10 @@
 //! displacement in the link's own axes. Matrices are nv x nv by columns.
 
 mod composite;
-mod deviation;
 mod forward;
 mod inverse;
+mod perturbation;
 mod projection;
 
-pub use deviation::Deviation;
 pub use forward::{ForwardDerivatives, forward_dynamics_derivatives};
 pub use inverse::inverse_dynamics_derivatives;

@@ -7,27 +7,28 @@
 //! a serial chain is composite inertia and elimination.
 //!
 //! Joints that mimic others couple links across the tree, so a robot that has some is solved
-//! through the factors of its GIM ([`brge`]).
+//! through the factors of its mass matrix.
 
 use super::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
-use super::{Forces, inverse_dynamics};
+use super::{Forces, inverse_dynamics, mass_matrix};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::factorization::brge::{self, Layout};
-use crate::equations::factorization::elimination::{
-    eliminate, factor, freed, pivot, reduce_columns, solve_lower, solve_upper, split, start,
+use crate::equations::factorization::blocks::{solve_lower, solve_upper};
+use crate::equations::factorization::partition::factor;
+use crate::equations::factorization::recursive::{
+    eliminate, motion_subspace, pivot, reduce_columns, split, start,
 };
-use crate::equations::factorization::partition::{Block, Partition};
-use crate::mechanism::Prepared;
+use crate::equations::factorization::{Block, Layout, Partition, factorize_matrix, solve};
+use crate::mechanism::{BodyTree, Prepared};
 use crate::model::ModuleTree;
 use crate::spatial::{Twist, Wrench};
 
-/// By which way, and which modules, accelerations are solved for.
+/// The solver for accelerations and its partition into modules.
 #[derive(Clone, Debug)]
 pub enum Elimination {
     /// Recursively, by these modules.
     Recursive(Partition),
-    /// Through the factors of the GIM, for joints that mimic others.
+    /// Through the factors of the mass matrix, for joints that mimic others.
     Matrix(Layout),
 }
 
@@ -65,34 +66,52 @@ pub fn forward_dynamics<S: Scalar>(
     elimination.make_room(model, workspace);
     match elimination {
         Elimination::Recursive(partition) => {
-            recursive(model, partition, (q, qd, tau), forces, workspace, qdd);
+            workspace.move_to(model, q);
+            link_wrenches(model, qd, Accelerations::FreeFall, workspace);
+            if let Some(forces) = forces {
+                forces.subtract(model, workspace);
+            }
+            recursion(model, partition, (qd, tau), workspace, qdd);
         }
         Elimination::Matrix(layout) => {
             inverse_dynamics(model, (q, qd, None), forces, workspace, qdd);
             for (qdd, &tau) in qdd.iter_mut().zip(tau) {
                 *qdd = tau - *qdd;
             }
-            let mut factors = core::mem::take(&mut workspace.factors);
-            brge::factorize(model, layout, q, workspace, &mut factors);
-            brge::solve(layout, &factors, qdd);
-            workspace.factors = factors;
+            let mut matrix = core::mem::take(&mut workspace.matrix);
+            mass_matrix(model, q, workspace, &mut matrix);
+            let Workspace { pivots, factors, .. } = workspace;
+            factorize_matrix(layout, &mut matrix, pivots, factors);
+            solve(layout, factors, qdd);
+            workspace.matrix = matrix;
         }
     }
 }
 
-fn recursive<S: Scalar>(
-    model: &Prepared<S>,
+/// The same by these modules without forces from outside, on a tree whose limbs may be merged, of a
+/// robot where no joint mimics another.
+pub fn recursive_forward_dynamics<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     partition: &Partition,
     (q, qd, tau): (&[S], &[S], &[S]),
-    forces: Option<Forces<'_, S>>,
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
 ) {
-    workspace.move_to(model, q);
-    link_wrenches(model, qd, Accelerations::FreeFall, workspace);
-    if let Some(forces) = forces {
-        forces.subtract(model, workspace);
-    }
+    workspace.make_room(partition.pivots, 0, 0);
+    workspace.move_to(tree.mechanism(), q);
+    link_wrenches(tree, qd, Accelerations::FreeFall, workspace);
+    recursion(tree, partition, (qd, tau), workspace, qdd);
+}
+
+/// The accelerations, from the wrenches of the unaccelerated motion.
+fn recursion<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    partition: &Partition,
+    (qd, tau): (&[S], &[S]),
+    workspace: &mut Workspace<S>,
+    qdd: &mut [S],
+) {
+    let model = tree.mechanism();
     start(model, workspace);
     // What acts along each joint, resistance taken off.
     let torque = |d: usize| {
@@ -105,24 +124,24 @@ fn recursive<S: Scalar>(
         for i in block.bodies.clone().rev() {
             let wrench = workspace.wrenches[i];
             for d in model.bodies[i].dofs.clone() {
-                let felt = wrench.components()[model.dofs[d].component];
-                workspace.torques[d] = torque(d) - felt;
+                let force = wrench.components()[model.dofs[d].component];
+                workspace.torques[d] = torque(d) - force;
             }
             if i > first {
                 let carried = model.bodies[i].wrench_to_parent(&workspace.motions[i], wrench);
                 workspace.wrenches[i - 1] += carried;
             }
         }
-        pivot(model, block, workspace);
+        pivot(tree, block, workspace);
         split(block, workspace);
         let torques = &mut workspace.torques[block.dofs.clone()];
         solve_upper(factor(block, &workspace.pivots), torques);
         if model.bodies[first].parent.is_some() {
             reduce_columns(model, block, workspace);
-            eliminate(model, block, workspace);
+            eliminate(tree, block, workspace);
             let left = wrench_left(model, block, workspace, torque);
             let motion = &workspace.motions[first];
-            model.bodies[first].wrench_to_parents(motion, left, |parent, carried| {
+            tree.wrench_to_parents(first, motion, left, |parent, carried| {
                 workspace.wrenches[parent] += carried;
             });
         }
@@ -131,7 +150,7 @@ fn recursive<S: Scalar>(
         }
     }
     for block in &partition.blocks {
-        accelerate(model, block, workspace, qdd);
+        accelerate(tree, block, workspace, qdd);
     }
     // So far floating bases accelerate against free fall.
     for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
@@ -143,25 +162,26 @@ fn recursive<S: Scalar>(
 }
 
 /// qdd = U^-T phi_tilde, step (iii).
-fn accelerate<S: Scalar>(
-    model: &Prepared<S>,
+fn accelerate<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     block: &Block,
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
 ) {
+    let model = tree.mechanism();
     let first = block.bodies.start;
     let body = &model.bodies[first];
     let carried = body.parent.is_some().then(|| {
         let of = |p: Option<usize>| p.map_or_else(Twist::zero, |p| workspace.twists[p]);
-        let twist = Twist::from_components(body.from_parents(|p| of(p).components()));
+        let twist = Twist::from_components(tree.from_parents(first, |p| of(p).components()));
         body.twist_to_child(&workspace.motions[first], twist)
     });
-    let freed = freed(model, block);
+    let subspace = motion_subspace(model, block);
     for d in block.dofs.clone() {
         qdd[d] = workspace.torques[d];
         if let Some(carried) = &carried {
             let felt = (0..6)
-                .filter(|&row| freed[row].is_none())
+                .filter(|&row| subspace[row].is_none())
                 .map(|row| workspace.gains[row][d] * carried.components()[row])
                 .reduce(|sum, x| sum + x);
             qdd[d] = felt.map_or(qdd[d], |felt| qdd[d] - felt);
@@ -172,7 +192,7 @@ fn accelerate<S: Scalar>(
     let mut components = carried.unwrap_or_else(Twist::zero).components();
     for d in model.bodies[first].dofs.clone() {
         let along = &mut components[model.dofs[d].component];
-        if freed[model.dofs[d].component].is_none() {
+        if subspace[model.dofs[d].component].is_none() {
             *along = *along + qdd[d];
             continue;
         }
@@ -199,10 +219,10 @@ fn wrench_left<S: Scalar>(
     workspace: &Workspace<S>,
     torque: impl Fn(usize) -> S,
 ) -> Wrench<S> {
-    let freed = freed(model, block);
+    let subspace = motion_subspace(model, block);
     let mut left = workspace.wrenches[block.bodies.start].components();
     for (row, entry) in left.iter_mut().enumerate() {
-        if let Some(d) = freed[row] {
+        if let Some(d) = subspace[row] {
             *entry = torque(d);
             continue;
         }

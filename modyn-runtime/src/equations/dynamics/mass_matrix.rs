@@ -1,23 +1,23 @@
-//! The generalized inertia matrix (GIM), (7)-(10).
+//! The mass matrix of the joints, (7)-(10) of the paper.
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::factorization::limbs::Way;
-use crate::mechanism::Prepared;
+use crate::mechanism::{BodyTree, RootwardAccumulator};
 use crate::spatial::Wrench;
 
-/// The GIM by columns into `columns` (nv times nv, column by column), both triangles.
+/// The mass matrix by columns into `columns` (nv times nv, column by column), both triangles.
 ///
 /// Composite inertias by (8); element (i, j) is the part that joint j feels of the wrench that a
 /// unit acceleration of joint i needs on its composite, (10). With modules of one link that is
 /// the composite-rigid-body algorithm (Walker and Orin 1982); larger modules are the same sums
-/// in blocks. (Derivatives need what is carried here, too, and get the GIM by the way: `derivatives::projection`.)
-pub fn mass_matrix<S: Scalar>(
-    model: &Prepared<S>,
+/// in blocks. (Derivatives need what is carried here, too, and get the mass matrix by the way: `derivatives::projection`.)
+pub fn mass_matrix<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     q: &[S],
     workspace: &mut Workspace<S>,
     columns: &mut [S],
 ) {
+    let model = tree.mechanism();
     let n = model.nv;
     workspace.move_to(model, q);
     columns.fill(S::zero());
@@ -37,25 +37,25 @@ pub fn mass_matrix<S: Scalar>(
             }
             add(dof.v, dof.v, dof.scale(dof.scale(own)));
             let mut at = i;
-            let mut way = Way::new();
+            let mut path = RootwardAccumulator::new(tree);
             let mut others = body.dofs.start..d;
             loop {
                 for other in model.dofs[others].iter() {
-                    let felt = other.scale(dof.scale(wrench.components()[other.component]));
+                    let force = other.scale(dof.scale(wrench.components()[other.component]));
                     // Where one follows the other both are the same entry, and both count.
-                    add(other.v, dof.v, felt);
-                    add(dof.v, other.v, felt);
+                    add(other.v, dof.v, force);
+                    add(dof.v, other.v, force);
                 }
                 let Some(parent) = model.bodies[at].parent else { break };
                 let body = &model.bodies[at];
                 let carried = body.wrench_to_parent(&workspace.motions[at], wrench);
-                wrench = Wrench::from_components(way.onto(body, parent, carried.components()));
+                wrench = Wrench::from_components(path.onto(at, parent, carried.components()));
                 at = parent;
                 others = model.bodies[at].dofs.clone();
             }
         }
         let inertia = workspace.composite[i];
-        body.rigid_to_parents(&workspace.motions[i], &inertia, |parent, carried| {
+        tree.rigid_to_parents(i, &workspace.motions[i], &inertia, |parent, carried| {
             workspace.composite[parent] = workspace.composite[parent] + carried;
         });
     }

@@ -5,9 +5,10 @@
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::joint::{Carried, Motion, Primitive};
-use crate::mechanism::{Body, Prepared};
-use crate::spatial::{Field, Vector3};
+use crate::equations::kinematics::acceleration::carried;
+use crate::joint::Primitive;
+use crate::mechanism::{BodyTree, Prepared};
+use crate::spatial::Vector3;
 
 /// How the joints accelerate.
 #[derive(Clone, Copy, Debug)]
@@ -26,14 +27,15 @@ pub(in crate::equations) enum Accelerations<'a, S> {
 /// Fills `workspace.wrenches` with each body's own wrench, those of its children left out.
 ///
 /// Expects the joints at q.
-pub(in crate::equations) fn link_wrenches<S: Scalar>(
-    model: &Prepared<S>,
+pub(in crate::equations) fn link_wrenches<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     qd: &[S],
     accelerations: Accelerations<'_, S>,
     workspace: &mut Workspace<S>,
 ) {
+    let model = tree.mechanism();
     for (i, body) in model.bodies.iter().enumerate() {
-        let carried = carried(model, i, workspace);
+        let carried = carried(tree, i, workspace);
         let own = match accelerations {
             Accelerations::Given(qdd) | Accelerations::AgainstFall(qdd) => {
                 Some(model.rates(i, qdd))
@@ -54,44 +56,6 @@ pub(in crate::equations) fn link_wrenches<S: Scalar>(
         workspace.fields[i] = field;
         workspace.wrenches[i] = field.wrench(&body.minimal);
     }
-}
-
-/// What body `i`'s joint has in front of it, from its parent's motion.
-pub(in crate::equations) fn carried<S: Scalar>(
-    model: &Prepared<S>,
-    i: usize,
-    workspace: &Workspace<S>,
-) -> Carried<S> {
-    let (body, motion) = (&model.bodies[i], &workspace.motions[i]);
-    match body.parent {
-        None => {
-            let (zero, a) = (Vector3::zero(), body.to_child(motion, -model.gravity));
-            Carried { omega: zero, alpha: zero, a }
-        }
-        Some(parent) if body.parents.is_empty() => {
-            carried_by(&workspace.fields[parent], body, motion)
-        }
-        Some(_) => {
-            let at_rest = Field { a: -model.gravity, ..Field::zero() };
-            let of = |p: Option<usize>| p.map_or(at_rest, |p| workspace.fields[p]);
-            let get =
-                |part: fn(&Field<S>) -> Vector3<S>| Vector3(body.from_parents(|p| part(&of(p)).0));
-            let field = Field::turning(get(|f| f.omega), get(|f| f.alpha));
-            carried_by(&Field { a: get(|f| f.a), ..field }, body, motion)
-        }
-    }
-}
-
-/// What `body`'s joint has in front of it, where `parent` is its parent's motion.
-pub(in crate::equations) fn carried_by<S: Scalar>(
-    parent: &Field<S>,
-    body: &Body<S>,
-    motion: &Motion<S>,
-) -> Carried<S> {
-    let to_child = |v| body.to_child(motion, v);
-    let a = parent.a + parent.over_origin(body.placement.origin());
-    let (omega, alpha) = (to_child(parent.omega), to_child(parent.alpha));
-    Carried { omega, alpha, a: to_child(a) }
 }
 
 /// Whether body `i` is a base that floats in the world. (One with rotors does not fall freely.)

@@ -1,6 +1,22 @@
 //! U D U^T of the mass matrix by modules: block reverse Gaussian elimination.
 
-pub mod brge;
-pub(super) mod elimination;
-pub mod limbs;
-pub mod partition;
+pub(super) mod blocks;
+mod layout;
+pub(super) mod limb_coupling;
+mod matrix;
+pub(super) mod partition;
+pub(super) mod recursive;
+mod solve;
+
+pub(super) use recursive::factorize_tree;
+
+pub use {
+    layout::Layout,
+    limb_coupling::{FactorLayout, Factorizable, MergedLayout, cross_limb},
+    matrix::factorize_matrix,
+    partition::{Block, Partition},
+    solve::{
+        condition_number, diagonal, diagonal_inverse, inverse, log_determinant, solve,
+        solve_column, upper, upper_inverse,
+    },
+};

@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use crate::Scalar;
 use crate::mechanism::Prepared;
 use crate::model::ModuleTree;
 
@@ -48,4 +49,13 @@ impl Partition {
 fn bodies<S>(model: &Prepared<S>, links: &Range<usize>) -> Range<usize> {
     let start = links.start.checked_sub(1).map_or(0, |before| model.links[before] + 1);
     start..model.links[links.end - 1] + 1
+}
+
+/// V of a split block.
+pub(in crate::equations) fn factor<'a, S: Scalar>(
+    block: &Block,
+    pivots: &'a [S],
+) -> impl Fn(usize, usize) -> S + Copy + 'a {
+    let (start, size) = (block.pivot, block.dofs.len());
+    move |row, column| pivots[start + row * size + column]
 }

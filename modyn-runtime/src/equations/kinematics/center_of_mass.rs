@@ -1,9 +1,9 @@
 //! The centre of mass of the moving links.
 
+use super::first_moment::{accumulate_masses, first_moment};
 use super::kinematic_path;
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::dynamics::gravity;
 use crate::mechanism::Prepared;
 use crate::spatial::{RigidInertia, Vector3};
 
@@ -28,7 +28,7 @@ pub(in crate::equations) fn at_joints<S: Scalar>(
     workspace: &mut Workspace<S>,
 ) -> Vector3<S> {
     let share = total_mass(model).recip();
-    let moving = gravity::first_moment(model, workspace, |body| shared(&body.minimal, share));
+    let moving = first_moment(model, workspace, |body| shared(&body.minimal, share));
     moving + model.immobile.first_moment.scale(share)
 }
 
@@ -42,7 +42,7 @@ pub fn center_of_mass_jacobian<S: Scalar>(
 ) {
     workspace.move_to(model, q);
     let share = total_mass(model).recip();
-    gravity::gather(model, workspace, |body| shared(&body.minimal, share));
+    accumulate_masses(model, workspace, |body| shared(&body.minimal, share));
     columns.fill(Vector3::zero());
     for (i, body) in model.bodies.iter().enumerate() {
         kinematic_path::turn_axes(model, i, workspace);

@@ -1,9 +1,9 @@
 //! Where the links stand and how they move.
 
+use super::acceleration::carried_by;
 use super::kinematic_path::{self, Own, Relative};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::dynamics::newton_euler::carried_by;
 use crate::mechanism::{Body, BodyFrame, Prepared};
 use crate::spatial::{Field, Matrix3, Pose, Twist, Vector3};
 

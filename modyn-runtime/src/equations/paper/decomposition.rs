@@ -13,7 +13,7 @@ use super::Dense;
 use super::denoc::{DeNoc, denoc};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::factorization::partition::Partition;
+use crate::equations::factorization::Partition;
 use crate::mechanism::Prepared;
 use crate::model::ModuleTree;
 

@@ -4,7 +4,7 @@ use alloc::{vec, vec::Vec};
 use core::ops::Range;
 
 use crate::Scalar;
-use crate::equations::factorization::elimination::{solve_lower, solve_upper, split_block};
+use crate::equations::factorization::blocks::{factor_udu, solve_lower, solve_upper};
 use crate::spatial::Twist;
 
 /// A dense matrix by rows, to be handed to whatever linear algebra is at hand.
@@ -128,7 +128,7 @@ impl<S: Scalar> Dense<S> {
     pub(in crate::equations) fn symmetric_inverse(&self) -> Self {
         let n = self.rows;
         let (mut v, mut reciprocals) = (self.entries.clone(), vec![S::zero(); n]);
-        split_block(&mut v, n, &mut reciprocals);
+        factor_udu(&mut v, n, &mut reciprocals);
         let factor = |row: usize, column: usize| v[row * n + column];
         let mut inverse = Self::identity(n);
         // Its columns are rows too: it is symmetric.

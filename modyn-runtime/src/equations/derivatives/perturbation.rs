@@ -2,69 +2,51 @@
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::dynamics::newton_euler::{carried, is_base};
+use crate::equations::dynamics::newton_euler::is_base;
+use crate::equations::kinematics::acceleration::carried;
 use crate::joint::Primitive;
-use crate::mechanism::Prepared;
-use crate::spatial::{Field, Matrix3, Vector3};
+use crate::mechanism::BodyTree;
+use crate::spatial::{AccelerationPerturbation, Field, Matrix3, Vector3};
 
-/// A change of the accelerations of all points behind a joint: at x, moving with x', by
-/// gradient x x + turning x 2 x' + uniform.
-///
-/// In the axes of the joint's body, about its origin, x' against fixed axes. A displacement of the
-/// whole with its motion is left out.
-#[derive(Clone, Copy, Debug)]
-pub struct Deviation<S> {
-    pub(super) gradient: Vector3<S>,
-    /// gradient - 2 omega x turning, with the body's omega: what is left of the gradient where x'
-    /// is against the body, since then there is 2 omega x (turning x x) as well.
-    pub(super) relative: Vector3<S>,
-    pub(super) turning: Vector3<S>,
-    pub(super) uniform: Vector3<S>,
-}
-
-impl<S: Scalar> Deviation<S> {
-    /// None.
-    #[must_use]
-    pub fn zero() -> Self {
-        let zero = Vector3::zero();
-        Self { gradient: zero, relative: zero, turning: zero, uniform: zero }
-    }
-}
-
-/// Fills in the deviations by the coordinates. Expects the bodies' accelerations.
+/// Fills in the perturbations by the coordinates. Expects the bodies' accelerations.
 ///
 /// `falling` takes a floating base to be in free fall, whatever its place and velocity.
-pub(super) fn by_coordinates<S: Scalar>(
-    model: &Prepared<S>,
+pub(super) fn by_coordinates<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     qd: &[S],
     falling: bool,
     workspace: &mut Workspace<S>,
 ) {
+    let model = tree.mechanism();
     for i in 0..model.bodies.len() {
-        let in_front = InFront::of(model, i, qd, falling, workspace);
+        let in_front = AncestorMotion::of(tree, i, qd, falling, workspace);
         for d in model.bodies[i].dofs.clone() {
-            workspace.deviations[d] = in_front.displaced(model.dofs[d].component);
+            workspace.perturbations[d] = in_front.displaced(model.dofs[d].component);
         }
     }
 }
 
-/// Fills in the deviations by the rates. Expects the bodies' angular velocities.
-pub(super) fn by_rates<S: Scalar>(
-    model: &Prepared<S>,
+/// Fills in the perturbations by the rates. Expects the bodies' angular velocities.
+pub(super) fn by_rates<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     qd: &[S],
     falling: bool,
     workspace: &mut Workspace<S>,
 ) {
+    let model = tree.mechanism();
     for i in 0..model.bodies.len() {
-        let in_front = InFront::of(model, i, qd, falling, workspace);
+        let in_front = AncestorMotion::of(tree, i, qd, falling, workspace);
         let sum = in_front.omega + workspace.fields[i].omega;
         for d in model.bodies[i].dofs.clone() {
-            workspace.deviations[d] = match model.dofs[d].component.checked_sub(3) {
-                Some(_) if falling && is_base(model, i) => Deviation::zero(),
-                Some(k) => Deviation { uniform: sum.cross(Vector3::unit(k)), ..Deviation::zero() },
+            workspace.perturbations[d] = match model.dofs[d].component.checked_sub(3) {
+                Some(_) if falling && is_base(model, i) => AccelerationPerturbation::zero(),
+                Some(k) => AccelerationPerturbation {
+                    uniform: sum.cross(Vector3::unit(k)),
+                    ..AccelerationPerturbation::zero()
+                },
                 None => {
                     let s = Vector3::unit(model.dofs[d].component);
-                    Deviation {
+                    AccelerationPerturbation {
                         gradient: sum.cross(s),
                         relative: in_front.back.cross(s),
                         turning: s,
@@ -78,7 +60,7 @@ pub(super) fn by_rates<S: Scalar>(
 
 /// How the frame in front of a joint moves, in the axes behind it, at the point that the origin
 /// behind it passes.
-struct InFront<S> {
+struct AncestorMotion<S> {
     omega: Vector3<S>,
     /// E of [`Field`].
     gradient: Matrix3<S>,
@@ -89,14 +71,15 @@ struct InFront<S> {
     back: Vector3<S>,
 }
 
-impl<S: Scalar> InFront<S> {
-    fn of(
-        model: &Prepared<S>,
+impl<S: Scalar> AncestorMotion<S> {
+    fn of<T: BodyTree<S>>(
+        tree: &T,
         i: usize,
         qd: &[S],
         falling: bool,
         workspace: &Workspace<S>,
     ) -> Self {
+        let model = tree.mechanism();
         let (motion, field) = (&workspace.motions[i], &workspace.fields[i]);
         let zero = Vector3::zero();
         match model.bodies[i].primitive {
@@ -109,7 +92,7 @@ impl<S: Scalar> InFront<S> {
                 back: zero,
             },
             Primitive::Spherical | Primitive::Floating => {
-                let carried = carried(model, i, workspace);
+                let carried = carried(tree, i, workspace);
                 let back = carried.omega - field.omega;
                 let field = Field::turning(carried.omega, carried.alpha);
                 let mut a = carried.a;
@@ -127,10 +110,13 @@ impl<S: Scalar> InFront<S> {
         }
     }
 
-    /// The deviation by a displacement in `component`, which stays as it is in front of the joint.
-    fn displaced(&self, component: usize) -> Deviation<S> {
+    /// The perturbation by a displacement in `component`, which stays as it is in front of the joint.
+    fn displaced(&self, component: usize) -> AccelerationPerturbation<S> {
         if let Some(k) = component.checked_sub(3) {
-            return Deviation { uniform: self.gradient.column(k), ..Deviation::zero() };
+            return AccelerationPerturbation {
+                uniform: self.gradient.column(k),
+                ..AccelerationPerturbation::zero()
+            };
         }
         let s = Vector3::unit(component);
         let turning = self.omega.cross(s);
@@ -138,6 +124,11 @@ impl<S: Scalar> InFront<S> {
         let uniform = self.a.cross(s) + (passing + passing);
         // E_p s - 2 omega_p x (omega_p x s) = -E_p^T s
         let relative = (self.back + self.back).cross(turning) - self.gradient.row(component);
-        Deviation { gradient: self.gradient.column(component), relative, turning, uniform }
+        AccelerationPerturbation {
+            gradient: self.gradient.column(component),
+            relative,
+            turning,
+            uniform,
+        }
     }
 }

@@ -8,11 +8,14 @@
 //!
 //! No joint mimics another here: each degree of freedom is an entry of the joint vectors.
 
-use super::partition::Block;
+use super::blocks::{factor_udu, solve_lower, solve_upper};
+use super::layout::Layout;
+use super::matrix::store_v;
+use super::partition::{Block, factor};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::mechanism::Prepared;
-use crate::spatial::ArticulatedInertia;
+use crate::mechanism::{BodyTree, Prepared};
+use crate::spatial::{ArticulatedInertia, Wrench};
 
 /// Sets each body's inertia to its own.
 pub(in crate::equations) fn start<S: Scalar>(model: &Prepared<S>, workspace: &mut Workspace<S>) {
@@ -24,11 +27,12 @@ pub(in crate::equations) fn start<S: Scalar>(model: &Prepared<S>, workspace: &mu
 
 /// Forms the module's pivot block and its columns Psi at the module's first body, and gathers the
 /// inertia of the bodies behind there.
-pub(in crate::equations) fn pivot<S: Scalar>(
-    model: &Prepared<S>,
+pub(in crate::equations) fn pivot<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     block: &Block,
     workspace: &mut Workspace<S>,
 ) {
+    let model = tree.mechanism();
     let (start, size) = (block.dofs.start, block.dofs.len());
     for i in block.bodies.clone().rev() {
         let (composite, articulated) = (workspace.composite[i], workspace.articulated[i]);
@@ -64,7 +68,7 @@ pub(in crate::equations) fn pivot<S: Scalar>(
             continue;
         }
         if let Some(whole) = whole {
-            leave(model, workspace, i, &whole);
+            propagate_to_parent(tree, workspace, i, &whole);
         } else {
             let carried = model.bodies[i].rigid_to_parent(&workspace.motions[i], &composite);
             workspace.composite[i - 1] = workspace.composite[i - 1] + carried;
@@ -72,74 +76,26 @@ pub(in crate::equations) fn pivot<S: Scalar>(
     }
 }
 
-/// Splits the pivot block as V Delta V^T in place: V above the diagonal, Delta's reciprocals aside.
+/// Splits the module's pivot block as V Delta V^T in place.
 pub(in crate::equations) fn split<S: Scalar>(block: &Block, workspace: &mut Workspace<S>) {
     let size = block.dofs.len();
     let v = &mut workspace.pivots[block.pivot..block.pivot + size * size];
-    split_block(v, size, &mut workspace.reciprocals[block.dofs.clone()]);
-}
-
-/// The same of a block by rows.
-pub(in crate::equations) fn split_block<S: Scalar>(
-    v: &mut [S],
-    size: usize,
-    reciprocals: &mut [S],
-) {
-    for a in (0..size).rev() {
-        let reciprocal = v[a * size + a].recip();
-        reciprocals[a] = reciprocal;
-        for b in 0..a {
-            let factor = v[b * size + a] * reciprocal;
-            for c in 0..=b {
-                v[c * size + b] = v[c * size + b] - factor * v[c * size + a];
-            }
-        }
-        for b in 0..a {
-            v[b * size + a] = v[b * size + a] * reciprocal;
-        }
-    }
-}
-
-/// x := V^-1 x, backwards; `v(row, column)` is V above its diagonal.
-pub(in crate::equations) fn solve_upper<S: Scalar>(v: impl Fn(usize, usize) -> S, x: &mut [S]) {
-    for a in (0..x.len()).rev() {
-        for b in 0..a {
-            x[b] = x[b] - v(b, a) * x[a];
-        }
-    }
-}
-
-/// x := V^-T x, forwards.
-pub(in crate::equations) fn solve_lower<S: Scalar>(v: impl Fn(usize, usize) -> S, x: &mut [S]) {
-    for a in 0..x.len() {
-        for b in 0..a {
-            x[a] = x[a] - v(b, a) * x[b];
-        }
-    }
-}
-
-/// V of a split block.
-pub(in crate::equations) fn factor<'a, S: Scalar>(
-    block: &Block,
-    pivots: &'a [S],
-) -> impl Fn(usize, usize) -> S + Copy + 'a {
-    let (start, size) = (block.pivot, block.dofs.len());
-    move |row, column| pivots[start + row * size + column]
+    factor_udu(v, size, &mut workspace.reciprocals[block.dofs.clone()]);
 }
 
 /// By component: the degree of freedom of the module's first joint that moves it, where nothing
 /// is left for the parent: what the joint does not hold, it gives way to. (A rotor holds.)
-pub(in crate::equations) fn freed<S: Scalar>(
+pub(in crate::equations) fn motion_subspace<S: Scalar>(
     model: &Prepared<S>,
     block: &Block,
 ) -> [Option<usize>; 6] {
-    let mut freed = [None; 6];
+    let mut subspace = [None; 6];
     for d in model.bodies[block.bodies.start].dofs.clone() {
         if model.dofs[d].armature.is_none() {
-            freed[model.dofs[d].component] = Some(d);
+            subspace[model.dofs[d].component] = Some(d);
         }
     }
-    freed
+    subspace
 }
 
 /// Turns the columns Psi into V^-1 Psi^T and, over Delta, into `gains`: row by row but the freed
@@ -149,9 +105,9 @@ pub(in crate::equations) fn reduce_columns<S: Scalar>(
     block: &Block,
     workspace: &mut Workspace<S>,
 ) {
-    let freed = freed(model, block);
+    let subspace = motion_subspace(model, block);
     let v = factor(block, &workspace.pivots);
-    for row in (0..6).filter(|&row| freed[row].is_none()) {
+    for row in (0..6).filter(|&row| subspace[row].is_none()) {
         solve_upper(v, &mut workspace.columns[row][block.dofs.clone()]);
         for d in block.dofs.clone() {
             workspace.gains[row][d] = workspace.columns[row][d] * workspace.reciprocals[d];
@@ -160,20 +116,21 @@ pub(in crate::equations) fn reduce_columns<S: Scalar>(
 }
 
 /// Gives the module's inertia, with its joints eliminated, to the link it hangs on: (48).
-pub(in crate::equations) fn eliminate<S: Scalar>(
-    model: &Prepared<S>,
+pub(in crate::equations) fn eliminate<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     block: &Block,
     workspace: &mut Workspace<S>,
 ) {
+    let model = tree.mechanism();
     let first = block.bodies.start;
-    let freed = freed(model, block);
-    if freed.iter().all(Option::is_some) {
+    let subspace = motion_subspace(model, block);
+    if subspace.iter().all(Option::is_some) {
         return;
     }
     let rigid = workspace.composite[first].articulated();
     let whole = workspace.articulated[first].map_or(rigid, |a| a + rigid);
     let left = ArticulatedInertia::from_fn(|row, column| {
-        if freed[row].is_some() || freed[column].is_some() {
+        if subspace[row].is_some() || subspace[column].is_some() {
             return S::zero();
         }
         let taken = block
@@ -183,18 +140,78 @@ pub(in crate::equations) fn eliminate<S: Scalar>(
             .reduce(|sum, x| sum + x);
         taken.map_or(whole.entry(row, column), |taken| whole.entry(row, column) - taken)
     });
-    leave(model, workspace, first, &left);
+    propagate_to_parent(tree, workspace, first, &left);
 }
 
 /// Adds an articulated inertia at body `i` to what its parent carries.
-fn leave<S: Scalar>(
-    model: &Prepared<S>,
+fn propagate_to_parent<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     workspace: &mut Workspace<S>,
     i: usize,
     inertia: &ArticulatedInertia<S>,
 ) {
-    model.bodies[i].articulated_to_parents(&workspace.motions[i], inertia, |parent, carried| {
+    tree.articulated_to_parents(i, &workspace.motions[i], inertia, |parent, carried| {
         let sum = workspace.articulated[parent].map_or(carried, |a| a + carried);
         workspace.articulated[parent] = Some(sum);
     });
+}
+
+/// Fills `factors` with D, its factors and U at `q`, by the recursion over the tree.
+pub(in crate::equations) fn factorize_tree<S: Scalar>(
+    model: &Prepared<S>,
+    layout: &Layout,
+    q: &[S],
+    workspace: &mut Workspace<S>,
+    factors: &mut [S],
+) {
+    workspace.make_room(layout.pivots(), 0, 0);
+    workspace.move_to(model, q);
+    start(model, workspace);
+    for (m, block) in layout.blocks().iter().enumerate().rev() {
+        let first = block.bodies.start;
+        pivot(model, block, workspace);
+        factors[layout.d(m)].copy_from_slice(&workspace.pivots[layout.d(m)]);
+        split(block, workspace);
+        store_v(layout, m, &workspace.pivots, factors);
+        for d in block.dofs.clone() {
+            factors[layout.reciprocals().start + d] = workspace.reciprocals[d];
+        }
+        if model.bodies[first].parent.is_none() {
+            continue;
+        }
+        reduce_columns(model, block, workspace);
+        eliminate(model, block, workspace);
+        // (46): the columns of Psi I_hat^-1, carried inwards, as each joint there feels them.
+        finish_gains(model, block, workspace);
+        for (j, d) in block.dofs.clone().enumerate() {
+            let mut wrench =
+                Wrench::from_components(core::array::from_fn(|row| workspace.gains[row][d]));
+            let mut at = first;
+            for (other, row) in layout.rows(m).rev() {
+                while at != model.dofs[other].body {
+                    let body = &model.bodies[at];
+                    wrench = body.wrench_to_parent(&workspace.motions[at], wrench);
+                    let Some(parent) = body.parent else { break };
+                    at = parent;
+                }
+                let component = model.dofs[other].component;
+                factors[layout.u().start + row + j] = wrench.components()[component];
+            }
+        }
+    }
+}
+
+/// Turns the gains Psi V^-T Delta^-1 into Psi I_hat^-1, all six rows.
+fn finish_gains<S: Scalar>(model: &Prepared<S>, block: &Block, workspace: &mut Workspace<S>) {
+    let subspace = motion_subspace(model, block);
+    for (row, free) in subspace.into_iter().enumerate() {
+        let gains = &mut workspace.gains[row][block.dofs.clone()];
+        if let Some(d) = free {
+            // Psi's row along a freed component is a row of I_hat itself.
+            gains.fill(S::zero());
+            gains[d - block.dofs.start] = S::one();
+        } else {
+            solve_lower(factor(block, &workspace.pivots), gains);
+        }
+    }
 }
