@@ -4,12 +4,12 @@ use modyn_codegen::expr::{Expr, Graph};
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::{Limbs, Parameters, Tracer};
 use modyn_codegen::urdf::{self, Base, ReadOptions};
-use modyn_runtime::Scalar;
 use modyn_runtime::equations::Partition;
 use modyn_runtime::equations::brge::Layout;
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Prepared;
 use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::{LaneScalar, Scalar};
 
 /// Three unequal fingers on a turning palm, and two on it that are no fingers.
 const HAND: &str = r#"
