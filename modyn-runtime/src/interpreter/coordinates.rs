@@ -1,6 +1,7 @@
 //! Moving in the space of the coordinates.
 
-use super::{Interpreter, ShapeError, check};
+use super::Interpreter;
+use super::errors::{ShapeError, check};
 use crate::Scalar;
 use crate::equations::kinematics::coordinates;
 

@@ -1,6 +1,7 @@
 //! Derivatives of inverse and forward dynamics.
 
-use super::{Interpreter, ShapeError, check};
+use super::Interpreter;
+use super::errors::{ShapeError, check};
 use crate::Scalar;
 use crate::equations::brge::Layout;
 use crate::equations::derivatives;

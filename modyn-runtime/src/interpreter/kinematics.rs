@@ -1,46 +1,10 @@
-//! Where the links stand and how they move, one link at a time; the centre of mass and the
-//! momentum about it.
+//! Poses, motion and Jacobians of the links.
 
-use core::fmt;
-
-use super::{Interpreter, ShapeError, check};
+use super::Interpreter;
+use super::errors::{FrameError, ShapeError, check};
 use crate::Scalar;
-use crate::equations::dynamics::{centroidal_momentum, centroidal_momentum_matrix};
-use crate::equations::kinematics::{self, Axes, center_of_mass, center_of_mass_jacobian};
-use crate::spatial::{Momentum, Pose, Twist, Vector3};
-
-/// Why a quantity of one link cannot be computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FrameError {
-    /// There is no link of that index.
-    NoFrame {
-        /// The index.
-        frame: usize,
-        /// How many links the description has.
-        count: usize,
-    },
-    /// A slice has the wrong length.
-    Shape(ShapeError),
-}
-
-impl fmt::Display for FrameError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoFrame { frame, count } => {
-                write!(f, "there is no link {frame}; the description has {count}")
-            }
-            Self::Shape(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for FrameError {}
-
-impl From<ShapeError> for FrameError {
-    fn from(error: ShapeError) -> Self {
-        Self::Shape(error)
-    }
-}
+use crate::equations::kinematics::{self, Axes};
+use crate::spatial::{Pose, Twist};
 
 /// Quantities of one link: `frame` is its index in [`Model::frames`](crate::model::Model::frames),
 /// fixed ones too, which [`Model::frame_index`](crate::model::Model::frame_index) finds by name.
@@ -241,59 +205,19 @@ impl<S: Scalar> Interpreter<S> {
     }
 }
 
-/// Quantities of the moving links as a whole, in world axes.
+/// All links at once.
 impl<S: Scalar> Interpreter<S> {
-    /// The centre of mass, m; not a number where there is no mass.
+    /// The poses in the world of all links of the description, fixed ones too, in the order of
+    /// [`Model::frames`](crate::model::Model::frames).
     ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
-    pub fn center_of_mass(&mut self, q: &[S]) -> Result<Vector3<S>, ShapeError> {
+    pub fn link_poses(&mut self, q: &[S], poses: &mut [Pose<S>]) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
-        Ok(center_of_mass(&self.prepared, q, &mut self.workspace))
-    }
-
-    /// The Jacobian of the centre of mass into `columns` (nv): its velocity is their sum times qd.
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn center_of_mass_jacobian(
-        &mut self,
-        q: &[S],
-        columns: &mut [Vector3<S>],
-    ) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
-        check("columns", columns, self.model.nv())?;
-        center_of_mass_jacobian(&self.prepared, q, &mut self.workspace, columns);
+        check("poses", poses, self.model.frames().len())?;
+        let Self { prepared, workspace, body_poses, .. } = self;
+        kinematics::link_poses(prepared, q, workspace, body_poses, poses);
         Ok(())
-    }
-
-    /// The centroidal momentum matrix A into `columns` (nv): the momentum about the centre of mass
-    /// is A qd.
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn centroidal_momentum_matrix(
-        &mut self,
-        q: &[S],
-        columns: &mut [Momentum<S>],
-    ) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
-        check("columns", columns, self.model.nv())?;
-        centroidal_momentum_matrix(&self.prepared, q, &mut self.workspace, columns);
-        Ok(())
-    }
-
-    /// The momentum about the centre of mass.
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn centroidal_momentum(&mut self, q: &[S], qd: &[S]) -> Result<Momentum<S>, ShapeError> {
-        check("q", q, self.model.nq())?;
-        check("qd", qd, self.model.nv())?;
-        Ok(centroidal_momentum(&self.prepared, (q, qd), &mut self.workspace))
     }
 }

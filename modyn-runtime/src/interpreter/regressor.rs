@@ -1,6 +1,7 @@
 //! The regressor of the inertial parameters.
 
-use super::{Interpreter, ShapeError, check};
+use super::Interpreter;
+use super::errors::{ShapeError, check};
 use crate::Scalar;
 use crate::equations::identification::regressor;
 use crate::model::PARAMETERS_PER_LINK;
