@@ -1,7 +1,7 @@
 //! Whether single precision carries a robot's dynamics.
 
 use modyn_runtime::equations::kinematics::coordinates;
-use modyn_runtime::mechanism::Prepared;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::Model;
 use modyn_runtime::{Interpreter, jacobi};
 
@@ -28,7 +28,7 @@ pub fn condition_number(model: &Model) -> Option<f64> {
     if nv > MOST_VELOCITIES {
         return None;
     }
-    let prepared = Prepared::new(model);
+    let prepared = Mechanism::new(model);
     let mut interpreter = Interpreter::<f64>::new(model.clone());
     let mut q = vec![0.0; model.nq()];
     let mut matrix = vec![0.0; nv * nv];

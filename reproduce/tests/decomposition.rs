@@ -4,7 +4,7 @@
 use modyn_codegen::expr::{Expr, Graph};
 use modyn_reproduce::{dense, robots};
 use modyn_runtime::equations::{Workspace, paper::Decomposition, paper::Dense};
-use modyn_runtime::mechanism::Prepared;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{DecompositionError, Interpreter};
 
@@ -442,7 +442,7 @@ fn the_matrices_are_symbolic_too() {
         let case = case(&model, modules.clone(), 3).expect("no mimics");
         let d = &case.decomposition;
         let graph = Graph::trace(|| {
-            let prepared = Prepared::new(&model).cast::<Expr>();
+            let prepared = Mechanism::new(&model).cast::<Expr>();
             let q: Vec<Expr> = (0..model.nq()).map(Expr::input).collect();
             let workspace = &mut Workspace::new(&prepared);
             let d = Decomposition::new(&prepared, &modules, &q, workspace).expect("no mimics");

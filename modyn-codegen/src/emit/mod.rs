@@ -23,10 +23,10 @@ mod types;
 use std::fmt::Write as _;
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::equations::Partition;
-use modyn_runtime::equations::brge::Layout;
+use modyn_runtime::equations::ModulePartition;
+use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::Elimination;
-use modyn_runtime::mechanism::Prepared;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 
 use crate::error::Diagnostic;
@@ -127,13 +127,13 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
         options.krate = format!("self::{}", embedded::MODULE);
     }
     let options = &options;
-    let prepared = Prepared::new(model);
+    let prepared = Mechanism::new(model);
     let parameters = Parameters::new(model, options.runtime_gravity, &options.payload);
     let tracer = Tracer::with_parameters(&prepared, parameters);
     let Choice { modules: eliminated, graph: forward_dynamics, candidates } =
         partition::choose(model, &prepared, &tracer);
     let type_name = options.type_name.clone().unwrap_or_else(|| names::type_name(model.name()));
-    let layout = Layout::new(&prepared, modules);
+    let layout = UduLayout::new(&prepared, modules);
     let robot =
         Robot { model, modules, options, layout: &layout, tracer: &tracer, name: &type_name };
     let elimination = Elimination::new(&prepared, &eliminated);
@@ -143,8 +143,11 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     // What is cheapest limb by limb need not be so side by side.
     let uniform = [ModuleTree::links(model), partition::whole_chains(model)];
     let others = uniform.iter().filter(|modules| !limbs.is_empty() && **modules != eliminated);
-    let partitions: Vec<Partition> =
-        [&eliminated].into_iter().chain(others).map(|m| Partition::new(&prepared, m)).collect();
+    let partitions: Vec<ModulePartition> = [&eliminated]
+        .into_iter()
+        .chain(others)
+        .map(|m| ModulePartition::new(&prepared, m))
+        .collect();
     let source = Source {
         tracer: &tracer,
         limbs: &limbs,
@@ -153,7 +156,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
         vectors: !options.self_contained && !options.share,
         elimination: &elimination,
         layout: &layout,
-        for_derivatives: &Layout::new(&prepared, &partition::whole_chains(model)),
+        for_derivatives: &UduLayout::new(&prepared, &partition::whole_chains(model)),
         forward_dynamics: &forward_dynamics,
     };
     // Batches are the runtime's to run; a tree has no loops.
@@ -223,7 +226,7 @@ struct Robot<'a> {
     model: &'a Model,
     modules: &'a ModuleTree,
     options: &'a EmitOptions,
-    layout: &'a Layout,
+    layout: &'a UduLayout,
     tracer: &'a Tracer<'a>,
     name: &'a str,
 }

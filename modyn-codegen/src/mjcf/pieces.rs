@@ -4,7 +4,7 @@ use mjcf_rs::body::{Body, InertiaSpec, Joint, JointType as Type};
 use mjcf_rs::compiler::InertiaFromGeom;
 use modyn_runtime::conventions::rotation_from_quaternion;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Drive, Inertial, Limits};
+use modyn_runtime::model::{Inertial, JointDynamics, Limits};
 use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
 
@@ -41,7 +41,7 @@ struct JointPiece {
     origin: Pose<f64>,
     axis: [f64; 3],
     limits: Option<Limits>,
-    drive: Drive,
+    drive: JointDynamics,
 }
 
 impl Pieces {
@@ -131,7 +131,7 @@ impl Pieces {
                 origin: frame,
                 axis: [0.0, 0.0, 1.0],
                 limits: None,
-                drive: Drive::default(),
+                drive: JointDynamics::default(),
             });
             above = child;
         }
@@ -217,7 +217,7 @@ impl Reader<'_, '_, '_, '_> {
             refuse(Code::NotRead, "its spring is not read", help);
         }
         let Joint { armature, damping, frictionloss: friction, .. } = *joint;
-        let drive = Drive { armature, damping, friction };
+        let drive = JointDynamics { armature, damping, friction };
         let figures = [armature, damping, friction];
         if figures.iter().any(|&figure| figure < 0.0) {
             let help = "write figures of at least 0: they work against the motion";

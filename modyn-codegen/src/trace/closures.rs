@@ -4,7 +4,7 @@
 //! three linear ones.
 
 use modyn_runtime::ClosureSettings;
-use modyn_runtime::equations::brge::Layout;
+use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::{ClosureWorkspace, Workspace, closures};
 use modyn_runtime::spatial::{Twist, Wrench};
 
@@ -15,7 +15,7 @@ impl Tracer<'_> {
     /// The accelerations, then a wrench a closure, from `q`, `qd`, `tau` and settings, through the
     /// factors of the GIM in this layout.
     #[must_use]
-    pub fn constrained_forward_dynamics(&self, layout: &Layout) -> Graph {
+    pub fn constrained_forward_dynamics(&self, layout: &UduLayout) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
         self.trace_groups([nq, nv, nv, 3], |model, [q, qd, tau, settings]| {
             let (mut qdd, mut forces) = (self.vector(), vec![Wrench::zero(); model.closures.len()]);
@@ -46,7 +46,7 @@ impl Tracer<'_> {
 
     /// The step and the change of velocities from `q`, `qd` and settings.
     #[must_use]
-    pub fn closing_step(&self, layout: &Layout) -> Graph {
+    pub fn closing_step(&self, layout: &UduLayout) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
         self.trace_groups([nq, nv, 3], |model, [q, qd, settings]| {
             let (mut dq, mut dqd) = (self.vector(), self.vector());

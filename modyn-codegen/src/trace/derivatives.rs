@@ -2,9 +2,9 @@
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::Workspace;
-use modyn_runtime::equations::brge::Layout;
+use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::derivatives::{self, ForwardDerivatives};
-use modyn_runtime::equations::factorization::{MergedLayout, cross_limb};
+use modyn_runtime::equations::factorization::{MergedUduLayout, cross_limb};
 use modyn_runtime::mechanism::MergedMechanism;
 
 use super::Tracer;
@@ -26,16 +26,16 @@ impl Tracer<'_> {
     /// The accelerations from `q`, `qd`, `tau` and their derivatives by q, qd and tau, column by
     /// column, through the factors of the GIM in this layout.
     #[must_use]
-    pub fn forward_dynamics_derivatives(&self, layout: &Layout) -> Graph {
+    pub fn forward_dynamics_derivatives(&self, layout: &UduLayout) -> Graph {
         let Some(limbs) = self.limbs else {
             return self.trace(|model, state| {
                 let model = &self.with_column_lanes(model);
-                let layout = &MergedLayout::new(model, layout.clone());
+                let layout = &MergedUduLayout::new(model, layout.clone());
                 derive(model, layout, state, &mut Workspace::new(model)).concat()
             });
         };
         self.trace_lanes(limbs, |model, state| {
-            let layout = MergedLayout::by_modules(model, limbs.partition(layout.partition()));
+            let layout = MergedUduLayout::by_modules(model, limbs.partition(layout.partition()));
             let workspace = &mut Workspace::new(model);
             let [qdd, dq, dqd, dtau] = derive(model, &layout, state, workspace);
             let [q, qd, tau] = [&dq, &dqd, &dtau].map(|x| cross_limb(model, &layout, workspace, x));
@@ -52,7 +52,7 @@ impl Tracer<'_> {
 /// The accelerations from `q`, `qd`, `tau` and their derivatives by these.
 fn derive(
     model: &MergedMechanism<Expr>,
-    layout: &MergedLayout,
+    layout: &MergedUduLayout,
     [q, qd, tau]: [Vec<Expr>; 3],
     workspace: &mut Workspace<Expr>,
 ) -> [Vec<Expr>; 4] {

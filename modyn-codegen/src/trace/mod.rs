@@ -9,14 +9,14 @@ mod parameters;
 mod regressor;
 
 use modyn_runtime::Scalar;
-use modyn_runtime::equations::brge::{self, Layout};
+use modyn_runtime::equations::brge::{self, UduLayout};
 use modyn_runtime::equations::dynamics::{
     Elimination, forward_dynamics, gravity_torques, inverse_dynamics, kinetic_energy, mass_matrix,
     potential_energy, recursive_forward_dynamics, recursive_newton_euler,
 };
 use modyn_runtime::equations::kinematics::{Axes, link_poses};
 use modyn_runtime::equations::{Forces, Workspace};
-use modyn_runtime::mechanism::{MergedMechanism, Prepared};
+use modyn_runtime::mechanism::{Mechanism, MergedMechanism};
 use modyn_runtime::spatial::{Pose, Wrench};
 
 use crate::expr::{Expr, Graph};
@@ -35,7 +35,7 @@ fn in_axes(forces: &[Wrench<Expr>], axes: Axes) -> Forces<'_, Expr> {
 ///
 /// Each quantity's inputs are numbered group by group in the order of its parameters.
 pub struct Tracer<'a> {
-    model: &'a Prepared<f64>,
+    model: &'a Mechanism<f64>,
     parameters: Parameters,
     /// Equal limbs that are computed side by side.
     limbs: Option<&'a Limbs>,
@@ -46,13 +46,13 @@ pub struct Tracer<'a> {
 impl<'a> Tracer<'a> {
     /// Traces equations of `model`, of which everything is known.
     #[must_use]
-    pub fn new(model: &'a Prepared<f64>) -> Self {
+    pub fn new(model: &'a Mechanism<f64>) -> Self {
         Self::with_parameters(model, Parameters::default())
     }
 
     /// Traces equations of `model`; `parameters` are further inputs, behind all others.
     #[must_use]
-    pub fn with_parameters(model: &'a Prepared<f64>, parameters: Parameters) -> Self {
+    pub fn with_parameters(model: &'a Mechanism<f64>, parameters: Parameters) -> Self {
         Self { model, parameters, limbs: None, columns: 1 }
     }
 
@@ -65,12 +65,12 @@ impl<'a> Tracer<'a> {
 
     /// The same with columns of derivatives side by side, of joints one behind the other.
     #[must_use]
-    pub fn columns_abreast(&self) -> Self {
+    pub fn column_lanes(&self) -> Self {
         Self { model: self.model, parameters: self.parameters.clone(), limbs: None, columns: 4 }
     }
 
     /// The robot.
-    pub(crate) fn model(&self) -> &Prepared<f64> {
+    pub(crate) fn model(&self) -> &Mechanism<f64> {
         self.model
     }
 
@@ -84,7 +84,7 @@ impl<'a> Tracer<'a> {
     fn trace_groups<const G: usize>(
         &self,
         lengths: [usize; G],
-        equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
+        equations: impl FnOnce(&Mechanism<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
         Graph::trace(|| {
             let mut model = self.model.cast();
@@ -102,7 +102,7 @@ impl<'a> Tracer<'a> {
     /// The inputs are coordinates, then vectors of velocities or the like.
     pub(super) fn trace<const G: usize>(
         &self,
-        equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
+        equations: impl FnOnce(&Mechanism<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
         let mut lengths = [self.model.nv; G];
         lengths[0] = self.model.nq;
@@ -134,7 +134,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// The robot with its limbs as they are.
-    fn with_column_lanes(&self, model: &Prepared<Expr>) -> MergedMechanism<Expr> {
+    fn with_column_lanes(&self, model: &Mechanism<Expr>) -> MergedMechanism<Expr> {
         MergedMechanism::with_column_lanes(model.clone(), self.columns)
     }
 
@@ -212,7 +212,7 @@ impl<'a> Tracer<'a> {
 
     fn with_forces(
         &self,
-        equations: impl FnOnce(&Prepared<Expr>, [&[Expr]; 3], &[Wrench<Expr>]) -> Vec<Expr>,
+        equations: impl FnOnce(&Mechanism<Expr>, [&[Expr]; 3], &[Wrench<Expr>]) -> Vec<Expr>,
     ) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
         self.trace_groups([nq, nv, nv, 6 * self.model.frames.len()], |model, [q, a, b, forces]| {
@@ -284,7 +284,7 @@ impl<'a> Tracer<'a> {
 
     /// The packed factors of U D U^T from `q`.
     #[must_use]
-    pub fn brge(&self, layout: &Layout) -> Graph {
+    pub fn brge(&self, layout: &UduLayout) -> Graph {
         self.trace(|model, [q]| {
             let mut factors = vec![Expr::zero(); layout.size()];
             let workspace = &mut Workspace::new(model);
@@ -294,7 +294,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// A full matrix, column by column, from the packed factors of U D U^T.
-    fn matrix(&self, layout: &Layout, fill: impl FnOnce(&[Expr], &mut [Expr])) -> Graph {
+    fn matrix(&self, layout: &UduLayout, fill: impl FnOnce(&[Expr], &mut [Expr])) -> Graph {
         let n = self.model.nv;
         self.trace_groups([layout.size()], |_, [factors]| {
             let mut columns = vec![Expr::zero(); n * n];
@@ -305,19 +305,19 @@ impl<'a> Tracer<'a> {
 
     /// U from the packed factors.
     #[must_use]
-    pub fn u(&self, layout: &Layout) -> Graph {
+    pub fn u(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| brge::upper(layout, &factors[layout.u()], columns))
     }
 
     /// D from the packed factors.
     #[must_use]
-    pub fn d(&self, layout: &Layout) -> Graph {
+    pub fn d(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| brge::diagonal(layout, factors, columns))
     }
 
     /// U^-1 from the packed factors.
     #[must_use]
-    pub fn u_inverse(&self, layout: &Layout) -> Graph {
+    pub fn u_inverse(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| {
             brge::upper_inverse(layout, &factors[layout.u()], columns);
         })
@@ -325,19 +325,19 @@ impl<'a> Tracer<'a> {
 
     /// D^-1 from the packed factors.
     #[must_use]
-    pub fn d_inverse(&self, layout: &Layout) -> Graph {
+    pub fn d_inverse(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| brge::diagonal_inverse(layout, factors, columns))
     }
 
     /// The inverse from the packed factors.
     #[must_use]
-    pub fn inverse(&self, layout: &Layout) -> Graph {
+    pub fn inverse(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| brge::inverse(layout, factors, columns))
     }
 
     /// The solution from the packed factors and `rhs`.
     #[must_use]
-    pub fn solve(&self, layout: &Layout) -> Graph {
+    pub fn solve(&self, layout: &UduLayout) -> Graph {
         self.trace_groups([layout.size(), self.model.nv], |_, [factors, mut x]| {
             brge::solve(layout, &factors, &mut x);
             x
@@ -346,7 +346,7 @@ impl<'a> Tracer<'a> {
 
     /// The logarithm of the determinant from the packed factors.
     #[must_use]
-    pub fn log_determinant(&self, layout: &Layout) -> Graph {
+    pub fn log_determinant(&self, layout: &UduLayout) -> Graph {
         self.trace_groups([layout.size()], |_, [factors]| {
             vec![brge::log_determinant(layout, &factors)]
         })

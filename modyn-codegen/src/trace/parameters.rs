@@ -1,7 +1,7 @@
 //! What of a robot is an argument of its functions.
 
 use modyn_runtime::Scalar as _;
-use modyn_runtime::mechanism::{Prepared, rigid_inertia};
+use modyn_runtime::mechanism::{Mechanism, rigid_inertia};
 use modyn_runtime::model::{Inertial, Model};
 use modyn_runtime::spatial::{RigidInertia, Symmetric3, Vector3};
 
@@ -49,7 +49,7 @@ impl Parameters {
     }
 
     /// Puts the inputs from number `next` on where they belong.
-    pub(super) fn enter(&self, next: usize, model: &mut Prepared<Expr>) {
+    pub(super) fn enter(&self, next: usize, model: &mut Mechanism<Expr>) {
         let mut inputs = (next..).map(Expr::input);
         let mut input = || inputs.next().expect("endless");
         if self.gravity {

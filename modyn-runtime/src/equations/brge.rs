@@ -1,24 +1,24 @@
 //! `brge`, block reverse Gaussian elimination of the mass matrix: I = U D U^T by modules, (35)-(57) of
 //! the paper.
 //!
-//! All factors are kept packed, without the zeros of other branches: see [`Layout`]. They come from
+//! All factors are kept packed, without the zeros of other branches: see [`UduLayout`]. They come from
 //! the recursion over the tree, or, where joints mimic others, from the mass matrix itself.
 
 use super::Workspace;
 use super::dynamics::mass_matrix;
 use super::factorization::factorize_tree;
 use crate::Scalar;
-use crate::mechanism::Prepared;
+use crate::mechanism::Mechanism;
 
 pub use super::factorization::{
-    Layout, condition_number, diagonal, diagonal_inverse, factorize_matrix, inverse,
+    UduLayout, condition_number, diagonal, diagonal_inverse, factorize_matrix, inverse,
     log_determinant, solve, solve_column, upper, upper_inverse,
 };
 
 /// Fills `factors` with D, its factors and U at `q`, laid out by `layout`.
 pub fn factorize<S: Scalar>(
-    model: &Prepared<S>,
-    layout: &Layout,
+    model: &Mechanism<S>,
+    layout: &UduLayout,
     q: &[S],
     workspace: &mut Workspace<S>,
     factors: &mut [S],

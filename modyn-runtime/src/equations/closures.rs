@@ -23,13 +23,13 @@
 use alloc::{vec, vec::Vec};
 
 use super::Workspace;
-use super::brge::{self, Layout};
+use super::brge::{self, UduLayout};
 use super::dynamics::inverse_dynamics;
 use super::kinematics::kinematic_path::{self, Own};
 use super::kinematics::links::{Seen, add_columns};
 use crate::Scalar;
 use crate::figures::ClosureSettings;
-use crate::mechanism::{BodyFrame, HeldFrames, HeldRow, Prepared};
+use crate::mechanism::{BodyFrame, HeldFrames, HeldRow, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3, Wrench};
 
 /// Memory for closures.
@@ -54,7 +54,7 @@ pub struct ClosureWorkspace<S> {
 impl<S: Scalar> ClosureWorkspace<S> {
     /// Room for a model whose inertia matrix is factorized in this layout.
     #[must_use]
-    pub fn new(model: &Prepared<S>, layout: &Layout) -> Self {
+    pub fn new(model: &Mechanism<S>, layout: &UduLayout) -> Self {
         let rows = model.closures.iter().flat_map(|closure| &closure.rows);
         let angular: Vec<bool> = rows.map(|row| row.angular).collect();
         let rows = angular.len();
@@ -85,8 +85,8 @@ impl<S: Scalar> ClosureWorkspace<S> {
 /// for each closure that on the second link, at the second frame's origin in the first one's axes;
 /// the first link feels the opposite.
 pub fn constrained_forward_dynamics<S: Scalar>(
-    model: &Prepared<S>,
-    layout: &Layout,
+    model: &Mechanism<S>,
+    layout: &UduLayout,
     (q, qd, tau): (&[S], &[S], &[S]),
     settings: &ClosureSettings<S>,
     (workspace, room): (&mut Workspace<S>, &mut ClosureWorkspace<S>),
@@ -123,7 +123,7 @@ pub fn constrained_forward_dynamics<S: Scalar>(
 /// frame against the first, in the first one's axes, without what is free. A rotation is given by
 /// its axis times the sine of its angle.
 pub fn closure_errors<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
     workspace: &mut Workspace<S>,
     (displacements, velocities): (&mut [Twist<S>], &mut [Twist<S>]),
@@ -141,8 +141,8 @@ pub fn closure_errors<S: Scalar>(
 /// closed: the smallest in the metric of the inertia matrix, I^-1 J^T (J I^-1 J^T)^-1 times what
 /// they are apart.
 pub fn closing_step<S: Scalar>(
-    model: &Prepared<S>,
-    layout: &Layout,
+    model: &Mechanism<S>,
+    layout: &UduLayout,
     (q, qd): (&[S], &[S]),
     settings: &ClosureSettings<S>,
     (workspace, room): (&mut Workspace<S>, &mut ClosureWorkspace<S>),
@@ -162,7 +162,7 @@ pub fn closing_step<S: Scalar>(
 
 /// J; what each row is to be goes in the place of lambda.
 fn constraints<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
     workspace: &mut Workspace<S>,
     room: &mut ClosureWorkspace<S>,
@@ -209,7 +209,7 @@ fn along<S: Scalar>(closure: &HeldFrames<S>, numbers: impl Iterator<Item = S>) -
 }
 
 /// The body that carries both ends of a closure, or the world: its motion parts nothing.
-fn common<S>(model: &Prepared<S>, closure: &HeldFrames<S>) -> Option<usize> {
+fn common<S>(model: &Mechanism<S>, closure: &HeldFrames<S>) -> Option<usize> {
     let [mut a, mut b] = closure.ends.each_ref().map(|end| end.body);
     while a != b {
         // Parents come before their children, and the world before all.
@@ -221,7 +221,7 @@ fn common<S>(model: &Prepared<S>, closure: &HeldFrames<S>) -> Option<usize> {
 
 /// The bodies from a frame to the one `above`, that one left out.
 fn between<S>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     end: BodyFrame<S>,
     above: Option<usize>,
 ) -> impl Iterator<Item = usize> {
@@ -230,7 +230,7 @@ fn between<S>(
 
 /// A frame seen from the body `above`; `visit` meets it seen from each body on the way.
 fn seen<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     end: BodyFrame<S>,
     above: Option<usize>,
     q: &[S],
@@ -293,7 +293,7 @@ struct Parting<S> {
 }
 
 fn parting<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     closure: &HeldFrames<S>,
     stands: &Between<S>,
     motion: (&[S], &[S]),
@@ -322,7 +322,7 @@ fn parting<S: Scalar>(
 }
 
 /// I^-1 J^T, and J I^-1 J^T as L Delta L^T.
-fn split<S: Scalar>(layout: &Layout, n: usize, tolerance: S, room: &mut ClosureWorkspace<S>) {
+fn split<S: Scalar>(layout: &UduLayout, n: usize, tolerance: S, room: &mut ClosureWorkspace<S>) {
     let ClosureWorkspace { angular, jacobian, solved, triangle, reciprocals, factors, .. } = room;
     solved.copy_from_slice(jacobian);
     for row in solved.chunks_mut(n.max(1)) {

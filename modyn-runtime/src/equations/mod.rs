@@ -39,5 +39,6 @@ pub mod paper;
 mod workspace;
 
 pub use {
-    closures::ClosureWorkspace, dynamics::Forces, factorization::Partition, workspace::Workspace,
+    closures::ClosureWorkspace, dynamics::Forces, factorization::ModulePartition,
+    workspace::Workspace,
 };

@@ -3,8 +3,8 @@
 use alloc::{vec, vec::Vec};
 
 use crate::Scalar;
-use crate::joint::Motion;
-use crate::mechanism::{BodyTree, Prepared};
+use crate::joint::JointTransform;
+use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::{
     AccelerationPerturbation, ArticulatedInertia, Field, Matrix3, RigidInertia, Twist, Vector3,
     VelocityMoments, Wrench,
@@ -14,7 +14,7 @@ use crate::spatial::{
 /// for the pivot blocks, which are quadratic in the length of a module.
 #[derive(Clone, Debug)]
 pub struct Workspace<S> {
-    pub(super) motions: Vec<Motion<S>>,
+    pub(super) motions: Vec<JointTransform<S>>,
     /// A link's bodies, from the world to it.
     pub(super) chain: Vec<usize>,
     /// A point, seen from each body.
@@ -55,7 +55,7 @@ impl<S: Scalar> Workspace<S> {
         let zero = S::zero();
         let (bodies, dofs) = (model.bodies.len(), model.dofs.len());
         Self {
-            motions: vec![Motion::Prismatic(zero); bodies],
+            motions: vec![JointTransform::Prismatic(zero); bodies],
             chain: Vec::with_capacity(bodies),
             axes: vec![Matrix3::zero(); bodies],
             points: vec![Vector3::zero(); bodies],
@@ -89,7 +89,7 @@ impl<S: Scalar> Workspace<S> {
     }
 
     /// The joints at `q`.
-    pub(super) fn move_to(&mut self, model: &Prepared<S>, q: &[S]) {
+    pub(super) fn move_to(&mut self, model: &Mechanism<S>, q: &[S]) {
         for (motion, body) in self.motions.iter_mut().zip(&model.bodies) {
             *motion = body.motion(q);
         }

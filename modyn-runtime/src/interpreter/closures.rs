@@ -2,10 +2,10 @@
 
 use super::{Interpreter, ShapeError, check};
 use crate::Scalar;
-use crate::equations::brge::Layout;
+use crate::equations::brge::UduLayout;
 use crate::equations::{ClosureWorkspace, Workspace, closures};
 use crate::figures::ClosureSettings;
-use crate::mechanism::Prepared;
+use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 use crate::spatial::{Twist, Wrench};
 
@@ -71,9 +71,10 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// What closing loops works with.
-    fn closing(&mut self) -> (&Prepared<S>, &Layout, Rooms<'_, S>) {
+    fn closing(&mut self) -> (&Mechanism<S>, &UduLayout, Rooms<'_, S>) {
         let Self { prepared, workspace, model, links, closing, .. } = self;
-        let layout = links.get_or_insert_with(|| Layout::new(prepared, &ModuleTree::links(model)));
+        let layout =
+            links.get_or_insert_with(|| UduLayout::new(prepared, &ModuleTree::links(model)));
         let room = closing.get_or_insert_with(|| ClosureWorkspace::new(prepared, layout));
         (prepared, layout, (workspace, room))
     }

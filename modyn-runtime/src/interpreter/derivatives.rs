@@ -3,7 +3,7 @@
 use super::Interpreter;
 use super::errors::{ShapeError, check};
 use crate::Scalar;
-use crate::equations::brge::Layout;
+use crate::equations::brge::UduLayout;
 use crate::equations::derivatives;
 pub use crate::equations::derivatives::ForwardDerivatives;
 use crate::model::ModuleTree;
@@ -61,7 +61,8 @@ impl<S: Scalar> Interpreter<S> {
         check("dqdd_dqd", outputs.dqdd_dqd, n * n)?;
         check("dqdd_dtau", outputs.dqdd_dtau, n * n)?;
         let Self { prepared, workspace, model, links, .. } = self;
-        let layout = links.get_or_insert_with(|| Layout::new(prepared, &ModuleTree::links(model)));
+        let layout =
+            links.get_or_insert_with(|| UduLayout::new(prepared, &ModuleTree::links(model)));
         let state = (q, qd, tau);
         derivatives::forward_dynamics_derivatives(prepared, layout, state, workspace, outputs);
         Ok(())

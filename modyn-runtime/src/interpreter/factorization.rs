@@ -6,7 +6,7 @@ use super::Interpreter;
 use super::errors::{ModuleMismatch, ShapeError, UpdateError, check};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::brge::{self, Layout};
+use crate::equations::brge::{self, UduLayout};
 use crate::model::ModuleTree;
 
 impl<S: Scalar> Interpreter<S> {
@@ -18,7 +18,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If `q` does not have the model's length.
     pub fn brge(&self, q: &[S]) -> Result<Brge<S>, ShapeError> {
         check("q", q, self.model.nq())?;
-        let layout = Layout::new(&self.prepared, &self.modules);
+        let layout = UduLayout::new(&self.prepared, &self.modules);
         let factors = vec![S::zero(); layout.size()];
         let workspace = Workspace::new(&self.prepared);
         let modules = self.modules.clone();
@@ -37,7 +37,7 @@ impl<S: Scalar> Interpreter<S> {
 #[derive(Clone, Debug)]
 pub struct Brge<S = f64> {
     modules: ModuleTree,
-    layout: Layout,
+    layout: UduLayout,
     factors: Vec<S>,
     workspace: Workspace<S>,
     nq: usize,

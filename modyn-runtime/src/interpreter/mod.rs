@@ -14,10 +14,10 @@ mod regressor;
 use alloc::{vec, vec::Vec};
 
 use crate::Scalar;
-use crate::equations::brge::Layout;
+use crate::equations::brge::UduLayout;
 use crate::equations::dynamics::Elimination;
 use crate::equations::{ClosureWorkspace, Workspace};
-use crate::mechanism::{Prepared, rigid_inertia};
+use crate::mechanism::{Mechanism, rigid_inertia};
 use crate::model::{Inertial, Model, ModuleTree};
 use crate::spatial::{Pose, RigidInertia, Vector3};
 use errors::check;
@@ -41,14 +41,14 @@ pub use factorization::Brge;
 pub struct Interpreter<S = f64> {
     model: Model,
     modules: ModuleTree,
-    prepared: Prepared<S>,
+    prepared: Mechanism<S>,
     elimination: Elimination,
     workspace: Workspace<S>,
     body_poses: Vec<Pose<S>>,
     /// By link of the description: its own inertia at present.
     inertias: Vec<RigidInertia<S>>,
     /// By links, made when derivatives are first asked for.
-    links: Option<Layout>,
+    links: Option<UduLayout>,
     /// Made when loops are first closed.
     closing: Option<ClosureWorkspace<S>>,
 }
@@ -73,7 +73,7 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     fn made(model: Model, modules: ModuleTree) -> Self {
-        let prepared = Prepared::new(&model).cast();
+        let prepared = Mechanism::new(&model).cast();
         let elimination = Elimination::new(&prepared, &ModuleTree::links(&model));
         let mut workspace = Workspace::new(&prepared);
         elimination.make_room(&prepared, &mut workspace);

@@ -21,8 +21,8 @@ mod spherical;
 
 #[cfg(feature = "alloc")]
 pub use {
-    motion::{Carried, Motion, Primitive},
-    offset::Zero,
+    motion::{Carried, ElementaryJoint, JointTransform},
+    offset::JointOffset,
 };
 
 /// What motion a joint allows.

@@ -3,16 +3,16 @@
 //! The equations know four primitives. A universal joint is two revolute ones with nothing between
 //! them, a planar joint two prismatic ones and a revolute one (`mechanism::elementary` takes them apart).
 
-use super::{Zero, floating, prismatic, revolute, rotated, spherical};
+use super::{JointOffset, floating, prismatic, revolute, rotated, spherical};
 use crate::Scalar;
 use crate::spatial::{
-    ArticulatedInertia, Axis, Field, Matrix3, RigidInertia, Turn, Twist, Vector3, VelocityMoments,
-    Wrench,
+    ArticulatedInertia, Axis, AxisRotation, Field, Matrix3, RigidInertia, Twist, Vector3,
+    VelocityMoments, Wrench,
 };
 
 /// What a joint allows, in the frame behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Primitive {
+pub enum ElementaryJoint {
     /// Rotation about z.
     Revolute,
     /// Translation along z.
@@ -23,7 +23,7 @@ pub enum Primitive {
     Floating,
 }
 
-impl Primitive {
+impl ElementaryJoint {
     /// How many coordinates it takes.
     #[must_use]
     pub fn nq(self) -> usize {
@@ -56,9 +56,9 @@ impl Primitive {
 
 /// The motion of a joint, at values of its coordinates.
 #[derive(Clone, Copy, Debug)]
-pub enum Motion<S> {
+pub enum JointTransform<S> {
     /// Turned about z.
-    Revolute(Turn<S>),
+    Revolute(AxisRotation<S>),
     /// Shifted along z by so much.
     Prismatic(S),
     /// Turned by this matrix, whose columns are the axes behind the joint.
@@ -83,16 +83,16 @@ pub struct Carried<S> {
     pub a: Vector3<S>,
 }
 
-impl<S: Scalar> Motion<S> {
+impl<S: Scalar> JointTransform<S> {
     /// The joint at coordinates `q`, where the frame's own zero stands at `zero`.
     #[must_use]
-    pub fn new(primitive: Primitive, zero: Zero<S>, q: &[S]) -> Self {
+    pub fn new(primitive: ElementaryJoint, zero: JointOffset<S>, q: &[S]) -> Self {
         match (primitive, q) {
-            (Primitive::Prismatic, &[q]) => Self::Prismatic(q),
-            (Primitive::Spherical, &[x, y, z, w]) => {
+            (ElementaryJoint::Prismatic, &[q]) => Self::Prismatic(q),
+            (ElementaryJoint::Spherical, &[x, y, z, w]) => {
                 Self::Spherical(spherical::rotation(zero, [x, y, z, w]))
             }
-            (Primitive::Floating, &[px, py, pz, x, y, z, w]) => Self::Floating {
+            (ElementaryJoint::Floating, &[px, py, pz, x, y, z, w]) => Self::Floating {
                 rotation: spherical::rotation(zero, [x, y, z, w]),
                 position: zero.turn().vector(Axis::Z, Vector3([px, py, pz])),
             },

@@ -1,33 +1,33 @@
 //! Inertia in base parameters: what a joint cannot feel, counted with its parent.
 
 use super::Body;
-use crate::joint::Primitive;
+use crate::joint::ElementaryJoint;
 use crate::spatial::{RigidInertia, Symmetric3, Vector3};
 
 /// Moves inertia that joints cannot feel towards the root, leaves first. Returns the inertia that
 /// reaches the world, about the world's origin.
 pub(super) fn minimize(bodies: &mut [Body<f64>]) -> RigidInertia<f64> {
-    let mut immobile = RigidInertia::zero();
+    let mut static_inertia = RigidInertia::zero();
     for i in (0..bodies.len()).rev() {
-        let Body { minimal: own, primitive, .. } = bodies[i];
+        let Body { base_inertia: own, primitive, .. } = bodies[i];
         let (c, s) = (own.first_moment, own.second_moment);
         let moved = match primitive {
-            Primitive::Revolute => RigidInertia {
+            ElementaryJoint::Revolute => RigidInertia {
                 mass: own.mass,
                 first_moment: Vector3::along_z(c[2]),
                 second_moment: Symmetric3 { zz: s.zz, ..Symmetric3::zero() },
             },
-            Primitive::Prismatic => RigidInertia { second_moment: s, ..RigidInertia::zero() },
-            Primitive::Spherical => RigidInertia { mass: own.mass, ..RigidInertia::zero() },
-            Primitive::Floating => continue,
+            ElementaryJoint::Prismatic => RigidInertia { second_moment: s, ..RigidInertia::zero() },
+            ElementaryJoint::Spherical => RigidInertia { mass: own.mass, ..RigidInertia::zero() },
+            ElementaryJoint::Floating => continue,
         };
-        bodies[i].minimal = own.minus(&moved);
+        bodies[i].base_inertia = own.minus(&moved);
         let carried = bodies[i].placement.rigid_to_parent(&moved);
         if let Some(parent) = bodies[i].parent {
-            bodies[parent].minimal = bodies[parent].minimal + carried;
+            bodies[parent].base_inertia = bodies[parent].base_inertia + carried;
         } else {
-            immobile = immobile + carried;
+            static_inertia = static_inertia + carried;
         }
     }
-    immobile
+    static_inertia
 }

@@ -3,11 +3,11 @@
 use core::ops::Range;
 
 use crate::Scalar;
-use crate::joint::{Motion, Primitive, Zero};
+use crate::joint::{ElementaryJoint, JointOffset, JointTransform};
 use crate::model::Inertial;
 use crate::spatial::{
-    ArticulatedInertia, Placement, Pose, RigidInertia, Symmetric3, Twist, Vector3, VelocityMoments,
-    Wrench,
+    ArticulatedInertia, DhTransform, Pose, RigidInertia, Symmetric3, Twist, Vector3,
+    VelocityMoments, Wrench,
 };
 
 /// A moving link, or a massless body inside a universal or planar joint, in its turned and shifted
@@ -17,23 +17,23 @@ pub struct Body<S> {
     /// The body it hangs on; `None` for the world.
     pub parent: Option<usize>,
     /// What motion its joint allows, along z if along an axis.
-    pub primitive: Primitive,
+    pub primitive: ElementaryJoint,
     /// Where its first coordinate stands in q.
     pub q: usize,
     /// The ratio and offset of its coordinate to that one, for a joint that mimics.
     pub mimic: Option<(S, S)>,
-    /// Its degrees of freedom, among those of [`Prepared::dofs`].
+    /// Its degrees of freedom, among those of [`Mechanism::dofs`].
     pub dofs: Range<usize>,
     /// The joint's zero.
-    pub zero: Zero<S>,
+    pub zero: JointOffset<S>,
     /// Where the joint stands on the parent.
-    pub placement: Placement<S>,
+    pub placement: DhTransform<S>,
     /// The model's link frame in this one; without meaning for a body inside a joint.
     pub link: Pose<S>,
     /// The inertia as the model has it.
     pub inertia: RigidInertia<S>,
     /// The inertia in minimal parameters: equal to `inertia` for all joint-space dynamics.
-    pub minimal: RigidInertia<S>,
+    pub base_inertia: RigidInertia<S>,
 }
 
 impl<S: Scalar> Body<S> {
@@ -49,49 +49,53 @@ impl<S: Scalar> Body<S> {
             placement: self.placement.map(f),
             link: self.link.map(f),
             inertia: self.inertia.map(f),
-            minimal: self.minimal.map(f),
+            base_inertia: self.base_inertia.map(f),
         }
     }
 
     /// The joint where the robot's coordinates are `q`.
     #[must_use]
-    pub fn motion(&self, q: &[S]) -> Motion<S> {
+    pub fn motion(&self, q: &[S]) -> JointTransform<S> {
         let own = &q[self.q..self.q + self.primitive.nq()];
         match (self.mimic, own) {
             (Some((multiplier, offset)), &[q]) => {
-                Motion::new(self.primitive, self.zero, &[multiplier * q + offset])
+                JointTransform::new(self.primitive, self.zero, &[multiplier * q + offset])
             }
-            _ => Motion::new(self.primitive, self.zero, own),
+            _ => JointTransform::new(self.primitive, self.zero, own),
         }
     }
 
     /// A direction of the parent's frame, seen from this body.
     #[must_use]
-    pub fn to_child(&self, motion: &Motion<S>, v: Vector3<S>) -> Vector3<S> {
+    pub fn to_child(&self, motion: &JointTransform<S>, v: Vector3<S>) -> Vector3<S> {
         motion.to_child(self.placement.to_child(v))
     }
 
     /// A direction of this body's frame, seen from the parent.
     #[must_use]
-    pub fn to_parent(&self, motion: &Motion<S>, v: Vector3<S>) -> Vector3<S> {
+    pub fn to_parent(&self, motion: &JointTransform<S>, v: Vector3<S>) -> Vector3<S> {
         self.placement.to_parent(motion.to_parent(v))
     }
 
     /// The parent's twist carried rigidly to this body: A t of the paper.
     #[must_use]
-    pub fn twist_to_child(&self, motion: &Motion<S>, t: Twist<S>) -> Twist<S> {
+    pub fn twist_to_child(&self, motion: &JointTransform<S>, t: Twist<S>) -> Twist<S> {
         motion.twist_to_child(self.placement.twist_to_child(t))
     }
 
     /// A wrench on this body at its parent: A^T w.
     #[must_use]
-    pub fn wrench_to_parent(&self, motion: &Motion<S>, w: Wrench<S>) -> Wrench<S> {
+    pub fn wrench_to_parent(&self, motion: &JointTransform<S>, w: Wrench<S>) -> Wrench<S> {
         self.placement.wrench_to_parent(motion.wrench_to_parent(w))
     }
 
     /// A rigid inertia on this body at its parent: A^T M A.
     #[must_use]
-    pub fn rigid_to_parent(&self, motion: &Motion<S>, i: &RigidInertia<S>) -> RigidInertia<S> {
+    pub fn rigid_to_parent(
+        &self,
+        motion: &JointTransform<S>,
+        i: &RigidInertia<S>,
+    ) -> RigidInertia<S> {
         self.placement.rigid_to_parent(&motion.rigid_to_parent(i))
     }
 
@@ -100,7 +104,7 @@ impl<S: Scalar> Body<S> {
     #[must_use]
     pub fn velocities_to_parent(
         &self,
-        motion: &Motion<S>,
+        motion: &JointTransform<S>,
         velocities: &VelocityMoments<S>,
         i: &RigidInertia<S>,
         rates: &[S],
@@ -112,7 +116,7 @@ impl<S: Scalar> Body<S> {
     #[must_use]
     pub fn articulated_to_parent(
         &self,
-        motion: &Motion<S>,
+        motion: &JointTransform<S>,
         i: &ArticulatedInertia<S>,
     ) -> ArticulatedInertia<S> {
         self.placement.articulated_to_parent(&motion.articulated_to_parent(i))
@@ -122,7 +126,7 @@ impl<S: Scalar> Body<S> {
     #[must_use]
     pub fn mass_to_parent(
         &self,
-        motion: &Motion<S>,
+        motion: &JointTransform<S>,
         mass: S,
         first_moment: Vector3<S>,
     ) -> (S, Vector3<S>) {

@@ -4,13 +4,13 @@ use alloc::vec::Vec;
 
 use super::elementary::Atom;
 use super::snapping::{AHEAD, Direction, combine, inverse, snap, snapped, towards, turn_of};
-use crate::joint::Primitive;
+use crate::joint::ElementaryJoint;
 use crate::spatial::{Axis, Matrix3, Pose, Vector3};
 
 /// The model's frames while they are being turned and shifted.
 pub(super) struct Frames {
     children: Vec<Vec<usize>>,
-    primitive: Vec<Primitive>,
+    primitive: Vec<ElementaryJoint>,
     /// Rz(azimuth) Trans(translation) Rx(tilt) Rz(zero) from the parent's frame, joint at 0.
     pub(super) azimuth: Vec<Direction>,
     pub(super) translation: Vec<Vector3<f64>>,
@@ -58,8 +58,8 @@ impl Frames {
     pub(super) fn turn(&mut self, atoms: &[Atom<'_>]) {
         for (i, atom) in atoms.iter().enumerate() {
             let by = match self.children[i].first() {
-                _ if self.primitive[i] == Primitive::Prismatic => inverse(self.zero[i]),
-                _ if self.primitive[i] != Primitive::Revolute => continue,
+                _ if self.primitive[i] == ElementaryJoint::Prismatic => inverse(self.zero[i]),
+                _ if self.primitive[i] != ElementaryJoint::Revolute => continue,
                 // Parallel axes need no azimuth, so the turn is free for the translation.
                 Some(&main) if self.tilt[main].1 == 0.0 => towards(self.translation[main]),
                 Some(&main) => self.azimuth[main],
@@ -93,7 +93,7 @@ impl Frames {
     /// from its parent vanishes.
     pub(super) fn shift(&mut self) {
         for i in 0..self.children.len() {
-            if self.primitive[i] != Primitive::Revolute {
+            if self.primitive[i] != ElementaryJoint::Revolute {
                 continue;
             }
             // Behind the azimuth the axis is (0, -sin, cos).

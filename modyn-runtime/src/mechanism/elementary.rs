@@ -3,14 +3,14 @@
 use alloc::vec::Vec;
 
 use super::snapping::snap;
-use crate::joint::{JointType, Primitive, planar};
+use crate::joint::{ElementaryJoint, JointType, planar};
 use crate::model::{Inertial, Joint, Model};
 use crate::spatial::{Matrix3, Pose, Vector3};
 
 /// A body with its primitive joint, before frames are turned.
 pub(super) struct Atom<'a> {
     pub(super) parent: Option<usize>,
-    pub(super) primitive: Primitive,
+    pub(super) primitive: ElementaryJoint,
     /// The frame whose z is the axis, in the atom's own; identity where there is no axis.
     pub(super) frame: Matrix3<f64>,
     /// Where the atom stands in its parent at coordinate zero.
@@ -33,19 +33,22 @@ pub(super) fn atoms(model: &Model) -> (Vec<Atom<'_>>, Vec<usize>) {
         let across = |column: usize| plane.map(|row| row[column]);
         let along = |primitive, axis| (primitive, frame_along(axis));
         let free = Matrix3(Pose::identity().rotation);
-        let parts: &[(Primitive, Matrix3<f64>)] = match joint.joint_type {
-            JointType::Revolute | JointType::Continuous => &[along(Primitive::Revolute, axis)],
-            JointType::Prismatic => &[along(Primitive::Prismatic, axis)],
-            JointType::Universal => {
-                &[along(Primitive::Revolute, axis), along(Primitive::Revolute, joint.second_axis)]
+        let parts: &[(ElementaryJoint, Matrix3<f64>)] = match joint.joint_type {
+            JointType::Revolute | JointType::Continuous => {
+                &[along(ElementaryJoint::Revolute, axis)]
             }
-            JointType::Planar => &[
-                along(Primitive::Prismatic, across(0)),
-                along(Primitive::Prismatic, across(1)),
-                along(Primitive::Revolute, axis),
+            JointType::Prismatic => &[along(ElementaryJoint::Prismatic, axis)],
+            JointType::Universal => &[
+                along(ElementaryJoint::Revolute, axis),
+                along(ElementaryJoint::Revolute, joint.second_axis),
             ],
-            JointType::Spherical => &[(Primitive::Spherical, free)],
-            JointType::Floating => &[(Primitive::Floating, free)],
+            JointType::Planar => &[
+                along(ElementaryJoint::Prismatic, across(0)),
+                along(ElementaryJoint::Prismatic, across(1)),
+                along(ElementaryJoint::Revolute, axis),
+            ],
+            JointType::Spherical => &[(ElementaryJoint::Spherical, free)],
+            JointType::Floating => &[(ElementaryJoint::Floating, free)],
         };
         let mimic = model.mimic(i).map(|mimic| (mimic.multiplier, mimic.offset));
         for (k, &(primitive, frame)) in parts.iter().enumerate() {

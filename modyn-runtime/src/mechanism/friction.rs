@@ -1,12 +1,12 @@
 //! Torques of damping and friction.
 
-use super::{Dof, Prepared};
+use super::{Dof, Mechanism};
 use crate::Scalar;
 
-impl<S: Scalar> Prepared<S> {
+impl<S: Scalar> Mechanism<S> {
     /// The torque that joints hold against the rates `qd` by damping and friction, at `dof`.
     #[must_use]
-    pub fn resistance(&self, dof: &Dof<S>, qd: &[S]) -> Option<S> {
+    pub fn dissipation(&self, dof: &Dof<S>, qd: &[S]) -> Option<S> {
         let rate = dof.rate(qd);
         let viscous = dof.damping.map(|damping| damping * rate);
         let dry = dof.friction.map(|friction| match self.smooth {
@@ -22,10 +22,10 @@ impl<S: Scalar> Prepared<S> {
         }
     }
 
-    /// The derivative of [`resistance`](Self::resistance) by the degree of freedom's own rate; that
+    /// The derivative of [`dissipation`](Self::dissipation) by the degree of freedom's own rate; that
     /// of Coulomb friction counts as 0 at the jump too.
     #[must_use]
-    pub fn resistance_slope(&self, dof: &Dof<S>, qd: &[S]) -> Option<S> {
+    pub fn dissipation_slope(&self, dof: &Dof<S>, qd: &[S]) -> Option<S> {
         let smooth = dof.friction.zip(self.smooth).map(|(friction, w)| {
             let (rate, square) = (dof.rate(qd), w * w);
             let steep = (rate * rate + square).sqrt().recip();

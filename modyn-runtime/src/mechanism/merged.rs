@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::Prepared;
+use super::Mechanism;
 use super::tree::{BodyTree, LimbRoot, TreeAccess};
 use crate::LaneScalar;
 
@@ -13,7 +13,7 @@ use crate::LaneScalar;
 /// Numbers of a merged limb differ from lane to lane; those of the bodies that carry limbs are the
 /// same in all lanes. So a limb's forces are summed over the lanes where they reach their parent, and a
 /// parent's motion is broadcast to them. Only equations that do so take a merged mechanism. All
-/// others take a [`Prepared`], and giving them this one does not compile:
+/// others take a [`Mechanism`], and giving them this one does not compile:
 ///
 /// ```compile_fail,E0308
 /// use modyn_runtime::LaneScalar;
@@ -28,15 +28,15 @@ use crate::LaneScalar;
 /// nor does merging limbs on numbers that have no lanes:
 ///
 /// ```compile_fail,E0599
-/// use modyn_runtime::mechanism::{LimbRoot, MergedMechanism, Prepared};
+/// use modyn_runtime::mechanism::{LimbRoot, MergedMechanism, Mechanism};
 ///
-/// fn merged(robot: Prepared<f64>, limbs: Vec<Option<LimbRoot>>) -> MergedMechanism<f64> {
+/// fn merged(robot: Mechanism<f64>, limbs: Vec<Option<LimbRoot>>) -> MergedMechanism<f64> {
 ///     MergedMechanism::new(robot, limbs)
 /// }
 /// ```
 #[derive(Clone, Debug)]
 pub struct MergedMechanism<S> {
-    mechanism: Prepared<S>,
+    mechanism: Mechanism<S>,
     /// By body.
     roots: Vec<Option<LimbRoot>>,
     column_lanes: usize,
@@ -48,7 +48,7 @@ impl<S: LaneScalar> MergedMechanism<S> {
     /// Links, frames, coordinates and loops of the description have no meaning for merged limbs and
     /// are left out.
     #[must_use]
-    pub fn new(mut mechanism: Prepared<S>, roots: Vec<Option<LimbRoot>>) -> Self {
+    pub fn new(mut mechanism: Mechanism<S>, roots: Vec<Option<LimbRoot>>) -> Self {
         mechanism.links.clear();
         mechanism.frames.clear();
         mechanism.coordinates.clear();
@@ -59,7 +59,7 @@ impl<S: LaneScalar> MergedMechanism<S> {
     /// `mechanism` with its limbs as they are, whose derivatives are computed `column_lanes` columns at a
     /// time, of joints that follow each other.
     #[must_use]
-    pub fn with_column_lanes(mechanism: Prepared<S>, column_lanes: usize) -> Self {
+    pub fn with_column_lanes(mechanism: Mechanism<S>, column_lanes: usize) -> Self {
         Self { column_lanes, ..Self::new(mechanism, Vec::new()) }
     }
 
@@ -73,7 +73,7 @@ impl<S: LaneScalar> MergedMechanism<S> {
 impl<S: LaneScalar> BodyTree<S> for MergedMechanism<S> {}
 
 impl<S: LaneScalar> TreeAccess<S> for MergedMechanism<S> {
-    fn mechanism(&self) -> &Prepared<S> {
+    fn mechanism(&self) -> &Mechanism<S> {
         &self.mechanism
     }
 

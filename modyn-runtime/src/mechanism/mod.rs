@@ -1,4 +1,4 @@
-//! Exact rewrites that make a model cheap to compute with: [`Model`] to [`Prepared`].
+//! Exact rewrites that make a model cheap to compute with: [`Model`] to [`Mechanism`].
 //!
 //! 0. **Primitives.** Universal and planar joints are taken apart into revolute and prismatic ones
 //!    with massless bodies between them.
@@ -38,9 +38,9 @@ mod tree;
 use alloc::vec::Vec;
 
 use crate::Scalar;
-use crate::joint::Zero;
+use crate::joint::JointOffset;
 use crate::model::{Friction, Model};
-use crate::spatial::{Placement, RigidInertia, Turn, Twist, Vector3};
+use crate::spatial::{AxisRotation, DhTransform, RigidInertia, Twist, Vector3};
 use coordinates::{Coordinates, coordinates};
 use dh_frames::Frames;
 use elementary::{Atom, atoms};
@@ -59,16 +59,16 @@ pub use {
 
 /// A model rewritten for computing, on scalars of type `S`.
 #[derive(Clone, Debug)]
-pub struct Prepared<S> {
+pub struct Mechanism<S> {
     /// The acceleration of free fall in world axes.
     pub gravity: Vector3<S>,
-    /// One body (or more, see [`Primitive`]) a moving link, in the model's order.
+    /// One body (or more, see [`ElementaryJoint`]) a moving link, in the model's order.
     pub bodies: Vec<Body<S>>,
     /// The degrees of freedom in the order of their bodies. Without mimics, in that of qd.
     pub dofs: Vec<Dof<S>>,
     /// What minimal parameters leave to the world: inertia of bodies that no joint moves, about the
     /// world's origin.
-    pub immobile: RigidInertia<S>,
+    pub static_inertia: RigidInertia<S>,
     /// By moving link of the model: its body, which is the last one of its joint.
     pub links: Vec<usize>,
     /// Length of q.
@@ -85,7 +85,7 @@ pub struct Prepared<S> {
     pub closures: Vec<HeldFrames<S>>,
 }
 
-impl<S: Scalar> Prepared<S> {
+impl<S: Scalar> Mechanism<S> {
     /// The degrees of freedom of body `i`.
     #[must_use]
     pub fn dofs_of(&self, i: usize) -> &[Dof<S>] {
@@ -132,11 +132,11 @@ impl<S: Scalar> Prepared<S> {
         let body = &mut self.bodies[body];
         let (own, other) = (own.placed(&pose), other.placed(&pose));
         body.inertia = body.inertia.minus(&own) + other;
-        body.minimal = body.minimal.minus(&own) + other;
+        body.base_inertia = body.base_inertia.minus(&own) + other;
     }
 }
 
-impl Prepared<f64> {
+impl Mechanism<f64> {
     /// Rewrites `model`.
     #[must_use]
     pub fn new(model: &Model) -> Self {
@@ -145,7 +145,7 @@ impl Prepared<f64> {
         frames.turn(&atoms);
         frames.shift();
         let mut bodies = bodies(&atoms, &frames);
-        let immobile = base_inertia::minimize(&mut bodies);
+        let static_inertia = base_inertia::minimize(&mut bodies);
         let on_bodies = model.frames().iter().map(|frame| {
             let body = frame.link.map(|link| links[link]);
             let pose = body.map_or(frame.pose, |body| frames.link[body].compose(&frame.pose));
@@ -159,7 +159,7 @@ impl Prepared<f64> {
             closures,
             bodies,
             dofs: dofs(&atoms, model.friction()),
-            immobile,
+            static_inertia,
             links,
             nq: model.nq(),
             nv: model.nv(),
@@ -173,13 +173,13 @@ impl Prepared<f64> {
 
     /// The same with each number as a scalar of type `S`.
     #[must_use]
-    pub fn cast<S: Scalar>(&self) -> Prepared<S> {
+    pub fn cast<S: Scalar>(&self) -> Mechanism<S> {
         let f = S::from_f64;
-        Prepared {
+        Mechanism {
             gravity: Vector3(self.gravity.0.map(f)),
             bodies: self.bodies.iter().map(|body| body.map(f)).collect(),
             dofs: self.dofs.iter().map(|dof| dof.map(f)).collect(),
-            immobile: self.immobile.map(f),
+            static_inertia: self.static_inertia.map(f),
             links: self.links.clone(),
             nq: self.nq,
             nv: self.nv,
@@ -205,17 +205,17 @@ fn bodies(atoms: &[Atom<'_>], frames: &Frames) -> Vec<Body<f64>> {
             mimic: atom.mimic,
             dofs: first..next,
             zero: match turn_of(frames.zero[i]) {
-                Turn::Quarters(n) => Zero::Quarters(n),
-                Turn::Angle { cos, sin } => Zero::Angle(libm::atan2(sin, cos)),
+                AxisRotation::Quarters(n) => JointOffset::Quarters(n),
+                AxisRotation::Angle { cos, sin } => JointOffset::Angle(libm::atan2(sin, cos)),
             },
-            placement: Placement {
+            placement: DhTransform {
                 azimuth: turn_of(frames.azimuth[i]),
                 translation: Vector3(frames.translation[i].0.map(snap)),
                 tilt: turn_of(frames.tilt[i]),
             },
             link: frames.link[i],
             inertia,
-            minimal: inertia,
+            base_inertia: inertia,
         }
     };
     atoms.iter().enumerate().map(body).collect()

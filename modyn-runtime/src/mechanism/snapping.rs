@@ -1,6 +1,6 @@
 //! Constant angles, and numbers that are rounding noise next to a quarter turn or to zero.
 
-use crate::spatial::{Turn, Vector3};
+use crate::spatial::{AxisRotation, Vector3};
 
 /// Sines, cosines, translations (m) and components of axes nearer to 0 than this are taken for it.
 const SNAP: f64 = 1e-11;
@@ -43,12 +43,12 @@ pub(super) fn snapped((cos, sin): Direction) -> Direction {
     }
 }
 
-pub(super) fn turn_of((cos, sin): Direction) -> Turn<f64> {
+pub(super) fn turn_of((cos, sin): Direction) -> AxisRotation<f64> {
     if sin == 0.0 {
-        Turn::Quarters(if cos > 0.0 { 0 } else { 2 })
+        AxisRotation::Quarters(if cos > 0.0 { 0 } else { 2 })
     } else if cos == 0.0 {
-        Turn::Quarters(if sin > 0.0 { 1 } else { 3 })
+        AxisRotation::Quarters(if sin > 0.0 { 1 } else { 3 })
     } else {
-        Turn::Angle { cos, sin }
+        AxisRotation::Angle { cos, sin }
     }
 }

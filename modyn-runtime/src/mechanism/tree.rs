@@ -3,9 +3,9 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::Prepared;
+use super::Mechanism;
 use crate::Scalar;
-use crate::joint::Motion;
+use crate::joint::JointTransform;
 use crate::spatial::{ArticulatedInertia, RigidInertia, Vector3, Wrench};
 
 /// The limbs that a merged limb's first body stands for.
@@ -18,7 +18,7 @@ pub struct LimbRoot {
     pub parents: Vec<Option<usize>>,
 }
 
-/// A tree of bodies that a recursion can run over: a [`Prepared`], or a
+/// A tree of bodies that a recursion can run over: a [`Mechanism`], or a
 /// [`MergedMechanism`](super::MergedMechanism), where one limb stands for several. No other type can
 /// be one.
 pub trait BodyTree<S: Scalar>: TreeAccess<S> {}
@@ -27,7 +27,7 @@ pub trait BodyTree<S: Scalar>: TreeAccess<S> {}
 /// that carry them.
 pub trait TreeAccess<S: Scalar> {
     /// The bodies and their degrees of freedom.
-    fn mechanism(&self) -> &Prepared<S>;
+    fn mechanism(&self) -> &Mechanism<S>;
 
     /// The limbs that a body is the first one of, where it stands for several.
     fn limb_root(&self, _body: usize) -> Option<&LimbRoot> {
@@ -116,7 +116,7 @@ pub trait TreeAccess<S: Scalar> {
     fn mass_to_parents(
         &self,
         body: usize,
-        motion: &Motion<S>,
+        motion: &JointTransform<S>,
         (mass, first_moment): (S, Vector3<S>),
         add: impl FnMut(usize, (S, Vector3<S>)),
     ) {
@@ -131,7 +131,7 @@ pub trait TreeAccess<S: Scalar> {
     fn wrench_to_parents(
         &self,
         body: usize,
-        motion: &Motion<S>,
+        motion: &JointTransform<S>,
         w: Wrench<S>,
         add: impl FnMut(usize, Wrench<S>),
     ) {
@@ -146,7 +146,7 @@ pub trait TreeAccess<S: Scalar> {
     fn rigid_to_parents(
         &self,
         body: usize,
-        motion: &Motion<S>,
+        motion: &JointTransform<S>,
         i: &RigidInertia<S>,
         add: impl FnMut(usize, RigidInertia<S>),
     ) {
@@ -161,7 +161,7 @@ pub trait TreeAccess<S: Scalar> {
     fn articulated_to_parents(
         &self,
         body: usize,
-        motion: &Motion<S>,
+        motion: &JointTransform<S>,
         i: &ArticulatedInertia<S>,
         add: impl FnMut(usize, ArticulatedInertia<S>),
     ) {
@@ -178,10 +178,10 @@ pub trait TreeAccess<S: Scalar> {
     }
 }
 
-impl<S: Scalar> BodyTree<S> for Prepared<S> {}
+impl<S: Scalar> BodyTree<S> for Mechanism<S> {}
 
-impl<S: Scalar> TreeAccess<S> for Prepared<S> {
-    fn mechanism(&self) -> &Prepared<S> {
+impl<S: Scalar> TreeAccess<S> for Mechanism<S> {
+    fn mechanism(&self) -> &Mechanism<S> {
         self
     }
 }

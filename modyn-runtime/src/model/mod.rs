@@ -44,7 +44,7 @@ pub struct Joint {
     /// The joint that it follows; it then has no coordinate of its own.
     pub mimic: Option<Mimic>,
     /// What its drive and bearing add.
-    pub drive: Drive,
+    pub drive: JointDynamics,
 }
 
 impl Joint {
@@ -64,7 +64,7 @@ impl Joint {
             origin,
             limits: None,
             mimic: None,
-            drive: Drive::default(),
+            drive: JointDynamics::default(),
         }
     }
 }
@@ -84,7 +84,7 @@ pub struct Mimic {
 /// What a joint's drive and bearing add to each of its degrees of freedom.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Drive {
+pub struct JointDynamics {
     /// The rotor's inertia as the joint feels it, gear ratio squared times rotor inertia: kg m^2,
     /// or kg for a joint that slides.
     pub armature: f64,
@@ -136,7 +136,7 @@ pub struct Frame {
     pub inertial: Inertial,
 }
 
-/// Which joint torques [`Drive`]s exert against the motion.
+/// Which joint torques [`JointDynamics`]s exert against the motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -30,8 +30,8 @@ pub use {
     field::Field,
     inertia::{ArticulatedInertia, RigidInertia},
     perturbation::AccelerationPerturbation,
-    placement::Placement,
-    turn::{Axis, Turn},
+    placement::DhTransform,
+    turn::{Axis, AxisRotation},
     velocity::VelocityMoments,
 };
 pub use {

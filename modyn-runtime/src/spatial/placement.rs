@@ -1,7 +1,8 @@
 //! Where a joint stands on the link that carries it.
 
 use super::{
-    ArticulatedInertia, Axis, Matrix3, RigidInertia, Turn, Twist, Vector3, VelocityMoments, Wrench,
+    ArticulatedInertia, Axis, AxisRotation, Matrix3, RigidInertia, Twist, Vector3, VelocityMoments,
+    Wrench,
 };
 use crate::Scalar;
 
@@ -11,19 +12,19 @@ use crate::Scalar;
 /// Two turns are enough for any direction of the joint's axis; the third angle is the joint's
 /// own zero. Each costs four products a vector, where a full rotation matrix costs nine.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placement<S> {
-    /// Turn about the parent's z axis.
-    pub azimuth: Turn<S>,
+pub struct DhTransform<S> {
+    /// Rotation about the parent's z axis.
+    pub azimuth: AxisRotation<S>,
     /// Translation in the axes behind the azimuth, m.
     pub translation: Vector3<S>,
-    /// Turn about the x axis behind the azimuth.
-    pub tilt: Turn<S>,
+    /// Rotation about the x axis behind the azimuth.
+    pub tilt: AxisRotation<S>,
 }
 
-impl<S: Scalar> Placement<S> {
+impl<S: Scalar> DhTransform<S> {
     /// Each number through `f`.
-    pub fn map<T>(&self, mut f: impl FnMut(S) -> T) -> Placement<T> {
-        Placement {
+    pub fn map<T>(&self, mut f: impl FnMut(S) -> T) -> DhTransform<T> {
+        DhTransform {
             azimuth: self.azimuth.map(&mut f),
             translation: Vector3(self.translation.0.map(&mut f)),
             tilt: self.tilt.map(&mut f),

@@ -26,7 +26,7 @@ impl Axis {
 ///
 /// Quarter turns only exchange and negate, so they are kept apart: exact, and free.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Turn<S> {
+pub enum AxisRotation<S> {
     /// That many quarter turns, 0 to 3.
     Quarters(u8),
     /// Any other angle.
@@ -38,7 +38,7 @@ pub enum Turn<S> {
     },
 }
 
-impl<S: Scalar> Turn<S> {
+impl<S: Scalar> AxisRotation<S> {
     /// No rotation.
     #[must_use]
     pub fn none() -> Self {
@@ -55,10 +55,10 @@ impl<S: Scalar> Turn<S> {
     }
 
     /// Each number through `f`.
-    pub fn map<T>(self, mut f: impl FnMut(S) -> T) -> Turn<T> {
+    pub fn map<T>(self, mut f: impl FnMut(S) -> T) -> AxisRotation<T> {
         match self {
-            Self::Quarters(n) => Turn::Quarters(n),
-            Self::Angle { cos, sin } => Turn::Angle { cos: f(cos), sin: f(sin) },
+            Self::Quarters(n) => AxisRotation::Quarters(n),
+            Self::Angle { cos, sin } => AxisRotation::Angle { cos: f(cos), sin: f(sin) },
         }
     }
 

@@ -40,7 +40,7 @@ pub(super) fn accumulate_composites<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
-        *composite = body.minimal;
+        *composite = body.base_inertia;
     }
     workspace.velocities.fill(VelocityMoments::zero());
     for (i, body) in model.bodies.iter().enumerate().rev() {

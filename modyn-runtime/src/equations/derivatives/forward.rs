@@ -11,7 +11,7 @@ use crate::equations::factorization::limb_coupling::{LimbAccess, sum_row};
 use crate::equations::factorization::{
     FactorLayout, Factorizable, factorize_matrix, inverse, solve, solve_column,
 };
-use crate::mechanism::{BodyTree, Prepared};
+use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::Vector3;
 
 /// Where the accelerations and their derivatives go, matrices nv x nv by columns.
@@ -92,8 +92,8 @@ fn multiply<S: Scalar, T: BodyTree<S>>(tree: &T, columns: &[S], lanes: usize, x:
     }
 }
 
-/// Takes the forces of velocities, gravity and resistance off the torques `tau`; a floating base is
-/// in free fall. `dtau_dqd` is without resistance.
+/// Takes the forces of velocities, gravity and dissipation off the torques `tau`; a floating base is
+/// in free fall. `dtau_dqd` is without dissipation.
 fn subtract_forces<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     limbs: &impl FactorLayout<S>,
@@ -121,8 +121,8 @@ fn subtract_forces<S: Scalar, T: BodyTree<S>>(
         for dof in model.dofs_of(i) {
             let weight = workspace.composite[i].column(dof.component).force.dot(a);
             dof.add(-weight, tau);
-            if let Some(resistance) = model.resistance(dof, qd) {
-                dof.add(-resistance, tau);
+            if let Some(dissipation) = model.dissipation(dof, qd) {
+                dof.add(-dissipation, tau);
             }
         }
     }
@@ -130,7 +130,7 @@ fn subtract_forces<S: Scalar, T: BodyTree<S>>(
 
 /// The force of its composite's wrench along degree of freedom `d`, where the torque says it.
 fn generalized_force<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     d: usize,
     (qd, qdd, tau): (&[S], &[S], &[S]),
 ) -> Option<S> {
@@ -139,8 +139,8 @@ fn generalized_force<S: Scalar>(
         return None;
     }
     let mut force = tau[dof.v];
-    if let Some(resistance) = model.resistance(dof, qd) {
-        force = force - resistance;
+    if let Some(dissipation) = model.dissipation(dof, qd) {
+        force = force - dissipation;
     }
     if let Some(armature) = dof.armature {
         force = force - armature * dof.rate(qdd);
@@ -150,7 +150,7 @@ fn generalized_force<S: Scalar>(
 
 /// Adds floating bases' free fall g - omega x v to their accelerations, and its derivatives.
 fn add_free_fall<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     qd: &[S],
     workspace: &Workspace<S>,
     (qdd, dqdd_dq, dqdd_dqd): (&mut [S], &mut [S], &mut [S]),

@@ -6,7 +6,7 @@ use super::projection::{By, project};
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
-use crate::mechanism::{BodyTree, Prepared};
+use crate::mechanism::{BodyTree, Mechanism};
 
 /// d tau / d q and d tau / d qd of [`inverse_dynamics`](crate::equations::inverse_dynamics), nv x nv
 /// by columns; d tau / d qdd is the [`mass_matrix`](crate::equations::mass_matrix).
@@ -32,9 +32,9 @@ pub fn inverse_dynamics_derivatives<S: Scalar, T: BodyTree<S>>(
 }
 
 /// Adds what damping and friction do to d tau / d qd.
-pub(super) fn add_dissipation<S: Scalar>(model: &Prepared<S>, qd: &[S], dtau_dqd: &mut [S]) {
+pub(super) fn add_dissipation<S: Scalar>(model: &Mechanism<S>, qd: &[S], dtau_dqd: &mut [S]) {
     for dof in &model.dofs {
-        if let Some(slope) = model.resistance_slope(dof, qd) {
+        if let Some(slope) = model.dissipation_slope(dof, qd) {
             let sum = &mut dtau_dqd[dof.v * model.nv + dof.v];
             *sum = *sum + dof.scale(dof.scale(slope));
         }

@@ -4,7 +4,7 @@ use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::is_base;
 use crate::equations::kinematics::acceleration::carried;
-use crate::joint::Primitive;
+use crate::joint::ElementaryJoint;
 use crate::mechanism::BodyTree;
 use crate::spatial::{AccelerationPerturbation, Field, Matrix3, Vector3};
 
@@ -84,14 +84,14 @@ impl<S: Scalar> AncestorMotion<S> {
         let zero = Vector3::zero();
         match model.bodies[i].primitive {
             // Along an axis that is fixed on both sides, either side will do.
-            Primitive::Revolute | Primitive::Prismatic => Self {
+            ElementaryJoint::Revolute | ElementaryJoint::Prismatic => Self {
                 omega: field.omega,
                 gradient: field.gradient,
                 a: field.a,
                 velocity: zero,
                 back: zero,
             },
-            Primitive::Spherical | Primitive::Floating => {
+            ElementaryJoint::Spherical | ElementaryJoint::Floating => {
                 let carried = carried(tree, i, workspace);
                 let back = carried.omega - field.omega;
                 let field = Field::turning(carried.omega, carried.alpha);

@@ -5,8 +5,8 @@ use core::ops::Range;
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::joint::Motion;
-use crate::mechanism::{Body, BodyTree, Dof, Prepared, RootwardAccumulator};
+use crate::joint::JointTransform;
+use crate::mechanism::{Body, BodyTree, Dof, Mechanism, RootwardAccumulator};
 use crate::spatial::{
     AccelerationPerturbation, Matrix3, RigidInertia, Vector3, VelocityMoments, Wrench,
 };
@@ -54,7 +54,7 @@ pub(super) fn project<S: Scalar, T: BodyTree<S>>(
 }
 
 /// The last degrees of freedom before `end` whose columns are carried in the lanes of one pack.
-fn columns_before<S>(model: &Prepared<S>, lanes: usize, end: usize) -> Range<usize> {
+fn columns_before<S>(model: &Mechanism<S>, lanes: usize, end: usize) -> Range<usize> {
     let body = |d: usize| model.dofs[d].body;
     let follows = |d: usize| {
         let (front, back) = (body(d - 1), body(d));
@@ -126,7 +126,7 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
 
 /// Where the entries go.
 struct Entries<'a, S> {
-    model: &'a Prepared<S>,
+    model: &'a Mechanism<S>,
     columns: &'a mut [S],
     mass_matrix: Option<&'a mut [S]>,
 }
@@ -270,7 +270,7 @@ struct SweepState<S> {
 
 impl<S: Scalar> SweepState<S> {
     /// The same seen from the parent, over whose origin that of `body` moves with half of `lever`.
-    fn carried(&self, body: &Body<S>, motion: &Motion<S>, lever: Vector3<S>) -> Self {
+    fn carried(&self, body: &Body<S>, motion: &JointTransform<S>, lever: Vector3<S>) -> Self {
         let DualColumn { wrench, turning } = self.dual;
         let wrench = body.wrench_to_parent(motion, wrench);
         let turning = body.to_parent(motion, turning) + lever.cross(wrench.force);

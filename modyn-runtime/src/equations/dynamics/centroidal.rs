@@ -7,12 +7,12 @@
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::kinematics::{center_of_mass, kinematic_path, total_mass};
-use crate::mechanism::Prepared;
+use crate::mechanism::Mechanism;
 use crate::spatial::{Momentum, Twist, Vector3, Wrench};
 
 /// The matrix A with h = A(q) qd into `columns`, one an entry of qd: the momentum of a unit rate.
 pub fn centroidal_momentum_matrix<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     q: &[S],
     workspace: &mut Workspace<S>,
     columns: &mut [Momentum<S>],
@@ -43,11 +43,11 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
 
 /// Composite inertias, seen from where the degrees of freedom are: in front of a joint that has an
 /// axis, behind another one. Returns the centre of mass in the world.
-fn gather<S: Scalar>(model: &Prepared<S>, workspace: &mut Workspace<S>) -> Vector3<S> {
+fn gather<S: Scalar>(model: &Mechanism<S>, workspace: &mut Workspace<S>) -> Vector3<S> {
     for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
-        *composite = body.minimal;
+        *composite = body.base_inertia;
     }
-    let mut first_moment = model.immobile.first_moment;
+    let mut first_moment = model.static_inertia.first_moment;
     for (i, body) in model.bodies.iter().enumerate().rev() {
         let at_joint = workspace.motions[i].rigid_to_parent(&workspace.composite[i]);
         if body.primitive.has_axis() {
@@ -64,7 +64,7 @@ fn gather<S: Scalar>(model: &Prepared<S>, workspace: &mut Workspace<S>) -> Vecto
 
 /// The momentum h of a motion, kg m^2/s and kg m/s.
 pub fn centroidal_momentum<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
     workspace: &mut Workspace<S>,
 ) -> Momentum<S> {
@@ -74,7 +74,7 @@ pub fn centroidal_momentum<S: Scalar>(
         let parent = body.parent.map_or_else(Twist::zero, |p| workspace.twists[p]);
         let twist = model.add_rates(i, body.twist_to_child(motion, parent), qd);
         workspace.twists[i] = twist;
-        workspace.wrenches[i] = body.minimal.times(&twist);
+        workspace.wrenches[i] = body.base_inertia.times(&twist);
     }
     // Momenta are carried as wrenches are.
     let mut total = Wrench::zero();

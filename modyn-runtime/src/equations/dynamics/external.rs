@@ -3,7 +3,7 @@
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::kinematics::kinematic_path;
-use crate::mechanism::Prepared;
+use crate::mechanism::Mechanism;
 use crate::spatial::{Matrix3, Vector3, Wrench};
 
 /// One wrench for each link of the description (fixed ones too), in the description's order, at
@@ -26,7 +26,7 @@ impl<S: Scalar> Forces<'_, S> {
     }
 
     /// Takes them off the wrenches that the bodies' motion asks for. Expects the joints at q.
-    pub(in crate::equations) fn subtract(self, model: &Prepared<S>, workspace: &mut Workspace<S>) {
+    pub(in crate::equations) fn subtract(self, model: &Mechanism<S>, workspace: &mut Workspace<S>) {
         let in_world = matches!(self, Self::InWorldAxes(_));
         if in_world {
             (0..model.bodies.len()).for_each(|i| kinematic_path::turn_axes(model, i, workspace));

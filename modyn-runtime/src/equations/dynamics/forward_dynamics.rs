@@ -18,8 +18,10 @@ use crate::equations::factorization::partition::factor;
 use crate::equations::factorization::recursive::{
     eliminate, motion_subspace, pivot, reduce_columns, split, start,
 };
-use crate::equations::factorization::{Block, Layout, Partition, factorize_matrix, solve};
-use crate::mechanism::{BodyTree, Prepared};
+use crate::equations::factorization::{
+    ModuleBlock, ModulePartition, UduLayout, factorize_matrix, solve,
+};
+use crate::mechanism::{BodyTree, Mechanism};
 use crate::model::ModuleTree;
 use crate::spatial::{Twist, Wrench};
 
@@ -27,24 +29,24 @@ use crate::spatial::{Twist, Wrench};
 #[derive(Clone, Debug)]
 pub enum Elimination {
     /// Recursively, by these modules.
-    Recursive(Partition),
+    Recursive(ModulePartition),
     /// Through the factors of the mass matrix, for joints that mimic others.
-    Matrix(Layout),
+    Matrix(UduLayout),
 }
 
 impl Elimination {
     /// The way that a model needs, by modules that fit it.
     #[must_use]
-    pub fn new<S: Scalar>(model: &Prepared<S>, modules: &ModuleTree) -> Self {
+    pub fn new<S: Scalar>(model: &Mechanism<S>, modules: &ModuleTree) -> Self {
         if model.has_mimics() {
-            Self::Matrix(Layout::new(model, modules))
+            Self::Matrix(UduLayout::new(model, modules))
         } else {
-            Self::Recursive(Partition::new(model, modules))
+            Self::Recursive(ModulePartition::new(model, modules))
         }
     }
 
     /// Makes room for it.
-    pub fn make_room<S: Scalar>(&self, model: &Prepared<S>, workspace: &mut Workspace<S>) {
+    pub fn make_room<S: Scalar>(&self, model: &Mechanism<S>, workspace: &mut Workspace<S>) {
         match self {
             Self::Recursive(partition) => workspace.make_room(partition.pivots, 0, 0),
             Self::Matrix(layout) => {
@@ -56,7 +58,7 @@ impl Elimination {
 
 /// qdd = I(q)^-1 (tau - h(q, qd) + the external `forces`' share).
 pub fn forward_dynamics<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     elimination: &Elimination,
     (q, qd, tau): (&[S], &[S], &[S]),
     forces: Option<Forces<'_, S>>,
@@ -92,7 +94,7 @@ pub fn forward_dynamics<S: Scalar>(
 /// robot where no joint mimics another.
 pub fn recursive_forward_dynamics<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    partition: &Partition,
+    partition: &ModulePartition,
     (q, qd, tau): (&[S], &[S], &[S]),
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
@@ -106,17 +108,17 @@ pub fn recursive_forward_dynamics<S: Scalar, T: BodyTree<S>>(
 /// The accelerations, from the wrenches of the unaccelerated motion.
 fn recursion<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    partition: &Partition,
+    partition: &ModulePartition,
     (qd, tau): (&[S], &[S]),
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
 ) {
     let model = tree.mechanism();
     start(model, workspace);
-    // What acts along each joint, resistance taken off.
+    // What acts along each joint, dissipation taken off.
     let torque = |d: usize| {
         let dof = &model.dofs[d];
-        model.resistance(dof, qd).map_or(tau[dof.v], |resistance| tau[dof.v] - resistance)
+        model.dissipation(dof, qd).map_or(tau[dof.v], |dissipation| tau[dof.v] - dissipation)
     };
     for block in partition.blocks.iter().rev() {
         // phi_hat = U^-1 phi and phi_tilde = D^-1 phi_hat, steps (i) and (ii) of (60).
@@ -164,7 +166,7 @@ fn recursion<S: Scalar, T: BodyTree<S>>(
 /// qdd = U^-T phi_tilde, step (iii).
 fn accelerate<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    block: &Block,
+    block: &ModuleBlock,
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
 ) {
@@ -214,8 +216,8 @@ fn accelerate<S: Scalar, T: BodyTree<S>>(
 /// What the module's first joint passes on: the wrench of the unaccelerated motion and the
 /// elimination's share of the torques; in the freed components just the joint's torque.
 fn wrench_left<S: Scalar>(
-    model: &Prepared<S>,
-    block: &Block,
+    model: &Mechanism<S>,
+    block: &ModuleBlock,
     workspace: &Workspace<S>,
     torque: impl Fn(usize) -> S,
 ) -> Wrench<S> {

@@ -3,7 +3,7 @@
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::kinematics::first_moment::{accumulate_masses, first_moment};
-use crate::mechanism::{BodyTree, Prepared};
+use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::{Vector3, Wrench};
 
 /// The joint torques that hold the robot still: bias forces at zero velocity.
@@ -21,7 +21,7 @@ pub fn gravity_torques<S: Scalar, T: BodyTree<S>>(
         let a = Vector3(tree.from_parents(i, |p| of(p).0));
         workspace.twists[i].linear = body.to_child(&workspace.motions[i], a);
     }
-    accumulate_masses(tree, workspace, |body| body.minimal);
+    accumulate_masses(tree, workspace, |body| body.base_inertia);
     tau.fill(S::zero());
     for i in 0..model.bodies.len() {
         let (composite, a) = (&workspace.composite[i], workspace.twists[i].linear);
@@ -37,7 +37,7 @@ pub fn gravity_torques<S: Scalar, T: BodyTree<S>>(
 ///
 /// Read from the inertias as they were written: mass on the first axis adds a constant here.
 pub fn potential_energy<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     q: &[S],
     workspace: &mut Workspace<S>,
 ) -> S {

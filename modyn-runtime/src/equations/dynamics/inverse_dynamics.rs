@@ -4,14 +4,14 @@ use super::Forces;
 use super::newton_euler::{Accelerations, link_wrenches};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::mechanism::{BodyTree, Prepared};
+use crate::mechanism::{BodyTree, Mechanism};
 
 /// tau = I(q) qdd + h(q, qd) - the external `forces`' share, gravity, rotors and what resists the
 /// joints' motion included: the recursive Newton-Euler algorithm.
 ///
 /// Without `qdd` these are the bias forces h(q, qd).
 pub fn inverse_dynamics<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     (q, qd, qdd): (&[S], &[S], Option<&[S]>),
     forces: Option<Forces<'_, S>>,
     workspace: &mut Workspace<S>,
@@ -62,8 +62,8 @@ fn joint_torques<S: Scalar, T: BodyTree<S>>(
             if let (Some(armature), Some(qdd)) = (dof.armature, qdd) {
                 force = force + armature * dof.rate(qdd);
             }
-            if let Some(resistance) = model.resistance(dof, qd) {
-                force = force + resistance;
+            if let Some(dissipation) = model.dissipation(dof, qd) {
+                force = force + dissipation;
             }
             dof.add(force, tau);
         }

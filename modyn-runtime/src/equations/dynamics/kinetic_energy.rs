@@ -2,14 +2,14 @@
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::mechanism::Prepared;
+use crate::mechanism::Mechanism;
 use crate::spatial::Twist;
 
 /// The kinetic energy of the moving links and of the rotors, J.
 ///
 /// Minimal parameters do: mass is only moved where it moves with parent and child alike.
 pub fn kinetic_energy<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     q: &[S],
     qd: &[S],
     workspace: &mut Workspace<S>,
@@ -24,7 +24,7 @@ pub fn kinetic_energy<S: Scalar>(
         let twist = model.add_rates(i, carried, qd);
         workspace.twists[i] = twist;
         let (omega, v) = (twist.angular, twist.linear);
-        let inertia = &body.minimal;
+        let inertia = &body.base_inertia;
         // omega.I omega + 2 v.(omega x c) + m v.v
         let turning = omega.dot(inertia.rotational().full().mul_vector(omega));
         let mixed = v.dot(omega.cross(inertia.first_moment));

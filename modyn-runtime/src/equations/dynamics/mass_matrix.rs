@@ -22,7 +22,7 @@ pub fn mass_matrix<S: Scalar, T: BodyTree<S>>(
     workspace.move_to(model, q);
     columns.fill(S::zero());
     for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
-        *composite = body.minimal;
+        *composite = body.base_inertia;
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
         for (d, dof) in body.dofs.clone().zip(model.dofs_of(i)) {

@@ -6,8 +6,8 @@
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::kinematics::acceleration::carried;
-use crate::joint::Primitive;
-use crate::mechanism::{BodyTree, Prepared};
+use crate::joint::ElementaryJoint;
+use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::Vector3;
 
 /// How the joints accelerate.
@@ -54,21 +54,21 @@ pub(in crate::equations) fn link_wrenches<S: Scalar, T: BodyTree<S>>(
             }
         }
         workspace.fields[i] = field;
-        workspace.wrenches[i] = field.wrench(&body.minimal);
+        workspace.wrenches[i] = field.wrench(&body.base_inertia);
     }
 }
 
 /// Whether body `i` is a base that floats in the world. (One with rotors does not fall freely.)
-pub(in crate::equations) fn is_base<S: Scalar>(model: &Prepared<S>, i: usize) -> bool {
+pub(in crate::equations) fn is_base<S: Scalar>(model: &Mechanism<S>, i: usize) -> bool {
     let body = &model.bodies[i];
-    let floats = body.parent.is_none() && body.primitive == Primitive::Floating;
+    let floats = body.parent.is_none() && body.primitive == ElementaryJoint::Floating;
     floats && model.dofs_of(i).iter().all(|dof| dof.armature.is_none())
 }
 
 /// The linear acceleration, as its joint has it, of a floating base `i` in free fall:
 /// g - omega x v.
 pub(in crate::equations) fn free_fall<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     i: usize,
     qd: &[S],
     workspace: &Workspace<S>,

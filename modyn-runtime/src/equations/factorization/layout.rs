@@ -3,9 +3,9 @@
 use alloc::{collections::BTreeSet, vec, vec::Vec};
 use core::ops::Range;
 
-use super::partition::{Block, Partition};
+use super::partition::{ModuleBlock, ModulePartition};
 use crate::Scalar;
-use crate::mechanism::Prepared;
+use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 
 /// Where the numbers of the factorization lie.
@@ -15,8 +15,8 @@ use crate::model::ModuleTree;
 /// reciprocals of Delta, one a degree of freedom. Then U: for each module, for each degree of
 /// freedom in front of it that it is coupled with, a row as long as the module.
 #[derive(Clone, Debug)]
-pub struct Layout {
-    partition: Partition,
+pub struct UduLayout {
+    partition: ModulePartition,
     /// Where each module's V starts.
     factors: Vec<usize>,
     /// For each module the degrees of freedom in front of it that it is coupled with, ascending:
@@ -29,12 +29,12 @@ pub struct Layout {
     n: usize,
 }
 
-impl Layout {
+impl UduLayout {
     /// The layout for a model's modules.
     #[must_use]
-    pub fn new<S: Scalar>(model: &Prepared<S>, modules: &ModuleTree) -> Self {
+    pub fn new<S: Scalar>(model: &Mechanism<S>, modules: &ModuleTree) -> Self {
         if !model.has_mimics() {
-            return Self::of(model, Partition::new(model, modules));
+            return Self::of(model, ModulePartition::new(model, modules));
         }
         let (partition, in_front) = coupled(model, modules);
         Self::with(model.nv, partition, in_front)
@@ -42,12 +42,12 @@ impl Layout {
 
     /// The layout for modules of a model without mimics.
     #[must_use]
-    pub fn of<S>(model: &Prepared<S>, partition: Partition) -> Self {
+    pub fn of<S>(model: &Mechanism<S>, partition: ModulePartition) -> Self {
         let in_front = ancestors(model, &partition);
         Self::with(model.dofs.len(), partition, in_front)
     }
 
-    fn with(n: usize, partition: Partition, in_front: Vec<Vec<usize>>) -> Self {
+    fn with(n: usize, partition: ModulePartition, in_front: Vec<Vec<usize>>) -> Self {
         let (mut rows, mut factors) = (Vec::new(), Vec::new());
         let (mut coupling, mut next) = (0, partition.pivots);
         for (block, in_front) in partition.blocks.iter().zip(&in_front) {
@@ -62,13 +62,13 @@ impl Layout {
 
     /// The modules, with room for their pivots.
     #[must_use]
-    pub fn partition(&self) -> &Partition {
+    pub fn partition(&self) -> &ModulePartition {
         &self.partition
     }
 
     /// The modules.
     #[must_use]
-    pub fn blocks(&self) -> &[Block] {
+    pub fn blocks(&self) -> &[ModuleBlock] {
         &self.partition.blocks
     }
 
@@ -142,7 +142,7 @@ impl Layout {
 }
 
 /// For each module the degrees of freedom on the way to it from the root.
-fn ancestors<S>(model: &Prepared<S>, partition: &Partition) -> Vec<Vec<usize>> {
+fn ancestors<S>(model: &Mechanism<S>, partition: &ModulePartition) -> Vec<Vec<usize>> {
     let mut ancestors: Vec<Vec<usize>> = Vec::new();
     for block in &partition.blocks {
         let parent = model.bodies[block.bodies.start].parent.and_then(|parent| {
@@ -160,8 +160,11 @@ fn ancestors<S>(model: &Prepared<S>, partition: &Partition) -> Vec<Vec<usize>> {
 /// The same where joints mimic others: each module has the entries of the joint vectors that its
 /// own joints have (none, if all follow others), and the GIM's pattern is followed through the
 /// elimination.
-fn coupled<S: Scalar>(model: &Prepared<S>, modules: &ModuleTree) -> (Partition, Vec<Vec<usize>>) {
-    let mut partition = Partition::new(model, modules);
+fn coupled<S: Scalar>(
+    model: &Mechanism<S>,
+    modules: &ModuleTree,
+) -> (ModulePartition, Vec<Vec<usize>>) {
+    let mut partition = ModulePartition::new(model, modules);
     let mut module_of = vec![0; model.nv];
     let (mut next, mut pivots) = (0, 0);
     for (m, block) in partition.blocks.iter_mut().enumerate() {

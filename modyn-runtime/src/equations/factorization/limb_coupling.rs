@@ -11,10 +11,10 @@
 
 use alloc::{vec, vec::Vec};
 
-use super::layout::Layout;
-use super::partition::Partition;
+use super::layout::UduLayout;
+use super::partition::ModulePartition;
 use crate::equations::Workspace;
-use crate::mechanism::{BodyTree, MergedMechanism, Prepared, TreeAccess};
+use crate::mechanism::{BodyTree, Mechanism, MergedMechanism, TreeAccess};
 use crate::{LaneScalar, Scalar};
 
 /// A limb that stands for equal ones.
@@ -39,14 +39,14 @@ fn of_dofs<S: LaneScalar>(tree: &MergedMechanism<S>) -> Vec<Option<Limb>> {
     model.dofs.iter().map(|dof| of_bodies[dof.body]).collect()
 }
 
-/// A layout of factors that solving can run on: a [`Layout`], or a [`MergedLayout`] for a mechanism
+/// A layout of factors that solving can run on: a [`UduLayout`], or a [`MergedUduLayout`] for a mechanism
 /// whose limbs are merged. No other type can be one.
 pub trait FactorLayout<S: Scalar>: LimbAccess<S> {}
 
 /// The limbs of a [`FactorLayout`], and the sums over them.
 pub trait LimbAccess<S: Scalar> {
     /// Where the numbers lie.
-    fn layout(&self) -> &Layout;
+    fn layout(&self) -> &UduLayout;
 
     /// The limb that a degree of freedom belongs to, where it stands for several.
     fn limb_of_dof(&self, _dof: usize) -> Option<Limb> {
@@ -70,33 +70,36 @@ pub trait LimbAccess<S: Scalar> {
     }
 }
 
-impl<S: Scalar> FactorLayout<S> for Layout {}
+impl<S: Scalar> FactorLayout<S> for UduLayout {}
 
-impl<S: Scalar> LimbAccess<S> for Layout {
-    fn layout(&self) -> &Layout {
+impl<S: Scalar> LimbAccess<S> for UduLayout {
+    fn layout(&self) -> &UduLayout {
         self
     }
 }
 
 /// A layout for a mechanism whose limbs are merged.
 #[derive(Clone, Debug)]
-pub struct MergedLayout {
-    layout: Layout,
+pub struct MergedUduLayout {
+    layout: UduLayout,
     /// By degree of freedom: the limb that it belongs to, if that stands for several.
     limbs: Vec<Option<Limb>>,
 }
 
-impl MergedLayout {
+impl MergedUduLayout {
     /// `layout`, which is one of `tree`'s modules.
     #[must_use]
-    pub fn new<S: LaneScalar>(tree: &MergedMechanism<S>, layout: Layout) -> Self {
+    pub fn new<S: LaneScalar>(tree: &MergedMechanism<S>, layout: UduLayout) -> Self {
         Self { layout, limbs: of_dofs(tree) }
     }
 
     /// The layout for modules of `tree`.
     #[must_use]
-    pub fn by_modules<S: LaneScalar>(tree: &MergedMechanism<S>, partition: Partition) -> Self {
-        Self::new(tree, Layout::of(tree.mechanism(), partition))
+    pub fn by_modules<S: LaneScalar>(
+        tree: &MergedMechanism<S>,
+        partition: ModulePartition,
+    ) -> Self {
+        Self::new(tree, UduLayout::of(tree.mechanism(), partition))
     }
 
     fn module_limb(&self, m: usize) -> Option<Limb> {
@@ -105,10 +108,10 @@ impl MergedLayout {
     }
 }
 
-impl<S: LaneScalar> FactorLayout<S> for MergedLayout {}
+impl<S: LaneScalar> FactorLayout<S> for MergedUduLayout {}
 
-impl<S: LaneScalar> LimbAccess<S> for MergedLayout {
-    fn layout(&self) -> &Layout {
+impl<S: LaneScalar> LimbAccess<S> for MergedUduLayout {
+    fn layout(&self) -> &UduLayout {
         &self.layout
     }
 
@@ -127,12 +130,12 @@ pub trait Factorizable<S: Scalar>: BodyTree<S> {
     type Layout: FactorLayout<S>;
 }
 
-impl<S: Scalar> Factorizable<S> for Prepared<S> {
-    type Layout = Layout;
+impl<S: Scalar> Factorizable<S> for Mechanism<S> {
+    type Layout = UduLayout;
 }
 
 impl<S: LaneScalar> Factorizable<S> for MergedMechanism<S> {
-    type Layout = MergedLayout;
+    type Layout = MergedUduLayout;
 }
 
 /// Over how many limbs adds up what one of `limb` leaves on one of `other`.
@@ -178,7 +181,7 @@ pub(in crate::equations) fn sum_row<S: Scalar, L: FactorLayout<S>>(
 #[must_use]
 pub fn cross_limb<S: LaneScalar>(
     tree: &MergedMechanism<S>,
-    merged: &MergedLayout,
+    merged: &MergedUduLayout,
     workspace: &Workspace<S>,
     columns: &[S],
 ) -> Vec<S> {

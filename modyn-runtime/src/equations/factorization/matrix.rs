@@ -1,7 +1,7 @@
 //! The factors of the mass matrix from the matrix itself, block by block.
 
 use super::blocks::{factor_udu, solve_lower, solve_upper};
-use super::layout::Layout;
+use super::layout::UduLayout;
 use super::limb_coupling::FactorLayout;
 use super::partition::factor;
 use crate::Scalar;
@@ -58,7 +58,7 @@ pub fn factorize_matrix<S: Scalar, L: FactorLayout<S>>(
 }
 
 /// Keeps V of a split pivot block.
-pub(super) fn store_v<S: Scalar>(layout: &Layout, m: usize, pivots: &[S], factors: &mut [S]) {
+pub(super) fn store_v<S: Scalar>(layout: &UduLayout, m: usize, pivots: &[S], factors: &mut [S]) {
     let block = &layout.blocks()[m];
     let v = factor(block, pivots);
     let mut entries = factors[layout.v_start(m)..].iter_mut();

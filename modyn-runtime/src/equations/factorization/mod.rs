@@ -11,10 +11,10 @@ mod solve;
 pub(super) use recursive::factorize_tree;
 
 pub use {
-    layout::Layout,
-    limb_coupling::{FactorLayout, Factorizable, MergedLayout, cross_limb},
+    layout::UduLayout,
+    limb_coupling::{FactorLayout, Factorizable, MergedUduLayout, cross_limb},
     matrix::factorize_matrix,
-    partition::{Block, Partition},
+    partition::{ModuleBlock, ModulePartition},
     solve::{
         condition_number, diagonal, diagonal_inverse, inverse, log_determinant, solve,
         solve_column, upper, upper_inverse,

@@ -4,12 +4,12 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use crate::Scalar;
-use crate::mechanism::Prepared;
+use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 
 /// A module, with where its block pivot lies in a packed array.
 #[derive(Clone, Debug)]
-pub struct Block {
+pub struct ModuleBlock {
     /// Its bodies.
     pub bodies: Range<usize>,
     /// Their degrees of freedom.
@@ -22,38 +22,38 @@ pub struct Block {
 
 /// A partition into modules, parents before children, with room for their pivots.
 #[derive(Clone, Debug)]
-pub struct Partition {
+pub struct ModulePartition {
     /// The modules.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<ModuleBlock>,
     /// How many numbers all pivot blocks hold together.
     pub pivots: usize,
 }
 
-impl Partition {
+impl ModulePartition {
     /// The modules of a model, which they fit.
     #[must_use]
-    pub fn new<S>(model: &Prepared<S>, modules: &ModuleTree) -> Self {
+    pub fn new<S>(model: &Mechanism<S>, modules: &ModuleTree) -> Self {
         let mut pivots = 0;
         let blocks = modules.modules().iter().map(|module| {
             let bodies = bodies(model, &module.links);
             let dofs = model.bodies[bodies.start].dofs.start..model.bodies[bodies.end - 1].dofs.end;
             let pivot = pivots;
             pivots += dofs.len() * dofs.len();
-            Block { bodies, dofs, pivot, has_children: !module.children.is_empty() }
+            ModuleBlock { bodies, dofs, pivot, has_children: !module.children.is_empty() }
         });
         Self { blocks: blocks.collect(), pivots }
     }
 }
 
 /// The bodies of these links, which are in a row.
-fn bodies<S>(model: &Prepared<S>, links: &Range<usize>) -> Range<usize> {
+fn bodies<S>(model: &Mechanism<S>, links: &Range<usize>) -> Range<usize> {
     let start = links.start.checked_sub(1).map_or(0, |before| model.links[before] + 1);
     start..model.links[links.end - 1] + 1
 }
 
 /// V of a split block.
 pub(in crate::equations) fn factor<'a, S: Scalar>(
-    block: &Block,
+    block: &ModuleBlock,
     pivots: &'a [S],
 ) -> impl Fn(usize, usize) -> S + Copy + 'a {
     let (start, size) = (block.pivot, block.dofs.len());

@@ -9,18 +9,18 @@
 //! No joint mimics another here: each degree of freedom is an entry of the joint vectors.
 
 use super::blocks::{factor_udu, solve_lower, solve_upper};
-use super::layout::Layout;
+use super::layout::UduLayout;
 use super::matrix::store_v;
-use super::partition::{Block, factor};
+use super::partition::{ModuleBlock, factor};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::mechanism::{BodyTree, Prepared};
+use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::{ArticulatedInertia, Wrench};
 
 /// Sets each body's inertia to its own.
-pub(in crate::equations) fn start<S: Scalar>(model: &Prepared<S>, workspace: &mut Workspace<S>) {
+pub(in crate::equations) fn start<S: Scalar>(model: &Mechanism<S>, workspace: &mut Workspace<S>) {
     for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
-        *composite = body.minimal;
+        *composite = body.base_inertia;
     }
     workspace.articulated.fill(None);
 }
@@ -29,7 +29,7 @@ pub(in crate::equations) fn start<S: Scalar>(model: &Prepared<S>, workspace: &mu
 /// inertia of the bodies behind there.
 pub(in crate::equations) fn pivot<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    block: &Block,
+    block: &ModuleBlock,
     workspace: &mut Workspace<S>,
 ) {
     let model = tree.mechanism();
@@ -77,7 +77,7 @@ pub(in crate::equations) fn pivot<S: Scalar, T: BodyTree<S>>(
 }
 
 /// Splits the module's pivot block as V Delta V^T in place.
-pub(in crate::equations) fn split<S: Scalar>(block: &Block, workspace: &mut Workspace<S>) {
+pub(in crate::equations) fn split<S: Scalar>(block: &ModuleBlock, workspace: &mut Workspace<S>) {
     let size = block.dofs.len();
     let v = &mut workspace.pivots[block.pivot..block.pivot + size * size];
     factor_udu(v, size, &mut workspace.reciprocals[block.dofs.clone()]);
@@ -86,8 +86,8 @@ pub(in crate::equations) fn split<S: Scalar>(block: &Block, workspace: &mut Work
 /// By component: the degree of freedom of the module's first joint that moves it, where nothing
 /// is left for the parent: what the joint does not hold, it gives way to. (A rotor holds.)
 pub(in crate::equations) fn motion_subspace<S: Scalar>(
-    model: &Prepared<S>,
-    block: &Block,
+    model: &Mechanism<S>,
+    block: &ModuleBlock,
 ) -> [Option<usize>; 6] {
     let mut subspace = [None; 6];
     for d in model.bodies[block.bodies.start].dofs.clone() {
@@ -101,8 +101,8 @@ pub(in crate::equations) fn motion_subspace<S: Scalar>(
 /// Turns the columns Psi into V^-1 Psi^T and, over Delta, into `gains`: row by row but the freed
 /// ones. Expects the split pivot.
 pub(in crate::equations) fn reduce_columns<S: Scalar>(
-    model: &Prepared<S>,
-    block: &Block,
+    model: &Mechanism<S>,
+    block: &ModuleBlock,
     workspace: &mut Workspace<S>,
 ) {
     let subspace = motion_subspace(model, block);
@@ -118,7 +118,7 @@ pub(in crate::equations) fn reduce_columns<S: Scalar>(
 /// Gives the module's inertia, with its joints eliminated, to the link it hangs on: (48).
 pub(in crate::equations) fn eliminate<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    block: &Block,
+    block: &ModuleBlock,
     workspace: &mut Workspace<S>,
 ) {
     let model = tree.mechanism();
@@ -158,8 +158,8 @@ fn propagate_to_parent<S: Scalar, T: BodyTree<S>>(
 
 /// Fills `factors` with D, its factors and U at `q`, by the recursion over the tree.
 pub(in crate::equations) fn factorize_tree<S: Scalar>(
-    model: &Prepared<S>,
-    layout: &Layout,
+    model: &Mechanism<S>,
+    layout: &UduLayout,
     q: &[S],
     workspace: &mut Workspace<S>,
     factors: &mut [S],
@@ -202,7 +202,11 @@ pub(in crate::equations) fn factorize_tree<S: Scalar>(
 }
 
 /// Turns the gains Psi V^-T Delta^-1 into Psi I_hat^-1, all six rows.
-fn finish_gains<S: Scalar>(model: &Prepared<S>, block: &Block, workspace: &mut Workspace<S>) {
+fn finish_gains<S: Scalar>(
+    model: &Mechanism<S>,
+    block: &ModuleBlock,
+    workspace: &mut Workspace<S>,
+) {
     let subspace = motion_subspace(model, block);
     for (row, free) in subspace.into_iter().enumerate() {
         let gains = &mut workspace.gains[row][block.dofs.clone()];

@@ -3,12 +3,12 @@
 use core::ops::Range;
 
 use super::blocks::{solve_lower, solve_upper};
-use super::layout::Layout;
+use super::layout::UduLayout;
 use super::limb_coupling::{FactorLayout, Limb};
 use crate::{Scalar, jacobi};
 
 /// x := I_hat^-1 x for module `m`.
-fn solve_block<S: Scalar>(layout: &Layout, factors: &[S], m: usize, x: &mut [S]) {
+fn solve_block<S: Scalar>(layout: &UduLayout, factors: &[S], m: usize, x: &mut [S]) {
     let v = layout.v(m, factors);
     let reciprocals = &factors[layout.reciprocals()][layout.blocks()[m].dofs.clone()];
     solve_upper(v, x);
@@ -70,7 +70,7 @@ fn solve_for<S: Scalar, L: FactorLayout<S>>(
 }
 
 /// D as a full matrix by columns, (45).
-pub fn diagonal<S: Scalar>(layout: &Layout, factors: &[S], columns: &mut [S]) {
+pub fn diagonal<S: Scalar>(layout: &UduLayout, factors: &[S], columns: &mut [S]) {
     let n = layout.n();
     columns.fill(S::zero());
     for block in layout.blocks() {
@@ -84,7 +84,7 @@ pub fn diagonal<S: Scalar>(layout: &Layout, factors: &[S], columns: &mut [S]) {
 }
 
 /// D^-1 as a full matrix by columns, (54).
-pub fn diagonal_inverse<S: Scalar>(layout: &Layout, factors: &[S], columns: &mut [S]) {
+pub fn diagonal_inverse<S: Scalar>(layout: &UduLayout, factors: &[S], columns: &mut [S]) {
     let n = layout.n();
     columns.fill(S::zero());
     for (m, block) in layout.blocks().iter().enumerate() {
@@ -107,7 +107,7 @@ fn mirror<S: Scalar>(n: usize, range: Range<usize>, columns: &mut [S]) {
 }
 
 /// U as a full matrix by columns, (43).
-pub fn upper<S: Scalar>(layout: &Layout, u: &[S], columns: &mut [S]) {
+pub fn upper<S: Scalar>(layout: &UduLayout, u: &[S], columns: &mut [S]) {
     let n = layout.n();
     columns.fill(S::zero());
     for (m, block) in layout.blocks().iter().enumerate() {
@@ -122,7 +122,7 @@ pub fn upper<S: Scalar>(layout: &Layout, u: &[S], columns: &mut [S]) {
 
 /// U^-1 as a full matrix by columns, (53)-(54): each block column of U is carried through the
 /// block columns of the modules in front of it.
-pub fn upper_inverse<S: Scalar>(layout: &Layout, u: &[S], columns: &mut [S]) {
+pub fn upper_inverse<S: Scalar>(layout: &UduLayout, u: &[S], columns: &mut [S]) {
     let n = layout.n();
     columns.fill(S::zero());
     for (m, block) in layout.blocks().iter().enumerate() {
@@ -154,13 +154,13 @@ pub fn inverse<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], columns
 }
 
 /// The logarithm of the GIM's determinant: that of D, since U's is one.
-pub fn log_determinant<S: Scalar>(layout: &Layout, factors: &[S]) -> S {
+pub fn log_determinant<S: Scalar>(layout: &UduLayout, factors: &[S]) -> S {
     let reciprocals = &factors[layout.reciprocals()];
     -reciprocals.iter().fold(S::zero(), |sum, reciprocal| sum + reciprocal.ln())
 }
 
 /// The condition number of module `m`'s pivot block, in the 2-norm.
-pub fn condition_number<S: Scalar>(layout: &Layout, factors: &[S], m: usize) -> S {
+pub fn condition_number<S: Scalar>(layout: &UduLayout, factors: &[S], m: usize) -> S {
     let mut block = factors[layout.d(m)].to_vec();
     jacobi::condition_number(&mut block, layout.blocks()[m].dofs.len())
 }

@@ -11,7 +11,7 @@ use alloc::{format, string::String, vec, vec::Vec};
 use super::regressor;
 use crate::equations::Workspace;
 use crate::equations::kinematics::coordinates;
-use crate::mechanism::Prepared;
+use crate::mechanism::Mechanism;
 use crate::model::{INERTIAL_PARAMETERS, Model, PARAMETERS_PER_LINK};
 
 /// A column of the regressor is independent of others if more than that part of it is: below, nothing
@@ -105,7 +105,7 @@ impl BaseParameters {
 
 /// The columns of the regressors at many states, one under the other.
 fn stacked(model: &Model) -> Vec<Vec<f64>> {
-    let prepared = Prepared::new(model);
+    let prepared = Mechanism::new(model);
     let workspace = &mut Workspace::new(&prepared);
     let (nq, nv) = (model.nq(), model.nv());
     let count = PARAMETERS_PER_LINK * model.links().len();

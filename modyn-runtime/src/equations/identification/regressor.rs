@@ -3,7 +3,7 @@
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
-use crate::mechanism::{Body, Prepared};
+use crate::mechanism::{Body, Mechanism};
 use crate::model::PARAMETERS_PER_LINK;
 use crate::spatial::{Field, Matrix3, Twist, Vector3};
 
@@ -16,7 +16,7 @@ use crate::spatial::{Field, Matrix3, Twist, Vector3};
 /// power at which a unit motion of its joint works against what its parameter asks for, so unit
 /// motions are carried down to the links rather than ten wrenches up from each.
 pub fn regressor<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     (q, qd, qdd): (&[S], &[S], &[S]),
     workspace: &mut Workspace<S>,
     columns: &mut [S],
@@ -52,7 +52,7 @@ pub fn regressor<S: Scalar>(
 }
 
 /// Where the bodies end that hang on body `i`: they stand behind it, depth first.
-fn subtree_end<S>(model: &Prepared<S>, i: usize) -> usize {
+fn subtree_end<S>(model: &Mechanism<S>, i: usize) -> usize {
     let behind = model.bodies[i + 1..].iter();
     i + 1 + behind.take_while(|body| body.parent.is_some_and(|parent| parent >= i)).count()
 }

@@ -2,7 +2,7 @@
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::joint::{Carried, Motion};
+use crate::joint::{Carried, JointTransform};
 use crate::mechanism::{Body, BodyTree};
 use crate::spatial::{Field, Vector3};
 
@@ -38,7 +38,7 @@ pub(in crate::equations) fn carried<S: Scalar, T: BodyTree<S>>(
 pub(in crate::equations) fn carried_by<S: Scalar>(
     parent: &Field<S>,
     body: &Body<S>,
-    motion: &Motion<S>,
+    motion: &JointTransform<S>,
 ) -> Carried<S> {
     let to_child = |v| body.to_child(motion, v);
     let a = parent.a + parent.over_origin(body.placement.origin());

@@ -4,17 +4,17 @@ use super::first_moment::{accumulate_masses, first_moment};
 use super::kinematic_path;
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::mechanism::Prepared;
+use crate::mechanism::Mechanism;
 use crate::spatial::{RigidInertia, Vector3};
 
 /// The mass of the moving links, kg.
-pub fn total_mass<S: Scalar>(model: &Prepared<S>) -> S {
+pub fn total_mass<S: Scalar>(model: &Mechanism<S>) -> S {
     model.bodies.iter().fold(S::zero(), |sum, body| sum + body.inertia.mass)
 }
 
 /// Their centre of mass in the world, m. Not a number where they have no mass.
 pub fn center_of_mass<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     q: &[S],
     workspace: &mut Workspace<S>,
 ) -> Vector3<S> {
@@ -24,25 +24,25 @@ pub fn center_of_mass<S: Scalar>(
 
 /// The same, with the joints at q.
 pub(in crate::equations) fn at_joints<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     workspace: &mut Workspace<S>,
 ) -> Vector3<S> {
     let share = total_mass(model).recip();
-    let moving = first_moment(model, workspace, |body| shared(&body.minimal, share));
-    moving + model.immobile.first_moment.scale(share)
+    let moving = first_moment(model, workspace, |body| shared(&body.base_inertia, share));
+    moving + model.static_inertia.first_moment.scale(share)
 }
 
 /// The Jacobian of the centre of mass into `columns`, one an entry of qd, world axes: the linear
 /// momentum of a unit rate over the total mass.
 pub fn center_of_mass_jacobian<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     q: &[S],
     workspace: &mut Workspace<S>,
     columns: &mut [Vector3<S>],
 ) {
     workspace.move_to(model, q);
     let share = total_mass(model).recip();
-    accumulate_masses(model, workspace, |body| shared(&body.minimal, share));
+    accumulate_masses(model, workspace, |body| shared(&body.base_inertia, share));
     columns.fill(Vector3::zero());
     for (i, body) in model.bodies.iter().enumerate() {
         kinematic_path::turn_axes(model, i, workspace);

@@ -6,14 +6,14 @@
 //! Sastry 1994, A Mathematical Introduction to Robotic Manipulation, chapter 2).
 
 use crate::Scalar;
-use crate::mechanism::Prepared;
+use crate::mechanism::Mechanism;
 use crate::mechanism::coordinates::{Coordinates, Space};
 use crate::spatial::{Quaternion, Vector3, screw_translation, screw_velocity};
 
 /// Where the constant velocities `v` lead from `q` in a unit of time: q (+) v into `out` (nq).
 ///
 /// The quaternions' lengths stay at 1 over any number of steps.
-pub fn integrate<S: Scalar>(model: &Prepared<S>, (q, v): (&[S], &[S]), out: &mut [S]) {
+pub fn integrate<S: Scalar>(model: &Mechanism<S>, (q, v): (&[S], &[S]), out: &mut [S]) {
     for block in &model.coordinates {
         match block.space {
             Space::Line { .. } => out[block.q] = q[block.q] + v[block.v],
@@ -34,7 +34,7 @@ pub fn integrate<S: Scalar>(model: &Prepared<S>, (q, v): (&[S], &[S]), out: &mut
 }
 
 /// The v with `from` (+) v = `to` into `out` (nv): the shortest rotations; angles are not wrapped.
-pub fn difference<S: Scalar>(model: &Prepared<S>, (from, to): (&[S], &[S]), out: &mut [S]) {
+pub fn difference<S: Scalar>(model: &Mechanism<S>, (from, to): (&[S], &[S]), out: &mut [S]) {
     let turn = |at| rotation(from, at).conjugate().times(rotation(to, at)).log();
     for block in &model.coordinates {
         match block.space {
@@ -52,7 +52,7 @@ pub fn difference<S: Scalar>(model: &Prepared<S>, (from, to): (&[S], &[S]), out:
 }
 
 /// The rates dq/dt of the coordinates `q` at velocities `qd` into `out` (nq).
-pub fn coordinate_rates<S: Scalar>(model: &Prepared<S>, (q, qd): (&[S], &[S]), out: &mut [S]) {
+pub fn coordinate_rates<S: Scalar>(model: &Mechanism<S>, (q, qd): (&[S], &[S]), out: &mut [S]) {
     for block in &model.coordinates {
         match block.space {
             Space::Line { .. } => out[block.q] = qd[block.v],
@@ -69,14 +69,14 @@ pub fn coordinate_rates<S: Scalar>(model: &Prepared<S>, (q, qd): (&[S], &[S]), o
 }
 
 /// Brings the quaternions in `q` to length 1; one of length 0 becomes the identity.
-pub fn normalize<S: Scalar>(model: &Prepared<S>, q: &mut [S]) {
+pub fn normalize<S: Scalar>(model: &Mechanism<S>, q: &mut [S]) {
     for at in model.coordinates.iter().filter_map(quaternion) {
         put_rotation(rotation(q, at).normalized(), q, at);
     }
 }
 
 /// The coordinates zero, with identity quaternions, into `q`.
-pub fn neutral<S: Scalar>(model: &Prepared<S>, q: &mut [S]) {
+pub fn neutral<S: Scalar>(model: &Mechanism<S>, q: &mut [S]) {
     q.fill(S::zero());
     for at in model.coordinates.iter().filter_map(quaternion) {
         put_rotation(Quaternion::identity(), q, at);
@@ -87,7 +87,7 @@ pub fn neutral<S: Scalar>(model: &Prepared<S>, q: &mut [S]) {
 /// half a turn both ways, displacements in 1 m both ways, and rotations everywhere.
 ///
 /// `uniform` gives independent numbers evenly spread in 0..1; it is called nv times.
-pub fn random<S: Scalar>(model: &Prepared<S>, uniform: &mut dyn FnMut() -> S, q: &mut [S]) {
+pub fn random<S: Scalar>(model: &Mechanism<S>, uniform: &mut dyn FnMut() -> S, q: &mut [S]) {
     for block in &model.coordinates {
         match block.space {
             Space::Line { low, high } => q[block.q] = between(low, high, uniform()),

@@ -2,12 +2,12 @@
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::mechanism::{Body, BodyTree, Prepared};
+use crate::mechanism::{Body, BodyTree, Mechanism};
 use crate::spatial::{RigidInertia, Vector3};
 
 /// The first moment of mass in the world. Expects the joints at q.
 pub(in crate::equations) fn first_moment<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     workspace: &mut Workspace<S>,
     inertia: impl Fn(&Body<S>) -> RigidInertia<S>,
 ) -> Vector3<S> {

@@ -4,13 +4,13 @@ use alloc::vec::Vec;
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::joint::Motion;
-use crate::mechanism::Prepared;
+use crate::joint::JointTransform;
+use crate::mechanism::Mechanism;
 use crate::spatial::{Matrix3, Pose, Twist, Vector3};
 
 /// Body `last` and those that it hangs on, down to the world.
 pub(in crate::equations) fn towards_world<S>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     last: Option<usize>,
 ) -> impl Iterator<Item = usize> {
     core::iter::successors(last, |&i| model.bodies[i].parent)
@@ -18,7 +18,7 @@ pub(in crate::equations) fn towards_world<S>(
 
 /// The same bodies from the world on, into `chain`.
 pub(in crate::equations) fn from_world<S>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     last: Option<usize>,
     chain: &mut Vec<usize>,
 ) {
@@ -29,7 +29,7 @@ pub(in crate::equations) fn from_world<S>(
 
 /// Body `i`'s axes in the world. Expects its joint at q, and its parent's axes.
 pub(in crate::equations) fn turn_axes<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     i: usize,
     workspace: &mut Workspace<S>,
 ) {
@@ -39,7 +39,7 @@ pub(in crate::equations) fn turn_axes<S: Scalar>(
 /// The axes in the world that body `i`'s degrees of freedom are along: an axis stands the same in
 /// front of the joint, where the axes have one turn less behind them.
 pub(in crate::equations) fn joint_axes<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     i: usize,
     workspace: &Workspace<S>,
 ) -> Matrix3<S> {
@@ -51,7 +51,11 @@ pub(in crate::equations) fn joint_axes<S: Scalar>(
 }
 
 /// The axes in the world that stand in front of body `i`'s joint.
-fn axes_at_joint<S: Scalar>(model: &Prepared<S>, i: usize, workspace: &Workspace<S>) -> Matrix3<S> {
+fn axes_at_joint<S: Scalar>(
+    model: &Mechanism<S>,
+    i: usize,
+    workspace: &Workspace<S>,
+) -> Matrix3<S> {
     let body = &model.bodies[i];
     let world = || Matrix3(Pose::identity().rotation);
     body.placement.turn_axes(&body.parent.map_or_else(world, |parent| workspace.axes[parent]))
@@ -76,7 +80,7 @@ impl<S: Scalar> Relative<S> {
     /// The motion against body `i`'s parent, from that against body `i`.
     pub(in crate::equations) fn towards_world(
         self,
-        model: &Prepared<S>,
+        model: &Mechanism<S>,
         i: usize,
         (q, qd, qdd): (&[S], &[S], Option<&[S]>),
     ) -> Self {
@@ -96,7 +100,7 @@ impl<S: Scalar> Relative<S> {
     }
 
     /// In the axes in front of the joint, against the body still.
-    fn across(self, motion: &Motion<S>) -> Self {
+    fn across(self, motion: &JointTransform<S>) -> Self {
         let turned = self.turned(|v| motion.to_parent(v));
         Self { point: motion.point_to_parent(self.point), ..turned }
     }
@@ -143,7 +147,7 @@ impl<S: Scalar> Own<S> {
     /// Body `i`'s, from its parent's.
     pub(in crate::equations) fn carried_to(
         self,
-        model: &Prepared<S>,
+        model: &Mechanism<S>,
         i: usize,
         (q, qd): (&[S], &[S]),
     ) -> Self {

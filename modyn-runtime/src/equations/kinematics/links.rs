@@ -4,12 +4,12 @@ use super::acceleration::carried_by;
 use super::kinematic_path::{self, Own, Relative};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::mechanism::{Body, BodyFrame, Prepared};
+use crate::mechanism::{Body, BodyFrame, Mechanism};
 use crate::spatial::{Field, Matrix3, Pose, Twist, Vector3};
 
 /// The poses of all links of the description in the world, in the description's order.
 pub fn link_poses<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     q: &[S],
     workspace: &mut Workspace<S>,
     body_poses: &mut [Pose<S>],
@@ -45,7 +45,7 @@ pub enum Axes {
 /// The pose of link `frame` (an index of the description's links) in the world.
 ///
 /// Like every quantity of one link here it visits that link's chain alone.
-pub fn link_pose<S: Scalar>(model: &Prepared<S>, frame: usize, q: &[S]) -> Pose<S> {
+pub fn link_pose<S: Scalar>(model: &Mechanism<S>, frame: usize, q: &[S]) -> Pose<S> {
     let BodyFrame { body, pose } = model.frames[frame];
     let mut seen = Seen::fixed(&pose);
     for i in kinematic_path::towards_world(model, body) {
@@ -56,7 +56,7 @@ pub fn link_pose<S: Scalar>(model: &Prepared<S>, frame: usize, q: &[S]) -> Pose<
 
 /// The velocity of link `frame` in the world: angular, and linear of its origin.
 pub fn link_velocity<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     frame: usize,
     (q, qd): (&[S], &[S]),
     axes: Axes,
@@ -71,7 +71,7 @@ pub fn link_velocity<S: Scalar>(
 /// The acceleration of link `frame` in the world: angular, and the classical one of its origin.
 /// Gravity has no part in it: a link at rest is not accelerated.
 pub fn link_acceleration<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     frame: usize,
     (q, qd, qdd): (&[S], &[S], &[S]),
     axes: Axes,
@@ -98,7 +98,7 @@ pub fn link_acceleration<S: Scalar>(
 /// times qd. In [`Axes::World`] it is Pinocchio's `LOCAL_WORLD_ALIGNED`, in [`Axes::Link`] its
 /// `LOCAL`. Where joints follow others their columns add up.
 pub fn jacobian<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     frame: usize,
     q: &[S],
     axes: Axes,
@@ -149,7 +149,7 @@ pub fn jacobian<S: Scalar>(
 /// the link: this is less than the classical acceleration in link axes by the angular velocity
 /// times (as vectors) the linear one, in the linear part.
 pub fn jacobian_rate<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     frame: usize,
     (q, qd): (&[S], &[S]),
     axes: Axes,
@@ -163,7 +163,7 @@ pub fn jacobian_rate<S: Scalar>(
 
 /// From the link down to the world: no axes need be turned for the result.
 fn in_world_axes<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     frame: usize,
     motion: (&[S], &[S], Option<&[S]>),
 ) -> Relative<S> {
@@ -175,7 +175,7 @@ fn in_world_axes<S: Scalar>(
 
 /// From the world to the link, for the same reason.
 fn in_link_axes<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     frame: usize,
     motion: (&[S], &[S]),
     workspace: &mut Workspace<S>,
@@ -213,7 +213,7 @@ impl<S: Scalar> Seen<S> {
 /// Adds the columns of body `i`'s degrees of freedom, along `axes` (as columns), for a link whose
 /// origin stands at `lever` in them.
 pub(in crate::equations) fn add_columns<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     i: usize,
     axes: &Matrix3<S>,
     lever: Vector3<S>,

@@ -13,8 +13,8 @@ use super::Dense;
 use super::denoc::{DeNoc, denoc};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::factorization::Partition;
-use crate::mechanism::Prepared;
+use crate::equations::factorization::ModulePartition;
+use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 
 /// The block decomposition of the GIM at a posture, by modules.
@@ -47,7 +47,7 @@ impl<S: Scalar> Decomposition<S> {
     /// The decomposition at `q`, by modules that fit the model; `None` where joints mimic others.
     #[must_use]
     pub fn new(
-        model: &Prepared<S>,
+        model: &Mechanism<S>,
         modules: &ModuleTree,
         q: &[S],
         workspace: &mut Workspace<S>,
@@ -55,7 +55,7 @@ impl<S: Scalar> Decomposition<S> {
         if model.has_mimics() {
             return None;
         }
-        let partition = Partition::new(model, modules);
+        let partition = ModulePartition::new(model, modules);
         let mut decomposition = Self {
             denoc: denoc(model, q, workspace),
             bodies: partition.blocks.iter().map(|block| block.bodies.clone()).collect(),

@@ -4,7 +4,7 @@
 use super::Dense;
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::mechanism::{Body, Prepared};
+use crate::mechanism::{Body, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3, Wrench};
 
 /// M, N_l and N_d with the GIM = N_d^T N_l^T M N_l N_d, (5a), without the rotors' inertia.
@@ -34,7 +34,7 @@ impl<S: Scalar> DeNoc<S> {
 
 /// The DeNOC matrices at `q`.
 #[must_use]
-pub fn denoc<S: Scalar>(model: &Prepared<S>, q: &[S], workspace: &mut Workspace<S>) -> DeNoc<S> {
+pub fn denoc<S: Scalar>(model: &Mechanism<S>, q: &[S], workspace: &mut Workspace<S>) -> DeNoc<S> {
     workspace.move_to(model, q);
     let n = model.bodies.len();
     let mut mass = Dense::zero(6 * n, 6 * n);
