@@ -16,7 +16,6 @@ pub mod batch;
 pub mod conventions;
 #[cfg(feature = "alloc")]
 pub mod equations;
-mod figures;
 mod inertial;
 #[cfg(feature = "alloc")]
 mod interpreter;
@@ -29,6 +28,7 @@ pub mod mechanism;
 pub mod model;
 #[cfg(feature = "nalgebra")]
 mod nalgebra;
+mod results;
 mod robot;
 mod scalar;
 pub mod simulate;
@@ -53,12 +53,12 @@ pub use interpreter::{
 #[cfg(feature = "nalgebra")]
 pub use crate::nalgebra::Nalgebra;
 pub use batch::BatchError;
-pub use figures::{
+pub use inertial::{Inertial, InertialDefect, Payload};
+pub use results::{
     ClosingStep, ClosureErrors, ClosureSettings, ConstrainedForwardDynamics,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
     OperationCount,
 };
-pub use inertial::{Inertial, InertialDefect, Payload};
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]
 pub use scalar::LaneScalar;

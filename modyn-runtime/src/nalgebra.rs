@@ -9,7 +9,7 @@ use nalgebra::{
 };
 
 use crate::Scalar;
-use crate::figures::{
+use crate::results::{
     ClosingStep, ClosureErrors, ClosureSettings, ConstrainedForwardDynamics,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives,
 };

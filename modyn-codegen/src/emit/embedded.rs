@@ -48,8 +48,8 @@ pub(super) fn module(items: &str) -> String {
     let payload = items.contains("__modyn::Payload");
     let spatial = payload || items.contains("__modyn::spatial::");
     let jacobi = payload || items.contains("__modyn::jacobi::");
-    let mut exports = vec!["pub use figures::*;", "pub use scalar::Scalar;"];
-    module_of(&mut text, &["figures"]);
+    let mut exports = vec!["pub use results::*;", "pub use scalar::Scalar;"];
+    module_of(&mut text, &["results"]);
     if payload {
         module_of(&mut text, &["inertial"]);
         exports.push("pub use inertial::{Inertial, InertialDefect, Payload};");

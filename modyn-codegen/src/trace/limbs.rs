@@ -113,7 +113,7 @@ impl Limbs {
                 velocities.push((lanes(&|body| model.dofs[body.dofs.start + k].v), group));
                 roots.push(merged.of.iter().map(|of| of.map(|b| root_of[b])).collect());
             }
-            coordinates.extend((0..body.primitive.nq()).map(|k| lanes(&|body| body.q + k)));
+            coordinates.extend((0..body.elementary_joint.nq()).map(|k| lanes(&|body| body.q + k)));
             bodies.push(merged);
         };
         for i in 0..model.bodies.len() {
@@ -178,7 +178,7 @@ impl Limbs {
                 });
             }
             let mut body = abreast(&each, start..dofs.len(), q);
-            q += body.primitive.nq();
+            q += body.elementary_joint.nq();
             body.parent = like.parent.and_then(new);
             roots.push(first.then(|| {
                 let mut parents: Lanes = each.iter().map(|b| b.parent.and_then(new)).collect();
@@ -306,7 +306,7 @@ fn join(model: &Mechanism<f64>, groups: &[Vec<Range<usize>>]) -> Vec<Vec<Range<u
 fn chain(model: &Mechanism<f64>, limb: &Range<usize>) -> Option<Vec<ElementaryJoint>> {
     let follows = |i: usize| model.bodies[i].parent == Some(i - 1);
     let is_chain = limb.clone().skip(1).all(follows);
-    is_chain.then(|| limb.clone().map(|i| model.bodies[i].primitive).collect())
+    is_chain.then(|| limb.clone().map(|i| model.bodies[i].elementary_joint).collect())
 }
 
 /// The bodies that hang on the world, each with all behind it.
@@ -353,7 +353,7 @@ fn find_among(model: &Mechanism<f64>, limbs: &[Range<usize>], groups: &mut Vec<V
 fn shape(model: &Mechanism<f64>, limb: &Range<usize>) -> Vec<(ElementaryJoint, usize)> {
     let of = |i: usize| {
         let parent = model.bodies[i].parent.and_then(|parent| parent.checked_sub(limb.start));
-        (model.bodies[i].primitive, parent.map_or(0, |parent| parent + 1))
+        (model.bodies[i].elementary_joint, parent.map_or(0, |parent| parent + 1))
     };
     limb.clone().map(of).collect()
 }
@@ -402,7 +402,7 @@ fn abreast(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> {
     let next = "as many for each body";
     Body {
         parent: None,
-        primitive: first.primitive,
+        elementary_joint: first.elementary_joint,
         q,
         mimic: None,
         dofs,

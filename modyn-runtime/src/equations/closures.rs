@@ -28,8 +28,8 @@ use super::dynamics::inverse_dynamics;
 use super::kinematics::kinematic_path::{self, Own};
 use super::kinematics::links::{Seen, add_columns};
 use crate::Scalar;
-use crate::figures::ClosureSettings;
 use crate::mechanism::{BodyFrame, HeldFrames, HeldRow, Mechanism};
+use crate::results::ClosureSettings;
 use crate::spatial::{Matrix3, Twist, Vector3, Wrench};
 
 /// Memory for closures.
@@ -301,9 +301,9 @@ fn parting<S: Scalar>(
 ) -> Parting<S> {
     let above = common(model, closure);
     let [first, second] = closure.ends.map(|end| {
-        workspace.chain.clear();
-        workspace.chain.extend(between(model, end, above));
-        let bodies = workspace.chain.iter().rev();
+        workspace.kinematic_path.clear();
+        workspace.kinematic_path.extend(between(model, end, above));
+        let bodies = workspace.kinematic_path.iter().rev();
         bodies.fold(Own::at_rest(), |own, &i| own.carried_to(model, i, motion)).at(&end.pose)
     });
     let velocity = stands.motion(first.velocity, second.velocity);

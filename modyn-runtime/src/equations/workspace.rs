@@ -16,7 +16,7 @@ use crate::spatial::{
 pub struct Workspace<S> {
     pub(super) motions: Vec<JointTransform<S>>,
     /// A link's bodies, from the world to it.
-    pub(super) chain: Vec<usize>,
+    pub(super) kinematic_path: Vec<usize>,
     /// A point, seen from each body.
     pub(super) points: Vec<Vector3<S>>,
     pub(super) fields: Vec<Field<S>>,
@@ -56,7 +56,7 @@ impl<S: Scalar> Workspace<S> {
         let (bodies, dofs) = (model.bodies.len(), model.dofs.len());
         Self {
             motions: vec![JointTransform::Prismatic(zero); bodies],
-            chain: Vec::with_capacity(bodies),
+            kinematic_path: Vec::with_capacity(bodies),
             axes: vec![Matrix3::zero(); bodies],
             points: vec![Vector3::zero(); bodies],
             fields: vec![Field::zero(); bodies],

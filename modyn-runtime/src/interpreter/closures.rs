@@ -4,9 +4,9 @@ use super::{Interpreter, ShapeError, check};
 use crate::Scalar;
 use crate::equations::brge::UduLayout;
 use crate::equations::{ClosureWorkspace, Workspace, closures};
-use crate::figures::ClosureSettings;
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
+use crate::results::ClosureSettings;
 use crate::spatial::{Twist, Wrench};
 
 /// The memory that it works in.

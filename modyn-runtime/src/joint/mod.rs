@@ -4,9 +4,11 @@
 //! frames), so a joint type is described by what it does to spatial quantities about z.
 
 #[cfg(feature = "alloc")]
-mod floating;
+mod carried;
 #[cfg(feature = "alloc")]
-mod motion;
+mod elementary;
+#[cfg(feature = "alloc")]
+mod floating;
 #[cfg(feature = "alloc")]
 mod offset;
 pub mod planar;
@@ -18,11 +20,12 @@ mod revolute;
 mod rotated;
 #[cfg(feature = "alloc")]
 mod spherical;
+#[cfg(feature = "alloc")]
+mod transform;
 
 #[cfg(feature = "alloc")]
 pub use {
-    motion::{Carried, ElementaryJoint, JointTransform},
-    offset::JointOffset,
+    carried::Carried, elementary::ElementaryJoint, offset::JointOffset, transform::JointTransform,
 };
 
 /// What motion a joint allows.

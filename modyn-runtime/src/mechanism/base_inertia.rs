@@ -6,12 +6,12 @@ use crate::spatial::{RigidInertia, Symmetric3, Vector3};
 
 /// Moves inertia that joints cannot feel towards the root, leaves first. Returns the inertia that
 /// reaches the world, about the world's origin.
-pub(super) fn minimize(bodies: &mut [Body<f64>]) -> RigidInertia<f64> {
+pub(super) fn move_to_parents(bodies: &mut [Body<f64>]) -> RigidInertia<f64> {
     let mut static_inertia = RigidInertia::zero();
     for i in (0..bodies.len()).rev() {
-        let Body { base_inertia: own, primitive, .. } = bodies[i];
+        let Body { base_inertia: own, elementary_joint, .. } = bodies[i];
         let (c, s) = (own.first_moment, own.second_moment);
-        let moved = match primitive {
+        let moved = match elementary_joint {
             ElementaryJoint::Revolute => RigidInertia {
                 mass: own.mass,
                 first_moment: Vector3::along_z(c[2]),

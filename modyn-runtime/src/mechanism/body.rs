@@ -17,7 +17,7 @@ pub struct Body<S> {
     /// The body it hangs on; `None` for the world.
     pub parent: Option<usize>,
     /// What motion its joint allows, along z if along an axis.
-    pub primitive: ElementaryJoint,
+    pub elementary_joint: ElementaryJoint,
     /// Where its first coordinate stands in q.
     pub q: usize,
     /// The ratio and offset of its coordinate to that one, for a joint that mimics.
@@ -41,7 +41,7 @@ impl<S: Scalar> Body<S> {
     pub(super) fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> Body<T> {
         Body {
             parent: self.parent,
-            primitive: self.primitive,
+            elementary_joint: self.elementary_joint,
             q: self.q,
             mimic: self.mimic.map(|(multiplier, offset)| (f(multiplier), f(offset))),
             dofs: self.dofs.clone(),
@@ -56,12 +56,12 @@ impl<S: Scalar> Body<S> {
     /// The joint where the robot's coordinates are `q`.
     #[must_use]
     pub fn motion(&self, q: &[S]) -> JointTransform<S> {
-        let own = &q[self.q..self.q + self.primitive.nq()];
+        let own = &q[self.q..self.q + self.elementary_joint.nq()];
         match (self.mimic, own) {
             (Some((multiplier, offset)), &[q]) => {
-                JointTransform::new(self.primitive, self.zero, &[multiplier * q + offset])
+                JointTransform::new(self.elementary_joint, self.zero, &[multiplier * q + offset])
             }
-            _ => JointTransform::new(self.primitive, self.zero, own),
+            _ => JointTransform::new(self.elementary_joint, self.zero, own),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::elementary::Atom;
+use super::elementary::ElementaryBody;
 use super::snapping::{AHEAD, Direction, combine, inverse, snap, snapped, towards, turn_of};
 use crate::joint::ElementaryJoint;
 use crate::spatial::{Axis, Matrix3, Pose, Vector3};
@@ -10,7 +10,7 @@ use crate::spatial::{Axis, Matrix3, Pose, Vector3};
 /// The model's frames while they are being turned and shifted.
 pub(super) struct Frames {
     children: Vec<Vec<usize>>,
-    primitive: Vec<ElementaryJoint>,
+    elementary_joint: Vec<ElementaryJoint>,
     /// Rz(azimuth) Trans(translation) Rx(tilt) Rz(zero) from the parent's frame, joint at 0.
     pub(super) azimuth: Vec<Direction>,
     pub(super) translation: Vec<Vector3<f64>>,
@@ -22,24 +22,24 @@ pub(super) struct Frames {
 
 impl Frames {
     /// Every axis as z.
-    pub(super) fn on_axes(atoms: &[Atom<'_>]) -> Self {
+    pub(super) fn on_axes(elementary: &[ElementaryBody<'_>]) -> Self {
         let mut frames = Self {
-            children: main_child_first(atoms),
-            primitive: atoms.iter().map(|atom| atom.primitive).collect(),
-            azimuth: Vec::with_capacity(atoms.len()),
-            translation: Vec::with_capacity(atoms.len()),
-            tilt: Vec::with_capacity(atoms.len()),
-            zero: Vec::with_capacity(atoms.len()),
-            link: atoms
+            children: main_child_first(elementary),
+            elementary_joint: elementary.iter().map(|own| own.elementary_joint).collect(),
+            azimuth: Vec::with_capacity(elementary.len()),
+            translation: Vec::with_capacity(elementary.len()),
+            tilt: Vec::with_capacity(elementary.len()),
+            zero: Vec::with_capacity(elementary.len()),
+            link: elementary
                 .iter()
                 .map(|a| Pose { rotation: a.frame.transposed().0, translation: [0.0; 3] })
                 .collect(),
         };
-        for atom in atoms {
-            let mut rotation = Matrix3(atom.origin.rotation).times(&atom.frame);
-            let mut translation = Vector3(atom.origin.translation);
-            if let Some(parent) = atom.parent {
-                let back = atoms[parent].frame.transposed();
+        for own in elementary {
+            let mut rotation = Matrix3(own.origin.rotation).times(&own.frame);
+            let mut translation = Vector3(own.origin.translation);
+            if let Some(parent) = own.parent {
+                let back = elementary[parent].frame.transposed();
                 rotation = back.times(&rotation);
                 translation = back.mul_vector(translation);
             }
@@ -55,17 +55,17 @@ impl Frames {
     /// Turns each frame about its own z: a prismatic joint's by what stands behind its tilt, a
     /// revolute one's towards its main child (or a leaf's towards its centre of mass). Frames of
     /// joints without an axis stay the links', whose axes their velocities are in.
-    pub(super) fn turn(&mut self, atoms: &[Atom<'_>]) {
-        for (i, atom) in atoms.iter().enumerate() {
+    pub(super) fn turn(&mut self, elementary: &[ElementaryBody<'_>]) {
+        for (i, own) in elementary.iter().enumerate() {
             let by = match self.children[i].first() {
-                _ if self.primitive[i] == ElementaryJoint::Prismatic => inverse(self.zero[i]),
-                _ if self.primitive[i] != ElementaryJoint::Revolute => continue,
+                _ if self.elementary_joint[i] == ElementaryJoint::Prismatic => {
+                    inverse(self.zero[i])
+                }
+                _ if self.elementary_joint[i] != ElementaryJoint::Revolute => continue,
                 // Parallel axes need no azimuth, so the turn is free for the translation.
                 Some(&main) if self.tilt[main].1 == 0.0 => towards(self.translation[main]),
                 Some(&main) => self.azimuth[main],
-                None => {
-                    towards(Vector3(self.link[i].transform_point(atom.inertial.center_of_mass)))
-                }
+                None => towards(Vector3(self.link[i].transform_point(own.inertial.center_of_mass))),
             };
             // Rz(q) Rz(by): the new frame is ahead of the old one.
             self.zero[i] = combine(self.zero[i], by);
@@ -93,7 +93,7 @@ impl Frames {
     /// from its parent vanishes.
     pub(super) fn shift(&mut self) {
         for i in 0..self.children.len() {
-            if self.primitive[i] != ElementaryJoint::Revolute {
+            if self.elementary_joint[i] != ElementaryJoint::Revolute {
                 continue;
             }
             // Behind the azimuth the axis is (0, -sin, cos).
@@ -126,11 +126,11 @@ fn split(rotation: &Matrix3<f64>) -> [Direction; 3] {
 }
 
 /// The children of each body, the one that most bodies hang on first.
-fn main_child_first(atoms: &[Atom<'_>]) -> Vec<Vec<usize>> {
-    let mut size = alloc::vec![1usize; atoms.len()];
-    let mut children = alloc::vec![Vec::new(); atoms.len()];
-    for (i, atom) in atoms.iter().enumerate().rev() {
-        if let Some(parent) = atom.parent {
+fn main_child_first(elementary: &[ElementaryBody<'_>]) -> Vec<Vec<usize>> {
+    let mut size = alloc::vec![1usize; elementary.len()];
+    let mut children = alloc::vec![Vec::new(); elementary.len()];
+    for (i, own) in elementary.iter().enumerate().rev() {
+        if let Some(parent) = own.parent {
             size[parent] += size[i];
             children[parent].push(i);
         }

@@ -7,10 +7,10 @@ use crate::joint::{ElementaryJoint, JointType, planar};
 use crate::model::{Inertial, Joint, Model};
 use crate::spatial::{Matrix3, Pose, Vector3};
 
-/// A body with its primitive joint, before frames are turned.
-pub(super) struct Atom<'a> {
+/// A body with its elementary_joint joint, before frames are turned.
+pub(super) struct ElementaryBody<'a> {
     pub(super) parent: Option<usize>,
-    pub(super) primitive: ElementaryJoint,
+    pub(super) elementary_joint: ElementaryJoint,
     /// The frame whose z is the axis, in the atom's own; identity where there is no axis.
     pub(super) frame: Matrix3<f64>,
     /// Where the atom stands in its parent at coordinate zero.
@@ -23,15 +23,15 @@ pub(super) struct Atom<'a> {
 }
 
 /// The bodies of a model, universal and planar joints taken apart; and by link, its body.
-pub(super) fn atoms(model: &Model) -> (Vec<Atom<'_>>, Vec<usize>) {
-    let mut atoms: Vec<Atom<'_>> = Vec::with_capacity(model.links().len());
+pub(super) fn expand_composite_joints(model: &Model) -> (Vec<ElementaryBody<'_>>, Vec<usize>) {
+    let mut elementary: Vec<ElementaryBody<'_>> = Vec::with_capacity(model.links().len());
     let mut bodies: Vec<usize> = Vec::with_capacity(model.links().len());
     for (i, link) in model.links().iter().enumerate() {
         let joint = &link.joint;
         let axis = joint.axis;
         let plane = planar::plane(axis);
         let across = |column: usize| plane.map(|row| row[column]);
-        let along = |primitive, axis| (primitive, frame_along(axis));
+        let along = |elementary_joint, axis| (elementary_joint, frame_along(axis));
         let free = Matrix3(Pose::identity().rotation);
         let parts: &[(ElementaryJoint, Matrix3<f64>)] = match joint.joint_type {
             JointType::Revolute | JointType::Continuous => {
@@ -51,12 +51,16 @@ pub(super) fn atoms(model: &Model) -> (Vec<Atom<'_>>, Vec<usize>) {
             JointType::Floating => &[(ElementaryJoint::Floating, free)],
         };
         let mimic = model.mimic(i).map(|mimic| (mimic.multiplier, mimic.offset));
-        for (k, &(primitive, frame)) in parts.iter().enumerate() {
+        for (k, &(elementary_joint, frame)) in parts.iter().enumerate() {
             let first = k == 0;
             let last = k + 1 == parts.len();
-            atoms.push(Atom {
-                parent: if first { link.parent.map(|p| bodies[p]) } else { Some(atoms.len() - 1) },
-                primitive,
+            elementary.push(ElementaryBody {
+                parent: if first {
+                    link.parent.map(|p| bodies[p])
+                } else {
+                    Some(elementary.len() - 1)
+                },
+                elementary_joint,
                 frame,
                 origin: if first { joint.origin } else { Pose::identity() },
                 joint,
@@ -66,9 +70,9 @@ pub(super) fn atoms(model: &Model) -> (Vec<Atom<'_>>, Vec<usize>) {
                 mimic,
             });
         }
-        bodies.push(atoms.len() - 1);
+        bodies.push(elementary.len() - 1);
     }
-    (atoms, bodies)
+    (elementary, bodies)
 }
 
 /// A right-handed frame (as columns) whose z axis is `axis`; exact where that is a coordinate axis.

@@ -43,7 +43,7 @@ use crate::model::{Friction, Model};
 use crate::spatial::{AxisRotation, DhTransform, RigidInertia, Twist, Vector3};
 use coordinates::{Coordinates, coordinates};
 use dh_frames::Frames;
-use elementary::{Atom, atoms};
+use elementary::{ElementaryBody, expand_composite_joints};
 use snapping::{snap, turn_of};
 
 pub(crate) use tree::{RootwardAccumulator, TreeAccess};
@@ -140,12 +140,12 @@ impl Mechanism<f64> {
     /// Rewrites `model`.
     #[must_use]
     pub fn new(model: &Model) -> Self {
-        let (atoms, links) = atoms(model);
-        let mut frames = Frames::on_axes(&atoms);
-        frames.turn(&atoms);
+        let (elementary, links) = expand_composite_joints(model);
+        let mut frames = Frames::on_axes(&elementary);
+        frames.turn(&elementary);
         frames.shift();
-        let mut bodies = bodies(&atoms, &frames);
-        let static_inertia = base_inertia::minimize(&mut bodies);
+        let mut bodies = bodies(&elementary, &frames);
+        let static_inertia = base_inertia::move_to_parents(&mut bodies);
         let on_bodies = model.frames().iter().map(|frame| {
             let body = frame.link.map(|link| links[link]);
             let pose = body.map_or(frame.pose, |body| frames.link[body].compose(&frame.pose));
@@ -158,7 +158,7 @@ impl Mechanism<f64> {
             frames,
             closures,
             bodies,
-            dofs: dofs(&atoms, model.friction()),
+            dofs: dofs(&elementary, model.friction()),
             static_inertia,
             links,
             nq: model.nq(),
@@ -192,17 +192,17 @@ impl Mechanism<f64> {
 }
 
 /// The bodies in their turned and shifted frames, with the inertia that the model states.
-fn bodies(atoms: &[Atom<'_>], frames: &Frames) -> Vec<Body<f64>> {
+fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> {
     let mut next = 0;
-    let body = |(i, atom): (usize, &Atom<'_>)| {
-        let inertia = rigid_inertia(&atom.inertial.transformed(&frames.link[i]));
+    let body = |(i, own): (usize, &ElementaryBody<'_>)| {
+        let inertia = rigid_inertia(&own.inertial.transformed(&frames.link[i]));
         let first = next;
-        next += atom.primitive.components().len();
+        next += own.elementary_joint.components().len();
         Body {
-            parent: atom.parent,
-            primitive: atom.primitive,
-            q: atom.q,
-            mimic: atom.mimic,
+            parent: own.parent,
+            elementary_joint: own.elementary_joint,
+            q: own.q,
+            mimic: own.mimic,
             dofs: first..next,
             zero: match turn_of(frames.zero[i]) {
                 AxisRotation::Quarters(n) => JointOffset::Quarters(n),
@@ -218,17 +218,17 @@ fn bodies(atoms: &[Atom<'_>], frames: &Frames) -> Vec<Body<f64>> {
             base_inertia: inertia,
         }
     };
-    atoms.iter().enumerate().map(body).collect()
+    elementary.iter().enumerate().map(body).collect()
 }
 
 /// The degrees of freedom of all bodies, with the damping and friction that `friction` lets act.
-fn dofs(atoms: &[Atom<'_>], friction: Friction) -> Vec<Dof<f64>> {
+fn dofs(elementary: &[ElementaryBody<'_>], friction: Friction) -> Vec<Dof<f64>> {
     let acting = |x: f64, acts: bool| (acts && x != 0.0).then_some(x);
     let dry = matches!(friction, Friction::Coulomb | Friction::Smooth(_));
-    let of = |(body, atom): (usize, &Atom<'_>)| {
-        let drive = atom.joint.drive;
-        let (v, multiplier) = (atom.v, atom.mimic.map(|(multiplier, _)| multiplier));
-        atom.primitive.components().iter().enumerate().map(move |(k, &component)| Dof {
+    let of = |(body, own): (usize, &ElementaryBody<'_>)| {
+        let drive = own.joint.drive;
+        let (v, multiplier) = (own.v, own.mimic.map(|(multiplier, _)| multiplier));
+        own.elementary_joint.components().iter().enumerate().map(move |(k, &component)| Dof {
             body,
             component,
             v: v + k,
@@ -238,5 +238,5 @@ fn dofs(atoms: &[Atom<'_>], friction: Friction) -> Vec<Dof<f64>> {
             friction: acting(drive.friction, dry),
         })
     };
-    atoms.iter().enumerate().flat_map(of).collect()
+    elementary.iter().enumerate().flat_map(of).collect()
 }

@@ -5,7 +5,7 @@ mod factorization;
 mod functions;
 
 use crate::Scalar;
-use crate::figures::{
+use crate::results::{
     ClosingStep, ClosureErrors, ClosureSettings, ConstrainedForwardDynamics,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
 };

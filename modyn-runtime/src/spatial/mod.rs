@@ -9,17 +9,17 @@ mod pose;
 pub use pose::Pose;
 
 #[cfg(feature = "alloc")]
+mod axis_rotation;
+#[cfg(feature = "alloc")]
+mod dh_transform;
+#[cfg(feature = "alloc")]
 mod field;
 #[cfg(feature = "alloc")]
 mod inertia;
 mod matrix;
 #[cfg(feature = "alloc")]
 mod perturbation;
-#[cfg(feature = "alloc")]
-mod placement;
 mod quaternion;
-#[cfg(feature = "alloc")]
-mod turn;
 mod vector;
 #[cfg(feature = "alloc")]
 mod velocity;
@@ -27,11 +27,11 @@ mod wrench;
 
 #[cfg(feature = "alloc")]
 pub use {
+    axis_rotation::{Axis, AxisRotation},
+    dh_transform::DhTransform,
     field::Field,
     inertia::{ArticulatedInertia, RigidInertia},
     perturbation::AccelerationPerturbation,
-    placement::DhTransform,
-    turn::{Axis, AxisRotation},
     velocity::VelocityMoments,
 };
 pub use {

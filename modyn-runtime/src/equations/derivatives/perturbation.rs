@@ -82,7 +82,7 @@ impl<S: Scalar> AncestorMotion<S> {
         let model = tree.mechanism();
         let (motion, field) = (&workspace.motions[i], &workspace.fields[i]);
         let zero = Vector3::zero();
-        match model.bodies[i].primitive {
+        match model.bodies[i].elementary_joint {
             // Along an axis that is fixed on both sides, either side will do.
             ElementaryJoint::Revolute | ElementaryJoint::Prismatic => Self {
                 omega: field.omega,

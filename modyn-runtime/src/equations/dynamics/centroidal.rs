@@ -28,7 +28,7 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
         let at_joint = body.placement.point_to_child(center);
         let behind = workspace.motions[i].point_to_child(at_joint);
         workspace.points[i] = behind;
-        let center = if body.primitive.has_axis() { at_joint } else { behind };
+        let center = if body.elementary_joint.has_axis() { at_joint } else { behind };
         for dof in model.dofs_of(i) {
             let Wrench { moment, force } = workspace.composite[i].column(dof.component);
             let along = Momentum {
@@ -50,7 +50,7 @@ fn gather<S: Scalar>(model: &Mechanism<S>, workspace: &mut Workspace<S>) -> Vect
     let mut first_moment = model.static_inertia.first_moment;
     for (i, body) in model.bodies.iter().enumerate().rev() {
         let at_joint = workspace.motions[i].rigid_to_parent(&workspace.composite[i]);
-        if body.primitive.has_axis() {
+        if body.elementary_joint.has_axis() {
             workspace.composite[i] = at_joint;
         }
         let carried = body.placement.rigid_to_parent(&at_joint);

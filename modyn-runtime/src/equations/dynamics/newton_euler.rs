@@ -61,7 +61,7 @@ pub(in crate::equations) fn link_wrenches<S: Scalar, T: BodyTree<S>>(
 /// Whether body `i` is a base that floats in the world. (One with rotors does not fall freely.)
 pub(in crate::equations) fn is_base<S: Scalar>(model: &Mechanism<S>, i: usize) -> bool {
     let body = &model.bodies[i];
-    let floats = body.parent.is_none() && body.primitive == ElementaryJoint::Floating;
+    let floats = body.parent.is_none() && body.elementary_joint == ElementaryJoint::Floating;
     floats && model.dofs_of(i).iter().all(|dof| dof.armature.is_none())
 }
 

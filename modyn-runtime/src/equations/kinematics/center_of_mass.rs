@@ -48,7 +48,7 @@ pub fn center_of_mass_jacobian<S: Scalar>(
         kinematic_path::turn_axes(model, i, workspace);
         let axes = kinematic_path::joint_axes(model, i, workspace);
         let RigidInertia { mass, first_moment, .. } = workspace.composite[i];
-        let first_moment = if body.primitive.has_axis() {
+        let first_moment = if body.elementary_joint.has_axis() {
             workspace.motions[i].to_parent(first_moment)
         } else {
             first_moment

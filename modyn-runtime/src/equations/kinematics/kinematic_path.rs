@@ -1,4 +1,4 @@
-//! One link's chain: the bodies between it and the world, which are all that it depends on.
+//! The kinematic path of a link: the bodies between it and the world, which are all that its motion depends on.
 
 use alloc::vec::Vec;
 
@@ -16,15 +16,15 @@ pub(in crate::equations) fn towards_world<S>(
     core::iter::successors(last, |&i| model.bodies[i].parent)
 }
 
-/// The same bodies from the world on, into `chain`.
+/// The same bodies from the world on, into `path`.
 pub(in crate::equations) fn from_world<S>(
     model: &Mechanism<S>,
     last: Option<usize>,
-    chain: &mut Vec<usize>,
+    path: &mut Vec<usize>,
 ) {
-    chain.clear();
-    chain.extend(towards_world(model, last));
-    chain.reverse();
+    path.clear();
+    path.extend(towards_world(model, last));
+    path.reverse();
 }
 
 /// Body `i`'s axes in the world. Expects its joint at q, and its parent's axes.
@@ -43,7 +43,7 @@ pub(in crate::equations) fn joint_axes<S: Scalar>(
     i: usize,
     workspace: &Workspace<S>,
 ) -> Matrix3<S> {
-    if model.bodies[i].primitive.has_axis() {
+    if model.bodies[i].elementary_joint.has_axis() {
         axes_at_joint(model, i, workspace)
     } else {
         workspace.axes[i]
@@ -90,7 +90,7 @@ impl<S: Scalar> Relative<S> {
         let changes = qdd.map(|qdd| model.add_rates(i, Twist::zero(), qdd));
         // An axis is the same in front of the joint, where the turn of what is constant on the
         // link is known already.
-        let at_joint = if body.primitive.has_axis() {
+        let at_joint = if body.elementary_joint.has_axis() {
             self.across(&motion).carried(rates, changes)
         } else {
             self.carried(rates, changes).across(&motion)

@@ -81,8 +81,8 @@ pub fn link_acceleration<S: Scalar>(
         Axes::World => in_world_axes(model, frame, (q, qd, Some(qdd))).acceleration,
         Axes::Link => {
             let BodyFrame { body, pose } = model.frames[frame];
-            kinematic_path::from_world(model, body, &mut workspace.chain);
-            let field = workspace.chain.iter().fold(Field::zero(), |parent, &i| {
+            kinematic_path::from_world(model, body, &mut workspace.kinematic_path);
+            let field = workspace.kinematic_path.iter().fold(Field::zero(), |parent, &i| {
                 let (body, motion) = (&model.bodies[i], model.bodies[i].motion(q));
                 let carried = carried_by(&parent, body, &motion);
                 motion.accelerate(carried, &model.rates(i, qd), Some(&model.rates(i, qdd)))
@@ -109,9 +109,9 @@ pub fn jacobian<S: Scalar>(
     let BodyFrame { body: last, pose } = model.frames[frame];
     match axes {
         Axes::World => {
-            kinematic_path::from_world(model, last, &mut workspace.chain);
-            for k in 0..workspace.chain.len() {
-                let i = workspace.chain[k];
+            kinematic_path::from_world(model, last, &mut workspace.kinematic_path);
+            for k in 0..workspace.kinematic_path.len() {
+                let i = workspace.kinematic_path[k];
                 workspace.motions[i] = model.bodies[i].motion(q);
                 kinematic_path::turn_axes(model, i, workspace);
             }
@@ -120,7 +120,7 @@ pub fn jacobian<S: Scalar>(
             for i in kinematic_path::towards_world(model, last) {
                 let body = &model.bodies[i];
                 let at_joint = workspace.motions[i].point_to_parent(point);
-                let lever = if body.primitive.has_axis() { at_joint } else { point };
+                let lever = if body.elementary_joint.has_axis() { at_joint } else { point };
                 add_columns(
                     model,
                     i,
@@ -181,8 +181,8 @@ fn in_link_axes<S: Scalar>(
     workspace: &mut Workspace<S>,
 ) -> Own<S> {
     let BodyFrame { body, pose } = model.frames[frame];
-    kinematic_path::from_world(model, body, &mut workspace.chain);
-    let bodies = workspace.chain.iter();
+    kinematic_path::from_world(model, body, &mut workspace.kinematic_path);
+    let bodies = workspace.kinematic_path.iter();
     bodies.fold(Own::at_rest(), |own, &i| own.carried_to(model, i, motion)).at(&pose)
 }
 

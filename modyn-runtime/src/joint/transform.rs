@@ -3,56 +3,13 @@
 //! The equations know four primitives. A universal joint is two revolute ones with nothing between
 //! them, a planar joint two prismatic ones and a revolute one (`mechanism::elementary` takes them apart).
 
-use super::{JointOffset, floating, prismatic, revolute, rotated, spherical};
+use super::carried::Carried;
+use super::{ElementaryJoint, JointOffset, floating, prismatic, revolute, rotated, spherical};
 use crate::Scalar;
 use crate::spatial::{
     ArticulatedInertia, Axis, AxisRotation, Field, Matrix3, RigidInertia, Twist, Vector3,
     VelocityMoments, Wrench,
 };
-
-/// What a joint allows, in the frame behind it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ElementaryJoint {
-    /// Rotation about z.
-    Revolute,
-    /// Translation along z.
-    Prismatic,
-    /// Any rotation.
-    Spherical,
-    /// Any motion.
-    Floating,
-}
-
-impl ElementaryJoint {
-    /// How many coordinates it takes.
-    #[must_use]
-    pub fn nq(self) -> usize {
-        match self {
-            Self::Revolute | Self::Prismatic => 1,
-            Self::Spherical => 4,
-            Self::Floating => 7,
-        }
-    }
-
-    /// Whether it moves along an axis, z: the same one seen from in front of the joint and from
-    /// behind it, so that its degree of freedom may be described in either frame.
-    #[must_use]
-    pub fn has_axis(self) -> bool {
-        matches!(self, Self::Revolute | Self::Prismatic)
-    }
-
-    /// Which of the six components (angular x, y, z, linear x, y, z) its degrees of freedom move,
-    /// one each: where the paper's joint-motion propagation vectors p are not zero.
-    #[must_use]
-    pub fn components(self) -> &'static [usize] {
-        match self {
-            Self::Revolute => &[2],
-            Self::Prismatic => &[5],
-            Self::Spherical => &[0, 1, 2],
-            Self::Floating => &[3, 4, 5, 0, 1, 2],
-        }
-    }
-}
 
 /// The motion of a joint, at values of its coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -72,22 +29,11 @@ pub enum JointTransform<S> {
     },
 }
 
-/// The motion in front of a joint, in the axes behind it.
-#[derive(Clone, Copy, Debug)]
-pub struct Carried<S> {
-    /// Angular velocity.
-    pub omega: Vector3<S>,
-    /// Angular acceleration.
-    pub alpha: Vector3<S>,
-    /// The acceleration of the joint's frame's origin at coordinate zero.
-    pub a: Vector3<S>,
-}
-
 impl<S: Scalar> JointTransform<S> {
     /// The joint at coordinates `q`, where the frame's own zero stands at `zero`.
     #[must_use]
-    pub fn new(primitive: ElementaryJoint, zero: JointOffset<S>, q: &[S]) -> Self {
-        match (primitive, q) {
+    pub fn new(joint: ElementaryJoint, zero: JointOffset<S>, q: &[S]) -> Self {
+        match (joint, q) {
             (ElementaryJoint::Prismatic, &[q]) => Self::Prismatic(q),
             (ElementaryJoint::Spherical, &[x, y, z, w]) => {
                 Self::Spherical(spherical::rotation(zero, [x, y, z, w]))
