@@ -1,4 +1,4 @@
-//! What the recursions remember of each body: allocated once, used by every call.
+//! The memory of the recursions, one entry a body: allocated once, used by every call.
 
 use alloc::{vec, vec::Vec};
 
@@ -29,9 +29,9 @@ pub struct Workspace<S> {
     pub(super) velocities: Vec<VelocityMoments<S>>,
     /// Twice the velocity of each body's origin over its parent's, in the parent's axes.
     pub(super) levers: Vec<Vector3<S>>,
-    /// For each degree of freedom: how it changes the accelerations behind it.
+    /// For each degree of freedom: how it changes the accelerations of the bodies after it.
     pub(super) perturbations: Vec<AccelerationPerturbation<S>>,
-    /// What eliminated modules leave to the body they hang on; `None` where none does.
+    /// By body: the articulated inertia of the eliminated modules that hang on it; `None` where none does.
     pub(super) articulated: Vec<Option<ArticulatedInertia<S>>>,
     /// By component, for each degree of freedom: the wrench at its module's first body (Psi),
     /// reduced by the pivot's factor; and that over the pivot.
@@ -42,7 +42,7 @@ pub struct Workspace<S> {
     pub(super) torques: Vec<S>,
     /// Each module's block, then its unit triangular factor.
     pub(super) pivots: Vec<S>,
-    /// A GIM by columns and its packed factors, where it is needed as such.
+    /// A mass matrix by columns and its packed factors, where it is needed as such.
     pub(super) matrix: Vec<S>,
     pub(super) factors: Vec<S>,
 }

@@ -39,7 +39,7 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// The joint accelerations under the torques `tau` and their derivatives by q (in the tangent
-    /// space), qd and tau, nv x nv by columns. That by tau is the inverse of the GIM, exactly
+    /// space), qd and tau, nv x nv by columns. That by tau is the inverse of the mass matrix, exactly
     /// symmetric. The first call allocates what it works in.
     ///
     /// # Errors

@@ -137,7 +137,7 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// The GIM by columns into `columns` (nv times nv), (7)-(10).
+    /// The mass matrix by columns into `columns` (nv times nv), (7)-(10).
     ///
     /// # Errors
     ///

@@ -48,8 +48,8 @@ impl<S: Scalar> Dof<S> {
     }
 
     /// Adds what it feels to the joint vector `sum`.
-    pub fn add(&self, felt: S, sum: &mut [S]) {
-        sum[self.v] = sum[self.v] + self.scale(felt);
+    pub fn add(&self, force: S, sum: &mut [S]) {
+        sum[self.v] = sum[self.v] + self.scale(force);
     }
 }
 

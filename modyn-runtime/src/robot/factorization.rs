@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 
 use crate::Scalar;
 
-/// The factorization I = U D U^T of a generalized inertia matrix by kinematic modules, (35)-(57).
+/// The factorization I = U D U^T of a mass matrix by kinematic modules, (35)-(57).
 pub trait Factorization<T: Scalar> {
     /// Joint vectors.
     type V;

@@ -31,10 +31,10 @@ macro_rules! robot_functions {
             /// Joint torques that hold the robot still.
             gravity_torques / gravity_torques_with(q: &Self::Q<T>) -> Self::V<T>, else missing;
 
-            /// The generalized inertia matrix.
+            /// The mass matrix.
             mass_matrix / mass_matrix_with(q: &Self::Q<T>) -> Self::M<T>, else missing;
 
-            /// The generalized inertia matrix as U D U^T by modules.
+            /// The mass matrix as U D U^T by modules.
             brge / brge_with(q: &Self::Q<T>) -> Self::Brge<T>, else missing;
 
             /// Kinetic energy, J.

@@ -1,4 +1,4 @@
-//! How a degree of freedom changes the accelerations of the points behind it.
+//! How a degree of freedom changes the accelerations of the points after it.
 
 use crate::Scalar;
 use crate::equations::Workspace;

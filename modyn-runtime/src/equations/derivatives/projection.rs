@@ -1,4 +1,4 @@
-//! What deviations of accelerations are to the joints.
+//! The joint torques of perturbations of accelerations.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -11,12 +11,12 @@ use crate::spatial::{
     AccelerationPerturbation, Matrix3, RigidInertia, Vector3, VelocityMoments, Wrench,
 };
 
-/// What the deviations are by.
+/// The variables that the perturbations are by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum By {
-    /// Coordinates: what is behind the joint is displaced with its wrench.
+    /// Coordinates: the bodies after the joint are displaced with their wrench.
     Coordinates,
-    /// Rates: it stays where it is.
+    /// Rates: they stay where they are.
     Rates,
 }
 
@@ -77,7 +77,7 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     let mut at = model.dofs[group.end - 1].body;
-    // What columns from `joined` on have behind the body `at`.
+    // The state at body `at` of the columns from `joined` on.
     let mut behind: Option<SweepState<S>> = None;
     let mut joined = group.end;
     let mut path = RootwardAccumulator::new(tree);
@@ -192,7 +192,7 @@ fn displaced<S: Scalar>(wrench: Wrench<S>, component: usize) -> Wrench<S> {
     Wrench { moment: s.cross(wrench.moment), force: s.cross(wrench.force) }
 }
 
-/// All that hangs together behind a joint, on a body that turns with half of `twice_omega`.
+/// The composite of a body and its descendants; the body turns with half of `twice_omega`.
 struct Composite<'a, S> {
     inertia: &'a RigidInertia<S>,
     /// Against the body's frame.
@@ -210,7 +210,7 @@ impl<'a, S: Scalar> Composite<'a, S> {
         Self { inertia, velocities, twice_omega: omega + omega, rotational }
     }
 
-    /// The wrench that gives it a deviation of its accelerations: with x' against the body's frame,
+    /// The wrench that gives it a perturbation of its accelerations: with x' against the body's frame,
     /// relative x x + turning x 2 x' + 2 omega x (turning x x) + uniform.
     fn required_wrench(&self, perturbation: &AccelerationPerturbation<S>) -> Wrench<S> {
         let AccelerationPerturbation { relative, turning, uniform, .. } = *perturbation;
@@ -228,7 +228,7 @@ impl<'a, S: Scalar> Composite<'a, S> {
         }
     }
 
-    /// What a unit displacement in `component` feels of deviations.
+    /// The dual column of a unit displacement in `component`.
     fn dual_column(&self, component: usize) -> DualColumn<S> {
         let RigidInertia { first_moment, second_moment, .. } = *self.inertia;
         let turning = if let Some(k) = component.checked_sub(3) {
@@ -242,7 +242,7 @@ impl<'a, S: Scalar> Composite<'a, S> {
     }
 }
 
-/// How much of a deviation's parts a unit displacement feels that is further behind.
+/// The dual of a perturbation: the power of its parts at a unit displacement of a descendant.
 #[derive(Clone, Copy, Debug)]
 struct DualColumn<S> {
     /// Of the gradient (moment) and of the uniform part (force): the wrench of the displacement as
@@ -259,12 +259,12 @@ impl<S: Scalar> DualColumn<S> {
     }
 }
 
-/// What of a column is behind a body, seen from there: of several columns side by side.
+/// The state of a column during the sweep towards the root, seen from a body; of several columns in lanes.
 #[derive(Clone, Copy, Debug)]
 struct SweepState<S> {
-    /// What answers to the deviation.
+    /// The wrench that gives the composite its perturbation.
     wrench: Wrench<S>,
-    /// What a unit displacement of the column's degree of freedom feels of deviations in front.
+    /// The power of ancestors' perturbations at a unit displacement of the column's degree of freedom.
     dual: DualColumn<S>,
 }
 

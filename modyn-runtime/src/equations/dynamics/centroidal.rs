@@ -19,7 +19,7 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
 ) {
     workspace.move_to(model, q);
     columns.fill(Momentum::zero());
-    let center = gather(model, workspace);
+    let center = accumulate_composites(model, workspace);
     for (i, body) in model.bodies.iter().enumerate() {
         kinematic_path::turn_axes(model, i, workspace);
         let axes = kinematic_path::joint_axes(model, i, workspace);
@@ -43,7 +43,10 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
 
 /// Composite inertias, seen from where the degrees of freedom are: in front of a joint that has an
 /// axis, behind another one. Returns the centre of mass in the world.
-fn gather<S: Scalar>(model: &Mechanism<S>, workspace: &mut Workspace<S>) -> Vector3<S> {
+fn accumulate_composites<S: Scalar>(
+    model: &Mechanism<S>,
+    workspace: &mut Workspace<S>,
+) -> Vector3<S> {
     for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
         *composite = body.base_inertia;
     }

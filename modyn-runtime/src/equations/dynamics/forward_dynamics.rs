@@ -35,7 +35,7 @@ pub enum Elimination {
 }
 
 impl Elimination {
-    /// The way that a model needs, by modules that fit it.
+    /// The solver that a model needs, by modules that fit it.
     #[must_use]
     pub fn new<S: Scalar>(model: &Mechanism<S>, modules: &ModuleTree) -> Self {
         if model.has_mimics() {
@@ -115,7 +115,7 @@ fn recursion<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     start(model, workspace);
-    // What acts along each joint, dissipation taken off.
+    // The force along each joint, less damping and friction.
     let torque = |d: usize| {
         let dof = &model.dofs[d];
         model.dissipation(dof, qd).map_or(tau[dof.v], |dissipation| tau[dof.v] - dissipation)
@@ -182,15 +182,15 @@ fn accelerate<S: Scalar, T: BodyTree<S>>(
     for d in block.dofs.clone() {
         qdd[d] = workspace.torques[d];
         if let Some(carried) = &carried {
-            let felt = (0..6)
+            let force = (0..6)
                 .filter(|&row| subspace[row].is_none())
                 .map(|row| workspace.gains[row][d] * carried.components()[row])
                 .reduce(|sum, x| sum + x);
-            qdd[d] = felt.map_or(qdd[d], |felt| qdd[d] - felt);
+            qdd[d] = force.map_or(qdd[d], |force| qdd[d] - force);
         }
     }
     solve_lower(factor(block, &workspace.pivots), &mut qdd[block.dofs.clone()]);
-    // So far the figures of the freed components hold what their module is carried along with.
+    // So far the components of the motion subspace are those of the parent's motion.
     let mut components = carried.unwrap_or_else(Twist::zero).components();
     for d in model.bodies[first].dofs.clone() {
         let along = &mut components[model.dofs[d].component];
@@ -213,8 +213,8 @@ fn accelerate<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// What the module's first joint passes on: the wrench of the unaccelerated motion and the
-/// elimination's share of the torques; in the freed components just the joint's torque.
+/// The wrench that the module's first joint passes on: that of the unaccelerated motion, and the
+/// elimination's share of the torques. In the components of the motion subspace it is the joint's torque.
 fn wrench_left<S: Scalar>(
     model: &Mechanism<S>,
     block: &ModuleBlock,

@@ -158,7 +158,7 @@ fn ancestors<S>(model: &Mechanism<S>, partition: &ModulePartition) -> Vec<Vec<us
 }
 
 /// The same where joints mimic others: each module has the entries of the joint vectors that its
-/// own joints have (none, if all follow others), and the GIM's pattern is followed through the
+/// own joints have (none, if all follow others), and the mass matrix's pattern is followed through the
 /// elimination.
 fn coupled<S: Scalar>(
     model: &Mechanism<S>,

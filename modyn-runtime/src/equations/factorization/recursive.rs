@@ -56,9 +56,9 @@ pub(in crate::equations) fn pivot<S: Scalar, T: BodyTree<S>>(
                     wrench = model.bodies[at].wrench_to_parent(&workspace.motions[at], wrench);
                     at -= 1;
                 }
-                let felt = wrench.components()[other.component];
-                workspace.pivots[block.pivot + row * size + j] = felt;
-                workspace.pivots[block.pivot + j * size + row] = felt;
+                let force = wrench.components()[other.component];
+                workspace.pivots[block.pivot + row * size + j] = force;
+                workspace.pivots[block.pivot + j * size + row] = force;
             }
             for (column, component) in workspace.columns.iter_mut().zip(wrench.components()) {
                 column[d] = component;
@@ -83,8 +83,9 @@ pub(in crate::equations) fn split<S: Scalar>(block: &ModuleBlock, workspace: &mu
     factor_udu(v, size, &mut workspace.reciprocals[block.dofs.clone()]);
 }
 
-/// By component: the degree of freedom of the module's first joint that moves it, where nothing
-/// is left for the parent: what the joint does not hold, it gives way to. (A rotor holds.)
+/// The motion subspace of the module's first joint: by component of the twist, the degree of freedom that
+/// moves it. The joint transmits no force along it, so nothing of that component reaches the parent. (A
+/// rotor does: it holds the joint.)
 pub(in crate::equations) fn motion_subspace<S: Scalar>(
     model: &Mechanism<S>,
     block: &ModuleBlock,
@@ -98,8 +99,8 @@ pub(in crate::equations) fn motion_subspace<S: Scalar>(
     subspace
 }
 
-/// Turns the columns Psi into V^-1 Psi^T and, over Delta, into `gains`: row by row but the freed
-/// ones. Expects the split pivot.
+/// Turns the columns Psi into V^-1 Psi^T and, over Delta, into `gains`: row by row, without
+/// the rows of the motion subspace. Expects the split pivot.
 pub(in crate::equations) fn reduce_columns<S: Scalar>(
     model: &Mechanism<S>,
     block: &ModuleBlock,
@@ -211,7 +212,7 @@ fn finish_gains<S: Scalar>(
     for (row, free) in subspace.into_iter().enumerate() {
         let gains = &mut workspace.gains[row][block.dofs.clone()];
         if let Some(d) = free {
-            // Psi's row along a freed component is a row of I_hat itself.
+            // Psi's row along a component of the motion subspace is a row of I_hat itself.
             gains.fill(S::zero());
             gains[d - block.dofs.start] = S::one();
         } else {

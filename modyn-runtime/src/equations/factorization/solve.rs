@@ -141,7 +141,7 @@ pub fn upper_inverse<S: Scalar>(layout: &UduLayout, u: &[S], columns: &mut [S]) 
     }
 }
 
-/// The inverse of the GIM as a full matrix by columns, (50): U^-T D^-1 U^-1, applied to each
+/// The inverse of the mass matrix as a full matrix by columns, (50): U^-T D^-1 U^-1, applied to each
 /// column of the identity.
 pub fn inverse<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], columns: &mut [S]) {
     let n = layout.layout().n();
@@ -153,7 +153,7 @@ pub fn inverse<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], columns
     mirror(n, 0..n, columns);
 }
 
-/// The logarithm of the GIM's determinant: that of D, since U's is one.
+/// The logarithm of the mass matrix's determinant: that of D, since U's is one.
 pub fn log_determinant<S: Scalar>(layout: &UduLayout, factors: &[S]) -> S {
     let reciprocals = &factors[layout.reciprocals()];
     -reciprocals.iter().fold(S::zero(), |sum, reciprocal| sum + reciprocal.ln())

@@ -41,10 +41,10 @@ pub fn regressor<S: Scalar>(
             }
             let links = model.links.iter().enumerate();
             for (link, &k) in links.filter(|(_, k)| (i..end).contains(*k)) {
-                let felt = felt(&fields[k], twist_in_link(&model.bodies[k], twists[k]));
-                for (parameter, felt) in felt.into_iter().enumerate() {
+                let powers = powers(&fields[k], twist_in_link(&model.bodies[k], twists[k]));
+                for (parameter, power) in powers.into_iter().enumerate() {
                     let at = (PARAMETERS_PER_LINK * link + parameter) * model.nv + dof.v;
-                    columns[at] = columns[at] + felt;
+                    columns[at] = columns[at] + power;
                 }
             }
         }
@@ -75,7 +75,7 @@ fn twist_in_link<S: Scalar>(body: &Body<S>, twist: Twist<S>) -> Twist<S> {
 /// The power of the wrench that each parameter at 1 asks for in this motion, at `twist`.
 ///
 /// The wrench has the force m a + E c and the moment c x a + I alpha + omega x I omega.
-fn felt<S: Scalar>(motion: &Field<S>, twist: Twist<S>) -> [S; PARAMETERS_PER_LINK] {
+fn powers<S: Scalar>(motion: &Field<S>, twist: Twist<S>) -> [S; PARAMETERS_PER_LINK] {
     let Field { omega, alpha, a, gradient, .. } = *motion;
     let (w, v) = (twist.angular, twist.linear);
     let [cx, cy, cz] = (gradient.transposed().mul_vector(v) + a.cross(w)).0;

@@ -3,7 +3,7 @@
 //! They are built as the paper builds them, from products of 6n^i-sized matrices, and share nothing
 //! with the recursion in `elimination` and `brge` but what inverts a pivot block. Joints may have
 //! several degrees of freedom, modules any partition. Rotors, which the paper does not have, stand on
-//! the diagonal of their module's GIM. Joints that mimic others couple modules across the tree, which
+//! the diagonal of their module's mass matrix. Joints that mimic others couple modules across the tree, which
 //! these forms cannot say.
 
 use alloc::vec::Vec;
@@ -17,7 +17,7 @@ use crate::equations::factorization::ModulePartition;
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 
-/// The block decomposition of the GIM at a posture, by modules.
+/// The block decomposition of the mass matrix at a posture, by modules.
 ///
 /// Modules are counted from 0, in the order of the [`ModuleTree`]; `i` is one in front, `j` one of those
 /// that originate from it. Rows of twists stand body by body, as in [`DeNoc`].
@@ -198,20 +198,20 @@ impl<S: Scalar> Decomposition<S> {
         })
     }
 
-    /// The block element I_i,j of the GIM (`i` behind `j` or the same), (10); rotors are on the diagonal.
+    /// The block element I_i,j of the mass matrix (`i` behind `j` or the same), (10); rotors are on the diagonal.
     #[must_use]
-    pub fn gim_block(&self, i: usize, j: usize) -> Dense<S> {
+    pub fn mass_matrix_block(&self, i: usize, j: usize) -> Dense<S> {
         let wrenches = self.composite(i).times(&self.propagation(i, j)).times(&self.joints(j));
         let block = self.joints(i).transposed().times(&wrenches);
         if i == j { block.plus(&self.rotor_block(i)) } else { block }
     }
 
-    /// The GIM from its blocks, (9).
+    /// The mass matrix from its blocks, (9).
     #[must_use]
-    pub fn gim(&self) -> Dense<S> {
+    pub fn mass_matrix(&self) -> Dense<S> {
         let n = self.denoc.joints.columns;
         self.assembled(n, n, Self::entries, Self::entries, |s, i, j| {
-            if i >= j { s.gim_block(i, j) } else { s.gim_block(j, i).transposed() }
+            if i >= j { s.mass_matrix_block(i, j) } else { s.mass_matrix_block(j, i).transposed() }
         })
     }
 
@@ -245,7 +245,7 @@ impl<S: Scalar> Decomposition<S> {
         &self.articulated[i].psi
     }
 
-    /// The block pivot I_hat_i = N_i^T M_hat_i N_i, (46): the GIM of the articulated module.
+    /// The block pivot I_hat_i = N_i^T M_hat_i N_i, (46): the mass matrix of the articulated module.
     #[must_use]
     pub fn pivot(&self, i: usize) -> &Dense<S> {
         &self.articulated[i].pivot
@@ -367,11 +367,13 @@ impl<S: Scalar> Decomposition<S> {
         matrix
     }
 
-    /// The GIM as the elimination leaves it, I^(j), (16), (35): block columns from `j` on are annihilated
-    /// above the diagonal; with `j` past the last module it is the GIM itself.
+    /// The mass matrix as the elimination leaves it, I^(j), (16), (35): block columns from `j` on are annihilated
+    /// above the diagonal; with `j` past the last module it is the mass matrix itself.
     #[must_use]
     pub fn eliminated(&self, j: usize) -> Dense<S> {
-        (j..self.modules()).rev().fold(self.gim(), |gim, column| self.ebutm(column).times(&gim))
+        (j..self.modules())
+            .rev()
+            .fold(self.mass_matrix(), |gim, column| self.ebutm(column).times(&gim))
     }
 }
 

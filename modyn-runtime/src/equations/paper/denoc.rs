@@ -7,7 +7,7 @@ use crate::equations::Workspace;
 use crate::mechanism::{Body, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3, Wrench};
 
-/// M, N_l and N_d with the GIM = N_d^T N_l^T M N_l N_d, (5a), without the rotors' inertia.
+/// M, N_l and N_d with the mass matrix = N_d^T N_l^T M N_l N_d, (5a), without the rotors' inertia.
 ///
 /// Rows stand body by body: the links, each in its own frame as the model has it, angular before
 /// linear, and before a link on a universal or planar joint the massless bodies inside that joint.
@@ -24,9 +24,9 @@ pub struct DeNoc<S> {
 }
 
 impl<S: Scalar> DeNoc<S> {
-    /// The GIM as (5a) has it, N^T M N with N = N_l N_d: the long way, for study.
+    /// The mass matrix as (5a) has it, N^T M N with N = N_l N_d: the long way, for study.
     #[must_use]
-    pub fn gim(&self) -> Dense<S> {
+    pub fn mass_matrix(&self) -> Dense<S> {
         let n = self.propagation.times(&self.joints);
         n.transposed().times(&self.mass.times(&n))
     }
