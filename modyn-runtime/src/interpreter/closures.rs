@@ -37,10 +37,10 @@ impl<S: Scalar> Interpreter<S> {
         check("tau", tau, n)?;
         check("qdd", qdd, n)?;
         check("forces", forces, self.model.closures().len())?;
-        let (prepared, layout, rooms) = self.closing();
+        let (mechanism, layout, rooms) = self.closing();
         let state = (q, qd, tau);
         let solve = closures::constrained_forward_dynamics;
-        solve(prepared, layout, state, settings, rooms, (qdd, forces));
+        solve(mechanism, layout, state, settings, rooms, (qdd, forces));
         Ok(())
     }
 
@@ -65,18 +65,18 @@ impl<S: Scalar> Interpreter<S> {
         check("qd", qd, n)?;
         check("dq", dq, n)?;
         check("dqd", dqd, n)?;
-        let (prepared, layout, rooms) = self.closing();
-        closures::closing_step(prepared, layout, (q, qd), settings, rooms, (dq, dqd));
+        let (mechanism, layout, rooms) = self.closing();
+        closures::closing_step(mechanism, layout, (q, qd), settings, rooms, (dq, dqd));
         Ok(())
     }
 
     /// What closing loops works with.
     fn closing(&mut self) -> (&Mechanism<S>, &UduLayout, Rooms<'_, S>) {
-        let Self { prepared, workspace, model, links, closing, .. } = self;
+        let Self { mechanism, workspace, model, links, closing, .. } = self;
         let layout =
-            links.get_or_insert_with(|| UduLayout::new(prepared, &ModuleTree::links(model)));
-        let room = closing.get_or_insert_with(|| ClosureWorkspace::new(prepared, layout));
-        (prepared, layout, (workspace, room))
+            links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
+        let room = closing.get_or_insert_with(|| ClosureWorkspace::new(mechanism, layout));
+        (mechanism, layout, (workspace, room))
     }
 
     /// How far the closures' frames are apart and how fast they part: of the second frame against
@@ -98,7 +98,7 @@ impl<S: Scalar> Interpreter<S> {
         check("displacements", displacements, self.model.closures().len())?;
         check("velocities", velocities, self.model.closures().len())?;
         let errors = (displacements, velocities);
-        closures::closure_errors(&self.prepared, (q, qd), &mut self.workspace, errors);
+        closures::closure_errors(&self.mechanism, (q, qd), &mut self.workspace, errors);
         Ok(())
     }
 }

@@ -32,9 +32,9 @@ impl<S: Scalar> Interpreter<S> {
         check("qdd", qdd, n)?;
         check("dtau_dq", dtau_dq, n * n)?;
         check("dtau_dqd", dtau_dqd, n * n)?;
-        let Self { prepared, workspace, .. } = self;
+        let Self { mechanism, workspace, .. } = self;
         let motion = (q, qd, qdd);
-        derivatives::inverse_dynamics_derivatives(prepared, motion, workspace, dtau_dq, dtau_dqd);
+        derivatives::inverse_dynamics_derivatives(mechanism, motion, workspace, dtau_dq, dtau_dqd);
         Ok(())
     }
 
@@ -60,11 +60,11 @@ impl<S: Scalar> Interpreter<S> {
         check("dqdd_dq", outputs.dqdd_dq, n * n)?;
         check("dqdd_dqd", outputs.dqdd_dqd, n * n)?;
         check("dqdd_dtau", outputs.dqdd_dtau, n * n)?;
-        let Self { prepared, workspace, model, links, .. } = self;
+        let Self { mechanism, workspace, model, links, .. } = self;
         let layout =
-            links.get_or_insert_with(|| UduLayout::new(prepared, &ModuleTree::links(model)));
+            links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
         let state = (q, qd, tau);
-        derivatives::forward_dynamics_derivatives(prepared, layout, state, workspace, outputs);
+        derivatives::forward_dynamics_derivatives(mechanism, layout, state, workspace, outputs);
         Ok(())
     }
 }

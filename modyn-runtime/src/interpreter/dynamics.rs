@@ -55,9 +55,9 @@ impl<S: Scalar> Interpreter<S> {
         check("tau", tau, n)?;
         self.check_forces(forces)?;
         check("qdd", qdd, n)?;
-        let Self { prepared, elimination, workspace, .. } = self;
+        let Self { mechanism, elimination, workspace, .. } = self;
         let state = (q, qd, tau);
-        forward_dynamics(prepared, elimination, state, forces, workspace, qdd);
+        forward_dynamics(mechanism, elimination, state, forces, workspace, qdd);
         Ok(())
     }
 
@@ -111,7 +111,7 @@ impl<S: Scalar> Interpreter<S> {
         self.check_forces(forces)?;
         check("tau", tau, n)?;
         let (motion, workspace) = ((q, qd, qdd), &mut self.workspace);
-        inverse_dynamics(&self.prepared, motion, forces, workspace, tau);
+        inverse_dynamics(&self.mechanism, motion, forces, workspace, tau);
         Ok(())
     }
 
@@ -133,7 +133,7 @@ impl<S: Scalar> Interpreter<S> {
         let n = self.model.nv();
         check("q", q, self.model.nq())?;
         check("tau", tau, n)?;
-        gravity_torques(&self.prepared, q, &mut self.workspace, tau);
+        gravity_torques(&self.mechanism, q, &mut self.workspace, tau);
         Ok(())
     }
 
@@ -146,7 +146,7 @@ impl<S: Scalar> Interpreter<S> {
         let n = self.model.nv();
         check("q", q, self.model.nq())?;
         check("columns", columns, n * n)?;
-        mass_matrix(&self.prepared, q, &mut self.workspace, columns);
+        mass_matrix(&self.mechanism, q, &mut self.workspace, columns);
         Ok(())
     }
 
@@ -159,7 +159,7 @@ impl<S: Scalar> Interpreter<S> {
         let n = self.model.nv();
         check("q", q, self.model.nq())?;
         check("qd", qd, n)?;
-        Ok(kinetic_energy(&self.prepared, q, qd, &mut self.workspace))
+        Ok(kinetic_energy(&self.mechanism, q, qd, &mut self.workspace))
     }
 
     /// Potential energy of the moving links under gravity, J; zero at the world's origin.
@@ -169,6 +169,6 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn potential_energy(&mut self, q: &[S]) -> Result<S, ShapeError> {
         check("q", q, self.model.nq())?;
-        Ok(potential_energy(&self.prepared, q, &mut self.workspace))
+        Ok(potential_energy(&self.mechanism, q, &mut self.workspace))
     }
 }

@@ -18,9 +18,9 @@ impl<S: Scalar> Interpreter<S> {
     /// If `q` does not have the model's length.
     pub fn brge(&self, q: &[S]) -> Result<Brge<S>, ShapeError> {
         check("q", q, self.model.nq())?;
-        let layout = UduLayout::new(&self.prepared, &self.modules);
+        let layout = UduLayout::new(&self.mechanism, &self.modules);
         let factors = vec![S::zero(); layout.size()];
-        let workspace = Workspace::new(&self.prepared);
+        let workspace = Workspace::new(&self.mechanism);
         let modules = self.modules.clone();
         let (nq, n) = (self.model.nq(), self.model.nv());
         let mut brge = Brge { modules, layout, factors, workspace, nq, n };
@@ -62,7 +62,7 @@ impl<S: Scalar> Brge<S> {
 
     fn factorize(&mut self, interpreter: &Interpreter<S>, q: &[S]) {
         let Self { layout, factors, workspace, .. } = self;
-        brge::factorize(&interpreter.prepared, layout, q, workspace, factors);
+        brge::factorize(&interpreter.mechanism, layout, q, workspace, factors);
     }
 
     fn matrix(&self, fill: impl FnOnce(&mut [S])) -> Vec<S> {

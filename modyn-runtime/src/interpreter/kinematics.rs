@@ -30,7 +30,7 @@ impl<S: Scalar> Interpreter<S> {
     pub fn link_pose(&self, q: &[S], frame: usize) -> Result<Pose<S>, FrameError> {
         self.check_frame(frame)?;
         check("q", q, self.model.nq())?;
-        Ok(kinematics::link_pose(&self.prepared, frame, q))
+        Ok(kinematics::link_pose(&self.mechanism, frame, q))
     }
 
     /// The velocity of a link, in world axes.
@@ -69,8 +69,8 @@ impl<S: Scalar> Interpreter<S> {
         axes: Axes,
     ) -> Result<Twist<S>, FrameError> {
         self.check_motion(frame, q, qd)?;
-        let Self { prepared, workspace, .. } = self;
-        Ok(kinematics::link_velocity(prepared, frame, (q, qd), axes, workspace))
+        let Self { mechanism, workspace, .. } = self;
+        Ok(kinematics::link_velocity(mechanism, frame, (q, qd), axes, workspace))
     }
 
     /// The angular acceleration of a link and the classical one of its origin, in world axes;
@@ -112,8 +112,8 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<Twist<S>, FrameError> {
         self.check_motion(frame, q, qd)?;
         check("qdd", qdd, self.model.nv())?;
-        let Self { prepared, workspace, .. } = self;
-        Ok(kinematics::link_acceleration(prepared, frame, (q, qd, qdd), axes, workspace))
+        let Self { mechanism, workspace, .. } = self;
+        Ok(kinematics::link_acceleration(mechanism, frame, (q, qd, qdd), axes, workspace))
     }
 
     /// The Jacobian J of a link into `columns` (nv), in world axes at its origin (Pinocchio's
@@ -155,8 +155,8 @@ impl<S: Scalar> Interpreter<S> {
         self.check_frame(frame)?;
         check("q", q, self.model.nq())?;
         check("columns", columns, self.model.nv())?;
-        let Self { prepared, workspace, .. } = self;
-        kinematics::jacobian(prepared, frame, q, axes, workspace, columns);
+        let Self { mechanism, workspace, .. } = self;
+        kinematics::jacobian(mechanism, frame, q, axes, workspace, columns);
         Ok(())
     }
 
@@ -200,8 +200,8 @@ impl<S: Scalar> Interpreter<S> {
         axes: Axes,
     ) -> Result<Twist<S>, FrameError> {
         self.check_motion(frame, q, qd)?;
-        let Self { prepared, workspace, .. } = self;
-        Ok(kinematics::jacobian_rate(prepared, frame, (q, qd), axes, workspace))
+        let Self { mechanism, workspace, .. } = self;
+        Ok(kinematics::jacobian_rate(mechanism, frame, (q, qd), axes, workspace))
     }
 }
 
@@ -216,8 +216,8 @@ impl<S: Scalar> Interpreter<S> {
     pub fn link_poses(&mut self, q: &[S], poses: &mut [Pose<S>]) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
         check("poses", poses, self.model.frames().len())?;
-        let Self { prepared, workspace, body_poses, .. } = self;
-        kinematics::link_poses(prepared, q, workspace, body_poses, poses);
+        let Self { mechanism, workspace, body_poses, .. } = self;
+        kinematics::link_poses(mechanism, q, workspace, body_poses, poses);
         Ok(())
     }
 }

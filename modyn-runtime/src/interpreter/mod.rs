@@ -41,7 +41,7 @@ pub use factorization::Brge;
 pub struct Interpreter<S = f64> {
     model: Model,
     modules: ModuleTree,
-    prepared: Mechanism<S>,
+    mechanism: Mechanism<S>,
     elimination: Elimination,
     workspace: Workspace<S>,
     body_poses: Vec<Pose<S>>,
@@ -73,17 +73,17 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     fn made(model: Model, modules: ModuleTree) -> Self {
-        let prepared = Mechanism::new(&model).cast();
-        let elimination = Elimination::new(&prepared, &ModuleTree::links(&model));
-        let mut workspace = Workspace::new(&prepared);
-        elimination.make_room(&prepared, &mut workspace);
-        let body_poses = vec![Pose::identity(); prepared.bodies.len()];
+        let mechanism = Mechanism::new(&model).cast();
+        let elimination = Elimination::new(&mechanism, &ModuleTree::links(&model));
+        let mut workspace = Workspace::new(&mechanism);
+        elimination.make_room(&mechanism, &mut workspace);
+        let body_poses = vec![Pose::identity(); mechanism.bodies.len()];
         let inertias = model.frames().iter().map(|frame| inertia(&frame.inertial)).collect();
         let (links, closing) = (None, None);
         Self {
             model,
             modules,
-            prepared,
+            mechanism,
             elimination,
             workspace,
             body_poses,
@@ -104,8 +104,8 @@ impl<S: Scalar> Interpreter<S> {
         if !modules.fits(&self.model) {
             return Err(ModuleMismatch);
         }
-        self.elimination = Elimination::new(&self.prepared, modules);
-        self.elimination.make_room(&self.prepared, &mut self.workspace);
+        self.elimination = Elimination::new(&self.mechanism, modules);
+        self.elimination.make_room(&self.mechanism, &mut self.workspace);
         Ok(self)
     }
 
@@ -118,7 +118,7 @@ impl<S: Scalar> Interpreter<S> {
 
     /// Sets the acceleration of free fall in world axes, m/s^2. Allocates nothing.
     pub fn set_gravity(&mut self, gravity: [S; 3]) {
-        self.prepared.gravity = Vector3(gravity);
+        self.mechanism.gravity = Vector3(gravity);
     }
 
     /// Gives link `frame` of the description (an index into [`Model::frames`]) another inertia of
@@ -139,7 +139,7 @@ impl<S: Scalar> Interpreter<S> {
             return Err(InertialError::Defect(defect));
         }
         let other = inertia(inertial);
-        self.prepared.replace_inertia(frame, own, &other);
+        self.mechanism.replace_inertia(frame, own, &other);
         *own = other;
         Ok(())
     }

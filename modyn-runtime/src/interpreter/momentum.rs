@@ -16,7 +16,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn center_of_mass(&mut self, q: &[S]) -> Result<Vector3<S>, ShapeError> {
         check("q", q, self.model.nq())?;
-        Ok(center_of_mass(&self.prepared, q, &mut self.workspace))
+        Ok(center_of_mass(&self.mechanism, q, &mut self.workspace))
     }
 
     /// The Jacobian of the centre of mass into `columns` (nv): its velocity is their sum times qd.
@@ -31,7 +31,7 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
         check("columns", columns, self.model.nv())?;
-        center_of_mass_jacobian(&self.prepared, q, &mut self.workspace, columns);
+        center_of_mass_jacobian(&self.mechanism, q, &mut self.workspace, columns);
         Ok(())
     }
 
@@ -48,7 +48,7 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
         check("columns", columns, self.model.nv())?;
-        centroidal_momentum_matrix(&self.prepared, q, &mut self.workspace, columns);
+        centroidal_momentum_matrix(&self.mechanism, q, &mut self.workspace, columns);
         Ok(())
     }
 
@@ -60,6 +60,6 @@ impl<S: Scalar> Interpreter<S> {
     pub fn centroidal_momentum(&mut self, q: &[S], qd: &[S]) -> Result<Momentum<S>, ShapeError> {
         check("q", q, self.model.nq())?;
         check("qd", qd, self.model.nv())?;
-        Ok(centroidal_momentum(&self.prepared, (q, qd), &mut self.workspace))
+        Ok(centroidal_momentum(&self.mechanism, (q, qd), &mut self.workspace))
     }
 }

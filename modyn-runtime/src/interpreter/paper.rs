@@ -13,7 +13,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If `q` does not have the model's length.
     pub fn denoc(&mut self, q: &[S]) -> Result<DeNoc<S>, ShapeError> {
         check("q", q, self.model.nq())?;
-        Ok(denoc(&self.prepared, q, &mut self.workspace))
+        Ok(denoc(&self.mechanism, q, &mut self.workspace))
     }
 
     /// The paper's dense matrices of the block decomposition at `q`, (1)-(57), by the modules of
@@ -24,7 +24,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If `q` does not have the model's length, or if joints mimic others.
     pub fn decomposition(&mut self, q: &[S]) -> Result<Decomposition<S>, DecompositionError> {
         check("q", q, self.model.nq()).map_err(DecompositionError::Shape)?;
-        let Self { prepared, modules, workspace, .. } = self;
-        Decomposition::new(prepared, modules, q, workspace).ok_or(DecompositionError::Mimics)
+        let Self { mechanism, modules, workspace, .. } = self;
+        Decomposition::new(mechanism, modules, q, workspace).ok_or(DecompositionError::Mimics)
     }
 }

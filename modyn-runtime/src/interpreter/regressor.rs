@@ -31,7 +31,7 @@ impl<S: Scalar> Interpreter<S> {
         check("qdd", qdd, n)?;
         check("columns", columns, n * PARAMETERS_PER_LINK * self.model.links().len())?;
         let motion = (q, qd, qdd);
-        regressor(&self.prepared, motion, &mut self.workspace, columns);
+        regressor(&self.mechanism, motion, &mut self.workspace, columns);
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use std::vec::Vec;
 
-use super::{Float, Lanes, Level, Work, force_level};
+use super::{Float, Lanes, SimdLevel, Work, force_level};
 use crate::Scalar;
 
 /// All operations on one number (or several), as an array of numbers.
@@ -88,14 +88,16 @@ fn check<F: Float + Into<f64>>(
             x.push(F::one());
         }
     }
-    for level in [Level::Single, Level::Sse2, Level::Avx2, Level::Avx512, Level::Neon] {
+    for level in
+        [SimdLevel::Single, SimdLevel::Sse2, SimdLevel::Avx2, SimdLevel::Avx512, SimdLevel::Neon]
+    {
         if !force_level(Some(level)) {
             continue;
         }
         let mut results = Vec::new();
         F::dispatch(All { numbers: [&a, &b, &c], results: &mut results });
         assert_eq!(results.len(), a.len());
-        let fuses = !matches!(level, Level::Single | Level::Sse2);
+        let fuses = !matches!(level, SimdLevel::Single | SimdLevel::Sse2);
         for (i, found) in results.iter().enumerate() {
             let mut expected = operations([a[i], b[i], c[i]]);
             if fuses {

@@ -105,8 +105,8 @@ impl BaseParameters {
 
 /// The columns of the regressors at many states, one under the other.
 fn stacked(model: &Model) -> Vec<Vec<f64>> {
-    let prepared = Mechanism::new(model);
-    let workspace = &mut Workspace::new(&prepared);
+    let mechanism = Mechanism::new(model);
+    let workspace = &mut Workspace::new(&mechanism);
     let (nq, nv) = (model.nq(), model.nv());
     let count = PARAMETERS_PER_LINK * model.links().len();
     // Four times as many rows as columns, and of each joint's torque four times as many as a link
@@ -114,14 +114,14 @@ fn stacked(model: &Model) -> Vec<Vec<f64>> {
     let states = (4 * count).div_ceil(nv).max(4 * PARAMETERS_PER_LINK);
     let mut columns = vec![Vec::with_capacity(states * nv); count];
     let (mut neutral, mut q) = (vec![0.0; nq], vec![0.0; nq]);
-    coordinates::neutral(&prepared, &mut neutral);
+    coordinates::neutral(&mechanism, &mut neutral);
     let mut random = Random(0);
     let mut one = vec![0.0; nv * count];
     for _ in 0..states {
         let [step, qd, qdd]: [Vec<f64>; 3] =
             core::array::from_fn(|_| (0..nv).map(|_| random.next()).collect());
-        coordinates::integrate(&prepared, (&neutral, &step), &mut q);
-        regressor(&prepared, (&q, &qd, &qdd), workspace, &mut one);
+        coordinates::integrate(&mechanism, (&neutral, &step), &mut q);
+        regressor(&mechanism, (&q, &qd, &qdd), workspace, &mut one);
         for (column, part) in columns.iter_mut().zip(one.chunks(nv)) {
             column.extend_from_slice(part);
         }

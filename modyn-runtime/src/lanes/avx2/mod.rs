@@ -3,7 +3,7 @@
 //! Unsafe code: these instructions may only run on a processor that has them, and the compiler can't
 //! see that it does. It does wherever the types of this folder exist: they can't be named outside of
 //! `lanes`, and inside only the four functions that `work!` and `vectors!` make here enter with them,
-//! which `lanes` calls for `Level::Avx2`, for `Level::Avx512`, whose processors have AVX2 and FMA too,
+//! which `lanes` calls for `SimdLevel::Avx2`, for `SimdLevel::Avx512`, whose processors have AVX2 and FMA too,
 //! and in programs that count on both. (A generic function that has one as its type parameter, or a
 //! type of `Doubles` or `Singles`, has it from there.)
 #![allow(unsafe_code)]
