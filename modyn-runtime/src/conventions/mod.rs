@@ -12,7 +12,7 @@
 //! - forces `[fx, fy, fz, mx, my, mz]`: such that force times velocity is power.
 //!
 //! There is a module for each library, with functions that are called after the library's own names:
-//! `to_...` from modyn's numbers to the library's, `from_...` back. All are generic over [`Scalar`],
+//! `to_...` from modyn's numbers to the library's, `from_...` back. All are generic over [`Scalar`](crate::Scalar),
 //! so that they can be compiled and differentiated as well. Quaternions must have length one.
 //!
 //! ```

@@ -18,9 +18,11 @@
 //! | `dynamics/gravity` | gravity torques, potential energy | |
 //! | `dynamics/kinetic_energy` | kinetic energy | |
 //! | `dynamics/centroidal` | momentum about the centre of mass, its matrix | Orin, Goswami and Lee 2013 |
-//! | `factorization/elimination` | a module's pivot block and the articulated inertia at its parent | (35)-(49) |
-//! | `factorization/brge` | U D U^T, inverse, solve | (35)-(57) |
-//! | `factorization/limbs` | the entries of the inverse between equal limbs that are computed as one | (60) |
+//! | `factorization/recursive` | a module's pivot block and the articulated inertia at its parent | (35)-(49) |
+//! | `factorization/matrix` | U D U^T from the mass matrix itself, for mimics and derivatives | (16)-(45) |
+//! | `factorization/solve` | solving, the inverse, the factors as full matrices | (50)-(60) |
+//! | `factorization/limb_coupling` | the entries of the inverse between merged limbs | (60) |
+//! | `brge` | the public entry of the factorization | (35)-(57) |
 //! | `derivatives` | derivatives of inverse and forward dynamics | Singh, Russell and Wensing 2022 |
 //! | `identification/regressor` | inverse dynamics as linear in the inertias | Atkeson, An and Hollerbach 1986 |
 //! | `identification/base_parameters` | the combinations of inertial parameters that torques depend on | Gautier 1991 |

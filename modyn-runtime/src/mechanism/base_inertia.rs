@@ -1,11 +1,11 @@
-//! Inertia in base parameters: what a joint cannot feel, counted with its parent.
+//! Inertia in base parameters: the part that a joint's motion does not depend on is counted with the parent.
 
 use super::Body;
 use crate::joint::ElementaryJoint;
 use crate::spatial::{RigidInertia, Symmetric3, Vector3};
 
-/// Moves inertia that joints cannot feel towards the root, leaves first. Returns the inertia that
-/// reaches the world, about the world's origin.
+/// Moves the inertia that no joint torque depends on towards the root, leaves first. Returns the static
+/// inertia, which reaches the world, about the world's origin.
 pub(super) fn move_to_parents(bodies: &mut [Body<f64>]) -> RigidInertia<f64> {
     let mut static_inertia = RigidInertia::zero();
     for i in (0..bodies.len()).rev() {

@@ -10,29 +10,29 @@ use crate::spatial::{
     VelocityMoments, Wrench,
 };
 
-/// A moving link, or a massless body inside a universal or planar joint, in its turned and shifted
+/// A moving link, or a massless body inside a universal or planar joint, in its Denavit-Hartenberg
 /// frame.
 #[derive(Clone, Debug)]
 pub struct Body<S> {
-    /// The body it hangs on; `None` for the world.
+    /// The parent body; `None` for the world.
     pub parent: Option<usize>,
-    /// What motion its joint allows, along z if along an axis.
+    /// Its joint; an axis is z.
     pub elementary_joint: ElementaryJoint,
-    /// Where its first coordinate stands in q.
+    /// The index of its first coordinate in q.
     pub q: usize,
     /// The ratio and offset of its coordinate to that one, for a joint that mimics.
     pub mimic: Option<(S, S)>,
-    /// Its degrees of freedom, among those of [`Mechanism::dofs`].
+    /// Its degrees of freedom, as a range of [`Mechanism::dofs`](super::Mechanism::dofs).
     pub dofs: Range<usize>,
     /// The joint's zero.
     pub zero: JointOffset<S>,
-    /// Where the joint stands on the parent.
+    /// The joint's constant pose on the parent.
     pub placement: DhTransform<S>,
-    /// The model's link frame in this one; without meaning for a body inside a joint.
+    /// The pose of the model's link frame in this one; without meaning for a body inside a joint.
     pub link: Pose<S>,
-    /// The inertia as the model has it.
+    /// The inertia that the model states.
     pub inertia: RigidInertia<S>,
-    /// The inertia in minimal parameters: equal to `inertia` for all joint-space dynamics.
+    /// The inertia in base parameters: equivalent to `inertia` for all joint-space dynamics.
     pub base_inertia: RigidInertia<S>,
 }
 

@@ -12,23 +12,34 @@ use crate::LaneScalar;
 ///
 /// Numbers of a merged limb differ from lane to lane; those of the bodies that carry limbs are the
 /// same in all lanes. So a limb's forces are summed over the lanes where they reach their parent, and a
-/// parent's motion is broadcast to them. Only equations that do so take a merged mechanism. All
-/// others take a [`Mechanism`], and giving them this one does not compile:
+/// parent's motion is broadcast to them. Equations that do so are generic over [`BodyTree`]:
+///
+/// ```
+/// use modyn_runtime::LaneScalar;
+/// use modyn_runtime::equations::{Workspace, dynamics::gravity_torques};
+/// use modyn_runtime::mechanism::MergedMechanism;
+///
+/// fn torques<S: LaneScalar>(robot: &MergedMechanism<S>, q: &[S], tau: &mut [S]) {
+///     gravity_torques(robot, q, &mut Workspace::new(robot), tau);
+/// }
+/// ```
+///
+/// All other equations take a [`Mechanism`], and giving them this one does not compile:
 ///
 /// ```compile_fail,E0308
 /// use modyn_runtime::LaneScalar;
 /// use modyn_runtime::equations::{Workspace, dynamics::potential_energy};
 /// use modyn_runtime::mechanism::MergedMechanism;
 ///
-/// fn energy<S: LaneScalar>(robot: &MergedMechanism<S>, q: &[S], room: &mut Workspace<S>) -> S {
-///     potential_energy(robot, q, room)
+/// fn energy<S: LaneScalar>(robot: &MergedMechanism<S>, q: &[S]) -> S {
+///     potential_energy(robot, q, &mut Workspace::new(robot))
 /// }
 /// ```
 ///
 /// nor does merging limbs on numbers that have no lanes:
 ///
-/// ```compile_fail,E0599
-/// use modyn_runtime::mechanism::{LimbRoot, MergedMechanism, Mechanism};
+/// ```compile_fail,E0277
+/// use modyn_runtime::mechanism::{LimbRoot, Mechanism, MergedMechanism};
 ///
 /// fn merged(robot: Mechanism<f64>, limbs: Vec<Option<LimbRoot>>) -> MergedMechanism<f64> {
 ///     MergedMechanism::new(robot, limbs)

@@ -1,26 +1,25 @@
-//! Exact rewrites that make a model cheap to compute with: [`Model`] to [`Mechanism`].
+//! The model rewritten for computation: exact rewrites from [`Model`] to [`Mechanism`].
 //!
-//! 0. **Primitives.** Universal and planar joints are taken apart into revolute and prismatic ones
+//! 0. **Composite joints** (`elementary`). Universal and planar joints are taken apart into revolute and prismatic ones
 //!    with massless bodies between them.
-//! 1. **z axes.** Frames are turned so that the axis of every revolute or prismatic joint is z.
-//! 2. **Turned frames.** A rotation between two frames is Rz Rx Rz. The last factor joins the
+//! 1. **z axes** (`dh_frames`). Frames are turned so that the axis of every revolute or prismatic joint is z.
+//! 2. **Rotated frames.** A rotation between two frames is Rz Rx Rz. The last factor joins the
 //!    child's joint angle; the first is taken over by the parent's joint angle for one child of
 //!    each link (the one that carries most). What is left is a rotation about x.
 //! 3. **Shifted origins.** A revolute joint's frame may stand anywhere along its axis: where the
 //!    translation from its parent has a component less. (2 and 3 are Denavit and Hartenberg's
 //!    argument, carried over to trees.)
-//! 4. **Minimal parameters.** Mass on a revolute axis moves with parent and child alike, so the
+//! 4. **Base inertia** (`base_inertia`). Mass on a revolute axis moves with parent and child alike, so the
 //!    child's mass, first moment along z and second moment along z may be counted with the parent;
-//!    behind a prismatic joint the same holds for the whole second moment, behind a spherical one
-//!    for the mass. What is then left on
-//!    the child are the parameters its joint can feel (Gautier and Khalil 1990, "Direct calculation
+//!    after a prismatic joint this holds for the whole second moment, after a spherical one
+//!    for the mass. The child keeps the parameters that its joint's torque depends on (Gautier and Khalil 1990, "Direct calculation
 //!    of minimum set of inertial parameters of serial robots").
-//! 5. **Snapping.** Constant turns within 1e-11 rad of a quarter turn become that; translations and
+//! 5. **Snapping** (`snapping`). Constant rotations within 1e-11 rad of a quarter turn become one; translations and
 //!    components of axes below 1e-11 become 0.
 //!
 //! All of them leave the joint coordinates, and so every joint-space quantity, as they were. The
 //! fourth changes single links' inertias, and on a fixed base it drops mass that cannot move,
-//! with its constant share of the potential energy; so [`Body::inertia`] keeps what was written.
+//! with its constant share of the potential energy; so [`Body::inertia`] keeps the inertia of the description.
 
 mod base_inertia;
 mod body;
@@ -57,17 +56,17 @@ pub use {
     tree::{BodyTree, LimbRoot},
 };
 
-/// A model rewritten for computing, on scalars of type `S`.
+/// A model rewritten for computation, on scalars of type `S`.
 #[derive(Clone, Debug)]
 pub struct Mechanism<S> {
     /// The acceleration of free fall in world axes.
     pub gravity: Vector3<S>,
-    /// One body (or more, see [`ElementaryJoint`]) a moving link, in the model's order.
+    /// One body a moving link (more where its joint is composite), in the model's order.
     pub bodies: Vec<Body<S>>,
     /// The degrees of freedom in the order of their bodies. Without mimics, in that of qd.
     pub dofs: Vec<Dof<S>>,
-    /// What minimal parameters leave to the world: inertia of bodies that no joint moves, about the
-    /// world's origin.
+    /// The inertia that base parameters count with the world, which no joint moves; about the world's
+    /// origin.
     pub static_inertia: RigidInertia<S>,
     /// By moving link of the model: its body, which is the last one of its joint.
     pub links: Vec<usize>,
@@ -75,13 +74,13 @@ pub struct Mechanism<S> {
     pub nq: usize,
     /// Length of qd.
     pub nv: usize,
-    /// The coordinates, by what they are.
+    /// The coordinates by their spaces.
     pub coordinates: Vec<Coordinates<S>>,
-    /// Over which velocity Coulomb friction rises; `None` where its sign jumps.
+    /// The velocity over which Coulomb friction rises; `None` where its sign jumps.
     pub smooth: Option<S>,
     /// One frame a link of the description, in the model's order.
     pub frames: Vec<BodyFrame<S>>,
-    /// What closes loops, in the model's order.
+    /// The frames that close loops, in the model's order.
     pub closures: Vec<HeldFrames<S>>,
 }
 

@@ -62,7 +62,7 @@ pub trait TreeAccess<S: Scalar> {
 
     /// The numbers that `body`'s joint gets from the body that it hangs on, or from the world
     /// (`None`): lane by lane, where limbs hang on different bodies.
-    fn from_parents<const N: usize>(
+    fn broadcast_from_parents<const N: usize>(
         &self,
         body: usize,
         of: impl Fn(Option<usize>) -> [S; N],

@@ -26,7 +26,7 @@ fn parents_turn<S: Scalar, T: BodyTree<S>>(
     workspace: &Workspace<S>,
 ) -> Vector3<S> {
     let of = |parent: usize| workspace.fields[parent].omega;
-    Vector3(tree.from_parents(body, |parent| parent.map_or_else(Vector3::zero, of).0))
+    Vector3(tree.broadcast_from_parents(body, |parent| parent.map_or_else(Vector3::zero, of).0))
 }
 
 /// Sums the bodies' inertias to composites, and how these move against the composites' bodies;

@@ -111,7 +111,7 @@ fn subtract_forces<S: Scalar, T: BodyTree<S>>(
         }
     }
     for (i, body) in model.bodies.iter().enumerate() {
-        let a = Vector3(tree.from_parents(i, |parent| match parent {
+        let a = Vector3(tree.broadcast_from_parents(i, |parent| match parent {
             Some(parent) => workspace.twists[parent].linear.0,
             None if is_base(model, i) => Vector3::zero().0,
             None => (-model.gravity).0,

@@ -8,8 +8,8 @@ use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
 use crate::mechanism::{BodyTree, Mechanism};
 
-/// d tau / d q and d tau / d qd of [`inverse_dynamics`](crate::equations::inverse_dynamics), nv x nv
-/// by columns; d tau / d qdd is the [`mass_matrix`](crate::equations::mass_matrix).
+/// d tau / d q and d tau / d qd of [`inverse_dynamics`](crate::equations::dynamics::inverse_dynamics), nv x nv
+/// by columns; d tau / d qdd is the [`mass_matrix`](crate::equations::dynamics::mass_matrix).
 ///
 /// The jump of Coulomb friction counts as slope 0.
 pub fn inverse_dynamics_derivatives<S: Scalar, T: BodyTree<S>>(

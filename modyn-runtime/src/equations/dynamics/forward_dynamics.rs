@@ -175,7 +175,8 @@ fn accelerate<S: Scalar, T: BodyTree<S>>(
     let body = &model.bodies[first];
     let carried = body.parent.is_some().then(|| {
         let of = |p: Option<usize>| p.map_or_else(Twist::zero, |p| workspace.twists[p]);
-        let twist = Twist::from_components(tree.from_parents(first, |p| of(p).components()));
+        let twist =
+            Twist::from_components(tree.broadcast_from_parents(first, |p| of(p).components()));
         body.twist_to_child(&workspace.motions[first], twist)
     });
     let subspace = motion_subspace(model, block);

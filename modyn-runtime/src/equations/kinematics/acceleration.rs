@@ -26,7 +26,7 @@ pub(in crate::equations) fn carried<S: Scalar, T: BodyTree<S>>(
             let at_rest = Field { a: -model.gravity, ..Field::zero() };
             let of = |p: Option<usize>| p.map_or(at_rest, |p| workspace.fields[p]);
             let get = |part: fn(&Field<S>) -> Vector3<S>| {
-                Vector3(tree.from_parents(i, |p| part(&of(p)).0))
+                Vector3(tree.broadcast_from_parents(i, |p| part(&of(p)).0))
             };
             let field = Field::turning(get(|f| f.omega), get(|f| f.alpha));
             carried_by(&Field { a: get(|f| f.a), ..field }, body, motion)
