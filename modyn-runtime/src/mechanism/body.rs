@@ -53,7 +53,7 @@ impl<S: Scalar> Body<S> {
         }
     }
 
-    /// The joint where the robot's coordinates are `q`.
+    /// The transform of its joint where the robot's coordinates are `q`.
     #[must_use]
     pub fn motion(&self, q: &[S]) -> JointTransform<S> {
         let own = &q[self.q..self.q + self.elementary_joint.nq()];

@@ -1,4 +1,4 @@
-//! The joint coordinates by what they are: numbers, rotations, poses.
+//! The spaces of the joint coordinates: numbers, rotations, poses.
 
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -7,30 +7,30 @@ use crate::Scalar;
 use crate::joint::JointType;
 use crate::model::{Limits, Model};
 
-/// What a few coordinates that belong together are.
+/// The space of a group of coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Space<S> {
     /// A number: an angle or a displacement.
     Line {
-        /// The smallest (rad or m) by the limits, or of the range that stands for none.
+        /// The lower limit (rad or m), or the lower end of a default range.
         low: S,
-        /// The largest.
+        /// The upper limit, or the upper end of a default range.
         high: S,
     },
-    /// A unit quaternion x, y, z, w; its velocity is the angular one in the turned axes.
+    /// A unit quaternion x, y, z, w; its velocity is the angular one in the rotated axes.
     Rotation,
-    /// A position and a unit quaternion; the velocities are linear and angular, in the turned axes.
+    /// A position and a unit quaternion; the velocities are linear and angular, in the rotated axes.
     Pose,
 }
 
-/// Coordinates that belong together.
+/// A group of coordinates that form one number, rotation or pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coordinates<S> {
-    /// What they are.
+    /// Their space.
     pub space: Space<S>,
-    /// Where the first stands in q.
+    /// The index of the first in q.
     pub q: usize,
-    /// Where its first velocity stands in qd.
+    /// The index of its first velocity in qd.
     pub v: usize,
 }
 

@@ -13,11 +13,11 @@ pub struct Dof<S> {
     pub v: usize,
     /// The ratio to that entry, for a joint that mimics.
     pub multiplier: Option<S>,
-    /// Inertia of the rotor as this motion feels it, if there is one.
+    /// The rotor's inertia about this motion (kg m^2, or kg), if there is one.
     pub armature: Option<S>,
-    /// Viscous damping, if it acts.
+    /// Viscous damping (N m s/rad, or N s/m), if it acts.
     pub damping: Option<S>,
-    /// Coulomb friction, if it acts.
+    /// Coulomb friction (N m, or N), if it acts.
     pub friction: Option<S>,
 }
 
@@ -35,19 +35,19 @@ impl<S: Scalar> Dof<S> {
         }
     }
 
-    /// Its rate (or acceleration), of the joint vector `x`.
+    /// Returns its rate (or acceleration) in the joint vector `x`.
     #[must_use]
     pub fn rate(&self, x: &[S]) -> S {
         self.scale(x[self.v])
     }
 
-    /// `x` as the joint that it belongs to has it, with the ratio of a joint that mimics.
+    /// Returns `x` times the ratio of a joint that mimics.
     #[must_use]
     pub fn scale(&self, x: S) -> S {
         self.multiplier.map_or(x, |multiplier| multiplier * x)
     }
 
-    /// Adds what it feels to the joint vector `sum`.
+    /// Adds the generalized `force` along it to the joint vector `sum`.
     pub fn add(&self, force: S, sum: &mut [S]) {
         sum[self.v] = sum[self.v] + self.scale(force);
     }

@@ -1,4 +1,4 @@
-//! Frames turned and shifted after Denavit and Hartenberg, carried over to trees.
+//! Frames rotated and shifted after Denavit and Hartenberg, carried over to trees.
 
 use alloc::vec::Vec;
 
@@ -7,7 +7,7 @@ use super::snapping::{AHEAD, Direction, combine, inverse, snap, snapped, towards
 use crate::joint::ElementaryJoint;
 use crate::spatial::{Axis, Matrix3, Pose, Vector3};
 
-/// The model's frames while they are being turned and shifted.
+/// The model's frames while they are being rotated and shifted.
 pub(super) struct Frames {
     children: Vec<Vec<usize>>,
     elementary_joint: Vec<ElementaryJoint>,
@@ -16,12 +16,12 @@ pub(super) struct Frames {
     pub(super) translation: Vec<Vector3<f64>>,
     pub(super) tilt: Vec<Direction>,
     pub(super) zero: Vec<Direction>,
-    /// The model's link frame in the turned and shifted one.
+    /// The pose of the model's link frame in the rotated and shifted one.
     pub(super) link: Vec<Pose<f64>>,
 }
 
 impl Frames {
-    /// Every axis as z.
+    /// The frames with every joint axis along z.
     pub(super) fn on_axes(elementary: &[ElementaryBody<'_>]) -> Self {
         let mut frames = Self {
             children: main_child_first(elementary),
@@ -52,9 +52,9 @@ impl Frames {
         frames
     }
 
-    /// Turns each frame about its own z: a prismatic joint's by what stands behind its tilt, a
-    /// revolute one's towards its main child (or a leaf's towards its centre of mass). Frames of
-    /// joints without an axis stay the links', whose axes their velocities are in.
+    /// Rotates each frame about its own z: a prismatic joint's by the rotation after its tilt, a
+    /// revolute joint's towards its main child (a leaf's towards its centre of mass). Joints without an
+    /// axis keep the link's frame, whose axes their velocities are in.
     pub(super) fn turn(&mut self, elementary: &[ElementaryBody<'_>]) {
         for (i, own) in elementary.iter().enumerate() {
             let by = match self.children[i].first() {
@@ -113,7 +113,7 @@ impl Frames {
     }
 }
 
-/// `rotation` as Rz(azimuth) Rx(tilt) Rz(zero); parallel axes have no azimuth.
+/// Returns azimuth, tilt and zero of `rotation` = Rz(azimuth) Rx(tilt) Rz(zero). Parallel axes have no azimuth.
 fn split(rotation: &Matrix3<f64>) -> [Direction; 3] {
     let r = rotation.0.map(|row| row.map(snap));
     // The third column is (sin a sin t, -cos a sin t, cos t).
@@ -125,7 +125,7 @@ fn split(rotation: &Matrix3<f64>) -> [Direction; 3] {
     [azimuth, tilt, towards(turn_of(inverse(tilt)).vector(Axis::X, first))]
 }
 
-/// The children of each body, the one that most bodies hang on first.
+/// Returns the children of each body, the child with the largest subtree first.
 fn main_child_first(elementary: &[ElementaryBody<'_>]) -> Vec<Vec<usize>> {
     let mut size = alloc::vec![1usize; elementary.len()];
     let mut children = alloc::vec![Vec::new(); elementary.len()];

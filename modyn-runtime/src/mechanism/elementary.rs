@@ -1,4 +1,4 @@
-//! Composite joints taken apart: bodies that have an elementary joint each.
+//! Composite joints expanded: bodies that have one elementary joint each.
 
 use alloc::vec::Vec;
 
@@ -7,13 +7,14 @@ use crate::joint::{ElementaryJoint, JointType, planar};
 use crate::model::{Inertial, Joint, Model};
 use crate::spatial::{Matrix3, Pose, Vector3};
 
-/// A body with its elementary_joint joint, before frames are turned.
+/// A body with its elementary joint, before frames are rotated.
 pub(super) struct ElementaryBody<'a> {
     pub(super) parent: Option<usize>,
     pub(super) elementary_joint: ElementaryJoint,
-    /// The frame whose z is the axis, in the atom's own; identity where there is no axis.
+    /// The axes, as columns, of the frame whose z is the joint's axis, in the joint's frame; identity where
+    /// there is no axis.
     pub(super) frame: Matrix3<f64>,
-    /// Where the atom stands in its parent at coordinate zero.
+    /// The pose of the joint's frame in the parent's at coordinate zero.
     pub(super) origin: Pose<f64>,
     pub(super) joint: &'a Joint,
     pub(super) inertial: Inertial,
@@ -22,7 +23,8 @@ pub(super) struct ElementaryBody<'a> {
     pub(super) mimic: Option<(f64, f64)>,
 }
 
-/// The bodies of a model, universal and planar joints taken apart; and by link, its body.
+/// Returns the bodies of a model, where universal and planar joints are several elementary ones; and by link,
+/// its body.
 pub(super) fn expand_composite_joints(model: &Model) -> (Vec<ElementaryBody<'_>>, Vec<usize>) {
     let mut elementary: Vec<ElementaryBody<'_>> = Vec::with_capacity(model.links().len());
     let mut bodies: Vec<usize> = Vec::with_capacity(model.links().len());

@@ -4,7 +4,7 @@ use super::{Dof, Mechanism};
 use crate::Scalar;
 
 impl<S: Scalar> Mechanism<S> {
-    /// The torque that joints hold against the rates `qd` by damping and friction, at `dof`.
+    /// Returns the torque of damping and friction against the rates `qd` at `dof`, if any acts.
     #[must_use]
     pub fn dissipation(&self, dof: &Dof<S>, qd: &[S]) -> Option<S> {
         let rate = dof.rate(qd);
@@ -22,8 +22,8 @@ impl<S: Scalar> Mechanism<S> {
         }
     }
 
-    /// The derivative of [`dissipation`](Self::dissipation) by the degree of freedom's own rate; that
-    /// of Coulomb friction counts as 0 at the jump too.
+    /// Returns the derivative of [`dissipation`](Self::dissipation) by the degree of freedom's own rate. That
+    /// of Coulomb friction is 0, at the jump too.
     #[must_use]
     pub fn dissipation_slope(&self, dof: &Dof<S>, qd: &[S]) -> Option<S> {
         let smooth = dof.friction.zip(self.smooth).map(|(friction, w)| {

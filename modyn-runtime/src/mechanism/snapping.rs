@@ -8,10 +8,10 @@ const SNAP: f64 = 1e-11;
 /// Cosine and sine of a constant angle.
 pub(super) type Direction = (f64, f64);
 
-/// No angle.
+/// The angle zero.
 pub(super) const AHEAD: Direction = (1.0, 0.0);
 
-/// The direction of a vector in the x, y plane; ahead where it has none.
+/// The direction of a vector in the x, y plane; the angle zero where it has none.
 pub(super) fn towards(v: Vector3<f64>) -> Direction {
     let [x, y, _] = v.0;
     let length = libm::hypot(x, y);
@@ -31,7 +31,7 @@ pub(super) fn snap(x: f64) -> f64 {
     if x.abs() < SNAP { 0.0 } else { x }
 }
 
-/// A direction of length 1 again, along an axis where it is nearly that.
+/// A direction scaled to length 1 again, along an axis where it is nearly parallel to one.
 pub(super) fn snapped((cos, sin): Direction) -> Direction {
     match (snap(cos), snap(sin)) {
         (cos, 0.0) => (1.0_f64.copysign(cos), 0.0),
