@@ -1,8 +1,8 @@
 //! Whether single precision carries a robot's dynamics.
 
-use modyn_runtime::equations::coordinates;
+use modyn_runtime::equations::kinematics::coordinates;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::Model;
-use modyn_runtime::model::prepare::Prepared;
 use modyn_runtime::{Interpreter, Portable, Scalar as _, jacobi};
 
 use crate::error::{Code, Diagnostic, Severity, Subject};
@@ -28,7 +28,7 @@ pub fn condition_number(model: &Model) -> Option<f64> {
     if nv > MOST_VELOCITIES {
         return None;
     }
-    let prepared = Prepared::new(model);
+    let prepared = Mechanism::new(model);
     // The warning is part of the generated text, which is the same on every host.
     let prepared = prepared.cast::<Portable>();
     let mut interpreter = Interpreter::<Portable>::new(model.clone());

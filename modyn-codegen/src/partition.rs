@@ -8,9 +8,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use modyn_runtime::equations::forward_dynamics::Elimination;
+use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::expr::Graph;
@@ -48,7 +48,7 @@ pub fn whole_chains(model: &Model) -> ModuleTree {
 
 /// Traces and counts candidates, and takes the cheapest.
 #[must_use]
-pub fn choose(model: &Model, prepared: &Prepared<f64>, tracer: &Tracer<'_>) -> Choice {
+pub fn choose(model: &Model, prepared: &Mechanism<f64>, tracer: &Tracer<'_>) -> Choice {
     let trace =
         |modules: &ModuleTree| tracer.forward_dynamics(&Elimination::new(prepared, modules));
     let mut search = Search::new(model);
@@ -176,7 +176,7 @@ mod tests {
         let text = include_str!("../../robots/arm6.urdf");
         let model =
             urdf::read(text, "arm6.urdf", &urdf::ReadOptions::default()).expect("good").model;
-        let prepared = Prepared::new(&model);
+        let prepared = Mechanism::new(&model);
         let Choice { modules, graph, candidates } =
             choose(&model, &prepared, &Tracer::new(&prepared));
         assert_eq!(candidates[0].0, "the modules that were found");

@@ -7,8 +7,8 @@ use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::{Limbs, Tracer};
 use modyn_codegen::urdf::{self, Base, ReadOptions};
 use modyn_codegen::{Builder, Function};
-use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{ForwardDerivatives, Interpreter};
 
@@ -106,15 +106,15 @@ fn condition(matrix: &[f64], inverse: &[f64], n: usize) -> f64 {
 #[test]
 fn derivatives_side_by_side_are_the_interpreters() {
     for (name, model) in robots() {
-        let prepared = Prepared::new(&model);
+        let prepared = Mechanism::new(&model);
         let tracer = Tracer::new(&prepared);
         let ways = Limbs::ways(&prepared, true);
         assert_eq!(ways.len(), if name.starts_with("humanoid") { 2 } else { 1 }, "{name}");
         assert!(ways.iter().all(|limbs| limbs.on_one_way(&prepared)), "{name}");
         let mut tracers: Vec<Tracer> = ways.iter().map(|limbs| tracer.abreast(limbs)).collect();
-        tracers.push(tracer.columns_abreast());
+        tracers.push(tracer.column_lanes());
         let layouts = [ModuleTree::chains(&model), ModuleTree::links(&model)]
-            .map(|modules| Layout::new(&prepared, &modules));
+            .map(|modules| UduLayout::new(&prepared, &modules));
         let inverse: Vec<Graph> =
             tracers.iter().map(|t| optimize(t.inverse_dynamics_derivatives())).collect();
         let forward = tracers.iter().flat_map(|tracer| {
@@ -173,8 +173,8 @@ fn operations_of_derivatives_are_those_of_the_page() {
         let Some(row) = page.lines().find(|line| line.starts_with(&format!("| {name} | "))) else {
             continue;
         };
-        let prepared = Prepared::new(&model);
-        let layout = Layout::new(&prepared, &whole_chains(&model));
+        let prepared = Mechanism::new(&model);
+        let layout = UduLayout::new(&prepared, &whole_chains(&model));
         let alone = Tracer::new(&prepared);
         let ways = Limbs::ways(&prepared, true);
         let count = |graph: Graph| optimize(graph).count().total();
@@ -204,14 +204,13 @@ fn operations_by_columns_are_those_of_the_page() {
     ];
     for (name, text) in robots {
         let model = read(text, name, Base::Fixed);
-        let prepared = Prepared::new(&model);
-        let layout = Layout::new(&prepared, &whole_chains(&model));
+        let prepared = Mechanism::new(&model);
+        let layout = UduLayout::new(&prepared, &whole_chains(&model));
         let alone = Tracer::new(&prepared);
         let count = |graph: Graph| optimize(graph).count().total();
         let [inverse, forward] = [
-            [&alone, &alone.columns_abreast()].map(|t| count(t.inverse_dynamics_derivatives())),
-            [&alone, &alone.columns_abreast()]
-                .map(|t| count(t.forward_dynamics_derivatives(&layout))),
+            [&alone, &alone.column_lanes()].map(|t| count(t.inverse_dynamics_derivatives())),
+            [&alone, &alone.column_lanes()].map(|t| count(t.forward_dynamics_derivatives(&layout))),
         ];
         let [a, b] = inverse;
         let [c, d] = forward;
@@ -244,7 +243,7 @@ fn limbs_on_two_branches_are_not_on_one_way() {
     }
     text += "</robot>";
     let model = read(&text, "two branches", Base::Fixed);
-    let prepared = Prepared::new(&model);
+    let prepared = Mechanism::new(&model);
     let joined = Limbs::joined(&prepared).expect("limbs that can join");
     assert!(!joined.on_one_way(&prepared));
     // So they join for torques, but not where columns are carried.

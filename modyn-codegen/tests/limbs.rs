@@ -4,12 +4,12 @@ use modyn_codegen::expr::{Expr, Graph};
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::{Limbs, Parameters, Tracer};
 use modyn_codegen::urdf::{self, Base, ReadOptions};
-use modyn_runtime::Scalar;
-use modyn_runtime::equations::Partition;
-use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::forward_dynamics::Elimination;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::ModulePartition;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::{LaneScalar, Scalar};
 
 /// Three unequal fingers on a turning palm, and two on it that are no fingers.
 const HAND: &str = r#"
@@ -93,14 +93,14 @@ fn compare(name: &str, quantity: &str, alone: Graph, abreast: Graph) -> [usize; 
 #[test]
 fn equal_limbs_side_by_side_give_the_same() {
     for (name, model, independent) in robots() {
-        let prepared = Prepared::new(&model);
+        let prepared = Mechanism::new(&model);
         let limbs = Limbs::find(&prepared).expect("equal limbs");
         assert_eq!(limbs.independent(&prepared), independent, "{name}");
         let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[], &[]));
         for alone in [Tracer::new(&prepared), gravity] {
             let abreast = alone.abreast(&limbs);
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
-                let partition = Partition::new(&prepared, &modules);
+                let partition = ModulePartition::new(&prepared, &modules);
                 let merged = Elimination::Recursive(limbs.partition(&partition));
                 let [before, after] = compare(
                     name,
@@ -120,7 +120,7 @@ fn equal_limbs_side_by_side_give_the_same() {
                 let [before, after] = compare(name, quantity, alone, abreast);
                 assert!(after < before, "{quantity} of the {name}: {before} to {after}");
             }
-            let layout = Layout::new(&prepared, &ModuleTree::chains(&model));
+            let layout = UduLayout::new(&prepared, &ModuleTree::chains(&model));
             let pairs = [
                 (
                     "inverse dynamics' derivatives",
@@ -144,7 +144,7 @@ fn equal_limbs_side_by_side_give_the_same() {
 #[test]
 fn limbs_on_different_bodies_side_by_side_give_the_same() {
     for (name, model, _) in robots() {
-        let prepared = Prepared::new(&model);
+        let prepared = Mechanism::new(&model);
         let equal = Limbs::find(&prepared).expect("equal limbs");
         let Some(joined) = Limbs::joined(&prepared) else {
             assert!(!name.contains("humanoid"), "{name} has legs and arms");
@@ -155,7 +155,7 @@ fn limbs_on_different_bodies_side_by_side_give_the_same() {
         for alone in [Tracer::new(&prepared), gravity] {
             let (equally, jointly) = (alone.abreast(&equal), alone.abreast(&joined));
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
-                let partition = Partition::new(&prepared, &modules);
+                let partition = ModulePartition::new(&prepared, &modules);
                 let merged = |limbs: &Limbs| Elimination::Recursive(limbs.partition(&partition));
                 let [before, after] = compare(
                     name,
@@ -223,12 +223,12 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
         for base in [Base::Fixed, Base::Floating] {
             let read = urdf::read(&upright(low, high), "upright", &options(base));
             let model = read.expect("a good robot").model;
-            let prepared = Prepared::new(&model);
+            let prepared = Mechanism::new(&model);
             let joined = Limbs::joined(&prepared).expect("limbs that can join");
             let alone = Tracer::new(&prepared);
             let abreast = alone.abreast(&joined);
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
-                let partition = Partition::new(&prepared, &modules);
+                let partition = ModulePartition::new(&prepared, &modules);
                 let merged = Elimination::Recursive(joined.partition(&partition));
                 let name = format!("upright {low} {high}");
                 compare(
@@ -237,7 +237,7 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
                     alone.forward_dynamics(&Elimination::Recursive(partition)),
                     abreast.forward_dynamics(&merged),
                 );
-                let layout = Layout::new(&prepared, &modules);
+                let layout = UduLayout::new(&prepared, &modules);
                 compare(
                     &name,
                     "forward dynamics' derivatives",
@@ -262,7 +262,7 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
     }
     // Three joints more are too many to be made up for.
     let read = urdf::read(&upright(2, 5), "upright", &ReadOptions::default());
-    assert_eq!(Limbs::joined(&Prepared::new(&read.expect("a good robot").model)), None);
+    assert_eq!(Limbs::joined(&Mechanism::new(&read.expect("a good robot").model)), None);
 }
 
 /// The table in `docs/limbs.md`.
@@ -272,7 +272,7 @@ fn operations_of_forward_dynamics_are_those_of_the_page() {
     let modules = [("chains", ModuleTree::chains as fn(&Model) -> _), ("links", ModuleTree::links)];
     let mut rows = 0;
     for (name, model, _) in robots() {
-        let prepared = Prepared::new(&model);
+        let prepared = Mechanism::new(&model);
         let limbs = Limbs::find(&prepared).expect("equal limbs");
         let name = match name.strip_prefix("floating ") {
             Some(name) => format!("{name}, floating"),
@@ -283,7 +283,7 @@ fn operations_of_forward_dynamics_are_those_of_the_page() {
                 line.starts_with(&format!("| {name} | ")) && line.contains(&format!("| {by} |"))
             };
             let Some(row) = page.lines().find(row) else { continue };
-            let partition = Partition::new(&prepared, &modules(&model));
+            let partition = ModulePartition::new(&prepared, &modules(&model));
             let merged = Elimination::Recursive(limbs.partition(&partition));
             let alone = Tracer::new(&prepared);
             let [before, after] = compare(
@@ -308,9 +308,9 @@ fn operations_of_forward_dynamics_are_those_of_the_page() {
 #[test]
 fn what_has_no_equal_limbs_stays_alone() {
     let arm = read(include_str!("../../robots/arm7.urdf"), "arm7", Base::Fixed);
-    assert_eq!(Limbs::find(&Prepared::new(&arm)), None);
+    assert_eq!(Limbs::find(&Mechanism::new(&arm)), None);
     let mimics = read(include_str!("../../robots/mimic_gripper.urdf"), "gripper", Base::Fixed);
-    assert_eq!(Limbs::find(&Prepared::new(&mimics)), None);
+    assert_eq!(Limbs::find(&Mechanism::new(&mimics)), None);
 }
 
 #[test]
@@ -319,7 +319,7 @@ fn lanes_are_put_together_and_taken_apart() {
         let numbers: Vec<Expr> = (0..3).map(Expr::input).collect();
         let constants: Vec<Expr> = [1.0, 2.0, 3.0].map(Expr::from_f64).to_vec();
         let lanes = Expr::beside(&numbers) * Expr::beside(&constants) + Expr::input(3);
-        vec![lanes.lane(0), lanes.lane(2), lanes.over_limbs(0..3), (-lanes).lane(1)]
+        vec![lanes.lane(0), lanes.lane(2), lanes.sum_lanes(0..3), (-lanes).lane(1)]
     });
     assert_eq!(graph.evaluate(&[2.0, 3.0, 5.0, 7.0]), [9.0, 22.0, 44.0, -13.0]);
     // A product and a sum, of four lanes each, and a sum over three.

@@ -4,9 +4,9 @@ use modyn_codegen::partition::{Choice, choose};
 use modyn_codegen::trace::Tracer;
 use modyn_codegen::urdf::{ReadOptions, read};
 use modyn_codegen::{Builder, FloatType, condition_number, error::Code};
-use modyn_runtime::equations::coordinates;
+use modyn_runtime::equations::kinematics::coordinates;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::Model;
-use modyn_runtime::model::prepare::Prepared;
 
 fn text(name: &str) -> String {
     let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
@@ -20,7 +20,7 @@ fn model(name: &str) -> Model {
 /// The largest error of an acceleration over 200 states, relative to the largest acceleration of its
 /// state; `f64` sees the same rounded inputs.
 fn error(model: &Model) -> f64 {
-    let prepared = Prepared::new(model);
+    let prepared = Mechanism::new(model);
     let tracer = Tracer::new(&prepared);
     let Choice { graph, .. } = choose(model, &prepared, &tracer);
     let mut number = 0.3_f64;

@@ -3,9 +3,9 @@
 use modyn_codegen::expr::Graph;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::Interpreter;
-use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::forward_dynamics::Elimination;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Friction, Model, ModuleTree};
 use modyn_tests::cases::{Robot, cases, robots, zoos};
 use modyn_tests::close::assert_close;
@@ -31,7 +31,7 @@ proptest! {
     #[test]
     fn every_quantity(robot in robots(20)) {
         let model = robot.model();
-        let prepared = Prepared::new(&model);
+        let prepared = Mechanism::new(&model);
         let tracer = Tracer::new(&prepared);
         let State { q, qd, qdd, tau } = &state(robot.seed(), &model);
         let mut interpreter = Interpreter::<f64>::new(model.clone());
@@ -67,18 +67,18 @@ proptest! {
         let State { q, mut qd, .. } = state(robot.seed(), &model);
         qd[0] = 0.0;
         let expected = Interpreter::<f64>::new(model.clone()).bias(&q, &qd);
-        let graph = Tracer::new(&Prepared::new(&model)).bias_forces();
+        let graph = Tracer::new(&Mechanism::new(&model)).bias_forces();
         assert_close("bias forces", &evaluate(&graph, &[&q, &qd]), &expected, TOLERANCE);
     }
 
     #[test]
     fn every_quantity_of_the_factorization(robot in robots(20)) {
         let model = robot.model();
-        let prepared = Prepared::new(&model);
+        let prepared = Mechanism::new(&model);
         let tracer = Tracer::new(&prepared);
         let State { q, tau, .. } = &state(robot.seed(), &model);
         for modules in partitions(robot, &model) {
-            let layout = &Layout::new(&prepared, &modules);
+            let layout = &UduLayout::new(&prepared, &modules);
             let interpreter =
                 Interpreter::with_modules(model.clone(), modules).expect("its own modules");
             let expected = interpreter.factors(q);

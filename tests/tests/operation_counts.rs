@@ -3,9 +3,9 @@
 use modyn_codegen::expr::Graph;
 use modyn_codegen::partition;
 use modyn_codegen::trace::Tracer;
-use modyn_runtime::equations::forward_dynamics::Elimination;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::ModuleTree;
-use modyn_runtime::model::prepare::Prepared;
 use modyn_tests::golden;
 
 /// A robot's operations: multiplications, additions and divisions together.
@@ -47,7 +47,7 @@ const LIMITS: [(&str, usize); 4] = [("ur5", 555), ("panda", 1139), ("solo12", 91
 
 fn counts(robot: &'static str) -> Counts {
     let model = golden::model(&golden::urdf(robot));
-    let prepared = Prepared::new(&model);
+    let prepared = Mechanism::new(&model);
     let tracer = Tracer::new(&prepared);
     let total = |graph: Graph| graph.count().total();
     let forward = |modules: &ModuleTree| {

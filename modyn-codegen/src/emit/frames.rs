@@ -6,7 +6,7 @@
 
 use std::fmt::Write as _;
 
-use modyn_runtime::model::prepare::{BodyFrame, Prepared};
+use modyn_runtime::mechanism::{BodyFrame, Mechanism};
 use modyn_runtime::spatial::Pose;
 
 use super::FloatType;
@@ -38,7 +38,7 @@ enum Code {
 /// The links of a robot, by the code that they have.
 pub(super) struct Frames {
     /// The robot without its links, to which a kernel's one is added.
-    bare: Prepared<f64>,
+    bare: Mechanism<f64>,
     frames: Vec<BodyFrame<f64>>,
     codes: Vec<Code>,
     /// The bodies with links that share a function.
@@ -46,7 +46,7 @@ pub(super) struct Frames {
 }
 
 impl Frames {
-    pub(super) fn new(prepared: &Prepared<f64>) -> Self {
+    pub(super) fn new(prepared: &Mechanism<f64>) -> Self {
         // By body, the world first.
         let mut counts = vec![0; prepared.bodies.len() + 1];
         let (mut codes, mut shared, mut rows) = (Vec::new(), Vec::new(), 0);
@@ -63,12 +63,12 @@ impl Frames {
                 shared.push(frame.body);
             }
         }
-        let bare = Prepared { frames: Vec::new(), ..prepared.clone() };
+        let bare = Mechanism { frames: Vec::new(), ..prepared.clone() };
         Self { bare, frames: prepared.frames.clone(), codes, shared }
     }
 
     /// The robot without its links.
-    pub(super) fn bare(&self) -> &Prepared<f64> {
+    pub(super) fn bare(&self) -> &Mechanism<f64> {
         &self.bare
     }
 
@@ -95,7 +95,7 @@ impl Frames {
     pub(super) fn poses(&self) -> [Graph; 2] {
         let own = self.own().map(|link| self.frames[link]);
         let bodies = self.shared.iter().map(|&body| BodyFrame { body, pose: Pose::identity() });
-        let model = Prepared { frames: own.chain(bodies).collect(), ..self.bare.clone() };
+        let model = Mechanism { frames: own.chain(bodies).collect(), ..self.bare.clone() };
         [Tracer::new(&model).link_poses(), Tracer::placed_pose()]
     }
 

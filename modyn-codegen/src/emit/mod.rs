@@ -26,10 +26,10 @@ mod types;
 use std::fmt::Write as _;
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::equations::Partition;
-use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::forward_dynamics::Elimination;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::ModulePartition;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 
 use crate::error::Diagnostic;
@@ -136,7 +136,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
         options.krate = format!("self::{}", embedded::MODULE);
     }
     let options = &options;
-    let prepared = Prepared::new(model);
+    let prepared = Mechanism::new(model);
     let (inertias, payloads) = (&options.runtime_inertia, &options.payload);
     let equal = inertias.is_empty() && payloads.is_empty();
     let parameters = Parameters::new(model, options.runtime_gravity, inertias, payloads);
@@ -148,7 +148,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     let Choice { modules: eliminated, graph: forward_dynamics, candidates } =
         partition::choose(model, &prepared, &tracer);
     let type_name = options.type_name.clone().unwrap_or_else(|| names::type_name(model.name()));
-    let layout = Layout::new(&prepared, modules);
+    let layout = UduLayout::new(&prepared, modules);
     let (layout, tracer) = (&layout, &tracer);
     let robot = Robot { model, modules, options, layout, tracer, frames, name: &type_name };
     let elimination = Elimination::new(&prepared, &eliminated);
@@ -158,8 +158,11 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     // What is cheapest limb by limb need not be so side by side.
     let uniform = [ModuleTree::links(model), partition::whole_chains(model)];
     let others = uniform.iter().filter(|modules| !limbs.is_empty() && **modules != eliminated);
-    let partitions: Vec<Partition> =
-        [&eliminated].into_iter().chain(others).map(|m| Partition::new(&prepared, m)).collect();
+    let partitions: Vec<ModulePartition> = [&eliminated]
+        .into_iter()
+        .chain(others)
+        .map(|m| ModulePartition::new(&prepared, m))
+        .collect();
     let source = Source {
         tracer,
         all_links: &all_links,
@@ -170,7 +173,7 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
         vectors: !options.self_contained && !options.share,
         elimination: &elimination,
         layout,
-        for_derivatives: &Layout::new(&prepared, &partition::whole_chains(model)),
+        for_derivatives: &UduLayout::new(&prepared, &partition::whole_chains(model)),
         forward_dynamics: &forward_dynamics,
     };
     // Batches are the runtime's to run; a tree has no loops.
@@ -246,7 +249,7 @@ struct Robot<'a> {
     model: &'a Model,
     modules: &'a ModuleTree,
     options: &'a EmitOptions,
-    layout: &'a Layout,
+    layout: &'a UduLayout,
     tracer: &'a Tracer<'a>,
     frames: &'a Frames,
     name: &'a str,

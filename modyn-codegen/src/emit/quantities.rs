@@ -1,9 +1,9 @@
 //! The table of quantities: what each function is called, takes and returns, and its graph.
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::equations::Partition;
-use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::forward_dynamics::Elimination;
+use modyn_runtime::equations::ModulePartition;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::equations::kinematics::Axes;
 
 use modyn_runtime::model::PARAMETERS_PER_LINK;
@@ -77,15 +77,15 @@ pub(super) struct Source<'a> {
     /// Limbs that can be computed side by side: the ways to choose from.
     pub limbs: &'a [Limbs],
     /// The modules that forward dynamics with limbs side by side can be eliminated by.
-    pub partitions: &'a [Partition],
+    pub partitions: &'a [ModulePartition],
     /// Whether no limb moves another.
     pub independent: bool,
     /// Whether the text may use the runtime's vectors.
     pub vectors: bool,
     pub elimination: &'a Elimination,
-    pub layout: &'a Layout,
+    pub layout: &'a UduLayout,
     /// The factorization that derivatives are solved by.
-    pub for_derivatives: &'a Layout,
+    pub for_derivatives: &'a UduLayout,
     /// Forward dynamics is traced already, by the search for the cheapest modules.
     pub forward_dynamics: &'a Graph,
 }
@@ -472,7 +472,7 @@ const DISPATCHED: std::ops::Range<usize> = 100..5000;
 
 /// The graph with columns side by side.
 fn columns_side_by_side(function: Function, source: &Source<'_>) -> Option<Graph> {
-    let tracer = source.tracer.columns_abreast();
+    let tracer = source.tracer.column_lanes();
     match function {
         _ if !source.vectors => None,
         Function::InverseDynamicsDerivatives => Some(tracer.inverse_dynamics_derivatives()),

@@ -2,7 +2,7 @@
 
 use modyn_runtime::{
     joint::JointType,
-    model::{Drive, Limits},
+    model::{JointDynamics, Limits},
     spatial::Pose,
 };
 use roxmltree::Node;
@@ -29,7 +29,7 @@ pub struct JointPart<'a> {
     pub second_axis: [f64; 3],
     pub limits: Option<Limits>,
     pub mimic: Option<MimicPart<'a>>,
-    pub drive: Drive,
+    pub drive: JointDynamics,
     /// Where its drive stands.
     pub drive_at: usize,
     /// Whether all of it could be read.
@@ -104,7 +104,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             second_axis: Y,
             limits: None,
             mimic: None,
-            drive: Drive::default(),
+            drive: JointDynamics::default(),
             drive_at: node.range().start,
             sound: true,
         };
@@ -316,9 +316,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     /// The drive, and where it stands.
-    fn drive(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> (Drive, usize) {
+    fn drive(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> (JointDynamics, usize) {
         let Some(node) = self.single(node, "dynamics", subject) else {
-            return (Drive::default(), node.range().start);
+            return (JointDynamics::default(), node.range().start);
         };
         let names = ["damping", "friction", "armature", "rotor_inertia", "gear_ratio"];
         self.misspelt_attribute(node, &names, subject);
@@ -327,7 +327,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 .map(|name| self.resistance(node, name, subject));
         let gear = self.figure(node, "gear_ratio", subject).unwrap_or(1.0);
         self.one_armature(node, subject);
-        let drive = Drive { armature: armature + gear * gear * rotor, damping, friction };
+        let drive = JointDynamics { armature: armature + gear * gear * rotor, damping, friction };
         if !drive_is_finite(&drive) {
             let at = node.range().start;
             self.report.error(Code::NotFinite, at, subject, DRIVE_TOO_LARGE, DRIVE_HELP);
@@ -387,6 +387,6 @@ pub const DRIVE_TOO_LARGE: &str = "the figures of its drive are too large to com
 pub const DRIVE_HELP: &str = "write kg m^2 (or kg), N m s/rad (or N s/m) and N m (or N)";
 
 /// Whether one can compute with it.
-pub fn drive_is_finite(drive: &Drive) -> bool {
+pub fn drive_is_finite(drive: &JointDynamics) -> bool {
     [drive.armature, drive.damping, drive.friction].iter().all(|x| x.abs() < LARGEST)
 }

@@ -58,7 +58,7 @@ pub fn check(model: &Model, unphysical_inertia: Severity) -> Vec<Diagnostic> {
 #[cfg(test)]
 mod tests {
     use modyn_runtime::joint::JointType;
-    use modyn_runtime::model::{DEFAULT_GRAVITY, Drive, Inertial, Joint, Link, Mimic};
+    use modyn_runtime::model::{DEFAULT_GRAVITY, Inertial, Joint, JointDynamics, Link, Mimic};
     use modyn_runtime::spatial::Pose;
 
     use super::*;
@@ -90,7 +90,7 @@ mod tests {
         assert_eq!(codes(|link| link.joint.mimic = mimic(-2.0, 1.0)), []);
         assert_eq!(codes(|link| link.joint.mimic = mimic(1e70, 0.0)), [Code::NotFinite]);
         assert_eq!(codes(|link| link.joint.mimic = mimic(1.0, -1e70)), [Code::NotFinite]);
-        let damped = |damping| Drive { damping, ..Drive::default() };
+        let damped = |damping| JointDynamics { damping, ..JointDynamics::default() };
         assert_eq!(codes(|link| link.joint.drive = damped(2.0)), []);
         assert_eq!(codes(|link| link.joint.drive = damped(1e70)), [Code::NotFinite]);
         assert_eq!(codes(|link| link.joint.joint_type = JointType::Floating), []);
