@@ -103,7 +103,7 @@ fn functions_for_c_compile_where_their_names_may_stand() {
     builder.write(&file).expect("good");
     let text = std::fs::read_to_string(&file).expect("written");
     assert!(text.contains(
-        "fn bar_constrained_forward_dynamics(q: &[f64; 3], qd: &[f64; 3], tau: &[f64; 3], settings: &[f64; 3], out: &mut [f64; 9])"
+        "fn bar_constrained_forward_dynamics(q: &[f64; 3], qd: &[f64; 3], tau: &[f64; 3], settings: &[f64; 4], out: &mut [f64; 16])"
     ));
     assert!(compiles(&file, "#![deny(warnings, missing_docs, unsafe_code)]"));
     for name in ["", "4", "a b", "a\n"] {

@@ -1,6 +1,6 @@
 //! The inertias among the run-time parameters of a generated robot.
 
-use core::fmt;
+use core::{fmt, iter};
 
 use crate::Scalar;
 use crate::inertial::{Inertial, InertialDefect, PARAMETERS_PER_LINK};
@@ -71,7 +71,7 @@ pub fn with_inertial<S: Scalar + PartialOrd, const N: usize>(
     }
     let mut changed = *numbers;
     let Inertial { mass, center_of_mass, inertia } = *inertial;
-    let new = [mass].into_iter().chain(center_of_mass).chain(inertia);
+    let new = iter::once(mass).chain(center_of_mass).chain(inertia);
     for (number, new) in changed.iter_mut().skip(at).take(PARAMETERS_PER_LINK).zip(new) {
         *number = new;
     }
