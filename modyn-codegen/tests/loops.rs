@@ -768,7 +768,9 @@ fn generated_code_says_which_loops_it_closes() {
     let tree = Builder::new().urdf_text(tree, "tree.urdf").functions(Function::ALL.iter().copied());
     let tree = tree.generate().expect("good");
     assert!(!tree.text.contains("__modyn::Constr") && !tree.text.contains("LOOP_CONSTRAINT_NAMES"));
-    assert!(tree.operations.iter().chain(&tree.written).all(|(name, _)| !name.contains("constrain")));
+    assert!(
+        tree.operations.iter().chain(&tree.written).all(|(name, _)| !name.contains("constrain"))
+    );
 }
 
 #[test]
