@@ -9,7 +9,6 @@ use std::time::Duration;
 use criterion::Criterion;
 use modyn::num_dual::{Derivative, DualSVec64};
 use modyn::{Array, ForwardDerivatives, Interpreter, Robot};
-use modyn_codegen::urdf;
 
 modyn::modyn! {
     "../robots/arm7.urdf",
@@ -44,7 +43,8 @@ macro_rules! robot {
             .map(|_| [3.0, 2.0, 5.0].map(|size| core::array::from_fn(|_| size * number())))
             .collect();
         let text = include_str!(concat!("../robots/", $file));
-        let reading = urdf::read(text, $file, &urdf::ReadOptions::default()).expect("a robot");
+        let reading = modyn_codegen::read(text, $file, &modyn_codegen::ReadOptions::default())
+            .expect("a robot");
         let mut interpreter = Interpreter::<f64>::new(reading.model);
         let mut vector = vec![0.0; N];
         let [mut dq, mut dqd, mut dtau] = [(); 3].map(|()| vec![0.0; N * N]);

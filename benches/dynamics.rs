@@ -9,7 +9,6 @@ use std::time::Duration;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion};
 use modyn::{Interpreter, Robot};
-use modyn_codegen::urdf;
 
 modyn::modyn!("../robots/gripper.urdf");
 modyn::modyn!("../robots/arm6.urdf");
@@ -54,7 +53,8 @@ macro_rules! robot {
             .map(|_| [3.0, 2.0, 5.0].map(|size| core::array::from_fn(|_| size * number())))
             .collect();
         let text = include_str!(concat!("../robots/", $file));
-        let reading = urdf::read(text, $file, &urdf::ReadOptions::default()).expect("a robot");
+        let reading = modyn_codegen::read(text, $file, &modyn_codegen::ReadOptions::default())
+            .expect("a robot");
         let mut interpreter = Interpreter::<f64>::new(reading.model);
         let (mut vector, mut matrix) = ([0.0; N], vec![0.0; N * N]);
         let mut factors = interpreter.brge(&states[0][0]).expect("sizes");

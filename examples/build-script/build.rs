@@ -1,6 +1,6 @@
 //! Compiles the robot to a file in `OUT_DIR`, and again when its description changes.
 
-use modyn_codegen::error::Diagnostics;
+use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::{Builder, Function};
 
 fn main() -> Result<(), Diagnostics> {

@@ -3,8 +3,8 @@
 use std::error::Error;
 use std::path::Path;
 
-use modyn_codegen::urdf::{ReadOptions, read};
 use modyn_codegen::{Builder, FloatType, Function};
+use modyn_codegen::{ReadOptions, read};
 use modyn_runtime::model::Model;
 
 const FUNCTIONS: [Function; 5] = [

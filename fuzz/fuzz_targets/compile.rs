@@ -3,8 +3,8 @@
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
-use modyn_codegen::error::{Code, Severity};
-use modyn_codegen::urdf::{Base, Friction, Mimic};
+use modyn_codegen::diagnostics::{Code, Severity};
+use modyn_codegen::{Base, Friction, Mimic};
 use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
 
 /// A few functions at a time: all of them would be few robots a second.
@@ -24,7 +24,8 @@ fuzz_target!(|data: &[u8]| {
     // What is most tried is reading; `read` has it all.
     let flag = |bit: u8| choice >> bit & 1 == 1;
     let functions = FUNCTIONS[usize::from(choice & 7)];
-    let mut builder = Builder::new().urdf_text(text, "fuzz.urdf").functions(functions.iter().copied());
+    let mut builder =
+        Builder::new().urdf_text(text, "fuzz.urdf").functions(functions.iter().copied());
     builder = builder.unphysical_inertia(Severity::Warning);
     if flag(3) {
         builder = builder.share().modules(ModuleChoice::Links).friction(Friction::Smooth(0.01));
@@ -47,7 +48,9 @@ fuzz_target!(|data: &[u8]| {
             syn::parse_str::<syn::Ident>(&generated.type_name).expect("an identifier");
             assert!(!generated.text.contains("NaN"), "a constant that is no number");
         }
-        Err(errors) => assert!(errors.has_errors() && errors.iter().all(|d| d.code != Code::InvalidModel)),
+        Err(errors) => {
+            assert!(errors.has_errors() && errors.iter().all(|d| d.code != Code::InvalidModel))
+        }
     }
 });
 

@@ -7,21 +7,84 @@ use libfuzzer_sys::fuzzer_mutate;
 /// What stands in attributes: figures at the border of what can be computed with, names that mean
 /// something elsewhere, and text that would end where it stands.
 const VALUES: &[&str] = &[
-    "", "0", "-0", "1", "-1", "0.5", "2", "1e-12", "1e-300", "5e-324", "1e15", "1e50", "1e154", "1e308", "-1e308",
-    "nan", "inf", "0 0 0", "1 0 0", "0 0 1", "0 0 1e-200", "1 1 1", "1e-8 0 1", "0 0 -0.5", "1 2", "1 2 3 4", "a b c",
-    "1.5707963267948966 0 0", "0 3.141592653589793 0", "0.1 0.2 0.3", "revolute", "continuous", "prismatic", "fixed",
-    "floating", "planar", "spherical", "universal", "screw", "world", "base", "fn", "Self", "ALL", "*/", "\u{202e}",
-    "&quot;; }", "&#10;//", "&#x85;", "#{}", "\\", "${x}", "&lt;", "&undefined;", "floating_base", "\u{1f916}",
+    "",
+    "0",
+    "-0",
+    "1",
+    "-1",
+    "0.5",
+    "2",
+    "1e-12",
+    "1e-300",
+    "5e-324",
+    "1e15",
+    "1e50",
+    "1e154",
+    "1e308",
+    "-1e308",
+    "nan",
+    "inf",
+    "0 0 0",
+    "1 0 0",
+    "0 0 1",
+    "0 0 1e-200",
+    "1 1 1",
+    "1e-8 0 1",
+    "0 0 -0.5",
+    "1 2",
+    "1 2 3 4",
+    "a b c",
+    "1.5707963267948966 0 0",
+    "0 3.141592653589793 0",
+    "0.1 0.2 0.3",
+    "revolute",
+    "continuous",
+    "prismatic",
+    "fixed",
+    "floating",
+    "planar",
+    "spherical",
+    "universal",
+    "screw",
+    "world",
+    "base",
+    "fn",
+    "Self",
+    "ALL",
+    "*/",
+    "\u{202e}",
+    "&quot;; }",
+    "&#10;//",
+    "&#x85;",
+    "#{}",
+    "\\",
+    "${x}",
+    "&lt;",
+    "&undefined;",
+    "floating_base",
+    "\u{1f916}",
 ];
 
 /// Elements that a description may have, some where they should not be.
 const ELEMENTS: &[&str] = &[
-    "<origin xyz='0.1 0.2 0.3' rpy='0.3 0.2 0.1'/>", "<axis xyz='0 1 0'/>", "<axis2 xyz='0 0 1'/>",
-    "<mimic joint='a' multiplier='-2' offset='0.5'/>", "<dynamics damping='0.1' friction='0.2' armature='0.3'/>",
-    "<limit lower='-1' upper='1' effort='2' velocity='3'/>", "<mass value='1'/>", "<parent link='a'/>",
-    "<child link='b'/>", "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>",
-    "<link name='a'/>", "<joint name='a' type='fixed'><parent link='a'/><child link='b'/></joint>",
-    "<!DOCTYPE robot>", "<![CDATA[>]]>", "<!-- -- -->", "<?xml version='1.0'?>", "<xacro:macro/>", "<x xmlns='y'/>",
+    "<origin xyz='0.1 0.2 0.3' rpy='0.3 0.2 0.1'/>",
+    "<axis xyz='0 1 0'/>",
+    "<axis2 xyz='0 0 1'/>",
+    "<mimic joint='a' multiplier='-2' offset='0.5'/>",
+    "<dynamics damping='0.1' friction='0.2' armature='0.3'/>",
+    "<limit lower='-1' upper='1' effort='2' velocity='3'/>",
+    "<mass value='1'/>",
+    "<parent link='a'/>",
+    "<child link='b'/>",
+    "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>",
+    "<link name='a'/>",
+    "<joint name='a' type='fixed'><parent link='a'/><child link='b'/></joint>",
+    "<!DOCTYPE robot>",
+    "<![CDATA[>]]>",
+    "<!-- -- -->",
+    "<?xml version='1.0'?>",
+    "<xacro:macro/>",
+    "<x xmlns='y'/>",
 ];
 
 /// Changes `data[..size]` in place, for libFuzzer; the new size.
@@ -95,13 +158,20 @@ fn values(text: &[u8]) -> Vec<Range<usize>> {
 /// From `<` to the end of what it opens: of the tag, or of the link or joint.
 fn elements(text: &[u8]) -> Vec<Range<usize>> {
     let find = |from: usize, what: &[u8]| {
-        text[from..].windows(what.len()).position(|part| part == what).map(|i| from + i + what.len())
+        text[from..]
+            .windows(what.len())
+            .position(|part| part == what)
+            .map(|i| from + i + what.len())
     };
     let mut elements = Vec::new();
     for start in (0..text.len()).filter(|&i| text[i] == b'<') {
         let rest = &text[start..];
         let Some(tag) = find(start, b">") else { break };
-        let whole = [(&b"<link"[..], &b"</link>"[..]), (b"<joint", b"</joint>"), (b"<inertial", b"</inertial>")];
+        let whole = [
+            (&b"<link"[..], &b"</link>"[..]),
+            (b"<joint", b"</joint>"),
+            (b"<inertial", b"</inertial>"),
+        ];
         let end = whole.iter().filter(|(open, _)| rest.starts_with(open) && text[tag - 2] != b'/');
         let end = end.filter_map(|(_, close)| find(start, close)).next();
         elements.push(start..end.unwrap_or(tag));
@@ -114,7 +184,8 @@ struct Random(u64);
 
 impl Random {
     fn below(&mut self, count: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as usize % count
     }
 

@@ -1,7 +1,7 @@
 //! What comes from a description may hold anything: here it is made harmless for where it goes.
 //!
 //! JSON is escaped by serde_json, quotes in CSV by csv, text in plots by plotters; for a terminal there is
-//! `modyn_codegen::tame`.
+//! `modyn_codegen::diagnostics::sanitize_for_display`.
 
 /// As text or an attribute's value in SVG and HTML.
 pub fn markup(text: &str) -> String {
@@ -24,7 +24,7 @@ pub fn markup(text: &str) -> String {
 /// As a cell of a table: a spreadsheet takes what begins like a formula for one.
 #[cfg(feature = "command")]
 pub fn cell(text: &str) -> String {
-    let text = modyn_codegen::tame(text);
+    let text = modyn_codegen::diagnostics::sanitize_for_display(text);
     if text.starts_with(['=', '+', '-', '@']) { format!("'{text}") } else { text }
 }
 

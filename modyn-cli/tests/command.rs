@@ -26,7 +26,7 @@ fn codes_are_explained() {
     assert_eq!(one.code, 0);
     assert!(one.out.contains("moves nothing that has inertia") && one.out.contains("armature"));
     let all = modyn(&["explain"]);
-    assert_eq!(all.out.lines().count(), modyn_codegen::error::Code::ALL.len());
+    assert_eq!(all.out.lines().count(), modyn_codegen::diagnostics::Code::ALL.len());
     assert_eq!(modyn(&["explain", "nonsense"]).code, 2);
     let misspelt = modyn(&["explain", "negative_mass"]);
     assert_eq!(misspelt.code, 2);

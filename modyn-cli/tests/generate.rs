@@ -36,6 +36,27 @@ fn a_file_is_written_and_known_to_be_stale() {
 }
 
 #[test]
+fn c_is_written_with_its_header_and_known_to_be_stale() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (file, header) = (at(folder.path(), "arm.c"), at(folder.path(), "arm.h"));
+    let arguments = ["generate", "robots/arm6.urdf", "--target", "c"];
+    let arguments = [&arguments[..], &["--functions", "mass_matrix"]].concat();
+    let with = |more: &[&str]| modyn(&[&arguments[..], more].concat());
+    assert_eq!(with(&["-o", &file, "--check"]).code, 1, "there is none yet");
+    assert_eq!(with(&["-o", &file]).code, 0);
+    assert_eq!(with(&["-o", &file, "--check"]).code, 0);
+    let read = |path: &str| std::fs::read_to_string(path).expect("written");
+    assert!(read(&file).contains("#include \"arm.h\""));
+    assert!(read(&header).contains("arm6_mass_matrix(const double q[6], double out[36]);"));
+    std::fs::write(&header, "").expect("writes");
+    assert_eq!(with(&["-o", &file, "--check"]).code, 1, "the header");
+    for wrong in [&["-o", "arm.rs"][..], &[], &["-o", &file, "--c-functions", "arm"]] {
+        let found = with(wrong);
+        assert!(found.code > 0 && found.err.contains("error"), "{wrong:?}: {}", found.err);
+    }
+}
+
+#[test]
 fn a_build_script_would_write_the_same() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = at(folder.path(), "gripper.rs");
@@ -88,20 +109,20 @@ fn a_build_script_would_write_the_same() {
     let builder = modyn_codegen::Builder::new()
         .urdf(root().join("robots/quadruped.urdf").canonicalize().expect("a robot"))
         .float(modyn_codegen::FloatType::F32)
-        .base(modyn_codegen::urdf::Base::Floating)
+        .base(modyn_codegen::Base::Floating)
         .rotor("front_left_knee", 0.0001, 100.0)
-        .loop_joint(modyn_codegen::urdf::Loop {
+        .loop_joint(modyn_codegen::Loop {
             name: "rod".into(),
-            kind: modyn_codegen::urdf::LoopConstraintKind::Revolute([0.0, 2.0, 0.0]),
+            kind: modyn_codegen::LoopConstraintKind::Revolute([0.0, 2.0, 0.0]),
             ends: [("trunk", [0.1, 0.0, -0.2], 0.0), ("front_left_foot", [0.0; 3], 1.5)].map(
-                |(link, xyz, yaw)| modyn_codegen::urdf::LoopEnd {
+                |(link, xyz, yaw)| modyn_codegen::LoopEnd {
                     link: link.into(),
                     xyz,
                     rpy: [0.0, 0.0, yaw],
                 },
             ),
         })
-        .friction(modyn_codegen::urdf::Friction::Smooth(0.01))
+        .friction(modyn_codegen::Friction::Smooth(0.01))
         .gravity([0.0, 0.0, -1.62])
         .modules(modyn_codegen::ModuleChoice::Links)
         .runtime_inertia(["front_left_foot"])
@@ -116,8 +137,8 @@ fn a_build_script_would_write_the_same() {
                 .copied()
                 .chain([modyn_codegen::Function::Regressor]),
         )
-        .unphysical_inertia(modyn_codegen::error::Severity::Warning)
-        .mimic(modyn_codegen::urdf::Mimic::Independent)
+        .unphysical_inertia(modyn_codegen::diagnostics::Severity::Warning)
+        .mimic(modyn_codegen::Mimic::Independent)
         .c_functions("hand");
     assert!(!builder.is_stale(&file).expect("good"));
 }

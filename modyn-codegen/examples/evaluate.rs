@@ -13,10 +13,8 @@
 use std::error::Error;
 use std::io::{BufRead as _, Write as _};
 
-use modyn_codegen::error::Severity;
-#[cfg(feature = "mjcf")]
-use modyn_codegen::mjcf;
-use modyn_codegen::urdf::{self, Base, Mimic, ReadOptions};
+use modyn_codegen::diagnostics::Severity;
+use modyn_codegen::{Base, Mimic, ReadOptions, read};
 use modyn_runtime::Interpreter;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -32,10 +30,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     let text = std::fs::read_to_string(&path)?;
-    #[cfg(feature = "mjcf")]
-    let read = if mjcf::is_mjcf(&text) { mjcf::read } else { urdf::read };
-    #[cfg(not(feature = "mjcf"))]
-    let read = urdf::read;
     let model = read(&text, &path, &options)?.model;
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     for (i, link) in model.links().iter().enumerate().filter(|(i, _)| model.mimic(*i).is_none()) {

@@ -9,14 +9,15 @@ use std::sync::{Mutex, PoisonError};
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Friction, Model, ModuleError, ModuleTree};
 
-use crate::condition;
-use crate::emit::{EmitOptions, Emitted, FloatType, emit};
-use crate::error::{Code, Diagnostic, Diagnostics, Severity, Subject};
-use crate::functions::Function;
+use crate::check::{check_model, conditioning_warning, gravity_error};
+use crate::description::{Base, Loop, Mimic, ReadOptions, Rotor};
+use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
+use crate::emit::{CSource, EmitOptions, Emitted, FloatType, emit, emit_c};
 use crate::names;
+use crate::plan::Function;
+use crate::read::file::read_first;
+use crate::read::{Format, Reading};
 use crate::size::too_large;
-use crate::source::read_first;
-use crate::urdf::{self, Base, Loop, Mimic, ReadOptions, Reading, Rotor, nearest::nearest};
 
 /// Which kinematic modules a robot is divided into; see [`ModuleTree`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -36,7 +37,7 @@ pub enum ModuleChoice {
 /// In a build script:
 ///
 /// ```no_run
-/// fn main() -> Result<(), modyn_codegen::error::Diagnostics> {
+/// fn main() -> Result<(), modyn_codegen::diagnostics::Diagnostics> {
 ///     modyn_codegen::Builder::new().urdf("robots/gripper.urdf").compile()?;
 ///     Ok(())
 /// }
@@ -45,7 +46,7 @@ pub enum ModuleChoice {
 /// and in the crate `modyn::include_model!(gripper);`. To have the text itself:
 ///
 /// ```
-/// # fn main() -> Result<(), modyn_codegen::error::Diagnostics> {
+/// # fn main() -> Result<(), modyn_codegen::diagnostics::Diagnostics> {
 /// let urdf = r#"
 ///     <robot name="pendulum">
 ///       <link name="world"/>
@@ -67,7 +68,8 @@ pub enum ModuleChoice {
 #[derive(Clone, Debug, Default)]
 pub struct Builder {
     source: Source,
-    format: Format,
+    /// `None` for that of the text.
+    format: Option<Format>,
     read: ReadOptions,
     modules: ModuleChoice,
     type_name: Option<String>,
@@ -99,34 +101,6 @@ enum Source {
     Unread(Diagnostics),
 }
 
-/// What files and texts are written in.
-#[derive(Clone, Copy, Debug, Default)]
-enum Format {
-    #[default]
-    Urdf,
-    #[cfg(feature = "mjcf")]
-    Mjcf,
-}
-
-impl Format {
-    /// The method of [`Builder`] that takes a file of it.
-    fn name(self) -> &'static str {
-        match self {
-            Self::Urdf => "urdf",
-            #[cfg(feature = "mjcf")]
-            Self::Mjcf => "mjcf",
-        }
-    }
-
-    fn read(self, text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
-        match self {
-            Self::Urdf => urdf::read(text, file, options),
-            #[cfg(feature = "mjcf")]
-            Self::Mjcf => crate::mjcf::read(text, file, options),
-        }
-    }
-}
-
 /// What was compiled.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -146,7 +120,7 @@ pub struct Generated {
     /// The operations that stand in the text of each function but batches, where [`operations`](Self::operations) has
     /// those of a call: for a function of a link, those of all links together; equal limbs once if they share their
     /// code, and if they stand side by side, both that and one after the other.
-    pub written: Vec<(&'static str, OperationCount)>,
+    pub static_operations: Vec<(&'static str, OperationCount)>,
     /// The modules that forward dynamics is eliminated by.
     pub partition: ModuleTree,
     /// What each partition that was considered costs, the chosen one first.
@@ -160,10 +134,25 @@ impl Builder {
         Self::default()
     }
 
+    /// The file to read, of whatever format it is ([`Format::of`]); a path as for a [URDF](Self::urdf).
+    #[must_use]
+    pub fn file(mut self, path: impl Into<PathBuf>) -> Self {
+        (self.source, self.format) = (Source::File(path.into()), None);
+        self
+    }
+
+    /// The text of a description, of whatever format it is ([`Format::of`]), and what to call the file in diagnostics.
+    #[must_use]
+    pub fn text(mut self, text: impl Into<String>, file: impl Into<String>) -> Self {
+        self = self.urdf_text(text, file);
+        self.format = None;
+        self
+    }
+
     /// The URDF file to read; a relative path is one from the folder of the crate's `Cargo.toml`.
     #[must_use]
     pub fn urdf(mut self, path: impl Into<PathBuf>) -> Self {
-        (self.source, self.format) = (Source::File(path.into()), Format::Urdf);
+        (self.source, self.format) = (Source::File(path.into()), Some(Format::Urdf));
         self
     }
 
@@ -171,16 +160,16 @@ impl Builder {
     #[must_use]
     pub fn urdf_text(mut self, text: impl Into<String>, file: impl Into<String>) -> Self {
         self.source = Source::Text { text: text.into(), file: file.into() };
-        self.format = Format::Urdf;
+        self.format = Some(Format::Urdf);
         self
     }
 
-    /// The `MuJoCo` model to read, [as far as that is supported](crate::mjcf); a path as for a
+    /// The `MuJoCo` model to read, [as far as that is supported](crate::read_mjcf); a path as for a
     /// [URDF](Self::urdf).
     #[cfg(feature = "mjcf")]
     #[must_use]
     pub fn mjcf(mut self, path: impl Into<PathBuf>) -> Self {
-        (self.source, self.format) = (Source::File(path.into()), Format::Mjcf);
+        (self.source, self.format) = (Source::File(path.into()), Some(Format::Mjcf));
         self
     }
 
@@ -189,7 +178,7 @@ impl Builder {
     #[must_use]
     pub fn mjcf_text(mut self, text: impl Into<String>, file: impl Into<String>) -> Self {
         self = self.urdf_text(text, file);
-        self.format = Format::Mjcf;
+        self.format = Some(Format::Mjcf);
         self
     }
 
@@ -366,6 +355,43 @@ impl Builder {
     ///
     /// All that is wrong with the description and the options.
     pub fn generate(&self) -> Result<Generated, Diagnostics> {
+        let (model, modules, options) = self.compiled()?;
+        let Emitted { text, c_header, type_name, operations, static_operations, partition } =
+            emit(&model, &modules, &options);
+        let (partition, partition_costs) = partition;
+        let warnings = options.warnings;
+        Ok(Generated {
+            text,
+            c_header,
+            type_name,
+            model,
+            warnings,
+            operations,
+            static_operations,
+            partition,
+            partition_costs,
+        })
+    }
+
+    /// Compiles to C99, without writing anything: a header and a source file that need `<math.h>` alone. Options about
+    /// Rust (visibility, crate, [`c_functions`](Self::c_functions)) have no part in it; the names begin with the type's
+    /// name in snake case. Besides it returns the warnings.
+    ///
+    /// # Errors
+    ///
+    /// All that is wrong with the description and the options.
+    pub fn generate_c(&self) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
+        self.c_source(None)
+    }
+
+    /// The C source whose header file has this name, and the warnings.
+    fn c_source(&self, header: Option<&str>) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
+        let (model, modules, options) = self.compiled()?;
+        Ok((emit_c(&model, &modules, &options, header), options.warnings))
+    }
+
+    /// Everything that back ends need: the model, its modules, and the options.
+    fn compiled(&self) -> Result<(Model, ModuleTree, EmitOptions), Diagnostics> {
         let mut errors = self.option_errors();
         let reading = self.read().map_err(|found| errors.extend(found)).ok();
         let modules = reading.as_ref().and_then(|reading| {
@@ -392,7 +418,7 @@ impl Builder {
         };
         warnings.extend(self.taken_name(&model, &warnings));
         if self.float == FloatType::F32 {
-            warnings.extend(condition::warning(&model));
+            warnings.extend(conditioning_warning(&model));
         }
         let defaults = EmitOptions::default();
         let options = EmitOptions {
@@ -409,21 +435,7 @@ impl Builder {
             payload: payload.unwrap_or_default(),
             warnings,
         };
-        let Emitted { text, c_header, type_name, operations, written, partition } =
-            emit(&model, &modules, &options);
-        let (partition, partition_costs) = partition;
-        let warnings = options.warnings;
-        Ok(Generated {
-            text,
-            c_header,
-            type_name,
-            model,
-            warnings,
-            operations,
-            written,
-            partition,
-            partition_costs,
-        })
+        Ok((model, modules, options))
     }
 
     /// From a build script: compiles to `OUT_DIR`, for `modyn::include_model!`, and has Cargo run
@@ -476,7 +488,7 @@ impl Builder {
 
     fn read(&self) -> Result<Reading, Diagnostics> {
         // A bad one is among the errors of the options.
-        let gravity = self.read.gravity.filter(|&gravity| urdf::gravity_error(gravity).is_none());
+        let gravity = self.read.gravity.filter(|&gravity| gravity_error(gravity).is_none());
         let options = ReadOptions { gravity, ..self.read.clone() };
         match &self.source {
             Source::None => {
@@ -486,9 +498,9 @@ impl Builder {
             }
             Source::File(path) => {
                 let (_, text) = read_first(path.display(), &[place(path)])?;
-                self.format.read(&text, &path.display().to_string(), &options)
+                self.read_text(&text, &path.display().to_string(), &options)
             }
-            Source::Text { text, file } => self.format.read(text, file, &options),
+            Source::Text { text, file } => self.read_text(text, file, &options),
             Source::Model(model) => {
                 let mut model = model.as_ref().clone();
                 if let Some(gravity) = gravity {
@@ -500,10 +512,20 @@ impl Builder {
                         Diagnostics::new(errors.iter().map(|error| diagnostic(error)).collect())
                     })?;
                 }
-                urdf::check(model, options.unphysical_inertia)
+                let warnings = check_model(&model, options.unphysical_inertia)?;
+                Ok(Reading { model, warnings })
             }
             Source::Unread(why) => Err(why.clone()),
         }
+    }
+
+    fn read_text(
+        &self,
+        text: &str,
+        file: &str,
+        options: &ReadOptions,
+    ) -> Result<Reading, Diagnostics> {
+        self.format.unwrap_or_else(|| Format::of(text, file)).read(text, file, options)
     }
 
     /// Warns of a type `Robot`, which is also what the trait is called that users import.
@@ -529,7 +551,7 @@ impl Builder {
                 let diagnostic = |error: &ModuleError| {
                     let diagnostic = Diagnostic::error(Code::Modules, error.to_string());
                     let meant = match error {
-                        ModuleError::UnknownLink { name, .. } => nearest(name, names()),
+                        ModuleError::UnknownLink { name, .. } => suggest(name, names()),
                         _ => None,
                     };
                     match meant {
@@ -607,7 +629,7 @@ impl Builder {
                     .into(),
             );
         }
-        errors.extend(read.gravity.and_then(urdf::gravity_error));
+        errors.extend(read.gravity.and_then(gravity_error));
         errors
     }
 }
@@ -633,7 +655,7 @@ fn moving_frames(
         };
         match names().position(|other| other == name) {
             None => {
-                let help = match nearest(name, names()) {
+                let help = match suggest(name, names()) {
                     Some(meant) => format!("did you mean `{meant}`?"),
                     None => "name a link of the description".into(),
                 };
@@ -857,7 +879,7 @@ mod tests {
                  <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>",
             );
         }
-        let read = urdf::read(&(urdf + "</robot>"), "comb.urdf", &ReadOptions::default());
+        let read = crate::read_urdf(&(urdf + "</robot>"), "comb.urdf", &ReadOptions::default());
         read.expect("a good robot").model
     }
 

@@ -1,36 +1,37 @@
-//! modyn's compiler: from a robot description (URDF) to specialised Rust.
+//! modyn's compiler: from a robot description (URDF, MJCF) to specialised Rust.
 //!
 //! ```text
-//! URDF text ─ urdf ─▶ Model ─ modules ─▶ equations on Expr (trace) ─▶ Graph ─ passes ─▶ emit ─▶ Rust
+//! text ─ read ─▶ Description ─ assemble, check ─▶ Model ─ modules ─▶ equations on Expr (trace) ─▶ Graph ─ passes, plan ─▶ Program ─ emit ─▶ Rust, C
 //! ```
 //!
 //! The macro `modyn::modyn!`, build scripts and anyone who wants the text all come in through
-//! [`Builder`].
+//! [`Builder`]; [`read`](read()) gives the model alone.
 //!
-//! Stable are [`Builder`] with its options and result, [`error`], [`urdf`], `mjcf` and [`names`]. The other
-//! modules (`emit`, `expr`, `partition`, `passes`, `source`, `trace`) are public for tests and
+//! Stable are [`Builder`] with its options and result, [`read`](read()) with its own, [`diagnostics`] and [`names`]. The
+//! other modules (`emit`, `graph`, `passes`, `plan`, `program`, `read::file`, `trace`) are public for tests and
 //! measurements, and may change in any release.
 
+mod assemble;
 mod builder;
-mod condition;
+mod check;
+mod description;
+pub mod diagnostics;
 pub mod emit;
-pub mod error;
-pub mod expr;
-mod functions;
-#[cfg(feature = "mjcf")]
-pub mod mjcf;
+pub mod graph;
 pub mod names;
-pub mod partition;
 pub mod passes;
+pub mod plan;
+pub mod program;
+pub mod read;
 mod size;
-pub mod source;
-mod tame;
 pub mod trace;
-pub mod urdf;
 
 pub use builder::{Builder, Generated, ModuleChoice};
-pub use condition::{CARRIED_BY_F32, condition_number};
-pub use emit::FloatType;
-pub use functions::Function;
-pub use tame::tame;
-pub use urdf::nearest::nearest;
+pub use check::{CARRIED_BY_F32, condition_number};
+pub use description::{Base, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
+pub use emit::{CSource, FloatType};
+pub use modyn_runtime::model::{Friction, LoopConstraintKind};
+pub use plan::Function;
+#[cfg(feature = "mjcf")]
+pub use read::read_mjcf;
+pub use read::{Format, Reading, read, read_urdf};

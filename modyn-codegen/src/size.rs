@@ -2,9 +2,8 @@
 
 use modyn_runtime::model::{Model, ModuleTree};
 
-use crate::emit::frames::MAX_OWN_FUNCTIONS;
-use crate::error::{Code, Diagnostic};
-use crate::functions::Function;
+use crate::diagnostics::{Code, Diagnostic};
+use crate::plan::{Function, MAX_OWN_FUNCTIONS};
 
 /// Most bytes of generated text, by [`estimate`].
 pub const MAX_BYTES: f64 = 32e6;

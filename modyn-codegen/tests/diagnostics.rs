@@ -8,8 +8,9 @@
 use std::{collections::BTreeSet, fs, path::Path};
 
 use modyn_codegen::{
-    error::{Code, Diagnostic, Severity},
-    urdf::{Base, Friction, Mimic, ReadOptions, read},
+    Base, Friction, Mimic, ReadOptions,
+    diagnostics::{Code, Diagnostic, Severity},
+    read_urdf as read,
 };
 
 /// What a file says about itself.
@@ -131,6 +132,7 @@ fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
         Code::NegativeLimit,
         Code::InactiveFriction,
         Code::ImplausibleMass,
+        Code::NotMjcf,
     ];
     let missing: Vec<_> =
         Code::ALL.iter().filter(|code| !seen.contains(code) && !elsewhere.contains(code)).collect();

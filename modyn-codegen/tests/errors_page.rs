@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use modyn_codegen::error::Code;
+use modyn_codegen::diagnostics::Code;
 
 /// The page.
 fn page() -> String {
@@ -11,7 +11,7 @@ fn page() -> String {
         "# Errors and warnings\n\n\
          Every diagnostic has a code, which never changes: `robots/arm.urdf:12:13: error[negative-mass]: ...`. \
          `modyn explain CODE` says what follows here of one; `modyn check ROBOT.urdf` shows all that a description \
-         has, with its lines. This page is made from the table in `modyn-codegen/src/error.rs`.\n",
+         has, with its lines. This page is made from the table in `modyn-codegen/src/diagnostics/code.rs`.\n",
     );
     for code in Code::ALL {
         let (name, cause, remedy) = (code.name(), code.cause(), code.remedy());

@@ -108,7 +108,7 @@ const QDD: [f64; 3] = [-0.5, 1.2, 0.3];
 
 /// The same by the interpreter.
 fn interpreted(urdf: &str) -> Vec<f64> {
-    let reading = modyn_codegen::urdf::read(urdf, "comb.urdf", &Default::default()).expect("good");
+    let reading = modyn_codegen::read(urdf, "comb.urdf", &Default::default()).expect("good");
     let mut robot = Interpreter::<f64>::new(reading.model);
     let links = robot.model().frames().len();
     let mut poses = vec![Pose::identity(); links];
@@ -172,7 +172,7 @@ fn text_grows_by_little_for_each_fixed_link() {
     assert!(growth < 1500, "{growth} bytes a link");
     // All that is not the one function for all links has the operations that it had.
     let operations = |generated: &modyn_codegen::Generated| -> Vec<_> {
-        let of_one = generated.written.iter().filter(|(name, _)| *name != "link_poses");
+        let of_one = generated.static_operations.iter().filter(|(name, _)| *name != "link_poses");
         of_one.copied().collect()
     };
     assert_eq!(operations(&few), operations(&many));

@@ -1,13 +1,18 @@
-//! `docs/functions.md` lists the functions that the compiler has, and the default ones.
+//! The table of functions, against everything that must have a place for each: the page, the trait, the interpreter.
 
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 use std::path::Path;
 
 use modyn_codegen::Function;
 
+fn file(path: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
 fn page() -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/functions.md");
-    std::fs::read_to_string(path).expect("the page").replace("\r\n", "\n")
+    file("docs/functions.md").replace("\r\n", "\n")
 }
 
 /// The part of `text` between two strings.
@@ -32,14 +37,6 @@ fn named(functions: &[Function]) -> BTreeSet<&'static str> {
 }
 
 #[test]
-fn all_functions_are_listed() {
-    let page = page();
-    let found = names(between(&page, "## All functions\n", "`cargo test"));
-    assert_eq!(found.len(), Function::ALL.len(), "each once");
-    assert_eq!(sorted(found), named(Function::ALL));
-}
-
-#[test]
 fn the_default_functions_are_listed() {
     let page = page();
     let found = names(between(&page, "By default it has\n", "A call of another one"));
@@ -59,5 +56,93 @@ fn each_function_has_its_costs_or_is_said_to_have_none() {
         let expected = Function::ALL.iter().filter(|function| !function.is_of_loops());
         let expected = expected.map(|function| function.name());
         assert_eq!(found, sorted(expected.filter(|name| !without.contains(name))), "{robot}");
+    }
+}
+
+const BEGIN: &str = "<!-- The table of functions; `functions_page` writes it. -->\n";
+const END: &str = "<!-- End of the table. -->\n";
+
+/// The table as the page has it.
+fn table() -> String {
+    let mut text = String::from(
+        "| function | arguments | result | default | `_with` parameters | batch |\n|---|---|---|---|---|---|\n",
+    );
+    let one = Function::ALL.iter().filter(|function| function.batched().is_none());
+    for function in one {
+        let row = function.row();
+        let arguments: Vec<String> =
+            row.arguments.iter().map(|a| format!("`{}`", a.name)).collect();
+        let of = |yes: bool| if yes { "yes" } else { "" };
+        let default = match (row.default, row.of_loops) {
+            (true, true) => "with loops",
+            (default, _) => of(default),
+        };
+        let batch = Function::ALL.iter().any(|other| other.batched() == Some(*function));
+        let docs = row.docs.replace('\n', " ");
+        let _ = writeln!(
+            text,
+            "| `{}` | {} | {docs} | {default} | {} | {} |",
+            function.name(),
+            arguments.join(", "),
+            of(row.depends_on_parameters),
+            of(batch)
+        );
+    }
+    text
+}
+
+/// With the variable `UPDATE_SNAPSHOTS`, it is written.
+#[test]
+fn the_page_has_the_table() {
+    let page = page();
+    let (before, rest) = page.split_once(BEGIN).expect("the table's beginning");
+    let (found, after) = rest.split_once(END).expect("the table's end");
+    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/functions.md");
+        std::fs::write(path, [before, BEGIN, &table(), END, after].concat()).expect("writes");
+        return;
+    }
+    assert_eq!(found, table());
+}
+
+/// The trait has each function of one state, and with parameters where these matter.
+#[test]
+fn the_trait_has_each_function() {
+    let text = file("modyn-runtime/src/robot/functions.rs");
+    let rows: Vec<&str> = text.lines().map(str::trim_start).collect();
+    let has = |start: String| rows.iter().any(|row| row.starts_with(&start));
+    for function in Function::ALL.iter().filter(|function| function.batched().is_none()) {
+        let name = function.name();
+        let with = has(format!("{name} / {name}_with("));
+        assert!(with || has(format!("{name}(")), "{name}");
+        assert_eq!(with, function.depends_on_parameters(), "{name}");
+    }
+}
+
+/// So has the interpreter; wrenches in either axes are one argument of it.
+#[test]
+fn the_interpreter_has_each_function() {
+    let files =
+        ["constraints", "coordinates", "derivatives", "dynamics", "factorization", "kinematics", "momentum", "regressor"];
+    let text: String =
+        files.map(|name| file(&format!("modyn-runtime/src/interpreter/{name}.rs"))).concat();
+    for function in Function::ALL.iter().filter(|function| function.batched().is_none()) {
+        let name = function.name().trim_end_matches("_world");
+        assert!(
+            text.contains(&format!("pub fn {name}(")) || text.contains(&format!("pub fn {name}<")),
+            "{name}"
+        );
+    }
+}
+
+/// A batch computes what the function of one state does.
+#[test]
+fn a_batch_has_its_functions_arguments() {
+    for function in Function::ALL {
+        let Some(one) = function.batched() else { continue };
+        assert_eq!(function.name(), format!("{}_batch", one.name()));
+        let names = |f: Function| f.row().arguments.iter().map(|a| a.name).collect::<Vec<_>>();
+        assert_eq!(names(*function), names(one));
+        assert!(!function.row().default);
     }
 }

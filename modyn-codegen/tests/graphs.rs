@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use modyn_codegen::expr::{Expr, ForeignExpr, Graph};
+use modyn_codegen::graph::{Expr, ForeignExpr, Graph};
 use modyn_codegen::passes::PASSES;
 use modyn_runtime::Scalar;
 
@@ -153,7 +153,7 @@ fn expressions_belong_to_their_trace() {
         |x| x + Expr::input(0),
         |x| Expr::input(0).atan2(x),
         |x| x.sin_cos().1,
-        |x| Expr::beside(&[Expr::input(0), x]).lane(1),
+        |x| Expr::pack(&[Expr::input(0), x]).extract_lane(1),
         |x| Expr::input(0).select_nonnegative(Expr::one(), x),
     ];
     for (i, of) in uses.iter().enumerate() {

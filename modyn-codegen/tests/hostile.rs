@@ -5,9 +5,10 @@
 
 use std::fmt::Write as _;
 
-use modyn_codegen::error::{Code, Diagnostics};
-use modyn_codegen::urdf::{ReadOptions, read};
-use modyn_codegen::{Builder, tame};
+use modyn_codegen::Builder;
+use modyn_codegen::diagnostics::sanitize_for_display;
+use modyn_codegen::diagnostics::{Code, Diagnostics};
+use modyn_codegen::{ReadOptions, read};
 
 /// How many: `MODYN_TEST_MANY=1000000 cargo test --release` takes a million.
 fn many() -> usize {
@@ -135,7 +136,9 @@ fn names_without_end() {
     let generated = Builder::new().urdf_text(text, "r.urdf").functions([]).generate().expect("odd");
     assert_eq!(generated.model.name(), name);
     assert!(generated.text.len() < 20 * name.len(), "{}", generated.text.len());
-    assert!(!tame(&name).contains('\u{202e}') && !generated.text.contains('\u{202e}'));
+    assert!(
+        !sanitize_for_display(&name).contains('\u{202e}') && !generated.text.contains('\u{202e}')
+    );
 }
 
 /// Each has errors of its own; all are found, the first hundred are shown.

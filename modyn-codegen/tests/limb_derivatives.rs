@@ -1,11 +1,11 @@
 //! Derivatives of equal limbs side by side, and by columns side by side, are the interpreter's, by fewer
 //! operations.
 
-use modyn_codegen::expr::Graph;
-use modyn_codegen::partition::whole_chains;
+use modyn_codegen::graph::Graph;
 use modyn_codegen::passes::optimize;
-use modyn_codegen::trace::{Limbs, Tracer};
-use modyn_codegen::urdf::{self, Base, ReadOptions};
+use modyn_codegen::plan::partition::whole_chains;
+use modyn_codegen::trace::{LimbPacking, Tracer};
+use modyn_codegen::{Base, ReadOptions};
 use modyn_codegen::{Builder, Function};
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::mechanism::Mechanism;
@@ -14,7 +14,7 @@ use modyn_runtime::{ForwardDerivatives, Interpreter};
 
 fn read(text: &str, name: &str, base: Base) -> Model {
     let options = ReadOptions { base, ..ReadOptions::default() };
-    urdf::read(text, name, &options).expect("a good robot").model
+    modyn_codegen::read(text, name, &options).expect("a good robot").model
 }
 
 /// Three forked legs on a body, a tail, a waist behind them, and two arms on that: limbs of several modules,
@@ -106,15 +106,15 @@ fn condition(matrix: &[f64], inverse: &[f64], n: usize) -> f64 {
 #[test]
 fn derivatives_side_by_side_are_the_interpreters() {
     for (name, model) in robots() {
-        let prepared = Mechanism::new(&model);
-        let tracer = Tracer::new(&prepared);
-        let ways = Limbs::ways(&prepared, true);
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
+        let ways = LimbPacking::candidates(&mechanism, true);
         assert_eq!(ways.len(), if name.starts_with("humanoid") { 2 } else { 1 }, "{name}");
-        assert!(ways.iter().all(|limbs| limbs.on_one_way(&prepared)), "{name}");
-        let mut tracers: Vec<Tracer> = ways.iter().map(|limbs| tracer.abreast(limbs)).collect();
+        assert!(ways.iter().all(|limbs| limbs.share_root_path(&mechanism)), "{name}");
+        let mut tracers: Vec<Tracer> = ways.iter().map(|limbs| tracer.packed(limbs)).collect();
         tracers.push(tracer.column_lanes());
         let layouts = [ModuleTree::chains(&model), ModuleTree::links(&model)]
-            .map(|modules| UduLayout::new(&prepared, &modules));
+            .map(|modules| UduLayout::new(&mechanism, &modules));
         let inverse: Vec<Graph> =
             tracers.iter().map(|t| optimize(t.inverse_dynamics_derivatives())).collect();
         let forward = tracers.iter().flat_map(|tracer| {
@@ -173,13 +173,13 @@ fn operations_of_derivatives_are_those_of_the_page() {
         let Some(row) = page.lines().find(|line| line.starts_with(&format!("| {name} | "))) else {
             continue;
         };
-        let prepared = Mechanism::new(&model);
-        let layout = UduLayout::new(&prepared, &whole_chains(&model));
-        let alone = Tracer::new(&prepared);
-        let ways = Limbs::ways(&prepared, true);
+        let mechanism = Mechanism::new(&model);
+        let layout = UduLayout::new(&mechanism, &whole_chains(&model));
+        let alone = Tracer::new(&mechanism);
+        let ways = LimbPacking::candidates(&mechanism, true);
         let count = |graph: Graph| optimize(graph).count().total();
         let counts = |of: &dyn Fn(&Tracer) -> Graph| {
-            let ways = ways.iter().map(|limbs| count(of(&alone.abreast(limbs))).to_string());
+            let ways = ways.iter().map(|limbs| count(of(&alone.packed(limbs))).to_string());
             let mut counts: Vec<String> =
                 [count(of(&alone)).to_string()].into_iter().chain(ways).collect();
             counts.resize(3, String::new());
@@ -204,9 +204,9 @@ fn operations_by_columns_are_those_of_the_page() {
     ];
     for (name, text) in robots {
         let model = read(text, name, Base::Fixed);
-        let prepared = Mechanism::new(&model);
-        let layout = UduLayout::new(&prepared, &whole_chains(&model));
-        let alone = Tracer::new(&prepared);
+        let mechanism = Mechanism::new(&model);
+        let layout = UduLayout::new(&mechanism, &whole_chains(&model));
+        let alone = Tracer::new(&mechanism);
         let count = |graph: Graph| optimize(graph).count().total();
         let [inverse, forward] = [
             [&alone, &alone.column_lanes()].map(|t| count(t.inverse_dynamics_derivatives())),
@@ -221,7 +221,7 @@ fn operations_by_columns_are_those_of_the_page() {
 
 /// Legs on one branch, arms alike on another: what they leave is not carried on together.
 #[test]
-fn limbs_on_two_branches_are_not_on_one_way() {
+fn limbs_on_two_branches_share_no_root_path() {
     let part = |parent: &str, child: &str, kind: &str, axis: &str| {
         format!(
             "<joint name=\"to_{child}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
@@ -243,9 +243,9 @@ fn limbs_on_two_branches_are_not_on_one_way() {
     }
     text += "</robot>";
     let model = read(&text, "two branches", Base::Fixed);
-    let prepared = Mechanism::new(&model);
-    let joined = Limbs::joined(&prepared).expect("limbs that can join");
-    assert!(!joined.on_one_way(&prepared));
+    let mechanism = Mechanism::new(&model);
+    let joined = LimbPacking::joined(&mechanism).expect("limbs that can join");
+    assert!(!joined.share_root_path(&mechanism));
     // So they join for torques, but not where columns are carried.
     let joins = |function| {
         let builder = Builder::new().urdf_text(&text, "two.urdf").functions([function]);

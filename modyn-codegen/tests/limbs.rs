@@ -1,9 +1,9 @@
 //! Equal limbs side by side give what they give one after the other, by fewer operations.
 
-use modyn_codegen::expr::{Expr, Graph};
+use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::optimize;
-use modyn_codegen::trace::{Limbs, Parameters, Tracer};
-use modyn_codegen::urdf::{self, Base, ReadOptions};
+use modyn_codegen::trace::{LimbPacking, Parameters, Tracer};
+use modyn_codegen::{Base, ReadOptions};
 use modyn_runtime::equations::ModulePartition;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::Elimination;
@@ -57,7 +57,7 @@ fn hand() -> String {
 
 fn read(text: &str, name: &str, base: Base) -> Model {
     let options = ReadOptions { base, ..ReadOptions::default() };
-    urdf::read(text, name, &options).expect("a good robot").model
+    modyn_codegen::read(text, name, &options).expect("a good robot").model
 }
 
 /// Robots with equal limbs, and whether their limbs are independent of each other.
@@ -93,14 +93,14 @@ fn compare(name: &str, quantity: &str, alone: Graph, abreast: Graph) -> [usize; 
 #[test]
 fn equal_limbs_side_by_side_give_the_same() {
     for (name, model, independent) in robots() {
-        let prepared = Mechanism::new(&model);
-        let limbs = Limbs::find(&prepared).expect("equal limbs");
-        assert_eq!(limbs.independent(&prepared), independent, "{name}");
-        let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[], &[]));
-        for alone in [Tracer::new(&prepared), gravity] {
-            let abreast = alone.abreast(&limbs);
+        let mechanism = Mechanism::new(&model);
+        let limbs = LimbPacking::find(&mechanism).expect("equal limbs");
+        assert_eq!(limbs.independent(&mechanism), independent, "{name}");
+        let gravity = Tracer::with_parameters(&mechanism, Parameters::new(&model, true, &[], &[]));
+        for alone in [Tracer::new(&mechanism), gravity] {
+            let abreast = alone.packed(&limbs);
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
-                let partition = ModulePartition::new(&prepared, &modules);
+                let partition = ModulePartition::new(&mechanism, &modules);
                 let merged = Elimination::Recursive(limbs.partition(&partition));
                 let [before, after] = compare(
                     name,
@@ -120,7 +120,7 @@ fn equal_limbs_side_by_side_give_the_same() {
                 let [before, after] = compare(name, quantity, alone, abreast);
                 assert!(after < before, "{quantity} of the {name}: {before} to {after}");
             }
-            let layout = UduLayout::new(&prepared, &ModuleTree::chains(&model));
+            let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
             let pairs = [
                 (
                     "inverse dynamics' derivatives",
@@ -144,19 +144,20 @@ fn equal_limbs_side_by_side_give_the_same() {
 #[test]
 fn limbs_on_different_bodies_side_by_side_give_the_same() {
     for (name, model, _) in robots() {
-        let prepared = Mechanism::new(&model);
-        let equal = Limbs::find(&prepared).expect("equal limbs");
-        let Some(joined) = Limbs::joined(&prepared) else {
+        let mechanism = Mechanism::new(&model);
+        let equal = LimbPacking::find(&mechanism).expect("equal limbs");
+        let Some(joined) = LimbPacking::joined(&mechanism) else {
             assert!(!name.contains("humanoid"), "{name} has legs and arms");
             continue;
         };
         assert!(name.contains("humanoid"), "{name}");
-        let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[], &[]));
-        for alone in [Tracer::new(&prepared), gravity] {
-            let (equally, jointly) = (alone.abreast(&equal), alone.abreast(&joined));
+        let gravity = Tracer::with_parameters(&mechanism, Parameters::new(&model, true, &[], &[]));
+        for alone in [Tracer::new(&mechanism), gravity] {
+            let (equally, jointly) = (alone.packed(&equal), alone.packed(&joined));
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
-                let partition = ModulePartition::new(&prepared, &modules);
-                let merged = |limbs: &Limbs| Elimination::Recursive(limbs.partition(&partition));
+                let partition = ModulePartition::new(&mechanism, &modules);
+                let merged =
+                    |limbs: &LimbPacking| Elimination::Recursive(limbs.partition(&partition));
                 let [before, after] = compare(
                     name,
                     "forward dynamics",
@@ -216,19 +217,19 @@ fn upright(low: usize, high: usize) -> String {
 fn limbs_that_join_may_be_longer_or_shorter_above() {
     let options = |base| ReadOptions {
         base,
-        friction: Some(urdf::Friction::Viscous),
+        friction: Some(modyn_codegen::Friction::Viscous),
         ..ReadOptions::default()
     };
     for (low, high) in [(2, 4), (4, 2), (3, 3), (2, 3)] {
         for base in [Base::Fixed, Base::Floating] {
-            let read = urdf::read(&upright(low, high), "upright", &options(base));
+            let read = modyn_codegen::read(&upright(low, high), "upright", &options(base));
             let model = read.expect("a good robot").model;
-            let prepared = Mechanism::new(&model);
-            let joined = Limbs::joined(&prepared).expect("limbs that can join");
-            let alone = Tracer::new(&prepared);
-            let abreast = alone.abreast(&joined);
+            let mechanism = Mechanism::new(&model);
+            let joined = LimbPacking::joined(&mechanism).expect("limbs that can join");
+            let alone = Tracer::new(&mechanism);
+            let abreast = alone.packed(&joined);
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
-                let partition = ModulePartition::new(&prepared, &modules);
+                let partition = ModulePartition::new(&mechanism, &modules);
                 let merged = Elimination::Recursive(joined.partition(&partition));
                 let name = format!("upright {low} {high}");
                 compare(
@@ -237,7 +238,7 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
                     alone.forward_dynamics(&Elimination::Recursive(partition)),
                     abreast.forward_dynamics(&merged),
                 );
-                let layout = UduLayout::new(&prepared, &modules);
+                let layout = UduLayout::new(&mechanism, &modules);
                 compare(
                     &name,
                     "forward dynamics' derivatives",
@@ -245,7 +246,7 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
                     abreast.forward_dynamics_derivatives(&layout),
                 );
             }
-            assert!(joined.on_one_way(&prepared));
+            assert!(joined.share_root_path(&mechanism));
             for (quantity, alone, abreast) in [
                 ("torques", alone.inverse_dynamics(), abreast.inverse_dynamics()),
                 ("gravity", alone.gravity_torques(), abreast.gravity_torques()),
@@ -261,8 +262,8 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
         }
     }
     // Three joints more are too many to be made up for.
-    let read = urdf::read(&upright(2, 5), "upright", &ReadOptions::default());
-    assert_eq!(Limbs::joined(&Mechanism::new(&read.expect("a good robot").model)), None);
+    let read = modyn_codegen::read(&upright(2, 5), "upright", &ReadOptions::default());
+    assert_eq!(LimbPacking::joined(&Mechanism::new(&read.expect("a good robot").model)), None);
 }
 
 /// The table in `docs/limbs.md`.
@@ -272,8 +273,8 @@ fn operations_of_forward_dynamics_are_those_of_the_page() {
     let modules = [("chains", ModuleTree::chains as fn(&Model) -> _), ("links", ModuleTree::links)];
     let mut rows = 0;
     for (name, model, _) in robots() {
-        let prepared = Mechanism::new(&model);
-        let limbs = Limbs::find(&prepared).expect("equal limbs");
+        let mechanism = Mechanism::new(&model);
+        let limbs = LimbPacking::find(&mechanism).expect("equal limbs");
         let name = match name.strip_prefix("floating ") {
             Some(name) => format!("{name}, floating"),
             None => name.into(),
@@ -283,18 +284,18 @@ fn operations_of_forward_dynamics_are_those_of_the_page() {
                 line.starts_with(&format!("| {name} | ")) && line.contains(&format!("| {by} |"))
             };
             let Some(row) = page.lines().find(row) else { continue };
-            let partition = ModulePartition::new(&prepared, &modules(&model));
+            let partition = ModulePartition::new(&mechanism, &modules(&model));
             let merged = Elimination::Recursive(limbs.partition(&partition));
-            let alone = Tracer::new(&prepared);
+            let alone = Tracer::new(&mechanism);
             let [before, after] = compare(
                 &name,
                 "forward dynamics",
                 alone.forward_dynamics(&Elimination::Recursive(partition.clone())),
-                alone.abreast(&limbs).forward_dynamics(&merged),
+                alone.packed(&limbs).forward_dynamics(&merged),
             );
-            let joined = Limbs::joined(&prepared).map(|joined| {
+            let joined = LimbPacking::joined(&mechanism).map(|joined| {
                 let merged = Elimination::Recursive(joined.partition(&partition));
-                let graph = alone.abreast(&joined).forward_dynamics(&merged);
+                let graph = alone.packed(&joined).forward_dynamics(&merged);
                 format!("{} ", optimize(graph).count().total())
             });
             let numbers = format!("| {before} | {after} | {}|", joined.unwrap_or_default());
@@ -308,9 +309,9 @@ fn operations_of_forward_dynamics_are_those_of_the_page() {
 #[test]
 fn what_has_no_equal_limbs_stays_alone() {
     let arm = read(include_str!("../../robots/arm7.urdf"), "arm7", Base::Fixed);
-    assert_eq!(Limbs::find(&Mechanism::new(&arm)), None);
+    assert_eq!(LimbPacking::find(&Mechanism::new(&arm)), None);
     let mimics = read(include_str!("../../robots/mimic_gripper.urdf"), "gripper", Base::Fixed);
-    assert_eq!(Limbs::find(&Mechanism::new(&mimics)), None);
+    assert_eq!(LimbPacking::find(&Mechanism::new(&mimics)), None);
 }
 
 #[test]
@@ -318,8 +319,13 @@ fn lanes_are_put_together_and_taken_apart() {
     let graph = Graph::trace(|| {
         let numbers: Vec<Expr> = (0..3).map(Expr::input).collect();
         let constants: Vec<Expr> = [1.0, 2.0, 3.0].map(Expr::from_f64).to_vec();
-        let lanes = Expr::beside(&numbers) * Expr::beside(&constants) + Expr::input(3);
-        vec![lanes.lane(0), lanes.lane(2), lanes.sum_lanes(0..3), (-lanes).lane(1)]
+        let lanes = Expr::pack(&numbers) * Expr::pack(&constants) + Expr::input(3);
+        vec![
+            lanes.extract_lane(0),
+            lanes.extract_lane(2),
+            lanes.sum_lanes(0..3),
+            (-lanes).extract_lane(1),
+        ]
     });
     assert_eq!(graph.evaluate(&[2.0, 3.0, 5.0, 7.0]), [9.0, 22.0, 44.0, -13.0]);
     // A product and a sum, of four lanes each, and a sum over three.
@@ -330,9 +336,13 @@ fn lanes_are_put_together_and_taken_apart() {
 fn lanes_of_constants_are_folded() {
     let graph = Graph::trace(|| {
         let [a, b] =
-            [[1.0, 2.0], [3.0, 5.0]].map(|numbers| Expr::beside(&numbers.map(Expr::from_f64)));
+            [[1.0, 2.0], [3.0, 5.0]].map(|numbers| Expr::pack(&numbers.map(Expr::from_f64)));
         let sum = a * b + Expr::from_f64(1.0);
-        vec![sum.lane(0), sum.lane(1), Expr::beside(&[Expr::input(0); 4]).lane(3)]
+        vec![
+            sum.extract_lane(0),
+            sum.extract_lane(1),
+            Expr::pack(&[Expr::input(0); 4]).extract_lane(3),
+        ]
     });
     assert_eq!(graph.count().total(), 0);
     assert_eq!(graph.evaluate(&[9.0]), [4.0, 11.0, 9.0]);

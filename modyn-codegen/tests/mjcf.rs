@@ -1,14 +1,14 @@
 //! MuJoCo's models (MJCF): the same robot gives the same numbers as its URDF, and what would change the dynamics but
 //! is not read is refused where it stands.
 
-use modyn_codegen::error::{Code, Diagnostics};
-use modyn_codegen::mjcf;
-use modyn_codegen::urdf::{self, Base, ReadOptions};
+use modyn_codegen::diagnostics::{Code, Diagnostics, Severity};
+use modyn_codegen::{Base, ReadOptions};
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::Model;
 
 fn read(text: &str) -> Result<Model, Diagnostics> {
-    mjcf::read(text, "robot.xml", &ReadOptions::default()).map(|reading| reading.model)
+    modyn_codegen::read_mjcf(text, "robot.xml", &ReadOptions::default())
+        .map(|reading| reading.model)
 }
 
 /// The largest differences of accelerations, torques and mass matrix at some states.
@@ -74,10 +74,14 @@ const ARM_URDF: &str = r#"<robot name="arm">
 
 #[test]
 fn the_same_arm_gives_the_same_numbers() {
-    for friction in [urdf::Friction::None, urdf::Friction::Viscous, urdf::Friction::Smooth(0.1)] {
+    for friction in [
+        modyn_codegen::Friction::None,
+        modyn_codegen::Friction::Viscous,
+        modyn_codegen::Friction::Smooth(0.1),
+    ] {
         let options = ReadOptions { friction: Some(friction), ..ReadOptions::default() };
-        let ours = mjcf::read(ARM, "arm.xml", &options).expect("an MJCF").model;
-        let theirs = urdf::read(ARM_URDF, "arm.urdf", &options).expect("a URDF").model;
+        let ours = modyn_codegen::read_mjcf(ARM, "arm.xml", &options).expect("an MJCF").model;
+        let theirs = modyn_codegen::read(ARM_URDF, "arm.urdf", &options).expect("a URDF").model;
         let names = |model: &Model| model.coordinate_names();
         assert_eq!(names(&ours), names(&theirs));
         for (a, b) in ours.links().iter().zip(theirs.links()) {
@@ -150,10 +154,13 @@ fn several_joints_of_a_body_and_balls() {
     let names: Vec<&str> = model.links().iter().map(|link| link.joint.name.as_str()).collect();
     assert_eq!(names, ["body_1_joint", "body_1_joint_2", "ball"]);
     let on_earth = ReadOptions { gravity: Some([0.0, 0.0, -9.81]), ..ReadOptions::default() };
-    let asked = mjcf::read(mjcf, "m.xml", &on_earth).expect("an MJCF").model;
+    let asked = modyn_codegen::read_mjcf(mjcf, "m.xml", &on_earth).expect("an MJCF").model;
     assert_eq!(asked.gravity(), [0.0, 0.0, -9.81]);
     let options = ReadOptions { gravity: Some([1.0, 2.0, 3.0]), ..ReadOptions::default() };
-    assert_same_numbers(model, urdf::read(urdf, "m.urdf", &options).expect("a URDF").model);
+    assert_same_numbers(
+        model,
+        modyn_codegen::read(urdf, "m.urdf", &options).expect("a URDF").model,
+    );
 }
 
 #[test]
@@ -166,7 +173,7 @@ fn a_free_body_is_a_floating_base() {
     let urdf = r#"<robot name="m"><link name="trunk"><inertial><origin xyz="0.1 0 0"/><mass value="3"/>
         <inertia ixx="0.1" iyy="0.2" izz="0.15" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
     let options = ReadOptions { base: Base::Floating, ..ReadOptions::default() };
-    let theirs = urdf::read(urdf, "m.urdf", &options).expect("a URDF").model;
+    let theirs = modyn_codegen::read(urdf, "m.urdf", &options).expect("a URDF").model;
     assert_same_numbers(model.expect("an MJCF"), theirs);
 }
 
@@ -226,14 +233,36 @@ fn what_would_go_unread_is_refused() {
         assert_refused(&before, bad, "</body></worldbody>", code);
     }
     // mjcf-rs does not say where.
-    for bad in [r#"<joint pos="0 0"/>"#, r#"<joint axis="0 0 x"/>"#, r#"<joint type="screw"/>"#] {
+    for bad in [r#"<joint pos="0 0"/>"#, r#"<joint type="screw"/>"#] {
         let text = format!(
             "<mujoco model=\"m\"><worldbody><body>{inertial}{bad}</body></worldbody></mujoco>"
         );
         assert_eq!(read(&text).expect_err(bad).into_vec()[0].code, Code::Mjcf);
     }
-    assert_eq!(read("<robot/>").expect_err("a URDF").into_vec()[0].code, Code::NotUrdf);
-    assert!(!mjcf::is_mjcf(good) && mjcf::is_mjcf("<mujoco/>") && !mjcf::is_mjcf("<mujoco>"));
+    assert_eq!(read("<robot/>").expect_err("a URDF").into_vec()[0].code, Code::NotMjcf);
+}
+
+/// It is reported in its place, and joints without inertia elsewhere all the same; a body with it is not judged.
+#[test]
+fn a_bad_number_hides_nothing_else() {
+    let text = r#"<mujoco model="m"><worldbody>
+        <body name="a"><joint name="first" axis="0 0 x"/><inertial pos="0 0 0" mass="1,5" diaginertia="1 1 1"/></body>
+        <body name="b"><joint name="second"/><geom type="sphere" size="0.1" mass="0"/></body>
+        <body name="c" pos="0 0 é"><joint name="third"/></body>
+    </worldbody></mujoco>"#;
+    let found = read(text).expect_err("bad numbers").into_vec();
+    let places: Vec<_> = found
+        .iter()
+        .filter(|one| one.severity == Severity::Error)
+        .map(|one| (one.code, one.position.map(|at| (at.line, at.column))))
+        .collect();
+    let expected = [
+        (Code::BadNumber, Some((2, 54))),
+        (Code::BadNumber, Some((2, 86))),
+        (Code::NoInertiaFelt, Some((3, 24))),
+        (Code::BadNumber, Some((4, 33))),
+    ];
+    assert_eq!(places, expected, "{found:#?}");
 }
 
 #[test]

@@ -5,8 +5,9 @@
 use std::{fmt::Write, fs, path::Path};
 
 use modyn_codegen::{
-    error::{Code, Severity},
-    urdf::{Base, Mimic, ReadOptions, Reading, Rotor, read},
+    Base, Mimic, ReadOptions, Reading, Rotor,
+    diagnostics::{Code, Severity},
+    read,
 };
 use modyn_runtime::{
     joint::JointType,
@@ -261,7 +262,7 @@ fn bad_options_are_errors_without_a_place() {
         |joint: &str, inertia, gear_ratio| Rotor { joint: joint.into(), inertia, gear_ratio };
     let refused = |text: &str, options: ReadOptions| {
         let errors = read(text, "test.urdf", &options).expect_err("refused");
-        let plain = |d: &modyn_codegen::error::Diagnostic| {
+        let plain = |d: &modyn_codegen::diagnostics::Diagnostic| {
             d.code == Code::Option && d.position.is_none() && d.help.is_some()
         };
         assert!(errors.iter().all(plain), "{errors}");

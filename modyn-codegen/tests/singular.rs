@@ -1,7 +1,7 @@
 //! An inertia is refused at run time where a description with it is refused.
 
 use modyn_codegen::Builder;
-use modyn_codegen::error::Code;
+use modyn_codegen::diagnostics::Code;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Frame, Joint, Link, Model};
 use modyn_runtime::{Inertial, Interpreter, Pose};

@@ -1,8 +1,8 @@
 //! What stands in the macro: `[[visibility] Name =] "path" [, option = value]*`.
 
-use modyn_codegen::error::Severity;
-use modyn_codegen::urdf::{Base, Friction, Loop, LoopConstraintKind, LoopEnd, Mimic};
-use modyn_codegen::{Builder, FloatType, Function, ModuleChoice, nearest};
+use modyn_codegen::diagnostics::{Severity, suggest};
+use modyn_codegen::{Base, Friction, Loop, LoopConstraintKind, LoopEnd, Mimic};
+use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
 use proc_macro2::{Span, TokenTree};
 use quote::ToTokens as _;
 use syn::ext::IdentExt as _;
@@ -28,14 +28,14 @@ impl Parse for Input {
             input.parse::<Token![=]>().map_err(|error| {
                 Error::new(
                     error.span(),
-                    "expected `=` and the path of a URDF: `\"robots/arm.urdf\"`",
+                    "expected `=` and the path of a description: `\"robots/arm.urdf\"`",
                 )
             })?;
         } else if !matches!(visibility, Visibility::Inherited) {
             return Err(input.error("a visibility goes with a name: `pub Name = \"path\"`"));
         }
         let literal: LitStr = input.parse().map_err(|error| {
-            Error::new(error.span(), "expected the path of a URDF: `\"robots/arm.urdf\"`")
+            Error::new(error.span(), "expected the path of a description: `\"robots/arm.urdf\"`")
         })?;
         let mut errors: Option<Error> = None;
         let mut given = Vec::new();
@@ -129,7 +129,7 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
             Err(error) => Err(Error::new(error.span(), "expected a path, such as `::modyn`")),
         },
         other => {
-            let help = match nearest(other, OPTIONS.iter().copied()) {
+            let help = match suggest(other, OPTIONS.iter().copied()) {
                 Some(meant) => format!("did you mean `{meant}`?"),
                 None => format!("options are {}", OPTIONS.join(", ")),
             };

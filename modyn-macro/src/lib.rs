@@ -6,7 +6,7 @@ mod locate;
 use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use modyn_codegen::error::{Diagnostic, Diagnostics, Severity};
+use modyn_codegen::diagnostics::{Diagnostic, Diagnostics, Severity};
 use proc_macro::TokenStream;
 use syn::{Error, Result};
 
@@ -20,7 +20,8 @@ use input::Input;
 /// ```
 ///
 /// The path is relative to this source file or, if it is not there, to the folder of the crate's
-/// `Cargo.toml`. Without a name, the type is `pub` and named after the robot. What is odd in the
+/// `Cargo.toml`. It is a URDF or, with the feature `mjcf`, a `MuJoCo` model; the file's first element says which. Without a
+/// name, the type is `pub` and named after the robot. What is odd in the
 /// description, but no error, is printed during the build and stands in the type's documentation.
 ///
 /// | option | values | default |
@@ -68,7 +69,7 @@ fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
     };
     let compiled = catch_unwind(AssertUnwindSafe(|| {
         let (builder, tracking) = match locate::locate(&path, span) {
-            Ok(found) => (builder.urdf_text(found.text, &path), found.tracking),
+            Ok(found) => (builder.text(found.text, &path), found.tracking),
             // What is wrong with the options is said along with it.
             Err(why) => (builder.unread(why), String::new()),
         };

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use modyn_codegen::error::Diagnostics;
-use modyn_codegen::source::read_first;
+use modyn_codegen::diagnostics::Diagnostics;
+use modyn_codegen::read::file::read_first;
 use proc_macro2::Span;
 
 /// A description that was read.

@@ -95,15 +95,15 @@ impl<S: Scalar> Inertial<S> {
     {
         let zero = S::zero();
         let mut numbers = iter::once(self.mass).chain(self.center_of_mass).chain(self.inertia);
-        // The difference of an infinite number and itself is NaN.
-        if !numbers.all(|x| x - x >= zero) {
+        // The product of an infinite number and zero is NaN.
+        if !numbers.all(|x| x * zero == zero) {
             return Some(InertialDefect::NotFinite);
         }
         if self.mass < zero {
             return Some(InertialDefect::NegativeMass(self.mass));
         }
         let massless = self.mass <= zero;
-        if massless && self.inertia.iter().any(|&x| x < zero || x > zero) {
+        if massless && self.inertia.iter().any(|&x| x != zero) {
             return Some(InertialDefect::InertiaWithoutMass);
         }
         let moments = self.principal_moments();

@@ -1,7 +1,7 @@
 //! What modyn's generated code needs at run time, and the equations of motion behind it.
 //!
 //! Without features this crate is what generated code needs, on `core` alone (and `libm` for square roots):
-//! [`Scalar`], [`Pose`](spatial::Pose), the [`Robot`] trait with its [`functions`], [`conventions`]. Feature `alloc` adds the
+//! [`Scalar`], [`Pose`], the [`Robot`] trait with its [`functions`], [`conventions`]. Feature `alloc` adds the
 //! [`model`], the [`equations`] and the [`Interpreter`] that runs them for any model at run time;
 //! `nalgebra` the same calls over nalgebra's types; `rayon` batches on all cores;
 //! `num-dual` its numbers as scalars, for exact derivatives; `serde` (de)serialization of the model.

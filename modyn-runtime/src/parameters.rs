@@ -1,5 +1,6 @@
 //! The inertias among the run-time parameters of a generated robot.
 
+use core::cmp::Ordering;
 use core::{fmt, iter};
 
 use crate::Scalar;
@@ -90,7 +91,8 @@ pub fn check_pivots<S: Scalar + PartialOrd, const N: usize>(
     joints: &[&'static str; N],
 ) -> Result<(), ParameterError<S>> {
     let pivots = pivots(epsilon());
-    match pivots.iter().zip(joints).rev().find(|(pivot, _)| !(**pivot > S::zero())) {
+    let positive = |pivot: &S| pivot.partial_cmp(&S::zero()) == Some(Ordering::Greater);
+    match pivots.iter().zip(joints).rev().find(|(pivot, _)| !positive(pivot)) {
         None => Ok(()),
         Some((_, &joint)) => Err(ParameterError::NoInertia { joint }),
     }

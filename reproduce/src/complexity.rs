@@ -5,8 +5,8 @@
 
 use std::time::Instant;
 
-use modyn_codegen::expr::Graph;
-use modyn_codegen::partition;
+use modyn_codegen::graph::Graph;
+use modyn_codegen::plan::partition;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::Interpreter;
 use modyn_runtime::equations::brge::UduLayout;

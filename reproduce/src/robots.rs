@@ -37,7 +37,7 @@ pub fn arm7() -> Model {
 }
 
 fn read(text: &str, name: &str) -> Model {
-    let reading = modyn_codegen::urdf::read(text, name, &Default::default());
+    let reading = modyn_codegen::read(text, name, &Default::default());
     reading.unwrap_or_else(|errors| panic!("{errors}")).model
 }
 

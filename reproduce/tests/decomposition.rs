@@ -1,7 +1,7 @@
 //! Every identity of the block decomposition, on random trees with joints of all types and rotors, by
 //! chains, by links and by partitions between.
 
-use modyn_codegen::expr::{Expr, Graph};
+use modyn_codegen::graph::{Expr, Graph};
 use modyn_reproduce::{dense, robots};
 use modyn_runtime::equations::{Workspace, paper::Decomposition, paper::Dense};
 use modyn_runtime::mechanism::Mechanism;

@@ -4,7 +4,6 @@
 use modyn::simulate::State;
 use modyn::spatial::{Twist, Wrench};
 use modyn::{ConstraintSettings, Interpreter, Nalgebra, Robot, functions};
-use modyn_codegen::urdf;
 
 modyn::modyn!("../../robots/four_bar.urdf");
 modyn::modyn!("mechanisms/rotated_four_bar.urdf");
@@ -73,8 +72,10 @@ where
     assert_eq!((again.dq.as_slice(), again.dqd.as_slice()), (&found.dq[..], &found.dqd[..]));
 }
 
-fn read(text: &str, options: &urdf::ReadOptions) -> modyn::model::Model {
-    urdf::read(text, "robot.urdf", options).unwrap_or_else(|errors| panic!("{errors}")).model
+fn read(text: &str, options: &modyn_codegen::ReadOptions) -> modyn::model::Model {
+    modyn_codegen::read(text, "robot.urdf", options)
+        .unwrap_or_else(|errors| panic!("{errors}"))
+        .model
 }
 
 #[test]
@@ -85,16 +86,16 @@ fn compiled_loops_are_interpreted_loops() {
     assert_eq!(FourBar::LOOP_CONSTRAINT_NAMES, ["rocker_pin"]);
     assert_eq!(<FourBar as Robot>::LOOP_CONSTRAINT_NAMES, ["rocker_pin"]);
 
-    let end = |link: &str, xyz, rpy| urdf::LoopEnd { link: link.into(), xyz, rpy };
-    let closing = urdf::Loop {
+    let end = |link: &str, xyz, rpy| modyn_codegen::LoopEnd { link: link.into(), xyz, rpy };
+    let closing = modyn_codegen::Loop {
         name: "hold".into(),
-        kind: urdf::LoopConstraintKind::Revolute([0.0, 0.0, 1.0]),
+        kind: modyn_codegen::LoopConstraintKind::Revolute([0.0, 0.0, 1.0]),
         ends: [
             end("base_link", [0.4, 0.1, 0.5], [0.1, 0.2, 0.3]),
             end("tool", [0.0, 0.0, 0.1], [0.0; 3]),
         ],
     };
-    let options = urdf::ReadOptions { loops: vec![closing], ..Default::default() };
+    let options = modyn_codegen::ReadOptions { loops: vec![closing], ..Default::default() };
     let model = read(include_str!("../../robots/arm6.urdf"), &options);
     let states = [
         [0.3, -1.2, 1.5, 0.4, 0.9, -0.2],

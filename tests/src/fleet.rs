@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use modyn_codegen::urdf::{Base, Friction, Mimic, ReadOptions, Rotor, read};
+use modyn_codegen::{Base, Friction, Mimic, ReadOptions, Rotor, read};
 use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
 use modyn_runtime::model::{Model, ModuleTree};
 

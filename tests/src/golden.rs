@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use modyn_codegen::urdf::{Mimic, ReadOptions, read};
+use modyn_codegen::{Mimic, ReadOptions, read};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Inertial, Model};
 use modyn_runtime::spatial::{Vector3, Wrench};

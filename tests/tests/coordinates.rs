@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::iter::zip;
 
-use modyn_codegen::expr::Graph;
+use modyn_codegen::graph::Graph;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
@@ -374,8 +374,8 @@ fn normalizing_leaves_rotations_and_gives_zeros_the_identity() {
 #[test]
 fn graphs_compute_the_same() {
     let robot = robot();
-    let prepared = Mechanism::new(robot.model());
-    let tracer = Tracer::new(&prepared);
+    let mechanism = Mechanism::new(robot.model());
+    let tracer = Tracer::new(&mechanism);
     let random = &mut Random::new(10);
     let (q, to) = (random_q(&robot, random), random_q(&robot, random));
     let v = vector(random, robot.model().nv(), 1.0);

@@ -1,6 +1,6 @@
 //! Compiled is interpreted: a traced graph on numbers gives what the interpreter gives.
 
-use modyn_codegen::expr::Graph;
+use modyn_codegen::graph::Graph;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::Interpreter;
 use modyn_runtime::equations::brge::UduLayout;
@@ -31,8 +31,8 @@ proptest! {
     #[test]
     fn every_quantity(robot in robots(20)) {
         let model = robot.model();
-        let prepared = Mechanism::new(&model);
-        let tracer = Tracer::new(&prepared);
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
         let State { q, qd, qdd, tau } = &state(robot.seed(), &model);
         let mut interpreter = Interpreter::<f64>::new(model.clone());
         let check = |what, graph: &Graph, groups: &[&[f64]], expected: &[f64]| {
@@ -54,7 +54,7 @@ proptest! {
         check("link poses", &tracer.link_poses(), &[q], &expected);
 
         for modules in partitions(robot, &model) {
-            let graph = tracer.forward_dynamics(&Elimination::new(&prepared, &modules));
+            let graph = tracer.forward_dynamics(&Elimination::new(&mechanism, &modules));
             interpreter = interpreter.eliminating_by(&modules).expect("its own modules");
             let expected = interpreter.qdd(q, qd, tau);
             check("forward dynamics", &graph, &[q, qd, tau], &expected);
@@ -74,11 +74,11 @@ proptest! {
     #[test]
     fn every_quantity_of_the_factorization(robot in robots(20)) {
         let model = robot.model();
-        let prepared = Mechanism::new(&model);
-        let tracer = Tracer::new(&prepared);
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
         let State { q, tau, .. } = &state(robot.seed(), &model);
         for modules in partitions(robot, &model) {
-            let layout = &UduLayout::new(&prepared, &modules);
+            let layout = &UduLayout::new(&mechanism, &modules);
             let interpreter =
                 Interpreter::with_modules(model.clone(), modules).expect("its own modules");
             let expected = interpreter.factors(q);

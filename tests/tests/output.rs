@@ -9,7 +9,7 @@ use modyn_codegen::{Builder, FloatType, Function, Generated, ModuleChoice};
 use modyn_tests::fleet::Spec;
 use syn::visit::{self, Visit};
 
-/// Most statements in a block and in a function: what `modyn-codegen/src/emit/function.rs` allows
+/// Most statements in a block and in a function: what `modyn-codegen/src/program/outline.rs` allows
 /// itself, and the few around them (names of parameters, calls of parts).
 const BLOCK: usize = 260;
 const FUNCTION: usize = 3100;
@@ -312,7 +312,7 @@ fn chain(robot: &str, names: &[String]) -> modyn_runtime::model::Model {
         urdf = urdf.replace(&format!("\"l{i}\""), &format!("\"{name}\""));
         urdf = urdf.replace(&format!("name=\"j{i}\""), &format!("name=\"{name}\""));
     }
-    let read = modyn_codegen::urdf::read(&urdf, "odd.urdf", &Default::default());
+    let read = modyn_codegen::read(&urdf, "odd.urdf", &Default::default());
     read.expect("odd, but good").model
 }
 

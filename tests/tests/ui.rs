@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
 use std::{env, fs, thread};
 
-use modyn_codegen::error::Code;
+use modyn_codegen::diagnostics::Code;
 use serde_json::Value;
 
 /// Kinds that no input of the macro leads to, and those that are only warnings.
@@ -20,6 +20,7 @@ const ELSEWHERE: &[Code] = &[
     Code::AxisLength,
     Code::InvertedLimits,
     Code::MimicMultiplier,
+    Code::NotMjcf,
     Code::Include,
     Code::MissingLimit,
     Code::NegativeLimit,

@@ -219,3 +219,29 @@ fn a_member_of_a_workspace() {
     succeeds(&folder, "build");
     succeeds(&member, "build");
 }
+
+/// The text of the README's first block of code in `language` after `mark`.
+fn block<'a>(readme: &'a str, mark: &str, language: &str) -> &'a str {
+    let (_, rest) = readme.split_once(mark).unwrap_or_else(|| panic!("no {mark}"));
+    let (_, rest) = rest.split_once(&format!("```{language}\n")).expect("a block of code");
+    rest.split_once("```").expect("the end of a block").0
+}
+
+#[test]
+fn the_first_program_of_the_readme_prints_what_the_readme_says() {
+    let readme = std::fs::read_to_string(root().join("README.md")).expect("the README");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("swing");
+    std::fs::create_dir_all(folder.join("src")).expect("a folder");
+    let manifest = format!(
+        "[package]\nname = \"swing\"\nedition = \"2024\"\n[dependencies]\nmodyn = {{ path = {:?} }}\n[workspace]\n",
+        root()
+    );
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("a file");
+    write("Cargo.toml", &manifest);
+    write("pendulum.urdf", block(&readme, "`pendulum.urdf`", "xml"));
+    write("src/main.rs", block(&readme, "`src/main.rs`", "rust,ignore"));
+    pin(&folder);
+    let printed = succeeds(&folder, "run");
+    let expected = block(&readme, "`cargo run` prints", "text");
+    assert!(printed.contains(expected), "{printed}");
+}

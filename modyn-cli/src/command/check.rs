@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use modyn_codegen::error::{Diagnostics, Severity};
-use modyn_codegen::tame;
-use modyn_codegen::urdf::ReadOptions;
+use modyn_codegen::ReadOptions;
+use modyn_codegen::diagnostics::sanitize_for_display;
+use modyn_codegen::diagnostics::{Diagnostics, Severity};
 use serde_json::json;
 
 use crate::command::diagnostics;
@@ -88,7 +88,7 @@ fn as_text(answers: &[Answer]) -> String {
         let errors = count(Severity::Error, "error");
         let warnings = count(Severity::Warning, "warning");
         let verdict = if *usable { "usable" } else { "refused" };
-        out += &format!("{}: {verdict}{errors}{warnings}\n", tame(name));
+        out += &format!("{}: {verdict}{errors}{warnings}\n", sanitize_for_display(name));
     }
     out
 }

@@ -1,6 +1,7 @@
 //! Options that choose among functions and modules.
 
-use modyn_codegen::{Function, ModuleChoice, tame};
+use modyn_codegen::diagnostics::sanitize_for_display;
+use modyn_codegen::{Function, ModuleChoice};
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::command::outcome::Failure;
@@ -41,7 +42,8 @@ pub fn module_tree(model: &Model, choice: Option<&ModuleChoice>) -> Result<Modul
     match choice {
         Some(ModuleChoice::Links) => Ok(ModuleTree::links(model)),
         Some(ModuleChoice::List(list)) => ModuleTree::from_names(model, list).map_err(|errors| {
-            let errors: Vec<String> = errors.iter().map(|error| tame(&error.to_string())).collect();
+            let errors: Vec<String> =
+                errors.iter().map(|error| sanitize_for_display(&error.to_string())).collect();
             Failure::usage(format!("error: {}", errors.join("\nerror: ")))
         }),
         _ => Ok(ModuleTree::chains(model)),

@@ -1,8 +1,8 @@
 //! Diagnostics for people, with the line that is wrong, and for programs.
 
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
-use modyn_codegen::error::{Diagnostic, Diagnostics, Position, Severity, Subject};
-use modyn_codegen::tame;
+use modyn_codegen::diagnostics::sanitize_for_display;
+use modyn_codegen::diagnostics::{Diagnostic, Diagnostics, Position, Severity, Subject};
 use serde_json::{Value, json};
 
 /// The longest line that is shown: a file may be one line of a million characters.
@@ -32,8 +32,10 @@ fn group<'a>(diagnostic: &Diagnostic, lines: &[&str]) -> Group<'a> {
         Some(subject) => format!("{subject}: {}", diagnostic.message),
         None => diagnostic.message.clone(),
     };
-    let mut group = Group::with_title(level.primary_title(tame(&title)).id(diagnostic.code.name()));
-    let file = tame(diagnostic.file.as_deref().unwrap_or_default());
+    let mut group = Group::with_title(
+        level.primary_title(sanitize_for_display(&title)).id(diagnostic.code.name()),
+    );
+    let file = sanitize_for_display(diagnostic.file.as_deref().unwrap_or_default());
     let line = diagnostic.position.and_then(|at| Some((at, *lines.get(at.line.checked_sub(1)?)?)));
     match (line.filter(|(_, line)| line.len() <= LONGEST_LINE), diagnostic.position) {
         (Some((at, line)), _) => {
@@ -49,14 +51,14 @@ fn group<'a>(diagnostic: &Diagnostic, lines: &[&str]) -> Group<'a> {
         (None, None) => {}
     }
     match &diagnostic.help {
-        Some(text) => group.element(Level::HELP.message(tame(text))),
+        Some(text) => group.element(Level::HELP.message(sanitize_for_display(text))),
         None => group,
     }
 }
 
 /// Character for character, so that columns stay; tabs may stay too.
 fn tame_line(line: &str) -> String {
-    line.split('\t').map(tame).collect::<Vec<_>>().join("\t")
+    line.split('\t').map(sanitize_for_display).collect::<Vec<_>>().join("\t")
 }
 
 /// The bytes of a line that a mark belongs under: the tag, the attribute or the value that begins at the

@@ -1,8 +1,8 @@
 //! `modyn explain`: what a diagnostic means, and what to do about it.
 
 use clap::Args;
-use modyn_codegen::error::Code;
-use modyn_codegen::tame;
+use modyn_codegen::diagnostics::Code;
+use modyn_codegen::diagnostics::sanitize_for_display;
 
 use crate::command::outcome::{Failure, to_stdout};
 
@@ -26,7 +26,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             Some(meant) => format!("did you mean `{meant}`?"),
             None => "`modyn explain` lists all".into(),
         };
-        Failure::usage(format!("error: there is no code `{}`; {help}", tame(name)))
+        Failure::usage(format!("error: there is no code `{}`; {help}", sanitize_for_display(name)))
     })?;
     to_stdout(&format!("{code}: {}\n\n{}\n", code.cause(), code.remedy()))
 }

@@ -1,28 +1,32 @@
-//! `modyn generate`: a robot's dynamics as Rust, in a file that is kept, and a header for C.
+//! `modyn generate`: a robot's dynamics as Rust or C, in files that are kept, and a header for Rust's functions for C.
 
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use modyn_codegen::error::Diagnostics;
-use modyn_codegen::{Builder, FloatType, ModuleChoice, names, tame};
+use modyn_codegen::diagnostics::Diagnostics;
+use modyn_codegen::diagnostics::sanitize_for_display;
+use modyn_codegen::{Builder, FloatType, ModuleChoice, names};
 
 use crate::command::choices::{Functions, functions, modules};
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::{Description, Robot};
 
-/// Compile a description to Rust
+/// Compile a description to Rust or C
 ///
 /// Exit code 0 when it is written (or, with `--check`, as it should be), 1 when the description is
 /// refused (or the file stale), 2 when an option or a file is not what it may be.
 #[derive(Args)]
 pub struct Arguments {
     /// The file to write; standard output without it
-    #[arg(short, long, value_name = "FILE.rs")]
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write nothing, but say whether FILE.rs (and the header) is what would be written: 0 if so, 1 if stale
+    /// Write nothing, but say whether FILE (and the header) is what would be written: 0 if so, 1 if stale
     #[arg(long, requires = "output")]
     check: bool,
+    /// The language: Rust, or C99 that needs `<math.h>` alone, FILE.c with its header FILE.h
+    #[arg(long, value_enum, default_value_t)]
+    target: Target,
     /// Make a file that depends on `core` alone, not on modyn
     #[arg(long)]
     self_contained: bool,
@@ -66,6 +70,13 @@ pub struct Arguments {
     robot: Robot,
 }
 
+#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+enum Target {
+    #[default]
+    Rust,
+    C,
+}
+
 #[derive(Clone, Copy, Default, ValueEnum)]
 enum Scalar {
     #[default]
@@ -78,6 +89,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
     let builder = arguments.builder(&description)?;
     let named = |found: Diagnostics| description.failure(arguments.robot.named(found));
+    if arguments.target == Target::C {
+        return c_source(arguments, &builder, &description, &named);
+    }
     let mut progress = Progress::start("compiling");
     let result = match &arguments.output {
         Some(output) if arguments.check => stale(arguments, &builder, output, &named),
@@ -110,6 +124,42 @@ fn write(
     Ok(())
 }
 
+/// Writes C, or compares it.
+fn c_source(
+    arguments: &Arguments,
+    builder: &Builder,
+    description: &Description,
+    named: &impl Fn(Diagnostics) -> Failure,
+) -> Result<(), Failure> {
+    let given = [
+        ("--c-functions", arguments.c_functions.is_some()),
+        ("--c-header", arguments.c_header.is_some()),
+        ("--visibility", arguments.visibility.is_some()),
+        ("--crate", arguments.krate.is_some()),
+        ("--self-contained", arguments.self_contained),
+    ];
+    if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
+        let message = format!("error: `{option}` is about Rust, not `--target c`");
+        return Err(Failure::usage(message));
+    }
+    let Some(output) = &arguments.output else {
+        let message = "error: `--target c` writes two files: name the first with `--output FILE.c`";
+        return Err(Failure::usage(message));
+    };
+    let mut progress = Progress::start("compiling");
+    if arguments.check {
+        let stale = builder.is_stale_c(output).map_err(named)?;
+        progress.stop();
+        let found = if stale { "stale" } else { "up to date" };
+        to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
+        return if stale { Err(Failure::Said) } else { Ok(()) };
+    }
+    let warnings = builder.write_c(output).map_err(named)?;
+    progress.stop();
+    description.warn(arguments.robot.named(Diagnostics::new(warnings)));
+    Ok(())
+}
+
 fn stale(
     arguments: &Arguments,
     builder: &Builder,
@@ -118,7 +168,7 @@ fn stale(
 ) -> Result<(), Failure> {
     let is = |path: &Path, stale: bool| {
         let what = if stale { "stale" } else { "up to date" };
-        to_stderr(&format!("{} is {what}\n", tame(&path.display().to_string())));
+        to_stderr(&format!("{} is {what}\n", sanitize_for_display(&path.display().to_string())));
         stale
     };
     let mut stale = is(output, builder.is_stale(output).map_err(named)?);

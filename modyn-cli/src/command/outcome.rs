@@ -5,8 +5,8 @@ use std::io::{ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use modyn_codegen::error::{Code, Diagnostics};
-use modyn_codegen::tame;
+use modyn_codegen::diagnostics::sanitize_for_display;
+use modyn_codegen::diagnostics::{Code, Diagnostics};
 
 use crate::command::diagnostics;
 
@@ -83,7 +83,7 @@ pub fn to_stderr(text: &str) {
 /// Writes a file.
 pub fn to_file(path: &Path, text: &str) -> Result<(), Failure> {
     std::fs::write(path, text).map_err(|error| {
-        let path = tame(&path.display().to_string());
+        let path = sanitize_for_display(&path.display().to_string());
         Failure::usage(format!("error: `{path}` cannot be written: {error}"))
     })
 }

@@ -4,11 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use modyn_codegen::Builder;
-use modyn_codegen::error::{Code, Diagnostic, Diagnostics, Severity};
-use modyn_codegen::mjcf;
-use modyn_codegen::source::{read_first, read_text};
-use modyn_codegen::urdf::{
-    self, Friction, Loop, LoopConstraintKind, LoopEnd, ReadOptions, Reading, Rotor,
+use modyn_codegen::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
+use modyn_codegen::read::file::{read_first, read_text};
+use modyn_codegen::{
+    Format, Friction, Loop, LoopConstraintKind, LoopEnd, ReadOptions, Reading, Rotor, read,
 };
 
 use crate::command::diagnostics;
@@ -107,7 +106,6 @@ impl Description {
 
     /// Reads it.
     pub fn read(&self, options: &ReadOptions) -> Result<Reading, Diagnostics> {
-        let read = if mjcf::is_mjcf(&self.text) { mjcf::read } else { urdf::read };
         read(&self.text, &self.name, options)
     }
 
@@ -133,11 +131,10 @@ impl Robot {
         let Description { name, text, path } = description;
         let builder = Builder::new();
         // With its path, a kept file says what a build script's would.
-        let builder = match (path, mjcf::is_mjcf(text)) {
-            (Some(path), false) => builder.urdf(path),
-            (Some(path), true) => builder.mjcf(path),
-            (None, false) => builder.urdf_text(text, name),
-            (None, true) => builder.mjcf_text(text, name),
+        let builder = match (path, Format::of(text, name)) {
+            (Some(path), Format::Mjcf) => builder.mjcf(path),
+            (Some(path), _) => builder.urdf(path),
+            (None, _) => builder.text(text, name),
         };
         self.options.configure(builder)
     }
@@ -184,7 +181,7 @@ impl Options {
     }
 }
 
-impl From<Base> for urdf::Base {
+impl From<Base> for modyn_codegen::Base {
     fn from(base: Base) -> Self {
         match base {
             Base::Fixed => Self::Fixed,
@@ -193,7 +190,7 @@ impl From<Base> for urdf::Base {
     }
 }
 
-impl From<Mimic> for urdf::Mimic {
+impl From<Mimic> for modyn_codegen::Mimic {
     fn from(mimic: Mimic) -> Self {
         match mimic {
             Mimic::Follow => Self::Follow,

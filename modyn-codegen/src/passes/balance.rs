@@ -5,7 +5,7 @@
 //! n terms takes n - 1 additions in any order; products in it are fused, but for one in each part that is
 //! summed up by itself. So parts are made only where the longest ways go.
 
-use crate::expr::{Graph, Id, Node};
+use crate::graph::{Graph, Id, Node};
 
 /// Cycles until a result can be used: of today's processors, to which a cycle more or less makes no
 /// difference here.
@@ -26,11 +26,11 @@ const NEAR: u32 = 6;
 #[must_use]
 pub fn balance(graph: &Graph) -> Graph {
     let (live, uses) = (graph.live(), graph.uses());
-    let known = arrivals(graph, &uses);
-    let behind = behind(graph, &live, &known);
-    let longest = known.iter().zip(&behind).map(|(a, b)| a + b).max().unwrap_or(0);
+    let ready_at = arrivals(graph, &uses);
+    let tail_latency = tail_latency(graph, &live, &ready_at);
+    let critical_path = ready_at.iter().zip(&tail_latency).map(|(a, b)| a + b).max().unwrap_or(0);
     let is_part = parts(graph, &live, &uses);
-    let mut rewritten = Rewritten { graph: Graph::default(), known: Vec::new() };
+    let mut rewritten = Rewritten { graph: Graph::default(), ready_at: Vec::new() };
     let mut ids: Vec<Id> = Vec::with_capacity(graph.nodes().len());
     for (i, &node) in graph.nodes().iter().enumerate() {
         let at = |id: Id| ids[id as usize];
@@ -39,7 +39,7 @@ pub fn balance(graph: &Graph) -> Graph {
             Node::Add(..) | Node::Sub(..) => {
                 let mut terms = Vec::new();
                 collect(graph, &is_part, i as Id, false, &mut terms);
-                let near = known[i] + behind[i] + longest / NEAR >= longest;
+                let near = ready_at[i] + tail_latency[i] + critical_path / NEAR >= critical_path;
                 let term = |(negative, id): (bool, Id)| {
                     let product = uses[id as usize] == 1 && is_product(graph, id);
                     rewritten.term(negative, at(id), product)
@@ -97,16 +97,16 @@ fn is_product(graph: &Graph, id: Id) -> bool {
 
 /// When each node is known.
 fn arrivals(graph: &Graph, uses: &[u32]) -> Vec<u32> {
-    let mut known: Vec<u32> = Vec::with_capacity(graph.nodes().len());
+    let mut ready_at: Vec<u32> = Vec::with_capacity(graph.nodes().len());
     for &node in graph.nodes() {
-        known.push(arrival(graph, node, &known, |id| uses[id as usize] == 1));
+        ready_at.push(arrival(graph, node, &ready_at, |id| uses[id as usize] == 1));
     }
-    known
+    ready_at
 }
 
 /// When `node` is known if its operands are; a product that is used `once` is fused.
-fn arrival(graph: &Graph, node: Node, known: &[u32], once: impl Fn(Id) -> bool) -> u32 {
-    let at = |id: Id| known[id as usize];
+fn arrival(graph: &Graph, node: Node, ready_at: &[u32], once: impl Fn(Id) -> bool) -> u32 {
+    let at = |id: Id| ready_at[id as usize];
     let last = node.operands().map(at).max().unwrap_or(0);
     match node {
         Node::Constant(_) | Node::Input(_) => 0,
@@ -124,29 +124,29 @@ fn arrival(graph: &Graph, node: Node, known: &[u32], once: impl Fn(Id) -> bool) 
         Node::Mul(..) => last + latency::PRODUCT,
         Node::Recip(_) => last + latency::QUOTIENT,
         Node::Sin(_) | Node::Cos(_) => last + latency::TURN,
-        Node::Beside(..) | Node::Lane(..) => last + latency::LANES,
+        Node::Pack(..) | Node::ExtractLane(..) => last + latency::LANES,
         _ => last + latency::OTHER,
     }
 }
 
 /// How long it takes from each node to the last output.
-fn behind(graph: &Graph, live: &[bool], known: &[u32]) -> Vec<u32> {
-    let mut behind = vec![0; graph.nodes().len()];
+fn tail_latency(graph: &Graph, live: &[bool], ready_at: &[u32]) -> Vec<u32> {
+    let mut tail_latency = vec![0; graph.nodes().len()];
     for (i, node) in graph.nodes().iter().enumerate().rev() {
         if !live[i] {
             continue;
         }
         for operand in node.operands() {
-            let step = known[i].saturating_sub(known[operand as usize]);
+            let step = ready_at[i].saturating_sub(ready_at[operand as usize]);
             let step = match node {
                 Node::Add(..) | Node::Sub(..) => step.min(latency::FUSED),
                 _ => step.min(latency::TURN),
             };
             let operand = operand as usize;
-            behind[operand] = behind[operand].max(behind[i] + step);
+            tail_latency[operand] = tail_latency[operand].max(tail_latency[i] + step);
         }
     }
-    behind
+    tail_latency
 }
 
 /// A term of a sum.
@@ -160,25 +160,25 @@ struct Term {
 
 struct Rewritten {
     graph: Graph,
-    known: Vec<u32>,
+    ready_at: Vec<u32>,
 }
 
 impl Rewritten {
     fn make(&mut self, node: Node) -> Id {
         let id = self.graph.make(node);
-        for i in self.known.len()..self.graph.nodes().len() {
-            let known = arrival(&self.graph, self.graph.nodes()[i], &self.known, |_| true);
-            self.known.push(known);
+        for i in self.ready_at.len()..self.graph.nodes().len() {
+            let ready_at = arrival(&self.graph, self.graph.nodes()[i], &self.ready_at, |_| true);
+            self.ready_at.push(ready_at);
         }
         id
     }
 
     /// A term; a `product` that is its only use is fused.
     fn term(&self, negative: bool, id: Id, product: bool) -> Term {
-        let known = |id: Id| self.known[id as usize];
-        let factors = self.graph.node(id).operands().map(known).max();
+        let ready_at = |id: Id| self.ready_at[id as usize];
+        let factors = self.graph.node(id).operands().map(ready_at).max();
         let fused = factors.filter(|_| product && is_product(&self.graph, id));
-        Term { negative, id, ready: fused.unwrap_or(known(id)) }
+        Term { negative, id, ready: fused.unwrap_or(ready_at(id)) }
     }
 
     /// The sum of some terms: from the earliest on, one after the other or in pairs.
@@ -219,10 +219,9 @@ mod tests {
     use modyn_runtime::model::ModuleTree;
 
     use super::*;
-    use crate::expr::Expr;
+    use crate::graph::Expr;
     use crate::passes::optimize;
     use crate::trace::Tracer;
-    use crate::urdf;
 
     /// The outputs stay, and so do the operations.
     fn same(graph: &Graph) -> Graph {
@@ -235,9 +234,9 @@ mod tests {
         balanced
     }
 
-    fn longest(graph: &Graph) -> u32 {
-        let known = arrivals(graph, &graph.uses());
-        graph.outputs.iter().map(|&id| known[id as usize]).max().expect("outputs")
+    fn critical_path(graph: &Graph) -> u32 {
+        let ready_at = arrivals(graph, &graph.uses());
+        graph.outputs.iter().map(|&id| ready_at[id as usize]).max().expect("outputs")
     }
 
     #[test]
@@ -248,8 +247,8 @@ mod tests {
             vec![late + x[5] - x[6] - x[7] + x[8]]
         });
         // Two fused products and one sum behind them.
-        assert_eq!(longest(&graph), 2 * latency::FUSED + 4 * latency::SUM);
-        assert_eq!(longest(&same(&graph)), 2 * latency::FUSED + latency::SUM);
+        assert_eq!(critical_path(&graph), 2 * latency::FUSED + 4 * latency::SUM);
+        assert_eq!(critical_path(&same(&graph)), 2 * latency::FUSED + latency::SUM);
     }
 
     #[test]
@@ -275,12 +274,14 @@ mod tests {
         for (robot, before, after) in frozen {
             let text = std::fs::read_to_string(format!("{robots}/{robot}")).expect("a robot");
             let model =
-                urdf::read(&text, robot, &urdf::ReadOptions::default()).expect("good").model;
-            let prepared = Mechanism::new(&model);
-            let links =
-                Elimination::Recursive(ModulePartition::new(&prepared, &ModuleTree::links(&model)));
-            let graph = optimize(Tracer::new(&prepared).forward_dynamics(&links));
-            let figures = |graph: &Graph| [longest(graph) as usize, graph.count().total()];
+                crate::read_urdf(&text, robot, &crate::ReadOptions::default()).expect("good").model;
+            let mechanism = Mechanism::new(&model);
+            let links = Elimination::Recursive(ModulePartition::new(
+                &mechanism,
+                &ModuleTree::links(&model),
+            ));
+            let graph = optimize(Tracer::new(&mechanism).forward_dynamics(&links));
+            let figures = |graph: &Graph| [critical_path(graph) as usize, graph.count().total()];
             assert_eq!((figures(&graph), figures(&balance(&graph))), (before, after), "{robot}");
         }
     }

@@ -1,6 +1,6 @@
 //! a b + a c becomes a (b + c), where the products are used nowhere else.
 
-use crate::expr::{Graph, Id, Node};
+use crate::graph::{Graph, Id, Node};
 
 /// Rounds after which to stop even if there is more to factor.
 const ROUNDS: usize = 6;

@@ -3,7 +3,7 @@
 mod balance;
 mod factor;
 
-use crate::expr::Graph;
+use crate::graph::Graph;
 pub use balance::balance;
 
 /// A rewrite: the same outputs by other operations.

@@ -9,7 +9,7 @@ use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
 use modyn_runtime::spatial::{Twist, Wrench};
 
 use super::Tracer;
-use crate::expr::{Expr, Graph};
+use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
     /// The accelerations, a wrench and a residual for each loop constraint, and the rank, from `q`, `qd`,

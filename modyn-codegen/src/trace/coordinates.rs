@@ -5,7 +5,7 @@ use modyn_runtime::Scalar;
 use modyn_runtime::equations::kinematics::coordinates;
 
 use super::Tracer;
-use crate::expr::{Expr, Graph};
+use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
     /// The coordinates `q` moved, from `q` and tangent vector `v`.

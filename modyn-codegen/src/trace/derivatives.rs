@@ -8,7 +8,7 @@ use modyn_runtime::equations::factorization::{MergedUduLayout, cross_limb};
 use modyn_runtime::mechanism::MergedMechanism;
 
 use super::Tracer;
-use crate::expr::{Expr, Graph};
+use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
     /// The derivatives of the torques from `q`, `qd`, `qdd`: by q, then by qd, column by column.
@@ -40,11 +40,11 @@ impl Tracer<'_> {
             let [qdd, dq, dqd, dtau] = derive(model, &layout, state, workspace);
             let [q, qd, tau] = [&dq, &dqd, &dtau].map(|x| cross_limb(model, &layout, workspace, x));
             let matrices = [
-                limbs.coupled_apart(&dq, &q),
-                limbs.coupled_apart(&dqd, &qd),
-                limbs.symmetric_apart(&dtau, &tau),
+                limbs.unpack_coupled(&dq, &q),
+                limbs.unpack_coupled(&dqd, &qd),
+                limbs.unpack_symmetric(&dtau, &tau),
             ];
-            [limbs.vector_apart(&qdd, self.model.nv), matrices.concat()].concat()
+            [limbs.unpack_vector(&qdd, self.model.nv), matrices.concat()].concat()
         })
     }
 }

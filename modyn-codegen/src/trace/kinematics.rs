@@ -8,7 +8,7 @@ use modyn_runtime::equations::{Workspace, dynamics};
 use modyn_runtime::spatial::{Momentum, Pose, Twist, Vector3};
 
 use super::Tracer;
-use crate::expr::{Expr, Graph};
+use crate::graph::{Expr, Graph};
 
 /// The twelve numbers of a pose.
 pub(super) fn numbers(pose: &Pose<Expr>) -> Vec<Expr> {

@@ -19,20 +19,20 @@ use modyn_runtime::joint::{ElementaryJoint, JointOffset};
 use modyn_runtime::mechanism::{Body, Dof, LimbRoot, Mechanism, MergedMechanism};
 use modyn_runtime::spatial::{AxisRotation, Pose, RigidInertia, Vector3};
 
-use crate::expr::Expr;
+use crate::graph::Expr;
 
 /// Most limbs that are put side by side: the lanes of the longest vectors.
-const MOST: usize = 8;
+const MAX_PACKED: usize = 8;
 
 /// Most limbs that hang on different bodies: the lanes of a vector on most processors.
-const MOST_JOINED: usize = 4;
+const MAX_JOINED: usize = 4;
 
 /// How many joints a chain may lack to join a longer one.
-const MOST_MISSING: usize = 2;
+const MAX_MISSING: usize = 2;
 
 /// Which limbs of a robot are computed as one.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Limbs {
+pub struct LimbPacking {
     /// By body of the robot that has one limb in place of several.
     bodies: Vec<Merged>,
     /// By its degrees of freedom: the entries of the robot's joint vectors, one a lane, and the limbs
@@ -52,13 +52,13 @@ type Lanes = Vec<Option<usize>>;
 struct Merged {
     /// Bodies of the robot.
     of: Lanes,
-    /// The one that others are like.
-    like: usize,
+    /// The one whose structure they all have.
+    representative: usize,
     /// Whether they are the first ones of limbs.
     first: bool,
 }
 
-impl Limbs {
+impl LimbPacking {
     /// Finds equal limbs on one body; `None` if there are none.
     #[must_use]
     pub fn find(model: &Mechanism<f64>) -> Option<Self> {
@@ -76,7 +76,7 @@ impl Limbs {
 
     /// The ways there are, equal limbs on one body first; those on different bodies join if they may.
     #[must_use]
-    pub fn ways(model: &Mechanism<f64>, join: bool) -> Vec<Self> {
+    pub fn candidates(model: &Mechanism<f64>, join: bool) -> Vec<Self> {
         let joined = join.then(|| Self::joined(model)).flatten();
         Self::find(model).into_iter().chain(joined).collect()
     }
@@ -84,7 +84,7 @@ impl Limbs {
     /// Whether the bodies that limbs hang on are one behind the other: what they leave can then be carried
     /// on together.
     #[must_use]
-    pub fn on_one_way(&self, model: &Mechanism<f64>) -> bool {
+    pub fn share_root_path(&self, model: &Mechanism<f64>) -> bool {
         let ways = |of: &Lanes| {
             let parents: Vec<usize> =
                 of.iter().flatten().filter_map(|&b| model.bodies[b].parent).collect();
@@ -105,7 +105,7 @@ impl Limbs {
             root_of.push(body.parent.map_or(i, |parent| root_of[parent]));
         }
         let mut add = |merged: Merged, group| {
-            let body = &model.bodies[merged.like];
+            let body = &model.bodies[merged.representative];
             let lanes = |number: &dyn Fn(&Body<f64>) -> usize| {
                 merged.of.iter().map(|of| of.map(|b| number(&model.bodies[b]))).collect()
             };
@@ -118,7 +118,7 @@ impl Limbs {
         };
         for i in 0..model.bodies.len() {
             let Some(g) = groups.iter().position(|g| g.iter().any(|limb| limb.contains(&i))) else {
-                add(Merged { of: vec![Some(i)], like: i, first: false }, None);
+                add(Merged { of: vec![Some(i)], representative: i, first: false }, None);
                 continue;
             };
             // They stand where the last limb does: behind all that they hang on.
@@ -129,7 +129,10 @@ impl Limbs {
             let longest = longest(limbs);
             for place in 0..longest.len() {
                 let of = limbs.iter().map(|limb| limb.clone().nth(place)).collect();
-                add(Merged { of, like: longest.start + place, first: place == 0 }, Some(g));
+                add(
+                    Merged { of, representative: longest.start + place, first: place == 0 },
+                    Some(g),
+                );
             }
         }
         Self { bodies, velocities, roots, coordinates }
@@ -154,23 +157,25 @@ impl Limbs {
         let new = |old: usize| self.bodies.iter().position(|body| body.of.contains(&Some(old)));
         let (mut q, mut dofs, mut roots) = (0, Vec::new(), Vec::new());
         let mut bodies = Vec::with_capacity(self.bodies.len());
-        for Merged { of, like, first } in &self.bodies {
-            let like = &model.bodies[*like];
+        for Merged { of, representative, first } in &self.bodies {
+            let representative = &model.bodies[*representative];
             let nothing = RigidInertia::zero();
-            let missing = Body { inertia: nothing, base_inertia: nothing, ..like.clone() };
+            let missing =
+                Body { inertia: nothing, base_inertia: nothing, ..representative.clone() };
             let each: Vec<&Body<f64>> =
                 of.iter().map(|b| b.map_or(&missing, |b| &model.bodies[b])).collect();
             let start = dofs.len();
-            for k in 0..like.dofs.len() {
-                let like = &model.dofs[like.dofs.start + k];
+            for k in 0..representative.dofs.len() {
+                let representative = &model.dofs[representative.dofs.start + k];
                 // A rotor alone, which has no part in anything else's motion.
-                let missing = Dof { armature: Some(1.0), damping: None, friction: None, ..*like };
+                let missing =
+                    Dof { armature: Some(1.0), damping: None, friction: None, ..*representative };
                 let dof = |b: usize| &model.dofs[model.bodies[b].dofs.start + k];
                 let each: Vec<&Dof<f64>> = of.iter().map(|b| b.map_or(&missing, dof)).collect();
                 dofs.push(Dof {
                     body: bodies.len(),
                     v: dofs.len(),
-                    component: like.component,
+                    component: representative.component,
                     multiplier: None,
                     armature: optional(&each, |dof| dof.armature),
                     damping: optional(&each, |dof| dof.damping),
@@ -179,7 +184,7 @@ impl Limbs {
             }
             let mut body = abreast(&each, start..dofs.len(), q);
             q += body.elementary_joint.nq();
-            body.parent = like.parent.and_then(new);
+            body.parent = representative.parent.and_then(new);
             roots.push(first.then(|| {
                 let mut parents: Lanes = each.iter().map(|b| b.parent.and_then(new)).collect();
                 if parents.iter().all(|&parent| parent == parents[0]) {
@@ -204,7 +209,8 @@ impl Limbs {
             .blocks
             .iter()
             .filter_map(|block| {
-                let start = self.bodies.iter().position(|b| b.like == block.bodies.start)?;
+                let start =
+                    self.bodies.iter().position(|b| b.representative == block.bodies.start)?;
                 Some(ModuleBlock { bodies: start..start + block.bodies.len(), ..block.clone() })
             })
             .collect();
@@ -230,12 +236,12 @@ impl Limbs {
     }
 
     /// The robot's joint vector from lanes.
-    pub(super) fn vector_apart(&self, x: &[Expr], nv: usize) -> Vec<Expr> {
+    pub(super) fn unpack_vector(&self, x: &[Expr], nv: usize) -> Vec<Expr> {
         let mut apart = vec![constant(0.0); nv];
         for (&x, (of, _)) in x.iter().zip(&self.velocities) {
             for (lane, i) in of.iter().enumerate() {
                 if let Some(i) = *i {
-                    apart[i] = x.lane(lane);
+                    apart[i] = x.extract_lane(lane);
                 }
             }
         }
@@ -243,7 +249,7 @@ impl Limbs {
     }
 
     /// The robot's matrix by columns from lanes; entries of two different limbs are zero.
-    pub(super) fn matrix_apart(&self, columns: &[Expr], nv: usize) -> Vec<Expr> {
+    pub(super) fn unpack_matrix(&self, columns: &[Expr], nv: usize) -> Vec<Expr> {
         let n = self.velocities.len();
         let mut apart = vec![constant(0.0); nv * nv];
         for (c, (column, of)) in self.velocities.iter().enumerate() {
@@ -258,7 +264,7 @@ impl Limbs {
                         continue;
                     }
                     if let (Some(column), Some(row)) = (at(column), at(row)) {
-                        apart[column * nv + row] = columns[c * n + r].lane(lane);
+                        apart[column * nv + row] = columns[c * n + r].extract_lane(lane);
                     }
                 }
             }
@@ -289,8 +295,8 @@ fn join(model: &Mechanism<f64>, groups: &[Vec<Range<usize>>]) -> Vec<Vec<Range<u
     let fits = |one: &[Range<usize>], other: &[Range<usize>]| {
         let (a, b) = (chain(model, longest(one)), chain(model, longest(other)));
         let (Some(a), Some(b)) = (a, b) else { return false };
-        one.len() + other.len() <= MOST_JOINED
-            && a.len().abs_diff(b.len()) <= MOST_MISSING
+        one.len() + other.len() <= MAX_JOINED
+            && a.len().abs_diff(b.len()) <= MAX_MISSING
             && a.iter().zip(&b).all(|(a, b)| a == b)
     };
     for group in groups {
@@ -344,7 +350,7 @@ fn find_among(model: &Mechanism<f64>, limbs: &[Range<usize>], groups: &mut Vec<V
         }
         let all = [vec![limb], equal].concat();
         // One that is left over stays alone.
-        groups.extend(all.chunks(MOST).filter(|some| some.len() > 1).map(<[_]>::to_vec));
+        groups.extend(all.chunks(MAX_PACKED).filter(|some| some.len() > 1).map(<[_]>::to_vec));
     }
 }
 
@@ -368,7 +374,7 @@ fn lanes_of(lanes: &Lanes, x: &[Expr]) -> Expr {
 }
 
 fn beside(numbers: impl Iterator<Item = Expr>) -> Expr {
-    Expr::beside(&numbers.collect::<Vec<_>>())
+    Expr::pack(&numbers.collect::<Vec<_>>())
 }
 
 /// Constants side by side, as `each` lists them for the items.

@@ -19,9 +19,9 @@ use modyn_runtime::equations::{Forces, Workspace};
 use modyn_runtime::mechanism::{BodyFrame, Mechanism, MergedMechanism};
 use modyn_runtime::spatial::{Pose, Wrench};
 
-use crate::expr::{Expr, Graph};
+use crate::graph::{Expr, Graph};
 
-pub use limbs::Limbs;
+pub use limbs::LimbPacking;
 pub use parameters::Parameters;
 
 fn in_axes(forces: &[Wrench<Expr>], axes: Axes) -> Forces<'_, Expr> {
@@ -39,7 +39,7 @@ pub struct Tracer<'a> {
     model: &'a Mechanism<f64>,
     parameters: Parameters,
     /// Equal limbs that are computed side by side.
-    limbs: Option<&'a Limbs>,
+    limbs: Option<&'a LimbPacking>,
     /// How many columns of derivatives are.
     columns: usize,
     /// The one link of a model that has none.
@@ -89,7 +89,7 @@ impl<'a> Tracer<'a> {
 
     /// The same with equal limbs side by side. What is known of single links at run time only can't be.
     #[must_use]
-    pub fn abreast(&self, limbs: &'a Limbs) -> Self {
+    pub fn packed(&self, limbs: &'a LimbPacking) -> Self {
         let parameters = self.parameters.without_inertias();
         Self { model: self.model, parameters, limbs: Some(limbs), columns: 1, link: None }
     }
@@ -159,8 +159,8 @@ impl<'a> Tracer<'a> {
             let n = model.nv();
             let computed = equations(model, groups);
             let (first, rest) = computed.split_at(vectors * n);
-            let first = first.chunks(n).flat_map(|x| limbs.vector_apart(x, nv));
-            let rest = rest.chunks(n * n).flat_map(|x| limbs.matrix_apart(x, nv));
+            let first = first.chunks(n).flat_map(|x| limbs.unpack_vector(x, nv));
+            let rest = rest.chunks(n * n).flat_map(|x| limbs.unpack_matrix(x, nv));
             first.chain(rest).collect()
         })
     }
@@ -173,7 +173,7 @@ impl<'a> Tracer<'a> {
     /// The same, for equations of equal limbs side by side that take their lanes apart.
     fn trace_lanes<const G: usize>(
         &self,
-        limbs: &Limbs,
+        limbs: &LimbPacking,
         equations: impl FnOnce(&MergedMechanism<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
         self.trace(|whole, groups| {

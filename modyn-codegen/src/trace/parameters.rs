@@ -7,7 +7,7 @@ use modyn_runtime::model::{Inertial, Model, PARAMETERS_PER_LINK};
 use modyn_runtime::spatial::{RigidInertia, Vector3};
 
 use super::Tracer;
-use crate::expr::{Expr, Graph};
+use crate::graph::{Expr, Graph};
 
 /// The parts of a robot that are known at run time only.
 #[derive(Clone, Debug, Default)]
@@ -51,6 +51,22 @@ impl Parameters {
     #[must_use]
     pub fn len(&self) -> usize {
         self.inertial(self.inertias.len() + self.payloads.len())
+    }
+
+    /// The numbers as the description has them: this gravity, the links' own inertias, and no payloads.
+    #[must_use]
+    pub fn described(&self, gravity: [f64; 3]) -> Vec<f64> {
+        let mut numbers = Vec::with_capacity(self.len());
+        if self.gravity {
+            numbers.extend(gravity);
+        }
+        for (_, Inertial { mass, center_of_mass, inertia }) in &self.inertias {
+            numbers.push(*mass);
+            numbers.extend(center_of_mass);
+            numbers.extend(inertia);
+        }
+        numbers.resize(self.len(), 0.0);
+        numbers
     }
 
     /// Whether there are none.

@@ -5,7 +5,7 @@ use modyn_runtime::equations::{Workspace, identification::regressor};
 use modyn_runtime::model::PARAMETERS_PER_LINK;
 
 use super::Tracer;
-use crate::expr::{Expr, Graph};
+use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
     /// The regressor of the inertial parameters from `q`, `qd`, `qdd`, column by column: ten for

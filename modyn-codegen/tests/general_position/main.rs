@@ -6,7 +6,7 @@ mod mechanisms;
 mod reference;
 
 use mechanisms::{Mechanism, Random, all, lengths, rotated};
-use modyn_codegen::expr::Graph;
+use modyn_codegen::graph::Graph;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::brge::UduLayout;
@@ -92,9 +92,9 @@ struct Traced {
 
 impl Traced {
     fn new(model: &Model) -> Self {
-        let prepared = modyn_runtime::mechanism::Mechanism::new(model);
-        let tracer = Tracer::new(&prepared);
-        let layout = UduLayout::new(&prepared, &ModuleTree::chains(model));
+        let mechanism = modyn_runtime::mechanism::Mechanism::new(model);
+        let tracer = Tracer::new(&mechanism);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::chains(model));
         Self {
             forward_dynamics: optimize(tracer.constrained_forward_dynamics(&layout)),
             projection: optimize(tracer.project_constraints(&layout)),

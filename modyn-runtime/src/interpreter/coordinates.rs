@@ -57,7 +57,7 @@ impl<S: Scalar> Interpreter<S> {
 
     /// Checks that the quaternions of spherical and floating joints in `q` have length 1, to half of the scalar's digits:
     /// to 1.5e-8 in `f64`, to 3.5e-4 in `f32`. No other function checks it: with a quaternion of length 1.1, accelerations
-    /// are wrong by a part in a hundred or more.
+    /// are wrong by a part in a thousand or more.
     ///
     /// # Errors
     ///

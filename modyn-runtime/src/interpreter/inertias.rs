@@ -1,6 +1,7 @@
 //! Inertias that change at run time: a link's own, and payloads.
 
 use alloc::{string::String, vec, vec::Vec};
+use core::cmp::Ordering;
 use core::fmt;
 
 use super::Interpreter;
@@ -149,7 +150,8 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
     fn unfelt(&mut self, mechanism: &Mechanism<S>) -> Option<usize> {
         let Self { felt, pivots, workspace, .. } = self;
         singular::pivots(mechanism, epsilon(), workspace, pivots);
-        (0..felt.len()).rev().find(|&v| felt[v] && !(pivots[v] > S::zero()))
+        let positive = |v: usize| pivots[v].partial_cmp(&S::zero()) == Some(Ordering::Greater);
+        (0..felt.len()).rev().find(|&v| felt[v] && !positive(v))
     }
 }
 

@@ -33,7 +33,7 @@ pub(crate) type Constrained<R, V, T> = ConstrainedForwardDynamics<
 /// [`COORDINATE_NAMES`](Self::COORDINATE_NAMES) and [`VELOCITY_NAMES`](Self::VELOCITY_NAMES),
 /// matrices are arrays of columns; SI units, radians. Quaternions in coordinates must have length 1, which is not checked
 /// but by [`check_configuration`](Self::check_configuration): with one of length 1.1, accelerations are wrong by a part in a
-/// hundred or more.
+/// thousand or more.
 ///
 /// A robot has the functions that its option `functions` selects. Code for any robot requires the functions
 /// that it calls: [`functions`](crate::functions) has a trait for each.

@@ -1,6 +1,6 @@
 //! Several robots: one by its file, one by its type's name, and one with an odd axis, which is a
 //! warning of Cargo.
-use modyn_codegen::error::{Code, Diagnostics};
+use modyn_codegen::diagnostics::{Code, Diagnostics};
 use modyn_codegen::{Builder, FloatType};
 
 fn main() -> Result<(), Diagnostics> {

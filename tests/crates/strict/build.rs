@@ -1,6 +1,6 @@
 //! The same robots by the other door.
 use modyn_codegen::Builder;
-use modyn_codegen::error::Diagnostics;
+use modyn_codegen::diagnostics::Diagnostics;
 
 fn main() -> Result<(), Diagnostics> {
     Builder::new().urdf("../../../robots/gripper.urdf").compile()?;

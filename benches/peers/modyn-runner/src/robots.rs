@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use modyn_codegen::urdf::Base;
+use modyn_codegen::Base;
 
 /// A line of `robots.txt`.
 pub struct Robot {

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use modyn::{Interpreter, model::Model};
-use modyn_codegen::urdf::{Base, ReadOptions, read};
+use modyn_codegen::{Base, ReadOptions, read};
 
 use crate::interpreted::results;
 use crate::measure::CHECKED;

@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use modyn_codegen::{Function, tame};
+use modyn_codegen::Function;
+use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
 use tempfile::TempDir;
 
@@ -31,15 +32,15 @@ pub fn rustc() -> Result<Rustc, Failure> {
     let output = Command::new(&path).arg("--version").output();
     match output {
         Ok(output) if output.status.success() => {
-            let version = tame(String::from_utf8_lossy(&output.stdout).trim());
+            let version = sanitize_for_display(String::from_utf8_lossy(&output.stdout).trim());
             Ok(Rustc { path, version })
         }
         other => {
             let why = match other {
-                Ok(output) => tame(String::from_utf8_lossy(&output.stderr).trim()),
+                Ok(output) => sanitize_for_display(String::from_utf8_lossy(&output.stderr).trim()),
                 Err(error) => error.to_string(),
             };
-            let path = tame(&path.to_string_lossy());
+            let path = sanitize_for_display(&path.to_string_lossy());
             Err(Failure::usage(format!(
                 "error: `compare` compiles the robot's code with rustc, and `{path}` cannot be run ({why})\n\
                  help: install Rust {} or later (rustup.rs), or set RUSTC to the path of a rustc",
@@ -107,13 +108,13 @@ impl Harness<'_> {
         if !output.status.success() {
             let kept = temporary.map(TempDir::keep).unwrap_or(folder);
             let said = String::from_utf8_lossy(&output.stderr);
-            let said: Vec<String> = said.lines().take(40).map(tame).collect();
+            let said: Vec<String> = said.lines().take(40).map(sanitize_for_display).collect();
             return Err(Failure::No(format!(
                 "{}\nerror: {} does not compile the generated code, which is kept in {}\n\
                  help: it needs Rust {} or later; if that is so, please report this with the description",
                 said.join("\n"),
                 self.rustc.version,
-                tame(&kept.display().to_string()),
+                sanitize_for_display(&kept.display().to_string()),
                 env!("CARGO_PKG_RUST_VERSION"),
             )));
         }
@@ -164,7 +165,7 @@ impl Program {
             Failure::usage(format!("error: the compiled program cannot be run: {error}"))
         })?;
         if !output.status.success() {
-            let said = tame(String::from_utf8_lossy(&output.stderr).trim());
+            let said = sanitize_for_display(String::from_utf8_lossy(&output.stderr).trim());
             return Err(Failure::No(format!("error: the compiled program fails: {said}")));
         }
         let mut numbers = output

@@ -9,8 +9,9 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use modyn_codegen::error::Diagnostics;
-use modyn_codegen::{Function, ModuleChoice, condition_number, tame};
+use modyn_codegen::diagnostics::Diagnostics;
+use modyn_codegen::diagnostics::sanitize_for_display;
+use modyn_codegen::{Function, ModuleChoice, condition_number};
 use modyn_runtime::model::Model;
 use modyn_runtime::{Interpreter, ShapeError};
 use serde_json::{Value, json};
@@ -124,7 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         as_text(&model, &rows, arguments, compiled_in, &rustc.version)
     })?;
     if let Some(folder) = &arguments.keep {
-        to_stderr(&format!("kept in {}\n", tame(&folder.display().to_string())));
+        to_stderr(&format!("kept in {}\n", sanitize_for_display(&folder.display().to_string())));
     }
     if rows.iter().all(Row::agrees) { Ok(()) } else { Err(Failure::Said) }
 }
@@ -251,7 +252,7 @@ fn as_text(
     };
     format!(
         "{}: {} states (seed {}), {version}, compiled in {:.1} s{note}\n\n{}\n{verdict}\n",
-        tame(model.name()),
+        sanitize_for_display(model.name()),
         arguments.states,
         arguments.seed,
         compiled_in.as_secs_f64(),

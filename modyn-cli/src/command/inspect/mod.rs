@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
-use modyn_codegen::error::{Code, Diagnostic, Diagnostics};
-use modyn_codegen::urdf::Reading;
+use modyn_codegen::Reading;
+use modyn_codegen::diagnostics::{Code, Diagnostic, Diagnostics};
 use modyn_codegen::{Builder, Function, ModuleChoice, condition_number};
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Model, ModuleTree};
@@ -121,9 +121,10 @@ fn costs(
     }
     match builder.generate() {
         Ok(generated) => {
-            let written: BTreeMap<_, _> = generated.written.into_iter().collect();
+            let static_operations: BTreeMap<_, _> =
+                generated.static_operations.into_iter().collect();
             let cost = |(name, operations)| {
-                let bytes = written.get(name).map(size::bytes);
+                let bytes = static_operations.get(name).map(size::bytes);
                 Cost { name, operations, bytes }
             };
             Ok(Ok(generated.operations.into_iter().map(cost).collect()))

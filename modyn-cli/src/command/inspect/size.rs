@@ -11,7 +11,7 @@ const AN_OPERATION: f64 = 14.2;
 const SIN_COS: f64 = 3850.0;
 
 /// Of the operations that stand in a function.
-pub fn bytes(written: &OperationCount) -> f64 {
-    let sin_cos = if written.sin_cos > 0 { SIN_COS } else { 0.0 };
-    AN_OPERATION * written.total() as f64 + sin_cos
+pub fn bytes(static_operations: &OperationCount) -> f64 {
+    let sin_cos = if static_operations.sin_cos > 0 { SIN_COS } else { 0.0 };
+    AN_OPERATION * static_operations.total() as f64 + sin_cos
 }

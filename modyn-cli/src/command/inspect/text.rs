@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use modyn_codegen::{CARRIED_BY_F32, tame};
+use modyn_codegen::CARRIED_BY_F32;
+use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::{Friction, Link, LoopConstraint, Model, ModuleTree};
 
 use super::{Cost, Inspection, advice};
@@ -23,7 +24,7 @@ pub fn of(inspection: &Inspection) -> String {
     let Inspection { model, modules, advice, condition, costs, .. } = inspection;
     let mut out = format!(
         "{}: {} moving links, {} coordinates, {} velocities, {} kg\n",
-        tame(model.name()),
+        sanitize_for_display(model.name()),
         model.links().len(),
         model.nq(),
         model.nv(),
@@ -41,11 +42,15 @@ pub fn of(inspection: &Inspection) -> String {
             "Functions: operations of a call, and machine code (about; x86-64, f64)",
             &functions(costs),
         ),
-        Err(why) => section(&mut out, "Functions", &format!("{}\n", tame(&why.to_string()))),
+        Err(why) => {
+            section(&mut out, "Functions", &format!("{}\n", sanitize_for_display(&why.to_string())))
+        }
     }
     section(&mut out, "Conditioning", &conditioning(*condition));
     if !advice.is_empty() {
-        let line = |one: &advice::Advice| format!("link `{}`: {}\n", tame(&one.link), one.message);
+        let line = |one: &advice::Advice| {
+            format!("link `{}`: {}\n", sanitize_for_display(&one.link), one.message)
+        };
         let mut lines: String = advice.iter().take(MOST_ADVICE).map(line).collect();
         if advice.len() > MOST_ADVICE {
             let _ = writeln!(lines, "... and {} more", advice.len() - MOST_ADVICE);
@@ -59,9 +64,15 @@ pub fn of(inspection: &Inspection) -> String {
 /// What closes loops.
 fn loops(model: &Model) -> String {
     let line = |constraint: &LoopConstraint| {
-        let [first, second] =
-            constraint.ends.each_ref().map(|end| tame(&model.frames()[end.frame].name));
-        format!("{} ({}): {first} and {second}\n", tame(&constraint.name), constraint.kind.name())
+        let [first, second] = constraint
+            .ends
+            .each_ref()
+            .map(|end| sanitize_for_display(&model.frames()[end.frame].name));
+        format!(
+            "{} ({}): {first} and {second}\n",
+            sanitize_for_display(&constraint.name),
+            constraint.kind.name()
+        )
     };
     model.loop_constraints().iter().map(line).collect()
 }
@@ -96,7 +107,7 @@ fn joints(model: &Model) -> String {
         };
         table.row([
             place,
-            tame(&joint.name),
+            sanitize_for_display(&joint.name),
             joint.joint_type.name().into(),
             vector(&joint.axis),
             parent(model, link),
@@ -111,7 +122,7 @@ fn joints(model: &Model) -> String {
 }
 
 fn parent(model: &Model, link: &Link) -> String {
-    link.parent.map_or_else(|| "the base".into(), |p| tame(&model.links()[p].name))
+    link.parent.map_or_else(|| "the base".into(), |p| sanitize_for_display(&model.links()[p].name))
 }
 
 /// Whether damping acts, and whether Coulomb friction does.
@@ -125,7 +136,7 @@ fn notes(model: &Model, link: usize) -> String {
     let joint = &model.links()[link].joint;
     let mut notes = Vec::new();
     if let Some(mimic) = model.mimic(link) {
-        let leader = tame(&model.links()[mimic.leader].joint.name);
+        let leader = sanitize_for_display(&model.links()[mimic.leader].joint.name);
         let (ratio, offset) = (figure(mimic.multiplier), figure(mimic.offset));
         notes.push(format!("follows {leader} times {ratio} plus {offset}"));
     }
@@ -148,12 +159,12 @@ fn links(model: &Model) -> String {
     let mut carried = vec![Vec::new(); model.links().len()];
     for frame in model.frames() {
         if let Some(link) = frame.link.filter(|&link| model.links()[link].name != frame.name) {
-            carried[link].push(tame(&frame.name));
+            carried[link].push(sanitize_for_display(&frame.name));
         }
     }
     for (link, carried) in model.links().iter().zip(&carried) {
         table.row([
-            tame(&link.name),
+            sanitize_for_display(&link.name),
             figure(link.inertial.mass),
             vector(&link.inertial.center_of_mass),
             vector(&link.inertial.principal_moments()),
@@ -180,7 +191,8 @@ fn tree(model: &Model, tree: &ModuleTree) -> String {
     put(&mut waiting, &roots, "");
     while let Some((m, indent, last)) = waiting.pop() {
         let links = modules[m].links.clone();
-        let names: Vec<String> = links.map(|i| tame(&model.links()[i].name)).collect();
+        let names: Vec<String> =
+            links.map(|i| sanitize_for_display(&model.links()[i].name)).collect();
         let (branch, below) = if last { ("└─", "   ") } else { ("├─", "│  ") };
         let _ = writeln!(out, "{indent}{branch} {m}: {}", names.join(" ─ "));
         put(&mut waiting, &modules[m].children, &format!("{indent}{below}"));

@@ -10,8 +10,8 @@ mod units;
 use std::path::PathBuf;
 
 use clap::Args;
-use modyn_codegen::error::Diagnostics;
-use modyn_codegen::tame;
+use modyn_codegen::diagnostics::Diagnostics;
+use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
 
 use crate::command::figure::numbers;
@@ -127,7 +127,7 @@ impl Arguments {
                 "error: `--{name}` must be {} numbers but is {}: {}",
                 names.len(),
                 numbers.len(),
-                tame(&names.join(", "))
+                sanitize_for_display(&names.join(", "))
             ))),
             Some(Numbers(numbers)) => Ok(Some(numbers.clone())),
             None => Ok(None),
@@ -143,7 +143,7 @@ impl Arguments {
 fn summary(model: &Model, motion: &Motion) -> String {
     let mut out = format!(
         "{}: {} s in {} steps; energy drifts by {:.1e} J, with {:.1e} J kinetic at most\n",
-        tame(model.name()),
+        sanitize_for_display(model.name()),
         motion.samples.last().map_or(0.0, |sample| sample.time),
         motion.steps,
         motion.drift(),
@@ -156,7 +156,7 @@ fn summary(model: &Model, motion: &Motion) -> String {
             0 => String::new(),
             more => format!(" and {more} more"),
         };
-        let shown = tame(&shown.join(", "));
+        let shown = sanitize_for_display(&shown.join(", "));
         out += &format!("beyond their limits, which are not enforced: {shown}{more}\n");
     }
     out

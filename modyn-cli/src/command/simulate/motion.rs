@@ -3,7 +3,7 @@
 //! `modyn::simulate` has such steps for generated robots, whose states are arrays; here their sizes are known at
 //! run time only, and the work of what drives and brakes the joints is integrated along.
 
-use modyn_codegen::tame;
+use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::{Friction, Model};
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, Interpreter, ShapeError};
@@ -262,7 +262,7 @@ pub fn closed(
         Some((_, constraint)) => Err(Failure::No(format!(
             "error: the loop of joint `{}` cannot be closed from where the robot starts: give coordinates near \
              closed ones by `--q`, or others by `--random`",
-            tame(&constraint.name)
+            sanitize_for_display(&constraint.name)
         ))),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use modyn_codegen::tame;
+use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
@@ -54,7 +54,7 @@ fn draw(text: &mut String, model: &Model, motion: &Motion) -> Result<(), Box<dyn
     let size = (2 * PANEL.0, 40 + rows * PANEL.1);
     let root = SVGBackend::with_string(text, size).into_drawing_area();
     root.fill(&WHITE)?;
-    let root = root.titled(&tame(model.name()), ("sans-serif", 24))?;
+    let root = root.titled(&sanitize_for_display(model.name()), ("sans-serif", 24))?;
     for (panel, area) in panels.iter().zip(root.split_evenly((rows as usize, 2))) {
         draw_panel(panel, &samples, &area)?;
     }
@@ -115,7 +115,10 @@ fn grouped(
         let entries: Vec<usize> = (0..names.len()).filter(|&i| kinds[i] == kind).collect();
         for entries in entries.chunks(CURVES.len()) {
             let curve = |&i: &usize| {
-                (tame(&names[i]), samples.iter().map(|sample| get(sample)[i]).collect())
+                (
+                    sanitize_for_display(&names[i]),
+                    samples.iter().map(|sample| get(sample)[i]).collect(),
+                )
             };
             let curves = entries.iter().map(curve).collect();
             panels.push(Panel { title: title.into(), unit: unit(kind), curves });

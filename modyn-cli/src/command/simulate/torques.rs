@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
-use modyn_codegen::tame;
+use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
 
 use crate::command::figure::number;
@@ -26,9 +26,9 @@ impl Torques {
     /// From a file: rows of a time and a torque for each velocity; or under a row that names the velocities in
     /// any order, of which those that are left out are zero.
     pub fn read(path: &Path, model: &Model) -> Result<Self, Failure> {
-        let name = tame(&path.display().to_string());
+        let name = sanitize_for_display(&path.display().to_string());
         let bad = |line: u64, message: String| {
-            Failure::usage(format!("error: {name}:{line}: {}", tame(&message)))
+            Failure::usage(format!("error: {name}:{line}: {}", sanitize_for_display(&message)))
         };
         let reader = ReaderBuilder::new()
             .has_headers(false)

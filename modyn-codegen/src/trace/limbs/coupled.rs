@@ -1,26 +1,30 @@
 //! Matrices that couple equal limbs through their trunk, from lanes.
 
-use super::{Limbs, constant};
-use crate::expr::Expr;
+use super::{LimbPacking, constant};
+use crate::graph::Expr;
 
 /// An entry of the robot's joint vectors: a degree of freedom of the robot that has one limb in place of
 /// equal ones, and the limb.
 type Entry = (usize, usize);
 
-impl Limbs {
+impl LimbPacking {
     /// The robot's matrix by columns from lanes, and from those `across` limbs.
-    pub(in crate::trace) fn coupled_apart(&self, columns: &[Expr], across: &[Expr]) -> Vec<Expr> {
-        self.entries_apart(|row, column| self.entry(columns, across, row, column))
+    pub(in crate::trace) fn unpack_coupled(&self, columns: &[Expr], across: &[Expr]) -> Vec<Expr> {
+        self.unpack_entries(|row, column| self.entry(columns, across, row, column))
     }
 
     /// The same for a symmetric matrix: an entry and its mirror image are one.
-    pub(in crate::trace) fn symmetric_apart(&self, columns: &[Expr], across: &[Expr]) -> Vec<Expr> {
-        self.entries_apart(|row, column| {
+    pub(in crate::trace) fn unpack_symmetric(
+        &self,
+        columns: &[Expr],
+        across: &[Expr],
+    ) -> Vec<Expr> {
+        self.unpack_entries(|row, column| {
             self.entry(columns, across, row.min(column), row.max(column))
         })
     }
 
-    fn entries_apart(&self, entry: impl Fn(Entry, Entry) -> Expr) -> Vec<Expr> {
+    fn unpack_entries(&self, entry: impl Fn(Entry, Entry) -> Expr) -> Vec<Expr> {
         let all = || {
             let each = self.velocities.iter().enumerate();
             each.flat_map(|(d, (of, _))| {
@@ -47,10 +51,10 @@ impl Limbs {
         if of_two && (group(row), row.1) != (group(column), column.1) {
             let before: usize = self.velocities[..row.0].iter().map(|(of, _)| of.len()).sum();
             let rows = across.len() / self.velocities.len();
-            return across[column.0 * rows + before + row.1].lane(column.1);
+            return across[column.0 * rows + before + row.1].extract_lane(column.1);
         }
         // A number of the trunk is the same for all.
         let limb = if group(column).is_some() { column.1 } else { row.1 };
-        columns[column.0 * self.velocities.len() + row.0].lane(limb)
+        columns[column.0 * self.velocities.len() + row.0].extract_lane(limb)
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use modyn::{Interpreter, batch::Level};
-use modyn_codegen::urdf::{Base, ReadOptions, read};
+use modyn_codegen::{Base, ReadOptions, read};
 use modyn_neon::{Arm, Flying, Humanoid, Quadruped, SingleArm, SingleFlying};
 
 /// Relative to the largest number of a result: for `f64`, and for `f32` against `f64` at the same state.

@@ -1,0 +1,171 @@
+//! From a tree of links and joints to the links that move: links that fixed joints connect become one body.
+
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::{self, Inertial, Joint, Link};
+use modyn_runtime::spatial::Pose;
+
+use super::tree::Tree;
+use crate::check::{self, InertialView, JointView, LinkView};
+use crate::description::{Base, Description, JointRecord, Kind, LinkRecord, MimicRecord};
+use crate::diagnostics::Report;
+
+/// A moving body: a link that a joint moves, and all that is fixed to it.
+pub struct MergedBody {
+    /// The moving link, then those fixed to it, as indices into the description.
+    pub links: Vec<usize>,
+    /// The joint; `None` for a base that floats.
+    pub joint: Option<usize>,
+    /// Whether its inertia and its joint are known, so that its motion can be judged.
+    pub known: bool,
+}
+
+/// The bodies while they are put together.
+pub struct Assembly {
+    pub links: Vec<Link>,
+    pub bodies: Vec<MergedBody>,
+    /// By link of the description: the moving link that carries it, and its pose there.
+    pub place: Vec<(Option<usize>, Pose<f64>)>,
+}
+
+/// Assigns each link to its body: a link that is fixed to a moving link is merged into it.
+pub fn merge(
+    description: &Description,
+    tree: &Tree,
+    base: Base,
+    report: &mut Report<'_>,
+) -> Assembly {
+    let place = vec![(None, Pose::identity()); description.links.len()];
+    let mut assembly = Assembly { links: Vec::new(), bodies: Vec::new(), place };
+    for &link in &tree.order {
+        let part = &description.links[link];
+        if let Some(j) = tree.joint[link] {
+            let joint = &description.joints[j];
+            let above = tree.parent[j].map_or((None, Pose::identity()), |p| assembly.place[p]);
+            let origin = placed(joint, &above.1, report);
+            assembly.place[link] = match moving(joint, origin) {
+                None => (above.0, origin),
+                Some(moved) => {
+                    let known = joint.sound && joint.kind != Kind::Unknown;
+                    assembly.push(part, above.0, moved, Some(j), known)
+                }
+            };
+            if let (Some(carrier), false) = (assembly.place[link].0, joint.sound) {
+                assembly.bodies[carrier].known = false;
+            }
+        } else if base == Base::Floating {
+            let up = [0.0, 0.0, 1.0];
+            let joint =
+                Joint::new(base_name(description), JointType::Floating, up, Pose::identity());
+            assembly.place[link] = assembly.push(part, None, joint, None, true);
+        }
+        assembly.carry(link, part);
+    }
+    assembly
+}
+
+impl Assembly {
+    /// Takes a link that moves; its place is itself.
+    fn push(
+        &mut self,
+        part: &LinkRecord,
+        parent: Option<usize>,
+        joint: Joint,
+        index: Option<usize>,
+        known: bool,
+    ) -> (Option<usize>, Pose<f64>) {
+        let name = part.name.text.clone();
+        self.links.push(Link { name, parent, joint, inertial: Inertial::default() });
+        self.bodies.push(MergedBody { links: Vec::new(), joint: index, known });
+        (Some(self.links.len() - 1), Pose::identity())
+    }
+
+    /// Adds the inertia of a link of the description to the moving link that carries it.
+    fn carry(&mut self, link: usize, part: &LinkRecord) {
+        // What is fixed to the world moves nothing.
+        let (Some(carrier), pose) = self.place[link] else { return };
+        let body = &mut self.bodies[carrier];
+        body.links.push(link);
+        if let Some(own) = &part.inertial {
+            let sum = &mut self.links[carrier].inertial;
+            *sum = sum.merged(&own.inertial.transformed(&pose));
+        }
+    }
+
+    /// Has joints follow their leaders, which may stand anywhere in the tree.
+    pub fn follow(&mut self, description: &Description, leaders: &[Option<usize>], follows: bool) {
+        let mut moved_by = vec![None; description.joints.len()];
+        for (i, body) in self.bodies.iter().enumerate() {
+            if let Some(joint) = body.joint {
+                moved_by[joint] = Some(i);
+            }
+        }
+        for (link, body) in self.links.iter_mut().zip(&mut self.bodies) {
+            let Some(joint) = body.joint else { continue };
+            let Some(mimic) = &description.joints[joint].mimic else { continue };
+            if let Some(leader) = leaders[joint].and_then(|leader| moved_by[leader]) {
+                let MimicRecord { multiplier, offset, .. } = *mimic;
+                link.joint.mimic = Some(model::Mimic { leader, multiplier, offset });
+            } else if follows {
+                body.known = false;
+            }
+        }
+    }
+}
+
+/// A joint's frame in that of the body that carries it, where its parent stands at `above`.
+fn placed(joint: &JointRecord, above: &Pose<f64>, report: &mut Report<'_>) -> Pose<f64> {
+    let origin = above.compose(&joint.origin);
+    let near = check::is_near(&origin, Some(joint.name.at), &joint.subject(), report);
+    if near { origin } else { Pose::identity() }
+}
+
+/// The joint, if it moves.
+fn moving(part: &JointRecord, origin: Pose<f64>) -> Option<Joint> {
+    let joint_type = match part.kind {
+        Kind::Fixed => return None,
+        Kind::Moving(joint_type) => joint_type,
+        // It is an error already; the rest can be checked all the same.
+        Kind::Unknown => JointType::Revolute,
+    };
+    Some(Joint {
+        second_axis: part.second_axis,
+        limits: part.limits,
+        drive: part.drive,
+        ..Joint::new(part.name.text.clone(), joint_type, part.axis, origin)
+    })
+}
+
+/// What the joint is called that the base floats by: a name that no other joint has.
+fn base_name(description: &Description) -> String {
+    let taken = description.joints_by_name();
+    let numbered = (1..).map(|n| format!("floating_base_{n}"));
+    let mut names = std::iter::once("floating_base".into()).chain(numbered);
+    names.find(|name: &String| !taken.contains_key(name.as_str())).unwrap_or_default()
+}
+
+impl MergedBody {
+    /// The body as it is checked.
+    pub fn view<'d>(&self, description: &'d Description) -> check::Body<'d> {
+        let joint = self.joint.map(|joint| {
+            let record = &description.joints[joint];
+            JointView {
+                name: &record.name.text,
+                at: Some(record.name.at),
+                mimic_at: record.mimic.as_ref().map(|mimic| mimic.leader.at),
+                drive: record.drive,
+                drive_at: Some(record.drive_at),
+            }
+        });
+        let link = |&link: &usize| {
+            let LinkRecord { name, inertial, auxiliary } = &description.links[link];
+            let inertial = inertial.as_ref().map(|own| InertialView {
+                inertial: own.inertial,
+                at: Some(own.at),
+                mass_at: Some(own.mass_at),
+                sound: own.sound,
+            });
+            LinkView { name: &name.text, at: Some(name.at), inertial, auxiliary: *auxiliary }
+        };
+        check::Body { joint, links: self.links.iter().map(link).collect(), known: self.known }
+    }
+}

@@ -1,0 +1,104 @@
+//! From a description to a model: the tree, merging of fixed joints, mimics, loops, rotors.
+//!
+//! ```text
+//! Description ─ rotors, loops of the options ─ mimics ─▶ leaders ─┐
+//!              └ tree ─▶ order ─ bodies ─▶ moving links ─ check ──┴▶ Model
+//! ```
+//!
+//! Each step reports all that is wrong with it and goes on as far as it can.
+
+mod bodies;
+mod cycles;
+mod loops;
+mod mimics;
+mod rotors;
+mod tree;
+
+use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Model};
+
+use crate::check::{self, Body};
+use crate::description::{Description, Kind, Mimic, ReadOptions};
+use crate::diagnostics::{Code, Report, Subject};
+use bodies::Assembly;
+
+/// The model; `None` with errors in the report.
+pub fn assemble(
+    mut description: Description,
+    options: &ReadOptions,
+    report: &mut Report<'_>,
+) -> Option<Model> {
+    rotors::apply(&mut description, &options.rotors, report);
+    let loops: Vec<_> =
+        options.loops.iter().map(|option| loops::of_option(option, report)).collect();
+    description.loops.extend(loops);
+    let description = &description;
+    for joint in description.joints.iter().filter(|joint| joint.kind != Kind::Fixed) {
+        check::motion::drive(&joint.drive, Some(joint.drive_at), &joint.subject(), report);
+    }
+    let leaders = mimics::leaders(description, options.mimic, report);
+    let tree = tree::grow(description, report)?;
+    let mut assembly = bodies::merge(description, &tree, options.base, report);
+    assembly.follow(description, &leaders, options.mimic != Mimic::Independent);
+    model(description, assembly, options, report)
+}
+
+/// Checks the parts and the whole.
+fn model(
+    description: &Description,
+    assembly: Assembly,
+    options: &ReadOptions,
+    report: &mut Report<'_>,
+) -> Option<Model> {
+    let Assembly { mut links, bodies, place } = assembly;
+    if links.is_empty() {
+        let help = "make a joint `revolute`, `continuous` or `prismatic`, or let the base float";
+        let message = "no joint of the robot moves";
+        report.error(Code::NoMovingJoint, description.at, None, message, help);
+    }
+    let mut bodies: Vec<Body> = bodies.iter().map(|body| body.view(description)).collect();
+    for (link, body) in links.iter_mut().zip(&mut bodies) {
+        if !check::inertia::check(body, &link.inertial, options.unphysical_inertia, report) {
+            // Its error is reported; with this, the motions of the other bodies can be judged.
+            body.known = false;
+            link.inertial = STAND_IN;
+        }
+    }
+    check::inertia::densities(&bodies, report);
+    check::motion::inactive_friction(&bodies, options.friction, report);
+    let carriers: Vec<_> = place.iter().map(|(carrier, _)| *carrier).collect();
+    let loop_constraints = loops::loop_constraints(description, &carriers, report);
+    let errors = report.errors();
+    let frames = description.links.iter().zip(place).map(|(record, (link, pose))| Frame {
+        name: record.name.text.clone(),
+        link,
+        pose,
+        inertial: record.inertial.as_ref().map_or_else(Inertial::default, |own| own.inertial),
+    });
+    let gravity = options.gravity.or(description.gravity).unwrap_or(DEFAULT_GRAVITY);
+    let model = Model::new(description.name.as_str(), gravity, links, frames.collect())
+        .and_then(|model| model.with_friction(options.friction.unwrap_or_default()))
+        .and_then(|model| {
+            if errors > 0 { Ok(model) } else { model.with_loop_constraints(loop_constraints) }
+        });
+    let model = match model {
+        Ok(model) => model,
+        // One of the errors above.
+        Err(_) if errors > 0 => return None,
+        Err(errors) => {
+            // All of this has been checked. Should a check be missing, the user hears of it here.
+            for error in errors {
+                let subject = Subject::Robot(description.name.clone());
+                let (at, message) = (description.at, error.to_string());
+                let help = "this is a fault of modyn: please report it with the file";
+                report.error(Code::InvalidModel, at, Some(&subject), message, help);
+            }
+            return None;
+        }
+    };
+    check::motion::check(&bodies, &model, report);
+    (report.errors() == 0).then_some(model)
+}
+
+/// The inertia that replaces an unreadable one, so that the other bodies can be checked.
+const STAND_IN: Inertial =
+    Inertial { mass: 1.0, center_of_mass: [0.0; 3], inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0] };

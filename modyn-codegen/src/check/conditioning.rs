@@ -1,0 +1,67 @@
+//! Whether single precision carries a robot's dynamics.
+
+use modyn_runtime::equations::kinematics::coordinates;
+use modyn_runtime::mechanism::Mechanism;
+use modyn_runtime::model::Model;
+use modyn_runtime::{Interpreter, Portable, Scalar as _, jacobi};
+
+use crate::diagnostics::{Code, Diagnostic, Severity, Subject};
+
+/// At how many states it is looked.
+const STATES: u32 = 8;
+
+/// Largest robot that it is found for: the eigenvalues take the cube of its size.
+const MOST_VELOCITIES: usize = 100;
+
+/// The largest condition number for which single precision, with its 24 bits, is sure to be left two
+/// digits.
+pub const CARRIED_BY_F32: f64 = 1e5;
+
+/// The largest condition number (2-norm) of the mass matrix at a few states spread over the
+/// joints' ranges, its rows and columns scaled to a diagonal of ones: elimination does not see the
+/// units of the joints, nor that a shoulder moves more than a wrist, so this and not the matrix's own
+/// number bounds what it loses (Higham 2002, "Accuracy and Stability of Numerical Algorithms",
+/// sect. 10.1). `None` for a robot that is too large.
+#[must_use]
+pub fn condition_number(model: &Model) -> Option<f64> {
+    let nv = model.nv();
+    if nv > MOST_VELOCITIES {
+        return None;
+    }
+    let mechanism = Mechanism::new(model);
+    // The warning is part of the generated text, which is the same on every host.
+    let mechanism = mechanism.cast::<Portable>();
+    let mut interpreter = Interpreter::<Portable>::new(model.clone());
+    let mut q = vec![Portable(0.0); model.nq()];
+    let mut matrix = vec![Portable(0.0); nv * nv];
+    let mut worst = 1.0_f64;
+    let mut number = 0.0_f64;
+    let mut uniform = || {
+        // Steps of the golden ratio are spread evenly.
+        number = (number + 0.618_033_988_749_894_9).fract();
+        Portable(number)
+    };
+    for _ in 0..STATES {
+        coordinates::random(&mechanism, &mut uniform, &mut q);
+        interpreter.mass_matrix(&q, &mut matrix).ok()?;
+        let scale: Vec<Portable> = (0..nv).map(|i| matrix[i * (nv + 1)].sqrt().recip()).collect();
+        for (j, column) in matrix.chunks_mut(nv).enumerate() {
+            column.iter_mut().zip(&scale).for_each(|(x, &s)| *x = *x * s * scale[j]);
+        }
+        worst = worst.max(jacobi::condition_number(&mut matrix, nv).0);
+    }
+    Some(worst)
+}
+
+/// Warns of a robot whose dynamics single precision does not carry.
+pub(crate) fn warning(model: &Model) -> Option<Diagnostic> {
+    let number = condition_number(model).filter(|&number| number > CARRIED_BY_F32)?;
+    let message = format!(
+        "single precision may be left no digits of the accelerations: the condition number of the \
+         mass matrix (scaled to a diagonal of ones) reaches {number:.1e}"
+    );
+    let help = "use f64, or compare with it at states that matter: the number bounds what is lost, \
+                which can be far less; often a link is very light beside what hangs on it";
+    let warning = Diagnostic::new(Severity::Warning, Code::IllConditioned, message);
+    Some(warning.about(Subject::Robot(model.name().into())).with_help(help))
+}

@@ -1,0 +1,150 @@
+//! Whether bodies can have their masses and inertias.
+
+use modyn_runtime::model::{Inertial, InertialDefect};
+
+use super::{Body, LinkView};
+use crate::description::LARGEST;
+use crate::diagnostics::{Code, Place, Report, Severity};
+
+/// Checks whether a body with this inertia as a whole can exist; `false` with an error in the report.
+pub fn check(body: &Body, whole: &Inertial, unphysical: Severity, report: &mut Report<'_>) -> bool {
+    let negative = check_masses(body, report);
+    let sound = body.inertials().all(|(_, own)| own.sound);
+    sound && check_whole(body, whole, negative, unphysical, report) && !negative
+}
+
+/// Whether a link of the body has a mass below 0. That is wrong wherever it hangs: in a sum it would go
+/// unseen. No option lets it through, since the equations have no meaning with it.
+fn check_masses(body: &Body, report: &mut Report<'_>) -> bool {
+    let errors = report.errors();
+    for (link, own) in body.inertials().filter(|(_, own)| own.inertial.mass < 0.0) {
+        let message = format!("the mass is {} kg", own.inertial.mass);
+        let help = "write a mass of at least 0";
+        report.error(Code::NegativeMass, own.mass_at, Some(&link.subject()), message, help);
+    }
+    report.errors() > errors
+}
+
+fn check_whole(
+    body: &Body,
+    whole: &Inertial,
+    negative: bool,
+    severity: Severity,
+    report: &mut Report<'_>,
+) -> bool {
+    let Some((moving, fixed)) = body.links.split_first() else { return true };
+    let at = body.inertials().next().map_or(moving.at, |(_, own)| own.at);
+    let figures = [whole.mass].into_iter().chain(whole.center_of_mass).chain(whole.inertia);
+    if !figures.into_iter().all(|x| x.abs() < LARGEST) {
+        let message = "the figures of the inertia are too large to compute with";
+        let help = "write kg, m and kg m^2";
+        report.error(Code::NotFinite, at, Some(&moving.subject()), message, help);
+        return false;
+    }
+    if negative {
+        // The sum says nothing then; the parts that are to be repaired say for themselves.
+        for (link, own) in body.inertials() {
+            let Inertial { mass, .. } = own.inertial;
+            let repaired = Inertial { mass: mass.abs(), ..own.inertial };
+            if let Some(defect) = repaired.defect().filter(|_| mass < 0.0) {
+                let (code, help) = advice(&defect);
+                report.add(severity, code, own.at, Some(&link.subject()), defect.to_string(), help);
+            }
+        }
+    } else if let Some(defect) = whole.defect() {
+        let (code, help) = advice(&defect);
+        let message = format!("{defect}{}", fixed_names(fixed));
+        report.add(severity, code, at, Some(&moving.subject()), message, help);
+        return severity == Severity::Warning;
+    }
+    true
+}
+
+/// The kind of a defect, and what to do about it.
+fn advice(defect: &InertialDefect) -> (Code, String) {
+    let (code, help) = match defect {
+        InertialDefect::NegativeMass(_) => {
+            return (Code::NegativeMass, "write a mass of at least 0".into());
+        }
+        InertialDefect::InertiaWithoutMass => {
+            (Code::InertiaWithoutMass, "write the mass, or zeros for the rotational inertia")
+        }
+        InertialDefect::NotPositiveSemidefinite(_) => (
+            Code::IndefiniteInertia,
+            "check the signs of ixy, ixz, iyz and whether the inertia is about the centre of mass",
+        ),
+        _ => (
+            Code::TriangleInequality,
+            "check ixx, iyy, izz and whether the inertia is about the centre of mass",
+        ),
+    };
+    (code, format!("{help}; or take it as it is with the option `unphysical_inertia = warn`"))
+}
+
+fn fixed_names(fixed: &[LinkView]) -> String {
+    let mut heavy =
+        fixed.iter().filter(|link| link.inertial.is_some()).map(|link| format!("`{}`", link.name));
+    let names: Vec<String> = heavy.by_ref().take(10).collect();
+    let more = if heavy.next().is_some() { ", ..." } else { "" };
+    if names.is_empty() {
+        String::new()
+    } else {
+        format!(" (together with what is fixed to it: {}{more})", names.join(", "))
+    }
+}
+
+/// Warns of links whose mass is impossibly large for their inertia.
+pub fn densities(bodies: &[Body], report: &mut Report<'_>) {
+    let mut places: Vec<Place> = Vec::new();
+    let mut message = String::new();
+    for (link, own) in bodies.iter().flat_map(Body::inertials).filter(|(_, own)| own.sound) {
+        let Some(found) = implausible(&own.inertial) else { continue };
+        if places.is_empty() {
+            message = found;
+        }
+        places.push((own.mass_at, Some(link.subject())));
+    }
+    let help =
+        "write the mass in kg (not in g), and the inertia in kg m^2 about the centre of mass";
+    report.warn_once(Code::ImplausibleMass, &places, &message, help);
+}
+
+/// Denser than any material (osmium has 22,600), kg/m^3.
+const DENSEST: f64 = 30_000.0;
+
+/// A smaller radius of gyration is that of a point mass after rounding, m.
+const POINT: f64 = 1e-6;
+
+/// Returns a message if no body can have this mass and inertia at once. Among all bodies of one volume and mass, a
+/// ball has the least inertia, so a body is at least as dense as the ball of its mass and inertia.
+fn implausible(inertial: &Inertial) -> Option<String> {
+    let Inertial { mass, inertia: [xx, _, _, yy, _, zz], .. } = *inertial;
+    // A ball of radius r has the moment 2/5 m r^2 about each axis.
+    let radius = libm::sqrt((xx + yy + zz) / 3.0 / (0.4 * mass));
+    let density = mass / (4.0 / 3.0 * core::f64::consts::PI * radius * radius * radius);
+    (radius > POINT && density > DENSEST).then(|| {
+        format!(
+            "its mass of {mass} kg is too large for its inertia: even a ball with both, of radius {:.3} mm, has \
+             {density:.1e} kg/m^3, and no material has more than 2.3e4",
+            radius * 1e3
+        )
+    })
+}
+
+/// Warns of links that move, but have no inertia, nor has a link that is fixed to them; but for `refused` bodies, of
+/// which an error says so.
+pub fn missing(bodies: &[Body], refused: &[usize], report: &mut Report<'_>) {
+    let mut said = vec![false; bodies.len()];
+    refused.iter().for_each(|&i| said[i] = true);
+    let places: Vec<Place> = bodies
+        .iter()
+        .zip(said)
+        .filter(|(body, said)| !said && body.inertials().next().is_none())
+        .filter_map(|(body, _)| body.links.iter().find(|link| !link.auxiliary))
+        .map(|link| (link.at, Some(link.subject())))
+        .collect();
+    let message = "it moves, but has no `<inertial>`, so it counts as massless";
+    let help =
+        "write its mass and inertia, or an `<inertial>` with zeros if it is massless on purpose";
+    report.warn_once(Code::MissingInertial, &places, message, help);
+}

@@ -1,0 +1,180 @@
+//! What a model must satisfy: inertias that bodies can have, joints that feel inertia, numbers that one can compute
+//! with. The checks are the same for a description and for a model that is given as one, which has no places.
+
+mod conditioning;
+pub mod inertia;
+pub mod motion;
+mod options;
+mod singular;
+
+pub(crate) use conditioning::warning as conditioning_warning;
+pub use conditioning::{CARRIED_BY_F32, condition_number};
+use modyn_runtime::model::{Inertial, JointDynamics, Model};
+use modyn_runtime::spatial::Pose;
+pub(crate) use options::{friction_error, gravity_error};
+
+use crate::description::LARGEST;
+use crate::diagnostics::{Code, Diagnostic, Diagnostics, Report, Severity, Subject};
+
+/// A moving body as it is checked, with its places in a description.
+pub struct Body<'d> {
+    /// The joint that moves it; `None` for a base that floats.
+    pub joint: Option<JointView<'d>>,
+    /// The moving link, then those fixed to it.
+    pub links: Vec<LinkView<'d>>,
+    /// Whether its inertia and its joint are known, so that its motion can be judged.
+    pub known: bool,
+}
+
+impl<'d> Body<'d> {
+    /// Its links with their inertias, where these are written.
+    fn inertials(&self) -> impl Iterator<Item = (&LinkView<'d>, &InertialView)> {
+        self.links.iter().filter_map(|link| Some((link, link.inertial.as_ref()?)))
+    }
+}
+
+/// The joint of a body.
+pub struct JointView<'d> {
+    pub name: &'d str,
+    pub at: Option<usize>,
+    pub mimic_at: Option<usize>,
+    pub drive: JointDynamics,
+    pub drive_at: Option<usize>,
+}
+
+impl JointView<'_> {
+    fn subject(&self) -> Subject {
+        Subject::Joint(self.name.into())
+    }
+}
+
+/// A link of a body.
+pub struct LinkView<'d> {
+    pub name: &'d str,
+    pub at: Option<usize>,
+    /// `None` where none is written.
+    pub inertial: Option<InertialView>,
+    /// Whether it is massless on purpose.
+    pub auxiliary: bool,
+}
+
+impl LinkView<'_> {
+    fn subject(&self) -> Subject {
+        Subject::Link(self.name.into())
+    }
+}
+
+/// The inertia of a link, in the link's frame.
+pub struct InertialView {
+    pub inertial: Inertial,
+    pub at: Option<usize>,
+    pub mass_at: Option<usize>,
+    /// Whether all of it could be read.
+    pub sound: bool,
+}
+
+/// Checks where a joint's frame is; `false` with an error in the report.
+pub fn is_near(
+    origin: &Pose<f64>,
+    at: Option<usize>,
+    joint: &Subject,
+    report: &mut Report<'_>,
+) -> bool {
+    let near = origin.translation.iter().all(|x| x.abs() < LARGEST);
+    if !near {
+        let message = "its place is too far away to compute with";
+        report.error(Code::NotFinite, at, Some(joint), message, "write `xyz` in m");
+    }
+    near
+}
+
+/// Checks a model that was made by hand, or by other means, for what a description is checked for; the warnings.
+pub fn check_model(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic>, Diagnostics> {
+    let mut report = Report::without_file();
+    let bodies: Vec<Body> = model
+        .links()
+        .iter()
+        .map(|link| {
+            let (drive, inertial) = (link.joint.drive, link.inertial);
+            let joint = JointView {
+                name: &link.joint.name,
+                at: None,
+                mimic_at: None,
+                drive,
+                drive_at: None,
+            };
+            let inertial = InertialView { inertial, at: None, mass_at: None, sound: true };
+            let links = vec![LinkView {
+                name: &link.name,
+                at: None,
+                inertial: Some(inertial),
+                auxiliary: false,
+            }];
+            Body { joint: Some(joint), links, known: true }
+        })
+        .collect();
+    for (link, body) in model.links().iter().zip(&bodies) {
+        let joint = Subject::Joint(link.joint.name.clone());
+        is_near(&link.joint.origin, None, &joint, &mut report);
+        motion::drive(&link.joint.drive, None, &joint, &mut report);
+        inertia::check(body, &link.inertial, unphysical, &mut report);
+    }
+    inertia::densities(&bodies, &mut report);
+    // In a model that is broken otherwise, pivots say nothing.
+    if report.errors() == 0 {
+        motion::check(&bodies, model, &mut report);
+    }
+    let found = report.finish().into_iter().chain(gravity_error(model.gravity()));
+    let found = Diagnostics::new(found.chain(friction_error(model.friction())).collect());
+    if found.has_errors() { Err(found) } else { Ok(found.into_vec()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use modyn_runtime::joint::JointType;
+    use modyn_runtime::model::{DEFAULT_GRAVITY, Inertial, Joint, JointDynamics, Link, Mimic};
+    use modyn_runtime::spatial::Pose;
+
+    use super::*;
+
+    /// Two bodies on the world, the first changed.
+    fn codes(change: impl Fn(&mut Link)) -> Vec<Code> {
+        let body =
+            Inertial { mass: 1.0, inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0], ..Inertial::default() };
+        let link = |i: usize| Link {
+            name: format!("l{i}"),
+            parent: None,
+            joint: Joint::new(
+                format!("j{i}"),
+                JointType::Revolute,
+                [0.0, 0.0, 1.0],
+                Pose::identity(),
+            ),
+            inertial: body,
+        };
+        let mut links = vec![link(0), link(1)];
+        change(&mut links[0]);
+        let model = Model::new("r", DEFAULT_GRAVITY, links, Vec::new()).expect("valid");
+        let warnings = check_model(&model, Severity::Error);
+        let found = warnings.unwrap_or_else(Diagnostics::into_vec);
+        found.iter().map(|found| found.code).collect()
+    }
+
+    #[test]
+    fn joints_are_checked_as_in_a_description() {
+        let mimic = |multiplier, offset| Some(Mimic { leader: 1, multiplier, offset });
+        assert_eq!(codes(|link| link.joint.mimic = mimic(-2.0, 1.0)), []);
+        assert_eq!(codes(|link| link.joint.mimic = mimic(1e70, 0.0)), [Code::NotFinite]);
+        assert_eq!(codes(|link| link.joint.mimic = mimic(1.0, -1e70)), [Code::NotFinite]);
+        let damped = |damping| JointDynamics { damping, ..JointDynamics::default() };
+        assert_eq!(codes(|link| link.joint.drive = damped(2.0)), []);
+        assert_eq!(codes(|link| link.joint.drive = damped(1e70)), [Code::NotFinite]);
+        assert_eq!(codes(|link| link.joint.joint_type = JointType::Floating), []);
+        let tip = |joint_type| {
+            codes(|link| (link.inertial, link.joint.joint_type) = (Inertial::default(), joint_type))
+        };
+        for joint_type in [JointType::Universal, JointType::Planar, JointType::Spherical] {
+            assert_eq!(tip(joint_type), [Code::NoInertiaFelt]);
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Whether joints can move: drives, ratios of mimics, and inertia that each joint feels.
+
+use modyn_runtime::model::{Friction, JointDynamics, Model};
+
+use super::{Body, inertia, singular};
+use crate::description::LARGEST;
+use crate::diagnostics::{Code, Place, Report, Subject};
+
+/// Reports a drive that one cannot compute with.
+pub fn drive(drive: &JointDynamics, at: Option<usize>, joint: &Subject, report: &mut Report<'_>) {
+    if ![drive.armature, drive.damping, drive.friction].iter().all(|x| x.abs() < LARGEST) {
+        let message = "the figures of its drive are too large to compute with";
+        let help = "write kg m^2 (or kg), N m s/rad (or N s/m) and N m (or N)";
+        report.error(Code::NotFinite, at, Some(joint), message, help);
+    }
+}
+
+/// Warns of damping and friction if no option says whether they act.
+pub fn inactive_friction(bodies: &[Body], chosen: Option<Friction>, report: &mut Report<'_>) {
+    if chosen.is_some() {
+        return;
+    }
+    let joints = || bodies.iter().filter_map(|body| body.joint.as_ref());
+    let places: Vec<Place> = joints()
+        .filter(|joint| joint.drive.damping > 0.0 || joint.drive.friction > 0.0)
+        .map(|joint| (joint.drive_at, Some(joint.subject())))
+        .collect();
+    let damps = joints().any(|joint| joint.drive.damping > 0.0);
+    let rubs = joints().any(|joint| joint.drive.friction > 0.0);
+    let message = match (damps, rubs) {
+        (true, false) => "its damping does not act",
+        (false, _) => "its friction does not act",
+        (true, true) => "its damping and friction do not act",
+    };
+    let help = "set the option `friction` to `viscous`, `coulomb` or `smooth` if they are to act, to `none` if not";
+    report.warn_once(Code::InactiveFriction, &places, message, help);
+}
+
+/// Reports joints that feel no inertia, or that follow in a ratio that one cannot compute with, and warns of moving
+/// links without inertia. The bodies are those of the model's links; what depends on a body that is not known is not
+/// judged.
+pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
+    for joint in too_large(model).filter_map(|i| bodies[i].joint.as_ref()) {
+        let message = "its coordinate is too large a multiple of its leader's to compute with";
+        let help = "write `multiplier` as a ratio, and `offset` in rad or m";
+        report.error(Code::NotFinite, joint.mimic_at, Some(&joint.subject()), message, help);
+    }
+    let judged = judged(bodies, model);
+    let mut singular = singular::singular_joints(model);
+    singular.retain(|&i| judged[i]);
+    inertia::missing(bodies, &singular, report);
+    let code = Code::NoInertiaFelt;
+    for body in singular.into_iter().map(|i| &bodies[i]) {
+        let Some(link) = body.links.first() else { continue };
+        if let Some(joint) = &body.joint {
+            let message = format!(
+                "nothing that it moves has inertia that it alone would feel (it carries link `{}`), so its \
+                 acceleration is undefined",
+                link.name
+            );
+            let help = "give the link a mass (and, if it turns, a rotational inertia), or make the joint `fixed`";
+            report.error(code, joint.at, Some(&joint.subject()), message, help);
+        } else {
+            let message = "the base floats, but nothing that it moves has inertia that it alone would feel, so its \
+                           acceleration is undefined";
+            let help = "give the link, or one that is fixed to it, a mass and a rotational inertia, or let the base \
+                        be fixed";
+            report.error(code, link.at, Some(&link.subject()), message, help);
+        }
+    }
+}
+
+/// Which joints' motions depend on known figures alone: of the bodies that they carry, and of all
+/// that follow them.
+fn judged(bodies: &[Body], model: &Model) -> Vec<bool> {
+    let mut judged: Vec<bool> = bodies.iter().map(|body| body.known).collect();
+    if judged.iter().all(|&known| known) {
+        return judged;
+    }
+    for leader in (0..bodies.len()).filter_map(|i| Some(model.mimic(i)?.leader)) {
+        judged[leader] = false;
+    }
+    // Children come after their parents.
+    for (i, link) in model.links().iter().enumerate().rev() {
+        if let (false, Some(parent)) = (judged[i], link.parent) {
+            judged[parent] = false;
+        }
+    }
+    judged
+}
+
+/// The links, as indices, whose joints follow in a ratio that one cannot compute with; along a chain
+/// of mimics ratios multiply.
+fn too_large(model: &Model) -> impl Iterator<Item = usize> {
+    let large = |i: &usize| {
+        let mimic = model.mimic(*i);
+        mimic.is_some_and(|m| !(m.multiplier.abs() < LARGEST && m.offset.abs() < LARGEST))
+    };
+    (0..model.links().len()).filter(large)
+}

@@ -1,0 +1,28 @@
+//! Whether one can compute with the numbers of options.
+
+use modyn_runtime::model::Friction;
+
+use crate::description::LARGEST;
+use crate::diagnostics::{Code, Diagnostic};
+
+/// What is wrong with a gravity.
+pub fn gravity_error(gravity: [f64; 3]) -> Option<Diagnostic> {
+    let what = if gravity.iter().all(|x| x.is_finite()) {
+        "too large to compute with"
+    } else {
+        "not finite"
+    };
+    let message = format!("the gravity {gravity:?} is {what}");
+    let help = "give three finite numbers in m/s^2, such as [0.0, 0.0, -9.81]";
+    let good = gravity.iter().all(|x| x.abs() < LARGEST);
+    (!good).then(|| Diagnostic::error(Code::Gravity, message).with_help(help))
+}
+
+/// What is wrong with a friction.
+pub fn friction_error(friction: Friction) -> Option<Diagnostic> {
+    let Friction::Smooth(width) = friction else { return None };
+    let message = format!("{width} is no velocity to smooth friction by");
+    let help = "give a finite velocity above 0 in rad/s or m/s, such as 0.01";
+    let good = width > 0.0 && width < LARGEST;
+    (!good).then(|| Diagnostic::error(Code::Option, message).with_help(help))
+}

@@ -1,0 +1,366 @@
+//! One diagnostic, and all of a run: severity, place, subject, message and help, and how they are shown.
+
+use std::fmt;
+
+use super::code::Code;
+use super::display::sanitize_for_display;
+
+/// How serious a diagnostic is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// Nothing is compiled.
+    Error,
+    /// The result stands, but probably is not what was meant.
+    Warning,
+}
+
+/// A place in a text: both count from 1, columns count characters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Position {
+    /// The line.
+    pub line: usize,
+    /// The column.
+    pub column: usize,
+}
+
+impl fmt::Display for Position {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.line, self.column)
+    }
+}
+
+/// What a diagnostic is about.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Subject {
+    /// The joint of this name.
+    Joint(String),
+    /// The link of this name.
+    Link(String),
+    /// The robot of this name.
+    Robot(String),
+}
+
+impl fmt::Display for Subject {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Joint(name) => write!(f, "joint `{name}`"),
+            Self::Link(name) => write!(f, "link `{name}`"),
+            Self::Robot(name) => write!(f, "robot `{name}`"),
+        }
+    }
+}
+
+/// One thing that is wrong, where, and what would be right.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Diagnostic {
+    /// Whether it stops the compiler.
+    pub severity: Severity,
+    /// Its kind.
+    pub code: Code,
+    /// The file, as the caller called it.
+    pub file: Option<String>,
+    /// Where in the file.
+    pub position: Option<Position>,
+    /// The joint or link concerned.
+    pub subject: Option<Subject>,
+    /// What is wrong.
+    pub message: String,
+    /// What would be right.
+    pub help: Option<String>,
+}
+
+impl Diagnostic {
+    /// A diagnostic without a place.
+    pub fn new(severity: Severity, code: Code, message: impl Into<String>) -> Self {
+        let (file, position, subject, help) = (None, None, None, None);
+        Self { severity, code, file, position, subject, message: message.into(), help }
+    }
+
+    /// An error without a place.
+    pub fn error(code: Code, message: impl Into<String>) -> Self {
+        Self::new(Severity::Error, code, message)
+    }
+
+    /// The file `wanted` is at none of the places that were `tried`: that of the source file and
+    /// that of `Cargo.toml`, or the latter alone.
+    pub fn missing_file<T: fmt::Display>(wanted: impl fmt::Display, tried: &[T]) -> Self {
+        use fmt::Write;
+        let mut message = format!("`{wanted}` does not exist");
+        for (i, place) in tried.iter().enumerate() {
+            let lead = if i == 0 { "; tried" } else { "," };
+            // Writing to a string cannot fail.
+            let _ = write!(message, "{lead} `{place}`");
+        }
+        Self::error(Code::MissingFile, message).with_help(if tried.len() > 1 {
+            "give the path relative to the source file that names it, or to the folder of Cargo.toml"
+        } else {
+            "give the path relative to the folder of Cargo.toml"
+        })
+    }
+
+    /// The same, in this file.
+    #[must_use]
+    pub fn in_file(mut self, file: impl Into<String>) -> Self {
+        self.file = Some(file.into());
+        self
+    }
+
+    /// The same, at this place in its file.
+    #[must_use]
+    pub fn at(mut self, position: Position) -> Self {
+        self.position = Some(position);
+        self
+    }
+
+    /// The same, about this joint or link.
+    #[must_use]
+    pub fn about(mut self, subject: Subject) -> Self {
+        self.subject = Some(subject);
+        self
+    }
+
+    /// The same, with advice.
+    #[must_use]
+    pub fn with_help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+/// `robots/foo.urdf:12:7: error[negative-mass]: link `arm`: the mass is -1 kg`, then the help.
+/// In one line, and one for the help: names in it may hold line breaks, which would command a terminal or
+/// end a comment.
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write_place(f)?;
+        let severity = match self.severity {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+        };
+        write!(f, "{severity}[{}]: ", self.code)?;
+        self.write_message(f)?;
+        match &self.help {
+            Some(help) => write!(f, "\n  help: {}", sanitize_for_display(help)),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Diagnostic {
+    /// Its text for a tool that writes `error: ` itself, such as rustc: `robots/foo.urdf:12:7: link `arm`: the mass is
+    /// -1 kg [negative-mass]`, then the help.
+    #[must_use]
+    pub fn without_severity(&self) -> impl fmt::Display + '_ {
+        WithoutSeverity(self)
+    }
+
+    fn write_place(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(file) = &self.file {
+            write!(f, "{}:", sanitize_for_display(file))?;
+        }
+        if let Some(position) = self.position {
+            write!(f, "{position}:")?;
+        }
+        if self.file.is_some() || self.position.is_some() { f.write_str(" ") } else { Ok(()) }
+    }
+
+    fn write_message(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(subject) = &self.subject {
+            write!(f, "{}: ", sanitize_for_display(&subject.to_string()))?;
+        }
+        f.write_str(&sanitize_for_display(&self.message))
+    }
+}
+
+struct WithoutSeverity<'d>(&'d Diagnostic);
+
+impl fmt::Display for WithoutSeverity<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(diagnostic) = self;
+        diagnostic.write_place(f)?;
+        diagnostic.write_message(f)?;
+        write!(f, " [{}]", diagnostic.code)?;
+        match &diagnostic.help {
+            Some(help) => write!(f, "\nhelp: {}", sanitize_for_display(help)),
+            None => Ok(()),
+        }
+    }
+}
+
+impl std::error::Error for Diagnostic {}
+
+/// All that is wrong, errors before warnings, each in the order of their positions.
+#[derive(Clone, Default, PartialEq, Eq)]
+pub struct Diagnostics(Vec<Diagnostic>);
+
+impl Diagnostics {
+    /// These, put in order.
+    #[must_use]
+    pub fn new(mut diagnostics: Vec<Diagnostic>) -> Self {
+        diagnostics.sort_by_key(|d| (d.severity, d.position));
+        Self(diagnostics)
+    }
+
+    /// The most that are shown to a user.
+    pub const SHOWN: usize = 100;
+
+    /// What stands for those that are not shown, of so many.
+    #[must_use]
+    pub(crate) fn more(count: usize) -> Option<String> {
+        let more = count.checked_sub(Self::SHOWN).filter(|&more| more > 0)?;
+        Some(format!("... and {more} more"))
+    }
+
+    /// Whether there is an error among them.
+    #[must_use]
+    pub fn has_errors(&self) -> bool {
+        self.0.first().is_some_and(|d| d.severity == Severity::Error)
+    }
+
+    /// All of them.
+    #[must_use]
+    pub fn as_slice(&self) -> &[Diagnostic] {
+        &self.0
+    }
+
+    /// All of them, in order.
+    pub fn iter(&self) -> std::slice::Iter<'_, Diagnostic> {
+        self.0.iter()
+    }
+
+    /// All of them, by value.
+    #[must_use]
+    pub fn into_vec(self) -> Vec<Diagnostic> {
+        self.0
+    }
+}
+
+/// As for a user: a build script whose `main` returns diagnostics prints this after `Error: `. So their number comes
+/// first, in a line of its own.
+impl fmt::Debug for Diagnostics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let count = |severity, one: &str| {
+            let count = self.0.iter().filter(|found| found.severity == severity).count();
+            let plural = if count == 1 { "" } else { "s" };
+            (count > 0).then(|| format!("{count} {one}{plural}"))
+        };
+        let counts = [count(Severity::Error, "error"), count(Severity::Warning, "warning")];
+        let counts: Vec<String> = counts.into_iter().flatten().collect();
+        writeln!(f, "{}", if counts.is_empty() { "none".into() } else { counts.join(", ") })?;
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl From<Diagnostic> for Diagnostics {
+    fn from(diagnostic: Diagnostic) -> Self {
+        Self(vec![diagnostic])
+    }
+}
+
+impl IntoIterator for Diagnostics {
+    type Item = Diagnostic;
+    type IntoIter = std::vec::IntoIter<Diagnostic>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter()
+    }
+}
+
+impl<'a> IntoIterator for &'a Diagnostics {
+    type Item = &'a Diagnostic;
+    type IntoIter = std::slice::Iter<'a, Diagnostic>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter()
+    }
+}
+
+/// The first [`Diagnostics::SHOWN`] of them, and how many more there are.
+impl fmt::Display for Diagnostics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, diagnostic) in self.0.iter().take(Self::SHOWN).enumerate() {
+            if i > 0 {
+                f.write_str("\n")?;
+            }
+            write!(f, "{diagnostic}")?;
+        }
+        if let Some(more) = Self::more(self.0.len()) {
+            write!(f, "\n{more}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Diagnostics {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_diagnostic_reads_as_compilers_do() {
+        let diagnostic = Diagnostic::error(Code::NegativeMass, "the mass is -1 kg")
+            .in_file("robots/foo.urdf")
+            .at(Position { line: 12, column: 7 })
+            .about(Subject::Link("arm".into()))
+            .with_help("write a mass of at least 0");
+        assert_eq!(
+            diagnostic.to_string(),
+            "robots/foo.urdf:12:7: error[negative-mass]: link `arm`: the mass is -1 kg\n  help: write a mass of at least 0"
+        );
+        let missing = Diagnostic::missing_file("a.urdf", &["src/a.urdf", "a.urdf"]).to_string();
+        assert!(missing.starts_with(
+            "error[missing-file]: `a.urdf` does not exist; tried `src/a.urdf`, `a.urdf`\n"
+        ));
+        assert!(missing.contains("source file"), "{missing}");
+        // A build script has no place but one.
+        let missing = Diagnostic::missing_file("a.urdf", &["a.urdf"]).to_string();
+        assert!(!missing.contains("source file") && missing.contains("Cargo.toml"), "{missing}");
+    }
+
+    /// Rustc and `main` write `error: ` before a text.
+    #[test]
+    fn error_is_said_once() {
+        let diagnostic = Diagnostic::error(Code::NegativeMass, "the mass is -1 kg")
+            .in_file("robots/foo.urdf")
+            .at(Position { line: 12, column: 7 })
+            .about(Subject::Link("arm".into()))
+            .with_help("write a mass of at least 0");
+        assert_eq!(
+            diagnostic.without_severity().to_string(),
+            "robots/foo.urdf:12:7: link `arm`: the mass is -1 kg [negative-mass]\nhelp: write a mass of at least 0"
+        );
+        let gravity = Diagnostic::error(Code::Gravity, "it is not finite");
+        assert_eq!(gravity.without_severity().to_string(), "it is not finite [gravity]");
+        let warning = Diagnostic::new(Severity::Warning, Code::Mimic, "odd");
+        let all = Diagnostics::new(vec![warning, gravity.clone(), gravity]);
+        let shown = format!("Error: {all:?}");
+        assert!(shown.starts_with("Error: 2 errors, 1 warning\nerror[gravity]: it is"), "{shown}");
+    }
+
+    #[test]
+    fn errors_come_first_then_by_position() {
+        let at = |severity, line| {
+            Diagnostic::new(severity, Code::Mimic, "").at(Position { line, column: 1 })
+        };
+        let all = Diagnostics::new(vec![
+            at(Severity::Warning, 1),
+            at(Severity::Error, 3),
+            at(Severity::Error, 2),
+        ]);
+        let lines: Vec<_> = all.iter().map(|d| d.position.map(|p| p.line)).collect();
+        assert_eq!(lines, [Some(2), Some(3), Some(1)]);
+        assert!(all.has_errors());
+    }
+
+    #[test]
+    fn what_is_shown_is_bounded() {
+        let shown =
+            |count| Diagnostics::new(vec![Diagnostic::error(Code::Mimic, ""); count]).to_string();
+        assert_eq!(shown(100).lines().count(), 100);
+        assert_eq!(shown(102).lines().count(), 101);
+        assert!(shown(102).ends_with("\n... and 2 more"));
+    }
+}

@@ -1,0 +1,53 @@
+//! Where something stands: byte offsets to lines and columns.
+
+use super::diagnostic::Position;
+
+/// The lines of a text.
+///
+/// A file may be one line of a million characters, so both line and column are looked up in
+/// sorted tables instead of counted.
+pub struct LineIndex {
+    /// Where each line begins.
+    starts: Vec<usize>,
+    /// The bytes that continue a character.
+    continuations: Vec<usize>,
+}
+
+impl LineIndex {
+    /// Those of this text.
+    pub fn of(text: &str) -> Self {
+        let mut starts = vec![0];
+        let mut continuations = Vec::new();
+        for (i, byte) in text.bytes().enumerate() {
+            if byte == b'\n' {
+                starts.push(i + 1);
+            } else if byte & 0xc0 == 0x80 {
+                continuations.push(i);
+            }
+        }
+        Self { starts, continuations }
+    }
+
+    /// Line and column of the character at this byte.
+    pub fn position(&self, offset: usize) -> Position {
+        let line = self.starts.partition_point(|&start| start <= offset);
+        let start = self.starts[line - 1];
+        let before = |end| self.continuations.partition_point(|&i| i < end);
+        Position { line, column: 1 + offset - start - (before(offset) - before(start)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_count_characters() {
+        let lines = LineIndex::of("ab\r\n\u{e9}\u{1f916}x\n");
+        let at = |offset| (lines.position(offset).line, lines.position(offset).column);
+        assert_eq!(
+            [at(0), at(1), at(4), at(6), at(10), at(12)],
+            [(1, 1), (1, 2), (2, 1), (2, 2), (2, 3), (3, 1)]
+        );
+    }
+}

@@ -1,0 +1,15 @@
+//! Diagnostics: the table of their codes, one diagnostic with its place, and the report that a reader collects.
+
+mod code;
+mod diagnostic;
+mod display;
+mod line_index;
+mod report;
+mod suggest;
+
+pub use code::Code;
+pub use diagnostic::{Diagnostic, Diagnostics, Position, Severity, Subject};
+pub use display::sanitize_for_display;
+pub(crate) use report::{Place, Report};
+pub(crate) use suggest::Suggestions;
+pub use suggest::suggest;

@@ -1,0 +1,67 @@
+//! What a misspelt name probably meant.
+
+/// The candidate that differs from `name` by a letter or two; the first of equally near ones.
+pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let name: Vec<char> = name.chars().flat_map(char::to_lowercase).take(80).collect();
+    let allowed = if name.len() < 4 { 1 } else { 2 };
+    let mut best = None;
+    for candidate in candidates {
+        let other: Vec<char> = candidate.chars().flat_map(char::to_lowercase).take(80).collect();
+        if name.len().abs_diff(other.len()) > allowed {
+            continue;
+        }
+        let distance = distance(&name, &other);
+        if distance <= allowed && best.is_none_or(|(least, _)| distance < least) {
+            best = Some((distance, candidate));
+        }
+    }
+    best.map(|(_, candidate)| candidate)
+}
+
+/// What the first misspelt names of a file meant; each is a search through all names, so there is
+/// an end to it.
+pub struct Suggestions(usize);
+
+impl Suggestions {
+    pub fn new() -> Self {
+        Self(20)
+    }
+
+    /// The same as [`suggest`], or nothing once there were enough.
+    pub fn suggest<'a>(
+        &mut self,
+        name: &str,
+        candidates: impl IntoIterator<Item = &'a str>,
+    ) -> Option<&'a str> {
+        self.0 = self.0.checked_sub(1)?;
+        suggest(name, candidates)
+    }
+}
+
+/// How many letters have to be put in, taken out or changed.
+fn distance(a: &[char], b: &[char]) -> usize {
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.iter().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let changed = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = changed.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::suggest;
+
+    #[test]
+    fn a_letter_or_two() {
+        assert_eq!(suggest("orgin", ["axis", "origin"]), Some("origin"));
+        assert_eq!(suggest("Axis", ["origin", "axis"]), Some("axis"));
+        assert_eq!(suggest("sensor", ["origin", "axis"]), None);
+        assert_eq!(suggest("", ["origin", ""]), Some(""));
+    }
+}

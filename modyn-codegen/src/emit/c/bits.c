@@ -1,0 +1,13 @@
+/* A number and its bits. */
+typedef union {
+    REAL number;
+    BITS bits;
+} modyn_number;
+
+static BITS modyn_bits(REAL x)
+{
+    modyn_number both;
+    both.number = x;
+    return both.bits;
+}
+

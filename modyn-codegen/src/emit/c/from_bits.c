@@ -1,0 +1,7 @@
+static REAL modyn_from_bits(BITS bits)
+{
+    modyn_number both;
+    both.bits = bits;
+    return both.number;
+}
+

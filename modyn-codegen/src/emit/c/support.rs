@@ -1,0 +1,226 @@
+//! The functions that generated C needs besides arithmetic: the same operations as the runtime's, for one precision.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::FloatType;
+use super::literal;
+
+/// A function, in the order in which C needs them to stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Support {
+    Bits,
+    FromBits,
+    SinCos,
+    Atan2,
+    Logarithm,
+    Maximum,
+}
+
+impl Support {
+    fn text(self) -> &'static str {
+        match self {
+            Self::Bits => include_str!("bits.c"),
+            Self::FromBits => include_str!("from_bits.c"),
+            Self::SinCos => include_str!("sin_cos.c"),
+            Self::Atan2 => include_str!("atan2.c"),
+            Self::Logarithm => include_str!("ln.c"),
+            Self::Maximum => include_str!("maximum.c"),
+        }
+    }
+
+    fn needs(self) -> &'static [Self] {
+        match self {
+            Self::SinCos | Self::Logarithm => &[Self::Bits, Self::FromBits],
+            Self::Atan2 => &[Self::Bits],
+            Self::Bits | Self::FromBits | Self::Maximum => &[],
+        }
+    }
+}
+
+/// The text of these functions and of those that they need. In it, words in capitals stand for what depends on the
+/// precision, and `R(..)` for literals.
+pub(super) fn text(used: &BTreeSet<Support>, float: FloatType) -> String {
+    let needed = used.iter().flat_map(|support| support.needs());
+    let all: BTreeSet<Support> = needed.chain(used).copied().collect();
+    if all.is_empty() {
+        return String::new();
+    }
+    let words = words(float);
+    let text: String = all.iter().map(|support| support.text()).collect();
+    let bits = all.contains(&Support::Bits).then_some(
+        "/* Numbers are as long as their bits. */\n\
+         typedef char modyn_size_of_numbers[(sizeof(REAL) == sizeof(BITS)) ? 1 : -1];\n\n",
+    );
+    let text =
+        replaced(&[bits.unwrap_or_default(), &text].concat(), |word| words.get(word).cloned());
+    literals(&text, float)
+}
+
+/// The words that depend on the precision. The numbers are those of `scalar/trig.rs` and `scalar/elementary.rs`.
+fn words(float: FloatType) -> BTreeMap<&'static str, String> {
+    let series = |count: u32, term: &dyn Fn(f64) -> (f64, f64)| {
+        let term = |i: u32| {
+            let (over, under) = term(f64::from(i));
+            format!("R({over:?}) / R({under:?})")
+        };
+        (0..count).map(term).collect::<Vec<_>>().join(", ")
+    };
+    let logarithms = |i: f64| (2.0, 2.0 * i + 3.0);
+    let tangents = |i: f64| (if i % 2.0 == 0.0 { -1.0 } else { 1.0 }, 2.0 * i + 3.0);
+    let list = |numbers: &[&str]| {
+        let numbers: Vec<String> = numbers.iter().map(|number| format!("R({number})")).collect();
+        numbers.join(", ")
+    };
+    let shared = [
+        ("TAN_15", "0.26794919243112270647"),
+        ("ROOT_3", "1.73205080756887729353"),
+        ("PI_6", "0.52359877559829887307710723054658381"),
+        ("PI_2", "1.57079632679489661923132169163975144"),
+        ("PI", "3.14159265358979323846264338327950288"),
+        ("ONE_OVER_PI", "0.318309886183790671537767526745028724"),
+    ];
+    let of_precision: &[(&str, &str)] = match float {
+        FloatType::F64 => &[
+            ("REAL", "double"),
+            ("BITS", "unsigned long long"),
+            ("ABS", "fabs"),
+            ("SIGN", "63"),
+            ("MANTISSA", "52"),
+            ("DIGITS", "53"),
+            ("EXPONENTS", "0x7ff"),
+            ("BIAS", "1023"),
+            ("SCALE", "961U"),
+            ("ANGLE", "(double)reduced.angle"),
+            ("ERROR", "3e-16"),
+            ("LIMIT", "262144.0"),
+            ("ROUND", "6755399441055744.0"),
+            (
+                "REDUCTION",
+                "(n * R(-1.21542010130123852e-10)) + ((n * R(-3.14159265346825122833)) + x)",
+            ),
+            ("SINES", "8"),
+            ("COSINES", "7"),
+            ("LN_TERMS", "9"),
+            ("ATAN_TERMS", "14"),
+            ("MIN_POSITIVE", "2.2250738585072014e-308"),
+            ("TWO_UP", "9007199254740992.0"),
+            ("ROOT_HALF", "0x3fe6a09e667f3bcdULL"),
+            ("LN_2", "0.6931471801362932"),
+            ("LN_2_REST", "4.236521365809284e-10"),
+            ("PI_REST", "1.2246467991473532e-16"),
+            ("HALF_REST", "6.123233995736766e-17"),
+            ("SIXTH_REST", "-5.360408832255455e-17"),
+        ],
+        FloatType::F32 => &[
+            ("REAL", "float"),
+            ("BITS", "unsigned int"),
+            ("ABS", "fabsf"),
+            ("SIGN", "31"),
+            ("MANTISSA", "23"),
+            ("DIGITS", "24"),
+            ("EXPONENTS", "0xff"),
+            ("BIAS", "127"),
+            ("SCALE", "97U"),
+            ("ANGLE", "(float)(unsigned int)(reduced.angle >> 32)"),
+            ("ERROR", "1.5e-7"),
+            ("LIMIT", "4096.0"),
+            ("ROUND", "12582912.0"),
+            (
+                "REDUCTION",
+                "(n * R(-6.2783295730096264e-7)) + \
+                 ((n * R(-0.0009670257568359375)) + ((n * R(-3.140625)) + x))",
+            ),
+            ("SINES", "4"),
+            ("COSINES", "4"),
+            ("LN_TERMS", "4"),
+            ("ATAN_TERMS", "6"),
+            ("MIN_POSITIVE", "1.1754943508222875e-38"),
+            ("TWO_UP", "16777216.0"),
+            ("ROOT_HALF", "0x3f3504f3U"),
+            ("LN_2", "0.693145751953125"),
+            ("LN_2_REST", "1.428606765330187e-06"),
+            ("PI_REST", "-8.742277657347586e-08"),
+            ("HALF_REST", "-4.371138828673793e-08"),
+            ("SIXTH_REST", "-1.457046305830545e-08"),
+        ],
+    };
+    let (sine, cosine, logarithm, arctangent): (&[&str], &[&str], _, _) = match float {
+        FloatType::F64 => (
+            &[
+                "2.731444766828598e-15",
+                "-7.643970296785917e-13",
+                "1.6058977312463691e-10",
+                "-2.5052107616996175e-08",
+                "2.7557319219163234e-06",
+                "-0.00019841269841254974",
+                "0.008333333333333316",
+                "-0.16666666666666666",
+            ],
+            &[
+                "4.646435958850054e-14",
+                "-1.1466252259700669e-11",
+                "2.087668155886695e-09",
+                "-2.755731857336617e-07",
+                "2.480158729891355e-05",
+                "-0.0013888888888884767",
+                "0.04166666666666666",
+            ],
+            9,
+            14,
+        ),
+        FloatType::F32 => (
+            &[
+                "2.6347563915750605e-06",
+                "-0.00019822739488558033",
+                "0.008333242135096397",
+                "-0.1666666596382118",
+            ],
+            &[
+                "-2.6546065803427757e-07",
+                "2.4786082439888205e-05",
+                "-0.001388881255124653",
+                "0.04166666607830637",
+            ],
+            4,
+            6,
+        ),
+    };
+    let computed = [
+        ("SINE_COEFFICIENTS", list(sine)),
+        ("COSINE_COEFFICIENTS", list(cosine)),
+        ("LN_SERIES", series(logarithm, &logarithms)),
+        ("ATAN_SERIES", series(arctangent, &tangents)),
+    ];
+    let given = shared.iter().chain(of_precision).map(|(word, text)| (*word, (*text).to_string()));
+    given.chain(computed).collect()
+}
+
+/// The text with some of its words replaced.
+fn replaced(text: &str, with: impl Fn(&str) -> Option<String>) -> String {
+    let mut out = String::with_capacity(text.len() + text.len() / 4);
+    let mut rest = text;
+    let in_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    while let Some(start) = rest.find(in_word) {
+        out += &rest[..start];
+        rest = &rest[start..];
+        let (word, after) = rest.split_at(rest.find(|c: char| !in_word(c)).unwrap_or(rest.len()));
+        out += &with(word).unwrap_or_else(|| word.into());
+        rest = after;
+    }
+    out + rest
+}
+
+/// The text with `R(number)` as literals.
+fn literals(text: &str, float: FloatType) -> String {
+    let mut parts = text.split("R(");
+    let mut out: String = parts.next().unwrap_or_default().into();
+    for part in parts {
+        let number =
+            part.split_once(')').and_then(|(number, rest)| Some((number.parse().ok()?, rest)));
+        match number {
+            Some((value, rest)) => out += &[&literal(value, float), rest].concat(),
+            None => out += &["R(", part].concat(),
+        }
+    }
+    out
+}

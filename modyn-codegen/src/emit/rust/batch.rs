@@ -1,0 +1,236 @@
+//! The functions for many states at a time: a kernel for the runtime's batches, and the doors to it.
+//!
+//! A kernel has a text of its own, all of which is inlined into the runtime's functions for each set of
+//! vector instructions; the functions for one state stay as they are.
+
+use std::fmt::Write as _;
+
+use super::function::{Parameter, function};
+use super::shape::Shape;
+use super::{Quantity, Robot};
+use crate::plan::Kernels;
+
+impl Robot<'_> {
+    /// All that belongs to the batches of a quantity.
+    pub(super) fn batches(&self, text: &mut String, quantity: &Quantity<'_>) {
+        let Kernels::One(program) = quantity.kernels else { return };
+        let (name, parameters) = (name(quantity), quantity.all_parameters());
+        let inlined = format!("{name}_lanes");
+        *text += &function(&inlined, &parameters, &quantity.shape, program, self.options.float);
+        self.kernel(text, quantity);
+        self.batch_functions(text, quantity);
+    }
+
+    /// The type that loads states and calls the inlined function.
+    fn kernel(&self, text: &mut String, quantity: &Quantity<'_>) {
+        let float = self.options.float.name();
+        let runtime = quantity.runtime_parameter().map_or(0, |p| p.shape.len());
+        let (inputs, outputs) = (count(&quantity.parameters), quantity.shape.len());
+        let mut body = String::new();
+        let mut first = 0;
+        for Parameter { name, shape, .. } in &quantity.parameters {
+            let loads = (first..first + shape.len()).map(|i| format!("inputs.get::<{i}>()"));
+            let loads: Vec<String> = loads.collect();
+            let _ = writeln!(body, "    let {name} = {};", shape.value(&loads));
+            first += shape.len();
+        }
+        let mut arguments: Vec<String> =
+            quantity.parameters.iter().map(|p| format!("&{}", p.name)).collect();
+        if runtime > 0 {
+            let all: Vec<String> = (0..runtime).map(|i| format!("T::splat(self.0[{i}])")).collect();
+            let _ = writeln!(body, "    let params = [{}];", all.join(", "));
+            arguments.push("&params".into());
+        }
+        arguments.push("&outputs".into());
+        let _ = writeln!(body, "    {}_lanes({});", name(quantity), arguments.join(", "));
+        let kernel = kernel_name(quantity);
+        let _ = writeln!(
+            text,
+            "struct {kernel}([{float}; {runtime}]);\n\
+             impl __modyn::batch::Kernel<{float}, {inputs}, {outputs}> for {kernel} {{\n\
+             #[inline(always)]\n\
+             fn run<T: __modyn::batch::Lanes<Lane = {float}>>(\n    &self,\n    \
+             inputs: __modyn::batch::Inputs<'_, T, {inputs}>,\n    \
+             outputs: __modyn::batch::Outputs<'_, T, {outputs}>,\n) {{\n{body}}}\n}}\n"
+        );
+    }
+
+    /// The public functions: over slices for each coordinate, the same on all cores, over slices of
+    /// states; and all of them with parameters, if there are any.
+    fn batch_functions(&self, text: &mut String, quantity: &Quantity<'_>) {
+        let (robot, float) = (self.name, self.options.float.name());
+        let name = name(quantity);
+        let result = result_name(name);
+        let outputs = outputs(quantity);
+        let all = || quantity.parameters.iter().chain(&outputs);
+        let mut table: Vec<String> = all().map(|p| self.argument(p)).collect();
+        if matches!(quantity.shape, Shape::Struct { .. }) {
+            // For slices of states it is one argument.
+            table.push(self.argument(&Parameter::new(result, quantity.shape.clone())));
+        }
+        let _ = writeln!(
+            text,
+            "impl {robot} {{\n\
+             const {}: &'static [__modyn::batch::Argument] = &[{}];",
+            table_name(quantity),
+            table.join(", ")
+        );
+        let summary: Vec<&str> = quantity.docs.lines().collect();
+        let summary = summary.join("\n/// ");
+        let columns = |p: &Parameter, reference: &str| {
+            format!("{}: {}", p.name, p.shape.type_of(&format!("{reference}[{float}]")))
+        };
+        let mut by_columns: Vec<String> =
+            quantity.parameters.iter().map(|p| columns(p, "&")).collect();
+        by_columns.extend(outputs.iter().map(|p| columns(p, "&mut ")));
+        let unpacked: Vec<String> = all()
+            .map(|p| format!("    let {} = {};\n", p.shape.value(&numbered(p)), p.name))
+            .collect();
+        let inputs: Vec<String> = quantity.parameters.iter().flat_map(numbered).collect();
+        let results: Vec<String> = outputs.iter().flat_map(numbered).collect();
+        let split = (unpacked.concat(), inputs.join(", "), results.join(", "));
+
+        let mut by_states: Vec<String> = quantity
+            .parameters
+            .iter()
+            .map(|p| format!("{}: &[{}]", p.name, p.shape.type_of(float)))
+            .collect();
+        by_states.push(format!("{result}: &mut [{}]", quantity.shape.type_of(float)));
+        let flat: Vec<String> =
+            quantity.parameters.iter().map(|p| format!("{}.as_flattened()", p.name)).collect();
+        let parts: Vec<String> = match &quantity.shape {
+            Shape::Struct { fields, .. } => {
+                fields.iter().map(|(name, field)| slice_of(&format!("x.{name}"), field)).collect()
+            }
+            shape => vec![slice_of("x", shape)],
+        };
+        let parts = format!("|x| [{}]", parts.join(", "));
+
+        let dynamic = quantity.runtime_parameter().is_some();
+        let doors: &[(&str, &str)] =
+            if dynamic { &[("_with", "params"), ("", "DEFAULT")] } else { &[("", "")] };
+        for (with, params) in doors {
+            let mut first = String::new();
+            let numbers = match *params {
+                "params" => {
+                    let _ = write!(first, "params: &{robot}Params, ");
+                    "params.numbers".to_string()
+                }
+                "DEFAULT" => format!("{robot}Params::DEFAULT.numbers"),
+                _ => "[]".into(),
+            };
+            let kernel =
+                format!("&{}({numbers}), Self::{}", kernel_name(quantity), table_name(quantity));
+            let door = |suffix: &str, arguments: &[String], docs: &str, body: &str| {
+                format!(
+                    "/// {summary}\n///\n/// {docs}\n///\n/// # Errors\n///\n\
+                     /// If they hold different numbers of states.\n\
+                     pub fn {name}_{suffix}{with}({first}{}) -> ::core::result::Result<(), __modyn::BatchError> {{\n{body}}}\n",
+                    arguments.join(", ")
+                )
+            };
+            let (unpacked, inputs, outputs) = &split;
+            *text += &door(
+                "batch",
+                &by_columns,
+                "Of many states at a time: each slice holds one number of every state.",
+                &format!("{unpacked}    __modyn::batch::run({kernel}, [{inputs}], [{outputs}])\n"),
+            );
+            let parallel = door(
+                "batch_par",
+                &by_columns,
+                "Of many states at a time, on all cores: each slice holds one number of every state.",
+                &format!(
+                    "{unpacked}    __modyn::batch::run_parallel({kernel}, [{inputs}], [{outputs}])\n"
+                ),
+            );
+            let _ = writeln!(text, "__modyn::__with_rayon! {{\n{parallel}}}");
+            *text += &door(
+                "each",
+                &by_states,
+                "Of each state in a slice, many at a time.",
+                &format!(
+                    "    __modyn::batch::run_each({kernel}, [{}], {result}, {parts})\n",
+                    flat.join(", ")
+                ),
+            );
+        }
+        text.push_str("}\n\n");
+    }
+
+    /// A row of the table by which errors name arguments.
+    fn argument(&self, Parameter { name, shape, .. }: &Parameter) -> String {
+        let coordinates = match shape {
+            Shape::Array(..) if *name == "q" => "&Self::COORDINATE_NAMES".into(),
+            // They belong to pivots and what is behind them.
+            Shape::Array(_, n) if *name == "factors" => format!("&[\"\"; {n}]"),
+            Shape::Array(..) => "&Self::VELOCITY_NAMES".into(),
+            _ => "&[]".to_string(),
+        };
+        format!(
+            "__modyn::batch::Argument {{ name: {name:?}, numbers: {}, coordinates: {coordinates} }}",
+            shape.len()
+        )
+    }
+}
+
+/// The name of the function for one state.
+fn name(quantity: &Quantity<'_>) -> &'static str {
+    quantity.function.batched().unwrap_or(quantity.function).name()
+}
+
+/// What the results are called.
+fn result_name(name: &'static str) -> &'static str {
+    match name {
+        "forward_dynamics" => "qdd",
+        "inverse_dynamics" => "tau",
+        "forward_dynamics_derivatives" | "inverse_dynamics_derivatives" => "derivatives",
+        name => name,
+    }
+}
+
+/// The slices for the results: one argument for each field if there are several.
+fn outputs(quantity: &Quantity<'_>) -> Vec<Parameter> {
+    match &quantity.shape {
+        Shape::Struct { fields, .. } => {
+            fields.iter().map(|(name, field)| Parameter::new(name, field.clone())).collect()
+        }
+        shape => vec![Parameter::new(result_name(name(quantity)), shape.clone())],
+    }
+}
+
+fn kernel_name(quantity: &Quantity<'_>) -> String {
+    format!("{}Kernel", crate::names::helper_type(name(quantity)))
+}
+
+fn table_name(quantity: &Quantity<'_>) -> String {
+    format!("{}_ARGUMENTS", name(quantity).to_uppercase())
+}
+
+/// How many numbers a state has.
+fn count(parameters: &[Parameter]) -> usize {
+    parameters.iter().map(|p| p.shape.len()).sum()
+}
+
+/// Names of a parameter's slices.
+fn numbered(parameter: &Parameter) -> Vec<String> {
+    (0..parameter.shape.len()).map(|i| format!("{}{i}", parameter.name)).collect()
+}
+
+/// All numbers of `value`, a place or a reference, as a mutable slice.
+fn slice_of(value: &str, shape: &Shape) -> String {
+    match shape {
+        Shape::Array(of, _) => {
+            format!("{value}.as_mut_slice(){}", ".as_flattened_mut()".repeat(depth(of)))
+        }
+        _ => format!("::core::slice::from_mut({value})"),
+    }
+}
+
+/// How many arrays stand one in another.
+fn depth(shape: &Shape) -> usize {
+    match shape {
+        Shape::Array(of, _) => 1 + depth(of),
+        _ => 0,
+    }
+}

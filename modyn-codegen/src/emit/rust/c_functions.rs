@@ -1,0 +1,140 @@
+//! Rust functions that C can call: plain pointers to arrays whose sizes their types state.
+
+use std::fmt::Write as _;
+
+use super::shape::Shape;
+use super::{Quantity, Robot};
+use crate::plan::{Function, Kernels};
+
+impl Robot<'_> {
+    /// `extern "C"` functions named `prefix_function`, for all functions that C has.
+    pub(super) fn c_functions(&self, text: &mut String, prefix: &str, quantities: &[Quantity<'_>]) {
+        let upper = prefix.to_uppercase();
+        let (nq, nv, name) = (self.model.nq(), self.model.nv(), self.name);
+        let links = self.model.frames().len();
+        let _ = writeln!(
+            text,
+            "\n/// Length of the coordinate vector.\npub const {upper}_NQ: usize = {nq};\n\
+             /// Length of the velocity vector.\npub const {upper}_NV: usize = {nv};\n\
+             /// Number of links.\npub const {upper}_LINKS: usize = {links};\n\
+             const _: () = assert!({upper}_NQ == {name}::NQ && {upper}_NV == {name}::NV);"
+        );
+        for quantity in quantities.iter().filter(|quantity| in_c(quantity)) {
+            self.c_function(text, prefix, quantity);
+        }
+    }
+
+    fn c_function(&self, text: &mut String, prefix: &str, quantity: &Quantity<'_>) {
+        let (name, float) = (self.name, self.options.float.name());
+        let function = quantity.function.name();
+        let by_link = matches!(quantity.kernels, Kernels::ByLink(_));
+        let scalar = matches!(quantity.shape, Shape::Scalar);
+        let mut parameters: Vec<String> = quantity
+            .parameters
+            .iter()
+            .map(|p| format!("{}: &[{float}; {}]", p.name, p.shape.len()))
+            .collect();
+        let mut arguments = Vec::new();
+        let mut lets = String::new();
+        for parameter in &quantity.parameters {
+            if parameter.shape.is_vector() {
+                arguments.push(parameter.name.to_string());
+            } else {
+                let names = numbered(parameter.name, parameter.shape.len());
+                let _ = writeln!(lets, "let [{}] = *{};", names.join(", "), parameter.name);
+                arguments.push(format!("&{}", parameter.shape.value(&names)));
+            }
+        }
+        let mut notes = String::new();
+        if by_link {
+            parameters.push("link: usize".into());
+            arguments.push("link".into());
+            notes += "///\n/// `link` counts in the description's order; false (and nothing is written) if there is none.\n";
+        }
+        let returned = match (scalar, by_link) {
+            (true, _) => format!(" -> {float}"),
+            (false, true) => " -> bool".into(),
+            (false, false) => String::new(),
+        };
+        if !scalar {
+            parameters.push(format!("out: &mut [{float}; {}]", quantity.shape.len()));
+            notes += &format!("///\n/// To `out`: {}.\n", quantity.shape.c_layout());
+        }
+        let docs: String = quantity.docs.lines().map(|line| format!("/// {line}\n")).collect();
+        let _ = writeln!(
+            text,
+            "\n{docs}{notes}#[allow(unsafe_code)]\n#[unsafe(no_mangle)]\n\
+             pub extern \"C\" fn {prefix}_{function}({}){returned} {{",
+            parameters.join(", ")
+        );
+        if quantity.uses_spatial() {
+            let krate = &self.options.krate;
+            let _ = writeln!(text, "#[allow(unused_imports)]\nuse {krate} as __modyn;");
+        }
+        text.push_str(&lets);
+        if by_link {
+            let _ = writeln!(
+                text,
+                "let ::core::option::Option::Some(&link) = {name}Link::ALL.get(link) else {{\nreturn false;\n}};"
+            );
+        }
+        let call = format!("{name}::{function}({})", arguments.join(", "));
+        if scalar {
+            let _ = writeln!(text, "{call}");
+        } else if quantity.shape.is_vector() {
+            let _ = writeln!(text, "*out = {call};");
+        } else {
+            let names = numbered("x", quantity.shape.len());
+            let _ = writeln!(
+                text,
+                "let {} = {call};\n*out = [{}];",
+                quantity.shape.value(&names),
+                names.join(", ")
+            );
+        }
+        text.push_str(if by_link { "true\n}\n" } else { "}\n" });
+    }
+}
+
+/// Whether C has the function: the results of others are Rust's own.
+pub(super) fn in_c(quantity: &Quantity<'_>) -> bool {
+    !matches!(quantity.function, Function::Brge | Function::Random)
+}
+
+impl Quantity<'_> {
+    /// Whether a structure is among its parameters or results.
+    fn uses_spatial(&self) -> bool {
+        let shapes = self.parameters.iter().map(|p| &p.shape).chain([&self.shape]);
+        shapes.into_iter().any(|shape| shape.type_of("").contains("__modyn"))
+    }
+}
+
+impl Shape {
+    /// Whether it is an array of scalars.
+    fn is_vector(&self) -> bool {
+        matches!(self, Self::Array(of, _) if matches!(**of, Self::Scalar))
+    }
+
+    /// In which order its scalars stand, one behind the other.
+    pub(super) fn c_layout(&self) -> String {
+        match self {
+            Self::Scalar => "a number".into(),
+            Self::Array(of, n) if matches!(**of, Self::Scalar) => format!("{n} numbers"),
+            Self::Array(of, n) => format!("{n} times ({})", of.c_layout()),
+            Self::Struct { fields, .. } => {
+                let named = |(name, shape): &(&str, Self)| {
+                    if name.is_empty() {
+                        shape.c_layout()
+                    } else {
+                        format!("{name}: {}", shape.c_layout())
+                    }
+                };
+                fields.iter().map(named).collect::<Vec<_>>().join(", ")
+            }
+        }
+    }
+}
+
+fn numbered(name: &str, count: usize) -> Vec<String> {
+    (0..count).map(|i| format!("{name}{i}")).collect()
+}

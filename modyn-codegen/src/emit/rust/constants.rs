@@ -1,0 +1,181 @@
+//! What a generated type says about its robot.
+
+use std::fmt::Write as _;
+
+use modyn_runtime::OperationCount;
+use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
+use modyn_runtime::equations::kinematics::coordinates;
+use modyn_runtime::mechanism::Mechanism;
+use modyn_runtime::model::Link;
+
+use super::Robot;
+use crate::plan::Function;
+
+impl Robot<'_> {
+    /// The type's constants.
+    pub(super) fn constants(&self, text: &mut String, operations: &[(&str, OperationCount)]) {
+        let (name, model) = (self.name, self.model);
+        let (nq, nv, float) = (model.nq(), model.nv(), self.options.float.name());
+        let (joints, links) = (self.joint_names(), self.link_names());
+        let quaternions: Vec<(&str, usize)> = model.quaternions().collect();
+        let parameters: Vec<f64> = (0..model.links().len())
+            .filter_map(|link| model.inertial_parameters(link))
+            .flatten()
+            .collect();
+        let _ = writeln!(
+            text,
+            "impl {name} {{\n\
+             /// The robot's name in its description.\n\
+             pub const NAME: &'static str = {:?};\n\
+             /// Length of the coordinate vector.\n\
+             pub const NQ: usize = {nq};\n\
+             /// Length of the velocity vector: degrees of freedom.\n\
+             pub const NV: usize = {nv};\n\
+             /// The moving joints, depth first; those that mimic another too.\n\
+             pub const JOINT_NAMES: [&'static str; {}] = {joints:?};\n\
+             /// All links of the description, in its order.\n\
+             pub const LINK_NAMES: [&'static str; {}] = {links:?};\n\
+             /// What each entry of `q` is called: by its joint, and its part of it if there are several.\n\
+             pub const COORDINATE_NAMES: [&'static str; {nq}] = {:?};\n\
+             /// What each entry of `qd` is called.\n\
+             pub const VELOCITY_NAMES: [&'static str; {nv}] = {:?};\n\
+             /// The quaternions in `q`, which must have length 1: the name of the joint of each, and the entry of `q` that it\n\
+             /// begins at.\n\
+             pub const QUATERNIONS: [(&'static str, usize); {}] = {quaternions:?};\n\
+             /// Coordinates with every joint at zero, and quaternions of no rotation.\n\
+             pub const NEUTRAL: [{float}; {nq}] = {:?};\n\
+             /// The inertial parameters of the moving links, ten each, as `regressor` has them.\n\
+             pub const PARAMETERS: [f64; {}] = {parameters:?};\n\
+             /// The acceleration of free fall in world axes, m/s^2.\n\
+             pub const GRAVITY: [f64; 3] = {:?};",
+            model.name(),
+            joints.len(),
+            links.len(),
+            model.coordinate_names(),
+            model.velocity_names(),
+            quaternions.len(),
+            self.neutral(),
+            parameters.len(),
+            model.gravity(),
+        );
+        let loop_constraints: Vec<&str> =
+            model.loop_constraints().iter().map(|c| c.name.as_str()).collect();
+        if !loop_constraints.is_empty() {
+            let _ = writeln!(
+                text,
+                "/// The joints that close loops, in the description's order.\n\
+                 pub const LOOP_CONSTRAINT_NAMES: [&'static str; {}] = {loop_constraints:?};",
+                loop_constraints.len()
+            );
+        }
+        self.limits(text);
+        if self.options.functions.contains(&Function::Regressor) {
+            self.base_parameters(text);
+        }
+        self.module_table(text);
+        for (quantity, count) in operations {
+            let OperationCount { multiplications, additions, divisions, sin_cos, others } = count;
+            let _ = writeln!(
+                text,
+                "/// What `{quantity}` takes (at most, if it depends on a link).\n\
+                 pub const {}_OPERATIONS: __modyn::OperationCount = __modyn::OperationCount {{ multiplications: {multiplications}, \
+                 additions: {additions}, divisions: {divisions}, sin_cos: {sin_cos}, others: {others} }};",
+                quantity.to_uppercase()
+            );
+        }
+        text.push_str("}\n\n");
+    }
+
+    /// What can be identified; found by numbers, so only for robots that have the regressor.
+    fn base_parameters(&self, text: &mut String) {
+        let base = BaseParameters::new(self.model);
+        let names: Vec<&str> = base.parameters.iter().map(BaseParameter::name).collect();
+        let _ = writeln!(
+            text,
+            "/// The fewest combinations of `PARAMETERS` that determine all joint torques (base parameters):\n\
+             /// tau is the sum of these times the regressor's `BASE_COLUMNS`.\n\
+             pub const BASE_PARAMETERS: [f64; {n}] = {:?};\n\
+             /// The columns of `regressor` that belong to `BASE_PARAMETERS`.\n\
+             pub const BASE_COLUMNS: [usize; {n}] = {:?};\n\
+             /// What `BASE_PARAMETERS` are combined of.\n\
+             pub const BASE_PARAMETER_NAMES: [&'static str; {n}] = {names:?};",
+            base.values(self.model),
+            base.regressor_columns(),
+            n = names.len(),
+        );
+    }
+
+    fn neutral(&self) -> Vec<f64> {
+        let mut q = vec![0.0; self.model.nq()];
+        coordinates::neutral(&Mechanism::new(self.model), &mut q);
+        q
+    }
+
+    fn module_table(&self, text: &mut String) {
+        let joints = self.joint_names();
+        let _ = writeln!(
+            text,
+            "/// The kinematic modules, parents before children.\n\
+             pub const MODULES: [__modyn::KinematicModule; {}] = [",
+            self.modules.modules().len()
+        );
+        for (module, block) in self.modules.modules().iter().zip(self.plan.layout.blocks()) {
+            let range = module.links.clone();
+            let link_names: Vec<&str> =
+                self.model.links()[range.clone()].iter().map(|l| l.name.as_str()).collect();
+            let _ = writeln!(
+                text,
+                "__modyn::KinematicModule {{ parent: ::core::option::Option::{:?}, children: &{:?}, \
+                 links: &{link_names:?}, joints: &{:?}, first: {}, dofs: {} }},",
+                module.parent,
+                module.children,
+                &joints[range],
+                block.dofs.start,
+                block.dofs.len(),
+            );
+        }
+        text.push_str("];\n");
+    }
+
+    /// Limits and drives, by coordinate or velocity.
+    fn limits(&self, text: &mut String) {
+        let own = || self.model.links().iter().filter(|link| link.joint.mimic.is_none());
+        let list = |length: fn(&Link) -> usize, figure: &dyn Fn(&Link) -> f64| {
+            let numbers: Vec<String> = own()
+                .flat_map(|link| std::iter::repeat_n(figure(link), length(link)))
+                .map(|x| match x {
+                    x if x == f64::INFINITY => "f64::INFINITY".into(),
+                    x if x == f64::NEG_INFINITY => "f64::NEG_INFINITY".into(),
+                    x => format!("{x:?}"),
+                })
+                .collect();
+            numbers.join(", ")
+        };
+        let limit = |link: &Link, pick: fn(&modyn_runtime::model::Limits) -> Option<f64>| {
+            link.joint.limits.as_ref().and_then(pick)
+        };
+        let nq = |link: &Link| link.joint.joint_type.nq();
+        let nv = |link: &Link| link.joint.joint_type.nv();
+        let _ = writeln!(
+            text,
+            "/// The limits of the joints as the description states them, infinite where it does not.\n\
+             pub const LIMITS: __modyn::JointLimits<'static> = __modyn::JointLimits {{\n\
+             lower: &[{}],\nupper: &[{}],\nvelocity: &[{}],\neffort: &[{}],\n}};\n\
+             /// The rotors' inertia, kg m^2 or kg, at each degree of freedom; part of the dynamics.\n\
+             pub const ARMATURE: [f64; {n}] = [{}];\n\
+             /// Viscous damping, N m s/rad or N s/m, as the description has it; acts if the option\n\
+             /// `friction` says so.\n\
+             pub const DAMPING: [f64; {n}] = [{}];\n\
+             /// Coulomb friction, N m or N, as the description has it; acts if the option `friction` says so.\n\
+             pub const FRICTION: [f64; {n}] = [{}];",
+            list(nq, &|link| limit(link, |l| l.lower).unwrap_or(f64::NEG_INFINITY)),
+            list(nq, &|link| limit(link, |l| l.upper).unwrap_or(f64::INFINITY)),
+            list(nv, &|link| limit(link, |l| l.velocity).unwrap_or(f64::INFINITY)),
+            list(nv, &|link| limit(link, |l| l.effort).unwrap_or(f64::INFINITY)),
+            list(nv, &|link| link.joint.drive.armature),
+            list(nv, &|link| link.joint.drive.damping),
+            list(nv, &|link| link.joint.drive.friction),
+            n = self.model.nv(),
+        );
+    }
+}

@@ -1,0 +1,63 @@
+//! Functions that are printed twice, on scalars and on vectors; the scalar chooses.
+
+use std::fmt::Write as _;
+
+use super::function::{Parameter, function, unpacked, vector_types};
+use super::{Quantity, Robot};
+use crate::names::helper_type;
+use crate::program::Program;
+
+impl Robot<'_> {
+    /// A private function that leaves the choice to its scalar: the program on `vectors`, or the program on `scalars`.
+    pub(super) fn dispatched(
+        &self,
+        text: &mut String,
+        quantity: &Quantity<'_>,
+        parameters: &[Parameter],
+        (scalars, vectors): (&Program, &Program),
+    ) {
+        let (name, shape) = (quantity.function.name(), &quantity.shape);
+        let (alone, abreast) = (format!("{name}_alone"), format!("{name}_abreast"));
+        *text += &function(&alone, parameters, shape, scalars, self.options.float);
+        *text += &function(&abreast, parameters, shape, vectors, self.options.float);
+        let types = vector_types(vectors);
+        let kind = format!("{}Abreast", helper_type(name));
+        let fields: Vec<String> =
+            parameters.iter().map(|p| p.typed("T").replace('&', "&'a ")).collect();
+        let typed: Vec<String> = parameters.iter().map(|p| p.typed("T")).collect();
+        let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
+        let own: Vec<String> = names.iter().map(|name| format!("self.{name}")).collect();
+        let unpacked: Vec<String> =
+            parameters.iter().map(|p| format!("    {}\n", unpacked(p))).collect();
+        let ones: Vec<String> = parameters.iter().map(ones).collect();
+        let (returned, names) = (shape.type_of("T"), names.join(", "));
+        let _ = writeln!(
+            text,
+            "struct {kind}<'a, T> {{ {} }}\n\
+             impl<T: __modyn::Scalar> __modyn::batch::Abreast<T> for {kind}<'_, T> {{\n\
+             type Output = {returned};\n\
+             const SIDE_BY_SIDE: bool = {};\n\
+             #[inline(always)]\n\
+             fn vectors<V: __modyn::batch::Vectors<Number = T>>(self) -> {returned} {{\n    \
+             let Self {{ {names} }} = self;\n{}    \
+             {abreast}::<{}V>({})\n}}\n\
+             #[inline]\nfn scalar(self) -> {returned} {{\n    {alone}({})\n}}\n}}\n\
+             fn {name}<T: __modyn::Scalar>({}) -> {returned} {{\n    \
+             T::abreast({kind} {{ {names} }})\n}}\n",
+            fields.join(", "),
+            types > 1,
+            unpacked.concat(),
+            "_, ".repeat(types),
+            ones.join(", "),
+            own.join(", "),
+            typed.join(", "),
+        );
+    }
+}
+
+/// A parameter as numbers to compute with.
+fn ones(parameter: &Parameter) -> String {
+    let shape = &parameter.shape;
+    let one = |i| format!("V::one({})", parameter.entry(i));
+    format!("&{}", shape.value(&(0..shape.len()).map(one).collect::<Vec<_>>()))
+}

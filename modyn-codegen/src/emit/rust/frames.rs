@@ -1,0 +1,105 @@
+//! The functions of links: of single ones, and of those that share a function and a table of their placements.
+
+use std::fmt::Write as _;
+
+use super::function::{Parameter, function, literal};
+use super::shape::Shape;
+use super::{FloatType, Quantity, Robot};
+use crate::plan::{Frames, LinkCode};
+use crate::program::Program;
+
+/// The table of placements, in the generated text.
+const TABLE: &str = "__PLACEMENTS";
+
+/// The parameter for a row of the table.
+const PARAMETER: &str = "placement";
+
+impl Robot<'_> {
+    /// The functions of single links and those that links share.
+    pub(super) fn link_functions(
+        &self,
+        text: &mut String,
+        quantity: &Quantity<'_>,
+        programs: &[Program],
+    ) {
+        let (frames, float) = (&self.plan.frames, self.options.float);
+        let (name, mut parameters) = (quantity.function.name(), quantity.all_parameters());
+        let (own, shared) = programs.split_at(frames.own().count());
+        for (link, program) in frames.own().zip(own) {
+            let name = format!("{name}_{link}");
+            *text += &function(&name, &parameters, &quantity.shape, program, float);
+        }
+        parameters.push(placement(float));
+        for (body, program) in shared.iter().enumerate() {
+            let name = format!("{name}_on_{body}");
+            *text += &function(&name, &parameters, &quantity.shape, program, float);
+        }
+    }
+
+    /// The call of the function that has the code for `link`.
+    pub(super) fn link_call(&self, name: &str, link: usize, arguments: &str) -> String {
+        match self.plan.frames.codes()[link] {
+            LinkCode::Own => format!("{name}_{link}({arguments})"),
+            LinkCode::Shared { body, row } => {
+                format!("{name}_on_{body}({arguments}, &{TABLE}[{row}])")
+            }
+        }
+    }
+
+    /// A function of the poses of all links, by those of `bodies` and one that has been `placed` on such.
+    pub(super) fn poses_function(
+        &self,
+        text: &mut String,
+        quantity: &Quantity<'_>,
+        (bodies, placed): (&Program, &Program),
+    ) {
+        let (frames, float) = (&self.plan.frames, self.options.float);
+        let (name, parameters) = (quantity.function.name(), quantity.all_parameters());
+        let shape = Shape::new(&frames.poses_of_bodies(), self.name);
+        *text += &function(&format!("{name}_of_bodies"), &parameters, &shape, bodies, float);
+        let pose = Shape::new(&crate::plan::Shape::pose(), self.name);
+        let of_placed = [Parameter::new("body", pose.clone()), placement(float)];
+        *text += &function(&format!("{name}_placed"), &of_placed, &pose, placed, float);
+        let (own, mut next) = (frames.own().count(), 0);
+        let poses = frames.codes().iter().map(|code| match code {
+            LinkCode::Own => {
+                next += 1;
+                format!("bodies[{}],\n", next - 1)
+            }
+            LinkCode::Shared { body, row } => {
+                format!("{name}_placed(&bodies[{}], &{TABLE}[{row}]),\n", own + body)
+            }
+        });
+        let poses: String = poses.collect();
+        let typed: Vec<String> = parameters.iter().map(|p| p.typed("T")).collect();
+        let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
+        let _ = writeln!(
+            text,
+            "fn {name}<T: __modyn::Scalar>({}) -> {} {{\n    let bodies = {name}_of_bodies({});\n    [\n{poses}    ]\n}}\n",
+            typed.join(", "),
+            quantity.shape.type_of("T"),
+            names.join(", "),
+        );
+    }
+
+    /// The table of placements: of each link that shares a function, its pose on its body.
+    pub(super) fn placements(&self, text: &mut String) {
+        let (frames, float) = (&self.plan.frames, self.options.float);
+        let rows = frames.placements().map(|numbers| {
+            let numbers: Vec<String> = numbers.iter().map(|&x| literal(x, float)).collect();
+            format!("[{}],\n", numbers.join(", "))
+        });
+        let rows: String = rows.collect();
+        let _ = writeln!(
+            text,
+            "static {TABLE}: [[{}; {}]; {}] = [\n{rows}];\n",
+            float.name(),
+            Frames::PLACEMENT,
+            frames.rows(),
+        );
+    }
+}
+
+fn placement(float: FloatType) -> Parameter {
+    Parameter::constants(PARAMETER, Shape::vector(Frames::PLACEMENT), float.name())
+}

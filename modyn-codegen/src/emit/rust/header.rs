@@ -1,0 +1,118 @@
+//! The header of the functions for C: C99 and C++, without a diagnostic under `-pedantic`.
+
+use std::fmt::Write as _;
+
+use super::c_functions::in_c;
+use super::shape::Shape;
+use super::{Quantity, Robot};
+use crate::diagnostics::sanitize_for_display;
+use crate::names;
+use crate::plan::Kernels;
+
+impl Robot<'_> {
+    /// The header of `prefix_function` for each of the `quantities` that C has.
+    pub(super) fn c_header(&self, prefix: &str, quantities: &[Quantity<'_>]) -> String {
+        let upper = prefix.to_uppercase();
+        let (number, size) = match self.options.float {
+            super::FloatType::F64 => ("double", 8),
+            super::FloatType::F32 => ("float", 4),
+        };
+        let quantities: Vec<&Quantity<'_>> = quantities.iter().filter(|q| in_c(q)).collect();
+        let of_links = quantities.iter().any(|q| matches!(q.kernels, Kernels::ByLink(_)));
+        let mut text = format!(
+            "/* Functions of the robot {}, compiled by modyn. */\n\n\
+             #ifndef {upper}_H\n#define {upper}_H\n\n",
+            comment(self.model.name()),
+        );
+        if of_links {
+            text += "#include <stdbool.h>\n#include <stddef.h>\n\n";
+        }
+        let _ = writeln!(
+            text,
+            "/* Length of the coordinate vector. */\n#define {upper}_NQ {}\n\
+             /* Length of the velocity vector. */\n#define {upper}_NV {}\n\
+             /* Number of links. */\n#define {upper}_LINKS {}\n\n\
+             /* An array of at least n numbers, or a pointer to its first one. Compilers warn of shorter arrays. */\n\
+             #if defined(__STDC_VERSION__) && !defined(_MSC_VER)\n\
+             #define {upper}_AT_LEAST(n) static n\n#else\n#define {upper}_AT_LEAST(n)\n#endif\n\n\
+             /* Numbers are of {} bits. */\n\
+             typedef char {prefix}_has_numbers_of_{}_bits[sizeof({number}) == {size} ? 1 : -1];\n",
+            self.model.nq(),
+            self.model.nv(),
+            self.model.frames().len(),
+            8 * size,
+            8 * size,
+        );
+        self.enum_of_links(&mut text, prefix, &upper);
+        text += "#ifdef __cplusplus\nextern \"C\" {\n#endif\n";
+        for quantity in quantities {
+            declaration(&mut text, quantity, (prefix, &upper), number);
+        }
+        text += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
+        text
+    }
+
+    fn enum_of_links(&self, text: &mut String, prefix: &str, upper: &str) {
+        let names = self.link_names();
+        let _ = writeln!(
+            text,
+            "/* The links of the description, in its order. */\nenum {prefix}_link {{"
+        );
+        let fields = names::fields(&names, &[]);
+        for (i, (field, name)) in fields.iter().zip(&names).enumerate() {
+            let comma = if i + 1 < names.len() { "," } else { "" };
+            let (constant, name) = (field.to_uppercase(), comment(name));
+            let _ = writeln!(text, "    {upper}_LINK_{constant} = {i}{comma} /* {name} */");
+        }
+        text.push_str("};\n\n");
+    }
+}
+
+/// What a function is declared as.
+fn declaration(
+    text: &mut String,
+    quantity: &Quantity<'_>,
+    (prefix, upper): (&str, &str),
+    number: &str,
+) {
+    let function = quantity.function.name();
+    let by_link = matches!(quantity.kernels, Kernels::ByLink(_));
+    let array =
+        |name: &str, shape: &Shape| format!("{number} {name}[{upper}_AT_LEAST({})]", shape.len());
+    let parameters = quantity.parameters.iter();
+    let mut parameters: Vec<String> =
+        parameters.map(|p| format!("const {}", array(p.name, &p.shape))).collect();
+    if by_link {
+        parameters.push("size_t link".into());
+    }
+    let returned = match (&quantity.shape, by_link) {
+        (Shape::Scalar, _) => number,
+        (_, true) => "bool",
+        (_, false) => "void",
+    };
+    let mut docs: Vec<String> = quantity.docs.lines().map(str::to_owned).collect();
+    if by_link {
+        docs.push(format!(
+            "`link` is one of `enum {prefix}_link`; false (and nothing is written) if there is none."
+        ));
+    }
+    if returned != number {
+        parameters.push(array("out", &quantity.shape));
+        docs.push(format!("To `out`: {}.", quantity.shape.c_layout()));
+    }
+    let _ = writeln!(
+        text,
+        "\n/* {} */\n{returned} {prefix}_{function}({});",
+        docs.join("\n * "),
+        parameters.join(", ")
+    );
+}
+
+/// A name in a comment, whatever it holds.
+fn comment(name: &str) -> String {
+    // Neither the end of a comment nor the beginning of another one, which compilers warn of; no trigraph.
+    format!(
+        "`{}`",
+        sanitize_for_display(name).replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?")
+    )
+}

@@ -1,0 +1,40 @@
+//! The functions that a robot does not have: a call of one is an error that names the option `functions`.
+
+use std::fmt::Write as _;
+
+use super::Robot;
+use crate::plan::Function;
+
+impl Robot<'_> {
+    /// Which functions the robot has, for `modyn::functions`, and for each other function one of that name
+    /// whose bound does not hold.
+    pub(super) fn availability(&self, text: &mut String, generated: &[Function]) {
+        let name = self.name;
+        for function in generated {
+            let _ = writeln!(text, "impl __modyn::functions::{function:?} for {name} {{}}");
+        }
+        let _ = writeln!(text, "impl {name} {{");
+        for &function in Function::ALL.iter().filter(|function| !generated.contains(function)) {
+            let with_parameters =
+                function.depends_on_parameters() && !self.plan.parameters.is_empty();
+            for (called, arguments) in function.signatures() {
+                missing(text, function, &called, arguments);
+                if with_parameters {
+                    missing(text, function, &format!("{called}_with"), arguments + 1);
+                }
+            }
+        }
+        text.push_str("}\n\n");
+    }
+}
+
+/// A function that cannot be called. The bound has a lifetime of its own: without one, rustc would refuse
+/// the function and not its call.
+fn missing(text: &mut String, function: Function, called: &str, arguments: usize) {
+    let arguments = vec!["_: impl ::core::marker::Sized"; arguments].join(", ");
+    let _ = writeln!(
+        text,
+        "#[doc(hidden)]\npub fn {called}({arguments}) -> ! \
+         where for<'call> Self: __modyn::functions::{function:?} {{ __modyn::functions::not_generated() }}"
+    );
+}

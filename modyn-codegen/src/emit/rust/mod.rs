@@ -1,0 +1,324 @@
+//! Rust: the type of a robot, its functions, and all that belongs to it.
+//!
+//! Public items are documented; private functions are generic over the scalar, the type's own
+//! functions concrete, so that inference stays plain and the robot's crate holds compiled code.
+//! The text uses `core` and the crate `modyn` only. It is the same for the same input, in every
+//! process: nothing in here depends on an address or on a hash map's order.
+
+mod batch;
+mod c_functions;
+mod constants;
+mod dispatch;
+mod docs;
+mod embedded;
+mod factorization;
+mod frames;
+mod function;
+mod header;
+mod layout;
+mod missing;
+mod parameters;
+mod shape;
+mod types;
+
+use std::fmt::Write as _;
+
+use modyn_runtime::OperationCount;
+use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
+
+use super::{EmitOptions, FloatType};
+use crate::names;
+use crate::plan::{Function, Kernels, Plan, Planned};
+use crate::program::Program;
+use function::{Parameter, function};
+use shape::Shape;
+
+/// The items of a robot, and the header of its functions for C if there are some.
+#[must_use]
+pub(super) fn print(
+    (model, modules): (&Model, &ModuleTree),
+    plan: &Plan,
+    options: &EmitOptions,
+    name: &str,
+) -> (String, Option<String>) {
+    let mut options = options.clone();
+    if options.self_contained {
+        options.krate = format!("self::{}", embedded::MODULE);
+    }
+    let options = &options;
+    let robot = Robot { model, modules, options, plan, name };
+    let quantity = |planned| Quantity::new(planned, name);
+    let quantities: Vec<Quantity<'_>> = plan.functions.iter().map(quantity).collect();
+    let per_call = |p: &Planned| (p.function.name(), p.operations_per_call());
+    let operations: Vec<(&str, OperationCount)> = plan.functions.iter().map(per_call).collect();
+    let mut text = String::new();
+    docs::robot(&mut text, &robot, &operations);
+    robot.types(&mut text);
+    let krate = &options.krate;
+    let _ = writeln!(
+        text,
+        "#[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, unused_variables, non_snake_case)]\n\
+         const _: () = {{\n\
+         use {krate} as __modyn;\n"
+    );
+    robot.constants(&mut text, &operations);
+    robot.own_functions(&mut text, &quantities);
+    if !options.self_contained {
+        robot.robot_trait(&mut text, &quantities);
+        let generated = plan.functions.iter().chain(&plan.batches).map(|p| p.function);
+        robot.availability(&mut text, &generated.collect::<Vec<_>>());
+    }
+    if robot.factorizes() {
+        robot.factorization(&mut text);
+    }
+    robot.enums(&mut text);
+    robot.parameters(&mut text);
+    let of_links = |p: &Planned| matches!(p.kernels, Kernels::ByLink(_) | Kernels::Poses { .. });
+    if plan.functions.iter().any(of_links) && plan.frames.any_shared() {
+        robot.placements(&mut text);
+    }
+    for quantity in &quantities {
+        robot.private_functions(&mut text, quantity);
+    }
+    for planned in &plan.batches {
+        robot.batches(&mut text, &quantity(planned));
+    }
+    text += "};\n";
+    let c_header = options.c_prefix.as_ref().map(|prefix| {
+        robot.c_functions(&mut text, prefix, &quantities);
+        robot.c_header(prefix, &quantities)
+    });
+    if options.self_contained {
+        text = layout::indented(&embedded::in_any_edition(&text));
+        text += &embedded::module(&text);
+    }
+    (text, c_header)
+}
+
+/// A planned function with the types of Rust.
+struct Quantity<'a> {
+    function: Function,
+    parameters: Vec<Parameter>,
+    shape: Shape,
+    /// Whether run-time parameters can matter to it.
+    dynamic: bool,
+    /// The number of run-time parameters.
+    runtime: usize,
+    kernels: &'a Kernels,
+    docs: &'static str,
+}
+
+impl<'a> Quantity<'a> {
+    fn new(planned: &'a Planned, robot: &str) -> Self {
+        let row = planned.row();
+        let parameter =
+            |(name, shape): &(&'static str, _)| Parameter::new(name, Shape::new(shape, robot));
+        Self {
+            function: planned.function,
+            parameters: planned.arguments.iter().map(parameter).collect(),
+            shape: Shape::new(&planned.result, robot),
+            dynamic: row.depends_on_parameters,
+            runtime: planned.parameters,
+            kernels: &planned.kernels,
+            docs: row.docs,
+        }
+    }
+
+    /// The parameter of a private function for the parameters that are known at run time only.
+    fn runtime_parameter(&self) -> Option<Parameter> {
+        (self.runtime > 0).then(|| Parameter::new("params", Shape::vector(self.runtime)))
+    }
+
+    /// The parameters of a private function.
+    fn all_parameters(&self) -> Vec<Parameter> {
+        self.parameters.iter().cloned().chain(self.runtime_parameter()).collect()
+    }
+}
+
+/// All that the parts of the text are printed from.
+struct Robot<'a> {
+    model: &'a Model,
+    modules: &'a ModuleTree,
+    options: &'a EmitOptions,
+    plan: &'a Plan,
+    name: &'a str,
+}
+
+impl Robot<'_> {
+    /// Whether it has the factorization's type.
+    fn factorizes(&self) -> bool {
+        !self.plan.factorization.is_empty()
+    }
+
+    fn joint_names(&self) -> Vec<&str> {
+        self.model.links().iter().map(|link| link.joint.name.as_str()).collect()
+    }
+
+    fn link_names(&self) -> Vec<&str> {
+        self.model.frames().iter().map(|frame| frame.name.as_str()).collect()
+    }
+
+    fn link_variants(&self) -> Vec<String> {
+        names::variants(&self.link_names())
+    }
+
+    /// The functions that compute, generic over the scalar.
+    fn private_functions(&self, text: &mut String, quantity: &Quantity<'_>) {
+        let (name, parameters) = (quantity.function.name(), quantity.all_parameters());
+        let function = |name: &str, program: &Program| {
+            function(name, &parameters, &quantity.shape, program, self.options.float)
+        };
+        match quantity.kernels {
+            Kernels::One(program) => *text += &function(name, program),
+            Kernels::Dispatched { scalar, simd } => {
+                self.dispatched(text, quantity, &parameters, (scalar, simd));
+            }
+            Kernels::ByLink(programs) => self.link_functions(text, quantity, programs),
+            Kernels::Poses { bodies, placed, .. } => {
+                self.poses_function(text, quantity, (bodies, placed));
+            }
+        }
+    }
+
+    /// The body of a public function: the call of the private one, or for each link one.
+    fn call(&self, quantity: &Quantity<'_>, params: &str) -> String {
+        let name = quantity.function.name();
+        if quantity.function == Function::Random {
+            return format!(
+                "let mut uniform = uniform;\n    {name}(&::core::array::from_fn(|_| uniform()))"
+            );
+        }
+        let mut arguments: Vec<&str> = quantity.parameters.iter().map(|p| p.name).collect();
+        if quantity.runtime_parameter().is_some() {
+            arguments.push(params);
+        }
+        let arguments = arguments.join(", ");
+        match quantity.kernels {
+            Kernels::One(_) | Kernels::Dispatched { .. } | Kernels::Poses { .. } => {
+                format!("{name}({arguments})")
+            }
+            Kernels::ByLink(_) => {
+                let arms: Vec<String> = self
+                    .link_variants()
+                    .iter()
+                    .enumerate()
+                    .map(|(i, link)| {
+                        let call = self.link_call(name, i, &arguments);
+                        format!("{}Link::{link} => {call},\n", self.name)
+                    })
+                    .collect();
+                format!("match link {{\n{}    }}", arms.concat())
+            }
+        }
+    }
+
+    /// The parameters of a public function over scalar `t`, behind `first`.
+    fn typed(&self, quantity: &Quantity<'_>, first: Option<String>, t: &str) -> String {
+        if quantity.function == Function::Random {
+            return format!("uniform: impl ::core::ops::FnMut() -> {t}");
+        }
+        let own = quantity.parameters.iter().map(|parameter| parameter.typed(t));
+        let link = matches!(quantity.kernels, Kernels::ByLink(_))
+            .then(|| format!("link: {}Link", self.name));
+        first.into_iter().chain(own).chain(link).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The type's own functions.
+    fn own_functions(&self, text: &mut String, quantities: &[Quantity<'_>]) {
+        let (name, float) = (self.name, self.options.float.name());
+        let _ = writeln!(text, "impl {name} {{");
+        for quantity in quantities {
+            let function = quantity.function.name();
+            let lines: Vec<String> =
+                quantity.docs.lines().map(|line| format!("/// {line}\n")).collect();
+            let (docs, returned) = (lines.concat(), quantity.shape.type_of(float));
+            let _ = writeln!(
+                text,
+                "{docs}#[must_use]\npub fn {function}({}) -> {returned} {{\n    {}\n}}",
+                self.typed(quantity, None, float),
+                self.call(quantity, &format!("&{name}Params::DEFAULT.numbers")),
+            );
+            if quantity.runtime_parameter().is_some() {
+                let params = format!("params: &{name}Params");
+                let _ = writeln!(
+                    text,
+                    "{docs}///\n/// With these parameters.\n#[must_use]\n\
+                     pub fn {function}_with({}) -> {returned} {{\n    {}\n}}",
+                    self.typed(quantity, Some(params), float),
+                    self.call(quantity, "&params.numbers"),
+                );
+            }
+        }
+        let _ = writeln!(
+            text,
+            "/// Checks that the quaternions of spherical and floating joints in `q` have length 1, to half of the scalar's\n\
+             /// digits. Nothing else checks it, and accelerations are wrong where it does not hold.\n///\n\
+             /// # Errors\n///\n/// The first joint whose quaternion has another length.\n\
+             pub fn check_configuration(q: &[{float}; {nq}]) -> \
+             ::core::result::Result<(), __modyn::ConfigurationError<{float}>> {{\n    \
+             __modyn::configuration::check(Self::QUATERNIONS.iter().copied(), q)\n}}",
+            nq = self.model.nq(),
+        );
+        text.push_str("}\n\n");
+    }
+
+    /// `impl Robot`.
+    fn robot_trait(&self, text: &mut String, quantities: &[Quantity<'_>]) {
+        let (name, nq, nv) = (self.name, self.model.nq(), self.model.nv());
+        let (links, loop_constraints) =
+            (self.model.frames().len(), self.model.loop_constraints().len());
+        let loop_constraint_names = match loop_constraints {
+            0 => "",
+            _ => {
+                "const LOOP_CONSTRAINT_NAMES: &'static [&'static str] = &Self::LOOP_CONSTRAINT_NAMES;\n"
+            }
+        };
+        let params =
+            if self.plan.parameters.is_empty() { "()".into() } else { format!("{name}Params<T>") };
+        let brge = if self.factorizes() {
+            format!("{name}Brge<T>")
+        } else {
+            format!("__modyn::NotGenerated<[T; {nv}], [[T; {nv}]; {nv}]>")
+        };
+        let _ = writeln!(
+            text,
+            "impl __modyn::Robot for {name} {{\n\
+             const NAME: &'static str = Self::NAME;\n\
+             const NQ: usize = {nq};\n\
+             const NV: usize = {nv};\n\
+             const JOINT_NAMES: &'static [&'static str] = &Self::JOINT_NAMES;\n\
+             const LINK_NAMES: &'static [&'static str] = &Self::LINK_NAMES;\n\
+             const COORDINATE_NAMES: &'static [&'static str] = &Self::COORDINATE_NAMES;\n\
+             const VELOCITY_NAMES: &'static [&'static str] = &Self::VELOCITY_NAMES;\n\
+             {loop_constraint_names}\
+             const QUATERNIONS: &'static [(&'static str, usize)] = &Self::QUATERNIONS;\n\
+             const LIMITS: __modyn::JointLimits<'static> = Self::LIMITS;\n\
+             const MODULES: &'static [__modyn::KinematicModule] = &Self::MODULES;\n\
+             type Params<T: __modyn::Scalar> = {params};\n\
+             type Link = {name}Link;\n\
+             type Q<T: __modyn::Scalar> = [T; {nq}];\n\
+             type V<T: __modyn::Scalar> = [T; {nv}];\n\
+             type M<T: __modyn::Scalar> = [[T; {nv}]; {nv}];\n\
+             type PerVelocity<X: ::core::marker::Copy> = [X; {nv}];\n\
+             type PerLink<X: ::core::marker::Copy> = [X; {links}];\n\
+             type PerLoopConstraint<X: ::core::marker::Copy> = [X; {loop_constraints}];\n\
+             type Regressor<T: __modyn::Scalar> = [[T; {nv}]; {columns}];\n\
+             type Brge<T: __modyn::Scalar> = {brge};\n\
+             fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| T::from_f64(::core::convert::Into::into(x)))\n}}",
+            columns = PARAMETERS_PER_LINK * self.model.links().len(),
+        );
+        for quantity in quantities {
+            let with = if quantity.dynamic { "_with" } else { "" };
+            let first = quantity.dynamic.then(|| "params: &Self::Params<T>".into());
+            let _ = writeln!(
+                text,
+                "fn {}{with}<T: __modyn::Scalar>({}) -> {} {{\n    {}\n}}",
+                quantity.function.name(),
+                self.typed(quantity, first, "T"),
+                quantity.shape.type_of("T"),
+                self.call(quantity, "&params.numbers"),
+            );
+        }
+        text.push_str("}\n\n");
+    }
+}

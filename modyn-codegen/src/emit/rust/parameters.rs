@@ -1,0 +1,170 @@
+//! The type of the parts of a robot that are known at run time only.
+
+use std::fmt::Write as _;
+
+use super::function::{Parameter, function};
+use super::{FloatType, Robot, Shape, docs};
+use crate::names;
+
+/// One inertia among the parameters.
+struct Field {
+    /// The name of the function that returns it.
+    name: String,
+    /// One sentence about it.
+    docs: String,
+    /// Where its ten numbers begin.
+    at: usize,
+}
+
+impl Robot<'_> {
+    /// The run-time inertias and the payloads.
+    fn inertia_fields(&self) -> Vec<Field> {
+        let parameters = &self.plan.parameters;
+        let links = self.link_names();
+        let own: Vec<&str> = parameters.inertias.iter().map(|(frame, _)| links[*frame]).collect();
+        let payloads: Vec<&str> = parameters.payloads.iter().map(|&frame| links[frame]).collect();
+        let field = |what: &'static str, docs: &'static str, first: usize, names: &[&str]| {
+            let fields = names::fields(names, &[]).into_iter().zip(names).enumerate();
+            let field = |(k, (field, link)): (usize, (String, &&str))| Field {
+                name: format!("{what}_of_{field}"),
+                docs: docs.replace("{}", &docs::code(link)),
+                at: parameters.inertial(first + k),
+            };
+            fields.map(field).collect::<Vec<Field>>()
+        };
+        let own = field(
+            "inertia",
+            "the inertia of link {} alone, in its own frame; by default the description's.",
+            0,
+            &own,
+        );
+        let first = own.len();
+        let payloads = field(
+            "payload",
+            "the inertia that is added to link {}, in the link's frame; by default none.",
+            first,
+            &payloads,
+        );
+        own.into_iter().chain(payloads).collect()
+    }
+
+    /// The structure of the parameters, without its functions; nothing if there are none.
+    pub(super) fn parameters_type(&self, text: &mut String) {
+        let count = self.plan.parameters.len();
+        if count == 0 {
+            return;
+        }
+        let (name, vis, float) = (self.name, &self.options.visibility, self.options.float.name());
+        let _ = writeln!(
+            text,
+            "/// The numbers of [`{name}`] that can be changed at run time; by default as in the description. Its\n\
+             /// functions change them, and check what they are given.\n\
+             #[allow(dead_code)]\n\
+             #[derive(Clone, Copy, Debug, PartialEq)]\n\
+             {vis} struct {name}Params<T = {float}> {{\n    numbers: [T; {count}],\n}}\n"
+        );
+    }
+
+    /// Its functions.
+    pub(super) fn parameters(&self, text: &mut String) {
+        let parameters = &self.plan.parameters;
+        if parameters.is_empty() {
+            return;
+        }
+        let (name, float) = (self.name, self.options.float.name());
+        let described = parameters.described(self.model.gravity());
+        let constants: Vec<String> = match self.options.float {
+            FloatType::F64 => described.iter().map(|x| format!("{x:?}")).collect(),
+            #[allow(clippy::cast_possible_truncation)] // As `from_f64` rounds them.
+            FloatType::F32 => described.iter().map(|x| format!("{:?}", *x as f32)).collect(),
+        };
+        let generic: Vec<String> =
+            described.iter().map(|x| format!("T::from_f64({x:?})")).collect();
+        let _ = writeln!(
+            text,
+            "impl {name}Params<{float}> {{\n\
+             /// As in the description.\n\
+             pub const DEFAULT: Self = Self {{ numbers: [{}] }};\n}}\n\
+             impl<T: __modyn::Scalar> ::core::default::Default for {name}Params<T> {{\n\
+             fn default() -> Self {{\n    Self {{ numbers: [{}] }}\n}}\n}}\n\
+             impl<T> {name}Params<T> {{\n\
+             /// The same with each number through `f`, such as to another scalar; values that `f` changes are not checked.\n\
+             #[must_use]\n\
+             pub fn map<U>(self, f: impl ::core::ops::FnMut(T) -> U) -> {name}Params<U> {{\n    \
+             {name}Params {{ numbers: self.numbers.map(f) }}\n}}\n}}\n",
+            constants.join(", "),
+            generic.join(", "),
+        );
+        if parameters.gravity {
+            let _ = writeln!(
+                text,
+                "impl<T: __modyn::Scalar> {name}Params<T> {{\n\
+                 /// Returns the acceleration of free fall in world axes, m/s^2.\n\
+                 #[must_use]\n\
+                 pub fn gravity(&self) -> [T; 3] {{\n    [self.numbers[0], self.numbers[1], self.numbers[2]]\n}}\n\
+                 /// Sets the acceleration of free fall in world axes, m/s^2.\n\
+                 pub fn set_gravity(&mut self, gravity: [T; 3]) {{\n    \
+                 [self.numbers[0], self.numbers[1], self.numbers[2]] = gravity;\n}}\n}}\n"
+            );
+        }
+        self.inertias(text);
+    }
+
+    /// The functions of run-time inertias and payloads.
+    fn inertias(&self, text: &mut String) {
+        let fields = self.inertia_fields();
+        if fields.is_empty() {
+            return;
+        }
+        let name = self.name;
+        let (mut check, mut refused) = ("", "");
+        if let Some((entries, program)) = &self.plan.inertia_pivots {
+            let parameters = [
+                Parameter::new("epsilon", Shape::vector(1)),
+                Parameter::new("params", Shape::vector(self.plan.parameters.len())),
+            ];
+            let shape = Shape::vector(entries.len());
+            let float = self.options.float;
+            *text += &function("inertia_pivots", &parameters, &shape, program, float);
+            let joints: Vec<&str> = entries.iter().map(|&v| self.joint_of(v)).collect();
+            let _ = writeln!(
+                text,
+                "const NEEDY_JOINTS: [&'static str; {}] = {joints:?};\n",
+                joints.len()
+            );
+            check = "    let pivots = |epsilon: T| inertia_pivots(&[epsilon], &numbers);\n    \
+                     __modyn::parameters::check_pivots(pivots, &NEEDY_JOINTS)?;\n";
+            refused = ", or if a joint would then move no inertia (its acceleration would be\n/// infinite)";
+        }
+        let _ =
+            writeln!(text, "impl<T: __modyn::Scalar + ::core::cmp::PartialOrd> {name}Params<T> {{");
+        for Field { name, docs, at } in &fields {
+            let _ = writeln!(
+                text,
+                "/// Returns {docs}\n\
+                 #[must_use]\n\
+                 pub fn {name}(&self) -> __modyn::Inertial<T> {{\n    \
+                 __modyn::parameters::inertial(&self.numbers, {at})\n}}\n\
+                 /// Sets {docs}\n///\n/// # Errors\n///\n\
+                 /// If no rigid body has this inertia{refused}; nothing has changed then.\n\
+                 pub fn set_{name}(&mut self, inertial: __modyn::Inertial<T>) \
+                 -> ::core::result::Result<(), __modyn::ParameterError<T>> {{\n    \
+                 self.set({at}, &inertial)\n}}"
+            );
+        }
+        let _ = writeln!(
+            text,
+            "fn set(&mut self, at: usize, inertial: &__modyn::Inertial<T>) \
+             -> ::core::result::Result<(), __modyn::ParameterError<T>> {{\n    \
+             let numbers = __modyn::parameters::with_inertial(&self.numbers, at, inertial)?;\n{check}    \
+             self.numbers = numbers;\n    ::core::result::Result::Ok(())\n}}\n}}\n"
+        );
+    }
+
+    /// The name of the joint that entry `v` of qd belongs to.
+    fn joint_of(&self, v: usize) -> &str {
+        let own = |i: &usize| self.model.mimic(*i).is_none() && self.model.v_range(*i).contains(&v);
+        let link = (0..self.model.links().len()).find(own);
+        link.map_or("", |link| self.model.links()[link].joint.name.as_str())
+    }
+}

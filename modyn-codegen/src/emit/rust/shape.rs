@@ -1,0 +1,112 @@
+//! What functions take and return, as types, values and patterns over a list of scalars.
+
+/// A type made of scalars.
+#[derive(Clone, Debug)]
+pub(super) enum Shape {
+    Scalar,
+    /// That many of the same.
+    Array(Box<Shape>, usize),
+    /// A structure of the runtime or of the text itself.
+    Struct {
+        path: String,
+        /// Its generic arguments, with `{t}` for the scalar.
+        arguments: String,
+        /// By name; one without a name is a tuple's.
+        fields: Vec<(&'static str, Shape)>,
+    },
+}
+
+impl Shape {
+    pub(super) fn array(self, n: usize) -> Self {
+        Self::Array(Box::new(self), n)
+    }
+
+    pub(super) fn vector(n: usize) -> Self {
+        Self::Scalar.array(n)
+    }
+
+    /// The type of a planned shape, for the robot whose type has this name.
+    pub(super) fn new(shape: &crate::plan::Shape, robot: &str) -> Self {
+        use crate::plan::{Record, Shape as Planned};
+        let (record, fields) = match shape {
+            Planned::Scalar => return Self::Scalar,
+            Planned::Array(of, n) => return Self::new(of, robot).array(*n),
+            Planned::Record(record, fields) => (record, fields),
+        };
+        let fields: Vec<(&'static str, Self)> =
+            fields.iter().map(|(name, field)| (*name, Self::new(field, robot))).collect();
+        let (path, arguments) = match record {
+            Record::Spatial(name) => (format!("__modyn::spatial::{name}"), "{t}".into()),
+            Record::Factorization => (format!("{robot}Brge"), "{t}".into()),
+            Record::Several(name) => {
+                // Generic over the types of its fields.
+                let mut types: Vec<String> = Vec::new();
+                for (_, field) in &fields {
+                    let field = field.type_of("{t}");
+                    if !types.contains(&field) {
+                        types.push(field);
+                    }
+                }
+                (format!("__modyn::{name}"), types.join(", "))
+            }
+        };
+        Self::Struct { path, arguments, fields }
+    }
+
+    /// How many scalars it holds.
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::Scalar => 1,
+            Self::Array(of, n) => of.len() * n,
+            Self::Struct { fields, .. } => fields.iter().map(|(_, field)| field.len()).sum(),
+        }
+    }
+
+    /// The Rust type over scalar `t`.
+    pub(super) fn type_of(&self, t: &str) -> String {
+        match self {
+            Self::Scalar => t.into(),
+            Self::Array(of, n) => format!("[{}; {n}]", of.type_of(t)),
+            Self::Struct { path, arguments, .. } => {
+                format!("{path}<{}>", arguments.replace("{t}", t))
+            }
+        }
+    }
+
+    /// The value (or pattern) from the texts of its scalars, as many as it holds.
+    pub(super) fn value(&self, scalars: &[String]) -> String {
+        match self {
+            Self::Scalar => scalars.concat(),
+            Self::Array(of, _) if matches!(**of, Self::Scalar) => {
+                format!("[{}]", scalars.join(", "))
+            }
+            Self::Array(of, n) => {
+                let lines: Vec<String> = (0..*n)
+                    .map(|i| {
+                        format!("        {},\n", of.value(&scalars[i * of.len()..][..of.len()]))
+                    })
+                    .collect();
+                format!("[\n{}    ]", lines.concat())
+            }
+            Self::Struct { path, fields, .. } => {
+                let mut rest = scalars;
+                let fields: Vec<String> = fields
+                    .iter()
+                    .map(|(name, field)| {
+                        let (own, behind) = rest.split_at(field.len());
+                        rest = behind;
+                        let value = field.value(own);
+                        if name.is_empty() { value } else { format!("{name}: {value}") }
+                    })
+                    .collect();
+                if let Self::Struct { fields: named, .. } = self
+                    && named.iter().all(|(name, _)| name.is_empty())
+                {
+                    format!("{path}({})", fields.join(", "))
+                } else {
+                    format!("{path} {{ {} }}", fields.join(", "))
+                }
+            }
+        }
+    }
+}

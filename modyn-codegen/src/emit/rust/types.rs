@@ -1,0 +1,96 @@
+//! The public types, and the enums' functions.
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+use super::{Robot, docs};
+use crate::names;
+
+impl Robot<'_> {
+    /// The public types, without their functions.
+    pub(super) fn types(&self, text: &mut String) {
+        let (name, vis) = (self.name, &self.options.visibility);
+        let float = self.options.float.name();
+        let _ = writeln!(
+            text,
+            "#[allow(dead_code)]\n#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]\n{vis} struct {name};\n"
+        );
+        for (kind, names, what) in
+            [("Joint", self.joint_names(), "joint"), ("Link", self.link_names(), "link")]
+        {
+            let _ = writeln!(
+                text,
+                "/// A {what} of [`{name}`].\n\
+                 #[allow(dead_code)]\n\
+                 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]\n\
+                 {vis} enum {name}{kind} {{"
+            );
+            for (variant, original) in names::variants(&names).iter().zip(&names) {
+                let _ = writeln!(text, "    /// {}\n    {variant},", docs::code(original));
+            }
+            text.push_str("}\n\n");
+        }
+        self.parameters_type(text);
+        if !self.factorizes() {
+            return;
+        }
+        let _ = writeln!(
+            text,
+            "/// The generalized inertia matrix of [`{name}`] as U D U^T by kinematic modules.\n\
+             #[allow(dead_code)]\n\
+             #[derive(Clone, Copy, Debug, PartialEq)]\n\
+             {vis} struct {name}Brge<T = {float}> {{\n    factors: [T; {}],\n}}\n",
+            self.plan.layout.size()
+        );
+    }
+
+    /// The functions of the enums.
+    pub(super) fn enums(&self, text: &mut String) {
+        let name = self.name;
+        let joints = names::variants(&self.joint_names());
+        let ranges = |range: &dyn Fn(usize) -> Range<usize>| {
+            let arms =
+                joints.iter().enumerate().map(|(i, v)| format!("Self::{v} => {:?},\n", range(i)));
+            arms.collect::<String>()
+        };
+        let _ = writeln!(
+            text,
+            "impl {name}Joint {{\n\
+             /// Where its coordinates stand in `q`; its leader's, if it mimics another joint.\n\
+             #[must_use]\n\
+             pub const fn coordinates(self) -> ::core::ops::Range<usize> {{\n    match self {{\n{}    }}\n}}\n\
+             /// Where its velocities stand in `qd`, and its torques in `tau`.\n\
+             #[must_use]\n\
+             pub const fn velocities(self) -> ::core::ops::Range<usize> {{\n    match self {{\n{}    }}\n}}\n}}\n",
+            ranges(&|i| self.model.q_range(i)),
+            ranges(&|i| self.model.v_range(i)),
+        );
+        for (kind, names, constant) in [
+            ("Joint", self.joint_names(), "JOINT_NAMES"),
+            ("Link", self.link_names(), "LINK_NAMES"),
+        ] {
+            let variants = names::variants(&names);
+            let all: Vec<String> = variants.iter().map(|v| format!("Self::{v}")).collect();
+            let arms: Vec<String> = variants
+                .iter()
+                .zip(&names)
+                .map(|(variant, name)| format!("Self::{variant} => {name:?},\n"))
+                .collect();
+            let _ = writeln!(
+                text,
+                "impl {name}{kind} {{\n\
+                 /// All, in the order of `{constant}`.\n\
+                 pub const ALL: [Self; {}] = [{}];\n\
+                 /// The position in `{constant}`.\n\
+                 #[must_use]\n\
+                 pub const fn index(self) -> usize {{\n    self as usize\n}}\n\
+                 /// The name in the description.\n\
+                 #[must_use]\n\
+                 pub const fn name(self) -> &'static str {{\n    match self {{\n{}    }}\n}}\n}}\n",
+                all.len(),
+                all.join(", "),
+                arms.concat(),
+            );
+        }
+    }
+}

@@ -1,0 +1,494 @@
+//! The arena of nodes, and the rewrites made while it grows.
+
+use super::table::Table;
+
+/// Index of a node in its graph; operands always stand before their users.
+pub type Id = u32;
+
+/// An operation on nodes that stand before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Node {
+    /// A constant, by its bits: equal bits are the same node.
+    Constant(u64),
+    /// The input of that number.
+    Input(u32),
+    /// -a
+    Neg(Id),
+    /// a + b
+    Add(Id, Id),
+    /// a - b
+    Sub(Id, Id),
+    /// a * b
+    Mul(Id, Id),
+    /// 1 / a
+    Recip(Id),
+    /// sin a
+    Sin(Id),
+    /// cos a
+    Cos(Id),
+    /// The angle from the x axis to the point (b, a).
+    Atan2(Id, Id),
+    /// Square root of a.
+    Sqrt(Id),
+    /// Natural logarithm of a.
+    Ln(Id),
+    /// |a|
+    Abs(Id),
+    /// The larger of a and b.
+    Max(Id, Id),
+    /// b where a >= 0, else c.
+    Select(Id, Id, Id),
+    /// The lanes of a, then those of b: so many together, half of them each (one number stands for
+    /// all of its half).
+    Pack(Id, Id, u8),
+    /// The number in that lane of a.
+    ExtractLane(Id, u8),
+}
+
+impl Node {
+    /// The same operation on other nodes.
+    #[must_use]
+    pub fn map(self, f: impl Fn(Id) -> Id) -> Self {
+        match self {
+            Self::Constant(_) | Self::Input(_) => self,
+            Self::Neg(a) => Self::Neg(f(a)),
+            Self::Add(a, b) => Self::Add(f(a), f(b)),
+            Self::Sub(a, b) => Self::Sub(f(a), f(b)),
+            Self::Mul(a, b) => Self::Mul(f(a), f(b)),
+            Self::Recip(a) => Self::Recip(f(a)),
+            Self::Sin(a) => Self::Sin(f(a)),
+            Self::Cos(a) => Self::Cos(f(a)),
+            Self::Atan2(a, b) => Self::Atan2(f(a), f(b)),
+            Self::Sqrt(a) => Self::Sqrt(f(a)),
+            Self::Ln(a) => Self::Ln(f(a)),
+            Self::Abs(a) => Self::Abs(f(a)),
+            Self::Max(a, b) => Self::Max(f(a), f(b)),
+            Self::Select(a, b, c) => Self::Select(f(a), f(b), f(c)),
+            Self::Pack(a, b, width) => Self::Pack(f(a), f(b), width),
+            Self::ExtractLane(a, lane) => Self::ExtractLane(f(a), lane),
+        }
+    }
+
+    /// The nodes it is made of.
+    pub fn operands(self) -> impl Iterator<Item = Id> {
+        let (ids, count) = match self {
+            Self::Constant(_) | Self::Input(_) => ([0; 3], 0),
+            Self::Neg(a)
+            | Self::Recip(a)
+            | Self::Sin(a)
+            | Self::Cos(a)
+            | Self::Sqrt(a)
+            | Self::Ln(a)
+            | Self::Abs(a)
+            | Self::ExtractLane(a, _) => ([a, 0, 0], 1),
+            Self::Add(a, b)
+            | Self::Sub(a, b)
+            | Self::Mul(a, b)
+            | Self::Atan2(a, b)
+            | Self::Max(a, b)
+            | Self::Pack(a, b, _) => ([a, b, 0], 2),
+            Self::Select(a, b, c) => ([a, b, c], 3),
+        };
+        Operands { ids, next: 0, count }
+    }
+}
+
+/// The operands of a node, from the first to the last.
+struct Operands {
+    ids: [Id; 3],
+    next: usize,
+    count: usize,
+}
+
+impl Iterator for Operands {
+    type Item = Id;
+
+    fn next(&mut self) -> Option<Id> {
+        if self.next == self.count {
+            return None;
+        }
+        self.next += 1;
+        Some(self.ids[self.next - 1])
+    }
+}
+
+/// Expressions over numbered inputs, with some of them as outputs.
+///
+/// A node is a number, or several side by side: lanes, which an operation treats alike. A number
+/// among lanes stands for all of them.
+#[derive(Clone, Debug, Default)]
+pub struct Graph {
+    nodes: Vec<Node>,
+    /// By node: how many lanes it has; 1 for a number.
+    widths: Vec<u8>,
+    known: Table,
+    /// Whether some node has several lanes.
+    has_lanes: bool,
+    /// The nodes that are wanted.
+    pub outputs: Vec<Id>,
+}
+
+impl Graph {
+    /// All nodes, operands before users.
+    #[must_use]
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// The node `id`.
+    #[must_use]
+    pub fn node(&self, id: Id) -> Node {
+        self.nodes[id as usize]
+    }
+
+    /// How many lanes a node has; 1 for a number.
+    #[must_use]
+    pub fn width(&self, id: Id) -> u8 {
+        self.widths[id as usize]
+    }
+
+    /// Which nodes the outputs need.
+    #[must_use]
+    pub fn live(&self) -> Vec<bool> {
+        let mut live = vec![false; self.nodes.len()];
+        for &output in &self.outputs {
+            live[output as usize] = true;
+        }
+        for (i, node) in self.nodes.iter().enumerate().rev() {
+            if live[i] {
+                node.operands().for_each(|operand| live[operand as usize] = true);
+            }
+        }
+        live
+    }
+
+    /// How often each node is used by live nodes and outputs.
+    #[must_use]
+    pub fn uses(&self) -> Vec<u32> {
+        let live = self.live();
+        let mut uses = vec![0; self.nodes.len()];
+        for (node, live) in self.nodes.iter().zip(live) {
+            if live {
+                node.operands().for_each(|operand| uses[operand as usize] += 1);
+            }
+        }
+        self.outputs.iter().for_each(|&output| uses[output as usize] += 1);
+        uses
+    }
+
+    /// The value of a constant node.
+    #[must_use]
+    pub fn value(&self, id: Id) -> Option<f64> {
+        match self.node(id) {
+            Node::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    /// The node, if the graph has it.
+    #[must_use]
+    pub fn find(&self, node: Node) -> Option<Id> {
+        self.known.find(node, &self.nodes)
+    }
+
+    fn known(&self, node: Node) -> bool {
+        self.find(node).is_some()
+    }
+
+    fn insert(&mut self, node: Node) -> Id {
+        if let Some(id) = self.find(node) {
+            return id;
+        }
+        assert!(self.nodes.len() < Id::MAX as usize, "a graph has fewer than 2^32 nodes");
+        let width = match node {
+            Node::Pack(_, _, width) => width,
+            Node::ExtractLane(..) => 1,
+            _ if self.has_lanes => self.widest_operand(node),
+            _ => 1,
+        };
+        self.has_lanes |= width > 1;
+        self.nodes.push(node);
+        self.widths.push(width);
+        self.known.insert_last(&self.nodes);
+        (self.nodes.len() - 1) as Id
+    }
+
+    /// The lanes of the operand that has most; 1 without operands.
+    fn widest_operand(&self, node: Node) -> u8 {
+        node.operands().map(|operand| self.width(operand)).max().unwrap_or(1)
+    }
+
+    /// Makes `node`, whose operands are nodes of this graph, or finds what it equals.
+    pub fn make(&mut self, node: Node) -> Id {
+        if let Some(folded) = self.fold_lanes(node) {
+            return folded;
+        }
+        match node {
+            Node::Constant(bits) => self.constant(f64::from_bits(bits)),
+            Node::Input(_) => self.insert(node),
+            Node::Neg(a) => self.neg(a),
+            Node::Add(a, b) => self.add(a, b),
+            Node::Sub(a, b) => self.sub(a, b),
+            Node::Mul(a, b) => self.mul(a, b),
+            Node::Recip(a) => self.recip(a),
+            Node::Sin(a) => self.sin(a),
+            Node::Cos(a) => self.cos(a),
+            Node::Atan2(a, b) => self.atan2(a, b),
+            Node::Sqrt(a) => self.fold(a, libm::sqrt, Node::Sqrt),
+            Node::Ln(a) => self.fold(a, libm::log, Node::Ln),
+            Node::Abs(a) => self.fold(a, f64::abs, Node::Abs),
+            Node::Max(a, b) => self.max(a, b),
+            Node::Select(a, b, c) => self.select(a, b, c),
+            Node::Pack(a, b, width) => self.pack(a, b, width),
+            Node::ExtractLane(a, lane) => self.extract_lane(a, lane),
+        }
+    }
+
+    /// What an operation on constants comes to, lane by lane, where some are lanes of constants.
+    fn fold_lanes(&mut self, node: Node) -> Option<Id> {
+        if !self.has_lanes
+            || matches!(
+                node,
+                Node::Constant(_) | Node::Input(_) | Node::Pack(..) | Node::ExtractLane(..)
+            )
+        {
+            return None;
+        }
+        let width = self.widest_operand(node);
+        if width == 1 || !node.operands().all(|a| self.is_constant(a)) {
+            return None;
+        }
+        let lanes: Vec<Id> = (0..width)
+            .map(|lane| {
+                let mut operands =
+                    node.operands().map(|a| self.extract_lane(a, lane)).collect::<Vec<_>>();
+                operands.reverse();
+                let of = std::cell::RefCell::new(operands);
+                self.make(node.map(|_| of.borrow_mut().pop().expect("one an operand")))
+            })
+            .collect();
+        Some(self.pack_all(&lanes))
+    }
+
+    /// Whether it is a constant, or lanes of constants.
+    #[must_use]
+    pub fn is_constant(&self, id: Id) -> bool {
+        match self.node(id) {
+            Node::Constant(_) => true,
+            Node::Pack(a, b, _) => self.is_constant(a) && self.is_constant(b),
+            _ => false,
+        }
+    }
+
+    /// The number that was put into a lane; the node itself if it is not made so.
+    #[must_use]
+    pub fn packed_at(&self, id: Id, lane: u8) -> Id {
+        match self.node(id) {
+            Node::Pack(first, _, width) if lane < width / 2 => self.packed_at(first, lane),
+            Node::Pack(_, second, width) => self.packed_at(second, lane - width / 2),
+            _ => id,
+        }
+    }
+
+    /// Numbers side by side, a power of two of them.
+    fn pack_all(&mut self, numbers: &[Id]) -> Id {
+        let [number] = numbers else {
+            let (a, b) = numbers.split_at(numbers.len() / 2);
+            let (a, b) = (self.pack_all(a), self.pack_all(b));
+            return self.pack(a, b, u8::try_from(numbers.len()).expect("few lanes"));
+        };
+        *number
+    }
+
+    fn pack(&mut self, a: Id, b: Id, width: u8) -> Id {
+        if a == b && self.width(a) == 1 { a } else { self.insert(Node::Pack(a, b, width)) }
+    }
+
+    fn extract_lane(&mut self, a: Id, lane: u8) -> Id {
+        match self.node(a) {
+            _ if self.width(a) == 1 => a,
+            Node::Pack(..) => self.packed_at(a, lane),
+            Node::Neg(inner) => {
+                let inner = self.extract_lane(inner, lane);
+                self.neg(inner)
+            }
+            _ => self.insert(Node::ExtractLane(a, lane)),
+        }
+    }
+
+    /// A constant; the two zeros are one.
+    pub fn constant(&mut self, value: f64) -> Id {
+        self.insert(Node::Constant((value + 0.0).to_bits()))
+    }
+
+    fn fold(&mut self, a: Id, f: impl Fn(f64) -> f64, node: impl Fn(Id) -> Node) -> Id {
+        match self.value(a) {
+            Some(a) => self.constant(f(a)),
+            None => self.insert(node(a)),
+        }
+    }
+
+    fn neg(&mut self, a: Id) -> Id {
+        match self.node(a) {
+            Node::Constant(bits) => self.constant(-f64::from_bits(bits)),
+            Node::Neg(inner) => inner,
+            Node::Sub(x, y) if self.known(Node::Sub(y, x)) => self.insert(Node::Sub(y, x)),
+            _ => self.insert(Node::Neg(a)),
+        }
+    }
+
+    fn add(&mut self, a: Id, b: Id) -> Id {
+        match (self.value(a), self.value(b)) {
+            (Some(x), Some(y)) => return self.constant(x + y),
+            (Some(0.0), _) => return b,
+            (_, Some(0.0)) => return a,
+            (Some(x), _) if x < 0.0 => {
+                let x = self.constant(-x);
+                return self.sub(b, x);
+            }
+            (_, Some(y)) if y < 0.0 => {
+                let y = self.constant(-y);
+                return self.sub(a, y);
+            }
+            _ => {}
+        }
+        match (self.node(a), self.node(b)) {
+            (_, Node::Neg(inner)) => self.sub(a, inner),
+            (Node::Neg(inner), _) => self.sub(b, inner),
+            // (x - b) + b and a + (x - a)
+            (Node::Sub(x, y), _) if y == b => x,
+            (_, Node::Sub(x, y)) if y == a => x,
+            _ if a == b => {
+                let two = self.constant(2.0);
+                self.mul(two, a)
+            }
+            _ => self.insert(Node::Add(a.min(b), a.max(b))),
+        }
+    }
+
+    fn sub(&mut self, a: Id, b: Id) -> Id {
+        if a == b {
+            return self.constant(0.0);
+        }
+        match (self.value(a), self.value(b)) {
+            (Some(x), Some(y)) => return self.constant(x - y),
+            (_, Some(0.0)) => return a,
+            (Some(0.0), _) => return self.neg(b),
+            (_, Some(y)) if y < 0.0 => {
+                let y = self.constant(-y);
+                return self.add(a, y);
+            }
+            _ => {}
+        }
+        match (self.node(a), self.node(b)) {
+            (_, Node::Neg(inner)) => self.add(a, inner),
+            (Node::Neg(inner), _) => {
+                let sum = self.add(inner, b);
+                self.neg(sum)
+            }
+            // a - (a - y)
+            (_, Node::Sub(x, y)) if x == a => y,
+            // 2 b - b
+            (Node::Mul(two, x), _) if x == b && self.value(two) == Some(2.0) => b,
+            _ if self.known(Node::Sub(b, a)) => {
+                let difference = self.insert(Node::Sub(b, a));
+                self.insert(Node::Neg(difference))
+            }
+            _ => self.insert(Node::Sub(a, b)),
+        }
+    }
+
+    fn mul(&mut self, a: Id, b: Id) -> Id {
+        let (a, b) = if self.value(b).is_some() { (b, a) } else { (a, b) };
+        if let Some(x) = self.value(a) {
+            if let Some(y) = self.value(b) {
+                return self.constant(x * y);
+            }
+            if x == 0.0 {
+                return a;
+            }
+            if x == 1.0 {
+                return b;
+            }
+            if x < 0.0 {
+                let x = self.constant(-x);
+                let product = self.mul(x, b);
+                return self.neg(product);
+            }
+            match self.node(b) {
+                Node::Neg(inner) => {
+                    let product = self.mul(a, inner);
+                    return self.neg(product);
+                }
+                Node::Mul(c, y) if self.value(c).is_some() => {
+                    let c = self.mul(a, c);
+                    return self.mul(c, y);
+                }
+                _ => return self.insert(Node::Mul(a, b)),
+            }
+        }
+        match (self.node(a), self.node(b)) {
+            (Node::Neg(a), Node::Neg(b)) => self.mul(a, b),
+            (Node::Neg(a), _) => {
+                let product = self.mul(a, b);
+                self.neg(product)
+            }
+            (_, Node::Neg(b)) => {
+                let product = self.mul(a, b);
+                self.neg(product)
+            }
+            _ => self.insert(Node::Mul(a.min(b), a.max(b))),
+        }
+    }
+
+    fn recip(&mut self, a: Id) -> Id {
+        match self.node(a) {
+            Node::Neg(inner) => {
+                let inner = self.recip(inner);
+                self.neg(inner)
+            }
+            _ => self.fold(a, |x| 1.0 / x, Node::Recip),
+        }
+    }
+
+    fn sin(&mut self, a: Id) -> Id {
+        match self.node(a) {
+            Node::Neg(inner) => {
+                let inner = self.sin(inner);
+                self.neg(inner)
+            }
+            _ => self.fold(a, libm::sin, Node::Sin),
+        }
+    }
+
+    fn cos(&mut self, a: Id) -> Id {
+        match self.node(a) {
+            Node::Neg(inner) => self.cos(inner),
+            _ => self.fold(a, libm::cos, Node::Cos),
+        }
+    }
+
+    fn atan2(&mut self, y: Id, x: Id) -> Id {
+        match (self.value(y), self.value(x)) {
+            (Some(y), Some(x)) => self.constant(libm::atan2(y, x)),
+            _ => self.insert(Node::Atan2(y, x)),
+        }
+    }
+
+    fn max(&mut self, a: Id, b: Id) -> Id {
+        match (self.value(a), self.value(b)) {
+            (Some(x), Some(y)) => self.constant(x.max(y)),
+            _ if a == b => a,
+            _ => self.insert(Node::Max(a, b)),
+        }
+    }
+
+    fn select(&mut self, condition: Id, then: Id, otherwise: Id) -> Id {
+        match self.value(condition) {
+            _ if then == otherwise => then,
+            Some(x) if x >= 0.0 => then,
+            Some(_) => otherwise,
+            None => self.insert(Node::Select(condition, then, otherwise)),
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! Counting operations.
+
+use std::collections::BTreeSet;
+
+use modyn_runtime::OperationCount;
+
+use super::{Graph, Node};
+
+impl Graph {
+    /// The operations that the outputs need; one on lanes counts once, putting them together and
+    /// apart does not.
+    #[must_use]
+    pub fn count(&self) -> OperationCount {
+        let mut count = OperationCount::default();
+        let mut angles = BTreeSet::new();
+        for (node, live) in self.nodes().iter().zip(self.live()) {
+            match node {
+                _ if !live => {}
+                Node::Constant(_)
+                | Node::Input(_)
+                | Node::Neg(_)
+                | Node::Pack(..)
+                | Node::ExtractLane(..) => {}
+                Node::Add(..) | Node::Sub(..) => count.additions += 1,
+                Node::Mul(..) => count.multiplications += 1,
+                Node::Recip(_) => count.divisions += 1,
+                Node::Sin(angle) | Node::Cos(angle) => _ = angles.insert(*angle),
+                Node::Atan2(..)
+                | Node::Sqrt(_)
+                | Node::Ln(_)
+                | Node::Abs(_)
+                | Node::Max(..)
+                | Node::Select(..) => count.others += 1,
+            }
+        }
+        count.sin_cos = angles.len();
+        count
+    }
+}

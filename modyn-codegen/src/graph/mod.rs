@@ -1,0 +1,14 @@
+//! Expressions: the scalars that the compiler runs the equations on.
+//!
+//! A [`Graph`] is an arena of nodes addressed by index, each operation stored once
+//! (hash-consing), constants folded and signs normalised as nodes are made. An [`Expr`] is an
+//! index into the graph that the current thread is [tracing](Graph::trace).
+
+mod arena;
+mod count;
+mod evaluate;
+mod scalar;
+mod table;
+
+pub use arena::{Graph, Id, Node};
+pub use scalar::{Expr, ForeignExpr};

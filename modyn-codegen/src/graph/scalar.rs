@@ -1,0 +1,231 @@
+//! Expressions as scalars: tracing.
+
+use std::cell::RefCell;
+use std::fmt;
+use std::ops::{Add, Div, Mul, Neg, Range, Sub};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use modyn_runtime::{LaneScalar, Scalar};
+
+use super::{Graph, Id, Node};
+
+/// The graph that a thread is tracing.
+#[derive(Default)]
+struct Trace {
+    /// Which trace it is; 0 outside of any.
+    number: u32,
+    graph: Graph,
+    /// Whether an expression of another trace was used.
+    foreign: bool,
+}
+
+thread_local! {
+    static TRACED: RefCell<Trace> = RefCell::default();
+}
+
+/// The number of the next trace, of any thread: expressions may be sent to others.
+static NEXT: AtomicU32 = AtomicU32::new(1);
+
+/// A number that is not known yet: a node of the graph being traced.
+///
+/// An expression belongs to the trace in which it was made. What is computed from an expression of another
+/// trace has no meaning; [`Graph::try_trace`] then returns an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Expr {
+    id: Id,
+    trace: u32,
+}
+
+/// An expression of one trace was used in another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ForeignExpr;
+
+impl fmt::Display for ForeignExpr {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(
+            "an expression was used in another trace than its own: make inputs and constants in the \
+             function that `Graph::trace` runs, and return the outputs from there",
+        )
+    }
+}
+
+impl std::error::Error for ForeignExpr {}
+
+impl Graph {
+    /// Runs `equations` on expressions; `equations` makes its inputs with [`Expr::input`] and
+    /// returns its outputs.
+    ///
+    /// A trace inside a trace starts afresh; the outer one then goes on where it was.
+    ///
+    /// # Errors
+    ///
+    /// If `equations` uses or returns an expression of another trace: it would silently name another
+    /// node of this graph.
+    pub fn try_trace(equations: impl FnOnce() -> Vec<Expr>) -> Result<Self, ForeignExpr> {
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        let outer = TRACED.replace(Trace { number, ..Trace::default() });
+        let outputs = equations();
+        let Trace { mut graph, mut foreign, .. } = TRACED.replace(outer);
+        foreign |= outputs.iter().any(|output| output.trace != number);
+        graph.outputs = outputs.into_iter().map(|output| output.id).collect();
+        if foreign { Err(ForeignExpr) } else { Ok(graph) }
+    }
+
+    /// The same for equations that are known to keep to their own expressions, as all of modyn's are.
+    ///
+    /// # Panics
+    ///
+    /// Where [`try_trace`](Self::try_trace) returns an error.
+    pub fn trace(equations: impl FnOnce() -> Vec<Expr>) -> Self {
+        Self::try_trace(equations).unwrap_or_else(|error| panic!("{error}"))
+    }
+}
+
+impl Expr {
+    /// The input of that number.
+    #[must_use]
+    pub fn input(number: usize) -> Self {
+        let number = u32::try_from(number).expect("fewer than 2^32 inputs");
+        Self::make([], |[]| Node::Input(number))
+    }
+
+    /// Numbers side by side; the last one fills them up to a power of two.
+    ///
+    /// # Panics
+    ///
+    /// If there are none, or more than 128.
+    #[must_use]
+    pub fn pack(numbers: &[Self]) -> Self {
+        fn filled(numbers: &[Expr], lanes: usize) -> Expr {
+            if lanes == 1 {
+                return numbers[0];
+            }
+            let (a, b) = numbers.split_at((lanes / 2).min(numbers.len()));
+            let first = filled(a, lanes / 2);
+            let rest = if b.is_empty() { &a[a.len() - 1..] } else { b };
+            let width = u8::try_from(lanes).expect("few lanes");
+            let second = filled(rest, lanes / 2);
+            Expr::make([first, second], |[a, b]| Node::Pack(a, b, width))
+        }
+        filled(numbers, numbers.len().next_power_of_two())
+    }
+
+    /// The number in a lane.
+    #[must_use]
+    pub fn extract_lane(self, lane: usize) -> Self {
+        let lane = u8::try_from(lane).expect("few lanes");
+        Self::make([self], |[a]| Node::ExtractLane(a, lane))
+    }
+
+    /// The node of these operands.
+    fn make<const N: usize>(operands: [Self; N], node: impl FnOnce([Id; N]) -> Node) -> Self {
+        TRACED.with_borrow_mut(|Trace { number, graph, foreign }| {
+            let ids = operands.map(|operand| {
+                if operand.trace == *number {
+                    return operand.id;
+                }
+                // A node of this graph, whichever: the trace has failed.
+                *foreign = true;
+                graph.make(Node::Constant(0))
+            });
+            Self { id: graph.make(node(ids)), trace: *number }
+        })
+    }
+}
+
+impl Add for Expr {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self::make([self, other], |[a, b]| Node::Add(a, b))
+    }
+}
+
+impl Sub for Expr {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self::make([self, other], |[a, b]| Node::Sub(a, b))
+    }
+}
+
+impl Mul for Expr {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        Self::make([self, other], |[a, b]| Node::Mul(a, b))
+    }
+}
+
+/// By the reciprocal, which the graph has once for all that is divided by the same.
+impl Div for Expr {
+    type Output = Self;
+    #[allow(clippy::suspicious_arithmetic_impl)]
+    fn div(self, other: Self) -> Self {
+        self * other.recip()
+    }
+}
+
+impl Neg for Expr {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self::make([self], |[a]| Node::Neg(a))
+    }
+}
+
+impl Scalar for Expr {
+    fn from_f64(value: f64) -> Self {
+        Self::make([], |[]| Node::Constant(value.to_bits()))
+    }
+
+    fn recip(self) -> Self {
+        Self::make([self], |[a]| Node::Recip(a))
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        (Self::make([self], |[a]| Node::Sin(a)), Self::make([self], |[a]| Node::Cos(a)))
+    }
+
+    fn atan2(self, x: Self) -> Self {
+        Self::make([self, x], |[a, b]| Node::Atan2(a, b))
+    }
+
+    fn sqrt(self) -> Self {
+        Self::make([self], |[a]| Node::Sqrt(a))
+    }
+
+    fn ln(self) -> Self {
+        Self::make([self], |[a]| Node::Ln(a))
+    }
+
+    fn abs(self) -> Self {
+        Self::make([self], |[a]| Node::Abs(a))
+    }
+
+    fn max(self, other: Self) -> Self {
+        Self::make([self, other], |[a, b]| Node::Max(a, b))
+    }
+
+    fn select_nonnegative(self, then: Self, otherwise: Self) -> Self {
+        Self::make([self, then, otherwise], |[a, b, c]| Node::Select(a, b, c))
+    }
+}
+
+impl LaneScalar for Expr {
+    fn pack(each: &[Self]) -> Self {
+        Self::pack(each)
+    }
+
+    fn extract_lane(self, lane: usize) -> Self {
+        self.extract_lane(lane)
+    }
+
+    fn sum_lanes(self, lanes: Range<usize>) -> Self {
+        // In pairs: as few additions one behind the other as can be.
+        fn sum(x: Expr, lanes: Range<usize>) -> Expr {
+            if lanes.len() == 1 {
+                return x.extract_lane(lanes.start);
+            }
+            let middle = lanes.start + lanes.len() / 2;
+            sum(x, lanes.start..middle) + sum(x, middle..lanes.end)
+        }
+        sum(self, lanes)
+    }
+}

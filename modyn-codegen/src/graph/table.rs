@@ -1,0 +1,144 @@
+//! Finding a node in a graph: a hash table with open addressing.
+//!
+//! The compiler runs unoptimised in macros and build scripts. There the standard library's table takes several times as
+//! long as these few lines without generics, and most of the time of tracing was its own.
+
+use super::{Id, Node};
+
+/// The nodes of a graph by what they are. The graph keeps the nodes themselves.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Table {
+    /// A power of two of places, at most half of them full: the upper half of a node's hash, then its index plus one.
+    places: Vec<u64>,
+    full: usize,
+}
+
+const INDEX: u64 = u32::MAX as u64;
+
+impl Table {
+    /// The index of `node`, if it is among `nodes`, which were all inserted.
+    pub fn find(&self, node: Node, nodes: &[Node]) -> Option<Id> {
+        if self.places.is_empty() {
+            return None;
+        }
+        let mask = self.places.len() - 1;
+        let hash = hash(node);
+        let mut at = hash as usize & mask;
+        loop {
+            let place = self.places[at];
+            if place == 0 {
+                return None;
+            }
+            if (place ^ hash) & !INDEX == 0 {
+                let id = (place & INDEX) as usize - 1;
+                if nodes[id] == node {
+                    return Some(id as Id);
+                }
+            }
+            at = (at + 1) & mask;
+        }
+    }
+
+    /// Adds the last of `nodes`, which is not among the others.
+    pub fn insert_last(&mut self, nodes: &[Node]) {
+        if 2 * (self.full + 1) > self.places.len() {
+            self.places = vec![0; (4 * (self.full + 1)).next_power_of_two().max(64)];
+            let mut id = 0;
+            while id + 1 < nodes.len() {
+                self.put(nodes[id], id);
+                id += 1;
+            }
+        }
+        self.put(nodes[nodes.len() - 1], nodes.len() - 1);
+        self.full = nodes.len();
+    }
+
+    fn put(&mut self, node: Node, id: usize) {
+        let mask = self.places.len() - 1;
+        let hash = hash(node);
+        let mut at = hash as usize & mask;
+        while self.places[at] != 0 {
+            at = (at + 1) & mask;
+        }
+        self.places[at] = (hash & !INDEX) | (id as u64 + 1);
+    }
+}
+
+/// A hash whose lower and upper bits are good.
+fn hash(node: Node) -> u64 {
+    let (kind, a, b) = match node {
+        Node::Constant(bits) => (1, bits, 0),
+        Node::Input(number) => (2, number as u64, 0),
+        Node::Neg(a) => (3, a as u64, 0),
+        Node::Add(a, b) => (4, a as u64, b as u64),
+        Node::Sub(a, b) => (5, a as u64, b as u64),
+        Node::Mul(a, b) => (6, a as u64, b as u64),
+        Node::Recip(a) => (7, a as u64, 0),
+        Node::Sin(a) => (8, a as u64, 0),
+        Node::Cos(a) => (9, a as u64, 0),
+        Node::Atan2(a, b) => (10, a as u64, b as u64),
+        Node::Sqrt(a) => (11, a as u64, 0),
+        Node::Ln(a) => (12, a as u64, 0),
+        Node::Abs(a) => (13, a as u64, 0),
+        Node::Max(a, b) => (14, a as u64, b as u64),
+        Node::Select(a, b, c) => (15, a as u64 | (b as u64) << 32, c as u64),
+        Node::Pack(a, b, width) => (16, a as u64 | (b as u64) << 32, width as u64),
+        Node::ExtractLane(a, lane) => (17, a as u64, lane as u64),
+    };
+    let mixed = (a ^ (b << 29) ^ (b >> 35) ^ (kind << 58)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let mixed = (mixed ^ (mixed >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
+    mixed ^ (mixed >> 32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All kinds of nodes, on small and large operands, are found where they are and nowhere else.
+    #[test]
+    fn every_node_is_found_by_itself_alone() {
+        let mut nodes = Vec::new();
+        for a in [0, 1, 2, 3, 1 << 20, u32::MAX - 1] {
+            nodes.extend([
+                Node::Constant(a as u64),
+                Node::Constant((a as u64) << 32),
+                Node::Input(a),
+            ]);
+            nodes.extend([Node::Neg(a), Node::Recip(a), Node::Sin(a), Node::Cos(a), Node::Sqrt(a)]);
+            nodes.extend([
+                Node::Ln(a),
+                Node::Abs(a),
+                Node::ExtractLane(a, 0),
+                Node::ExtractLane(a, 3),
+            ]);
+            for b in [0, 5, 1 << 29, u32::MAX] {
+                nodes.extend([Node::Add(a, b), Node::Sub(a, b), Node::Mul(a, b), Node::Max(a, b)]);
+                nodes.extend([Node::Atan2(a, b), Node::Pack(a, b, 2), Node::Pack(a, b, 4)]);
+                nodes.extend([Node::Select(a, b, 0), Node::Select(a, b, 7)]);
+            }
+        }
+        // A constant of the bits 0 came twice.
+        nodes.dedup();
+        let mut table = Table::default();
+        for known in 0..nodes.len() {
+            assert_eq!(table.find(nodes[known], &nodes[..known]), None, "{:?}", nodes[known]);
+            table.insert_last(&nodes[..=known]);
+        }
+        for (id, &node) in nodes.iter().enumerate() {
+            assert_eq!(table.find(node, &nodes), Some(id as Id), "{node:?}");
+        }
+        assert_eq!(table.find(Node::Neg(77), &nodes), None);
+    }
+
+    /// Operands that follow each other, as they do in a graph, are spread over the table.
+    #[test]
+    fn neighbours_are_spread() {
+        let count = 1 << 12;
+        let mut places = std::collections::BTreeSet::new();
+        for a in 0..64 {
+            places.extend((0..64).map(|b| hash(Node::Mul(a, 1000 + b)) as usize & (2 * count - 1)));
+        }
+        // At random a fifth of them would share a place with an earlier one.
+        assert!(places.len() > count * 3 / 4, "{}", places.len());
+    }
+}

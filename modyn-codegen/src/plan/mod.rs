@@ -1,0 +1,338 @@
+//! The plan: which programs each function of a robot consists of, with their arguments and results.
+//!
+//! ```text
+//! functions (the table) ─ trace ─▶ graphs ─ passes ─▶ packing: the cheapest ─ program ─▶ Plan ─▶ printers
+//! ```
+//!
+//! Whatever is a matter of profit is decided here: the partition into modules ([`partition`]), the packing of limbs and
+//! columns, the balancing of sums (`packing`). A back end is given a [`Plan`] and prints it.
+
+mod factorization;
+mod frames;
+mod functions;
+mod packing;
+pub mod partition;
+mod shape;
+
+use modyn_runtime::OperationCount;
+use modyn_runtime::equations::ModulePartition;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
+use modyn_runtime::model::{Model, ModuleTree};
+
+pub use factorization::FactorFunction;
+pub(crate) use frames::MAX_OWN_FUNCTIONS;
+pub use frames::{Frames, LinkCode};
+pub use functions::{Argument, Function, Row, Trace};
+pub use packing::Packing;
+pub use shape::{Record, Shape, Sizes};
+
+use crate::graph::Graph;
+use crate::passes::optimize;
+use crate::program::{Program, Target};
+use crate::trace::{LimbPacking, Parameters, Tracer};
+use partition::Choice;
+
+/// How equal limbs and columns of one state are computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Strategy {
+    /// One after another.
+    Scalar,
+    /// Through one routine, with a table of constants for each.
+    Routines,
+    /// Packed into vectors, where the processor has them.
+    Vectors,
+}
+
+/// The choices of a user that a plan depends on.
+#[derive(Clone, Debug)]
+pub struct Choices<'a> {
+    /// The functions.
+    pub functions: &'a [Function],
+    /// How equal limbs and columns are computed.
+    pub strategy: Strategy,
+    /// Whether there are functions of many states.
+    pub batches: bool,
+    /// Whether gravity is an argument.
+    pub runtime_gravity: bool,
+    /// The links, as indices into the model's frames, whose own inertia is an argument.
+    pub runtime_inertia: &'a [usize],
+    /// The links, as indices into the model's frames, to which an inertia is added that is an argument.
+    pub payload: &'a [usize],
+}
+
+/// The programs of a robot.
+pub struct Plan {
+    /// The functions of one state, in the order of [`Function::ALL`].
+    pub functions: Vec<Planned>,
+    /// The functions of many states, in this order.
+    pub batches: Vec<Planned>,
+    /// The functions of the mass matrix's factors; none unless a function returns these.
+    pub factorization: Vec<FactorFunction>,
+    /// The layout of the factors.
+    pub layout: UduLayout,
+    /// The sizes of the robot.
+    pub sizes: Sizes,
+    /// The parameters that are known at run time only.
+    pub parameters: Parameters,
+    /// The entries of `qd` that would feel no inertia if all run-time inertias were zero, and the program of the inertia
+    /// that each of them feels, from the scalar's precision and the parameters; `None` if there are no such entries.
+    pub inertia_pivots: Option<(Vec<usize>, Program)>,
+    /// The links, by the programs that functions of a link have.
+    pub frames: Frames,
+    /// The modules that forward dynamics is eliminated by.
+    pub eliminated: ModuleTree,
+    /// The partitions that were considered with their operations, the chosen one first.
+    pub candidates: Vec<(&'static str, usize)>,
+}
+
+/// A function as it is planned for a robot.
+pub struct Planned {
+    /// The function.
+    pub function: Function,
+    /// Its arguments, by name.
+    pub arguments: Vec<(&'static str, Shape)>,
+    /// The number of run-time parameters, which are the last argument; none if they do not matter to it.
+    pub parameters: usize,
+    /// Its result.
+    pub result: Shape,
+    /// Its programs.
+    pub kernels: Kernels,
+}
+
+/// The programs of a function.
+pub enum Kernels {
+    /// One.
+    One(Program),
+    /// One on scalars and one on vectors: the processor decides.
+    Dispatched {
+        /// The program on scalars.
+        scalar: Program,
+        /// The program on vectors.
+        simd: Program,
+    },
+    /// Those of a link: one for each link with a program of its own, in the order of [`Frames::own`], then one for each
+    /// body with links that share one. The latter have the placement of the link as a further argument.
+    ByLink(Vec<Program>),
+    /// Those of the poses of all links, where some share a program.
+    Poses {
+        /// The poses in the order of [`Frames::own`], then of the bodies with links that share a program.
+        bodies: Program,
+        /// The pose of such a link, from the pose of its body and the placement of the link.
+        placed: Program,
+        /// The number of such links.
+        rows: usize,
+    },
+}
+
+impl Planned {
+    /// Its row of the table.
+    #[must_use]
+    pub fn row(&self) -> Row {
+        self.function.row()
+    }
+
+    /// The operations of one call on scalars; those of the most expensive link.
+    #[must_use]
+    pub fn operations_per_call(&self) -> OperationCount {
+        match &self.kernels {
+            Kernels::One(program) | Kernels::Dispatched { scalar: program, .. } => {
+                program.operations_per_call()
+            }
+            Kernels::ByLink(all) => {
+                let counts = all.iter().map(Program::operations_per_call);
+                counts.max_by_key(OperationCount::total).unwrap_or_default()
+            }
+            Kernels::Poses { bodies, placed, rows } => {
+                let placed = std::iter::repeat_n(placed.operations_per_call(), *rows);
+                placed.chain([bodies.operations_per_call()]).sum()
+            }
+        }
+    }
+
+    /// The operations of all its programs.
+    #[must_use]
+    pub fn static_operations(&self) -> OperationCount {
+        match &self.kernels {
+            Kernels::One(program) => program.static_operations(),
+            Kernels::Dispatched { scalar, simd } => {
+                scalar.static_operations() + simd.static_operations()
+            }
+            Kernels::ByLink(all) => all.iter().map(Program::static_operations).sum(),
+            Kernels::Poses { bodies, placed, .. } => {
+                bodies.static_operations() + placed.static_operations()
+            }
+        }
+    }
+}
+
+/// Everything that graphs are traced from.
+pub struct Tracing<'a> {
+    /// The robot on expressions.
+    pub tracer: &'a Tracer<'a>,
+    /// The same for functions of all links together: `tracer` has none unless some are known at run time only.
+    pub all_links: &'a Tracer<'a>,
+    /// The links, by the programs that functions of a link have.
+    pub frames: &'a Frames,
+    /// The elimination of forward dynamics.
+    pub elimination: &'a Elimination,
+    /// The factorization that users are given.
+    pub layout: &'a UduLayout,
+    /// The factorization that derivatives are solved by.
+    pub for_derivatives: &'a UduLayout,
+    /// The ways to pack limbs.
+    limbs: &'a [LimbPacking],
+    /// The partitions by which forward dynamics with packed limbs can be eliminated.
+    partitions: &'a [ModulePartition],
+    /// Whether no limb moves another.
+    independent: bool,
+    /// Whether the language has vectors.
+    vectors: bool,
+    /// Forward dynamics, which the search for the cheapest partition has traced.
+    forward_dynamics: &'a Graph,
+}
+
+impl Plan {
+    /// Plans the functions of `model`, which users divide into `modules`.
+    #[must_use]
+    pub fn new(model: &Model, modules: &ModuleTree, choices: &Choices<'_>) -> Self {
+        let mechanism = Mechanism::new(model);
+        let (inertias, payloads) = (choices.runtime_inertia, choices.payload);
+        let described = inertias.is_empty() && payloads.is_empty();
+        let parameters = Parameters::new(model, choices.runtime_gravity, inertias, payloads);
+        let frames = Frames::new(&mechanism);
+        let all_links = Tracer::with_parameters(&mechanism, parameters.clone());
+        // Nearly no function is about links, of which there may be very many; but their inertia may be an argument.
+        let tracer = match described {
+            true => Tracer::with_parameters(frames.bare(), parameters.clone()),
+            false => all_links.clone(),
+        };
+        let Choice { modules: eliminated, graph: forward_dynamics, candidates } =
+            partition::choose(model, &mechanism, &tracer);
+        let layout = UduLayout::new(&mechanism, modules);
+        // A link that is given at run time has no equal.
+        let packs = choices.strategy != Strategy::Scalar && described;
+        let joins = choices.strategy == Strategy::Vectors;
+        let limbs = if packs { LimbPacking::candidates(&mechanism, joins) } else { Vec::new() };
+        // The partition that is cheapest limb by limb need not be so for packed limbs.
+        let uniform = [ModuleTree::links(model), partition::whole_chains(model)];
+        let others = uniform.iter().filter(|modules| !limbs.is_empty() && **modules != eliminated);
+        let partitions: Vec<ModulePartition> = [&eliminated]
+            .into_iter()
+            .chain(others)
+            .map(|m| ModulePartition::new(&mechanism, m))
+            .collect();
+        let sizes = Sizes {
+            nq: model.nq(),
+            nv: model.nv(),
+            links: model.frames().len(),
+            moving: model.links().len(),
+            loops: model.loop_constraints().len(),
+            factors: layout.size(),
+        };
+        let tracing = Tracing {
+            tracer: &tracer,
+            all_links: &all_links,
+            frames: &frames,
+            limbs: &limbs,
+            partitions: &partitions,
+            independent: limbs.first().is_some_and(|limbs| limbs.independent(&mechanism)),
+            vectors: choices.strategy == Strategy::Vectors,
+            elimination: &Elimination::new(&mechanism, &eliminated),
+            layout: &layout,
+            for_derivatives: &UduLayout::new(&mechanism, &partition::whole_chains(model)),
+            forward_dynamics: &forward_dynamics,
+        };
+        let selected = |function: &Function| {
+            let row = function.row();
+            choices.functions.contains(function)
+                && (choices.batches || row.batch_of.is_none())
+                && (sizes.loops > 0 || !row.of_loops)
+        };
+        let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
+        let planned = |&function: &Function| {
+            Planned::new(function, &tracing, &sizes, parameters.len(), choices.strategy)
+        };
+        let (batches, functions): (Vec<Planned>, Vec<Planned>) =
+            selected.iter().map(planned).partition(|planned| planned.row().batch_of.is_some());
+        let factorizes = selected.iter().any(|f| matches!(f, Function::Brge | Function::BrgeBatch));
+        let factorization =
+            if factorizes { factorization::plan(&tracer, &layout, &sizes) } else { Vec::new() };
+        let pivots = tracer.inertia_pivots().map(|(entries, graph)| {
+            let program = Program::new(&optimize(graph), 1 + parameters.len(), Target::Scalar);
+            (entries, program)
+        });
+        Self {
+            functions,
+            batches,
+            factorization,
+            layout,
+            sizes,
+            parameters,
+            inertia_pivots: pivots,
+            frames,
+            eliminated,
+            candidates,
+        }
+    }
+}
+
+impl Planned {
+    fn new(
+        function: Function,
+        tracing: &Tracing<'_>,
+        sizes: &Sizes,
+        parameters: usize,
+        strategy: Strategy,
+    ) -> Self {
+        let row = function.row();
+        let arguments: Vec<(&'static str, Shape)> =
+            row.arguments.iter().map(|a| (a.name, (a.shape)(sizes))).collect();
+        let parameters = if row.depends_on_parameters { parameters } else { 0 };
+        let scalars = parameters + arguments.iter().map(|(_, shape)| shape.len()).sum::<usize>();
+        let program = |graph: &Graph, target| Program::new(graph, scalars, target);
+        let kernels = match row.trace {
+            Trace::ByLink(trace) => {
+                let graphs = tracing.frames.kernels(|tracer| optimize(trace(tracer)));
+                let (own, shared) = graphs.split_at(tracing.frames.own().count());
+                let own = own.iter().map(|graph| program(graph, Target::Scalar));
+                let placed = scalars + Frames::PLACEMENT;
+                let shared = shared.iter().map(|graph| Program::new(graph, placed, Target::Scalar));
+                Kernels::ByLink(own.chain(shared).collect())
+            }
+            Trace::Poses if tracing.frames.any_shared() => {
+                let [bodies, placed] = tracing.frames.poses().map(optimize);
+                let placed_arguments = Shape::pose().len() + Frames::PLACEMENT;
+                Kernels::Poses {
+                    bodies: program(&bodies, Target::Scalar),
+                    placed: Program::new(&placed, placed_arguments, Target::Scalar),
+                    rows: tracing.frames.rows(),
+                }
+            }
+            Trace::Poses => {
+                let graph = packing::balanced(optimize(tracing.all_links.link_poses()));
+                Kernels::One(program(&graph, Target::Scalar))
+            }
+            Trace::One(trace) => {
+                let graph = packing::balanced(match row.batch_of.unwrap_or(function) {
+                    // The search for its modules has optimised it.
+                    Function::ForwardDynamics => tracing.forward_dynamics.clone(),
+                    _ => optimize(trace(tracing.tracer, tracing)),
+                });
+                match packing::packed(function, tracing, &graph) {
+                    _ if row.batch_of.is_some() => Kernels::One(program(&graph, Target::Batch)),
+                    None => Kernels::One(program(&graph, Target::Scalar)),
+                    Some(packed) if strategy == Strategy::Routines => {
+                        Kernels::One(Program::repeated(&packed, scalars))
+                    }
+                    Some(packed) => Kernels::Dispatched {
+                        scalar: program(&graph, Target::Scalar),
+                        simd: program(&packed, Target::Simd),
+                    },
+                }
+            }
+        };
+        Self { function, arguments, parameters, result: (row.result)(sizes), kernels }
+    }
+}

@@ -1,0 +1,315 @@
+//! From a graph to statements: order, fusing, signs, and angles that are evaluated together.
+
+use std::collections::BTreeMap;
+
+use super::{
+    Addend, MultiplyAdd, Operand, Operation, Program, Source, Statement, Target, Value, outline,
+};
+use crate::graph::{Graph, Id, Node};
+
+impl Program {
+    /// The program of a graph over so many scalar `arguments`.
+    #[must_use]
+    pub fn new(graph: &Graph, arguments: usize, target: Target) -> Self {
+        let lowering = Lowering::new(graph);
+        let statements = lowering.order.iter().map(|item| lowering.statement(item)).collect();
+        let results = graph.outputs.iter().map(|&id| lowering.operand(id, 1)).collect();
+        let mut program = Self {
+            target,
+            arguments,
+            statements,
+            results,
+            first_stores: Vec::new(),
+            chunks: Vec::new(),
+            routines: Vec::new(),
+        };
+        program.finish();
+        program
+    }
+
+    /// Finds where values are used last, and cuts the statements into chunks.
+    pub(super) fn finish(&mut self) {
+        if self.target == Target::Batch {
+            for result in 0..self.results.len() {
+                match self.results[result].value() {
+                    Some(value) => self.statements[value.statement].stores.push(result),
+                    None => self.first_stores.push(result),
+                }
+            }
+        }
+        for s in 0..self.statements.len() {
+            for read in self.reads(s).collect::<Vec<_>>() {
+                self.statements[read].last_use = s;
+            }
+        }
+        if self.target != Target::Batch {
+            for value in self.results.iter().filter_map(Operand::value) {
+                self.statements[value.statement].last_use = usize::MAX;
+            }
+        }
+        self.chunks = outline::chunks(self);
+        assert_eq!(self.validate(), Ok(()), "a fault of modyn: please report it");
+    }
+}
+
+/// What one statement computes.
+enum Item {
+    /// A node, or all lanes of a vector that are read.
+    Node(Id),
+    /// The sines and cosines of angles.
+    Angles(Vec<Id>),
+}
+
+struct Lowering<'a> {
+    graph: &'a Graph,
+    live: Vec<bool>,
+    /// What is computed, statement by statement.
+    order: Vec<Item>,
+    /// For each node the statement that computes it; `None` for operands, and for products and packs that are part of
+    /// the operation that reads them.
+    statement_of: Vec<Option<usize>>,
+}
+
+impl<'a> Lowering<'a> {
+    fn new(graph: &'a Graph) -> Self {
+        let (live, uses) = (graph.live(), graph.uses());
+        let nodes = graph.nodes();
+        // A product that is used once, in a sum, is fused into the sum; a pack that is used once, in a wider pack, is
+        // part of that.
+        let mut fused = vec![false; nodes.len()];
+        for (i, (node, _)) in nodes.iter().zip(&live).enumerate().filter(|(_, (_, live))| **live) {
+            let width = graph.width(i as Id);
+            for operand in node.operands().filter(|&operand| uses[operand as usize] == 1) {
+                fused[operand as usize] |= match (node, graph.node(operand)) {
+                    (Node::Add(..) | Node::Sub(..), Node::Mul(..)) => graph.width(operand) == width,
+                    (Node::Pack(..), Node::Pack(..)) => true,
+                    _ => false,
+                };
+            }
+        }
+        let mut lowering =
+            Self { graph, live, order: Vec::new(), statement_of: vec![None; nodes.len()] };
+        lowering.schedule(&fused);
+        lowering
+    }
+
+    /// Orders the statements: as the nodes were made, except that sines and cosines of angles that are known at once
+    /// come first, together. They share vector instructions, and the rest need not wait for them one by one.
+    fn schedule(&mut self, fused: &[bool]) {
+        let graph = self.graph;
+        let early = early_angles(graph, &self.live);
+        for &angle in early.iter().flatten() {
+            let packs = graph.node(angle).operands();
+            let packs = packs.filter(|&id| matches!(graph.node(id), Node::Pack(..)));
+            for id in packs.chain([angle]) {
+                let index = id as usize;
+                let is_operand = matches!(graph.node(id), Node::Input(_)) || fused[index];
+                if !is_operand && self.statement_of[index].is_none() {
+                    self.statement_of[index] = Some(self.push(Item::Node(id)));
+                }
+            }
+        }
+        let mut angles: BTreeMap<Id, usize> = BTreeMap::new();
+        for early in early {
+            angles.extend(early.iter().map(|&angle| (angle, self.order.len())));
+            self.push(Item::Angles(early));
+        }
+        let mut unpacked: BTreeMap<Id, usize> = BTreeMap::new();
+        for (i, node) in graph.nodes().iter().enumerate() {
+            let id = i as Id;
+            let statement = match node {
+                _ if !self.live[i] || fused[i] || self.statement_of[i].is_some() => continue,
+                Node::Constant(_) | Node::Input(_) | Node::Neg(_) => continue,
+                Node::Sin(angle) | Node::Cos(angle) => match angles.get(angle) {
+                    Some(&statement) => statement,
+                    None => {
+                        angles.insert(*angle, self.order.len());
+                        self.push(Item::Angles(vec![*angle]))
+                    }
+                },
+                Node::ExtractLane(vector, _) => match unpacked.get(vector) {
+                    Some(&statement) => statement,
+                    None => {
+                        unpacked.insert(*vector, self.order.len());
+                        self.push(Item::Node(id))
+                    }
+                },
+                _ => self.push(Item::Node(id)),
+            };
+            self.statement_of[i] = Some(statement);
+        }
+    }
+
+    /// Adds a statement at the end.
+    fn push(&mut self, item: Item) -> usize {
+        self.order.push(item);
+        self.order.len() - 1
+    }
+
+    fn statement(&self, item: &Item) -> Statement {
+        let (operation, lanes, used) = match item {
+            Item::Angles(angles) => {
+                let of = |&angle: &Id| self.operand(angle, self.graph.width(angle));
+                let both = |angle: &Id| [Node::Sin(*angle), Node::Cos(*angle)];
+                let used = angles.iter().flat_map(both).map(|node| self.is_live(node));
+                let lanes = self.graph.width(angles[0]);
+                (Operation::SinCos(angles.iter().map(of).collect()), lanes, used.collect())
+            }
+            Item::Node(id) => {
+                let used = match self.graph.node(*id) {
+                    Node::ExtractLane(vector, _) => {
+                        let lanes = 0..self.graph.width(vector);
+                        lanes.map(|lane| self.is_live(Node::ExtractLane(vector, lane))).collect()
+                    }
+                    _ => vec![true],
+                };
+                (self.operation(*id), self.graph.width(*id), used)
+            }
+        };
+        Statement { operation, lanes, used, last_use: 0, stores: Vec::new() }
+    }
+
+    fn is_live(&self, node: Node) -> bool {
+        self.graph.find(node).is_some_and(|id| self.live[id as usize])
+    }
+
+    /// The operation of a node that has a statement of its own.
+    fn operation(&self, id: Id) -> Operation {
+        let width = self.graph.width(id);
+        let at = |id| self.operand(id, width);
+        match self.graph.node(id) {
+            Node::Add(a, b) => match (self.product(a), self.product(b)) {
+                (Some(factors), _) => self.multiply_add(factors, false, (b, false), width),
+                (None, Some(factors)) => self.multiply_add(factors, false, (a, false), width),
+                (None, None) => Operation::Add(at(a), at(b)),
+            },
+            Node::Sub(a, b) => match (self.product(a), self.product(b)) {
+                (_, Some(factors)) => self.multiply_add(factors, true, (a, false), width),
+                (Some(factors), None) => self.multiply_add(factors, false, (b, true), width),
+                (None, None) => Operation::Subtract(at(a), at(b)),
+            },
+            Node::Mul(a, b) => Operation::Multiply(at(a), at(b)),
+            Node::Recip(a) => Operation::Reciprocal(at(a)),
+            Node::Atan2(a, b) => Operation::Atan2(at(a), at(b)),
+            Node::Sqrt(a) => Operation::SquareRoot(at(a)),
+            Node::Ln(a) => Operation::Logarithm(at(a)),
+            Node::Abs(a) => Operation::Absolute(at(a)),
+            Node::Max(a, b) => Operation::Maximum(at(a), at(b)),
+            Node::Select(a, b, c) => Operation::Select(at(a), at(b), at(c)),
+            Node::Pack(..) => {
+                let lanes = || (0..width).map(|lane| self.graph.packed_at(id, lane));
+                let constants: Option<Vec<f64>> = lanes().map(|id| self.graph.value(id)).collect();
+                match constants {
+                    Some(constants) => Operation::Constants(constants),
+                    None => Operation::Pack(lanes().map(|id| self.operand(id, 1)).collect()),
+                }
+            }
+            Node::ExtractLane(a, _) => Operation::Unpack(self.operand(a, self.graph.width(a))),
+            Node::Constant(_) | Node::Input(_) | Node::Neg(_) | Node::Sin(_) | Node::Cos(_) => {
+                unreachable!("operands and angles are no operations of a node")
+            }
+        }
+    }
+
+    /// A product fused with a sum. Signs that cancel are left out.
+    fn multiply_add(
+        &self,
+        [mut a, b]: [Operand; 2],
+        mut negative_product: bool,
+        (addend, mut negative_addend): (Id, bool),
+        lanes: u8,
+    ) -> Operation {
+        let cancel = |operand: &mut Operand, negative: &mut bool| {
+            if *negative && operand.negated {
+                (operand.negated, *negative) = (false, false);
+            }
+        };
+        cancel(&mut a, &mut negative_product);
+        let addend = match self.product(addend) {
+            Some([a, b]) => Addend::Product(a, b),
+            None => {
+                let mut addend = self.operand(addend, lanes);
+                cancel(&mut addend, &mut negative_addend);
+                Addend::Value(addend)
+            }
+        };
+        Operation::MultiplyAdd(MultiplyAdd {
+            negative_product,
+            factors: [a, b],
+            negative_addend,
+            addend,
+        })
+    }
+
+    /// The factors of a product that is part of the sum that reads it.
+    fn product(&self, id: Id) -> Option<[Operand; 2]> {
+        match (self.statement_of[id as usize], self.graph.node(id)) {
+            (None, Node::Mul(a, b)) => {
+                let width = self.graph.width(id);
+                Some([self.operand(a, width), self.operand(b, width)])
+            }
+            _ => None,
+        }
+    }
+
+    /// A node as an operation on so many lanes reads it.
+    fn operand(&self, id: Id, lanes: u8) -> Operand {
+        let operand = |source| Operand { source, negated: false, lanes };
+        let node = self.graph.node(id);
+        if let Some(statement) = self.statement_of[id as usize] {
+            return operand(Source::Result(Value {
+                statement,
+                place: self.place(statement, node),
+            }));
+        }
+        match node {
+            Node::Constant(bits) => operand(Source::Constant(f64::from_bits(bits))),
+            Node::Input(number) => operand(Source::Argument(number as usize)),
+            Node::Neg(a) => {
+                let operand = self.operand(a, lanes);
+                Operand { negated: !operand.negated, ..operand }
+            }
+            _ => unreachable!("an operation that is read has a statement"),
+        }
+    }
+
+    /// Which result of its statement a node is.
+    fn place(&self, statement: usize, node: Node) -> usize {
+        let of = |angle: Id| match &self.order[statement] {
+            Item::Angles(angles) => 2 * angles.iter().position(|&a| a == angle).unwrap_or(0),
+            Item::Node(_) => 0,
+        };
+        match node {
+            Node::Sin(angle) => of(angle),
+            Node::Cos(angle) => of(angle) + 1,
+            Node::ExtractLane(_, lane) => lane.into(),
+            _ => 0,
+        }
+    }
+}
+
+/// The angles that are arguments, or arguments plus a constant, by their lanes; none where there is a single one.
+fn early_angles(graph: &Graph, live: &[bool]) -> Vec<Vec<Id>> {
+    let mut angles: BTreeMap<u8, Vec<Id>> = BTreeMap::new();
+    for (node, _) in graph.nodes().iter().zip(live).filter(|&(_, &live)| live) {
+        let (Node::Sin(angle) | Node::Cos(angle)) = *node else { continue };
+        let known = match graph.node(angle) {
+            node @ (Node::Add(..) | Node::Sub(..)) => node.operands().all(|id| is_known(graph, id)),
+            _ => is_known(graph, angle),
+        };
+        let same = angles.entry(graph.width(angle)).or_default();
+        if known && !same.contains(&angle) {
+            same.push(angle);
+        }
+    }
+    angles.into_values().filter(|same| same.len() > 1).collect()
+}
+
+/// Whether a node is an argument or a constant, or a pack of such.
+fn is_known(graph: &Graph, id: Id) -> bool {
+    match graph.node(id) {
+        Node::Input(_) | Node::Constant(_) => true,
+        Node::Pack(a, b, _) => is_known(graph, a) && is_known(graph, b),
+        _ => false,
+    }
+}

@@ -1,0 +1,82 @@
+//! Where statements are cut: into chunks, which become functions, and inside these into scopes.
+//!
+//! Compilers take more than linear time for long functions, and rustc has crashed on thousands of `let`s in one scope
+//! with debug information. A chunk returns the values that others need, and these read them from there where they use
+//! them: values that chunks copied to hand them on would be half of a long function's work.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+use super::{Chunk, Program, Scope, Target, Value};
+
+/// Most statements in one scope.
+const MAX_SCOPE: usize = 250;
+
+/// The lengths of functions, in statements.
+struct Limits {
+    /// A program that is no longer stays one chunk.
+    whole: usize,
+    /// Most statements in a chunk of a longer one.
+    chunk: usize,
+}
+
+/// For many states: the compiler works on lanes in memory at first, in more than linear time.
+const BATCH: Limits = Limits { whole: 500, chunk: 500 };
+
+/// For one state in scalars alone: short chunks fit registers better, and take the compiler less time.
+const SCALAR: Limits = Limits { whole: 1500, chunk: 500 };
+
+/// With vectors: a humanoid's forward dynamics (1,600 statements) takes a fifth less time as one function where there
+/// are 32 registers, as long where there are 16, and a tenth more of rustc's. Its derivatives would gain as much, but
+/// take rustc twice as long; chunks of 800 are as fast as longer ones that are not all.
+const PACKED: Limits = Limits { whole: 3000, chunk: 800 };
+
+/// The statements of a program in chunks of about equal length.
+pub(super) fn chunks(program: &Program) -> Vec<Chunk> {
+    let count = program.statements.len();
+    let Limits { whole, chunk } = match program.target {
+        Target::Batch => BATCH,
+        Target::Simd if program.widths().len() > 1 => PACKED,
+        Target::Scalar | Target::Simd => SCALAR,
+    };
+    let parts = if count <= whole { 1 } else { count.div_ceil(chunk) };
+    let ranges: Vec<Range<usize>> =
+        (0..parts).map(|k| k * count / parts..(k + 1) * count / parts).collect();
+    let chunk = |statements: &Range<usize>| {
+        let read = statements.clone().flat_map(|s| program.reads(s));
+        let earlier = read.filter(|&s| s < statements.start);
+        let chunks = earlier.filter_map(|s| ranges.iter().position(|range| range.contains(&s)));
+        Chunk {
+            statements: statements.clone(),
+            live_in: chunks.collect::<BTreeSet<usize>>().into_iter().collect(),
+            live_out: live_out(program, statements),
+            scopes: scopes(program, statements),
+        }
+    };
+    ranges.iter().map(chunk).collect()
+}
+
+/// The scopes of a chunk, each as long as it may be.
+fn scopes(program: &Program, chunk: &Range<usize>) -> Vec<Scope> {
+    chunk
+        .clone()
+        .step_by(MAX_SCOPE)
+        .map(|start| {
+            let statements = start..(start + MAX_SCOPE).min(chunk.end);
+            Scope { live_out: live_out(program, &statements), statements }
+        })
+        .collect()
+}
+
+/// The values that these statements compute and later ones read.
+fn live_out(program: &Program, range: &Range<usize>) -> Vec<Value> {
+    let statements = range.clone().filter(|&s| program.statements[s].last_use >= range.end);
+    let mut values: Vec<Value> = statements
+        .flat_map(|statement| {
+            let used = program.statements[statement].used.iter().enumerate();
+            used.filter(|(_, used)| **used).map(move |(place, _)| Value { statement, place })
+        })
+        .collect();
+    values.sort_by_key(|value| (program.statements[value.statement].lanes, *value));
+    values
+}

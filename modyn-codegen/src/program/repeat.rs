@@ -1,0 +1,214 @@
+//! Equal limbs through one routine, with a table of constants for each limb.
+//!
+//! A graph in which limbs are packed falls into pieces: scalars, then limbs that need them, then scalars that need
+//! those, and so on. Each piece becomes a routine over the values that it is given, a limb's with one lane in place of
+//! all; a limb's routine is called once for each lane.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{Call, Operand, Operation, Program, Routine, Source, Statement, Target, Value};
+use crate::graph::{Graph, Id, Node};
+
+impl Program {
+    /// The program of a graph with packed limbs over so many scalar `arguments`, on scalars alone.
+    #[must_use]
+    pub fn repeated(graph: &Graph, arguments: usize) -> Self {
+        let pieces = pieces(graph);
+        let (mut statements, mut routines) = (Vec::new(), Vec::new());
+        for (routine, piece) in pieces.iter().enumerate() {
+            let [constants, own, common] = piece.kinds();
+            let operand = |id: &Id, lane| operand(graph, &pieces, *id, lane);
+            for lane in 0..piece.calls {
+                let call = Call {
+                    routine,
+                    repetition: lane.into(),
+                    own: own.iter().map(|id| operand(id, lane)).collect(),
+                    common: common.iter().map(|id| operand(id, 0)).collect(),
+                };
+                statements.push(Statement {
+                    operation: Operation::Call(call),
+                    lanes: 1,
+                    used: vec![true; piece.outputs.len()],
+                    last_use: 0,
+                    stores: Vec::new(),
+                });
+            }
+            let table = |lane| {
+                let number = |&id: &Id| graph.value(graph.packed_at(id, lane));
+                constants.iter().map(|id| number(id).expect("a constant")).collect()
+            };
+            routines.push(Routine {
+                program: Self::new(&piece.graph, piece.given.len(), Target::Scalar),
+                tables: (0..piece.calls).map(table).collect(),
+                own: own.len(),
+                common: common.len(),
+            });
+        }
+        let results = graph.outputs.iter().map(|&id| operand(graph, &pieces, id, 0)).collect();
+        let mut program = Self {
+            target: Target::Scalar,
+            arguments,
+            statements,
+            results,
+            first_stores: Vec::new(),
+            chunks: Vec::new(),
+            routines,
+        };
+        program.finish();
+        program
+    }
+}
+
+/// A value that a piece is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Given {
+    /// Constants, one a lane.
+    Table(Id),
+    /// A number of each lane.
+    Own(Id),
+    /// A number that is the same for all lanes.
+    Common(Id),
+}
+
+impl Given {
+    fn id(self) -> Id {
+        let (Self::Table(id) | Self::Own(id) | Self::Common(id)) = self;
+        id
+    }
+}
+
+/// Nodes that are computed by one routine.
+struct Piece {
+    /// The number of lanes that they have; 1 for scalars.
+    width: u8,
+    /// The number of calls: the lanes that are used.
+    calls: u8,
+    /// The first call among all calls.
+    first: usize,
+    given: Vec<Given>,
+    /// The nodes that others need.
+    outputs: Vec<Id>,
+    graph: Graph,
+}
+
+/// One lane of a value as a call reads it.
+fn operand(graph: &Graph, pieces: &[Piece], id: Id, lane: u8) -> Operand {
+    let scalar = |source| Operand { source, negated: false, lanes: 1 };
+    match graph.node(id) {
+        Node::Constant(bits) => scalar(Source::Constant(f64::from_bits(bits))),
+        Node::Input(number) => scalar(Source::Argument(number as usize)),
+        Node::ExtractLane(vector, lane) => operand(graph, pieces, vector, lane),
+        Node::Pack(..) => operand(graph, pieces, graph.packed_at(id, lane), 0),
+        _ => {
+            let found = pieces.iter().find_map(|piece| {
+                let place = piece.outputs.iter().position(|&output| output == id)?;
+                let call = if piece.width == 1 { 0 } else { usize::from(lane) };
+                Some(Value { statement: piece.first + call, place })
+            });
+            scalar(Source::Result(found.expect("what others need is an output of a piece")))
+        }
+    }
+}
+
+/// Whether a node needs no operation: arguments, constants, packs and lanes of these.
+fn is_known(node: Node) -> bool {
+    matches!(node, Node::Constant(_) | Node::Input(_) | Node::Pack(..) | Node::ExtractLane(..))
+}
+
+/// The pieces of a graph, in an order in which each needs earlier ones only.
+fn pieces(graph: &Graph) -> Vec<Piece> {
+    let (nodes, live) = (graph.nodes(), graph.live());
+    let mut members: BTreeMap<(usize, u8), Vec<Id>> = BTreeMap::new();
+    let mut class = vec![None; nodes.len()];
+    for (i, level) in levels(graph).into_iter().enumerate() {
+        if live[i] && !is_known(nodes[i]) {
+            let id = Id::try_from(i).expect("an index of a node");
+            class[i] = Some((level, graph.width(id)));
+            members.entry((level, graph.width(id))).or_default().push(id);
+        }
+    }
+    // The nodes that are needed outside of their piece.
+    let mut needed = vec![false; nodes.len()];
+    for (i, node) in nodes.iter().enumerate().filter(|(i, _)| live[*i]) {
+        for operand in node.operands().map(|id| id as usize) {
+            needed[operand] |= class[operand].is_some() && class[operand] != class[i];
+        }
+    }
+    graph.outputs.iter().for_each(|&id| needed[id as usize] = true);
+    let lanes = |width: u8| {
+        let lanes = nodes.iter().zip(&live).filter_map(|(node, live)| match *node {
+            Node::ExtractLane(of, lane) if *live && graph.width(of) == width => Some(lane + 1),
+            _ => None,
+        });
+        lanes.max().unwrap_or(1)
+    };
+    let mut pieces: Vec<Piece> = Vec::new();
+    for ((_, width), ids) in &members {
+        let outputs = ids.iter().copied().filter(|&id| needed[id as usize]).collect();
+        let first = pieces.last().map_or(0, |piece| piece.first + usize::from(piece.calls));
+        pieces.push(Piece::new(graph, (*width, lanes(*width), first), ids, outputs));
+    }
+    pieces
+}
+
+/// By node: how often it changes from scalars to lanes and back on the path there. Even for scalars, odd for lanes.
+fn levels(graph: &Graph) -> Vec<usize> {
+    let mut levels: Vec<usize> = Vec::with_capacity(graph.nodes().len());
+    for (i, node) in graph.nodes().iter().enumerate() {
+        let wide = graph.width(i as Id) > 1;
+        let below = node.operands().map(|operand| {
+            let change = (graph.width(operand) > 1) != wide;
+            levels[operand as usize] + usize::from(change)
+        });
+        levels.push(below.max().unwrap_or(0));
+    }
+    levels
+}
+
+impl Piece {
+    fn new(
+        graph: &Graph,
+        (width, calls, first): (u8, u8, usize),
+        ids: &[Id],
+        outputs: Vec<Id>,
+    ) -> Self {
+        let own: BTreeSet<Id> = ids.iter().copied().collect();
+        let given = |id: Id| match graph.node(id) {
+            _ if own.contains(&id) => None,
+            Node::Constant(_) => None,
+            _ if graph.width(id) == 1 => Some(Given::Common(id)),
+            _ if graph.is_constant(id) => Some(Given::Table(id)),
+            _ => Some(Given::Own(id)),
+        };
+        let operands = ids.iter().flat_map(|&id| graph.node(id).operands());
+        let all: BTreeSet<Given> = operands.filter_map(given).collect();
+        let all: Vec<Given> = all.into_iter().collect();
+        let mut made = Graph::default();
+        let mut ids_made: BTreeMap<Id, Id> = BTreeMap::new();
+        for (place, given) in all.iter().enumerate() {
+            let input = Node::Input(u32::try_from(place).expect("fewer than 2^32"));
+            ids_made.insert(given.id(), made.make(input));
+        }
+        for &id in ids {
+            for operand in graph.node(id).operands() {
+                if let Node::Constant(_) = graph.node(operand) {
+                    let constant = made.make(graph.node(operand));
+                    ids_made.insert(operand, constant);
+                }
+            }
+            let node = graph.node(id).map(|operand| ids_made[&operand]);
+            let same = made.make(node);
+            ids_made.insert(id, same);
+        }
+        made.outputs = outputs.iter().map(|id| ids_made[id]).collect();
+        Self { width, calls, first, given: all, outputs, graph: made }
+    }
+
+    /// The values that it is given: constants, numbers of each lane, numbers that are the same for all.
+    fn kinds(&self) -> [Vec<Id>; 3] {
+        [Given::Table, Given::Own, Given::Common].map(|kind: fn(Id) -> Given| {
+            let ids = self.given.iter().map(|given| given.id());
+            ids.filter(|&id| self.given.contains(&kind(id))).collect()
+        })
+    }
+}

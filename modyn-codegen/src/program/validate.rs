@@ -1,0 +1,153 @@
+//! What every program satisfies, checked once before any printer sees it.
+
+use std::collections::BTreeSet;
+
+use super::{Call, Chunk, Operand, Operation, Program, Routine, Source, Target, Value};
+
+/// A rule that a program breaks.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// The statement at which it does; `None` where it is none's.
+    pub statement: Option<usize>,
+    /// The rule.
+    pub rule: &'static str,
+}
+
+impl Program {
+    /// Checks that operands are computed before they are read, that lanes fit, that chunks and scopes cover all
+    /// statements, and that no value crosses a cut without being named there.
+    ///
+    /// # Errors
+    ///
+    /// The first rule that is broken.
+    pub fn validate(&self) -> Result<(), Fault> {
+        for s in 0..self.statements.len() {
+            self.statement_fault(s)
+                .map_or(Ok(()), |rule| Err(Fault { statement: Some(s), rule }))?;
+        }
+        let end = self.statements.len();
+        let results = self.results.iter().find_map(|result| self.operand_fault(result, end));
+        let scalars = self.results.iter().all(|result| result.lanes == 1);
+        let rule = results
+            .or((!scalars).then_some("results are scalars"))
+            .or_else(|| self.store_fault())
+            .or_else(|| self.cut_fault())
+            .or_else(|| self.routines.iter().find_map(routine_fault));
+        rule.map_or(Ok(()), |rule| Err(Fault { statement: None, rule }))?;
+        self.routines.iter().try_for_each(|routine| routine.program.validate())
+    }
+
+    /// The rule that statement `s` breaks.
+    fn statement_fault(&self, s: usize) -> Option<&'static str> {
+        let statement = &self.statements[s];
+        let operands = statement.operation.operands();
+        if let Some(rule) = operands.iter().find_map(|operand| self.operand_fault(operand, s)) {
+            return Some(rule);
+        }
+        let lanes = usize::from(statement.lanes);
+        let all = |lanes: u8| operands.iter().all(|operand| operand.lanes == lanes);
+        let (fits, results) = match &statement.operation {
+            Operation::Pack(packed) => (all(1) && packed.len() == lanes, 1),
+            Operation::Constants(packed) => (packed.len() == lanes, 1),
+            Operation::Unpack(vector) => {
+                (lanes == 1 && self.lanes_of(vector.source) > 1, vector.lanes.into())
+            }
+            Operation::SinCos(angles) => (all(statement.lanes), 2 * angles.len()),
+            Operation::Call(call) => (lanes == 1 && all(1), self.call_results(call)?),
+            _ => (all(statement.lanes), 1),
+        };
+        if !fits {
+            return Some("operands have the lanes of the operation");
+        }
+        if statement.used.len() != results || !statement.used.contains(&true) {
+            return Some("a statement knows which of its results are used, and one is");
+        }
+        (self.target != Target::Simd && statement.lanes != 1).then_some("the target has no lanes")
+    }
+
+    /// The rule that an operand of statement `s` breaks.
+    fn operand_fault(&self, operand: &Operand, s: usize) -> Option<&'static str> {
+        match operand.source {
+            Source::Constant(_) => {}
+            Source::Argument(number) if number < self.arguments => {}
+            Source::Argument(_) => return Some("arguments are counted"),
+            Source::Result(value) => {
+                if value.statement >= s {
+                    return Some("a value is computed before it is read");
+                }
+                let read = &self.statements[value.statement];
+                if read.used.get(value.place) != Some(&true) {
+                    return Some("a result that is read is used");
+                }
+                if s < self.statements.len() && read.last_use < s {
+                    return Some("no statement reads a value after its last use");
+                }
+            }
+        }
+        let own = self.lanes_of(operand.source);
+        (own != 1 && own != operand.lanes).then_some("only scalars are copied to lanes")
+    }
+
+    /// The number of results of a call; `None` where it names no routine.
+    fn call_results(&self, call: &Call) -> Option<usize> {
+        let routine = self.routines.get(call.routine)?;
+        let fits = call.repetition < routine.tables.len()
+            && call.own.len() == routine.own
+            && call.common.len() == routine.common;
+        fits.then_some(routine.program.results.len())
+    }
+
+    /// Where results are stored as soon as they are known, each is stored once.
+    fn store_fault(&self) -> Option<&'static str> {
+        let stored = self.statements.iter().flat_map(|statement| &statement.stores);
+        let mut stored: Vec<usize> = stored.chain(&self.first_stores).copied().collect();
+        stored.sort_unstable();
+        let all = if self.target == Target::Batch { self.results.len() } else { 0 };
+        (!stored.iter().copied().eq(0..all)).then_some("each result is stored once")
+    }
+
+    /// The rule that chunks or scopes break.
+    fn cut_fault(&self) -> Option<&'static str> {
+        let covers = |ranges: &[(usize, usize)], (start, end): (usize, usize)| {
+            let starts = ranges.iter().map(|range| range.0);
+            let ends = [start].into_iter().chain(ranges.iter().map(|range| range.1));
+            starts.eq(ends.take(ranges.len())) && ranges.last().map_or(start, |r| r.1) == end
+        };
+        let chunks: Vec<(usize, usize)> =
+            self.chunks.iter().map(|c| (c.statements.start, c.statements.end)).collect();
+        if !covers(&chunks, (0, self.statements.len())) {
+            return Some("chunks are all statements in their order");
+        }
+        let live_out = |chunk: &Chunk| chunk.live_out.iter().copied().collect::<BTreeSet<Value>>();
+        let live_out: Vec<BTreeSet<Value>> = self.chunks.iter().map(live_out).collect();
+        for chunk in &self.chunks {
+            let scopes: Vec<(usize, usize)> =
+                chunk.scopes.iter().map(|s| (s.statements.start, s.statements.end)).collect();
+            if !covers(&scopes, (chunk.statements.start, chunk.statements.end)) {
+                return Some("scopes are all statements of their chunk");
+            }
+            let read = chunk.statements.clone().flat_map(|s| {
+                let operands = self.statements[s].operation.operands();
+                operands.into_iter().filter_map(|operand| operand.value())
+            });
+            for value in read.filter(|value| value.statement < chunk.statements.start) {
+                let from = self.chunks.iter().position(|c| c.statements.contains(&value.statement));
+                let named = from.is_some_and(|from| {
+                    chunk.live_in.contains(&from) && live_out[from].contains(&value)
+                });
+                if !named {
+                    return Some("a value that crosses a cut is named there");
+                }
+            }
+        }
+        None
+    }
+}
+
+fn routine_fault(routine: &Routine) -> Option<&'static str> {
+    let constants = routine.tables.first().map_or(0, Vec::len);
+    let fits = routine.tables.iter().all(|table| table.len() == constants)
+        && routine.program.arguments == constants + routine.own + routine.common
+        && !routine.tables.is_empty();
+    (!fits).then_some("a routine has as many arguments as its tables and calls give")
+}

@@ -1,0 +1,156 @@
+//! Reading the file of a description, for all doors.
+
+use std::fmt::Display;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use super::xml::limits::MOST_BYTES;
+use crate::diagnostics::{Code, Diagnostic, Diagnostics, Position};
+
+/// Reads the first of `places` that exists: where it was, and its text. `wanted` is what
+/// diagnostics call it.
+///
+/// # Errors
+///
+/// None exists, or what is there cannot be read as text.
+pub fn read_first(
+    wanted: impl Display,
+    places: &[PathBuf],
+) -> Result<(&Path, String), Diagnostics> {
+    let Some(place) = places.iter().find(|place| place.exists()) else {
+        let mut shown: Vec<String> = places.iter().map(|place| relative(place)).collect();
+        shown.dedup();
+        return Err(Diagnostic::missing_file(wanted, &shown).into());
+    };
+    let unreadable = |reason: &dyn Display| {
+        let message = format!("`{}` cannot be read: {reason}", relative(place));
+        let help = "give the path of a URDF file that may be read";
+        Diagnostics::from(Diagnostic::error(Code::MissingFile, message).with_help(help))
+    };
+    // A device or a pipe might never end.
+    if !place.is_file() {
+        return Err(unreadable(&"it is no file"));
+    }
+    let file = File::open(place).map_err(|error| unreadable(&error))?;
+    let length = file.metadata().map_err(|error| unreadable(&error))?.len();
+    if length > MOST_BYTES as u64 {
+        let message = format!("`{}` has {length} bytes, more than {MOST_BYTES}", relative(place));
+        let help = "give the path of a URDF file; none is of this size";
+        return Err(Diagnostic::error(Code::Excessive, message).with_help(help).into());
+    }
+    // It may have grown since.
+    Ok((place, read_text(wanted, file)?))
+}
+
+/// The text that a stream gives until its end, such as standard input's. `wanted` is what diagnostics call
+/// it.
+///
+/// # Errors
+///
+/// The stream cannot be read, is no UTF-8, or goes on beyond the size of any description.
+pub fn read_text(wanted: impl Display, stream: impl Read) -> Result<String, Diagnostics> {
+    read_at_most(MOST_BYTES, wanted, stream)
+}
+
+fn read_at_most(
+    limit: usize,
+    wanted: impl Display,
+    stream: impl Read,
+) -> Result<String, Diagnostics> {
+    let mut bytes = Vec::new();
+    stream.take(limit as u64 + 1).read_to_end(&mut bytes).map_err(|reason| {
+        let message = format!("{wanted} cannot be read: {reason}");
+        let help = "give a URDF as UTF-8 text";
+        Diagnostics::from(Diagnostic::error(Code::MissingFile, message).with_help(help))
+    })?;
+    if bytes.len() > limit {
+        let message = format!("{wanted} has more than {limit} bytes");
+        let help = "give a URDF file; none is of this size";
+        return Err(Diagnostic::error(Code::Excessive, message).with_help(help).into());
+    }
+    String::from_utf8(bytes).map_err(|error| not_text(wanted, &error))
+}
+
+/// Where and why a file is no UTF-8.
+fn not_text(wanted: impl Display, error: &std::string::FromUtf8Error) -> Diagnostics {
+    let (good, rest) = error.as_bytes().split_at(error.utf8_error().valid_up_to());
+    let line = String::from_utf8_lossy(good.rsplit(|&b| b == b'\n').next().unwrap_or_default());
+    let position = Position {
+        line: 1 + good.iter().filter(|&&b| b == b'\n').count(),
+        column: 1 + line.chars().count(),
+    };
+    let byte = rest.first().copied().unwrap_or_default();
+    Diagnostic::error(Code::NotUrdf, format!("this is no UTF-8 text: byte 0x{byte:02x}"))
+        .in_file(wanted.to_string())
+        .at(position)
+        .with_help("save the file as UTF-8; a URDF is a text file")
+        .into()
+}
+
+/// A path as seen from the folder of `Cargo.toml`, where it is in there.
+fn relative(place: &Path) -> String {
+    let root = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default();
+    let absolute = std::path::absolute(place).unwrap_or_else(|_| place.into());
+    absolute.strip_prefix(root).unwrap_or(place).display().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(places: &[&str]) -> String {
+        let places: Vec<PathBuf> = places.iter().map(PathBuf::from).collect();
+        read_first("a.urdf", &places).expect_err("nothing to read").to_string()
+    }
+
+    #[test]
+    fn a_missing_file_is_looked_for_in_each_place_once() {
+        let root = env!("CARGO_MANIFEST_DIR");
+        let message = refused(&["src/a.urdf", &format!("{root}/src/a.urdf"), "/no/a.urdf"]);
+        assert!(message.contains("tried `src/a.urdf`, `/no/a.urdf`\n"), "{message}");
+    }
+
+    #[test]
+    fn a_folder_is_no_file() {
+        assert!(refused(&["no/such", "src"]).contains("`src` cannot be read: it is no file"));
+    }
+
+    #[test]
+    fn a_file_without_end_is_not_read() {
+        let path = std::env::temp_dir().join(format!("modyn-{}.urdf", std::process::id()));
+        // A hole: it takes no room.
+        let file = std::fs::File::create(&path).expect("a file");
+        file.set_len(MOST_BYTES as u64 + 1).expect("a hole");
+        let message = refused(&[&path.to_string_lossy()]);
+        let _ = std::fs::remove_file(&path);
+        assert!(
+            message.contains("error[excessive]") && message.contains("more than 1073741824"),
+            "{message}"
+        );
+    }
+
+    /// Standard input may go on for ever: not more is read than a description can have.
+    #[test]
+    fn a_stream_without_end_is_not_read() {
+        let found =
+            read_at_most(1000, "standard input", std::io::repeat(b' ')).expect_err("endless");
+        let message = found.to_string();
+        assert!(
+            message.starts_with("error[excessive]: standard input has more than 1000 bytes"),
+            "{message}"
+        );
+        assert_eq!(read_at_most(3, "x", &b"abc"[..]).expect("fits"), "abc");
+        let found = read_text("standard input", &b"<robot>\n\xff"[..]).expect_err("no text");
+        assert!(found.to_string().starts_with("standard input:2:1: error[not-urdf]"), "{found}");
+    }
+
+    #[test]
+    fn bytes_that_are_no_text_have_a_place() {
+        let error = String::from_utf8(b"<robot>\n\xc3\xa9\xff".to_vec()).expect_err("0xff");
+        assert_eq!(
+            not_text("a.urdf", &error).to_string().lines().next(),
+            Some("a.urdf:2:2: error[not-urdf]: this is no UTF-8 text: byte 0xff")
+        );
+    }
+}

@@ -1,0 +1,64 @@
+//! From the XML of a `MuJoCo` model (MJCF) to a [`Description`].
+//!
+//! ```text
+//! XML ─ scan ─▶ nothing that would go unread ─ mjcf-rs ─▶ bodies ─▶ links and joints
+//! ```
+//!
+//! Default classes, angles in degrees and the ways to write a rotation are resolved by mjcf-rs. It passes over
+//! much of MJCF, so whatever changes the dynamics and is not read is refused before, with its place (`scan`).
+
+mod bodies;
+mod geoms;
+mod numbers;
+mod pose;
+mod scan;
+
+use crate::check::gravity_error;
+use crate::description::{Base, Description, ReadOptions};
+use crate::diagnostics::{Code, Report};
+use crate::read::xml;
+
+/// The description; `None` with errors in the report.
+pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<Description> {
+    let document = xml::document::parse(text, report)?;
+    let root = document.root_element();
+    let at = root.range().start;
+    if root.tag_name().name() != "mujoco" {
+        let message = format!("the root element is `<{}>`", root.tag_name().name());
+        let help = "an MJCF is one element `<mujoco model=\"...\">`";
+        report.error(Code::NotMjcf, at, None, message, help);
+        return None;
+    }
+    if options.base == Base::Floating {
+        let message = "`base = floating` is for URDF, which cannot say so";
+        let help = "write `<freejoint/>` in the body that floats";
+        report.error(Code::Option, at, None, message, help);
+    }
+    scan::scan(root, report);
+    if report.errors() > 0 {
+        return None;
+    }
+    let (text, unread) = numbers::repaired(text, root, report);
+    let model = resolved(&text, at, report)?;
+    let gravity = model.option.gravity;
+    let error = gravity_error(gravity).filter(|_| options.gravity.is_none());
+    if let Some(error) = error {
+        report.error(error.code, at, None, error.message, error.help.unwrap_or_default());
+        return None;
+    }
+    let description = bodies::describe(&model, root, &unread, report)?;
+    Some(Description { gravity: Some(gravity), ..description })
+}
+
+/// What mjcf-rs makes of it; it does not say where something is wrong.
+fn resolved(text: &str, at: usize, report: &mut Report<'_>) -> Option<mjcf_rs::Model> {
+    match mjcf_rs::Model::from_str(text, "") {
+        Ok(model) => Some(model),
+        Err(error) => {
+            let help =
+                "write it as MuJoCo's XML reference says; `mj_saveLastXML` writes a plain file";
+            report.error(Code::Mjcf, at, None, error.to_string(), help);
+            None
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! What changes the dynamics but is not read, with its place; and what must not reach a reader that recurses.
+
+use std::collections::BTreeSet;
+
+use roxmltree::{Attribute, Node};
+
+use crate::diagnostics::{Code, Report};
+
+/// Deeper trees would be read on a call stack that is too small for them.
+const DEEPEST: usize = 100;
+
+/// What children of an element can be.
+#[derive(Clone, Copy, PartialEq)]
+enum Place {
+    Root,
+    Compiler,
+    Option,
+    Flag,
+    Default,
+    World,
+    Body,
+    Frame,
+    Equality,
+    Tendon,
+    Actuator,
+    /// Nothing in it matters, unless it brings in other files.
+    Beside,
+}
+
+/// What a tendon exerts forces by, or could by its class.
+const PULLS: [&str; 5] = ["stiffness", "damping", "frictionloss", "armature", "class"];
+
+/// Reports it.
+pub fn scan(root: Node, report: &mut Report<'_>) {
+    let classes: BTreeSet<&str> = root
+        .descendants()
+        .filter(|node| node.has_tag_name("default"))
+        .filter_map(|node| node.attribute("class"))
+        .chain(["main"])
+        .collect();
+    let mut open = vec![(root, Place::Root, 0)];
+    while let Some((node, place, depth)) = open.pop() {
+        if depth > DEEPEST {
+            let message = format!("elements are nested more than {DEEPEST} deep");
+            let help = "write the tree less deep: many links in a row are for URDF";
+            report.error(Code::NotRead, node.range().start, None, message, help);
+            return;
+        }
+        for attribute in node.attributes() {
+            check(node, place, attribute, &classes, report);
+        }
+        for child in node.children().filter(Node::is_element) {
+            match place_of(place, child) {
+                Ok(inside) => open.push((child, inside, depth + 1)),
+                Err(help) => {
+                    let message = format!("`<{}>` is not read", child.tag_name().name());
+                    report.error(Code::NotRead, child.range().start, None, message, help);
+                }
+            }
+        }
+    }
+}
+
+/// What may stand in a child, or what to do about it.
+fn place_of(place: Place, child: Node) -> Result<Place, &'static str> {
+    let inactive = child.attribute("active") == Some("false");
+    match (place, child.tag_name().name()) {
+        (_, "include" | "attach") | (Place::Beside, "model") => {
+            Err("no other file is read: write it out, by `mj_saveLastXML` for example")
+        }
+        (Place::Root, "compiler") => Ok(Place::Compiler),
+        (Place::Root, "option") => Ok(Place::Option),
+        (Place::Default, "default") if child.attribute("class").is_none() => {
+            Err("write its `class`")
+        }
+        (Place::Root | Place::Default, "default") => Ok(Place::Default),
+        (Place::Root, "worldbody") => Ok(Place::World),
+        (Place::Root, "equality") => Ok(Place::Equality),
+        (Place::Root, "tendon") => Ok(Place::Tendon),
+        (Place::Root, "actuator") => Ok(Place::Actuator),
+        (
+            Place::Root,
+            "size" | "statistic" | "visual" | "custom" | "asset" | "contact" | "sensor"
+            | "keyframe",
+        )
+        | (Place::World | Place::Body | Place::Frame, "geom" | "site" | "camera" | "light")
+        | (Place::Body, "inertial" | "joint" | "freejoint")
+        | (Place::Actuator | Place::Beside, _) => Ok(Place::Beside),
+        (Place::World | Place::Body | Place::Frame, "body") => Ok(Place::Body),
+        (Place::World | Place::Body | Place::Frame, "frame") => Ok(Place::Frame),
+        (Place::Option, "flag") => Ok(Place::Flag),
+        (Place::Equality, _) if inactive => Ok(Place::Beside),
+        (Place::Equality, _) => Err(
+            "constraints are not part of a tree's dynamics: remove it, or write `active=\"false\"`",
+        ),
+        // Without these it only measures.
+        (Place::Tendon, _) | (Place::Default, "tendon")
+            if child.attributes().all(|one| !PULLS.contains(&one.name())) =>
+        {
+            Ok(Place::Beside)
+        }
+        (Place::Tendon, _) | (Place::Default, "tendon") => {
+            Err("tendons that pull are not supported: remove it")
+        }
+        // Of classes, bodies' joints have all that matters once they are resolved.
+        (Place::Default, _) => Ok(Place::Beside),
+        (Place::Frame, "inertial" | "joint" | "freejoint") => Err("write it in a `<body>`"),
+        _ => Err("it could change the dynamics: remove it, or write out what it stands for"),
+    }
+}
+
+/// An attribute that changes the dynamics but is not read.
+fn check(
+    node: Node,
+    place: Place,
+    attribute: Attribute,
+    classes: &BTreeSet<&str>,
+    report: &mut Report<'_>,
+) {
+    let (name, value) = (attribute.name(), attribute.value());
+    let zero = || value.split_ascii_whitespace().all(|text| text.parse() == Ok(0.0));
+    let below = || value.trim().parse().is_ok_and(|number: f64| number <= 0.0);
+    let element = node.tag_name().name();
+    let help = match (place, name) {
+        (Place::Compiler, "settotalmass" | "boundmass" | "boundinertia") if !below() => {
+            "write the masses and inertias that are meant"
+        }
+        (Place::Compiler, "balanceinertia" | "alignfree") if value != "false" => {
+            "write the inertias and frames that are meant"
+        }
+        (Place::Compiler, "inertiagrouprange") => "write an `<inertial>` in each body",
+        (Place::Compiler, "eulerseq")
+            if value.len() != 3 || !value.bytes().all(|byte| b"xyzXYZ".contains(&byte)) =>
+        {
+            "write three of the letters x, y, z, X, Y and Z"
+        }
+        (Place::Beside, "shellinertia") if value != "false" => "write an `<inertial>` in the body",
+        (Place::Option, "density" | "viscosity") if !zero() => {
+            "forces of a fluid are not supported: write 0"
+        }
+        (Place::Flag, "gravity") if value != "enable" => "write `<option gravity=\"0 0 0\">`",
+        (Place::Body, "gravcomp") if node.has_tag_name("body") && !zero() => {
+            "forces against gravity are not supported: give them as torques"
+        }
+        (Place::Body, "mocap") if value != "false" => "a body that is led by hand is no robot's",
+        (Place::Beside, "armature" | "damping")
+            if node.parent().is_some_and(|parent| parent.has_tag_name("actuator")) && !zero() =>
+        {
+            "write it in the `<joint>`"
+        }
+        (Place::Default, "class")
+            if value != "main" && node.parent().is_some_and(|up| up.has_tag_name("mujoco")) =>
+        {
+            "the outermost `<default>` is the class `main`"
+        }
+        (Place::Body | Place::Frame, "childclass") | (Place::Beside, "class")
+            if !classes.contains(value) =>
+        {
+            "write the class of a `<default>` of this file"
+        }
+        _ => return,
+    };
+    let message = format!("`{name}=\"{value}\"` of `<{element}>` is not read");
+    report.error(Code::NotRead, attribute.range().start, None, message, help);
+}

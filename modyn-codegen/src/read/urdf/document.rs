@@ -1,0 +1,94 @@
+//! Is the XML a URDF? Expanded or not, and which description language.
+
+use roxmltree::{Document, Node};
+
+use crate::diagnostics::{Code, Report, Severity};
+use crate::read::xml::document::XACRO_HELP;
+use crate::read::xml::element::is;
+
+/// The elements of a joint or an inertial whose figures are read.
+const USED: &[&str] = &[
+    "inertial", "origin", "mass", "inertia", "parent", "child", "axis", "axis2", "limit", "mimic",
+    "dynamics", "link1", "link2",
+];
+
+/// The `<robot>` of an expanded URDF; `None` with an error in the report.
+pub fn robot<'a, 't>(document: &'a Document<'t>, report: &mut Report<'_>) -> Option<Node<'a, 't>> {
+    let root = document.root_element();
+    let offset = root.range().start;
+    let (code, message, help) = match root.tag_name().name() {
+        "robot" => {
+            if let Some(offset) = xacro(root) {
+                let message = "this is xacro, not yet a URDF";
+                report.error(Code::Xacro, offset, None, message, XACRO_HELP);
+                return None;
+            }
+            return Some(root);
+        }
+        "sdf" | "gazebo" => (
+            Code::Sdf,
+            "this is an SDF, not a URDF".into(),
+            "use the URDF that it was made from, or convert it (`sdf2urdf`, `sdformat_urdf`)",
+        ),
+        "mujoco" | "mujocoinclude" => (
+            Code::Mjcf,
+            "this is a MuJoCo model (MJCF), not a URDF".into(),
+            "read it with the feature `mjcf` of modyn, or use the URDF that it was made from",
+        ),
+        other => (
+            Code::NotUrdf,
+            format!("the root element is `<{other}>`"),
+            "a URDF is one element `<robot name=\"...\">` with links and joints",
+        ),
+    };
+    report.add(Severity::Error, code, offset, None, message, help);
+    None
+}
+
+/// Where xacro syntax stands in the way of reading the file, if it does: any xacro element next
+/// to or in links and joints, any `${...}` or `$(...)` in a value that is read. Comments, what is
+/// ignored anyway, and a declaration of the namespace that is left over are no matter.
+fn xacro(root: Node) -> Option<usize> {
+    for part in root.children().filter(Node::is_element) {
+        if is_xacro(part) {
+            return Some(part.range().start);
+        }
+        if !["link", "joint", "loop_joint"].iter().any(|name| is(root, part, name)) {
+            continue;
+        }
+        let mut open = vec![part];
+        while let Some(node) = open.pop() {
+            if is_xacro(node) {
+                return Some(node.range().start);
+            }
+            if node != part && !USED.iter().any(|name| is(root, node, name)) {
+                continue;
+            }
+            if let Some(offset) = xacro_attribute(node) {
+                return Some(offset);
+            }
+            let deeper = node == part || is(root, node, "inertial");
+            open.extend(node.children().rev().filter(|child| deeper && child.is_element()));
+        }
+    }
+    xacro_attribute(root)
+}
+
+fn is_xacro(node: Node) -> bool {
+    let uri = node.tag_name().namespace();
+    let text = &node.document().input_text()[node.range().start..];
+    text.starts_with("<xacro:")
+        || uri.is_some_and(|uri| uri.contains("xacro"))
+            && uri != node.document().root_element().tag_name().namespace()
+}
+
+fn xacro_attribute(node: Node) -> Option<usize> {
+    node.attributes()
+        .find(|a| {
+            let text = a.value();
+            a.namespace().is_some_and(|uri| uri.contains("xacro"))
+                || text.contains("${")
+                || text.contains("$(")
+        })
+        .map(|a| a.range().start)
+}

@@ -1,0 +1,335 @@
+//! A `<joint>` as it is written.
+
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::{JointDynamics, Limits};
+use roxmltree::Node;
+
+use super::reader::Reader;
+use crate::description::{JointRecord, Kind, Located, Mimic, MimicRecord, normalized};
+use crate::diagnostics::{Code, Severity, Subject};
+use crate::read::xml::element::{Attribute, attribute};
+
+/// The types that move.
+const MOVING: [JointType; 7] = [
+    JointType::Revolute,
+    JointType::Continuous,
+    JointType::Prismatic,
+    JointType::Universal,
+    JointType::Planar,
+    JointType::Spherical,
+    JointType::Floating,
+];
+
+const X: [f64; 3] = [1.0, 0.0, 0.0];
+const Y: [f64; 3] = [0.0, 1.0, 0.0];
+const Z: [f64; 3] = [0.0, 0.0, 1.0];
+
+impl<'a> Reader<'a, '_, '_, '_> {
+    pub fn joint(&mut self, node: Node<'a, '_>) -> JointRecord {
+        let errors = self.xml.report.errors();
+        let name = self.xml.attribute(node, "name", None);
+        let subject = name.map(|name| Subject::Joint(name.text.into()));
+        let subject = subject.as_ref();
+        let kind = self.kind(node, subject);
+        let known = [
+            "origin",
+            "parent",
+            "child",
+            "axis",
+            "axis2",
+            "limit",
+            "mimic",
+            "dynamics",
+            "calibration",
+            "safety_controller",
+        ];
+        self.xml.misspelt(node, &known, &["origin", "axis", "limit", "mimic", "dynamics"], subject);
+        let mut joint = JointRecord {
+            name: name.map_or(
+                Located { text: String::new(), at: node.range().start },
+                Attribute::located,
+            ),
+            kind,
+            parent: self.end(node, "parent", subject).map(Attribute::located),
+            child: self.end(node, "child", subject).map(Attribute::located),
+            origin: self.origin(node, subject),
+            axis: X,
+            second_axis: Y,
+            limits: None,
+            mimic: None,
+            drive: JointDynamics::default(),
+            drive_at: node.range().start,
+            sound: true,
+        };
+        // A fixed joint has none of these, whatever is written.
+        if kind != Kind::Fixed {
+            [joint.axis, joint.second_axis] = self.axes(node, kind, subject);
+            (joint.drive, joint.drive_at) = self.drive(node, subject);
+        }
+        if let Kind::Moving(joint_type) = kind {
+            joint.limits = self.limits(node, joint_type, subject);
+            joint.mimic = self.mimic(node, subject);
+        }
+        self.no_second_axis(node, kind, subject);
+        joint.sound = self.xml.report.errors() == errors;
+        joint
+    }
+
+    fn kind(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Kind {
+        let Some(text) = self.xml.attribute(node, "type", subject) else {
+            return Kind::Unknown;
+        };
+        if text.text == "fixed" {
+            return Kind::Fixed;
+        }
+        if let Some(found) = MOVING.into_iter().find(|known| known.name() == text.text) {
+            return Kind::Moving(found);
+        }
+        let message = format!("`{}` is no joint type", text.text);
+        let help = format!("supported are: {}, fixed", MOVING.map(JointType::name).join(", "));
+        self.xml.report.error(Code::UnknownJointType, text.at, subject, message, help);
+        Kind::Unknown
+    }
+
+    fn end(
+        &mut self,
+        node: Node<'a, '_>,
+        name: &str,
+        subject: Option<&Subject>,
+    ) -> Option<Attribute<'a>> {
+        let node = self.xml.required(node, name, "link=\"...\"", subject)?;
+        self.xml.attribute(node, "link", subject)
+    }
+
+    /// The axis and the second axis, of unit length.
+    fn axes(&mut self, node: Node<'a, '_>, kind: Kind, subject: Option<&Subject>) -> [[f64; 3]; 2] {
+        if let Kind::Moving(JointType::Spherical | JointType::Floating) = kind {
+            // It has no meaning there, but files often have one, also of zeros.
+            let axis = self.xml.single(node, "axis", subject);
+            if let Some(text) = axis.and_then(|axis| attribute(axis, "xyz")) {
+                self.xml.numbers::<3>(text, subject);
+            }
+            return [Z, Y];
+        }
+        let first = self.axis(node, "axis", X, subject);
+        if kind != Kind::Moving(JointType::Universal) {
+            return [first.unwrap_or(X), Y];
+        }
+        let second = self.axis(node, "axis2", Y, subject);
+        // What could not be read is parallel to nothing.
+        let (Some(first), Some(second)) = (first, second) else {
+            return [X, Y];
+        };
+        let cos: f64 = first.iter().zip(&second).map(|(a, b)| a * b).sum();
+        if cos.abs() > PARALLEL {
+            let place = ["axis2", "axis"].iter().find_map(|name| self.xml.named(node, name).next());
+            let at = place.unwrap_or(node).range().start;
+            let message = "its two axes are parallel";
+            let help = "write `<axis2 xyz=\"...\"/>` across `<axis>`: the second axis, by default \
+                        `0 1 0`; the first is `1 0 0` by default";
+            self.xml.report.error(Code::ParallelAxes, at, subject, message, help);
+        }
+        [first, second]
+    }
+
+    /// An axis, of unit length; `None` if it cannot be read.
+    pub fn axis(
+        &mut self,
+        node: Node<'a, '_>,
+        name: &str,
+        default: [f64; 3],
+        subject: Option<&Subject>,
+    ) -> Option<[f64; 3]> {
+        let Some(node) = self.xml.single(node, name, subject) else {
+            return Some(default);
+        };
+        self.xml.known(node, &["xyz"], subject);
+        let text = self.xml.attribute(node, "xyz", subject)?;
+        let axis = self.xml.numbers::<3>(text, subject)?;
+        let Some((unit, length)) = normalized(axis) else {
+            let help = "write the direction of the axis, such as `0 0 1`";
+            self.xml.report.error(Code::ZeroAxis, text.at, subject, "the axis is zero", help);
+            return None;
+        };
+        if (length - 1.0).abs() > 1e-6 {
+            let message = format!("the axis is of length {length}; it is normalised");
+            let help = format!("write `{} {} {}`", unit[0], unit[1], unit[2]);
+            self.xml.report.add(
+                Severity::Warning,
+                Code::AxisLength,
+                text.at,
+                subject,
+                message,
+                help,
+            );
+        }
+        Some(unit)
+    }
+
+    /// Warns of a second axis where there can be none.
+    fn no_second_axis(&mut self, node: Node<'a, '_>, kind: Kind, subject: Option<&Subject>) {
+        if matches!(kind, Kind::Unknown | Kind::Moving(JointType::Universal)) {
+            return;
+        }
+        if let Some(axis) = self.xml.single(node, "axis2", subject) {
+            let message = "the element `<axis2>` is not read: only universal joints have two axes";
+            let help = "remove it, or make the joint `universal`";
+            let at = axis.range().start;
+            self.xml.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
+        }
+    }
+
+    fn limits(
+        &mut self,
+        node: Node<'a, '_>,
+        joint_type: JointType,
+        subject: Option<&Subject>,
+    ) -> Option<Limits> {
+        let node = self.xml.single(node, "limit", subject)?;
+        let names =
+            ["lower", "upper", "velocity", "effort", "acceleration", "deceleration", "jerk"];
+        self.xml.known(node, &names, subject);
+        // URDF's defaults: a bound that is not written is 0; no figure for speed or effort is
+        // refused by some readers and no limit for others: no limit here.
+        let (mut lower, mut upper) = (None, None);
+        if matches!(joint_type, JointType::Revolute | JointType::Prismatic) {
+            let mut bound = |name| match attribute(node, name) {
+                Some(_) => self.xml.figure(node, name, subject),
+                None => Some(0.0),
+            };
+            (lower, upper) = (bound("lower"), bound("upper"));
+        }
+        if joint_type.nv() > 1 {
+            self.no_bounds(node, subject);
+        }
+        let [velocity, effort] =
+            ["velocity", "effort"].map(|name| self.largest(node, name, subject));
+        if let (Some(lower), Some(upper)) = (lower, upper)
+            && lower > upper
+        {
+            let at = node.range().start;
+            let message = format!("the lower limit {lower} is above the upper limit {upper}");
+            let help = "exchange them; a bound that is not written is 0";
+            self.xml.report.add(
+                Severity::Warning,
+                Code::InvertedLimits,
+                at,
+                subject,
+                message,
+                help,
+            );
+        }
+        Some(Limits { lower, upper, velocity, effort })
+    }
+
+    /// A limit of a size; `None` where it is not written, and where it is negative, which is noted.
+    fn largest(
+        &mut self,
+        node: Node<'a, '_>,
+        name: &str,
+        subject: Option<&Subject>,
+    ) -> Option<f64> {
+        let value = self.xml.figure(node, name, subject)?;
+        if value < 0.0 {
+            let at = attribute(node, name).map_or(node.range().start, |text| text.at);
+            self.negative_limits.push((Some(at), subject.cloned()));
+            return None;
+        }
+        Some(value)
+    }
+
+    /// Warns of bounds of a joint that has several coordinates.
+    fn no_bounds(&mut self, limit: Node<'a, '_>, subject: Option<&Subject>) {
+        for bound in ["lower", "upper"].into_iter().filter_map(|name| limit.attribute_node(name)) {
+            let message = format!(
+                "the attribute `{}` of `<limit>` is not read: the joint has several coordinates",
+                bound.name()
+            );
+            let help = "remove it; such a joint has limits of velocity and effort alone";
+            let at = bound.range().start;
+            self.xml.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
+        }
+    }
+
+    fn mimic(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Option<MimicRecord> {
+        let node = self.xml.single(node, "mimic", subject)?;
+        let at = node.range().start;
+        if self.options.mimic == Mimic::Follow {
+            return self.followed(node, subject);
+        }
+        let leader = attribute(node, "joint").unwrap_or(Attribute { text: "", at });
+        if self.options.mimic == Mimic::Refuse {
+            let message = format!("it mimics joint `{}`, which is refused here", leader.text);
+            let help = "remove `<mimic>`, or set the option `mimic = follow`, or \
+                        `mimic = independent`: the joint is then moved by its own coordinate";
+            self.xml.report.error(Code::Mimic, at, subject, message, help);
+        }
+        Some(MimicRecord { leader: leader.located(), multiplier: 1.0, offset: 0.0 })
+    }
+
+    /// A `<mimic>` with all its figures.
+    fn followed(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Option<MimicRecord> {
+        self.xml.known(node, &["joint", "multiplier", "offset"], subject);
+        let multiplier = self.xml.figure(node, "multiplier", subject).unwrap_or(1.0);
+        let offset = self.xml.figure(node, "offset", subject).unwrap_or(0.0);
+        if let (Some(text), 0.0) = (attribute(node, "multiplier"), multiplier) {
+            let message = "the multiplier is 0, so the joint never moves";
+            let help = "write the ratio of the velocities, or make the joint `fixed`";
+            let code = Code::MimicMultiplier;
+            self.xml.report.add(Severity::Warning, code, text.at, subject, message, help);
+        }
+        let leader = self.xml.attribute(node, "joint", subject)?.located();
+        Some(MimicRecord { leader, multiplier, offset })
+    }
+
+    /// The drive, and where it stands.
+    fn drive(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> (JointDynamics, usize) {
+        let Some(node) = self.xml.single(node, "dynamics", subject) else {
+            return (JointDynamics::default(), node.range().start);
+        };
+        let names = ["damping", "friction", "armature", "rotor_inertia", "gear_ratio"];
+        self.xml.misspelt_attribute(node, &names, subject);
+        let [damping, friction, armature, rotor] =
+            ["damping", "friction", "armature", "rotor_inertia"]
+                .map(|name| self.resistance(node, name, subject));
+        let gear = self.xml.figure(node, "gear_ratio", subject).unwrap_or(1.0);
+        self.one_armature(node, subject);
+        let drive = JointDynamics { armature: armature + gear * gear * rotor, damping, friction };
+        (drive, node.range().start)
+    }
+
+    /// A figure of `<dynamics>` that is at least zero, and zero where it is not written.
+    fn resistance(&mut self, node: Node<'a, '_>, name: &str, subject: Option<&Subject>) -> f64 {
+        let value = self.xml.figure(node, name, subject).unwrap_or(0.0);
+        if let Some(text) = attribute(node, name)
+            && value < 0.0
+        {
+            let message = format!("the attribute `{name}` of `<dynamics>` is {value}");
+            let help = "write a figure of at least 0: it works against the motion";
+            self.xml.report.error(Code::NegativeDrive, text.at, subject, message, help);
+            return 0.0;
+        }
+        value
+    }
+
+    /// The rotor is given either as the joint feels it, or by itself with a gear.
+    fn one_armature(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) {
+        let armature = attribute(node, "armature");
+        let rotor = attribute(node, "rotor_inertia");
+        let gear = attribute(node, "gear_ratio");
+        if let Some(text) = armature.filter(|_| rotor.is_some() || gear.is_some()) {
+            let message =
+                "`armature` stands beside `rotor_inertia` or `gear_ratio`, which say the same";
+            let help = "leave one: armature = gear_ratio^2 * rotor_inertia";
+            self.xml.report.error(Code::RepeatedArmature, text.at, subject, message, help);
+        } else if let (Some(text), None) = (gear, rotor) {
+            let message =
+                "the attribute `gear_ratio` of `<dynamics>` is not read: there is no rotor";
+            let help = "write `rotor_inertia` as well: armature = gear_ratio^2 * rotor_inertia";
+            self.xml.report.add(Severity::Warning, Code::NotRead, text.at, subject, message, help);
+        }
+    }
+}
+
+/// A cosine above which two axes are taken for parallel, as [`modyn_runtime::model::Model`] does.
+const PARALLEL: f64 = 1.0 - 1e-6;

@@ -1,0 +1,57 @@
+//! A `<link>` as it is written.
+
+use modyn_runtime::model::Inertial;
+use roxmltree::Node;
+
+use super::reader::Reader;
+use crate::description::{InertialRecord, LinkRecord};
+use crate::diagnostics::Subject;
+
+impl<'a> Reader<'a, '_, '_, '_> {
+    pub fn link(&mut self, node: Node<'a, '_>) -> Option<LinkRecord> {
+        let name = self.xml.attribute(node, "name", None);
+        let subject = name.map(|name| Subject::Link(name.text.into()));
+        self.xml.misspelt(
+            node,
+            &["inertial", "visual", "collision"],
+            &["inertial"],
+            subject.as_ref(),
+        );
+        let inertial = self.xml.single(node, "inertial", subject.as_ref());
+        let inertial = inertial.map(|node| self.inertial(node, subject.as_ref()));
+        Some(LinkRecord { name: name?.located(), inertial, auxiliary: false })
+    }
+
+    fn inertial(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> InertialRecord {
+        let errors = self.xml.report.errors();
+        self.xml.misspelt(node, &["origin", "mass", "inertia"], &["origin"], subject);
+        let pose = self.origin(node, subject);
+        let (mut mass, mut mass_at) = (0.0, node.range().start);
+        if let Some(node) = self.xml.required(node, "mass", "value=\"1.5\"", subject) {
+            mass_at = node.range().start;
+            self.xml.known(node, &["value"], subject);
+            if let Some(value) = self.xml.attribute(node, "value", subject) {
+                mass_at = value.at;
+                [mass] = self.xml.numbers(value, subject).unwrap_or_default();
+            }
+        }
+        let mut inertia = [0.0; 6];
+        let names = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
+        let example = "ixx=\"0.1\" ixy=\"0\" ixz=\"0\" iyy=\"0.1\" iyz=\"0\" izz=\"0.1\"";
+        if let Some(node) = self.xml.required(node, "inertia", example, subject) {
+            self.xml.known(node, &names, subject);
+            for (name, entry) in names.into_iter().zip(&mut inertia) {
+                if let Some(text) = self.xml.attribute(node, name, subject) {
+                    [*entry] = self.xml.numbers(text, subject).unwrap_or_default();
+                }
+            }
+        }
+        let own = Inertial { mass, center_of_mass: [0.0; 3], inertia };
+        InertialRecord {
+            inertial: own.transformed(&pose),
+            at: node.range().start,
+            mass_at,
+            sound: self.xml.report.errors() == errors,
+        }
+    }
+}

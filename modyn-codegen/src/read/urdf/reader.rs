@@ -1,0 +1,43 @@
+//! The reader of a `<robot>`, and the poses that all of its parts have.
+
+use modyn_runtime::spatial::Pose;
+use roxmltree::Node;
+
+use crate::description::{ReadOptions, roll_pitch_yaw};
+use crate::diagnostics::{Code, Place, Subject};
+use crate::read::xml::element::{Elements, attribute};
+
+/// Reads elements: a `<link>` in `link`, a `<joint>` in `joint`, a `<loop_joint>` in `loops`.
+pub struct Reader<'a, 't, 'r, 'f> {
+    pub xml: Elements<'a, 't, 'r, 'f>,
+    pub options: &'r ReadOptions,
+    /// Where limits of effort or velocity are negative.
+    pub negative_limits: Vec<Place>,
+}
+
+impl<'a> Reader<'a, '_, '_, '_> {
+    /// The `<origin>` of this element; identity where there is none.
+    pub fn origin(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Pose<f64> {
+        let Some(node) = self.xml.single(node, "origin", subject) else {
+            return Pose::identity();
+        };
+        self.xml.known(node, &["xyz", "rpy", "quat_xyzw"], subject);
+        self.pose(node, subject)
+    }
+
+    /// The pose that this element's `xyz` and `rpy` say.
+    pub fn pose(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Pose<f64> {
+        if let Some(attribute) = node.attribute_node("quat_xyzw") {
+            let message = "`quat_xyzw` is not read, so the rotation would be lost";
+            let help = "write the rotation as `rpy=\"roll pitch yaw\"`";
+            self.xml.report.error(Code::NotRead, attribute.range().start, subject, message, help);
+        }
+        let mut three = |name| {
+            let text = attribute(node, name)?;
+            self.xml.numbers(text, subject)
+        };
+        let translation = three("xyz").unwrap_or_default();
+        let rotation = roll_pitch_yaw(three("rpy").unwrap_or_default());
+        Pose { rotation, translation }
+    }
+}

@@ -1,0 +1,82 @@
+//! The `<robot>` with all of its parts, in order.
+
+use modyn_runtime::joint::JointType;
+use roxmltree::Node;
+
+use super::reader::Reader;
+use crate::description::{Description, Kind, ReadOptions};
+use crate::diagnostics::{Code, Place, Report, Severity};
+use crate::read::xml::element::{Elements, is};
+
+/// Reads the parts of a `<robot>`.
+pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Description {
+    let at = robot.range().start;
+    let mut reader =
+        Reader { xml: Elements { root: robot, report }, options, negative_limits: Vec::new() };
+    let name = robot.attribute("name").unwrap_or("");
+    if name.trim().is_empty() {
+        let help = "write `<robot name=\"...\">`; it is called `robot` here, and its type `Robot` would \
+                    collide with `use modyn::Robot`, unless you name it: `modyn!(pub MyArm = \"...\")`";
+        reader.xml.report.add(
+            Severity::Warning,
+            Code::MissingAttribute,
+            at,
+            None,
+            "the robot has no name",
+            help,
+        );
+    }
+    let name = if name.trim().is_empty() { "robot" } else { name };
+    let (links, joints, loops) = (Vec::new(), Vec::new(), Vec::new());
+    let gravity = None;
+    let mut description = Description { name: name.into(), at, gravity, links, joints, loops };
+    for node in robot.children() {
+        if is(robot, node, "link") {
+            description.links.extend(reader.link(node));
+        } else if is(robot, node, "joint") {
+            description.joints.push(reader.joint(node));
+        } else if is(robot, node, "loop_joint") {
+            description.loops.push(reader.loop_joint(node));
+        }
+    }
+    reader.surprises(&description);
+    description
+}
+
+impl<'a> Reader<'a, '_, '_, '_> {
+    /// Warns, once a kind, of what is written and would silently mean something else.
+    fn surprises(&mut self, description: &Description) {
+        let (message, help) = (
+            "a limit of effort or velocity is negative, and is not read",
+            "write its size, or leave the attribute out if there is no limit",
+        );
+        self.xml.report.warn_once(Code::NegativeLimit, &self.negative_limits, message, help);
+        let unlimited: Vec<Place> = description
+            .joints
+            .iter()
+            .filter(|joint| {
+                let bounded = [JointType::Revolute, JointType::Prismatic].map(Kind::Moving);
+                bounded.contains(&joint.kind) && joint.limits.is_none() && joint.mimic.is_none()
+            })
+            .map(|joint| (Some(joint.name.at), Some(joint.subject())))
+            .collect();
+        let message = "it has no `<limit>`, so it moves without end here";
+        let help = "write `<limit lower=\"...\" upper=\"...\" effort=\"...\" velocity=\"...\"/>`, or make a \
+                    joint that turns without end `continuous`";
+        self.xml.report.warn_once(Code::MissingLimit, &unlimited, message, help);
+        let robot = self.xml.root;
+        let read = ["link", "joint", "loop_joint"];
+        let part = |node: &Node| read.iter().any(|name| is(robot, *node, name));
+        let inside = robot.children().filter(part).flat_map(|part| part.children());
+        let included: Vec<Place> = robot
+            .children()
+            .chain(inside)
+            .filter(|node| node.is_element() && node.tag_name().name() == "include")
+            .map(|node| (Some(node.range().start), None))
+            .collect();
+        let message =
+            "another file is included, which is not read: parts of the robot may be missing";
+        let help = "write what is in that file into this one";
+        self.xml.report.warn_once(Code::Include, &included, message, help);
+    }
+}

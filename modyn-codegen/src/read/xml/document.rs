@@ -1,0 +1,168 @@
+//! From a text to XML, tolerant of what robot files have all the same.
+
+use roxmltree::{Document, Error};
+
+use super::limits::{self, Tags};
+use crate::diagnostics::{Code, Diagnostic, Position, Report};
+
+/// The tidied text; `None` if there is more of it than any description has.
+pub fn bounded(text: &str, report: &mut Report<'_>) -> Option<String> {
+    if !limits::is_short(text.len(), report) {
+        return None;
+    }
+    let (text, tags) = tidied(text);
+    tags.are_few(report).then_some(text)
+}
+
+/// Blanks out what XML forbids but robot files have all the same, byte for byte, so that
+/// positions stay: comments (people draw lines of dashes in them), and whatever
+/// stands before the XML declaration. And counts what there is in tags.
+fn tidied(text: &str) -> (String, Tags<'_>) {
+    let mut bytes = text.as_bytes().to_vec();
+    let mut blank = |from: usize, to: usize| {
+        bytes[from..to].iter_mut().filter(|b| !b.is_ascii_whitespace()).for_each(|b| *b = b' ');
+    };
+    let after = |from: usize, end: &str| text[from..].find(end).map(|i| from + i + end.len());
+    let mut at = 0;
+    let mut nothing_yet = true;
+    let mut tags = Tags::default();
+    while let Some(start) = text[at..].find('<').map(|i| at + i) {
+        let rest = &text[start..];
+        let end = if rest.starts_with("<!--") {
+            let end = after(start + 4, "-->");
+            if let Some(end) = end {
+                blank(start, end);
+            }
+            end
+        } else if rest.starts_with("<?") {
+            let end = after(start, "?>");
+            // A declaration that does not open the file: the text is UTF-8 already.
+            if let Some(end) =
+                end.filter(|_| nothing_yet && start > 0 && rest.starts_with("<?xml "))
+            {
+                blank(start, end);
+            }
+            end
+        } else if rest.starts_with("<![CDATA[") {
+            after(start, "]]>")
+        } else {
+            nothing_yet = false;
+            let end = end_of_tag(text, start);
+            if let Some(end) = end {
+                tags.take(text, start..end);
+            }
+            end
+        };
+        // Unfinished: the XML parser says so better.
+        let Some(end) = end else { break };
+        at = end;
+    }
+    // Only whole comments and declarations were replaced, by ASCII.
+    (String::from_utf8(bytes).unwrap_or_else(|_| text.into()), tags)
+}
+
+/// Behind the `>` of the tag that starts here; attribute values may contain one.
+fn end_of_tag(text: &str, start: usize) -> Option<usize> {
+    let mut quote = None;
+    for (i, byte) in text.as_bytes().iter().enumerate().skip(start) {
+        match (quote, byte) {
+            (None, b'>') => return Some(i + 1),
+            (None, b'"' | b'\'') => quote = Some(*byte),
+            (Some(open), close) if open == *close => quote = None,
+            _ => {}
+        }
+    }
+    None
+}
+
+/// Parses the XML; `None` with an error in the report.
+pub fn parse<'t>(text: &'t str, report: &mut Report<'_>) -> Option<Document<'t>> {
+    let error = match Document::parse(text) {
+        Ok(document) => return Some(document),
+        Err(error) => error,
+    };
+    let at = error.pos();
+    let mut position = Position { line: at.row as usize, column: at.col as usize };
+    let (code, message, help) = match &error {
+        Error::DtdDetected => {
+            position = report.position(text.find("<!DOCTYPE").unwrap_or(0));
+            let message = "a document type declaration (DTD) can redefine what the file says";
+            (Code::Dtd, message.into(), "remove `<!DOCTYPE ...>` and write entities out")
+        }
+        Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
+            (Code::Xacro, "this is xacro, not yet a URDF".into(), XACRO_HELP)
+        }
+        Error::UnknownNamespace(prefix, _) => {
+            let message = format!("the namespace prefix `{prefix}` is not declared");
+            (
+                Code::MalformedXml,
+                message,
+                "declare it on `<robot>`, as in `xmlns:p=\"...\"`, or remove the element",
+            )
+        }
+        Error::UnexpectedEndOfStream | Error::UnclosedRootNode => {
+            position = report.position(text.trim_end().len());
+            let message = "the text ends before the element `<robot>` is closed";
+            (Code::MalformedXml, message.into(), "close every element and every quote")
+        }
+        Error::NoRootNode => (
+            Code::MalformedXml,
+            "there is no element in the text".into(),
+            "a URDF is one element `<robot>`",
+        ),
+        other => {
+            let message = other.to_string().replace(&format!(" at {at}"), "");
+            (Code::MalformedXml, message, "repair the XML; `xmllint FILE` shows where it breaks")
+        }
+    };
+    report.push(Diagnostic::error(code, message).at(position).with_help(help));
+    None
+}
+
+/// What to do about xacro, whose namespace XML may not even declare.
+pub const XACRO_HELP: &str =
+    "expand it first: `xacro robot.urdf.xacro -o robot.urdf` (ROS 2: `ros2 run xacro xacro ...`)";
+
+/// The name of the first element, found without parsing the text; `None` if there is no element.
+pub fn first_element(text: &str) -> Option<&str> {
+    let mut rest = text;
+    loop {
+        rest = &rest[rest.find('<')?..];
+        let end = match rest {
+            comment if comment.starts_with("<!--") => "-->",
+            instruction if instruction.starts_with("<?") => "?>",
+            declaration if declaration.starts_with("<!") => ">",
+            _ => break,
+        };
+        rest = &rest[rest.find(end)? + end.len()..];
+    }
+    let name = &rest[1..];
+    let end = name.find(|c: char| c.is_whitespace() || "/>".contains(c)).unwrap_or(name.len());
+    Some(&name[..end]).filter(|name| !name.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_element_is_found() {
+        let text =
+            "\u{feff}<?xml version='1.0'?>\n<!-- <robot> -->\n<!DOCTYPE a>\n<mujoco\nmodel='m'>";
+        assert_eq!(first_element(text), Some("mujoco"));
+        assert_eq!(first_element("<robot/>"), Some("robot"));
+        for text in ["", "robot", "<!-- <robot>", "<", "< robot>"] {
+            assert_eq!(first_element(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn blanking_moves_nothing() {
+        let text = "\n<!-- \u{e9} -- --><?xml version='1.0'?>\n<a b='<!-- > -->'><![CDATA[<!-- -->]]></a><!---->";
+        let (tidy, _) = tidied(text);
+        assert_eq!(tidy.len(), text.len());
+        assert_eq!(tidy.find("<a b='<!-- > -->'><![CDATA[<!-- -->]]></a>"), text.find("<a b="));
+        assert!(!tidy.contains("<?xml"));
+        assert_eq!(tidied("<?xml version='1.0'?><a/><!-- ").0, "<?xml version='1.0'?><a/><!-- ");
+    }
+}

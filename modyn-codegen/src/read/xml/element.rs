@@ -1,0 +1,193 @@
+//! Elements and attributes, read strictly: what is missing, repeated or misspelt is reported with its place.
+
+use roxmltree::Node;
+
+use super::numbers::numbers;
+use crate::description::Located;
+use crate::diagnostics::{Code, Report, Severity, Subject, suggest};
+
+/// The value of an attribute and where it stands.
+#[derive(Clone, Copy)]
+pub struct Attribute<'a> {
+    pub text: &'a str,
+    pub at: usize,
+}
+
+impl Attribute<'_> {
+    /// The same, owned.
+    pub fn located(self) -> Located {
+        Located { text: self.text.into(), at: self.at }
+    }
+}
+
+/// Reads the elements of a document and reports what is wrong with them.
+pub struct Elements<'a, 't, 'r, 'f> {
+    /// The outermost element, whose namespace all that is read has.
+    pub root: Node<'a, 't>,
+    pub report: &'r mut Report<'f>,
+}
+
+impl<'a> Elements<'a, '_, '_, '_> {
+    /// An attribute that must be there and not empty.
+    pub fn attribute(
+        &mut self,
+        node: Node<'a, '_>,
+        name: &str,
+        subject: Option<&Subject>,
+    ) -> Option<Attribute<'a>> {
+        let found = attribute(node, name);
+        if let Some(found) = found
+            && !found.text.trim().is_empty()
+        {
+            return Some(found);
+        }
+        let element = node.tag_name().name();
+        let state = if found.is_some() { "is empty" } else { "is missing" };
+        let message = format!("the attribute `{name}` of `<{element}>` {state}");
+        let at = found.map_or(node.range().start, |found| found.at);
+        let help = format!("write `<{element} {name}=\"...\">`");
+        self.report.error(Code::MissingAttribute, at, subject, message, help);
+        None
+    }
+
+    pub fn numbers<const N: usize>(
+        &mut self,
+        text: Attribute,
+        subject: Option<&Subject>,
+    ) -> Option<[f64; N]> {
+        match numbers(text.text) {
+            Ok(values) => Some(values),
+            Err(bad) => {
+                self.report.error(bad.code, text.at, subject, bad.message, bad.help);
+                None
+            }
+        }
+    }
+
+    /// A number that need not be there.
+    pub fn figure(
+        &mut self,
+        node: Node<'a, '_>,
+        name: &str,
+        subject: Option<&Subject>,
+    ) -> Option<f64> {
+        self.numbers::<1>(attribute(node, name)?, subject).map(|[value]| value)
+    }
+
+    /// The child elements of this name.
+    pub fn named<'t>(&self, node: Node<'a, 't>, name: &str) -> impl Iterator<Item = Node<'a, 't>> {
+        let root = self.root;
+        node.children().filter(move |child| is(root, *child, name))
+    }
+
+    /// The child element of this name; an error where there are several.
+    pub fn single<'t>(
+        &mut self,
+        node: Node<'a, 't>,
+        name: &str,
+        subject: Option<&Subject>,
+    ) -> Option<Node<'a, 't>> {
+        let [first, second] = {
+            let mut found = self.named(node, name);
+            [found.next(), found.next()]
+        };
+        if let (Some(first), Some(second)) = (first, second) {
+            let line = self.report.position(first.range().start).line;
+            let message = format!("a second `<{name}>`; the first is in line {line}");
+            let help = "leave one of them";
+            self.report.error(Code::RepeatedElement, second.range().start, subject, message, help);
+        }
+        first
+    }
+
+    /// The same; an error where there is none.
+    pub fn required<'t>(
+        &mut self,
+        node: Node<'a, 't>,
+        name: &str,
+        example: &str,
+        subject: Option<&Subject>,
+    ) -> Option<Node<'a, 't>> {
+        let found = self.single(node, name, subject);
+        if found.is_none() {
+            let message = format!("`<{}>` has no `<{name}>`", node.tag_name().name());
+            let help = format!("write `<{name} {example}/>`");
+            self.report.error(Code::MissingElement, node.range().start, subject, message, help);
+        }
+        found
+    }
+
+    /// Warns of attributes that are not read: a misspelt one would silently count as 0.
+    pub fn known(&mut self, node: Node<'a, '_>, names: &[&str], subject: Option<&Subject>) {
+        for attribute in node.attributes() {
+            if attribute.namespace().is_none() && !names.contains(&attribute.name()) {
+                let element = node.tag_name().name();
+                let message =
+                    format!("the attribute `{}` of `<{element}>` is not read", attribute.name());
+                let help = format!("`<{element}>` has: {}", names.join(", "));
+                let at = attribute.range().start;
+                self.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
+            }
+        }
+    }
+
+    /// Warns of attributes that look like one of these. (Others are extensions, which abound.)
+    pub fn misspelt_attribute(
+        &mut self,
+        node: Node<'a, '_>,
+        names: &[&str],
+        subject: Option<&Subject>,
+    ) {
+        for attribute in node.attributes() {
+            let name = attribute.name();
+            if attribute.namespace().is_none()
+                && !names.contains(&name)
+                && name.len() > 2
+                && let Some(meant) = suggest(name, names.iter().copied())
+            {
+                let element = node.tag_name().name();
+                let message = format!("the attribute `{name}` of `<{element}>` is not read");
+                let help = format!("did you mean `{meant}`?");
+                let at = attribute.range().start;
+                self.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
+            }
+        }
+    }
+
+    /// Warns of elements that look like one that is optional: it would silently be missing.
+    /// (Others are extensions, which abound.)
+    pub fn misspelt(
+        &mut self,
+        node: Node<'a, '_>,
+        known: &[&str],
+        optional: &[&str],
+        subject: Option<&Subject>,
+    ) {
+        for child in node.children().filter(Node::is_element) {
+            let name = child.tag_name().name();
+            let own = child.tag_name().namespace() == self.root.tag_name().namespace();
+            if own
+                && !known.contains(&name)
+                && let Some(meant) = suggest(name, optional.iter().copied())
+            {
+                let message = format!("the element `<{name}>` is not read");
+                let help = format!("did you mean `<{meant}>`?");
+                let at = child.range().start;
+                self.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
+            }
+        }
+    }
+}
+
+/// An attribute, if it is there.
+pub fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Option<Attribute<'a>> {
+    let attribute = node.attribute_node(name)?;
+    Some(Attribute { text: attribute.value(), at: attribute.range().start })
+}
+
+/// Whether `node` is the element of this name in the namespace of `root`: elements of other namespaces are extensions.
+pub fn is(root: Node, node: Node, name: &str) -> bool {
+    node.is_element()
+        && node.tag_name().name() == name
+        && node.tag_name().namespace() == root.tag_name().namespace()
+}

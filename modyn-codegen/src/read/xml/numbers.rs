@@ -1,0 +1,108 @@
+//! Strict numbers.
+//!
+//! `f64::from_str` takes `nan` and `inf` and turns `1e400` into infinity; urdf-rs skips what is
+//! no number in a list. Here a list has exactly as many numbers as it must, and all are finite.
+
+use crate::diagnostics::Code;
+
+/// Why a text is not a list of `N` finite numbers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BadNumbers {
+    pub code: Code,
+    pub message: String,
+    pub help: String,
+}
+
+/// Exactly `N` finite numbers, apart by white space.
+pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], BadNumbers> {
+    let mut values = [0.0; N];
+    let mut count = 0;
+    for word in text.split_ascii_whitespace() {
+        let value = number(word)?;
+        if let Some(place) = values.get_mut(count) {
+            *place = value;
+        }
+        count += 1;
+    }
+    if count == N {
+        return Ok(values);
+    }
+    let (s, are) = if N == 1 { ("", "is") } else { ("s", "are") };
+    let found = if count == 0 { "none".into() } else { count.to_string() };
+    let help =
+        format!("write exactly {N} number{s}{}", if N == 1 { "" } else { ", apart by spaces" });
+    let message = format!(
+        "{N} number{s} {are} needed, but there {} {found} in \"{}\"",
+        if count == 1 { "is" } else { "are" },
+        shortened(text)
+    );
+    Err(BadNumbers { code: Code::NumberCount, message, help })
+}
+
+/// One decimal number: an optional sign, digits with an optional point, an optional exponent.
+fn number(word: &str) -> Result<f64, BadNumbers> {
+    let name = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
+    let infinite = |message| BadNumbers {
+        code: Code::NotFinite,
+        message,
+        help: "write a finite number".into(),
+    };
+    if matches!(name.as_str(), "nan" | "inf" | "infinity") {
+        return Err(infinite(format!("`{}` is not finite", shortened(word))));
+    }
+    let decimal = word.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
+    match word.parse::<f64>() {
+        Ok(value) if decimal && value.is_finite() => Ok(value),
+        Ok(_) if decimal => {
+            Err(infinite(format!("`{}` is too large for a 64-bit number", shortened(word))))
+        }
+        _ => Err(BadNumbers {
+            code: Code::BadNumber,
+            message: format!("`{}` is not a number", shortened(word)),
+            help: if word.contains(',') {
+                "write a point before decimals, and spaces (no commas) between numbers".into()
+            } else {
+                "write a decimal number such as `0.25` or `2.5e-1`".into()
+            },
+        }),
+    }
+}
+
+/// At most 60 characters of a text, for a message.
+fn shortened(text: &str) -> String {
+    match text.char_indices().nth(60) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn code<const N: usize>(text: &str) -> Result<[f64; N], Code> {
+        numbers(text).map_err(|bad| bad.code)
+    }
+
+    #[test]
+    fn however_it_is_written() {
+        assert_eq!(code("\t1\r\n  +2.5   -3e-2 "), Ok([1.0, 2.5, -0.03]));
+        assert_eq!(code(".5 5. 1E3"), Ok([0.5, 5.0, 1000.0]));
+        assert_eq!(code("-0"), Ok([0.0]));
+    }
+
+    #[test]
+    fn what_is_not_a_finite_number_is_refused() {
+        for text in ["nan", "NaN", "-inf", "+Infinity", "1e400", "-1e999"] {
+            assert_eq!(code::<1>(text), Err(Code::NotFinite), "{text}");
+        }
+        for text in ["0x10", "1,5", "one", "1.2.3", "e5", ".", "+", "1e", "--1", "1_000", "\u{661}"]
+        {
+            assert_eq!(code::<1>(text), Err(Code::BadNumber), "{text}");
+        }
+        for text in ["", "1 2", "1 2 3 4", " "] {
+            assert_eq!(code::<3>(text), Err(Code::NumberCount), "{text}");
+        }
+        assert_eq!(code::<3>("0 foo 0 1"), Err(Code::BadNumber));
+    }
+}

@@ -1,0 +1,300 @@
+//! Generated C: it compiles without a warning, and computes what generated Rust does, bit for bit.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use modyn_codegen::Base;
+use modyn_codegen::{Builder, FloatType, Function};
+
+fn robot(name: &str) -> Builder {
+    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/golden");
+    let file = [robots, golden].map(|folder| folder.join(format!("{name}.urdf")));
+    Builder::new().urdf(file.iter().find(|file| file.exists()).expect("a robot"))
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c_source").join(name);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+/// Runs a command, and returns its output.
+fn run(command: &mut Command) -> String {
+    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let (out, errors) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success(), "{command:?}\n{out}\n{errors}");
+    assert_eq!(errors, "", "{command:?}");
+    out
+}
+
+const STRICT: [&str; 6] =
+    ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off"];
+
+/// The compilers that are here; gcc must be.
+fn compilers() -> Vec<&'static str> {
+    let runs = |name: &&&str| Command::new(name).arg("--version").output().is_ok();
+    let found: Vec<&str> = ["gcc", "clang"].iter().filter(runs).copied().collect();
+    assert!(found.contains(&"gcc"), "gcc is needed (Debian: gcc)");
+    found
+}
+
+/// Writes `builder`'s C to a folder, and compiles it with each compiler; returns the folder and the header.
+fn compiled(name: &str, builder: &Builder) -> (PathBuf, String) {
+    let (found, _) = builder.clone().type_name("Ours").generate_c().expect("good");
+    let folder = folder(name);
+    assert_eq!(found.prefix, "ours");
+    std::fs::write(folder.join("ours.h"), &found.header).expect("writes");
+    std::fs::write(folder.join("ours.c"), &found.source).expect("writes");
+    for foreign in ["malloc", "stdlib", "string.h", "stdint.h"] {
+        assert!(!found.source.contains(foreign), "{foreign}");
+    }
+    for compiler in compilers() {
+        let mut command = Command::new(compiler);
+        run(command
+            .args(STRICT)
+            .args(["-O1", "-c", "ours.c", "-o", "ours.o"])
+            .current_dir(&folder));
+    }
+    (folder, found.header)
+}
+
+/// The functions of the header that Rust exports, too: their names, the lengths of their arguments and results, and
+/// whether they take a link.
+fn functions(header: &str) -> Vec<(String, Vec<usize>, bool)> {
+    let mut functions = Vec::new();
+    for line in header.lines().filter(|line| line.ends_with(");")) {
+        let (head, arguments) = line.split_once('(').expect("a declaration");
+        let name = head.split(' ').next_back().expect("a name").trim_start_matches("ours_");
+        // Rust has no functions for C of these.
+        if name.starts_with("brge") || name == "random" || name.ends_with("_with") {
+            continue;
+        }
+        let lengths = arguments.split('[').skip(1).map(|size| size.split(']').next().expect("]"));
+        let lengths = lengths.map(|size| size.parse().expect("a size")).collect();
+        functions.push((name.into(), lengths, head.starts_with("int")));
+    }
+    functions
+}
+
+/// A program that calls the functions of both with the same numbers, in general position and far from zero, and counts
+/// the results that differ.
+fn harness(functions: &[(String, Vec<usize>, bool)], real: &str) -> String {
+    let mut text = format!(
+        "#include <math.h>\n#include <stddef.h>\n#include <stdio.h>\n#include <string.h>\n#include \"ours.h\"\n\
+         typedef {real} real;\n\
+         static unsigned long long state = 1;\n\
+         static real number(int round) {{\n\
+         state = state * 6364136223846793005ULL + 1442695040888963407ULL;\n\
+         real x = (real)(state >> 33) / (real)2147483648.0 * (real)4.0 - (real)2.0;\n\
+         return round % 4 == 3 ? x * (real)1e7 : x;\n}}\n\
+         static int same(const real *a, const real *b, int n) {{\n\
+         int i;\nfor (i = 0; i < n; ++i) {{\n\
+         if (memcmp(a + i, b + i, sizeof *a) != 0 && !(a[i] != a[i] && b[i] != b[i])) {{ return 0; }}\n}}\nreturn 1;\n}}\n"
+    );
+    let mut main = String::new();
+    for (name, lengths, by_link) in functions {
+        let (arguments, result) = lengths.split_at(lengths.len() - 1);
+        let (result, scalar) = (result[0], SCALARS.contains(&name.as_str()));
+        let declared: Vec<String> =
+            (0..arguments.len()).map(|i| format!("const real *a{i}")).collect();
+        let declared = declared.join(", ");
+        let named: Vec<String> = (0..arguments.len()).map(|i| format!("a{i}")).collect();
+        let named = named.join(", ");
+        let prototype = match (scalar, by_link) {
+            (true, _) => format!("real theirs_{name}({declared});"),
+            (false, true) => format!("_Bool theirs_{name}({declared}, size_t link, real *out);"),
+            (false, false) => format!("void theirs_{name}({declared}, real *out);"),
+        };
+        let _ = writeln!(text, "{prototype}");
+        let _ = writeln!(main, "for (round = 0; round < 12; ++round) {{");
+        for (i, length) in arguments.iter().enumerate() {
+            let _ = writeln!(
+                main,
+                "real a{i}[{length}];\nfor (i = 0; i < {length}; ++i) {{ a{i}[i] = number(round); }}"
+            );
+        }
+        let _ = writeln!(main, "real x[{result}];\nreal y[{result}];");
+        let (ours, theirs) = (format!("ours_{name}({named}"), format!("theirs_{name}({named}"));
+        let _ = match (scalar, by_link) {
+            (true, _) => writeln!(main, "{ours}, x);\ny[0] = {theirs});"),
+            (false, true) => writeln!(
+                main,
+                "if ({ours}, OURS_LINKS, x) != 0) {{ printf(\"no such link\"); return 1; }}\n\
+                 unsigned int link = (unsigned int)round % OURS_LINKS;\n\
+                 if ({ours}, link, x) != 1 || !{theirs}, link, y)) {{ printf(\"link\"); return 1; }}"
+            ),
+            (false, false) => writeln!(main, "{ours}, x);\n{theirs}, y);"),
+        };
+        let _ = writeln!(
+            main,
+            "for (i = 0; i < {result}; ++i) {{ moved += x[i] != 0; }}\n\
+             if (!same(x, y, {result})) {{ printf(\"{name} differs\\n\"); }}\n}}"
+        );
+    }
+    text + &format!(
+        "int main(void) {{\nint i;\nint round;\nint moved = 0;\n{main}\
+         printf(\"%s\\n\", moved > 100 ? \"done\" : \"nothing moved\");\nreturn 0;\n}}\n"
+    )
+}
+
+/// Functions of which Rust returns the number.
+const SCALARS: [&str; 2] = ["kinetic_energy", "potential_energy"];
+
+/// Compares the C with self-contained Rust.
+fn compare(name: &str, builder: &Builder, float: FloatType) {
+    let builder = builder.clone().float(float);
+    let (folder, header) = compiled(name, &builder);
+    let rust = builder.type_name("Theirs").self_contained().c_functions("theirs");
+    rust.write(folder.join("theirs.rs")).expect("good");
+    let rustc = std::env::var_os("RUSTC").unwrap_or("rustc".into());
+    let arguments = ["--edition=2024", "--crate-type=staticlib", "--crate-name=theirs"];
+    let mut command = Command::new(rustc);
+    command.args(arguments).args(["-C", "opt-level=0", "-C", "panic=abort", "--cap-lints=allow"]);
+    command.arg("theirs.rs").current_dir(&folder);
+    run(&mut command);
+    let functions = functions(&header);
+    assert!(functions.len() > 20, "{functions:?}");
+    let real = if float == FloatType::F64 { "double" } else { "float" };
+    std::fs::write(folder.join("main.c"), harness(&functions, real)).expect("writes");
+    for compiler in compilers() {
+        let mut command = Command::new(compiler);
+        command.args(["-std=c99", "-O2", "-ffp-contract=off", "main.c", "ours.c", "-o", "main"]);
+        run(command.args(["-L.", "-ltheirs", "-lpthread", "-ldl", "-lm"]).current_dir(&folder));
+        assert_eq!(run(&mut Command::new(folder.join("main"))), "done\n", "{name}, {compiler}");
+    }
+}
+
+fn all(builder: Builder) -> Builder {
+    builder.functions(Function::ALL.iter().copied())
+}
+
+#[test]
+fn an_arm_computes_what_rust_does() {
+    compare("ur5_f64", &all(robot("ur5")), FloatType::F64);
+    compare("ur5_f32", &all(robot("ur5")), FloatType::F32);
+}
+
+#[test]
+fn all_joint_types_compute_what_rust_does() {
+    compare("zoo_f64", &all(robot("joint_zoo")), FloatType::F64);
+    compare("zoo_f32", &all(robot("joint_zoo")), FloatType::F32);
+}
+
+#[test]
+fn loops_and_floating_bases_compute_what_rust_does() {
+    compare("five_bar", &all(robot("five_bar")), FloatType::F64);
+    let floating = robot("quadruped").functions(LIMBS).base(Base::Floating);
+    compare("floating", &floating, FloatType::F64);
+}
+
+#[test]
+fn shared_limbs_compute_what_rust_does() {
+    compare("quadruped", &robot("quadruped").share().functions(LIMBS), FloatType::F64);
+}
+
+/// Links beyond the eighth of a body share a function and have a row of a table each.
+#[test]
+fn many_links_of_one_body_compute_what_rust_does() {
+    let mut text = String::from("<robot name='comb'><link name='b0'/>");
+    for body in 0..3 {
+        for i in 0..[11, 0, 10][body] {
+            let x = 0.1 * i as f64 + 0.3 * body as f64;
+            let _ = write!(
+                text,
+                "<link name='f{body}_{i}'/><joint name='fix{body}_{i}' type='fixed'><parent link='b{body}'/>\
+                 <child link='f{body}_{i}'/><origin xyz='{x} {} {}' rpy='{} {x} {}'/></joint>",
+                0.2 - x,
+                0.5 * x,
+                0.7 - x,
+                1.1 * x,
+            );
+        }
+        if body < 2 {
+            let _ = write!(
+                text,
+                "<joint name='j{body}' type='continuous'><parent link='b{body}'/><child link='b{}'/>\
+                 <origin xyz='0.1 -0.2 0.3' rpy='0.4 0.5 -0.9'/><axis xyz='0.6 0.48 0.64'/></joint>\
+                 <link name='b{}'><inertial><origin xyz='0.1 0.02 -0.03'/><mass value='1.5'/>\
+                 <inertia ixx='0.3' iyy='0.4' izz='0.5' ixy='0.01' ixz='0.02' iyz='-0.03'/></inertial></link>",
+                body + 1,
+                body + 1,
+            );
+        }
+    }
+    let builder = Builder::new().urdf_text(text + "</robot>", "comb.urdf").functions(LIMBS);
+    let source = builder.generate_c().expect("good").0.source;
+    assert!(source.contains("static const double comb_placements[7][12]"));
+    for function in ["link_pose_on_1(", "jacobian_on_0(", "link_poses_placed("] {
+        assert!(source.contains(&format!("static void comb_{function}")), "{function}");
+    }
+    compare("comb_f64", &builder, FloatType::F64);
+    compare("comb_f32", &builder, FloatType::F32);
+}
+
+/// Functions of limbs, and cheap ones.
+const LIMBS: [Function; 21] = [
+    Function::ForwardDynamics,
+    Function::InverseDynamics,
+    Function::BiasForces,
+    Function::GravityTorques,
+    Function::MassMatrix,
+    Function::KineticEnergy,
+    Function::PotentialEnergy,
+    Function::CenterOfMass,
+    Function::CenterOfMassJacobian,
+    Function::CentroidalMomentum,
+    Function::CentroidalMomentumMatrix,
+    Function::LinkPoses,
+    Function::LinkPose,
+    Function::LinkVelocity,
+    Function::Jacobian,
+    Function::JacobianRate,
+    Function::LocalJacobian,
+    Function::Integrate,
+    Function::Difference,
+    Function::CoordinateRates,
+    Function::Normalize,
+];
+
+#[test]
+fn run_time_parameters_compile_and_have_their_defaults() {
+    let builder = robot("gripper").runtime_gravity();
+    let links = builder.generate().expect("good").model.links().to_vec();
+    let [replaced, loaded] = [1, 2].map(|link: usize| links[link].name.clone());
+    let builder = builder.runtime_inertia([replaced]).payload([loaded]);
+    let (folder, header) = compiled("parameters", &builder);
+    assert!(header.contains("extern const double ours_default_parameters[23];"));
+    assert!(header.contains(
+        "void ours_gravity_torques_with(const double q[4], const double params[23], double out[4]);"
+    ));
+    // Gravity, the inertia as the description has it, and no load.
+    let source = std::fs::read_to_string(folder.join("ours.c")).expect("the source");
+    let (_, defaults) = source.split_once("ours_default_parameters[23] = { ").expect("defaults");
+    let defaults = defaults.split_once(" };").expect("an end").0.split(", ");
+    let defaults: Vec<f64> = defaults.map(|x| x.parse().expect("a number")).collect();
+    let own = builder.generate().expect("good").model;
+    let own = own.frames().iter().find(|frame| frame.link == Some(1)).expect("a link").inertial;
+    assert_eq!(defaults[..3], [0.0, 0.0, -9.81]);
+    assert_eq!(defaults[3], own.mass);
+    assert_eq!(defaults[4..7], own.center_of_mass);
+    assert_eq!(defaults[7..13], own.inertia);
+    assert_eq!(defaults[13..], [0.0; 10]);
+    assert!(header.contains("void ours_gravity_torques(const double q[4], double out[4]);"));
+    assert!(header.contains("void ours_brge_solve(const double factors["));
+}
+
+/// Names of a description become part of identifiers alone.
+#[test]
+fn names_cannot_break_out() {
+    let text = r#"<robot name="a */ #error b"><link name="w */ x"/>
+        <joint name="j" type="continuous"><parent link="w */ x"/><child link="int"/></joint>
+        <link name="int"><inertial><mass value="1"/>
+        <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
+    let builder = Builder::new().urdf_text(text, "a.urdf");
+    let (_, header) = compiled("names", &builder);
+    assert!(header.contains("OURS_LINK_W_X = 0,\n    OURS_LINK_INT = 1"), "{header}");
+    assert_eq!(builder.generate_c().expect("good").0.prefix, "aerror_b");
+}

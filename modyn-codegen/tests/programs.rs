@@ -1,0 +1,160 @@
+//! Programs compute what their graphs do, and a broken program is found before it is printed.
+
+use modyn_codegen::graph::{Expr, Graph};
+use modyn_codegen::passes::{balance, optimize};
+use modyn_codegen::program::{Operation, Program, Source, Target};
+use modyn_codegen::trace::{LimbPacking, Tracer};
+use modyn_codegen::{ReadOptions, read};
+use modyn_runtime::Scalar;
+use modyn_runtime::equations::ModulePartition;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
+use modyn_runtime::model::{Model, ModuleTree};
+
+fn robot(name: &str) -> Model {
+    let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).expect("a robot");
+    read(&text, name, &ReadOptions::default()).expect("good").model
+}
+
+fn inputs(count: usize) -> Vec<f64> {
+    (0..count).map(|i| libm::sin(1.7 * i as f64 + 0.3) * 1.4).collect()
+}
+
+/// The same bits, whatever the target: no product is fused in this build's numbers.
+fn same(graph: &Graph, program: &Program) {
+    assert_eq!(program.validate(), Ok(()));
+    let inputs = inputs(program.arguments);
+    let (expected, found) = (graph.evaluate(&inputs), program.evaluate(&inputs));
+    assert!(expected.iter().any(|x| *x != 0.0) && expected.iter().all(|x| x.is_finite()));
+    for (expected, found) in expected.iter().zip(&found) {
+        // An instruction for fused products rounds once.
+        let fused = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
+        let tolerance = if fused { 1e-9 * (1.0 + expected.abs()) } else { 0.0 };
+        assert!((expected - found).abs() <= tolerance, "{expected} {found}");
+    }
+    assert_eq!(found.len(), expected.len());
+}
+
+/// Derivatives, which are cut into chunks, and forward dynamics.
+#[test]
+fn programs_on_scalars_compute_what_graphs_do() {
+    let mut cut = 0;
+    for name in ["arm6", "arm7", "joint_zoo", "quadruped"] {
+        let model = robot(name);
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
+        let graph = optimize(tracer.forward_dynamics_derivatives(&layout));
+        for target in [Target::Scalar, Target::Batch] {
+            let program = Program::new(&graph, model.nq() + 2 * model.nv(), target);
+            cut += usize::from(program.chunks.len() > 1);
+            assert_eq!(program.operations_per_call(), graph.count(), "{name}");
+            same(&graph, &program);
+        }
+        let graph = balance(&optimize(tracer.inverse_dynamics()));
+        same(&graph, &Program::new(&graph, model.nq() + 2 * model.nv(), Target::Scalar));
+    }
+    assert!(cut >= 4, "{cut} programs were cut");
+}
+
+#[test]
+fn packed_and_repeated_programs_compute_what_graphs_do() {
+    for name in ["quadruped", "humanoid"] {
+        let model = robot(name);
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
+        let partition = ModulePartition::new(&mechanism, &ModuleTree::links(&model));
+        for limbs in LimbPacking::candidates(&mechanism, true) {
+            let elimination = Elimination::Recursive(limbs.partition(&partition));
+            let graph = optimize(tracer.packed(&limbs).forward_dynamics(&elimination));
+            let count = model.nq() + 2 * model.nv();
+            let simd = Program::new(&graph, count, Target::Simd);
+            assert!(simd.widths().len() > 1, "{name}");
+            same(&graph, &simd);
+            let repeated = Program::repeated(&graph, count);
+            let calls =
+                |s: &modyn_codegen::program::Statement| matches!(s.operation, Operation::Call(_));
+            assert!(repeated.statements.iter().all(calls), "{name}");
+            assert!(repeated.routines.iter().any(|routine| routine.tables.len() > 1), "{name}");
+            let (each, all) = (repeated.static_operations(), repeated.operations_per_call());
+            assert!(each.total() < all.total(), "{name}");
+            same(&graph, &repeated);
+        }
+    }
+}
+
+/// Each kind of operation that a robot's equations may or may not have.
+#[test]
+fn every_operation_is_lowered() {
+    let graph = Graph::trace(|| {
+        let x: Vec<Expr> = (0..6).map(Expr::input).collect();
+        let (s, c) = x[0].sin_cos();
+        let (late, _) = (s * x[1]).sin_cos();
+        let packed = Expr::pack(&[x[1], -x[2], x[3] * x[4], Expr::from_f64(0.5)]);
+        let lanes = packed * x[5] - packed * packed;
+        vec![
+            x[1] * x[2] - x[3] * x[4],
+            -(x[1] * x[2]) - x[3],
+            late.atan2(c),
+            (x[0] * x[0] + x[1] * x[1]).sqrt().ln(),
+            (-x[3]).abs().max(x[2]),
+            x[1].select_nonnegative(-x[2], x[3]),
+            lanes.extract_lane(1) + lanes.extract_lane(3).recip(),
+            Expr::from_f64(2.5),
+            x[4],
+            -x[5],
+        ]
+    });
+    same(&graph, &Program::new(&graph, 6, Target::Simd));
+}
+
+#[test]
+fn broken_programs_are_found() {
+    let model = robot("arm7");
+    let mechanism = Mechanism::new(&model);
+    let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
+    let graph = optimize(Tracer::new(&mechanism).forward_dynamics_derivatives(&layout));
+    let good = Program::new(&graph, model.nq() + 2 * model.nv(), Target::Scalar);
+    let broken = |change: fn(&mut Program)| {
+        let mut program = good.clone();
+        change(&mut program);
+        program.validate().expect_err("broken").rule
+    };
+    let last = |p: &mut Program| p.statements.len() - 1;
+    assert_eq!(good.validate(), Ok(()));
+    let order = broken(|p| p.statements.reverse());
+    assert!(
+        ["a value is computed before it is read", "a result that is read is used"].contains(&order)
+    );
+    assert_eq!(broken(|p| p.arguments = 1), "arguments are counted");
+    assert_eq!(broken(|p| p.results[0].source = Source::Argument(999)), "arguments are counted");
+    assert_eq!(broken(|p| p.results[0].lanes = 4), "results are scalars");
+    assert_eq!(broken(|p| p.first_stores.push(0)), "each result is stored once");
+    assert_eq!(
+        broken(|p| p.chunks[0].live_out.clear()),
+        "a value that crosses a cut is named there"
+    );
+    assert_eq!(
+        broken(|p| p.chunks[1].live_in.clear()),
+        "a value that crosses a cut is named there"
+    );
+    assert_eq!(
+        broken(|p| p.chunks[0].statements.end -= 1),
+        "chunks are all statements in their order"
+    );
+    assert_eq!(
+        broken(|p| p.chunks[0].scopes.truncate(1)),
+        "scopes are all statements of their chunk"
+    );
+    let lanes = broken(|p| p.statements[0].lanes = 4);
+    assert_eq!(lanes, "operands have the lanes of the operation");
+    let mut unused = good.clone();
+    let end = last(&mut unused);
+    unused.statements[end].used.clear();
+    let rule = unused.validate().expect_err("broken").rule;
+    assert_eq!(rule, "a statement knows which of its results are used, and one is");
+    let early = broken(|p| p.statements[0].last_use = 0);
+    assert_eq!(early, "no statement reads a value after its last use");
+}

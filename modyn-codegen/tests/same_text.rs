@@ -1,0 +1,123 @@
+//! The generated code of many robots is frozen: `same_text.hashes` has a hash for each robot and set of options.
+//!
+//! A change that is not meant to change generated code leaves the file alone. One that is meant to writes it anew:
+//!
+//! ```console
+//! UPDATE_SNAPSHOTS=1 cargo test --release -p modyn-codegen --test same_text
+//! ```
+//!
+//! With `MODYN_TEXTS=folder` the texts are written there, to be compared with those of another commit. Comments and
+//! the part of the runtime that self-contained files carry are not part of the hash. A build with debug assertions
+//! looks at the smaller robots alone.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use modyn_codegen::Base;
+use modyn_codegen::{Builder, FloatType, Function, Generated};
+
+/// Robots that take an unoptimised build too long.
+const LARGE: &[&str] = &["g1", "humanoid", "solo12", "quadruped", "biped"];
+
+/// Sets of options, by name.
+type Options = (&'static str, fn(Builder) -> Builder);
+
+const OPTIONS: &[Options] = &[
+    ("default", |b| b),
+    ("all", all),
+    ("all f32", |b| all(b).float(FloatType::F32)),
+    ("all floating", |b| all(b).base(Base::Floating)),
+    ("all share", |b| all(b).share()),
+    ("all floating share f32", |b| all(b).base(Base::Floating).share().float(FloatType::F32)),
+    ("all self_contained", |b| all(b).self_contained()),
+    ("all self_contained share f32", |b| all(b).self_contained().share().float(FloatType::F32)),
+    ("all gravity c", |b| all(b).runtime_gravity().c_functions("robot")),
+    ("all parameters", |b| with_inertia(all(b).runtime_gravity())),
+    ("floating self_contained parameters c", |b| {
+        with_inertia(b.base(Base::Floating).self_contained()).c_functions("robot")
+    }),
+];
+
+fn all(builder: Builder) -> Builder {
+    builder.functions(Function::ALL.iter().copied())
+}
+
+/// The inertia of the last link that moves is an argument, and a payload of the first one.
+fn with_inertia(builder: Builder) -> Builder {
+    let only = builder.clone().functions([Function::PotentialEnergy]).generate();
+    let model = only.ok().map(|only| only.model);
+    let links = model.as_ref().map_or(&[][..], |model| model.links());
+    let name = |link: Option<&modyn_runtime::model::Link>| link.map(|link| link.name.clone());
+    builder.runtime_inertia(name(links.last())).payload(name(links.first()))
+}
+
+/// The robots, by name.
+fn robots() -> BTreeMap<String, PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let folders = ["robots", "tests/golden"].map(|folder| root.join(folder));
+    let files = folders.iter().flat_map(|folder| std::fs::read_dir(folder).expect("a folder"));
+    let files = files.map(|file| file.expect("a file").path());
+    let robots = files.filter(|file| file.extension().is_some_and(|end| end == "urdf"));
+    robots.map(|file| (file.file_stem().expect("a name").to_string_lossy().into(), file)).collect()
+}
+
+/// Generated items without comments and without the runtime.
+fn code(generated: &Generated) -> String {
+    let own = generated.text.split("\npub mod runtime {").next().unwrap_or_default();
+    let lines = own.lines().filter(|line| !line.trim_start().starts_with("//"));
+    let mut code = lines.fold(String::new(), |text, line| text + line + "\n");
+    for (name, count) in &generated.static_operations {
+        let _ = writeln!(code, "{name} {}", count.total());
+    }
+    code
+}
+
+/// FNV-1a, 64 bits.
+fn hash(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}
+
+#[test]
+fn generated_code_is_the_same() {
+    let update = std::env::var_os("UPDATE_SNAPSHOTS").is_some();
+    let texts = std::env::var_os("MODYN_TEXTS").map(PathBuf::from);
+    let small = cfg!(debug_assertions) && !update;
+    let mut found = BTreeMap::new();
+    for (robot, file) in robots() {
+        if small && LARGE.contains(&robot.as_str()) {
+            continue;
+        }
+        for (options, with) in OPTIONS {
+            let builder = with(Builder::new().urdf(&file));
+            // A robot that cannot float stays refused.
+            let code = builder
+                .generate()
+                .map_or_else(|e| e.to_string().replace(&*file.to_string_lossy(), ""), |g| code(&g));
+            let name = format!("{robot}, {options}");
+            if let Some(folder) = &texts {
+                std::fs::write(folder.join(format!("{name}.rs")), &code).expect("a folder");
+            }
+            found.insert(name, format!("{:016x}", hash(&code)));
+        }
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/same_text.hashes");
+    if update {
+        let lines: Vec<String> =
+            found.iter().map(|(name, hash)| format!("{hash} {name}\n")).collect();
+        std::fs::write(&path, lines.concat()).expect("writes");
+    }
+    let kept = std::fs::read_to_string(&path).expect("the hashes");
+    let kept: BTreeMap<&str, &str> = kept
+        .lines()
+        .filter_map(|line| line.split_once(' '))
+        .map(|(hash, name)| (name, hash))
+        .collect();
+    let changed =
+        |(name, hash): &(&String, &String)| kept.get(name.as_str()) != Some(&hash.as_str());
+    let changed: Vec<&String> = found.iter().filter(changed).map(|(name, _)| name).collect();
+    assert!(changed.is_empty(), "generated code has changed: {changed:#?}");
+    assert!(found.len() >= 100, "{} texts were compared", found.len());
+}

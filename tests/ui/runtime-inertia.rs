@@ -1,0 +1,3 @@
+modyn::modyn!("good.urdf", runtime_inertia = ["base", "hands", "arm", "arm"]);
+
+fn main() {}
