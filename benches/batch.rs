@@ -12,7 +12,7 @@ use std::array::from_fn;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use modyn::batch::{Level, force_level};
+use modyn::batch::{SimdLevel, force_level};
 use modyn::{ForwardDynamicsDerivatives, InverseDynamicsDerivatives, Robot};
 use plain::{Plain, plain};
 
@@ -67,7 +67,7 @@ fn matrix<'a, T, const N: usize>(
 
 /// What is measured: this long in each of the rounds, or once for a test.
 struct Bench {
-    levels: Vec<Level>,
+    levels: Vec<SimdLevel>,
     round: Duration,
 }
 
@@ -75,8 +75,14 @@ const ROUNDS: usize = 3;
 
 impl Bench {
     fn new() -> Self {
-        let all = [Level::Single, Level::Sse2, Level::Avx2, Level::Avx512, Level::Neon];
-        let levels: Vec<Level> =
+        let all = [
+            SimdLevel::Single,
+            SimdLevel::Sse2,
+            SimdLevel::Avx2,
+            SimdLevel::Avx512,
+            SimdLevel::Neon,
+        ];
+        let levels: Vec<SimdLevel> =
             all.into_iter().filter(|&level| force_level(Some(level))).collect();
         let measured = std::env::args().any(|argument| argument == "--bench");
         let names: Vec<String> = levels.iter().map(|level| format!("{level:?}")).collect();

@@ -7,8 +7,8 @@ use modyn_codegen::plan::partition::whole_chains;
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, ReadOptions};
 use modyn_codegen::{Builder, Function};
-use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{ForwardDerivatives, Interpreter};
 
@@ -106,15 +106,15 @@ fn condition(matrix: &[f64], inverse: &[f64], n: usize) -> f64 {
 #[test]
 fn derivatives_side_by_side_are_the_interpreters() {
     for (name, model) in robots() {
-        let prepared = Prepared::new(&model);
-        let tracer = Tracer::new(&prepared);
-        let ways = LimbPacking::candidates(&prepared, true);
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
+        let ways = LimbPacking::candidates(&mechanism, true);
         assert_eq!(ways.len(), if name.starts_with("humanoid") { 2 } else { 1 }, "{name}");
-        assert!(ways.iter().all(|limbs| limbs.share_root_path(&prepared)), "{name}");
+        assert!(ways.iter().all(|limbs| limbs.share_root_path(&mechanism)), "{name}");
         let mut tracers: Vec<Tracer> = ways.iter().map(|limbs| tracer.packed(limbs)).collect();
         tracers.push(tracer.column_lanes());
         let layouts = [ModuleTree::chains(&model), ModuleTree::links(&model)]
-            .map(|modules| Layout::new(&prepared, &modules));
+            .map(|modules| UduLayout::new(&mechanism, &modules));
         let inverse: Vec<Graph> =
             tracers.iter().map(|t| optimize(t.inverse_dynamics_derivatives())).collect();
         let forward = tracers.iter().flat_map(|tracer| {
@@ -173,10 +173,10 @@ fn operations_of_derivatives_are_those_of_the_page() {
         let Some(row) = page.lines().find(|line| line.starts_with(&format!("| {name} | "))) else {
             continue;
         };
-        let prepared = Prepared::new(&model);
-        let layout = Layout::new(&prepared, &whole_chains(&model));
-        let alone = Tracer::new(&prepared);
-        let ways = LimbPacking::candidates(&prepared, true);
+        let mechanism = Mechanism::new(&model);
+        let layout = UduLayout::new(&mechanism, &whole_chains(&model));
+        let alone = Tracer::new(&mechanism);
+        let ways = LimbPacking::candidates(&mechanism, true);
         let count = |graph: Graph| optimize(graph).count().total();
         let counts = |of: &dyn Fn(&Tracer) -> Graph| {
             let ways = ways.iter().map(|limbs| count(of(&alone.packed(limbs))).to_string());
@@ -204,9 +204,9 @@ fn operations_by_columns_are_those_of_the_page() {
     ];
     for (name, text) in robots {
         let model = read(text, name, Base::Fixed);
-        let prepared = Prepared::new(&model);
-        let layout = Layout::new(&prepared, &whole_chains(&model));
-        let alone = Tracer::new(&prepared);
+        let mechanism = Mechanism::new(&model);
+        let layout = UduLayout::new(&mechanism, &whole_chains(&model));
+        let alone = Tracer::new(&mechanism);
         let count = |graph: Graph| optimize(graph).count().total();
         let [inverse, forward] = [
             [&alone, &alone.column_lanes()].map(|t| count(t.inverse_dynamics_derivatives())),
@@ -243,9 +243,9 @@ fn limbs_on_two_branches_share_no_root_path() {
     }
     text += "</robot>";
     let model = read(&text, "two branches", Base::Fixed);
-    let prepared = Prepared::new(&model);
-    let joined = LimbPacking::joined(&prepared).expect("limbs that can join");
-    assert!(!joined.share_root_path(&prepared));
+    let mechanism = Mechanism::new(&model);
+    let joined = LimbPacking::joined(&mechanism).expect("limbs that can join");
+    assert!(!joined.share_root_path(&mechanism));
     // So they join for torques, but not where columns are carried.
     let joins = |function| {
         let builder = Builder::new().urdf_text(&text, "two.urdf").functions([function]);

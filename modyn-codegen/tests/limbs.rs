@@ -4,12 +4,12 @@ use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::{LimbPacking, Parameters, Tracer};
 use modyn_codegen::{Base, ReadOptions};
-use modyn_runtime::Scalar;
-use modyn_runtime::equations::Partition;
-use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::forward_dynamics::Elimination;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::ModulePartition;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
+use modyn_runtime::{LaneScalar, Scalar};
 
 /// Three unequal fingers on a turning palm, and two on it that are no fingers.
 const HAND: &str = r#"
@@ -93,14 +93,14 @@ fn compare(name: &str, quantity: &str, alone: Graph, abreast: Graph) -> [usize; 
 #[test]
 fn equal_limbs_side_by_side_give_the_same() {
     for (name, model, independent) in robots() {
-        let prepared = Prepared::new(&model);
-        let limbs = LimbPacking::find(&prepared).expect("equal limbs");
-        assert_eq!(limbs.independent(&prepared), independent, "{name}");
-        let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[], &[]));
-        for alone in [Tracer::new(&prepared), gravity] {
+        let mechanism = Mechanism::new(&model);
+        let limbs = LimbPacking::find(&mechanism).expect("equal limbs");
+        assert_eq!(limbs.independent(&mechanism), independent, "{name}");
+        let gravity = Tracer::with_parameters(&mechanism, Parameters::new(&model, true, &[], &[]));
+        for alone in [Tracer::new(&mechanism), gravity] {
             let abreast = alone.packed(&limbs);
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
-                let partition = Partition::new(&prepared, &modules);
+                let partition = ModulePartition::new(&mechanism, &modules);
                 let merged = Elimination::Recursive(limbs.partition(&partition));
                 let [before, after] = compare(
                     name,
@@ -120,7 +120,7 @@ fn equal_limbs_side_by_side_give_the_same() {
                 let [before, after] = compare(name, quantity, alone, abreast);
                 assert!(after < before, "{quantity} of the {name}: {before} to {after}");
             }
-            let layout = Layout::new(&prepared, &ModuleTree::chains(&model));
+            let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
             let pairs = [
                 (
                     "inverse dynamics' derivatives",
@@ -144,18 +144,18 @@ fn equal_limbs_side_by_side_give_the_same() {
 #[test]
 fn limbs_on_different_bodies_side_by_side_give_the_same() {
     for (name, model, _) in robots() {
-        let prepared = Prepared::new(&model);
-        let equal = LimbPacking::find(&prepared).expect("equal limbs");
-        let Some(joined) = LimbPacking::joined(&prepared) else {
+        let mechanism = Mechanism::new(&model);
+        let equal = LimbPacking::find(&mechanism).expect("equal limbs");
+        let Some(joined) = LimbPacking::joined(&mechanism) else {
             assert!(!name.contains("humanoid"), "{name} has legs and arms");
             continue;
         };
         assert!(name.contains("humanoid"), "{name}");
-        let gravity = Tracer::with_parameters(&prepared, Parameters::new(&model, true, &[], &[]));
-        for alone in [Tracer::new(&prepared), gravity] {
+        let gravity = Tracer::with_parameters(&mechanism, Parameters::new(&model, true, &[], &[]));
+        for alone in [Tracer::new(&mechanism), gravity] {
             let (equally, jointly) = (alone.packed(&equal), alone.packed(&joined));
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
-                let partition = Partition::new(&prepared, &modules);
+                let partition = ModulePartition::new(&mechanism, &modules);
                 let merged =
                     |limbs: &LimbPacking| Elimination::Recursive(limbs.partition(&partition));
                 let [before, after] = compare(
@@ -224,12 +224,12 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
         for base in [Base::Fixed, Base::Floating] {
             let read = modyn_codegen::read(&upright(low, high), "upright", &options(base));
             let model = read.expect("a good robot").model;
-            let prepared = Prepared::new(&model);
-            let joined = LimbPacking::joined(&prepared).expect("limbs that can join");
-            let alone = Tracer::new(&prepared);
+            let mechanism = Mechanism::new(&model);
+            let joined = LimbPacking::joined(&mechanism).expect("limbs that can join");
+            let alone = Tracer::new(&mechanism);
             let abreast = alone.packed(&joined);
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
-                let partition = Partition::new(&prepared, &modules);
+                let partition = ModulePartition::new(&mechanism, &modules);
                 let merged = Elimination::Recursive(joined.partition(&partition));
                 let name = format!("upright {low} {high}");
                 compare(
@@ -238,7 +238,7 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
                     alone.forward_dynamics(&Elimination::Recursive(partition)),
                     abreast.forward_dynamics(&merged),
                 );
-                let layout = Layout::new(&prepared, &modules);
+                let layout = UduLayout::new(&mechanism, &modules);
                 compare(
                     &name,
                     "forward dynamics' derivatives",
@@ -246,7 +246,7 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
                     abreast.forward_dynamics_derivatives(&layout),
                 );
             }
-            assert!(joined.share_root_path(&prepared));
+            assert!(joined.share_root_path(&mechanism));
             for (quantity, alone, abreast) in [
                 ("torques", alone.inverse_dynamics(), abreast.inverse_dynamics()),
                 ("gravity", alone.gravity_torques(), abreast.gravity_torques()),
@@ -263,7 +263,7 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
     }
     // Three joints more are too many to be made up for.
     let read = modyn_codegen::read(&upright(2, 5), "upright", &ReadOptions::default());
-    assert_eq!(LimbPacking::joined(&Prepared::new(&read.expect("a good robot").model)), None);
+    assert_eq!(LimbPacking::joined(&Mechanism::new(&read.expect("a good robot").model)), None);
 }
 
 /// The table in `docs/limbs.md`.
@@ -273,8 +273,8 @@ fn operations_of_forward_dynamics_are_those_of_the_page() {
     let modules = [("chains", ModuleTree::chains as fn(&Model) -> _), ("links", ModuleTree::links)];
     let mut rows = 0;
     for (name, model, _) in robots() {
-        let prepared = Prepared::new(&model);
-        let limbs = LimbPacking::find(&prepared).expect("equal limbs");
+        let mechanism = Mechanism::new(&model);
+        let limbs = LimbPacking::find(&mechanism).expect("equal limbs");
         let name = match name.strip_prefix("floating ") {
             Some(name) => format!("{name}, floating"),
             None => name.into(),
@@ -284,16 +284,16 @@ fn operations_of_forward_dynamics_are_those_of_the_page() {
                 line.starts_with(&format!("| {name} | ")) && line.contains(&format!("| {by} |"))
             };
             let Some(row) = page.lines().find(row) else { continue };
-            let partition = Partition::new(&prepared, &modules(&model));
+            let partition = ModulePartition::new(&mechanism, &modules(&model));
             let merged = Elimination::Recursive(limbs.partition(&partition));
-            let alone = Tracer::new(&prepared);
+            let alone = Tracer::new(&mechanism);
             let [before, after] = compare(
                 &name,
                 "forward dynamics",
                 alone.forward_dynamics(&Elimination::Recursive(partition.clone())),
                 alone.packed(&limbs).forward_dynamics(&merged),
             );
-            let joined = LimbPacking::joined(&prepared).map(|joined| {
+            let joined = LimbPacking::joined(&mechanism).map(|joined| {
                 let merged = Elimination::Recursive(joined.partition(&partition));
                 let graph = alone.packed(&joined).forward_dynamics(&merged);
                 format!("{} ", optimize(graph).count().total())
@@ -309,9 +309,9 @@ fn operations_of_forward_dynamics_are_those_of_the_page() {
 #[test]
 fn what_has_no_equal_limbs_stays_alone() {
     let arm = read(include_str!("../../robots/arm7.urdf"), "arm7", Base::Fixed);
-    assert_eq!(LimbPacking::find(&Prepared::new(&arm)), None);
+    assert_eq!(LimbPacking::find(&Mechanism::new(&arm)), None);
     let mimics = read(include_str!("../../robots/mimic_gripper.urdf"), "gripper", Base::Fixed);
-    assert_eq!(LimbPacking::find(&Prepared::new(&mimics)), None);
+    assert_eq!(LimbPacking::find(&Mechanism::new(&mimics)), None);
 }
 
 #[test]
@@ -323,7 +323,7 @@ fn lanes_are_put_together_and_taken_apart() {
         vec![
             lanes.extract_lane(0),
             lanes.extract_lane(2),
-            lanes.over_limbs(0..3),
+            lanes.sum_lanes(0..3),
             (-lanes).extract_lane(1),
         ]
     });

@@ -9,8 +9,8 @@ use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::Tracer;
 use modyn_codegen::{Base, Loop, LoopConstraintKind, LoopEnd, ReadOptions, read};
 use modyn_codegen::{Builder, Function};
-use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{LoopConstraint, Model, ModelErrorKind, ModuleTree};
 use modyn_runtime::spatial::{Pose, Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, Forces, Interpreter};
@@ -649,9 +649,9 @@ fn what_has_no_loops_is_a_tree() {
 #[test]
 fn what_gets_compiled_is_what_the_interpreter_computes() {
     for model in [model(FOUR_BAR), model(FIVE_BAR), model(&sawn()), bound_zoo(&[0, 2])] {
-        let prepared = Prepared::new(&model);
-        let tracer = Tracer::new(&prepared);
-        let layout = Layout::new(&prepared, &ModuleTree::chains(&model));
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
         let graphs = [
             tracer.constrained_forward_dynamics(&layout),
             tracer.constraint_residual(),

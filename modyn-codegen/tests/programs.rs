@@ -6,10 +6,10 @@ use modyn_codegen::program::{Operation, Program, Source, Target};
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{ReadOptions, read};
 use modyn_runtime::Scalar;
-use modyn_runtime::equations::Partition;
-use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::forward_dynamics::Elimination;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::ModulePartition;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
 fn robot(name: &str) -> Model {
@@ -43,9 +43,9 @@ fn programs_on_scalars_compute_what_graphs_do() {
     let mut cut = 0;
     for name in ["arm6", "arm7", "joint_zoo", "quadruped"] {
         let model = robot(name);
-        let prepared = Prepared::new(&model);
-        let tracer = Tracer::new(&prepared);
-        let layout = Layout::new(&prepared, &ModuleTree::links(&model));
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
         let graph = optimize(tracer.forward_dynamics_derivatives(&layout));
         for target in [Target::Scalar, Target::Batch] {
             let program = Program::new(&graph, model.nq() + 2 * model.nv(), target);
@@ -63,10 +63,10 @@ fn programs_on_scalars_compute_what_graphs_do() {
 fn packed_and_repeated_programs_compute_what_graphs_do() {
     for name in ["quadruped", "humanoid"] {
         let model = robot(name);
-        let prepared = Prepared::new(&model);
-        let tracer = Tracer::new(&prepared);
-        let partition = Partition::new(&prepared, &ModuleTree::links(&model));
-        for limbs in LimbPacking::candidates(&prepared, true) {
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
+        let partition = ModulePartition::new(&mechanism, &ModuleTree::links(&model));
+        for limbs in LimbPacking::candidates(&mechanism, true) {
             let elimination = Elimination::Recursive(limbs.partition(&partition));
             let graph = optimize(tracer.packed(&limbs).forward_dynamics(&elimination));
             let count = model.nq() + 2 * model.nv();
@@ -113,9 +113,9 @@ fn every_operation_is_lowered() {
 #[test]
 fn broken_programs_are_found() {
     let model = robot("arm7");
-    let prepared = Prepared::new(&model);
-    let layout = Layout::new(&prepared, &ModuleTree::links(&model));
-    let graph = optimize(Tracer::new(&prepared).forward_dynamics_derivatives(&layout));
+    let mechanism = Mechanism::new(&model);
+    let layout = UduLayout::new(&mechanism, &ModuleTree::links(&model));
+    let graph = optimize(Tracer::new(&mechanism).forward_dynamics_derivatives(&layout));
     let good = Program::new(&graph, model.nq() + 2 * model.nv(), Target::Scalar);
     let broken = |change: fn(&mut Program)| {
         let mut program = good.clone();

@@ -11,7 +11,7 @@ use modyn_codegen::{
 };
 use modyn_runtime::{
     joint::JointType,
-    model::{Drive, Friction, Inertial, Model},
+    model::{Friction, Inertial, JointDynamics, Model},
 };
 use proptest::prelude::*;
 
@@ -237,13 +237,17 @@ fn mimics_follow_wherever_their_leaders_stand() {
 
 #[test]
 fn drives_are_those_of_the_file_or_of_the_options() {
-    let drive = |armature, damping, friction| Drive { armature, damping, friction };
+    let drive = |armature, damping, friction| JointDynamics { armature, damping, friction };
     let drives = |options: &ReadOptions| {
         let model = good("/drives.urdf", options);
         model.links().iter().map(|link| link.joint.drive).collect::<Vec<_>>()
     };
-    let mut expected =
-        [drive(0.0, 0.5, 0.25), drive(2.0, 0.0, 0.0), drive(8.0, 0.0, 0.0), Drive::default()];
+    let mut expected = [
+        drive(0.0, 0.5, 0.25),
+        drive(2.0, 0.0, 0.0),
+        drive(8.0, 0.0, 0.0),
+        JointDynamics::default(),
+    ];
     assert_eq!(drives(&ReadOptions::default()), expected);
     let rotor =
         |joint: &str, inertia, gear_ratio| Rotor { joint: joint.into(), inertia, gear_ratio };

@@ -4,9 +4,9 @@ use modyn_codegen::plan::partition::{Choice, choose};
 use modyn_codegen::trace::Tracer;
 use modyn_codegen::{Builder, FloatType, condition_number, diagnostics::Code};
 use modyn_codegen::{ReadOptions, read};
-use modyn_runtime::equations::coordinates;
+use modyn_runtime::equations::kinematics::coordinates;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::Model;
-use modyn_runtime::model::prepare::Prepared;
 
 fn text(name: &str) -> String {
     let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
@@ -20,9 +20,9 @@ fn model(name: &str) -> Model {
 /// The largest error of an acceleration over 200 states, relative to the largest acceleration of its
 /// state; `f64` sees the same rounded inputs.
 fn error(model: &Model) -> f64 {
-    let prepared = Prepared::new(model);
-    let tracer = Tracer::new(&prepared);
-    let Choice { graph, .. } = choose(model, &prepared, &tracer);
+    let mechanism = Mechanism::new(model);
+    let tracer = Tracer::new(&mechanism);
+    let Choice { graph, .. } = choose(model, &mechanism, &tracer);
     let mut number = 0.3_f64;
     let mut uniform = || {
         number = (number + 0.618_033_988_749_894_9).fract();
@@ -31,7 +31,7 @@ fn error(model: &Model) -> f64 {
     let mut worst = 0.0_f64;
     for _ in 0..200 {
         let mut inputs = vec![0.0; model.nq()];
-        coordinates::random(&prepared, &mut uniform, &mut inputs);
+        coordinates::random(&mechanism, &mut uniform, &mut inputs);
         inputs.extend((0..model.nv()).map(|_| 4.0 * uniform() - 2.0));
         inputs.extend((0..model.nv()).map(|_| 20.0 * uniform() - 10.0));
         let inputs: Vec<f32> = inputs.iter().map(|&x| x as f32).collect();

@@ -15,7 +15,7 @@ use core::ops::Range;
 
 #[doc(hidden)]
 pub use crate::lanes::force_level;
-pub use crate::lanes::{Float, Lanes, Level, Part, level};
+pub use crate::lanes::{Float, Lanes, Part, SimdLevel, level};
 use crate::lanes::{MOST_LANES, Work};
 #[doc(hidden)]
 pub use crate::scalar::abreast::{Abreast, Beside, Vectors};

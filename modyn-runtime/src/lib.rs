@@ -18,7 +18,6 @@ pub mod configuration;
 pub mod conventions;
 #[cfg(feature = "alloc")]
 pub mod equations;
-mod figures;
 pub mod functions;
 mod inertial;
 #[cfg(feature = "alloc")]
@@ -27,11 +26,14 @@ pub mod jacobi;
 pub mod joint;
 mod lanes;
 #[cfg(feature = "alloc")]
+pub mod mechanism;
+#[cfg(feature = "alloc")]
 pub mod model;
 #[cfg(feature = "nalgebra")]
 mod nalgebra;
 #[doc(hidden)]
 pub mod parameters;
+mod results;
 mod robot;
 mod scalar;
 pub mod simulate;
@@ -57,13 +59,15 @@ pub use interpreter::{
 pub use crate::nalgebra::Nalgebra;
 pub use batch::BatchError;
 pub use configuration::ConfigurationError;
-pub use figures::{
+pub use inertial::{Inertial, InertialDefect};
+pub use parameters::ParameterError;
+pub use results::{
     ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual, ConstraintSettings,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
     OperationCount,
 };
-pub use inertial::{Inertial, InertialDefect};
-pub use parameters::ParameterError;
 pub use robot::{Array, Factorization, NotGenerated, Robot};
+#[cfg(feature = "alloc")]
+pub use scalar::LaneScalar;
 pub use scalar::{Portable, Scalar};
 pub use spatial::{Momentum, Pose, Twist, Vector3, Wrench};

@@ -8,7 +8,7 @@ use nalgebra::{
     Isometry3, Matrix3, RealField, Rotation3, SMatrix, SVector, Translation3, UnitQuaternion,
 };
 
-use crate::figures::{
+use crate::results::{
     ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual, ConstraintSettings,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives,
 };
@@ -76,7 +76,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::gravity_torques::<T>(array(q)).into()
     }
 
-    /// The generalized inertia matrix.
+    /// The mass matrix.
     #[must_use]
     pub fn mass_matrix<const NQ: usize, const NV: usize>(q: &SVector<T, NQ>) -> SMatrix<T, NV, NV>
     where
@@ -85,7 +85,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::mass_matrix::<T>(array(q)).into()
     }
 
-    /// The generalized inertia matrix as U D U^T by modules; its matrices convert with `.into()`.
+    /// The mass matrix as U D U^T by modules; its matrices convert with `.into()`.
     #[must_use]
     pub fn brge<const NQ: usize>(q: &SVector<T, NQ>) -> R::Brge<T>
     where

@@ -2,7 +2,7 @@
 //! the processor has. Under a sanitizer or valgrind it shows that nothing beyond is touched.
 #![cfg(feature = "std")]
 
-use modyn_runtime::batch::{Argument, Float, Inputs, Kernel, Lanes, Level, Outputs};
+use modyn_runtime::batch::{Argument, Float, Inputs, Kernel, Lanes, Outputs, SimdLevel};
 use modyn_runtime::batch::{force_level, run, run_each};
 
 /// Sum and product of two numbers.
@@ -60,7 +60,8 @@ fn every_length<F: Float + PartialEq + std::fmt::Debug>() {
 
 #[test]
 fn nothing_beyond_the_slices_is_touched() {
-    let all = [Level::Single, Level::Sse2, Level::Avx2, Level::Avx512, Level::Neon];
+    let all =
+        [SimdLevel::Single, SimdLevel::Sse2, SimdLevel::Avx2, SimdLevel::Avx512, SimdLevel::Neon];
     let tried = all.into_iter().filter(|&level| force_level(Some(level))).inspect(|_| {
         every_length::<f64>();
         every_length::<f32>();

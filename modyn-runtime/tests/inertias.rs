@@ -2,7 +2,7 @@
 #![cfg(feature = "alloc")]
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Drive, Frame, Joint, Link, Mimic, Model};
+use modyn_runtime::model::{Frame, Joint, JointDynamics, Link, Mimic, Model};
 use modyn_runtime::{Inertial, InertialError, Interpreter, Pose, Scalar};
 
 /// A fixed stream of numbers in 0..1: SplitMix64 (Steele, Lea and Flood 2014).
@@ -264,12 +264,12 @@ fn inertia_is_where_it_is_felt() {
     interpreter.set_inertial(2, &none).expect("the tool is left");
     assert_eq!(refused(interpreter.set_inertial(3, &none)), "joint1");
     // A rotor is enough, and so is a joint that follows and moves something.
-    links[1].joint.drive = Drive { armature: 0.1, ..Drive::default() };
+    links[1].joint.drive = JointDynamics { armature: 0.1, ..JointDynamics::default() };
     let model = Model::new("rotor", [0.0; 3], links.clone(), frames.clone()).expect("sound");
     let mut interpreter = Interpreter::<f64>::new(model);
     interpreter.set_inertial(2, &none).expect("the tool is left");
     interpreter.set_inertial(3, &none).expect("the rotor is felt");
-    links[1].joint.drive = Drive::default();
+    links[1].joint.drive = JointDynamics::default();
     links[2].joint.mimic = Some(Mimic { leader: 1, multiplier: -0.5, offset: 0.1 });
     let model = Model::new("mimic", [0.0; 3], links, frames).expect("sound");
     let mut interpreter = Interpreter::<f64>::new(model);

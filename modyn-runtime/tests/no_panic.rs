@@ -1,9 +1,10 @@
 //! No call panics, whatever sizes, indices, numbers and models it is given: it is refused, or it computes.
 #![cfg(feature = "alloc")]
 
+use modyn_runtime::equations::identification::BaseParameters;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
-    BaseParameters, Drive, Frame, Friction, Joint, Limits, Link, LoopConstraint, LoopConstraintEnd,
+    Frame, Friction, Joint, JointDynamics, Limits, Link, LoopConstraint, LoopConstraintEnd,
     LoopConstraintKind, Mimic, Model, ModuleTree,
 };
 use modyn_runtime::spatial::{Twist, Vector3, Wrench};
@@ -107,7 +108,7 @@ impl Dice {
         }
         if self.below(4) == 0 {
             let [armature, damping, friction] = self.numbers().map(f64::abs);
-            joint.drive = Drive { armature, damping, friction };
+            joint.drive = JointDynamics { armature, damping, friction };
         }
         joint
     }

@@ -9,9 +9,9 @@ use modyn_codegen::graph::Graph;
 use modyn_codegen::plan::partition;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::Interpreter;
-use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::forward_dynamics::Elimination;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::plot::{Axis, Chart, Line};
@@ -36,7 +36,7 @@ pub struct Counts {
 /// Counts them.
 #[must_use]
 pub fn counts(model: &Model) -> Counts {
-    let prepared = Prepared::new(model);
+    let prepared = Mechanism::new(model);
     let tracer = Tracer::new(&prepared);
     let total = |graph: &Graph| graph.count().total();
     let by = |elimination: &Elimination| total(&tracer.forward_dynamics(elimination));
@@ -45,7 +45,7 @@ pub fn counts(model: &Model) -> Counts {
         n: model.nv(),
         by_links: by(&Elimination::new(&prepared, &ModuleTree::links(model))),
         by_chains: by(&Elimination::new(&prepared, &chains)),
-        by_matrix: by(&Elimination::Matrix(Layout::new(&prepared, &chains))),
+        by_matrix: by(&Elimination::Matrix(UduLayout::new(&prepared, &chains))),
         searched: partition::choose(model, &prepared, &tracer)
             .candidates
             .first()

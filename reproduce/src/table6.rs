@@ -7,9 +7,9 @@
 //! changes nothing here.
 
 use modyn_runtime::Scalar;
-use modyn_runtime::joint::Motion;
+use modyn_runtime::joint::JointTransform;
+use modyn_runtime::mechanism::{Dof, Mechanism};
 use modyn_runtime::model::Model;
-use modyn_runtime::model::prepare::{Dof, Prepared};
 use modyn_runtime::spatial::{ArticulatedInertia, Twist, Wrench};
 
 /// What the first sweep keeps of a degree of freedom.
@@ -31,7 +31,7 @@ pub struct Left<S> {
 /// The recursion for one model, whose joints do not mimic others.
 #[derive(Clone, Debug)]
 pub struct Table6<S> {
-    model: Prepared<S>,
+    model: Mechanism<S>,
 }
 
 /// A row of bodies at a posture, with what the sweeps have found: the part of a robot that can be
@@ -39,7 +39,7 @@ pub struct Table6<S> {
 #[derive(Clone, Debug)]
 pub struct Part<S> {
     first: usize,
-    motions: Vec<Motion<S>>,
+    motions: Vec<JointTransform<S>>,
     inertias: Vec<ArticulatedInertia<S>>,
     wrenches: Vec<Wrench<S>>,
     twists: Vec<Twist<S>>,
@@ -51,7 +51,7 @@ impl<S: Scalar> Table6<S> {
     #[must_use]
     pub fn new(model: &Model) -> Self {
         assert!(!model.has_mimics(), "Table 6 knows no joints that follow others");
-        Self { model: Prepared::new(model).cast() }
+        Self { model: Mechanism::new(model).cast() }
     }
 
     /// The bodies.
@@ -67,7 +67,7 @@ impl<S: Scalar> Table6<S> {
         let pivot = Pivot { psi: Wrench::zero(), torque: S::zero() };
         Part {
             first: bodies.start,
-            motions: vec![Motion::Prismatic(S::zero()); bodies.len()],
+            motions: vec![JointTransform::Prismatic(S::zero()); bodies.len()],
             inertias: self.model.bodies[bodies.clone()]
                 .iter()
                 .map(|b| b.inertia.articulated())

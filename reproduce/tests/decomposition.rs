@@ -3,8 +3,8 @@
 
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_reproduce::{dense, robots};
-use modyn_runtime::equations::{Decomposition, Dense, Workspace};
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::{Workspace, paper::Decomposition, paper::Dense};
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{DecompositionError, Interpreter};
 
@@ -195,7 +195,7 @@ fn composite_modules_make_the_mass_matrix() {
                 all.fold(d.mass(i), |sum, j| sum.plus(&d.mass(j).congruence(&d.propagation(j, i))));
             assert_same("(7) is (8)", case, &d.composite(i), &sum);
         }
-        assert_same("(9), (10)", case, &d.gim(), &columns(&gim));
+        assert_same("(9), (10)", case, &d.mass_matrix(), &columns(&gim));
     }
 }
 
@@ -209,8 +209,8 @@ fn interpreter_rotor(model: &Model, v: usize) -> f64 {
 fn elementary_matrices_annihilate_block_columns() {
     for case in cases() {
         let d = &case.decomposition;
-        let (n, s) = (d.gim().rows, d.modules());
-        assert_same("I^(s+1) is I", &case, &d.eliminated(s), &d.gim());
+        let (n, s) = (d.mass_matrix().rows, d.modules());
+        assert_same("I^(s+1) is I", &case, &d.eliminated(s), &d.mass_matrix());
         for j in 0..s {
             // (36)-(38), (40).
             let product = d.ebutm(j).times(&d.ebutm_inverse(j));
@@ -252,7 +252,7 @@ fn elementary_matrices_annihilate_block_columns() {
 fn u_is_the_product_of_inverse_elementary_matrices() {
     for case in cases() {
         let d = &case.decomposition;
-        let (n, s) = (d.gim().rows, d.modules());
+        let (n, s) = (d.mass_matrix().rows, d.modules());
         let chain = product(n, (1..s).rev().map(|j| d.ebutm_inverse(j)));
         assert_same("(39), (43)", &case, &chain, &d.u());
         let sum = (1..s).fold(Dense::identity(n), |sum, j| {
@@ -260,7 +260,7 @@ fn u_is_the_product_of_inverse_elementary_matrices() {
         });
         assert_same("(42)", &case, &sum, &d.u());
         let (u, diagonal) = (d.u(), d.d());
-        assert_same("(44)", &case, &u.times(&diagonal).times(&u.transposed()), &d.gim());
+        assert_same("(44)", &case, &u.times(&diagonal).times(&u.transposed()), &d.mass_matrix());
     }
 }
 
@@ -268,16 +268,16 @@ fn u_is_the_product_of_inverse_elementary_matrices() {
 fn the_inverse_is_that_of_the_blocks() {
     for case in cases() {
         let d = &case.decomposition;
-        let (n, s) = (d.gim().rows, d.modules());
+        let (n, s) = (d.mass_matrix().rows, d.modules());
         let (u, inverse) = (d.u(), d.u_inverse());
         assert_same("(54)", &case, &u.times(&inverse), &Dense::identity(n));
         let chain = product(n, (1..s).map(|j| d.ebutm(j)));
         assert_same("(52)", &case, &chain, &inverse);
         assert_same("D D^-1", &case, &d.d().times(&d.d_inverse()), &Dense::identity(n));
         let gim_inverse = inverse.transposed().times(&d.d_inverse()).times(&inverse);
-        let unity = d.gim().times(&gim_inverse);
+        let unity = d.mass_matrix().times(&gim_inverse);
         let difference = largest(&unity.minus(&Dense::identity(n)));
-        let condition = dense::condition_number(&d.gim().entries);
+        let condition = dense::condition_number(&d.mass_matrix().entries);
         assert!(difference < 1e-12 * condition, "(50): {difference:e} in {}", case.name);
         // (53), with signs that agree with (52): column j is -(U'_j + sum of column h times U_h,j).
         for j in 0..s {
@@ -442,7 +442,7 @@ fn the_matrices_are_symbolic_too() {
         let case = case(&model, modules.clone(), 3).expect("no mimics");
         let d = &case.decomposition;
         let graph = Graph::trace(|| {
-            let prepared = Prepared::new(&model).cast::<Expr>();
+            let prepared = Mechanism::new(&model).cast::<Expr>();
             let q: Vec<Expr> = (0..model.nq()).map(Expr::input).collect();
             let workspace = &mut Workspace::new(&prepared);
             let d = Decomposition::new(&prepared, &modules, &q, workspace).expect("no mimics");
@@ -471,7 +471,7 @@ fn the_gripper_is_eliminated_in_two_stages() {
     let decomposition = interpreter.decomposition(&q).expect("lengths");
     let case = Case { interpreter, decomposition, q, name: "gripper".into() };
     let d = &case.decomposition;
-    let (gim, third, second) = (d.gim(), d.eliminated(2), d.eliminated(1));
+    let (gim, third, second) = (d.mass_matrix(), d.eliminated(2), d.eliminated(1));
     let block = |matrix: &Matrix, i: usize, j: usize| matrix.block(d.entries(i), d.entries(j));
     // (11), (12): blocks of the modules' own matrices.
     for (i, j) in [(0, 0), (1, 0), (1, 1), (2, 0), (2, 2)] {

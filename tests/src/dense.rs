@@ -1,6 +1,6 @@
 //! Dense matrices, for checks.
 
-use modyn_runtime::equations::Dense;
+use modyn_runtime::equations::paper::Dense;
 use nalgebra::DMatrix;
 
 /// A square matrix of its columns.

@@ -4,7 +4,7 @@
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
-    DEFAULT_GRAVITY, Drive, Frame, Friction, Inertial, Joint, Limits, Link, Mimic, Model,
+    DEFAULT_GRAVITY, Frame, Friction, Inertial, Joint, JointDynamics, Limits, Link, Mimic, Model,
     ModuleTree,
 };
 use modyn_runtime::spatial::Pose;
@@ -409,7 +409,7 @@ impl Parts {
     /// Gives joints drives.
     fn drive(&mut self, random: &mut Random) {
         for link in &mut self.links {
-            link.joint.drive = Drive {
+            link.joint.drive = JointDynamics {
                 armature: random.some(0.4, 0.5),
                 damping: random.some(0.5, 1.0),
                 friction: random.some(0.5, 2.0),

@@ -3,7 +3,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use modyn::batch::{Level, force_level};
+use modyn::batch::{SimdLevel, force_level};
 use modyn::{Robot, Scalar};
 use modyn_tests::plain::{Plain, number, plain};
 
@@ -84,10 +84,13 @@ fn alone() -> MutexGuard<'static, ()> {
 /// Does something on every level that there is; says whether products are fused on it.
 fn on_every_level(mut f: impl FnMut(bool)) {
     let _alone = alone();
-    for level in [Level::Single, Level::Sse2, Level::Avx2, Level::Avx512, Level::Neon] {
+    for level in
+        [SimdLevel::Single, SimdLevel::Sse2, SimdLevel::Avx2, SimdLevel::Avx512, SimdLevel::Neon]
+    {
         assert_eq!(force_level(Some(level)), is_there(level), "{level:?}");
         if is_there(level) {
-            f(!matches!(level, Level::Single | Level::Sse2) || cfg!(target_feature = "fma"));
+            f(!matches!(level, SimdLevel::Single | SimdLevel::Sse2)
+                || cfg!(target_feature = "fma"));
         } else {
             eprintln!("left out: {level:?}");
         }
@@ -97,15 +100,15 @@ fn on_every_level(mut f: impl FnMut(bool)) {
 
 /// Whether this processor has a level, and no higher one is compiled in.
 #[cfg(target_arch = "x86_64")]
-fn is_there(level: Level) -> bool {
+fn is_there(level: SimdLevel) -> bool {
     let avx2 = cfg!(all(target_feature = "avx2", target_feature = "fma"));
     let avx512 = cfg!(all(target_feature = "avx512f", target_feature = "avx512vl"));
     match level {
-        Level::Sse2 => !avx2 && !avx512,
-        Level::Avx2 => {
+        SimdLevel::Sse2 => !avx2 && !avx512,
+        SimdLevel::Avx2 => {
             is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") && !avx512
         }
-        Level::Avx512 => {
+        SimdLevel::Avx512 => {
             is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl")
         }
         _ => false,
@@ -114,9 +117,9 @@ fn is_there(level: Level) -> bool {
 
 /// Whether the program is compiled for a level.
 #[cfg(not(target_arch = "x86_64"))]
-fn is_there(level: Level) -> bool {
+fn is_there(level: SimdLevel) -> bool {
     let neon = cfg!(all(target_arch = "aarch64", target_feature = "neon"));
-    level == if neon { Level::Neon } else { Level::Single }
+    level == if neon { SimdLevel::Neon } else { SimdLevel::Single }
 }
 
 /// Numbers in -1..1.

@@ -6,8 +6,8 @@ use std::iter::zip;
 use modyn_codegen::graph::Graph;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::coordinates::Space;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::mechanism::Mechanism;
+use modyn_runtime::mechanism::coordinates::Space;
 use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Joint, Limits, Link, Mimic, Model};
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Interpreter, Scalar, ShapeError};
@@ -85,8 +85,9 @@ fn vector(random: &mut Random, n: usize, size: f64) -> Vec<f64> {
 
 /// Where rotations stand: the quaternions in q, the rotation vectors in qd.
 fn rotations(model: &Model) -> Vec<(usize, usize)> {
-    let blocks = Prepared::new(model).coordinates;
-    let place = |block: &modyn_runtime::model::coordinates::Coordinates<f64>| match block.space {
+    let blocks = Mechanism::new(model).coordinates;
+    let place = |block: &modyn_runtime::mechanism::coordinates::Coordinates<f64>| match block.space
+    {
         Space::Line { .. } => None,
         Space::Rotation => Some((block.q, block.v)),
         Space::Pose => Some((block.q + 3, block.v + 3)),
@@ -251,7 +252,7 @@ fn quaternions_stay_of_length_one_over_many_steps() {
 fn random_coordinates_are_within_limits_and_evenly_spread() {
     let mut robot = robot();
     let random = &mut Random::new(8);
-    let blocks = Prepared::new(robot.model()).coordinates;
+    let blocks = Mechanism::new(robot.model()).coordinates;
     let lines: Vec<(usize, f64, f64)> = blocks
         .iter()
         .filter_map(|block| match block.space {
@@ -336,7 +337,7 @@ fn limits_on_one_side_leave_a_range_on_the_other() {
         let name = "link".into();
         let links = vec![Link { name, parent: None, joint, inertial: Inertial::default() }];
         let model = Model::new("one", DEFAULT_GRAVITY, links, vec![]).expect("a valid model");
-        match Prepared::new(&model).coordinates[0].space {
+        match Mechanism::new(&model).coordinates[0].space {
             Space::Line { low, high } => (low, high),
             other => panic!("{other:?}"),
         }
@@ -373,8 +374,8 @@ fn normalizing_leaves_rotations_and_gives_zeros_the_identity() {
 #[test]
 fn graphs_compute_the_same() {
     let robot = robot();
-    let prepared = Prepared::new(robot.model());
-    let tracer = Tracer::new(&prepared);
+    let mechanism = Mechanism::new(robot.model());
+    let tracer = Tracer::new(&mechanism);
     let random = &mut Random::new(10);
     let (q, to) = (random_q(&robot, random), random_q(&robot, random));
     let v = vector(random, robot.model().nv(), 1.0);

@@ -4,9 +4,9 @@
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::Tracer;
-use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::{Workspace, inverse_dynamics};
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::{Workspace, dynamics::inverse_dynamics};
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Inertial, Model, ModuleTree};
 use modyn_runtime::{ForwardDerivatives, Interpreter, Scalar};
 use modyn_tests::close::assert_close;
@@ -113,8 +113,8 @@ fn random_trees_agree_with_tangents_of_the_dynamics() {
 fn traced_derivatives_are_the_interpreters() {
     for seed in 0..20 {
         let model = random::mixed_zoo(seed, 5);
-        let prepared = Prepared::new(&model);
-        let tracer = Tracer::new(&prepared);
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
         let State { q, qd, qdd, tau } = random::state(seed, &model);
         let mut interpreter = Interpreter::new(model.clone());
         let evaluate = |graph: Graph, last: &[f64]| -> Vec<f64> {
@@ -126,7 +126,7 @@ fn traced_derivatives_are_the_interpreters() {
             let found = evaluate(tracer.inverse_dynamics_derivatives(), &qdd);
             assert_close("inverse dynamics", &found, &by_inverse, 1e-11);
             for modules in [ModuleTree::links(&model), ModuleTree::chains(&model)] {
-                let layout = Layout::new(&prepared, &modules);
+                let layout = UduLayout::new(&mechanism, &modules);
                 let found = evaluate(tracer.forward_dynamics_derivatives(&layout), &tau);
                 assert_close("forward dynamics", &found, &by_forward, 1e-9);
             }
@@ -174,11 +174,11 @@ fn robot(name: &str, floating: bool) -> Model {
 
 fn counts(&Counts { robot: name, floating, .. }: &Counts) -> Counts {
     let model = robot(name, floating);
-    let prepared = Prepared::new(&model);
-    let tracer = Tracer::new(&prepared);
+    let mechanism = Mechanism::new(&model);
+    let tracer = Tracer::new(&mechanism);
     let total = |graph: Graph| optimize(graph).count().total();
     let forward = |modules: &ModuleTree| {
-        total(tracer.forward_dynamics_derivatives(&Layout::new(&prepared, modules)))
+        total(tracer.forward_dynamics_derivatives(&UduLayout::new(&mechanism, modules)))
     };
     let (links, chains) =
         (forward(&ModuleTree::links(&model)), forward(&ModuleTree::chains(&model)));
@@ -203,20 +203,20 @@ fn counts_are_as_frozen() {
 
 /// The derivatives of inverse dynamics by tangents, one direction after the other.
 fn tangents(model: &Model) -> Graph {
-    let prepared = Prepared::new(model);
+    let mechanism = Mechanism::new(model);
     Graph::trace(|| {
         let (nq, n) = (model.nq(), model.nv());
         let inputs = |start: usize, length: usize| -> Vec<Expr> {
             (start..start + length).map(Expr::input).collect()
         };
         let (q, qd, qdd) = (inputs(0, nq), inputs(nq, n), inputs(nq + n, n));
-        let prepared = prepared.cast::<Tangent<Expr>>();
+        let mechanism = mechanism.cast::<Tangent<Expr>>();
         let mut derivatives = Vec::new();
         let mut derive = |q: &[Tangent<Expr>], qd: &[Tangent<Expr>]| {
             let mut tau = vec![Tangent::zero(); n];
-            let (workspace, qdd) = (&mut Workspace::new(&prepared), constant(&qdd));
+            let (workspace, qdd) = (&mut Workspace::new(&mechanism), constant(&qdd));
             let motion = (q, qd, Some(&*qdd));
-            inverse_dynamics::inverse_dynamics(&prepared, motion, None, workspace, &mut tau);
+            inverse_dynamics(&mechanism, motion, None, workspace, &mut tau);
             derivatives.extend(tau.into_iter().map(|tau| tau.dx));
         };
         for k in 0..n {

@@ -1,7 +1,7 @@
 //! The random robots are the same everywhere, and as various as they are meant to be.
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Drive, Friction, Model};
+use modyn_runtime::model::{Friction, JointDynamics, Model};
 use modyn_tests::random::{State, chain, general_tree, general_zoo, state, tree, zoo};
 
 /// FNV-1a over the bits of the figures.
@@ -22,7 +22,7 @@ fn fingerprint(model: &Model) -> u64 {
         .concat()
     });
     let extras = model.links().iter().flat_map(|link| {
-        let Drive { armature, damping, friction } = link.joint.drive;
+        let JointDynamics { armature, damping, friction } = link.joint.drive;
         let mimic = link.joint.mimic.map_or([0.0; 2], |mimic| [mimic.multiplier, mimic.offset]);
         [&link.joint.second_axis[..], &[armature, damping, friction], &mimic].concat()
     });
@@ -121,7 +121,8 @@ fn zoos_have_all_there_is() {
         assert!((20..=50).contains(&count(&has)), "{joint_type:?}");
     }
     assert!((10..=40).contains(&count(&Model::has_mimics)));
-    let driven = |model: &Model| model.links().iter().any(|l| l.joint.drive != Drive::default());
+    let driven =
+        |model: &Model| model.links().iter().any(|l| l.joint.drive != JointDynamics::default());
     assert!((20..=45).contains(&count(&driven)));
     assert!((5..=30).contains(&count(&|model| model.friction() == Friction::Viscous)));
     assert!((5..=30).contains(&count(&|model| matches!(model.friction(), Friction::Smooth(_)))));

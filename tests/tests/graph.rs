@@ -3,9 +3,9 @@
 use modyn_codegen::graph::Graph;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::Interpreter;
-use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::forward_dynamics::Elimination;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Friction, Model, ModuleTree};
 use modyn_tests::cases::{Robot, cases, robots, zoos};
 use modyn_tests::close::assert_close;
@@ -31,8 +31,8 @@ proptest! {
     #[test]
     fn every_quantity(robot in robots(20)) {
         let model = robot.model();
-        let prepared = Prepared::new(&model);
-        let tracer = Tracer::new(&prepared);
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
         let State { q, qd, qdd, tau } = &state(robot.seed(), &model);
         let mut interpreter = Interpreter::<f64>::new(model.clone());
         let check = |what, graph: &Graph, groups: &[&[f64]], expected: &[f64]| {
@@ -54,7 +54,7 @@ proptest! {
         check("link poses", &tracer.link_poses(), &[q], &expected);
 
         for modules in partitions(robot, &model) {
-            let graph = tracer.forward_dynamics(&Elimination::new(&prepared, &modules));
+            let graph = tracer.forward_dynamics(&Elimination::new(&mechanism, &modules));
             interpreter = interpreter.eliminating_by(&modules).expect("its own modules");
             let expected = interpreter.qdd(q, qd, tau);
             check("forward dynamics", &graph, &[q, qd, tau], &expected);
@@ -67,18 +67,18 @@ proptest! {
         let State { q, mut qd, .. } = state(robot.seed(), &model);
         qd[0] = 0.0;
         let expected = Interpreter::<f64>::new(model.clone()).bias(&q, &qd);
-        let graph = Tracer::new(&Prepared::new(&model)).bias_forces();
+        let graph = Tracer::new(&Mechanism::new(&model)).bias_forces();
         assert_close("bias forces", &evaluate(&graph, &[&q, &qd]), &expected, TOLERANCE);
     }
 
     #[test]
     fn every_quantity_of_the_factorization(robot in robots(20)) {
         let model = robot.model();
-        let prepared = Prepared::new(&model);
-        let tracer = Tracer::new(&prepared);
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
         let State { q, tau, .. } = &state(robot.seed(), &model);
         for modules in partitions(robot, &model) {
-            let layout = &Layout::new(&prepared, &modules);
+            let layout = &UduLayout::new(&mechanism, &modules);
             let interpreter =
                 Interpreter::with_modules(model.clone(), modules).expect("its own modules");
             let expected = interpreter.factors(q);

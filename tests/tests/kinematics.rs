@@ -7,9 +7,9 @@ use modyn_codegen::graph::Node;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::kinematics::Axes;
-use modyn_runtime::equations::{Forces, Workspace, inverse_dynamics::inverse_dynamics};
+use modyn_runtime::equations::{Forces, Workspace, dynamics::inverse_dynamics};
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Joint, Link, Mimic, Model};
 use modyn_runtime::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use modyn_runtime::{FrameError, Interpreter, ShapeError};
@@ -417,7 +417,7 @@ fn links_on_the_ground_do_not_move() {
 #[test]
 fn a_force_from_outside_is_felt_by_the_jacobian() {
     everywhere(|interpreter, State { q, qd, qdd }| {
-        let prepared = Prepared::new(interpreter.model());
+        let mechanism = Mechanism::new(interpreter.model());
         let (frames, n) = (interpreter.model().frames().len(), interpreter.model().nv());
         let wrench = [0.3, -1.2, 0.7, 2.0, -0.4, 1.1];
         for frame in 0..frames {
@@ -429,9 +429,9 @@ fn a_force_from_outside_is_felt_by_the_jacobian() {
                 (Axes::Link, Forces::InLinkAxes(&forces)),
             ] {
                 let mut found = vec![0.0; n];
-                let workspace = &mut Workspace::new(&prepared);
+                let workspace = &mut Workspace::new(&mechanism);
                 inverse_dynamics(
-                    &prepared,
+                    &mechanism,
                     (q, qd, Some(qdd)),
                     Some(forces),
                     workspace,
@@ -618,8 +618,8 @@ fn calls_allocate_nothing() {
 #[test]
 fn traces_are_what_is_interpreted() {
     everywhere(|interpreter, State { q, qd, qdd }| {
-        let prepared = Prepared::new(interpreter.model());
-        let tracer = Tracer::new(&prepared);
+        let mechanism = Mechanism::new(interpreter.model());
+        let tracer = Tracer::new(&mechanism);
         let inputs = [&q[..], qd, qdd].concat();
         let n = interpreter.model().nv();
         let frame = interpreter.model().frames().len() - 2;
@@ -675,8 +675,8 @@ fn a_link_depends_on_its_chain_alone() {
         at = model.links()[i].parent;
     }
     assert_eq!(own.len(), 3, "joints of a leg");
-    let prepared = Prepared::new(&model);
-    let tracer = Tracer::new(&prepared);
+    let mechanism = Mechanism::new(&model);
+    let tracer = Tracer::new(&mechanism);
     let n = model.nv();
     let mut graphs = vec![("pose", tracer.link_pose(frame), 27)];
     for (axes, [jacobian, velocity, acceleration, rate]) in

@@ -2,12 +2,12 @@
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::ModelErrorKind::{
-    Axis, Drive as DriveError, DuplicateName, Mimic as MimicError, NoJoint, NotFinite, Order,
-    Parent, Rotation, SecondAxis,
+    Axis, DuplicateName, JointDynamics as DriveError, Mimic as MimicError, NoJoint, NotFinite,
+    Order, Parent, Rotation, SecondAxis,
 };
 use modyn_runtime::model::{
-    DEFAULT_GRAVITY, Drive, Frame, Friction, Inertial, InertialDefect, Joint, Link, Mimic, Model,
-    ModelErrorKind, ModuleError, ModuleTree,
+    DEFAULT_GRAVITY, Frame, Friction, Inertial, InertialDefect, Joint, JointDynamics, Link, Mimic,
+    Model, ModelErrorKind, ModuleError, ModuleTree,
 };
 use modyn_runtime::spatial::Pose;
 use modyn_tests::cases::{cases, robots};
@@ -187,9 +187,9 @@ fn second_axes() {
 #[test]
 fn drives() {
     for drive in [
-        Drive { armature: -1e-9, ..Drive::default() },
-        Drive { damping: -1.0, ..Drive::default() },
-        Drive { friction: -1.0, ..Drive::default() },
+        JointDynamics { armature: -1e-9, ..JointDynamics::default() },
+        JointDynamics { damping: -1.0, ..JointDynamics::default() },
+        JointDynamics { friction: -1.0, ..JointDynamics::default() },
     ] {
         assert_refused(|p| p.links[1].joint.drive = drive, &[("b_joint", DriveError)]);
     }

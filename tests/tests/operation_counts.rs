@@ -3,9 +3,9 @@
 use modyn_codegen::graph::Graph;
 use modyn_codegen::plan::partition;
 use modyn_codegen::trace::Tracer;
-use modyn_runtime::equations::forward_dynamics::Elimination;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::ModuleTree;
-use modyn_runtime::model::prepare::Prepared;
 use modyn_tests::golden;
 
 /// A robot's operations: multiplications, additions and divisions together.
@@ -47,17 +47,17 @@ const LIMITS: [(&str, usize); 4] = [("ur5", 555), ("panda", 1139), ("solo12", 91
 
 fn counts(robot: &'static str) -> Counts {
     let model = golden::model(&golden::urdf(robot));
-    let prepared = Prepared::new(&model);
-    let tracer = Tracer::new(&prepared);
+    let mechanism = Mechanism::new(&model);
+    let tracer = Tracer::new(&mechanism);
     let total = |graph: Graph| graph.count().total();
     let forward = |modules: &ModuleTree| {
-        total(tracer.forward_dynamics(&Elimination::new(&prepared, modules)))
+        total(tracer.forward_dynamics(&Elimination::new(&mechanism, modules)))
     };
     Counts {
         robot,
         forward_dynamics: forward(&ModuleTree::links(&model))
             .min(forward(&ModuleTree::chains(&model))),
-        searched: partition::choose(&model, &prepared, &tracer).candidates[0].1,
+        searched: partition::choose(&model, &mechanism, &tracer).candidates[0].1,
         inverse_dynamics: total(tracer.inverse_dynamics()),
         mass_matrix: total(tracer.mass_matrix()),
     }

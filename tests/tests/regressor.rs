@@ -1,10 +1,11 @@
 //! Inverse dynamics as linear in the inertias, and the combinations of them that it depends on.
 
 use modyn_codegen::trace::Tracer;
+use modyn_runtime::equations::identification::BaseParameters;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{
-    BaseParameters, DEFAULT_GRAVITY, Drive, Friction, Inertial, Joint, Link, Mimic, Model,
+    DEFAULT_GRAVITY, Friction, Inertial, Joint, JointDynamics, Link, Mimic, Model,
 };
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Interpreter, ShapeError};
@@ -116,7 +117,7 @@ fn torques_are_linear_in_the_inertias() {
 #[test]
 fn what_drives_take_is_left_out() {
     let model = tree(5, 6);
-    let drive = Drive { armature: 0.3, damping: 0.7, friction: 0.0 };
+    let drive = JointDynamics { armature: 0.3, damping: 0.7, friction: 0.0 };
     let mut links = model.links().to_vec();
     links.iter_mut().for_each(|link| link.joint.drive = drive);
     let model = Model::new("driven", model.gravity(), links, vec![]).expect("a valid model");
@@ -133,7 +134,7 @@ fn the_graph_computes_the_same() {
     for seed in 0..20 {
         let mut robot = Interpreter::new(varied(seed, 6));
         let state = state(&robot, seed);
-        let graph = Tracer::new(&Prepared::new(robot.model())).regressor();
+        let graph = Tracer::new(&Mechanism::new(robot.model())).regressor();
         let found = graph.evaluate::<f64>(&state.concat());
         assert_close("regressor", &found, regressor(&mut robot, &state).as_slice(), 1e-11);
     }

@@ -1,8 +1,8 @@
 //! Whether single precision carries a robot's dynamics.
 
-use modyn_runtime::equations::coordinates;
+use modyn_runtime::equations::kinematics::coordinates;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::Model;
-use modyn_runtime::model::prepare::Prepared;
 use modyn_runtime::{Interpreter, Portable, Scalar as _, jacobi};
 
 use crate::diagnostics::{Code, Diagnostic, Severity, Subject};
@@ -28,9 +28,9 @@ pub fn condition_number(model: &Model) -> Option<f64> {
     if nv > MOST_VELOCITIES {
         return None;
     }
-    let prepared = Prepared::new(model);
+    let mechanism = Mechanism::new(model);
     // The warning is part of the generated text, which is the same on every host.
-    let prepared = prepared.cast::<Portable>();
+    let mechanism = mechanism.cast::<Portable>();
     let mut interpreter = Interpreter::<Portable>::new(model.clone());
     let mut q = vec![Portable(0.0); model.nq()];
     let mut matrix = vec![Portable(0.0); nv * nv];
@@ -42,7 +42,7 @@ pub fn condition_number(model: &Model) -> Option<f64> {
         Portable(number)
     };
     for _ in 0..STATES {
-        coordinates::random(&prepared, &mut uniform, &mut q);
+        coordinates::random(&mechanism, &mut uniform, &mut q);
         interpreter.mass_matrix(&q, &mut matrix).ok()?;
         let scale: Vec<Portable> = (0..nv).map(|i| matrix[i * (nv + 1)].sqrt().recip()).collect();
         for (j, column) in matrix.chunks_mut(nv).enumerate() {

@@ -9,7 +9,7 @@ mod singular;
 
 pub(crate) use conditioning::warning as conditioning_warning;
 pub use conditioning::{CARRIED_BY_F32, condition_number};
-use modyn_runtime::model::{Drive, Inertial, Model};
+use modyn_runtime::model::{Inertial, JointDynamics, Model};
 use modyn_runtime::spatial::Pose;
 pub(crate) use options::{friction_error, gravity_error};
 
@@ -38,7 +38,7 @@ pub struct JointView<'d> {
     pub name: &'d str,
     pub at: Option<usize>,
     pub mimic_at: Option<usize>,
-    pub drive: Drive,
+    pub drive: JointDynamics,
     pub drive_at: Option<usize>,
 }
 
@@ -132,7 +132,7 @@ pub fn check_model(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic
 #[cfg(test)]
 mod tests {
     use modyn_runtime::joint::JointType;
-    use modyn_runtime::model::{DEFAULT_GRAVITY, Drive, Inertial, Joint, Link, Mimic};
+    use modyn_runtime::model::{DEFAULT_GRAVITY, Inertial, Joint, JointDynamics, Link, Mimic};
     use modyn_runtime::spatial::Pose;
 
     use super::*;
@@ -166,7 +166,7 @@ mod tests {
         assert_eq!(codes(|link| link.joint.mimic = mimic(-2.0, 1.0)), []);
         assert_eq!(codes(|link| link.joint.mimic = mimic(1e70, 0.0)), [Code::NotFinite]);
         assert_eq!(codes(|link| link.joint.mimic = mimic(1.0, -1e70)), [Code::NotFinite]);
-        let damped = |damping| Drive { damping, ..Drive::default() };
+        let damped = |damping| JointDynamics { damping, ..JointDynamics::default() };
         assert_eq!(codes(|link| link.joint.drive = damped(2.0)), []);
         assert_eq!(codes(|link| link.joint.drive = damped(1e70)), [Code::NotFinite]);
         assert_eq!(codes(|link| link.joint.joint_type = JointType::Floating), []);

@@ -1,13 +1,13 @@
 //! Whether joints can move: drives, ratios of mimics, and inertia that each joint feels.
 
-use modyn_runtime::model::{Drive, Friction, Model};
+use modyn_runtime::model::{Friction, JointDynamics, Model};
 
 use super::{Body, inertia, singular};
 use crate::description::LARGEST;
 use crate::diagnostics::{Code, Place, Report, Subject};
 
 /// Reports a drive that one cannot compute with.
-pub fn drive(drive: &Drive, at: Option<usize>, joint: &Subject, report: &mut Report<'_>) {
+pub fn drive(drive: &JointDynamics, at: Option<usize>, joint: &Subject, report: &mut Report<'_>) {
     if ![drive.armature, drive.damping, drive.friction].iter().all(|x| x.abs() < LARGEST) {
         let message = "the figures of its drive are too large to compute with";
         let help = "write kg m^2 (or kg), N m s/rad (or N s/m) and N m (or N)";

@@ -255,7 +255,7 @@ fn trace(a: &Symmetric3<f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use modyn_runtime::model::{DEFAULT_GRAVITY, Drive, Link, Mimic};
+    use modyn_runtime::model::{DEFAULT_GRAVITY, JointDynamics, Link, Mimic};
 
     use super::*;
 
@@ -295,7 +295,7 @@ mod tests {
                 joint.origin.translation = [0.3, -0.2, 0.5];
             }
             if self.below(8) == 0 {
-                joint.drive = Drive { armature: 0.1, ..Drive::default() };
+                joint.drive = JointDynamics { armature: 0.1, ..JointDynamics::default() };
             }
             let inertial = match self.below(4) {
                 0 => Inertial { mass: 1.0, center_of_mass: [0.2, 0.3, 0.4], inertia: [0.0; 6] },

@@ -10,7 +10,7 @@ pub use choices::{Base, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
 pub use geometry::{LARGEST, normalized, roll_pitch_yaw};
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Drive, Inertial, Limits, LoopConstraintKind};
+use modyn_runtime::model::{Inertial, JointDynamics, Limits, LoopConstraintKind};
 use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashMap;
 
@@ -102,7 +102,7 @@ pub struct JointRecord {
     pub second_axis: [f64; 3],
     pub limits: Option<Limits>,
     pub mimic: Option<MimicRecord>,
-    pub drive: Drive,
+    pub drive: JointDynamics,
     /// Where the drive stands.
     pub drive_at: usize,
     /// Whether all of it could be read.

@@ -5,7 +5,7 @@ use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Range, Sub};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use modyn_runtime::Scalar;
+use modyn_runtime::{LaneScalar, Scalar};
 
 use super::{Graph, Id, Node};
 
@@ -206,8 +206,18 @@ impl Scalar for Expr {
     fn select_nonnegative(self, then: Self, otherwise: Self) -> Self {
         Self::make([self, then, otherwise], |[a, b, c]| Node::Select(a, b, c))
     }
+}
 
-    fn over_limbs(self, limbs: Range<usize>) -> Self {
+impl LaneScalar for Expr {
+    fn pack(each: &[Self]) -> Self {
+        Self::pack(each)
+    }
+
+    fn extract_lane(self, lane: usize) -> Self {
+        self.extract_lane(lane)
+    }
+
+    fn sum_lanes(self, lanes: Range<usize>) -> Self {
         // In pairs: as few additions one behind the other as can be.
         fn sum(x: Expr, lanes: Range<usize>) -> Expr {
             if lanes.len() == 1 {
@@ -216,14 +226,6 @@ impl Scalar for Expr {
             let middle = lanes.start + lanes.len() / 2;
             sum(x, lanes.start..middle) + sum(x, middle..lanes.end)
         }
-        if limbs == (0..1) { self } else { sum(self, limbs) }
-    }
-
-    fn of_limb(self, limb: usize) -> Self {
-        self.extract_lane(limb)
-    }
-
-    fn by_limb(each: &[Self]) -> Self {
-        Self::pack(each)
+        sum(self, lanes)
     }
 }

@@ -213,10 +213,10 @@ impl Rewritten {
 
 #[cfg(test)]
 mod tests {
-    use modyn_runtime::equations::Partition;
-    use modyn_runtime::equations::forward_dynamics::Elimination;
+    use modyn_runtime::equations::ModulePartition;
+    use modyn_runtime::equations::dynamics::Elimination;
+    use modyn_runtime::mechanism::Mechanism;
     use modyn_runtime::model::ModuleTree;
-    use modyn_runtime::model::prepare::Prepared;
 
     use super::*;
     use crate::graph::Expr;
@@ -275,10 +275,12 @@ mod tests {
             let text = std::fs::read_to_string(format!("{robots}/{robot}")).expect("a robot");
             let model =
                 crate::read_urdf(&text, robot, &crate::ReadOptions::default()).expect("good").model;
-            let prepared = Prepared::new(&model);
-            let links =
-                Elimination::Recursive(Partition::new(&prepared, &ModuleTree::links(&model)));
-            let graph = optimize(Tracer::new(&prepared).forward_dynamics(&links));
+            let mechanism = Mechanism::new(&model);
+            let links = Elimination::Recursive(ModulePartition::new(
+                &mechanism,
+                &ModuleTree::links(&model),
+            ));
+            let graph = optimize(Tracer::new(&mechanism).forward_dynamics(&links));
             let figures = |graph: &Graph| [critical_path(graph) as usize, graph.count().total()];
             assert_eq!((figures(&graph), figures(&balance(&graph))), (before, after), "{robot}");
         }

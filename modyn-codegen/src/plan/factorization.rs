@@ -1,6 +1,6 @@
 //! The functions of the mass matrix's factors.
 
-use modyn_runtime::equations::brge::Layout;
+use modyn_runtime::equations::brge::UduLayout;
 
 use super::shape::{Shape, Sizes};
 use crate::graph::Graph;
@@ -23,7 +23,7 @@ pub struct FactorFunction {
 }
 
 /// All of them.
-pub(super) fn plan(tracer: &Tracer<'_>, layout: &Layout, sizes: &Sizes) -> Vec<FactorFunction> {
+pub(super) fn plan(tracer: &Tracer<'_>, layout: &UduLayout, sizes: &Sizes) -> Vec<FactorFunction> {
     let square = || Shape::matrix(sizes.nv, sizes.nv);
     let factors = || ("factors", Shape::vector(layout.size()));
     let rhs = ("rhs", Shape::vector(sizes.nv));

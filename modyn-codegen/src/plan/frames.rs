@@ -4,7 +4,7 @@
 //! body share one program, to which their placement on the body is an argument: a row of a table. So the code grows by
 //! a row and a call for each further link, whatever the functions compute.
 
-use modyn_runtime::model::prepare::{BodyFrame, Prepared};
+use modyn_runtime::mechanism::{BodyFrame, Mechanism};
 use modyn_runtime::spatial::Pose;
 
 use super::Shape;
@@ -31,7 +31,7 @@ pub enum LinkCode {
 /// The links of a robot, by the programs that they have.
 pub struct Frames {
     /// The robot without its links, to which the one of a program is added.
-    bare: Prepared<f64>,
+    bare: Mechanism<f64>,
     frames: Vec<BodyFrame<f64>>,
     codes: Vec<LinkCode>,
     /// The bodies with links that share a program.
@@ -42,11 +42,11 @@ impl Frames {
     /// The number of scalars of a placement: nine of a rotation by rows, then three of a translation.
     pub const PLACEMENT: usize = 12;
 
-    pub(super) fn new(prepared: &Prepared<f64>) -> Self {
+    pub(super) fn new(mechanism: &Mechanism<f64>) -> Self {
         // By body, the world first.
-        let mut counts = vec![0; prepared.bodies.len() + 1];
+        let mut counts = vec![0; mechanism.bodies.len() + 1];
         let (mut codes, mut shared, mut rows) = (Vec::new(), Vec::new(), 0);
-        for frame in &prepared.frames {
+        for frame in &mechanism.frames {
             let count = &mut counts[frame.body.map_or(0, |body| body + 1)];
             *count += 1;
             if *count == MAX_OWN_FUNCTIONS + 1 {
@@ -60,12 +60,12 @@ impl Frames {
                 LinkCode::Shared { body: place.unwrap_or_default(), row: rows - 1 }
             });
         }
-        let bare = Prepared { frames: Vec::new(), ..prepared.clone() };
-        Self { bare, frames: prepared.frames.clone(), codes, shared }
+        let bare = Mechanism { frames: Vec::new(), ..mechanism.clone() };
+        Self { bare, frames: mechanism.frames.clone(), codes, shared }
     }
 
     /// The robot without its links.
-    pub(super) fn bare(&self) -> &Prepared<f64> {
+    pub(super) fn bare(&self) -> &Mechanism<f64> {
         &self.bare
     }
 
@@ -120,7 +120,7 @@ impl Frames {
     pub(super) fn poses(&self) -> [Graph; 2] {
         let own = self.own().map(|link| self.frames[link]);
         let bodies = self.shared.iter().map(|&body| BodyFrame { body, pose: Pose::identity() });
-        let model = Prepared { frames: own.chain(bodies).collect(), ..self.bare.clone() };
+        let model = Mechanism { frames: own.chain(bodies).collect(), ..self.bare.clone() };
         [Tracer::new(&model).link_poses(), Tracer::placed_pose()]
     }
 }

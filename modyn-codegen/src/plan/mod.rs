@@ -15,10 +15,10 @@ pub mod partition;
 mod shape;
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::equations::Partition;
-use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::equations::forward_dynamics::Elimination;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::ModulePartition;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
 pub use factorization::FactorFunction;
@@ -71,7 +71,7 @@ pub struct Plan {
     /// The functions of the mass matrix's factors; none unless a function returns these.
     pub factorization: Vec<FactorFunction>,
     /// The layout of the factors.
-    pub layout: Layout,
+    pub layout: UduLayout,
     /// The sizes of the robot.
     pub sizes: Sizes,
     /// The parameters that are known at run time only.
@@ -178,13 +178,13 @@ pub struct Tracing<'a> {
     /// The elimination of forward dynamics.
     pub elimination: &'a Elimination,
     /// The factorization that users are given.
-    pub layout: &'a Layout,
+    pub layout: &'a UduLayout,
     /// The factorization that derivatives are solved by.
-    pub for_derivatives: &'a Layout,
+    pub for_derivatives: &'a UduLayout,
     /// The ways to pack limbs.
     limbs: &'a [LimbPacking],
     /// The partitions by which forward dynamics with packed limbs can be eliminated.
-    partitions: &'a [Partition],
+    partitions: &'a [ModulePartition],
     /// Whether no limb moves another.
     independent: bool,
     /// Whether the language has vectors.
@@ -197,29 +197,32 @@ impl Plan {
     /// Plans the functions of `model`, which users divide into `modules`.
     #[must_use]
     pub fn new(model: &Model, modules: &ModuleTree, choices: &Choices<'_>) -> Self {
-        let prepared = Prepared::new(model);
+        let mechanism = Mechanism::new(model);
         let (inertias, payloads) = (choices.runtime_inertia, choices.payload);
         let described = inertias.is_empty() && payloads.is_empty();
         let parameters = Parameters::new(model, choices.runtime_gravity, inertias, payloads);
-        let frames = Frames::new(&prepared);
-        let all_links = Tracer::with_parameters(&prepared, parameters.clone());
+        let frames = Frames::new(&mechanism);
+        let all_links = Tracer::with_parameters(&mechanism, parameters.clone());
         // Nearly no function is about links, of which there may be very many; but their inertia may be an argument.
         let tracer = match described {
             true => Tracer::with_parameters(frames.bare(), parameters.clone()),
             false => all_links.clone(),
         };
         let Choice { modules: eliminated, graph: forward_dynamics, candidates } =
-            partition::choose(model, &prepared, &tracer);
-        let layout = Layout::new(&prepared, modules);
+            partition::choose(model, &mechanism, &tracer);
+        let layout = UduLayout::new(&mechanism, modules);
         // A link that is given at run time has no equal.
         let packs = choices.strategy != Strategy::Scalar && described;
         let joins = choices.strategy == Strategy::Vectors;
-        let limbs = if packs { LimbPacking::candidates(&prepared, joins) } else { Vec::new() };
+        let limbs = if packs { LimbPacking::candidates(&mechanism, joins) } else { Vec::new() };
         // The partition that is cheapest limb by limb need not be so for packed limbs.
         let uniform = [ModuleTree::links(model), partition::whole_chains(model)];
         let others = uniform.iter().filter(|modules| !limbs.is_empty() && **modules != eliminated);
-        let partitions: Vec<Partition> =
-            [&eliminated].into_iter().chain(others).map(|m| Partition::new(&prepared, m)).collect();
+        let partitions: Vec<ModulePartition> = [&eliminated]
+            .into_iter()
+            .chain(others)
+            .map(|m| ModulePartition::new(&mechanism, m))
+            .collect();
         let sizes = Sizes {
             nq: model.nq(),
             nv: model.nv(),
@@ -234,11 +237,11 @@ impl Plan {
             frames: &frames,
             limbs: &limbs,
             partitions: &partitions,
-            independent: limbs.first().is_some_and(|limbs| limbs.independent(&prepared)),
+            independent: limbs.first().is_some_and(|limbs| limbs.independent(&mechanism)),
             vectors: choices.strategy == Strategy::Vectors,
-            elimination: &Elimination::new(&prepared, &eliminated),
+            elimination: &Elimination::new(&mechanism, &eliminated),
             layout: &layout,
-            for_derivatives: &Layout::new(&prepared, &partition::whole_chains(model)),
+            for_derivatives: &UduLayout::new(&mechanism, &partition::whole_chains(model)),
             forward_dynamics: &forward_dynamics,
         };
         let selected = |function: &Function| {

@@ -1,6 +1,6 @@
 //! Functions on vectors within one state: which limbs or columns are packed, and when that is profitable.
 
-use modyn_runtime::equations::forward_dynamics::Elimination;
+use modyn_runtime::equations::dynamics::Elimination;
 
 use super::Tracing;
 use super::functions::{Function, Trace};

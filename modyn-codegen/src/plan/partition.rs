@@ -8,9 +8,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use modyn_runtime::equations::forward_dynamics::Elimination;
+use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::graph::Graph;
@@ -48,9 +48,9 @@ pub fn whole_chains(model: &Model) -> ModuleTree {
 
 /// Traces and counts candidates, and takes the cheapest.
 #[must_use]
-pub fn choose(model: &Model, prepared: &Prepared<f64>, tracer: &Tracer<'_>) -> Choice {
+pub fn choose(model: &Model, mechanism: &Mechanism<f64>, tracer: &Tracer<'_>) -> Choice {
     let trace =
-        |modules: &ModuleTree| tracer.forward_dynamics(&Elimination::new(prepared, modules));
+        |modules: &ModuleTree| tracer.forward_dynamics(&Elimination::new(mechanism, modules));
     let mut search = Search::new(model);
     let mut best: Option<(usize, Graph, ModuleTree)> = None;
     let mut traced = 0;
@@ -176,9 +176,9 @@ mod tests {
         let model = crate::read_urdf(text, "arm6.urdf", &crate::ReadOptions::default())
             .expect("good")
             .model;
-        let prepared = Prepared::new(&model);
+        let mechanism = Mechanism::new(&model);
         let Choice { modules, graph, candidates } =
-            choose(&model, &prepared, &Tracer::new(&prepared));
+            choose(&model, &mechanism, &Tracer::new(&mechanism));
         assert_eq!(candidates[0].0, "the modules that were found");
         assert!(candidates.iter().all(|(_, cost)| *cost >= candidates[0].1));
         assert!(graph.count().total() <= candidates[0].1);

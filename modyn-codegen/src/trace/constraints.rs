@@ -4,7 +4,7 @@
 //! three linear ones.
 
 use modyn_runtime::ConstraintSettings;
-use modyn_runtime::equations::brge::Layout;
+use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
 use modyn_runtime::spatial::{Twist, Wrench};
 
@@ -15,7 +15,7 @@ impl Tracer<'_> {
     /// The accelerations, a wrench and a residual for each loop constraint, and the rank, from `q`, `qd`,
     /// `tau` and settings, through the factors of the mass matrix in this layout.
     #[must_use]
-    pub fn constrained_forward_dynamics(&self, layout: &Layout) -> Graph {
+    pub fn constrained_forward_dynamics(&self, layout: &UduLayout) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
         self.trace_groups([nq, nv, nv, SETTINGS], |model, [q, qd, tau, settings]| {
             let loops = model.loop_constraints.len();
@@ -50,7 +50,7 @@ impl Tracer<'_> {
 
     /// The step, the change of the velocities and the rank, from `q`, `qd` and settings.
     #[must_use]
-    pub fn project_constraints(&self, layout: &Layout) -> Graph {
+    pub fn project_constraints(&self, layout: &UduLayout) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
         self.trace_groups([nq, nv, SETTINGS], |model, [q, qd, settings]| {
             let (mut dq, mut dqd) = (self.vector(), self.vector());

@@ -2,7 +2,7 @@
 //! [`coordinates::neutral`] on numbers.
 
 use modyn_runtime::Scalar;
-use modyn_runtime::equations::coordinates;
+use modyn_runtime::equations::kinematics::coordinates;
 
 use super::Tracer;
 use crate::graph::{Expr, Graph};

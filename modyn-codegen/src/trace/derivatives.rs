@@ -2,10 +2,10 @@
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::Workspace;
-use modyn_runtime::equations::brge::Layout;
+use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::derivatives::{self, ForwardDerivatives};
-use modyn_runtime::equations::limbs::across;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::factorization::{MergedUduLayout, cross_limb};
+use modyn_runtime::mechanism::MergedMechanism;
 
 use super::Tracer;
 use crate::graph::{Expr, Graph};
@@ -26,17 +26,19 @@ impl Tracer<'_> {
     /// The accelerations from `q`, `qd`, `tau` and their derivatives by q, qd and tau, column by
     /// column, through the factors of the GIM in this layout.
     #[must_use]
-    pub fn forward_dynamics_derivatives(&self, layout: &Layout) -> Graph {
+    pub fn forward_dynamics_derivatives(&self, layout: &UduLayout) -> Graph {
         let Some(limbs) = self.limbs else {
             return self.trace(|model, state| {
+                let model = &self.with_column_lanes(model);
+                let layout = &MergedUduLayout::new(model, layout.clone());
                 derive(model, layout, state, &mut Workspace::new(model)).concat()
             });
         };
         self.trace_lanes(limbs, |model, state| {
-            let layout = Layout::of(model, limbs.partition(layout.partition()));
+            let layout = MergedUduLayout::by_modules(model, limbs.partition(layout.partition()));
             let workspace = &mut Workspace::new(model);
             let [qdd, dq, dqd, dtau] = derive(model, &layout, state, workspace);
-            let [q, qd, tau] = [&dq, &dqd, &dtau].map(|x| across(model, &layout, workspace, x));
+            let [q, qd, tau] = [&dq, &dqd, &dtau].map(|x| cross_limb(model, &layout, workspace, x));
             let matrices = [
                 limbs.unpack_coupled(&dq, &q),
                 limbs.unpack_coupled(&dqd, &qd),
@@ -49,12 +51,12 @@ impl Tracer<'_> {
 
 /// The accelerations from `q`, `qd`, `tau` and their derivatives by these.
 fn derive(
-    model: &Prepared<Expr>,
-    layout: &Layout,
+    model: &MergedMechanism<Expr>,
+    layout: &MergedUduLayout,
     [q, qd, tau]: [Vec<Expr>; 3],
     workspace: &mut Workspace<Expr>,
 ) -> [Vec<Expr>; 4] {
-    let mut qdd = vec![Expr::zero(); model.nv];
+    let mut qdd = vec![Expr::zero(); model.nv()];
     let (mut dq, mut dqd, mut dtau) = (square(model), square(model), square(model));
     let outputs = ForwardDerivatives {
         qdd: &mut qdd,
@@ -68,6 +70,6 @@ fn derive(
 }
 
 /// Room for a matrix of nv x nv numbers.
-fn square(model: &Prepared<Expr>) -> Vec<Expr> {
-    vec![Expr::zero(); model.nv * model.nv]
+fn square(model: &MergedMechanism<Expr>) -> Vec<Expr> {
+    vec![Expr::zero(); model.nv() * model.nv()]
 }

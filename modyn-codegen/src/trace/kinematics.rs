@@ -4,7 +4,7 @@
 //! momentum is three angular numbers, then three linear ones; columns stand one after another.
 
 use modyn_runtime::equations::kinematics::{self, Axes};
-use modyn_runtime::equations::{Workspace, center_of_mass, centroidal};
+use modyn_runtime::equations::{Workspace, dynamics};
 use modyn_runtime::spatial::{Momentum, Pose, Twist, Vector3};
 
 use super::Tracer;
@@ -88,7 +88,7 @@ impl Tracer<'_> {
     pub fn center_of_mass(&self) -> Graph {
         self.trace(|model, [q]| {
             let workspace = &mut Workspace::new(model);
-            center_of_mass::center_of_mass(model, &q, workspace).0.to_vec()
+            kinematics::center_of_mass(model, &q, workspace).0.to_vec()
         })
     }
 
@@ -98,7 +98,7 @@ impl Tracer<'_> {
         self.trace(|model, [q]| {
             let mut columns = vec![Vector3::zero(); model.nv];
             let workspace = &mut Workspace::new(model);
-            center_of_mass::center_of_mass_jacobian(model, &q, workspace, &mut columns);
+            kinematics::center_of_mass_jacobian(model, &q, workspace, &mut columns);
             columns.iter().flat_map(|column| column.0).collect()
         })
     }
@@ -109,7 +109,7 @@ impl Tracer<'_> {
         self.trace(|model, [q]| {
             let mut columns = vec![Momentum::zero(); model.nv];
             let workspace = &mut Workspace::new(model);
-            centroidal::centroidal_momentum_matrix(model, &q, workspace, &mut columns);
+            dynamics::centroidal_momentum_matrix(model, &q, workspace, &mut columns);
             columns.iter().flat_map(Momentum::components).collect()
         })
     }
@@ -119,7 +119,7 @@ impl Tracer<'_> {
     pub fn centroidal_momentum(&self) -> Graph {
         self.trace(|model, [q, qd]| {
             let workspace = &mut Workspace::new(model);
-            centroidal::centroidal_momentum(model, (&q, &qd), workspace).components().to_vec()
+            dynamics::centroidal_momentum(model, (&q, &qd), workspace).components().to_vec()
         })
     }
 }

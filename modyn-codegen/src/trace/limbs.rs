@@ -1,9 +1,9 @@
 //! Equal limbs as one limb of lanes: legs on a trunk, arms on a torso, fingers on a palm.
 //!
-//! LimbPacking are equal if they have the same joint types in the same tree; their numbers may differ. They
+//! Limbs are equal if they have the same joint types in the same tree; their numbers may differ. They
 //! are put side by side, a limb a lane: one body stands for one of each, its numbers are lanes of
 //! theirs, and the same equations run on it. What such limbs leave on the body that they hang on adds up
-//! over the lanes ([`Body::to_parents`]); what they get from there is the same for all.
+//! over the lanes ([`MergedMechanism`]); what they get from there is the same for all.
 //!
 //! Chains that hang on different bodies can join (legs and arms): each lane then gets what its own body
 //! does, and leaves there what is its own. The shorter ones end in joints that move nothing.
@@ -13,11 +13,11 @@ mod coupled;
 use std::iter;
 use std::ops::Range;
 
-use modyn_runtime::equations::Partition;
-use modyn_runtime::equations::partition::Block;
-use modyn_runtime::joint::Primitive;
-use modyn_runtime::model::prepare::{Body, Dof, Prepared, Zero};
-use modyn_runtime::spatial::{Pose, RigidInertia, Turn};
+use modyn_runtime::equations::ModulePartition;
+use modyn_runtime::equations::factorization::ModuleBlock;
+use modyn_runtime::joint::{ElementaryJoint, JointOffset};
+use modyn_runtime::mechanism::{Body, Dof, LimbRoot, Mechanism, MergedMechanism};
+use modyn_runtime::spatial::{AxisRotation, Pose, RigidInertia, Vector3};
 
 use crate::graph::Expr;
 
@@ -61,14 +61,14 @@ struct Merged {
 impl LimbPacking {
     /// Finds equal limbs on one body; `None` if there are none.
     #[must_use]
-    pub fn find(model: &Prepared<f64>) -> Option<Self> {
+    pub fn find(model: &Mechanism<f64>) -> Option<Self> {
         let groups = groups(model);
         (!groups.is_empty()).then(|| Self::new(model, &groups))
     }
 
     /// The same with those joined that hang on different bodies; `None` if none can be.
     #[must_use]
-    pub fn joined(model: &Prepared<f64>) -> Option<Self> {
+    pub fn joined(model: &Mechanism<f64>) -> Option<Self> {
         let equal = groups(model);
         let joined = join(model, &equal);
         (joined.len() < equal.len()).then(|| Self::new(model, &joined))
@@ -76,7 +76,7 @@ impl LimbPacking {
 
     /// The ways there are, equal limbs on one body first; those on different bodies join if they may.
     #[must_use]
-    pub fn candidates(model: &Prepared<f64>, join: bool) -> Vec<Self> {
+    pub fn candidates(model: &Mechanism<f64>, join: bool) -> Vec<Self> {
         let joined = join.then(|| Self::joined(model)).flatten();
         Self::find(model).into_iter().chain(joined).collect()
     }
@@ -84,7 +84,7 @@ impl LimbPacking {
     /// Whether the bodies that limbs hang on are one behind the other: what they leave can then be carried
     /// on together.
     #[must_use]
-    pub fn share_root_path(&self, model: &Prepared<f64>) -> bool {
+    pub fn share_root_path(&self, model: &Mechanism<f64>) -> bool {
         let ways = |of: &Lanes| {
             let parents: Vec<usize> =
                 of.iter().flatten().filter_map(|&b| model.bodies[b].parent).collect();
@@ -96,7 +96,7 @@ impl LimbPacking {
         self.bodies.iter().filter(|merged| merged.first).all(|merged| ways(&merged.of))
     }
 
-    fn new(model: &Prepared<f64>, groups: &[Vec<Range<usize>>]) -> Self {
+    fn new(model: &Mechanism<f64>, groups: &[Vec<Range<usize>>]) -> Self {
         let mut bodies = Vec::new();
         let (mut velocities, mut coordinates) = (Vec::new(), Vec::new());
         let mut roots = Vec::new();
@@ -113,7 +113,7 @@ impl LimbPacking {
                 velocities.push((lanes(&|body| model.dofs[body.dofs.start + k].v), group));
                 roots.push(merged.of.iter().map(|of| of.map(|b| root_of[b])).collect());
             }
-            coordinates.extend((0..body.primitive.nq()).map(|k| lanes(&|body| body.q + k)));
+            coordinates.extend((0..body.elementary_joint.nq()).map(|k| lanes(&|body| body.q + k)));
             bodies.push(merged);
         };
         for i in 0..model.bodies.len() {
@@ -140,7 +140,7 @@ impl LimbPacking {
 
     /// Whether no limb moves another: all hang on the world.
     #[must_use]
-    pub fn independent(&self, model: &Prepared<f64>) -> bool {
+    pub fn independent(&self, model: &Mechanism<f64>) -> bool {
         let first = self.bodies.iter().filter(|merged| merged.first);
         first
             .flat_map(|merged| merged.of.iter().flatten())
@@ -148,15 +148,20 @@ impl LimbPacking {
     }
 
     /// The robot with one limb in place of several.
-    pub(super) fn merged(&self, model: &Prepared<f64>) -> Prepared<Expr> {
+    pub(super) fn merged(
+        &self,
+        model: &Mechanism<f64>,
+        gravity: Vector3<Expr>,
+    ) -> MergedMechanism<Expr> {
         let mut merged = model.cast();
         let new = |old: usize| self.bodies.iter().position(|body| body.of.contains(&Some(old)));
-        let (mut q, mut dofs) = (0, Vec::new());
+        let (mut q, mut dofs, mut roots) = (0, Vec::new(), Vec::new());
         let mut bodies = Vec::with_capacity(self.bodies.len());
         for Merged { of, representative, first } in &self.bodies {
             let representative = &model.bodies[*representative];
             let nothing = RigidInertia::zero();
-            let missing = Body { inertia: nothing, minimal: nothing, ..representative.clone() };
+            let missing =
+                Body { inertia: nothing, base_inertia: nothing, ..representative.clone() };
             let each: Vec<&Body<f64>> =
                 of.iter().map(|b| b.map_or(&missing, |b| &model.bodies[b])).collect();
             let start = dofs.len();
@@ -178,38 +183,35 @@ impl LimbPacking {
                 });
             }
             let mut body = abreast(&each, start..dofs.len(), q);
-            q += body.primitive.nq();
+            q += body.elementary_joint.nq();
             body.parent = representative.parent.and_then(new);
-            if *first {
-                let parents: Lanes = each.iter().map(|b| b.parent.and_then(new)).collect();
-                body.limbs = each.len();
-                if parents.iter().any(|&parent| parent != parents[0]) {
+            roots.push(first.then(|| {
+                let mut parents: Lanes = each.iter().map(|b| b.parent.and_then(new)).collect();
+                if parents.iter().all(|&parent| parent == parents[0]) {
+                    parents.clear();
+                } else {
                     body.parent = parents.iter().copied().max().flatten();
-                    body.parents = parents;
                 }
-            }
+                LimbRoot { limbs: each.len(), parents }
+            }));
             bodies.push(body);
         }
         (merged.bodies, merged.nq, merged.nv, merged.dofs) = (bodies, q, dofs.len(), dofs);
-        // What is said by link has no meaning here.
-        merged.links.clear();
-        merged.frames.clear();
-        merged.coordinates.clear();
-        merged.loop_constraints.clear();
-        merged
+        merged.gravity = gravity;
+        MergedMechanism::new(merged, roots)
     }
 
     /// Modules of the robot as those of it with one limb in place of several; modules do not reach
     /// from a body into limbs. The longest limb's count.
     #[must_use]
-    pub fn partition(&self, of: &Partition) -> Partition {
-        let mut blocks: Vec<Block> = of
+    pub fn partition(&self, of: &ModulePartition) -> ModulePartition {
+        let mut blocks: Vec<ModuleBlock> = of
             .blocks
             .iter()
             .filter_map(|block| {
                 let start =
                     self.bodies.iter().position(|b| b.representative == block.bodies.start)?;
-                Some(Block { bodies: start..start + block.bodies.len(), ..block.clone() })
+                Some(ModuleBlock { bodies: start..start + block.bodies.len(), ..block.clone() })
             })
             .collect();
         blocks.sort_by_key(|block| block.bodies.start);
@@ -220,7 +222,7 @@ impl LimbPacking {
             dofs += size;
             pivots += size * size;
         }
-        Partition { blocks, pivots }
+        ModulePartition { blocks, pivots }
     }
 
     /// Coordinates, lane by lane.
@@ -278,7 +280,7 @@ fn longest(limbs: &[Range<usize>]) -> &Range<usize> {
 }
 
 /// Groups of equal limbs on one body each.
-fn groups(model: &Prepared<f64>) -> Vec<Vec<Range<usize>>> {
+fn groups(model: &Mechanism<f64>) -> Vec<Vec<Range<usize>>> {
     let mut groups = Vec::new();
     if !model.has_mimics() {
         find_among(model, &roots(model), &mut groups);
@@ -288,7 +290,7 @@ fn groups(model: &Prepared<f64>) -> Vec<Vec<Range<usize>>> {
 }
 
 /// Joins groups of chains that go on alike for as long as both do.
-fn join(model: &Prepared<f64>, groups: &[Vec<Range<usize>>]) -> Vec<Vec<Range<usize>>> {
+fn join(model: &Mechanism<f64>, groups: &[Vec<Range<usize>>]) -> Vec<Vec<Range<usize>>> {
     let mut joined: Vec<Vec<Range<usize>>> = Vec::new();
     let fits = |one: &[Range<usize>], other: &[Range<usize>]| {
         let (a, b) = (chain(model, longest(one)), chain(model, longest(other)));
@@ -307,20 +309,20 @@ fn join(model: &Prepared<f64>, groups: &[Vec<Range<usize>>]) -> Vec<Vec<Range<us
 }
 
 /// The joint types of a limb, if it is a chain.
-fn chain(model: &Prepared<f64>, limb: &Range<usize>) -> Option<Vec<Primitive>> {
+fn chain(model: &Mechanism<f64>, limb: &Range<usize>) -> Option<Vec<ElementaryJoint>> {
     let follows = |i: usize| model.bodies[i].parent == Some(i - 1);
     let is_chain = limb.clone().skip(1).all(follows);
-    is_chain.then(|| limb.clone().map(|i| model.bodies[i].primitive).collect())
+    is_chain.then(|| limb.clone().map(|i| model.bodies[i].elementary_joint).collect())
 }
 
 /// The bodies that hang on the world, each with all behind it.
-fn roots(model: &Prepared<f64>) -> Vec<Range<usize>> {
+fn roots(model: &Mechanism<f64>) -> Vec<Range<usize>> {
     children(model, None, 0..model.bodies.len())
 }
 
 /// The bodies among `range` that hang on `parent`, each with all behind it.
 fn children(
-    model: &Prepared<f64>,
+    model: &Mechanism<f64>,
     parent: Option<usize>,
     range: Range<usize>,
 ) -> Vec<Range<usize>> {
@@ -330,12 +332,12 @@ fn children(
 }
 
 /// Groups equal limbs among `limbs`, which hang on one body, and goes on inside the others.
-fn find_among(model: &Prepared<f64>, limbs: &[Range<usize>], groups: &mut Vec<Vec<Range<usize>>>) {
+fn find_among(model: &Mechanism<f64>, limbs: &[Range<usize>], groups: &mut Vec<Vec<Range<usize>>>) {
     let mut rest = limbs.to_vec();
     while !rest.is_empty() {
         let limb = rest.remove(0);
         let shape = shape(model, &limb);
-        let (equal, others): (Vec<_>, Vec<_>) = if shape.contains(&(Primitive::Floating, 0)) {
+        let (equal, others): (Vec<_>, Vec<_>) = if shape.contains(&(ElementaryJoint::Floating, 0)) {
             (Vec::new(), rest)
         } else {
             rest.into_iter().partition(|other| self::shape(model, other) == shape)
@@ -354,10 +356,10 @@ fn find_among(model: &Prepared<f64>, limbs: &[Range<usize>], groups: &mut Vec<Ve
 
 /// The joint types of a limb, and on which of its bodies each hangs (0 for the first one, whatever it
 /// hangs on).
-fn shape(model: &Prepared<f64>, limb: &Range<usize>) -> Vec<(Primitive, usize)> {
+fn shape(model: &Mechanism<f64>, limb: &Range<usize>) -> Vec<(ElementaryJoint, usize)> {
     let of = |i: usize| {
         let parent = model.bodies[i].parent.and_then(|parent| parent.checked_sub(limb.start));
-        (model.bodies[i].primitive, parent.map_or(0, |parent| parent + 1))
+        (model.bodies[i].elementary_joint, parent.map_or(0, |parent| parent + 1))
     };
     limb.clone().map(of).collect()
 }
@@ -397,21 +399,21 @@ fn optional(dofs: &[&Dof<f64>], of: impl Fn(&Dof<f64>) -> Option<f64>) -> Option
 /// Bodies as one.
 fn abreast(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> {
     let first = each[0];
-    let turns = |of: fn(&Body<f64>) -> Turn<f64>| {
+    let turns = |of: fn(&Body<f64>) -> AxisRotation<f64>| {
         turn(&each.iter().map(|body| of(body)).collect::<Vec<_>>())
     };
     let mut translations = numbers(each, |b, f| b.placement.translation.0.into_iter().for_each(f));
     let mut inertias = numbers(each, |b, f| _ = b.inertia.map(f));
-    let mut minimal = numbers(each, |b, f| _ = b.minimal.map(f));
+    let mut minimal = numbers(each, |b, f| _ = b.base_inertia.map(f));
     let next = "as many for each body";
     Body {
         parent: None,
-        primitive: first.primitive,
+        elementary_joint: first.elementary_joint,
         q,
         mimic: None,
         dofs,
         zero: zero(&each.iter().map(|body| body.zero).collect::<Vec<_>>()),
-        placement: modyn_runtime::spatial::Placement {
+        placement: modyn_runtime::spatial::DhTransform {
             azimuth: turns(|body| body.placement.azimuth),
             translation: modyn_runtime::spatial::Vector3(
                 first.placement.translation.0.map(|_| translations.next().expect(next)),
@@ -420,35 +422,38 @@ fn abreast(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> {
         },
         link: Pose::identity(),
         inertia: first.inertia.map(|_| inertias.next().expect(next)),
-        minimal: first.minimal.map(|_| minimal.next().expect(next)),
-        limbs: 1,
-        parents: Vec::new(),
+        base_inertia: first.base_inertia.map(|_| minimal.next().expect(next)),
     }
 }
 
 /// Turns as one: free where all are the same quarter turn.
-fn turn(turns: &[Turn<f64>]) -> Turn<Expr> {
-    if let (Turn::Quarters(n), true) = (turns[0], turns.iter().all(|turn| *turn == turns[0])) {
-        return Turn::Quarters(n);
+fn turn(turns: &[AxisRotation<f64>]) -> AxisRotation<Expr> {
+    if let (AxisRotation::Quarters(n), true) =
+        (turns[0], turns.iter().all(|turn| *turn == turns[0]))
+    {
+        return AxisRotation::Quarters(n);
     }
-    let direction = |turn: &Turn<f64>| match *turn {
-        Turn::Angle { cos, sin } => (cos, sin),
-        Turn::Quarters(n) => [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][usize::from(n % 4)],
+    let direction = |turn: &AxisRotation<f64>| match *turn {
+        AxisRotation::Angle { cos, sin } => (cos, sin),
+        AxisRotation::Quarters(n) => {
+            [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][usize::from(n % 4)]
+        }
     };
-    Turn::Angle {
+    AxisRotation::Angle {
         cos: beside(turns.iter().map(|turn| constant(direction(turn).0))),
         sin: beside(turns.iter().map(|turn| constant(direction(turn).1))),
     }
 }
 
 /// Zeros as one.
-fn zero(zeros: &[Zero<f64>]) -> Zero<Expr> {
-    if let (Zero::Quarters(n), true) = (zeros[0], zeros.iter().all(|zero| *zero == zeros[0])) {
-        return Zero::Quarters(n);
+fn zero(zeros: &[JointOffset<f64>]) -> JointOffset<Expr> {
+    if let (JointOffset::Quarters(n), true) = (zeros[0], zeros.iter().all(|zero| *zero == zeros[0]))
+    {
+        return JointOffset::Quarters(n);
     }
-    let angle = |zero: &Zero<f64>| match *zero {
-        Zero::Angle(angle) => angle,
-        Zero::Quarters(n) => f64::from(n) * std::f64::consts::FRAC_PI_2,
+    let angle = |zero: &JointOffset<f64>| match *zero {
+        JointOffset::Angle(angle) => angle,
+        JointOffset::Quarters(n) => f64::from(n) * std::f64::consts::FRAC_PI_2,
     };
-    Zero::Angle(beside(zeros.iter().map(|zero| constant(angle(zero)))))
+    JointOffset::Angle(beside(zeros.iter().map(|zero| constant(angle(zero)))))
 }

@@ -9,13 +9,14 @@ mod parameters;
 mod regressor;
 
 use modyn_runtime::Scalar;
-use modyn_runtime::equations::brge::{self, Layout};
-use modyn_runtime::equations::forward_dynamics::Elimination;
-use modyn_runtime::equations::kinematics::{Axes, link_poses};
-use modyn_runtime::equations::{
-    Forces, Workspace, forward_dynamics, gravity, inverse_dynamics, kinetic_energy, mass_matrix,
+use modyn_runtime::equations::brge::{self, UduLayout};
+use modyn_runtime::equations::dynamics::{
+    Elimination, forward_dynamics, gravity_torques, inverse_dynamics, kinetic_energy, mass_matrix,
+    potential_energy, recursive_forward_dynamics, recursive_newton_euler,
 };
-use modyn_runtime::model::prepare::{BodyFrame, Prepared};
+use modyn_runtime::equations::kinematics::{Axes, link_poses};
+use modyn_runtime::equations::{Forces, Workspace};
+use modyn_runtime::mechanism::{BodyFrame, Mechanism, MergedMechanism};
 use modyn_runtime::spatial::{Pose, Wrench};
 
 use crate::graph::{Expr, Graph};
@@ -35,7 +36,7 @@ fn in_axes(forces: &[Wrench<Expr>], axes: Axes) -> Forces<'_, Expr> {
 /// Each quantity's inputs are numbered group by group in the order of its parameters.
 #[derive(Clone)]
 pub struct Tracer<'a> {
-    model: &'a Prepared<f64>,
+    model: &'a Mechanism<f64>,
     parameters: Parameters,
     /// Equal limbs that are computed side by side.
     limbs: Option<&'a LimbPacking>,
@@ -70,19 +71,19 @@ impl LinkFrame {
 impl<'a> Tracer<'a> {
     /// Traces equations of `model`, of which everything is known.
     #[must_use]
-    pub fn new(model: &'a Prepared<f64>) -> Self {
+    pub fn new(model: &'a Mechanism<f64>) -> Self {
         Self::with_parameters(model, Parameters::default())
     }
 
     /// Traces equations of `model`; `parameters` are further inputs, behind all others.
     #[must_use]
-    pub fn with_parameters(model: &'a Prepared<f64>, parameters: Parameters) -> Self {
+    pub fn with_parameters(model: &'a Mechanism<f64>, parameters: Parameters) -> Self {
         Self { model, parameters, limbs: None, columns: 1, link: None }
     }
 
     /// Traces equations of `model`, which has no links, with this one in their place.
     #[must_use]
-    pub fn with_link(model: &'a Prepared<f64>, link: LinkFrame) -> Self {
+    pub fn with_link(model: &'a Mechanism<f64>, link: LinkFrame) -> Self {
         Self { link: Some(link), ..Self::new(model) }
     }
 
@@ -100,7 +101,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// The robot.
-    pub(crate) fn model(&self) -> &Prepared<f64> {
+    pub(crate) fn model(&self) -> &Mechanism<f64> {
         self.model
     }
 
@@ -114,11 +115,10 @@ impl<'a> Tracer<'a> {
     fn trace_groups<const G: usize>(
         &self,
         lengths: [usize; G],
-        equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
+        equations: impl FnOnce(&Mechanism<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
         Graph::trace(|| {
             let mut model = self.model.cast();
-            model.columns_abreast = self.columns;
             let mut next = 0;
             let groups = lengths.map(|length| {
                 let start = next;
@@ -134,7 +134,7 @@ impl<'a> Tracer<'a> {
     /// The inputs are coordinates, then vectors of velocities or the like.
     pub(super) fn trace<const G: usize>(
         &self,
-        equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
+        equations: impl FnOnce(&Mechanism<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
         let mut lengths = [self.model.nv; G];
         lengths[0] = self.model.nq;
@@ -149,12 +149,14 @@ impl<'a> Tracer<'a> {
     fn trace_joints<const G: usize>(
         &self,
         vectors: usize,
-        equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
+        equations: impl FnOnce(&MergedMechanism<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
-        let Some(limbs) = self.limbs else { return self.trace(equations) };
+        let Some(limbs) = self.limbs else {
+            return self.trace(|model, groups| equations(&self.with_column_lanes(model), groups));
+        };
         let nv = self.model.nv;
         self.trace_lanes(limbs, |model, groups| {
-            let n = model.nv;
+            let n = model.nv();
             let computed = equations(model, groups);
             let (first, rest) = computed.split_at(vectors * n);
             let first = first.chunks(n).flat_map(|x| limbs.unpack_vector(x, nv));
@@ -163,15 +165,19 @@ impl<'a> Tracer<'a> {
         })
     }
 
+    /// The robot with its limbs as they are.
+    fn with_column_lanes(&self, model: &Mechanism<Expr>) -> MergedMechanism<Expr> {
+        MergedMechanism::with_column_lanes(model.clone(), self.columns)
+    }
+
     /// The same, for equations of equal limbs side by side that take their lanes apart.
     fn trace_lanes<const G: usize>(
         &self,
         limbs: &LimbPacking,
-        equations: impl FnOnce(&Prepared<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
+        equations: impl FnOnce(&MergedMechanism<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
     ) -> Graph {
         self.trace(|whole, groups| {
-            let mut model = limbs.merged(self.model);
-            model.gravity = whole.gravity;
+            let model = limbs.merged(self.model, whole.gravity);
             let mut place = 0..;
             let groups = groups.map(|group| match place.next() {
                 Some(0) => limbs.coordinates(&group),
@@ -184,11 +190,18 @@ impl<'a> Tracer<'a> {
     /// Accelerations from `q`, `qd`, `tau`, eliminated by these modules.
     #[must_use]
     pub fn forward_dynamics(&self, elimination: &Elimination) -> Graph {
+        let Elimination::Recursive(partition) = elimination else {
+            return self.trace(|model, [q, qd, tau]| {
+                let mut qdd = self.vector();
+                let (state, workspace) = ((&*q, &*qd, &*tau), &mut Workspace::new(model));
+                forward_dynamics(model, elimination, state, None, workspace, &mut qdd);
+                qdd
+            });
+        };
         self.trace_joints(1, |model, [q, qd, tau]| {
-            let mut qdd = vec![Expr::zero(); model.nv];
+            let mut qdd = vec![Expr::zero(); model.nv()];
             let (state, workspace) = ((&*q, &*qd, &*tau), &mut Workspace::new(model));
-            let solve = forward_dynamics::forward_dynamics;
-            solve(model, elimination, state, None, workspace, &mut qdd);
+            recursive_forward_dynamics(model, partition, state, workspace, &mut qdd);
             qdd
         })
     }
@@ -197,9 +210,9 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn inverse_dynamics(&self) -> Graph {
         self.trace_joints(1, |model, [q, qd, qdd]| {
-            let mut tau = vec![Expr::zero(); model.nv];
+            let mut tau = vec![Expr::zero(); model.nv()];
             let (motion, workspace) = ((&*q, &*qd, Some(&*qdd)), &mut Workspace::new(model));
-            inverse_dynamics::inverse_dynamics(model, motion, None, workspace, &mut tau);
+            recursive_newton_euler(model, motion, workspace, &mut tau);
             tau
         })
     }
@@ -211,7 +224,7 @@ impl<'a> Tracer<'a> {
         self.with_forces(|model, [q, qd, tau], forces| {
             let mut qdd = self.vector();
             let (state, workspace) = ((q, qd, tau), &mut Workspace::new(model));
-            let solve = forward_dynamics::forward_dynamics;
+            let solve = forward_dynamics;
             solve(model, elimination, state, Some(in_axes(forces, axes)), workspace, &mut qdd);
             qdd
         })
@@ -224,14 +237,14 @@ impl<'a> Tracer<'a> {
             let mut tau = self.vector();
             let (motion, workspace) = ((q, qd, Some(qdd)), &mut Workspace::new(model));
             let forces = Some(in_axes(forces, axes));
-            inverse_dynamics::inverse_dynamics(model, motion, forces, workspace, &mut tau);
+            inverse_dynamics(model, motion, forces, workspace, &mut tau);
             tau
         })
     }
 
     fn with_forces(
         &self,
-        equations: impl FnOnce(&Prepared<Expr>, [&[Expr]; 3], &[Wrench<Expr>]) -> Vec<Expr>,
+        equations: impl FnOnce(&Mechanism<Expr>, [&[Expr]; 3], &[Wrench<Expr>]) -> Vec<Expr>,
     ) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
         self.trace_groups([nq, nv, nv, 6 * self.model.frames.len()], |model, [q, a, b, forces]| {
@@ -245,9 +258,9 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn bias_forces(&self) -> Graph {
         self.trace_joints(1, |model, [q, qd]| {
-            let mut tau = vec![Expr::zero(); model.nv];
+            let mut tau = vec![Expr::zero(); model.nv()];
             let (motion, workspace) = ((&*q, &*qd, None), &mut Workspace::new(model));
-            inverse_dynamics::inverse_dynamics(model, motion, None, workspace, &mut tau);
+            recursive_newton_euler(model, motion, workspace, &mut tau);
             tau
         })
     }
@@ -256,8 +269,8 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn gravity_torques(&self) -> Graph {
         self.trace_joints(1, |model, [q]| {
-            let mut tau = vec![Expr::zero(); model.nv];
-            gravity::gravity_torques(model, &q, &mut Workspace::new(model), &mut tau);
+            let mut tau = vec![Expr::zero(); model.nv()];
+            gravity_torques(model, &q, &mut Workspace::new(model), &mut tau);
             tau
         })
     }
@@ -266,9 +279,9 @@ impl<'a> Tracer<'a> {
     #[must_use]
     pub fn mass_matrix(&self) -> Graph {
         self.trace_joints(0, |model, [q]| {
-            let mut columns = vec![Expr::zero(); model.nv * model.nv];
+            let mut columns = vec![Expr::zero(); model.nv() * model.nv()];
             let workspace = &mut Workspace::new(model);
-            mass_matrix::mass_matrix(model, &q, workspace, &mut columns);
+            mass_matrix(model, &q, workspace, &mut columns);
             columns
         })
     }
@@ -291,21 +304,19 @@ impl<'a> Tracer<'a> {
     pub fn kinetic_energy(&self) -> Graph {
         self.trace(|model, [q, qd]| {
             let workspace = &mut Workspace::new(model);
-            vec![kinetic_energy::kinetic_energy(model, &q, &qd, workspace)]
+            vec![kinetic_energy(model, &q, &qd, workspace)]
         })
     }
 
     /// Potential energy from `q`.
     #[must_use]
     pub fn potential_energy(&self) -> Graph {
-        self.trace(|model, [q]| {
-            vec![gravity::potential_energy(model, &q, &mut Workspace::new(model))]
-        })
+        self.trace(|model, [q]| vec![potential_energy(model, &q, &mut Workspace::new(model))])
     }
 
     /// The packed factors of U D U^T from `q`.
     #[must_use]
-    pub fn brge(&self, layout: &Layout) -> Graph {
+    pub fn brge(&self, layout: &UduLayout) -> Graph {
         self.trace(|model, [q]| {
             let mut factors = vec![Expr::zero(); layout.size()];
             let workspace = &mut Workspace::new(model);
@@ -315,7 +326,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// A full matrix, column by column, from the packed factors of U D U^T.
-    fn matrix(&self, layout: &Layout, fill: impl FnOnce(&[Expr], &mut [Expr])) -> Graph {
+    fn matrix(&self, layout: &UduLayout, fill: impl FnOnce(&[Expr], &mut [Expr])) -> Graph {
         let n = self.model.nv;
         self.trace_groups([layout.size()], |_, [factors]| {
             let mut columns = vec![Expr::zero(); n * n];
@@ -326,19 +337,19 @@ impl<'a> Tracer<'a> {
 
     /// U from the packed factors.
     #[must_use]
-    pub fn u(&self, layout: &Layout) -> Graph {
+    pub fn u(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| brge::upper(layout, &factors[layout.u()], columns))
     }
 
     /// D from the packed factors.
     #[must_use]
-    pub fn d(&self, layout: &Layout) -> Graph {
+    pub fn d(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| brge::diagonal(layout, factors, columns))
     }
 
     /// U^-1 from the packed factors.
     #[must_use]
-    pub fn u_inverse(&self, layout: &Layout) -> Graph {
+    pub fn u_inverse(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| {
             brge::upper_inverse(layout, &factors[layout.u()], columns);
         })
@@ -346,19 +357,19 @@ impl<'a> Tracer<'a> {
 
     /// D^-1 from the packed factors.
     #[must_use]
-    pub fn d_inverse(&self, layout: &Layout) -> Graph {
+    pub fn d_inverse(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| brge::diagonal_inverse(layout, factors, columns))
     }
 
     /// The inverse from the packed factors.
     #[must_use]
-    pub fn inverse(&self, layout: &Layout) -> Graph {
+    pub fn inverse(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| brge::inverse(layout, factors, columns))
     }
 
     /// The solution from the packed factors and `rhs`.
     #[must_use]
-    pub fn solve(&self, layout: &Layout) -> Graph {
+    pub fn solve(&self, layout: &UduLayout) -> Graph {
         self.trace_groups([layout.size(), self.model.nv], |_, [factors, mut x]| {
             brge::solve(layout, &factors, &mut x);
             x
@@ -367,7 +378,7 @@ impl<'a> Tracer<'a> {
 
     /// The logarithm of the determinant from the packed factors.
     #[must_use]
-    pub fn log_determinant(&self, layout: &Layout) -> Graph {
+    pub fn log_determinant(&self, layout: &UduLayout) -> Graph {
         self.trace_groups([layout.size()], |_, [factors]| {
             vec![brge::log_determinant(layout, &factors)]
         })

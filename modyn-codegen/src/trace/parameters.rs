@@ -2,7 +2,7 @@
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::singular::{self, PivotWorkspace};
-use modyn_runtime::model::prepare::{Prepared, inertia_without, rigid_inertia};
+use modyn_runtime::mechanism::{Mechanism, inertia_without, rigid_inertia};
 use modyn_runtime::model::{Inertial, Model, PARAMETERS_PER_LINK};
 use modyn_runtime::spatial::{RigidInertia, Vector3};
 
@@ -82,7 +82,7 @@ impl Parameters {
     }
 
     /// Puts the inputs from number `next` on where they belong.
-    pub(super) fn enter(&self, next: usize, model: &mut Prepared<Expr>) {
+    pub(super) fn enter(&self, next: usize, model: &mut Mechanism<Expr>) {
         let mut inputs = (next..).map(Expr::input);
         let mut input = || inputs.next().expect("endless");
         if self.gravity {
@@ -101,7 +101,7 @@ impl Parameters {
     }
 
     /// Takes the described inertias of the links away that have others at run time.
-    fn remove<S: Scalar>(&self, model: &mut Prepared<S>) {
+    fn remove<S: Scalar>(&self, model: &mut Mechanism<S>) {
         if self.rest.is_empty() {
             return;
         }
@@ -123,7 +123,7 @@ impl Tracer<'_> {
     /// looked at.
     #[must_use]
     pub fn inertia_pivots(&self) -> Option<(Vec<usize>, Graph)> {
-        let felt = |model: &Prepared<f64>| {
+        let felt = |model: &Mechanism<f64>| {
             let mut pivots = vec![0.0; model.nv];
             singular::pivots(model, f64::EPSILON, &mut PivotWorkspace::new(model), &mut pivots);
             pivots.into_iter().map(|pivot| pivot > 0.0).collect::<Vec<bool>>()

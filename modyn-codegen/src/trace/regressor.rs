@@ -1,7 +1,7 @@
 //! The regressor as a graph.
 
 use modyn_runtime::Scalar;
-use modyn_runtime::equations::{Workspace, regressor};
+use modyn_runtime::equations::{Workspace, identification::regressor};
 use modyn_runtime::model::PARAMETERS_PER_LINK;
 
 use super::Tracer;
@@ -16,7 +16,7 @@ impl Tracer<'_> {
             let size = model.nv * PARAMETERS_PER_LINK * model.links.len();
             let mut columns = vec![Expr::zero(); size];
             let workspace = &mut Workspace::new(model);
-            regressor::regressor(model, (&q, &qd, &qdd), workspace, &mut columns);
+            regressor(model, (&q, &qd, &qdd), workspace, &mut columns);
             columns
         })
     }

@@ -9,8 +9,7 @@ use mechanisms::{Mechanism, Random, all, lengths, rotated};
 use modyn_codegen::graph::Graph;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::Tracer;
-use modyn_runtime::equations::brge::Layout;
-use modyn_runtime::model::prepare::Prepared;
+use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, Interpreter, Scalar};
@@ -93,9 +92,9 @@ struct Traced {
 
 impl Traced {
     fn new(model: &Model) -> Self {
-        let prepared = Prepared::new(model);
-        let tracer = Tracer::new(&prepared);
-        let layout = Layout::new(&prepared, &ModuleTree::chains(model));
+        let mechanism = modyn_runtime::mechanism::Mechanism::new(model);
+        let tracer = Tracer::new(&mechanism);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::chains(model));
         Self {
             forward_dynamics: optimize(tracer.constrained_forward_dynamics(&layout)),
             projection: optimize(tracer.project_constraints(&layout)),

@@ -9,9 +9,9 @@
 use alloc::{vec, vec::Vec};
 
 use crate::Scalar;
-use crate::joint::Motion;
-use crate::model::coordinates::Space;
-use crate::model::prepare::{Dof, Prepared};
+use crate::joint::JointTransform;
+use crate::mechanism::coordinates::Space;
+use crate::mechanism::{Dof, Mechanism};
 use crate::spatial::ArticulatedInertia;
 
 /// A pivot is rounding below so many units of the scalar's precision of the inertia about the same axis with the
@@ -25,7 +25,7 @@ const ROTATED: f64 = 32.0;
 pub struct PivotWorkspace<S> {
     /// Coordinates in general position.
     q: Vec<S>,
-    motions: Vec<Motion<S>>,
+    motions: Vec<JointTransform<S>>,
     /// By body: the inertia of its children, with their joints free; and with them held.
     free: Vec<ArticulatedInertia<S>>,
     held: Vec<ArticulatedInertia<S>>,
@@ -36,7 +36,7 @@ pub struct PivotWorkspace<S> {
 impl<S: Scalar> PivotWorkspace<S> {
     /// Memory for `model`.
     #[must_use]
-    pub fn new(model: &Prepared<S>) -> Self {
+    pub fn new(model: &Mechanism<S>) -> Self {
         let none = vec![nothing(); model.bodies.len()];
         Self {
             q: configuration(model),
@@ -54,7 +54,7 @@ fn nothing<S: Scalar>() -> ArticulatedInertia<S> {
 
 /// Coordinates of no special kind, the same on every host: angles and displacements between 0.3 and 6.3, and
 /// rotations by large angles about oblique axes.
-fn configuration<S: Scalar>(model: &Prepared<S>) -> Vec<S> {
+fn configuration<S: Scalar>(model: &Mechanism<S>) -> Vec<S> {
     let spread = |entry: usize| {
         #[allow(clippy::cast_precision_loss)] // Precise up to 2^52 entries.
         let golden = entry as f64 * 0.618_033_988_749_895;
@@ -86,7 +86,7 @@ fn configuration<S: Scalar>(model: &Prepared<S>) -> Vec<S> {
 /// kg m^2; exactly zero where it is not above the rounding of a scalar of precision `epsilon` (the
 /// distance from 1 to the next number), or NaN.
 pub fn pivots<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     epsilon: S,
     workspace: &mut PivotWorkspace<S>,
     pivots: &mut [S],
@@ -115,7 +115,7 @@ pub fn pivots<S: Scalar>(
 
 /// Eliminates the joints from the leaves to the root and gives the pivot of each degree of freedom to `give`.
 fn sweep<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     epsilon: S,
     workspace: &mut PivotWorkspace<S>,
     followers: &[S],

@@ -1,22 +1,22 @@
-//! What the recursions remember of each body: allocated once, used by every call.
+//! The memory of the recursions, one entry a body: allocated once, used by every call.
 
 use alloc::{vec, vec::Vec};
 
-use super::derivatives::Deviation;
 use crate::Scalar;
-use crate::joint::Motion;
-use crate::model::prepare::Prepared;
+use crate::joint::JointTransform;
+use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::{
-    ArticulatedInertia, Field, Matrix3, RigidInertia, Twist, Vector3, VelocityMoments, Wrench,
+    AccelerationPerturbation, ArticulatedInertia, Field, Matrix3, RigidInertia, Twist, Vector3,
+    VelocityMoments, Wrench,
 };
 
 /// Memory of the recursions, one entry a body or degree of freedom; linear in their number, but
 /// for the pivot blocks, which are quadratic in the length of a module.
 #[derive(Clone, Debug)]
 pub struct Workspace<S> {
-    pub(super) motions: Vec<Motion<S>>,
+    pub(super) motions: Vec<JointTransform<S>>,
     /// A link's bodies, from the world to it.
-    pub(super) chain: Vec<usize>,
+    pub(super) kinematic_path: Vec<usize>,
     /// A point, seen from each body.
     pub(super) points: Vec<Vector3<S>>,
     pub(super) fields: Vec<Field<S>>,
@@ -29,9 +29,9 @@ pub struct Workspace<S> {
     pub(super) velocities: Vec<VelocityMoments<S>>,
     /// Twice the velocity of each body's origin over its parent's, in the parent's axes.
     pub(super) levers: Vec<Vector3<S>>,
-    /// For each degree of freedom: how it changes the accelerations behind it.
-    pub(super) deviations: Vec<Deviation<S>>,
-    /// What eliminated modules leave to the body they hang on; `None` where none does.
+    /// For each degree of freedom: how it changes the accelerations of the bodies after it.
+    pub(super) perturbations: Vec<AccelerationPerturbation<S>>,
+    /// By body: the articulated inertia of the eliminated modules that hang on it; `None` where none does.
     pub(super) articulated: Vec<Option<ArticulatedInertia<S>>>,
     /// By component, for each degree of freedom: the wrench at its module's first body (Psi),
     /// reduced by the pivot's factor; and that over the pivot.
@@ -42,7 +42,7 @@ pub struct Workspace<S> {
     pub(super) torques: Vec<S>,
     /// Each module's block, then its unit triangular factor.
     pub(super) pivots: Vec<S>,
-    /// A GIM by columns and its packed factors, where it is needed as such.
+    /// A mass matrix by columns and its packed factors, where it is needed as such.
     pub(super) matrix: Vec<S>,
     pub(super) factors: Vec<S>,
 }
@@ -50,12 +50,13 @@ pub struct Workspace<S> {
 impl<S: Scalar> Workspace<S> {
     /// Room for a model.
     #[must_use]
-    pub fn new(model: &Prepared<S>) -> Self {
+    pub fn new<T: BodyTree<S>>(tree: &T) -> Self {
+        let model = tree.mechanism();
         let zero = S::zero();
         let (bodies, dofs) = (model.bodies.len(), model.dofs.len());
         Self {
-            motions: vec![Motion::Prismatic(zero); bodies],
-            chain: Vec::with_capacity(bodies),
+            motions: vec![JointTransform::Prismatic(zero); bodies],
+            kinematic_path: Vec::with_capacity(bodies),
             axes: vec![Matrix3::zero(); bodies],
             points: vec![Vector3::zero(); bodies],
             fields: vec![Field::zero(); bodies],
@@ -64,7 +65,7 @@ impl<S: Scalar> Workspace<S> {
             composite: vec![RigidInertia::zero(); bodies],
             velocities: vec![VelocityMoments::zero(); bodies],
             levers: vec![Vector3::zero(); bodies],
-            deviations: vec![Deviation::zero(); dofs],
+            perturbations: vec![AccelerationPerturbation::zero(); dofs],
             articulated: vec![None; bodies],
             columns: core::array::from_fn(|_| vec![zero; dofs]),
             gains: core::array::from_fn(|_| vec![zero; dofs]),
@@ -88,7 +89,7 @@ impl<S: Scalar> Workspace<S> {
     }
 
     /// The joints at `q`.
-    pub(super) fn move_to(&mut self, model: &Prepared<S>, q: &[S]) {
+    pub(super) fn move_to(&mut self, model: &Mechanism<S>, q: &[S]) {
         for (motion, body) in self.motions.iter_mut().zip(&model.bodies) {
             *motion = body.motion(q);
         }

@@ -1,12 +1,13 @@
 //! Forward dynamics of closed loops, and their residuals.
 
-use super::{Interpreter, ShapeError, check};
+use super::Interpreter;
+use super::errors::{ShapeError, check};
 use crate::Scalar;
-use crate::equations::brge::Layout;
+use crate::equations::brge::UduLayout;
 use crate::equations::{ConstraintWorkspace, Workspace, constraints};
-use crate::figures::ConstraintSettings;
+use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
-use crate::model::prepare::Prepared;
+use crate::results::ConstraintSettings;
 use crate::spatial::{Twist, Wrench};
 
 /// The memory that it works in.
@@ -39,10 +40,10 @@ impl<S: Scalar> Interpreter<S> {
         check("qdd", qdd, n)?;
         check("wrenches", wrenches, self.model.loop_constraints().len())?;
         check("residuals", residuals, self.model.loop_constraints().len())?;
-        let (prepared, layout, rooms) = self.constraints();
+        let (mechanism, layout, rooms) = self.constraints();
         let state = (q, qd, tau);
         let solve = constraints::constrained_forward_dynamics;
-        Ok(solve(prepared, layout, state, settings, rooms, (qdd, wrenches, residuals)))
+        Ok(solve(mechanism, layout, state, settings, rooms, (qdd, wrenches, residuals)))
     }
 
     /// Computes the step `dq` (rad or m, in tangent space) that, to first order, closes the loops at `q`,
@@ -67,17 +68,18 @@ impl<S: Scalar> Interpreter<S> {
         check("qd", qd, n)?;
         check("dq", dq, n)?;
         check("dqd", dqd, n)?;
-        let (prepared, layout, rooms) = self.constraints();
+        let (mechanism, layout, rooms) = self.constraints();
         let project = constraints::project_constraints;
-        Ok(project(prepared, layout, (q, qd), settings, rooms, (dq, dqd)))
+        Ok(project(mechanism, layout, (q, qd), settings, rooms, (dq, dqd)))
     }
 
     /// The model, the layout of its factorization and the memory for constraints.
-    fn constraints(&mut self) -> (&Prepared<S>, &Layout, Rooms<'_, S>) {
-        let Self { prepared, workspace, model, links, constraints, .. } = self;
-        let layout = links.get_or_insert_with(|| Layout::new(prepared, &ModuleTree::links(model)));
-        let room = constraints.get_or_insert_with(|| ConstraintWorkspace::new(prepared, layout));
-        (prepared, layout, (workspace, room))
+    fn constraints(&mut self) -> (&Mechanism<S>, &UduLayout, Rooms<'_, S>) {
+        let Self { mechanism, workspace, model, links, constraints, .. } = self;
+        let layout =
+            links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
+        let room = constraints.get_or_insert_with(|| ConstraintWorkspace::new(mechanism, layout));
+        (mechanism, layout, (workspace, room))
     }
 
     /// Computes how far each loop constraint's second frame is displaced from its first (m; a rotation by
@@ -99,7 +101,7 @@ impl<S: Scalar> Interpreter<S> {
         check("displacements", displacements, self.model.loop_constraints().len())?;
         check("velocities", velocities, self.model.loop_constraints().len())?;
         let errors = (displacements, velocities);
-        constraints::constraint_residual(&self.prepared, (q, qd), &mut self.workspace, errors);
+        constraints::constraint_residual(&self.mechanism, (q, qd), &mut self.workspace, errors);
         Ok(())
     }
 }

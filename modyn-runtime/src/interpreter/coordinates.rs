@@ -2,8 +2,9 @@
 
 use alloc::string::String;
 
-use super::{Interpreter, ShapeError, check};
-use crate::equations::coordinates;
+use super::Interpreter;
+use super::errors::{ShapeError, check};
+use crate::equations::kinematics::coordinates;
 use crate::{ConfigurationError, Scalar, configuration};
 
 impl<S: Scalar> Interpreter<S> {
@@ -21,7 +22,7 @@ impl<S: Scalar> Interpreter<S> {
         check("q", q, nq)?;
         check("v", v, nv)?;
         check("moved", moved, nq)?;
-        coordinates::integrate(&self.prepared, (q, v), moved);
+        coordinates::integrate(&self.mechanism, (q, v), moved);
         Ok(())
     }
 
@@ -36,7 +37,7 @@ impl<S: Scalar> Interpreter<S> {
         check("from", from, nq)?;
         check("to", to, nq)?;
         check("v", v, nv)?;
-        coordinates::difference(&self.prepared, (from, to), v);
+        coordinates::difference(&self.mechanism, (from, to), v);
         Ok(())
     }
 
@@ -50,7 +51,7 @@ impl<S: Scalar> Interpreter<S> {
         check("q", q, nq)?;
         check("qd", qd, nv)?;
         check("rates", rates, nq)?;
-        coordinates::coordinate_rates(&self.prepared, (q, qd), rates);
+        coordinates::coordinate_rates(&self.mechanism, (q, qd), rates);
         Ok(())
     }
 
@@ -80,7 +81,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If `q` does not have the model's length.
     pub fn normalize(&self, q: &mut [S]) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
-        coordinates::normalize(&self.prepared, q);
+        coordinates::normalize(&self.mechanism, q);
         Ok(())
     }
 
@@ -91,7 +92,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If `q` does not have the model's length.
     pub fn neutral(&self, q: &mut [S]) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
-        coordinates::neutral(&self.prepared, q);
+        coordinates::neutral(&self.mechanism, q);
         Ok(())
     }
 
@@ -105,7 +106,7 @@ impl<S: Scalar> Interpreter<S> {
     /// If `q` does not have the model's length.
     pub fn random(&self, mut uniform: impl FnMut() -> S, q: &mut [S]) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
-        coordinates::random(&self.prepared, &mut uniform, q);
+        coordinates::random(&self.mechanism, &mut uniform, q);
         Ok(())
     }
 }

@@ -1,8 +1,9 @@
 //! Derivatives of inverse and forward dynamics.
 
-use super::{Interpreter, ShapeError, check};
+use super::Interpreter;
+use super::errors::{ShapeError, check};
 use crate::Scalar;
-use crate::equations::brge::Layout;
+use crate::equations::brge::UduLayout;
 use crate::equations::derivatives;
 pub use crate::equations::derivatives::ForwardDerivatives;
 use crate::model::ModuleTree;
@@ -31,14 +32,14 @@ impl<S: Scalar> Interpreter<S> {
         check("qdd", qdd, n)?;
         check("dtau_dq", dtau_dq, n * n)?;
         check("dtau_dqd", dtau_dqd, n * n)?;
-        let Self { prepared, workspace, .. } = self;
+        let Self { mechanism, workspace, .. } = self;
         let motion = (q, qd, qdd);
-        derivatives::inverse_dynamics_derivatives(prepared, motion, workspace, dtau_dq, dtau_dqd);
+        derivatives::inverse_dynamics_derivatives(mechanism, motion, workspace, dtau_dq, dtau_dqd);
         Ok(())
     }
 
     /// The joint accelerations under the torques `tau` and their derivatives by q (in the tangent
-    /// space), qd and tau, nv x nv by columns. That by tau is the inverse of the GIM, exactly
+    /// space), qd and tau, nv x nv by columns. That by tau is the inverse of the mass matrix, exactly
     /// symmetric. The first call allocates what it works in.
     ///
     /// # Errors
@@ -59,10 +60,11 @@ impl<S: Scalar> Interpreter<S> {
         check("dqdd_dq", outputs.dqdd_dq, n * n)?;
         check("dqdd_dqd", outputs.dqdd_dqd, n * n)?;
         check("dqdd_dtau", outputs.dqdd_dtau, n * n)?;
-        let Self { prepared, workspace, model, links, .. } = self;
-        let layout = links.get_or_insert_with(|| Layout::new(prepared, &ModuleTree::links(model)));
+        let Self { mechanism, workspace, model, links, .. } = self;
+        let layout =
+            links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
         let state = (q, qd, tau);
-        derivatives::forward_dynamics_derivatives(prepared, layout, state, workspace, outputs);
+        derivatives::forward_dynamics_derivatives(mechanism, layout, state, workspace, outputs);
         Ok(())
     }
 }

@@ -7,7 +7,7 @@ use core::fmt;
 use super::Interpreter;
 use crate::Scalar;
 use crate::equations::singular::{self, PivotWorkspace};
-use crate::model::prepare::{Prepared, inertia_without, rigid_inertia};
+use crate::mechanism::{Mechanism, inertia_without, rigid_inertia};
 use crate::model::{Inertial, InertialDefect, Model};
 use crate::scalar::epsilon;
 use crate::spatial::RigidInertia;
@@ -72,10 +72,10 @@ enum Part {
 /// rounding does not accumulate from change to change.
 #[derive(Clone, Debug)]
 pub(super) struct Inertias<S> {
-    /// By body, as the model was prepared: the inertia, and the same in minimal parameters.
+    /// By body, as the model was rewritten: the inertia, and the same in base parameters.
     described: Vec<(RigidInertia<S>, RigidInertia<S>)>,
     /// The same of the inertia that does not move.
-    immobile: RigidInertia<S>,
+    static_inertia: RigidInertia<S>,
     /// By body: its inertia without the own inertias of its links.
     rest: Vec<RigidInertia<S>>,
     /// By link of the description: its own inertia in the description, its own now, and its payload.
@@ -89,10 +89,10 @@ pub(super) struct Inertias<S> {
 }
 
 impl<S: Scalar + PartialOrd> Inertias<S> {
-    /// Of `prepared`, which is `model` unchanged.
-    fn new(model: &Model, prepared: &Prepared<S>) -> Self {
-        let exact = Prepared::new(model);
-        let mut rest = vec![RigidInertia::zero(); prepared.bodies.len()];
+    /// Of `mechanism`, which is `model` unchanged.
+    fn new(model: &Model, mechanism: &Mechanism<S>) -> Self {
+        let exact = Mechanism::new(model);
+        let mut rest = vec![RigidInertia::zero(); mechanism.bodies.len()];
         for (link, &body) in exact.links.iter().enumerate() {
             let alone = inertia_without(model, link, |_| true);
             rest[body] = alone.placed(&exact.bodies[body].link).map(S::from_f64);
@@ -101,15 +101,19 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
             let own = frame.inertial.map(S::from_f64);
             [own, own, Inertial::default()]
         });
-        let mut workspace = PivotWorkspace::new(prepared);
-        let mut pivots = vec![S::zero(); prepared.nv];
-        singular::pivots(prepared, epsilon(), &mut workspace, &mut pivots);
+        let mut workspace = PivotWorkspace::new(mechanism);
+        let mut pivots = vec![S::zero(); mechanism.nv];
+        singular::pivots(mechanism, epsilon(), &mut workspace, &mut pivots);
         Self {
-            described: prepared.bodies.iter().map(|body| (body.inertia, body.minimal)).collect(),
-            immobile: prepared.immobile,
+            described: mechanism
+                .bodies
+                .iter()
+                .map(|body| (body.inertia, body.base_inertia))
+                .collect(),
+            static_inertia: mechanism.static_inertia,
             rest,
             links: links.collect(),
-            changed: vec![false; prepared.bodies.len()],
+            changed: vec![false; mechanism.bodies.len()],
             felt: pivots.iter().map(|&pivot| pivot > S::zero()).collect(),
             pivots,
             workspace,
@@ -117,35 +121,35 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
     }
 
     /// Sums up the inertias of the bodies.
-    fn enter(&mut self, prepared: &mut Prepared<S>) {
-        for (body, (inertia, minimal)) in prepared.bodies.iter_mut().zip(&self.described) {
-            (body.inertia, body.minimal) = (*inertia, *minimal);
+    fn enter(&mut self, mechanism: &mut Mechanism<S>) {
+        for (body, (inertia, base_inertia)) in mechanism.bodies.iter_mut().zip(&self.described) {
+            (body.inertia, body.base_inertia) = (*inertia, *base_inertia);
         }
-        prepared.immobile = self.immobile;
+        mechanism.static_inertia = self.static_inertia;
         self.changed.fill(false);
-        for (frame, [described, own, payload]) in prepared.frames.iter().zip(&self.links) {
+        for (frame, [described, own, payload]) in mechanism.frames.iter().zip(&self.links) {
             let changed = own != described || *payload != Inertial::default();
             if let Some(body) = frame.body.filter(|_| changed) {
                 self.changed[body] = true;
-                prepared.bodies[body].inertia = self.rest[body];
+                mechanism.bodies[body].inertia = self.rest[body];
             }
         }
         if !self.changed.contains(&true) {
             return;
         }
         for (frame, [_, own, payload]) in (0..).zip(&self.links) {
-            if prepared.frames[frame].body.is_some_and(|body| self.changed[body]) {
-                prepared.add_inertia(frame, &rigid_inertia(own));
-                prepared.add_inertia(frame, &rigid_inertia(payload));
+            if mechanism.frames[frame].body.is_some_and(|body| self.changed[body]) {
+                mechanism.add_inertia(frame, &rigid_inertia(own));
+                mechanism.add_inertia(frame, &rigid_inertia(payload));
             }
         }
-        prepared.minimize();
+        mechanism.minimize();
     }
 
     /// The first entry of qd, from the leaves, that feels no inertia any more.
-    fn unfelt(&mut self, prepared: &Prepared<S>) -> Option<usize> {
+    fn unfelt(&mut self, mechanism: &Mechanism<S>) -> Option<usize> {
         let Self { felt, pivots, workspace, .. } = self;
-        singular::pivots(prepared, epsilon(), workspace, pivots);
+        singular::pivots(mechanism, epsilon(), workspace, pivots);
         let positive = |v: usize| pivots[v].partial_cmp(&S::zero()) == Some(Ordering::Greater);
         (0..felt.len()).rev().find(|&v| felt[v] && !positive(v))
     }
@@ -198,17 +202,17 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         if let Some(defect) = inertial.defect() {
             return Err(InertialError::Defect(defect));
         }
-        let Self { model, prepared, inertias, .. } = self;
-        let inertias = inertias.get_or_insert_with(|| Inertias::new(model, prepared));
+        let Self { model, mechanism, inertias, .. } = self;
+        let inertias = inertias.get_or_insert_with(|| Inertias::new(model, mechanism));
         let at = match part {
             Part::Own => 1,
             Part::Payload => 2,
         };
         let before = core::mem::replace(&mut inertias.links[frame][at], *inertial);
-        inertias.enter(prepared);
-        let Some(v) = inertias.unfelt(prepared) else { return Ok(()) };
+        inertias.enter(mechanism);
+        let Some(v) = inertias.unfelt(mechanism) else { return Ok(()) };
         inertias.links[frame][at] = before;
-        inertias.enter(prepared);
+        inertias.enter(mechanism);
         let moves =
             |link: &usize| model.mimic(*link).is_none() && model.v_range(*link).contains(&v);
         let link = (0..model.links().len()).find(moves);

@@ -1,54 +1,10 @@
-//! Where the links stand and how they move, one link at a time; the centre of mass and the
-//! momentum about it.
+//! Poses, motion and Jacobians of the links.
 
-use core::fmt;
-
-use super::{Interpreter, ShapeError, check};
+use super::Interpreter;
+use super::errors::{FrameError, ShapeError, check};
 use crate::Scalar;
 use crate::equations::kinematics::{self, Axes};
-use crate::equations::{center_of_mass, centroidal};
-use crate::spatial::{Momentum, Pose, Twist, Vector3};
-
-/// Why a quantity of one link cannot be computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum FrameError {
-    /// There is no link of that index.
-    NoFrame {
-        /// The index.
-        frame: usize,
-        /// How many links the description has.
-        count: usize,
-    },
-    /// A slice has the wrong length.
-    Shape(ShapeError),
-}
-
-impl fmt::Display for FrameError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoFrame { frame, count } => {
-                write!(f, "there is no link {frame}; the description has {count}")
-            }
-            Self::Shape(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for FrameError {
-    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
-        match self {
-            Self::NoFrame { .. } => None,
-            Self::Shape(error) => Some(error),
-        }
-    }
-}
-
-impl From<ShapeError> for FrameError {
-    fn from(error: ShapeError) -> Self {
-        Self::Shape(error)
-    }
-}
+use crate::spatial::{Pose, Twist};
 
 /// Quantities of one link: `frame` is its index in [`Model::frames`](crate::model::Model::frames),
 /// fixed ones too, which [`Model::frame_index`](crate::model::Model::frame_index) finds by name.
@@ -74,7 +30,7 @@ impl<S: Scalar> Interpreter<S> {
     pub fn link_pose(&self, q: &[S], frame: usize) -> Result<Pose<S>, FrameError> {
         self.check_frame(frame)?;
         check("q", q, self.model.nq())?;
-        Ok(kinematics::link_pose(&self.prepared, frame, q))
+        Ok(kinematics::link_pose(&self.mechanism, frame, q))
     }
 
     /// The velocity of a link, in world axes.
@@ -113,8 +69,8 @@ impl<S: Scalar> Interpreter<S> {
         axes: Axes,
     ) -> Result<Twist<S>, FrameError> {
         self.check_motion(frame, q, qd)?;
-        let Self { prepared, workspace, .. } = self;
-        Ok(kinematics::link_velocity(prepared, frame, (q, qd), axes, workspace))
+        let Self { mechanism, workspace, .. } = self;
+        Ok(kinematics::link_velocity(mechanism, frame, (q, qd), axes, workspace))
     }
 
     /// The angular acceleration of a link and the classical one of its origin, in world axes;
@@ -156,8 +112,8 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<Twist<S>, FrameError> {
         self.check_motion(frame, q, qd)?;
         check("qdd", qdd, self.model.nv())?;
-        let Self { prepared, workspace, .. } = self;
-        Ok(kinematics::link_acceleration(prepared, frame, (q, qd, qdd), axes, workspace))
+        let Self { mechanism, workspace, .. } = self;
+        Ok(kinematics::link_acceleration(mechanism, frame, (q, qd, qdd), axes, workspace))
     }
 
     /// The Jacobian J of a link into `columns` (nv), in world axes at its origin (Pinocchio's
@@ -199,8 +155,8 @@ impl<S: Scalar> Interpreter<S> {
         self.check_frame(frame)?;
         check("q", q, self.model.nq())?;
         check("columns", columns, self.model.nv())?;
-        let Self { prepared, workspace, .. } = self;
-        kinematics::jacobian(prepared, frame, q, axes, workspace, columns);
+        let Self { mechanism, workspace, .. } = self;
+        kinematics::jacobian(mechanism, frame, q, axes, workspace, columns);
         Ok(())
     }
 
@@ -244,64 +200,24 @@ impl<S: Scalar> Interpreter<S> {
         axes: Axes,
     ) -> Result<Twist<S>, FrameError> {
         self.check_motion(frame, q, qd)?;
-        let Self { prepared, workspace, .. } = self;
-        Ok(kinematics::jacobian_rate(prepared, frame, (q, qd), axes, workspace))
+        let Self { mechanism, workspace, .. } = self;
+        Ok(kinematics::jacobian_rate(mechanism, frame, (q, qd), axes, workspace))
     }
 }
 
-/// Quantities of the moving links as a whole, in world axes.
+/// All links at once.
 impl<S: Scalar> Interpreter<S> {
-    /// The centre of mass, m; not a number where there is no mass.
+    /// The poses in the world of all links of the description, fixed ones too, in the order of
+    /// [`Model::frames`](crate::model::Model::frames).
     ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
-    pub fn center_of_mass(&mut self, q: &[S]) -> Result<[S; 3], ShapeError> {
+    pub fn link_poses(&mut self, q: &[S], poses: &mut [Pose<S>]) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
-        Ok(center_of_mass::center_of_mass(&self.prepared, q, &mut self.workspace).0)
-    }
-
-    /// The Jacobian of the centre of mass into `columns` (nv): its velocity is their sum times qd.
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn center_of_mass_jacobian(
-        &mut self,
-        q: &[S],
-        columns: &mut [Vector3<S>],
-    ) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
-        check("columns", columns, self.model.nv())?;
-        center_of_mass::center_of_mass_jacobian(&self.prepared, q, &mut self.workspace, columns);
+        check("poses", poses, self.model.frames().len())?;
+        let Self { mechanism, workspace, body_poses, .. } = self;
+        kinematics::link_poses(mechanism, q, workspace, body_poses, poses);
         Ok(())
-    }
-
-    /// The centroidal momentum matrix A into `columns` (nv): the momentum about the centre of mass
-    /// is A qd.
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn centroidal_momentum_matrix(
-        &mut self,
-        q: &[S],
-        columns: &mut [Momentum<S>],
-    ) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
-        check("columns", columns, self.model.nv())?;
-        centroidal::centroidal_momentum_matrix(&self.prepared, q, &mut self.workspace, columns);
-        Ok(())
-    }
-
-    /// The momentum about the centre of mass.
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn centroidal_momentum(&mut self, q: &[S], qd: &[S]) -> Result<Momentum<S>, ShapeError> {
-        check("q", q, self.model.nq())?;
-        check("qd", qd, self.model.nv())?;
-        Ok(centroidal::centroidal_momentum(&self.prepared, (q, qd), &mut self.workspace))
     }
 }

@@ -3,81 +3,30 @@
 mod constraints;
 mod coordinates;
 mod derivatives;
+mod dynamics;
+mod errors;
+mod factorization;
 mod inertias;
 mod kinematics;
+mod momentum;
+mod paper;
 mod regressor;
 
 use alloc::{vec, vec::Vec};
-use core::fmt;
 
 use crate::Scalar;
-use crate::equations::brge::{self, Layout};
-use crate::equations::denoc::{self, DeNoc};
-use crate::equations::forward_dynamics::Elimination;
-use crate::equations::kinematics::link_poses;
-use crate::equations::{
-    ConstraintWorkspace, Decomposition, Forces, Workspace, forward_dynamics, gravity,
-    inverse_dynamics, kinetic_energy, mass_matrix,
-};
-use crate::model::prepare::{BodyStructure, Prepared};
+use crate::equations::brge::UduLayout;
+use crate::equations::dynamics::Elimination;
+use crate::equations::{ConstraintWorkspace, Workspace};
+use crate::mechanism::Mechanism;
 use crate::model::{Model, ModuleTree};
 use crate::spatial::{Pose, Vector3};
-
-pub use inertias::InertialError;
 use inertias::Inertias;
-pub use kinematics::FrameError;
 
 pub use derivatives::ForwardDerivatives;
-
-/// A vector or matrix that was given has the wrong length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct ShapeError {
-    /// The parameter.
-    pub parameter: &'static str,
-    /// How many numbers it must hold.
-    pub expected: usize,
-    /// How many it holds.
-    pub found: usize,
-}
-
-impl ShapeError {
-    /// The error that `parameter` holds `found` numbers instead of `expected`.
-    #[must_use]
-    pub const fn new(parameter: &'static str, expected: usize, found: usize) -> Self {
-        Self { parameter, expected, found }
-    }
-}
-
-impl fmt::Display for ShapeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { parameter, expected, found } = self;
-        write!(f, "`{parameter}` must hold {expected} numbers but holds {found}")
-    }
-}
-
-impl core::error::Error for ShapeError {}
-
-fn check<T>(parameter: &'static str, given: &[T], expected: usize) -> Result<(), ShapeError> {
-    let found = given.len();
-    if found == expected { Ok(()) } else { Err(ShapeError::new(parameter, expected, found)) }
-}
-
-/// The modules, or the factorization, are those of another model.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct ModuleMismatch {}
-
-impl fmt::Display for ModuleMismatch {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "the modules or the factorization are those of another model; make them from this one"
-        )
-    }
-}
-
-impl core::error::Error for ModuleMismatch {}
+pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, UpdateError};
+pub use factorization::Brge;
+pub use inertias::InertialError;
 
 /// Dynamics of a model that is only known at run time.
 ///
@@ -94,14 +43,14 @@ impl core::error::Error for ModuleMismatch {}
 pub struct Interpreter<S = f64> {
     model: Model,
     modules: ModuleTree,
-    prepared: Prepared<S>,
+    mechanism: Mechanism<S>,
     elimination: Elimination,
     workspace: Workspace<S>,
     body_poses: Vec<Pose<S>>,
     /// Made when an inertia is first changed.
     inertias: Option<Inertias<S>>,
     /// By links, made when derivatives are first asked for.
-    links: Option<Layout>,
+    links: Option<UduLayout>,
     /// Made when loops are first closed.
     constraints: Option<ConstraintWorkspace<S>>,
 }
@@ -126,16 +75,16 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     fn made(model: Model, modules: ModuleTree) -> Self {
-        let prepared = Prepared::new(&model).cast();
-        let elimination = Elimination::new(&prepared, &ModuleTree::links(&model));
-        let mut workspace = Workspace::new(&prepared);
-        elimination.make_room(&prepared, &mut workspace);
-        let body_poses = vec![Pose::identity(); prepared.bodies.len()];
+        let mechanism = Mechanism::new(&model).cast();
+        let elimination = Elimination::new(&mechanism, &ModuleTree::links(&model));
+        let mut workspace = Workspace::new(&mechanism);
+        elimination.make_room(&mechanism, &mut workspace);
+        let body_poses = vec![Pose::identity(); mechanism.bodies.len()];
         let (inertias, links, constraints) = (None, None, None);
         Self {
             model,
             modules,
-            prepared,
+            mechanism,
             elimination,
             workspace,
             body_poses,
@@ -156,8 +105,8 @@ impl<S: Scalar> Interpreter<S> {
         if !modules.fits(&self.model) {
             return Err(ModuleMismatch {});
         }
-        self.elimination = Elimination::new(&self.prepared, modules);
-        self.elimination.make_room(&self.prepared, &mut self.workspace);
+        self.elimination = Elimination::new(&self.mechanism, modules);
+        self.elimination.make_room(&self.mechanism, &mut self.workspace);
         Ok(self)
     }
 
@@ -170,408 +119,12 @@ impl<S: Scalar> Interpreter<S> {
 
     /// Sets the acceleration of free fall in world axes, m/s^2. Allocates nothing.
     pub fn set_gravity(&mut self, gravity: [S; 3]) {
-        self.prepared.gravity = Vector3(gravity);
+        self.mechanism.gravity = Vector3(gravity);
     }
 
     /// The modules that [`brge`](Self::brge) works by.
     #[must_use]
     pub fn modules(&self) -> &ModuleTree {
         &self.modules
-    }
-
-    /// The joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint torques or forces `tau`:
-    /// the inter- and intra-modular recursion, (60).
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn forward_dynamics(
-        &mut self,
-        q: &[S],
-        qd: &[S],
-        tau: &[S],
-        qdd: &mut [S],
-    ) -> Result<(), ShapeError> {
-        self.accelerate((q, qd, tau), None, qdd)
-    }
-
-    /// The same under `forces` from outside: one wrench for each link of the description, fixed
-    /// ones too, in the order of [`Model::frames`].
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn forward_dynamics_external(
-        &mut self,
-        q: &[S],
-        qd: &[S],
-        tau: &[S],
-        forces: Forces<'_, S>,
-        qdd: &mut [S],
-    ) -> Result<(), ShapeError> {
-        self.accelerate((q, qd, tau), Some(forces), qdd)
-    }
-
-    fn accelerate(
-        &mut self,
-        (q, qd, tau): (&[S], &[S], &[S]),
-        forces: Option<Forces<'_, S>>,
-        qdd: &mut [S],
-    ) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        check("tau", tau, n)?;
-        self.check_forces(forces)?;
-        check("qdd", qdd, n)?;
-        let Self { prepared, elimination, workspace, .. } = self;
-        let state = (q, qd, tau);
-        forward_dynamics::forward_dynamics(prepared, elimination, state, forces, workspace, qdd);
-        Ok(())
-    }
-
-    fn check_forces(&self, forces: Option<Forces<'_, S>>) -> Result<(), ShapeError> {
-        forces
-            .map_or(Ok(()), |forces| check("forces", forces.wrenches(), self.model.frames().len()))
-    }
-
-    /// The joint torques or forces `tau` (N m or N) of a motion: recursive Newton-Euler.
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn inverse_dynamics(
-        &mut self,
-        q: &[S],
-        qd: &[S],
-        qdd: &[S],
-        tau: &mut [S],
-    ) -> Result<(), ShapeError> {
-        self.act((q, qd, Some(qdd)), None, tau)
-    }
-
-    /// The same under `forces` from outside, which take their share off the joints: one wrench for
-    /// each link of the description, fixed ones too, in the order of [`Model::frames`].
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn inverse_dynamics_external(
-        &mut self,
-        q: &[S],
-        qd: &[S],
-        qdd: &[S],
-        forces: Forces<'_, S>,
-        tau: &mut [S],
-    ) -> Result<(), ShapeError> {
-        self.act((q, qd, Some(qdd)), Some(forces), tau)
-    }
-
-    fn act(
-        &mut self,
-        (q, qd, qdd): (&[S], &[S], Option<&[S]>),
-        forces: Option<Forces<'_, S>>,
-        tau: &mut [S],
-    ) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        qdd.map_or(Ok(()), |qdd| check("qdd", qdd, n))?;
-        self.check_forces(forces)?;
-        check("tau", tau, n)?;
-        let (motion, workspace) = ((q, qd, qdd), &mut self.workspace);
-        inverse_dynamics::inverse_dynamics(&self.prepared, motion, forces, workspace, tau);
-        Ok(())
-    }
-
-    /// The bias forces h(q, qd) into `tau`: inverse dynamics without acceleration.
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn bias_forces(&mut self, q: &[S], qd: &[S], tau: &mut [S]) -> Result<(), ShapeError> {
-        self.act((q, qd, None), None, tau)
-    }
-
-    /// The joint torques that hold the robot still, into `tau`.
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn gravity_torques(&mut self, q: &[S], tau: &mut [S]) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("tau", tau, n)?;
-        gravity::gravity_torques(&self.prepared, q, &mut self.workspace, tau);
-        Ok(())
-    }
-
-    /// The GIM by columns into `columns` (nv times nv), (7)-(10).
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn mass_matrix(&mut self, q: &[S], columns: &mut [S]) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("columns", columns, n * n)?;
-        mass_matrix::mass_matrix(&self.prepared, q, &mut self.workspace, columns);
-        Ok(())
-    }
-
-    /// Kinetic energy of the moving links, J.
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn kinetic_energy(&mut self, q: &[S], qd: &[S]) -> Result<S, ShapeError> {
-        let n = self.model.nv();
-        check("q", q, self.model.nq())?;
-        check("qd", qd, n)?;
-        Ok(kinetic_energy::kinetic_energy(&self.prepared, q, qd, &mut self.workspace))
-    }
-
-    /// Potential energy of the moving links under gravity, J; zero at the world's origin.
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn potential_energy(&mut self, q: &[S]) -> Result<S, ShapeError> {
-        check("q", q, self.model.nq())?;
-        Ok(gravity::potential_energy(&self.prepared, q, &mut self.workspace))
-    }
-
-    /// The poses in the world of all links of the description, fixed ones too, in the order of
-    /// [`Model::frames`].
-    ///
-    /// # Errors
-    ///
-    /// If a slice does not have the model's length.
-    pub fn link_poses(&mut self, q: &[S], poses: &mut [Pose<S>]) -> Result<(), ShapeError> {
-        check("q", q, self.model.nq())?;
-        check("poses", poses, self.model.frames().len())?;
-        let Self { prepared, workspace, body_poses, .. } = self;
-        link_poses(prepared, q, workspace, body_poses, poses);
-        Ok(())
-    }
-
-    /// The factorization I = U D U^T by modules at `q`, (35)-(49). Allocates its result; to use
-    /// the memory of an earlier one again, see [`Brge::update`].
-    ///
-    /// # Errors
-    ///
-    /// If `q` does not have the model's length.
-    pub fn brge(&self, q: &[S]) -> Result<Brge<S>, ShapeError> {
-        check("q", q, self.model.nq())?;
-        let layout = Layout::new(&self.prepared, &self.modules);
-        let factors = vec![S::zero(); layout.size()];
-        let workspace = Workspace::new(&self.prepared);
-        let modules = self.modules.clone();
-        let structure = self.prepared.structure().collect();
-        let (nq, n) = (self.model.nq(), self.model.nv());
-        let mut brge = Brge { modules, layout, factors, workspace, structure, nq, n };
-        brge.factorize(self, q);
-        Ok(brge)
-    }
-
-    /// The dense DeNOC matrices at `q`, (1)-(5), with the links' inertias as the model has them.
-    ///
-    /// # Errors
-    ///
-    /// If `q` does not have the model's length.
-    pub fn denoc(&mut self, q: &[S]) -> Result<DeNoc<S>, ShapeError> {
-        check("q", q, self.model.nq())?;
-        Ok(denoc::denoc(&self.prepared, q, &mut self.workspace))
-    }
-
-    /// The paper's dense matrices of the block decomposition at `q`, (1)-(57), by the modules of
-    /// [`brge`](Self::brge), with the links' inertias as the model has them.
-    ///
-    /// # Errors
-    ///
-    /// If `q` does not have the model's length, or if joints mimic others.
-    pub fn decomposition(&mut self, q: &[S]) -> Result<Decomposition<S>, DecompositionError> {
-        check("q", q, self.model.nq()).map_err(DecompositionError::Shape)?;
-        let Self { prepared, modules, workspace, .. } = self;
-        Decomposition::new(prepared, modules, q, workspace).ok_or(DecompositionError::Mimics)
-    }
-}
-
-/// Why a model has no block decomposition in the paper's matrices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum DecompositionError {
-    /// `q` has the wrong length.
-    Shape(ShapeError),
-    /// Joints mimic others, which couples modules across the tree.
-    Mimics,
-}
-
-impl fmt::Display for DecompositionError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Shape(error) => error.fmt(f),
-            Self::Mimics => write!(
-                f,
-                "joints mimic others, which couples modules across the tree; `brge` factorizes such models"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for DecompositionError {
-    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
-        match self {
-            Self::Shape(error) => Some(error),
-            Self::Mimics => None,
-        }
-    }
-}
-
-/// Why a factorization cannot be updated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum UpdateError {
-    /// It is that of another model or by other modules.
-    Modules(ModuleMismatch),
-    /// `q` has the wrong length.
-    Shape(ShapeError),
-}
-
-impl fmt::Display for UpdateError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Modules(error) => error.fmt(f),
-            Self::Shape(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for UpdateError {
-    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
-        match self {
-            Self::Modules(error) => Some(error),
-            Self::Shape(error) => Some(error),
-        }
-    }
-}
-
-/// The factorization I = U D U^T of the GIM by modules. Matrices are given by columns.
-///
-/// [`update`](Self::update) and [`solve_in_place`](Self::solve_in_place) allocate nothing; what
-/// returns a vector or matrix allocates it, and [`condition_number`](Self::condition_number) a
-/// copy of its block.
-#[derive(Clone, Debug)]
-pub struct Brge<S = f64> {
-    modules: ModuleTree,
-    layout: Layout,
-    factors: Vec<S>,
-    workspace: Workspace<S>,
-    /// By body: what its layout and its memory depend on besides the modules.
-    structure: Vec<BodyStructure>,
-    nq: usize,
-    n: usize,
-}
-
-impl<S: Scalar> Brge<S> {
-    /// Factorizes anew at another `q`, in the memory that is there.
-    ///
-    /// # Errors
-    ///
-    /// If this is the factorization of a model with other joints or by other modules, or if `q` does
-    /// not have the model's length. (Models that differ in their numbers alone may share one.)
-    pub fn update(&mut self, interpreter: &Interpreter<S>, q: &[S]) -> Result<(), UpdateError> {
-        let structure = interpreter.prepared.structure();
-        if self.modules != interpreter.modules || !structure.eq(self.structure.iter().copied()) {
-            return Err(UpdateError::Modules(ModuleMismatch {}));
-        }
-        check("q", q, self.nq).map_err(UpdateError::Shape)?;
-        self.factorize(interpreter, q);
-        Ok(())
-    }
-
-    fn factorize(&mut self, interpreter: &Interpreter<S>, q: &[S]) {
-        let Self { layout, factors, workspace, .. } = self;
-        brge::factorize(&interpreter.prepared, layout, q, workspace, factors);
-    }
-
-    fn matrix(&self, fill: impl FnOnce(&mut [S])) -> Vec<S> {
-        let mut columns = vec![S::zero(); self.n * self.n];
-        fill(&mut columns);
-        columns
-    }
-
-    /// The block upper triangular U, (43).
-    #[must_use]
-    pub fn u(&self) -> Vec<S> {
-        self.matrix(|columns| brge::upper(&self.layout, &self.factors[self.layout.u()], columns))
-    }
-
-    /// The block diagonal D, (45).
-    #[must_use]
-    pub fn d(&self) -> Vec<S> {
-        self.matrix(|columns| brge::diagonal(&self.layout, &self.factors, columns))
-    }
-
-    /// U^-1, (54).
-    #[must_use]
-    pub fn u_inverse(&self) -> Vec<S> {
-        let u = &self.factors[self.layout.u()];
-        self.matrix(|columns| brge::upper_inverse(&self.layout, u, columns))
-    }
-
-    /// D^-1, (54).
-    #[must_use]
-    pub fn d_inverse(&self) -> Vec<S> {
-        self.matrix(|columns| brge::diagonal_inverse(&self.layout, &self.factors, columns))
-    }
-
-    /// The inverse of the GIM, (50).
-    #[must_use]
-    pub fn inverse(&self) -> Vec<S> {
-        self.matrix(|columns| brge::inverse(&self.layout, &self.factors, columns))
-    }
-
-    /// The x with I x = `rhs`, by the three steps of (60).
-    ///
-    /// # Errors
-    ///
-    /// If `rhs` does not have the model's length.
-    pub fn solve(&self, rhs: &[S]) -> Result<Vec<S>, ShapeError> {
-        check("rhs", rhs, self.n)?;
-        let mut x = rhs.to_vec();
-        brge::solve(&self.layout, &self.factors, &mut x);
-        Ok(x)
-    }
-
-    /// The same in place: `x` is the right-hand side, then the solution.
-    ///
-    /// # Errors
-    ///
-    /// If `x` does not have the model's length.
-    pub fn solve_in_place(&self, x: &mut [S]) -> Result<(), ShapeError> {
-        check("x", x, self.n)?;
-        brge::solve(&self.layout, &self.factors, x);
-        Ok(())
-    }
-
-    /// The natural logarithm of the GIM's determinant.
-    #[must_use]
-    pub fn log_determinant(&self) -> S {
-        brge::log_determinant(&self.layout, &self.factors)
-    }
-
-    /// Module `module`'s pivot block I_hat, (46), by columns; `None` if there is no such module.
-    #[must_use]
-    pub fn pivot_block(&self, module: usize) -> Option<Vec<S>> {
-        let exists = module < self.layout.blocks().len();
-        exists.then(|| self.factors[self.layout.d(module)].to_vec())
-    }
-
-    /// The condition number (2-norm) of that block, by a fixed number of Jacobi sweeps.
-    #[must_use]
-    pub fn condition_number(&self, module: usize) -> Option<S> {
-        let exists = module < self.layout.blocks().len();
-        exists.then(|| brge::condition_number(&self.layout, &self.factors, module))
     }
 }

@@ -1,8 +1,9 @@
 //! The regressor of the inertial parameters.
 
-use super::{Interpreter, ShapeError, check};
+use super::Interpreter;
+use super::errors::{ShapeError, check};
 use crate::Scalar;
-use crate::equations::regressor;
+use crate::equations::identification::regressor;
 use crate::model::PARAMETERS_PER_LINK;
 
 impl<S: Scalar> Interpreter<S> {
@@ -12,7 +13,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// The torques that rotors, damping and friction take are not part of Y pi. The columns do not
     /// depend on the model's inertias, and not all of them are independent: see
-    /// [`BaseParameters`](crate::model::BaseParameters).
+    /// [`BaseParameters`](crate::equations::identification::BaseParameters).
     ///
     /// # Errors
     ///
@@ -30,7 +31,7 @@ impl<S: Scalar> Interpreter<S> {
         check("qdd", qdd, n)?;
         check("columns", columns, n * PARAMETERS_PER_LINK * self.model.links().len())?;
         let motion = (q, qd, qdd);
-        regressor::regressor(&self.prepared, motion, &mut self.workspace, columns);
+        regressor(&self.mechanism, motion, &mut self.workspace, columns);
         Ok(())
     }
 }

@@ -1,12 +1,16 @@
 //! Joints: what each type contributes to the equations, one file a type.
 //!
-//! The equations see every joint along the z axis of its link's frame (`model::prepare` turns the
+//! The equations see every joint along the z axis of its link's frame (`mechanism` turns the
 //! frames), so a joint type is described by what it does to spatial quantities about z.
 
 #[cfg(feature = "alloc")]
+mod carried;
+#[cfg(feature = "alloc")]
+mod elementary;
+#[cfg(feature = "alloc")]
 mod floating;
 #[cfg(feature = "alloc")]
-mod motion;
+mod offset;
 pub mod planar;
 #[cfg(feature = "alloc")]
 mod prismatic;
@@ -16,9 +20,13 @@ mod revolute;
 mod rotated;
 #[cfg(feature = "alloc")]
 mod spherical;
+#[cfg(feature = "alloc")]
+mod transform;
 
 #[cfg(feature = "alloc")]
-pub use motion::{Carried, Motion, Primitive};
+pub use {
+    carried::Carried, elementary::ElementaryJoint, offset::JointOffset, transform::JointTransform,
+};
 
 /// What motion a joint allows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -1,14 +1,15 @@
 //! Revolute and continuous joints: rotation about z.
 
-use super::Carried;
+use super::{Carried, JointOffset};
 use crate::Scalar;
-use crate::model::prepare::Zero;
-use crate::spatial::{ArticulatedInertia, Axis, Field, RigidInertia, Turn, Twist, Vector3, Wrench};
+use crate::spatial::{
+    ArticulatedInertia, Axis, AxisRotation, Field, RigidInertia, Twist, Vector3, Wrench,
+};
 
 /// The rotation at angle `q`.
-pub(super) fn turn<S: Scalar>(zero: Zero<S>, q: S) -> Turn<S> {
+pub(super) fn turn<S: Scalar>(zero: JointOffset<S>, q: S) -> AxisRotation<S> {
     match zero {
-        Zero::Quarters(n) => {
+        JointOffset::Quarters(n) => {
             let (sin, cos) = q.sin_cos();
             let (cos, sin) = match n {
                 0 => (cos, sin),
@@ -16,25 +17,28 @@ pub(super) fn turn<S: Scalar>(zero: Zero<S>, q: S) -> Turn<S> {
                 2 => (-cos, -sin),
                 _ => (sin, -cos),
             };
-            Turn::Angle { cos, sin }
+            AxisRotation::Angle { cos, sin }
         }
-        Zero::Angle(offset) => {
+        JointOffset::Angle(offset) => {
             let (sin, cos) = (q + offset).sin_cos();
-            Turn::Angle { cos, sin }
+            AxisRotation::Angle { cos, sin }
         }
     }
 }
 
-pub(super) fn twist_to_child<S: Scalar>(turn: Turn<S>, t: Twist<S>) -> Twist<S> {
+pub(super) fn twist_to_child<S: Scalar>(turn: AxisRotation<S>, t: Twist<S>) -> Twist<S> {
     let back = turn.inverse();
     Twist { angular: back.vector(Axis::Z, t.angular), linear: back.vector(Axis::Z, t.linear) }
 }
 
-pub(super) fn wrench_to_parent<S: Scalar>(turn: Turn<S>, w: Wrench<S>) -> Wrench<S> {
+pub(super) fn wrench_to_parent<S: Scalar>(turn: AxisRotation<S>, w: Wrench<S>) -> Wrench<S> {
     Wrench { moment: turn.vector(Axis::Z, w.moment), force: turn.vector(Axis::Z, w.force) }
 }
 
-pub(super) fn rigid_to_parent<S: Scalar>(turn: Turn<S>, i: &RigidInertia<S>) -> RigidInertia<S> {
+pub(super) fn rigid_to_parent<S: Scalar>(
+    turn: AxisRotation<S>,
+    i: &RigidInertia<S>,
+) -> RigidInertia<S> {
     RigidInertia {
         mass: i.mass,
         first_moment: turn.vector(Axis::Z, i.first_moment),
@@ -43,7 +47,7 @@ pub(super) fn rigid_to_parent<S: Scalar>(turn: Turn<S>, i: &RigidInertia<S>) -> 
 }
 
 pub(super) fn articulated_to_parent<S: Scalar>(
-    turn: Turn<S>,
+    turn: AxisRotation<S>,
     i: &ArticulatedInertia<S>,
 ) -> ArticulatedInertia<S> {
     i.turned(turn, Axis::Z)

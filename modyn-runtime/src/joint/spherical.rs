@@ -1,13 +1,12 @@
 //! Spherical joints: any rotation, by a unit quaternion and the angular velocity behind the joint.
 
-use super::Carried;
+use super::{Carried, JointOffset};
 use crate::Scalar;
-use crate::model::prepare::Zero;
 use crate::spatial::{Axis, Field, Matrix3, Quaternion, Vector3};
 
 /// The axes behind the joint, seen from in front of it: those of the unit quaternion x, y, z, w,
 /// turned by the frame's own zero.
-pub(super) fn rotation<S: Scalar>(zero: Zero<S>, quaternion: [S; 4]) -> Matrix3<S> {
+pub(super) fn rotation<S: Scalar>(zero: JointOffset<S>, quaternion: [S; 4]) -> Matrix3<S> {
     let (columns, turn) =
         (Quaternion::from_components(quaternion).matrix().transposed().0, zero.turn());
     Matrix3(columns.map(|column| turn.vector(Axis::Z, Vector3(column)).0)).transposed()

@@ -2,7 +2,7 @@
 //!
 //! Unsafe code: these instructions may only run on a processor that has them, and the compiler can't
 //! see that it does. It does wherever these types exist: they can't be named outside of `lanes`, and
-//! inside only the two functions for work mention them, which `dispatch` calls for `Level::Avx512`
+//! inside only the two functions for work mention them, which `dispatch` calls for `SimdLevel::Avx512`
 //! alone. (A generic function that has one as its type parameter has it from there.)
 #![allow(unsafe_code)]
 

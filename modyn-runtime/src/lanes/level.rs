@@ -6,7 +6,7 @@ use core::sync::atomic::{AtomicU8, Ordering};
 /// The vector instructions that batches run on, and single states where numbers stand side by side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
-pub enum Level {
+pub enum SimdLevel {
     /// None: one state at a time.
     Single,
     /// x86-64's baseline: 2 `f64` or 4 `f32`.
@@ -27,7 +27,7 @@ static FORCED: AtomicU8 = AtomicU8::new(0);
 /// target is known to have.
 #[inline]
 #[must_use]
-pub fn level() -> Level {
+pub fn level() -> SimdLevel {
     #[cfg(all(feature = "std", target_arch = "x86_64"))]
     {
         let forced = FORCED.load(Ordering::Relaxed);
@@ -40,7 +40,7 @@ pub fn level() -> Level {
 /// Runs batches on `level`, or again on the best if there is none; false where the processor lacks
 /// it, or where another is compiled in. For tests, and for benchmarks.
 #[doc(hidden)]
-pub fn force_level(level: Option<Level>) -> bool {
+pub fn force_level(level: Option<SimdLevel>) -> bool {
     #[cfg(all(feature = "std", target_arch = "x86_64"))]
     {
         let available = level.is_none_or(|level| (lowest()..=best()).contains(&level));
@@ -54,37 +54,37 @@ pub fn force_level(level: Option<Level>) -> bool {
 }
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
-const X86: [Level; 3] = [Level::Sse2, Level::Avx2, Level::Avx512];
+const X86: [SimdLevel; 3] = [SimdLevel::Sse2, SimdLevel::Avx2, SimdLevel::Avx512];
 
 /// What every processor has that the program can run on.
 #[cfg(target_arch = "x86_64")]
-fn lowest() -> Level {
+fn lowest() -> SimdLevel {
     if cfg!(all(target_feature = "avx512f", target_feature = "avx512vl")) {
-        Level::Avx512
+        SimdLevel::Avx512
     } else if cfg!(all(target_feature = "avx2", target_feature = "fma")) {
-        Level::Avx2
+        SimdLevel::Avx2
     } else {
-        Level::Sse2
+        SimdLevel::Sse2
     }
 }
 
 #[cfg(target_arch = "x86_64")]
-fn best() -> Level {
+fn best() -> SimdLevel {
     #[cfg(feature = "std")]
     if std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512vl") {
-        return Level::Avx512;
+        return SimdLevel::Avx512;
     } else if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
-        return Level::Avx2;
+        return SimdLevel::Avx2;
     }
     lowest()
 }
 
 #[cfg(not(target_arch = "x86_64"))]
-fn best() -> Level {
+fn best() -> SimdLevel {
     // Soft-float targets for kernels lack it.
     if cfg!(all(target_arch = "aarch64", target_feature = "neon")) {
-        Level::Neon
+        SimdLevel::Neon
     } else {
-        Level::Single
+        SimdLevel::Single
     }
 }

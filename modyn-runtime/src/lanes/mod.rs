@@ -14,8 +14,6 @@ mod abreast;
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
-#[cfg(target_arch = "x86_64")]
-mod fused;
 mod level;
 #[cfg(target_arch = "aarch64")]
 #[allow(dead_code)] // Left out where the target lacks it.
@@ -33,7 +31,7 @@ use crate::Scalar;
 use crate::scalar::abreast::Abreast;
 pub use crate::scalar::abreast::Part;
 use crate::scalar::trig::Precision;
-pub use level::{Level, force_level, level};
+pub use level::{SimdLevel, force_level, level};
 
 /// Numbers side by side, which the same operations are applied to.
 pub trait Lanes: Scalar {
@@ -99,7 +97,7 @@ macro_rules! dispatch {
         pub(crate) fn $abreast<W: Abreast<$float>>(work: W) -> W::Output {
             // Few lanes gain nothing by longer vectors.
             #[cfg(target_arch = "x86_64")]
-            if cfg!(all(target_feature = "avx2", target_feature = "fma")) || level() >= Level::Avx2 {
+            if cfg!(all(target_feature = "avx2", target_feature = "fma")) || level() >= SimdLevel::Avx2 {
                 // SAFETY: the program counts on AVX2 and FMA, or `level` has found them; AVX-512 includes both.
                 return unsafe { avx2::$abreast(work) };
             }
@@ -118,14 +116,14 @@ macro_rules! dispatch {
                 match level() {
                     // SAFETY: `level` names what the processor has.
                     #[cfg(target_arch = "x86_64")]
-                    Level::Avx512 => unsafe { avx512::$float(work) },
+                    SimdLevel::Avx512 => unsafe { avx512::$float(work) },
                     // SAFETY: as above.
                     #[cfg(all(target_arch = "x86_64", not(target_feature = "avx512vl")))]
-                    Level::Avx2 => unsafe { avx2::$float(work) },
+                    SimdLevel::Avx2 => unsafe { avx2::$float(work) },
                     #[cfg(all(target_arch = "x86_64", not(target_feature = "avx2")))]
-                    Level::Sse2 => sse2::$float(work),
+                    SimdLevel::Sse2 => sse2::$float(work),
                     #[cfg(target_arch = "aarch64")]
-                    Level::Neon => neon::$float(work),
+                    SimdLevel::Neon => neon::$float(work),
                     _ => single::$float(work),
                 }
             }

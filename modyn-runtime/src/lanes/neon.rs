@@ -1,7 +1,7 @@
 //! NEON, aarch64's baseline: 2 `f64` or 4 `f32`, products fused into sums.
 //!
 //! Unsafe code: `load` and `store` go through pointers, which is sound by what their callers promise;
-//! the instructions themselves are there wherever `level` says `Level::Neon`, as the target says so.
+//! the instructions themselves are there wherever `level` says `SimdLevel::Neon`, as the target says so.
 #![allow(unsafe_code, unused_unsafe)]
 
 use core::arch::aarch64::*;

@@ -3,7 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::vec::Vec;
 
-use super::{Float, Lanes, Level, Work, force_level};
+use super::{Float, Lanes, SimdLevel, Work, force_level};
 use crate::Scalar;
 use crate::scalar::near_pi;
 
@@ -100,14 +100,16 @@ fn check<F: Float + Into<f64>>(
         }
     }
     let _alone = alone();
-    for level in [Level::Single, Level::Sse2, Level::Avx2, Level::Avx512, Level::Neon] {
+    for level in
+        [SimdLevel::Single, SimdLevel::Sse2, SimdLevel::Avx2, SimdLevel::Avx512, SimdLevel::Neon]
+    {
         if !force_level(Some(level)) {
             continue;
         }
         let mut results = Vec::new();
         F::dispatch(All { numbers: [&a, &b, &c], results: &mut results });
         assert_eq!(results.len(), a.len());
-        let fuses = !matches!(level, Level::Single | Level::Sse2);
+        let fuses = !matches!(level, SimdLevel::Single | SimdLevel::Sse2);
         for (i, found) in results.iter().enumerate() {
             let mut expected = operations([a[i], b[i], c[i]]);
             if fuses {
@@ -150,7 +152,9 @@ fn check_sines<F: Float + Into<f64>>(angles: &[(f64, f64)], tolerance: f64) {
     let numbers: Vec<F> = angles.iter().flat_map(|&(x, _)| [x, -x]).map(F::from_f64).collect();
     assert_eq!(numbers.len() % 16, 0, "whole vectors");
     let _alone = alone();
-    for level in [Level::Single, Level::Sse2, Level::Avx2, Level::Avx512, Level::Neon] {
+    for level in
+        [SimdLevel::Single, SimdLevel::Sse2, SimdLevel::Avx2, SimdLevel::Avx512, SimdLevel::Neon]
+    {
         if !force_level(Some(level)) {
             continue;
         }

@@ -23,7 +23,7 @@ macro_rules! vector {
 
         impl $name {
             #[inline(always)]
-            fn numbers(self) -> [$float; $lanes] {
+            pub(super) fn numbers(self) -> [$float; $lanes] {
                 let mut numbers = [0.0; $lanes];
                 // SAFETY: there are as many.
                 unsafe { crate::lanes::Lanes::store(self, numbers.as_mut_ptr()) }
@@ -31,7 +31,7 @@ macro_rules! vector {
             }
 
             #[inline(always)]
-            fn from_numbers(numbers: [$float; $lanes]) -> Self {
+            pub(super) fn from_numbers(numbers: [$float; $lanes]) -> Self {
                 // SAFETY: there are as many.
                 unsafe { crate::lanes::Lanes::load(numbers.as_ptr()) }
             }

@@ -41,7 +41,7 @@ pub enum ModelErrorKind {
     /// joints follow each other in a circle.
     Mimic,
     /// Armature, damping or friction below zero.
-    Drive,
+    JointDynamics,
     /// Friction is smoothed by what is no velocity above zero.
     Friction,
     /// A loop constraint holds a link that does not exist.
@@ -67,7 +67,7 @@ impl fmt::Display for ModelError {
                 "follows a joint that does not exist or follows it in turn, or one of the two has \
                  several coordinates"
             }
-            ModelErrorKind::Drive => "has a negative armature, damping or friction",
+            ModelErrorKind::JointDynamics => "has a negative armature, damping or friction",
             ModelErrorKind::Friction => "smooths friction by what is no velocity above zero",
             ModelErrorKind::LoopConstraintLink => "holds a link that does not exist",
             ModelErrorKind::LoopConstraintEnds => {
@@ -141,7 +141,7 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
             .iter()
             .any(|x| *x < 0.0)
         {
-            report(&joint.name, ModelErrorKind::Drive);
+            report(&joint.name, ModelErrorKind::JointDynamics);
         }
         if !leads[i] {
             report(&joint.name, ModelErrorKind::Mimic);

@@ -87,7 +87,7 @@ impl LoopConstraintKind {
 
     /// The constrained and the free directions, unit vectors in the first frame: of each the rotations,
     /// then the displacements.
-    pub(super) fn directions(self) -> (Directions, Directions) {
+    pub(crate) fn directions(self) -> (Directions, Directions) {
         let across = |axis| {
             let plane = planar::plane(axis);
             vec![plane.map(|row| row[0]), plane.map(|row| row[1])]

@@ -2,19 +2,19 @@
 //!
 //! A [`Model`] is validated when it is made, so the equations never meet a broken tree.
 //! Link `i` is the moving link behind joint `i`, as in the paper: every moving link has exactly
-//! one joint, towards its parent. Links that are fixed to another link are [`Frame`]s; what they
-//! weigh has been merged into the link that carries them.
+//! one joint, towards its parent. Links that are fixed to another link are [`Frame`]s; their
+//! inertia has been merged into the link that carries them.
 
-mod base_parameters;
-pub mod coordinates;
 mod error;
+mod joint;
+mod link;
 mod loop_constraint;
 mod modules;
-pub mod prepare;
 
 pub use crate::inertial::{INERTIAL_PARAMETERS, Inertial, InertialDefect, PARAMETERS_PER_LINK};
-pub use base_parameters::{BaseParameter, BaseParameters};
 pub use error::{ModelError, ModelErrorKind};
+pub use joint::{Friction, Joint, JointDynamics, Limits, Mimic};
+pub use link::{Frame, Link};
 pub use loop_constraint::{LoopConstraint, LoopConstraintEnd, LoopConstraintKind};
 pub use modules::{Module, ModuleError, ModuleTree};
 
@@ -22,140 +22,9 @@ use alloc::{string::String, vec::Vec};
 use core::ops::Range;
 
 use crate::joint::JointType;
-use crate::spatial::Pose;
 
 /// Standard gravity of the defaults, in m/s^2: 9.81 along -z of the world.
 pub const DEFAULT_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
-
-/// A joint: how a link moves against its parent.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Joint {
-    /// The joint's name in the description.
-    pub name: String,
-    /// What motion it allows.
-    pub joint_type: JointType,
-    /// The axis, a unit vector in the joint's (and so the link's) frame; without meaning for
-    /// spherical and floating joints.
-    pub axis: [f64; 3],
-    /// A universal joint's second axis, a unit vector in the frame behind the first rotation;
-    /// without meaning for other types.
-    pub second_axis: [f64; 3],
-    /// The joint's frame at coordinate zero, in the frame of the parent link (or of the world).
-    pub origin: Pose<f64>,
-    /// Limits, where the description states them.
-    pub limits: Option<Limits>,
-    /// The joint that it follows; it then has no coordinate of its own.
-    pub mimic: Option<Mimic>,
-    /// What its drive and bearing add.
-    pub drive: Drive,
-}
-
-impl Joint {
-    /// A joint of its own along `axis`, without limits, rotor or friction.
-    #[must_use]
-    pub fn new(
-        name: impl Into<String>,
-        joint_type: JointType,
-        axis: [f64; 3],
-        origin: Pose<f64>,
-    ) -> Self {
-        Self {
-            name: name.into(),
-            joint_type,
-            axis,
-            second_axis: [0.0, 1.0, 0.0],
-            origin,
-            limits: None,
-            mimic: None,
-            drive: Drive::default(),
-        }
-    }
-}
-
-/// How a joint of one coordinate follows another: q = multiplier q(leader) + offset.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Mimic {
-    /// The link, as an index, whose joint is followed; that one may follow another in turn.
-    pub leader: usize,
-    /// The ratio of the velocities.
-    pub multiplier: f64,
-    /// The coordinate where the leader's is zero.
-    pub offset: f64,
-}
-
-/// What a joint's drive and bearing add to each of its degrees of freedom.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Drive {
-    /// The rotor's inertia as the joint feels it, gear ratio squared times rotor inertia: kg m^2,
-    /// or kg for a joint that slides.
-    pub armature: f64,
-    /// Viscous damping, N m s/rad or N s/m.
-    pub damping: f64,
-    /// Coulomb friction, N m or N.
-    pub friction: f64,
-}
-
-/// Limits of a joint, as the description states them: rad or m, rad/s or m/s, N m or N.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Limits {
-    /// Smallest coordinate; `None` where there is no such limit (a continuous joint).
-    pub lower: Option<f64>,
-    /// Largest coordinate; `None` where there is no such limit (a continuous joint).
-    pub upper: Option<f64>,
-    /// Largest speed; `None` where it is not stated.
-    pub velocity: Option<f64>,
-    /// Largest effort; `None` where it is not stated.
-    pub effort: Option<f64>,
-}
-
-/// A moving link, with the joint that moves it.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Link {
-    /// The link's name in the description.
-    pub name: String,
-    /// The moving link it hangs on; `None` for the world.
-    pub parent: Option<usize>,
-    /// The joint between the two.
-    pub joint: Joint,
-    /// Its inertia, together with all that is fixed to it, in its own frame.
-    pub inertial: Inertial,
-}
-
-/// A link of the description, moving or not, as a frame fixed to a moving link (or to the world).
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Frame {
-    /// The link's name in the description.
-    pub name: String,
-    /// The moving link it is fixed to; `None` for the world.
-    pub link: Option<usize>,
-    /// Its pose in that link's frame (identity for the moving link itself), or in the world.
-    pub pose: Pose<f64>,
-    /// Its own inertia in its own frame: its share of the moving link's.
-    pub inertial: Inertial,
-}
-
-/// Which joint torques [`Drive`]s exert against the motion.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub enum Friction {
-    /// None; damping and friction are figures only.
-    #[default]
-    None,
-    /// Damping.
-    Viscous,
-    /// Damping, and Coulomb friction: its sign jumps at rest, where it is zero.
-    Coulomb,
-    /// Damping, and Coulomb friction times v / sqrt(v^2 + w^2) with this w: without a jump. In
-    /// rad/s or m/s, positive.
-    Smooth(f64),
-}
 
 /// A validated robot.
 ///

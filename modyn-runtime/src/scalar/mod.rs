@@ -5,6 +5,8 @@ pub(crate) mod abreast;
 mod dual;
 mod elementary;
 mod float;
+#[cfg(feature = "alloc")]
+mod lane_scalar;
 mod native;
 #[cfg(test)]
 pub(crate) mod near_pi;
@@ -14,6 +16,8 @@ mod real;
 mod root;
 pub(crate) mod trig;
 
+#[cfg(feature = "alloc")]
+pub use lane_scalar::LaneScalar;
 pub use portable::Portable;
 pub use real::Scalar;
 pub(crate) use real::epsilon;

@@ -1,6 +1,6 @@
 //! The trait of numbers.
 
-use core::ops::{Add, Div, Mul, Neg, Range, Sub};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::abreast::Abreast;
 
@@ -91,32 +91,6 @@ pub trait Scalar:
     #[inline]
     fn abreast<W: Abreast<Self>>(work: W) -> W::Output {
         work.scalar()
-    }
-
-    /// Where the compiler computes limbs as one, with a lane for each (or columns of joints one behind the other,
-    /// [`Prepared::columns_abreast`](crate::model::prepare::Prepared::columns_abreast)): the sum over some of them, and of
-    /// one alone (`0..1`) what it has. All other numbers belong to one body, and are that sum themselves.
-    #[doc(hidden)]
-    #[inline]
-    #[must_use]
-    fn over_limbs(self, _limbs: Range<usize>) -> Self {
-        self
-    }
-
-    /// Likewise the number of one of them, for all.
-    #[doc(hidden)]
-    #[inline]
-    #[must_use]
-    fn of_limb(self, _limb: usize) -> Self {
-        self
-    }
-
-    /// Likewise the number that each of them has; of others there is one.
-    #[doc(hidden)]
-    #[inline]
-    #[must_use]
-    fn by_limb(each: &[Self]) -> Self {
-        each[0]
     }
 }
 

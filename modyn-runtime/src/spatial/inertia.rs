@@ -2,7 +2,7 @@
 
 use core::ops::Add;
 
-use super::{Axis, Matrix3, Pose, Symmetric3, Turn, Twist, Vector3, Wrench};
+use super::{Axis, AxisRotation, Matrix3, Pose, Symmetric3, Twist, Vector3, Wrench};
 use crate::Scalar;
 
 /// The inertia of a rigid (or composite) body about its frame's origin.
@@ -204,7 +204,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
 
     /// The inertia in turned axes.
     #[must_use]
-    pub fn turned(&self, turn: Turn<S>, about: Axis) -> Self {
+    pub fn turned(&self, turn: AxisRotation<S>, about: Axis) -> Self {
         Self {
             rotational: turn.symmetric(about, &self.rotational),
             coupling: turn.matrix(about, &self.coupling),

@@ -9,15 +9,17 @@ mod pose;
 pub use pose::Pose;
 
 #[cfg(feature = "alloc")]
+mod axis_rotation;
+#[cfg(feature = "alloc")]
+mod dh_transform;
+#[cfg(feature = "alloc")]
 mod field;
 #[cfg(feature = "alloc")]
 mod inertia;
 mod matrix;
 #[cfg(feature = "alloc")]
-mod placement;
+mod perturbation;
 mod quaternion;
-#[cfg(feature = "alloc")]
-mod turn;
 mod vector;
 #[cfg(feature = "alloc")]
 mod velocity;
@@ -25,10 +27,11 @@ mod wrench;
 
 #[cfg(feature = "alloc")]
 pub use {
+    axis_rotation::{Axis, AxisRotation},
+    dh_transform::DhTransform,
     field::Field,
     inertia::{ArticulatedInertia, RigidInertia},
-    placement::Placement,
-    turn::{Axis, Turn},
+    perturbation::AccelerationPerturbation,
     velocity::VelocityMoments,
 };
 pub use {

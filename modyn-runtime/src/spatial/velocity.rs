@@ -1,6 +1,6 @@
 //! Moments of the velocities of a body's points.
 
-use super::{Axis, Matrix3, RigidInertia, Turn, Vector3};
+use super::{Axis, AxisRotation, Matrix3, RigidInertia, Vector3};
 use crate::Scalar;
 
 /// Twice the first and second moments of velocity, `2 integral x' dm` and `2 integral x' x^T dm`,
@@ -59,7 +59,7 @@ impl<S: Scalar> VelocityMoments<S> {
 
     /// The moments in turned axes.
     #[must_use]
-    pub fn turned(&self, turn: Turn<S>, about: Axis) -> Self {
+    pub fn turned(&self, turn: AxisRotation<S>, about: Axis) -> Self {
         Self { first: turn.vector(about, self.first), second: turn.matrix(about, &self.second) }
     }
 

@@ -4,7 +4,7 @@ use std::iter::zip;
 
 use modyn_fleet::ROBOTS;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Drive, Friction, Model, ModuleTree};
+use modyn_runtime::model::{Friction, JointDynamics, Model, ModuleTree};
 use modyn_tests::close::{assert_close, difference};
 use modyn_tests::compiled::{Compiled, Own};
 use modyn_tests::dense::{identity, square, times};
@@ -89,7 +89,7 @@ fn the_fleet_is_various() {
         assert!(all.iter().any(is_so), "{joint_type:?}");
     }
     let count = |is_so: &dyn Fn(&Subject) -> bool| all.iter().filter(|s| is_so(s)).count();
-    let drives = |s: &Subject, is_so: fn(&Drive) -> bool| {
+    let drives = |s: &Subject, is_so: fn(&JointDynamics) -> bool| {
         s.model.links().iter().any(|link| is_so(&link.joint.drive))
     };
     assert!(count(&|s| s.model.has_mimics()) >= 3, "mimics");

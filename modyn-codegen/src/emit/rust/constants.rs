@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::equations::coordinates;
-use modyn_runtime::model::prepare::Prepared;
-use modyn_runtime::model::{BaseParameter, BaseParameters, Link};
+use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
+use modyn_runtime::equations::kinematics::coordinates;
+use modyn_runtime::mechanism::Mechanism;
+use modyn_runtime::model::Link;
 
 use super::Robot;
 use crate::plan::Function;
@@ -106,7 +107,7 @@ impl Robot<'_> {
 
     fn neutral(&self) -> Vec<f64> {
         let mut q = vec![0.0; self.model.nq()];
-        coordinates::neutral(&Prepared::new(self.model), &mut q);
+        coordinates::neutral(&Mechanism::new(self.model), &mut q);
         q
     }
 

@@ -76,8 +76,8 @@ pub(super) fn module(items: &str) -> String {
     let parameters = items.contains("__modyn::parameters::");
     let spatial = parameters || items.contains("__modyn::spatial::");
     let jacobi = parameters || items.contains("__modyn::jacobi::");
-    let mut exports = vec!["pub use self::figures::*;", "pub use self::scalar::Scalar;"];
-    for module in ["configuration", "figures"] {
+    let mut exports = vec!["pub use self::results::*;", "pub use self::scalar::Scalar;"];
+    for module in ["configuration", "results"] {
         module_of(&mut text, &[module]);
     }
     exports.push("pub use self::configuration::ConfigurationError;");

@@ -6,7 +6,7 @@ use mjcf_rs::body::{Body, InertiaSpec, Joint, JointType as Type};
 use mjcf_rs::compiler::InertiaFromGeom;
 use modyn_runtime::conventions::rotation_from_quaternion;
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Drive, Inertial, Limits};
+use modyn_runtime::model::{Inertial, JointDynamics, Limits};
 use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
 
@@ -166,7 +166,7 @@ fn joint(name: String, at: usize) -> JointRecord {
         second_axis: [0.0, 1.0, 0.0],
         limits: None,
         mimic: None,
-        drive: Drive::default(),
+        drive: JointDynamics::default(),
         drive_at: at,
         sound: true,
     }
@@ -231,7 +231,11 @@ impl Reader<'_, '_, '_, '_> {
                 "`armature`, `damping` and `frictionloss` of a ball or free joint are not read";
             refuse(Code::NotRead, message, "write 0, or the class that the joint should have");
         }
-        let drive = if single { Drive { armature, damping, friction } } else { Drive::default() };
+        let drive = if single {
+            JointDynamics { armature, damping, friction }
+        } else {
+            JointDynamics::default()
+        };
         if joint.type_ == Type::Free && !alone {
             let message = "a free joint stands alone in a body of the world";
             refuse(Code::NotRead, message, "write the body in `<worldbody>`, with this joint only");

@@ -1,7 +1,7 @@
 //! A `<joint>` as it is written.
 
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Drive, Limits};
+use modyn_runtime::model::{JointDynamics, Limits};
 use roxmltree::Node;
 
 use super::reader::Reader;
@@ -57,7 +57,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             second_axis: Y,
             limits: None,
             mimic: None,
-            drive: Drive::default(),
+            drive: JointDynamics::default(),
             drive_at: node.range().start,
             sound: true,
         };
@@ -283,9 +283,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     /// The drive, and where it stands.
-    fn drive(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> (Drive, usize) {
+    fn drive(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> (JointDynamics, usize) {
         let Some(node) = self.xml.single(node, "dynamics", subject) else {
-            return (Drive::default(), node.range().start);
+            return (JointDynamics::default(), node.range().start);
         };
         let names = ["damping", "friction", "armature", "rotor_inertia", "gear_ratio"];
         self.xml.misspelt_attribute(node, &names, subject);
@@ -294,7 +294,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 .map(|name| self.resistance(node, name, subject));
         let gear = self.xml.figure(node, "gear_ratio", subject).unwrap_or(1.0);
         self.one_armature(node, subject);
-        let drive = Drive { armature: armature + gear * gear * rotor, damping, friction };
+        let drive = JointDynamics { armature: armature + gear * gear * rotor, damping, friction };
         (drive, node.range().start)
     }
 

@@ -3,24 +3,25 @@
 use super::ConstraintWorkspace;
 use super::rows::constraint_rows;
 use crate::Scalar;
-use crate::equations::brge::{self, Layout};
-use crate::equations::{Workspace, inverse_dynamics};
-use crate::figures::ConstraintSettings;
-use crate::model::prepare::Prepared;
+use crate::equations::Workspace;
+use crate::equations::brge::{self, UduLayout};
+use crate::equations::dynamics::inverse_dynamics;
+use crate::mechanism::Mechanism;
+use crate::results::ConstraintSettings;
 use crate::spatial::{Twist, Wrench};
 
 /// Computes the accelerations `qdd` under the joint torques or forces `tau` with the constraints met,
 /// and for each constraint the wrench on its second link and the residual of its accelerations, both at
 /// the second frame's origin in the first frame's axes. Returns the number of independent rows.
 pub fn constrained_forward_dynamics<S: Scalar>(
-    model: &Prepared<S>,
-    layout: &Layout,
+    model: &Mechanism<S>,
+    layout: &UduLayout,
     (q, qd, tau): (&[S], &[S], &[S]),
     settings: &ConstraintSettings<S>,
     (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     (qdd, wrenches, residuals): (&mut [S], &mut [Wrench<S>], &mut [Twist<S>]),
 ) -> S {
-    inverse_dynamics::inverse_dynamics(model, (q, qd, None), None, workspace, qdd);
+    inverse_dynamics(model, (q, qd, None), None, workspace, qdd);
     for (qdd, &tau) in qdd.iter_mut().zip(tau) {
         *qdd = tau - *qdd;
     }

@@ -41,10 +41,10 @@ pub use residual::constraint_residual;
 
 use alloc::{vec, vec::Vec};
 
-use super::brge::Layout;
+use super::brge::UduLayout;
 use crate::Scalar;
-use crate::figures::ConstraintSettings;
-use crate::model::prepare::{ConstrainedFrames, Prepared};
+use crate::mechanism::{ConstrainedFrames, Mechanism};
+use crate::results::ConstraintSettings;
 use crate::spatial::Twist;
 use factorization::RankFactorization;
 
@@ -74,7 +74,7 @@ pub struct ConstraintWorkspace<S> {
 impl<S: Scalar> ConstraintWorkspace<S> {
     /// Memory for a model whose mass matrix is factorized in this layout.
     #[must_use]
-    pub fn new(model: &Prepared<S>, layout: &Layout) -> Self {
+    pub fn new(model: &Mechanism<S>, layout: &UduLayout) -> Self {
         let constraints = || model.loop_constraints.iter();
         let rows = constraints().map(|constraint| constraint.rows.len()).sum();
         let free: usize = constraints().map(|constraint| constraint.free.len()).sum();
@@ -96,8 +96,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
     /// Factorizes J I^-1 J^T of the rows at present.
     fn factorize(
         &mut self,
-        model: &Prepared<S>,
-        layout: &Layout,
+        model: &Mechanism<S>,
+        layout: &UduLayout,
         settings: &ConstraintSettings<S>,
     ) {
         rows::mobilities(model, layout, self);
@@ -133,7 +133,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
 
 /// The number of entries of qd that move a constraint's frames relative to each other: its rows
 /// cannot have a higher rank.
-fn degrees_of_freedom<S>(model: &Prepared<S>, constraint: &ConstrainedFrames<S>) -> usize {
+fn degrees_of_freedom<S>(model: &Mechanism<S>, constraint: &ConstrainedFrames<S>) -> usize {
     let ancestor = relative_motion::common_ancestor(model, constraint);
     let mut moving = vec![false; model.nv];
     for end in &constraint.ends {

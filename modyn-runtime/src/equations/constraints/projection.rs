@@ -4,16 +4,16 @@ use super::ConstraintWorkspace;
 use super::rows::constraint_rows;
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::brge::{self, Layout};
-use crate::figures::ConstraintSettings;
-use crate::model::prepare::Prepared;
+use crate::equations::brge::{self, UduLayout};
+use crate::mechanism::Mechanism;
+use crate::results::ConstraintSettings;
 
 /// Computes the step `dq` that meets the constraints at `q` to first order, and the change `dqd` of the
 /// velocities that keeps them met: -I^-1 J^T (J I^-1 J^T)^+ times the displacements and the velocities,
 /// the smallest in the metric of the mass matrix. Returns the number of independent rows.
 pub fn project_constraints<S: Scalar>(
-    model: &Prepared<S>,
-    layout: &Layout,
+    model: &Mechanism<S>,
+    layout: &UduLayout,
     (q, qd): (&[S], &[S]),
     settings: &ConstraintSettings<S>,
     (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),

@@ -4,14 +4,14 @@
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::chain::{self, Own};
-use crate::equations::kinematics::Seen;
-use crate::model::prepare::{BodyFrame, ConstrainedFrames, Prepared};
+use crate::equations::kinematics::kinematic_path::{self, Own};
+use crate::equations::kinematics::links::Seen;
+use crate::mechanism::{BodyFrame, ConstrainedFrames, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3};
 
 /// The closest body that carries both frames of a constraint; `None` for the world.
 pub(super) fn common_ancestor<S>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     constraint: &ConstrainedFrames<S>,
 ) -> Option<usize> {
     let [mut a, mut b] = constraint.ends.each_ref().map(|end| end.body);
@@ -25,17 +25,17 @@ pub(super) fn common_ancestor<S>(
 
 /// The bodies from a frame towards the world, up to `ancestor` but without it.
 pub(super) fn path<S>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     end: BodyFrame<S>,
     ancestor: Option<usize>,
 ) -> impl Iterator<Item = usize> {
-    chain::towards_world(model, end.body).take_while(move |&i| Some(i) != ancestor)
+    kinematic_path::towards_world(model, end.body).take_while(move |&i| Some(i) != ancestor)
 }
 
 /// A frame seen from the body `ancestor`; `visit` is called with the frame seen from each body on
 /// the path.
 pub(super) fn seen_from_ancestor<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     end: BodyFrame<S>,
     ancestor: Option<usize>,
     q: &[S],
@@ -107,7 +107,7 @@ pub(super) struct RelativeMotion<S> {
 impl<S: Scalar> RelativeMotion<S> {
     /// At this state, of frames at this relative pose.
     pub(super) fn new(
-        model: &Prepared<S>,
+        model: &Mechanism<S>,
         constraint: &ConstrainedFrames<S>,
         pose: &RelativePose<S>,
         state: (&[S], &[S]),
@@ -115,9 +115,9 @@ impl<S: Scalar> RelativeMotion<S> {
     ) -> Self {
         let ancestor = common_ancestor(model, constraint);
         let [first, second] = constraint.ends.map(|end| {
-            workspace.chain.clear();
-            workspace.chain.extend(path(model, end, ancestor));
-            let bodies = workspace.chain.iter().rev();
+            workspace.kinematic_path.clear();
+            workspace.kinematic_path.extend(path(model, end, ancestor));
+            let bodies = workspace.kinematic_path.iter().rev();
             bodies.fold(Own::at_rest(), |own, &i| own.carried_to(model, i, state)).at(&end.pose)
         });
         let velocity = pose.twist(first.velocity, second.velocity);

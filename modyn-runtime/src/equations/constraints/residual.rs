@@ -3,14 +3,14 @@
 use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, seen_from_ancestor};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::model::prepare::Prepared;
+use crate::mechanism::Mechanism;
 use crate::spatial::Twist;
 
 /// Computes the displacement and the velocity of each constraint's second frame relative to its first,
 /// in the first frame's axes, without the free directions. A rotation is its axis times the sine of
 /// its angle; of a hinge, the vector product of its two directions.
 pub fn constraint_residual<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
     workspace: &mut Workspace<S>,
     (displacements, velocities): (&mut [Twist<S>], &mut [Twist<S>]),

@@ -10,9 +10,9 @@ use super::ConstraintWorkspace;
 use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, seen_from_ancestor};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::brge::{self, Layout};
-use crate::equations::kinematics::add_columns;
-use crate::model::prepare::{ConstrainedFrames, ConstraintRow, Prepared};
+use crate::equations::brge::{self, UduLayout};
+use crate::equations::kinematics::links::add_columns;
+use crate::mechanism::{ConstrainedFrames, ConstraintRow, Mechanism};
 use crate::spatial::Twist;
 
 impl<S: Scalar> ConstraintRow<S> {
@@ -50,7 +50,7 @@ impl<S: Scalar> ConstrainedFrames<S> {
 /// Computes the Jacobian rows of all constraints, constrained and free ones, and the two right-hand
 /// sides that `target` gives for each constrained row.
 pub(super) fn constraint_rows<S: Scalar>(
-    model: &Prepared<S>,
+    model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
     workspace: &mut Workspace<S>,
     room: &mut ConstraintWorkspace<S>,
@@ -93,8 +93,8 @@ pub(super) fn constraint_rows<S: Scalar>(
 /// Computes I^-1 J^T, the matrix J I^-1 J^T of the constrained rows, and the mobility of each
 /// constraint, from the rows and the factors of the mass matrix.
 pub(super) fn mobilities<S: Scalar>(
-    model: &Prepared<S>,
-    layout: &Layout,
+    model: &Mechanism<S>,
+    layout: &UduLayout,
     room: &mut ConstraintWorkspace<S>,
 ) {
     let n = model.nv.max(1);

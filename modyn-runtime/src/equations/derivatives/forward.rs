@@ -1,15 +1,17 @@
 //! Derivatives of forward dynamics.
 
-use super::composite::{angular_velocities, gather, gather_wrenches};
-use super::deviation::{by_coordinates, by_rates};
-use super::inverse::add_resistance;
+use super::composite::{accumulate_composites, accumulate_wrenches, angular_velocities};
+use super::inverse::add_dissipation;
+use super::perturbation::{by_coordinates, by_rates};
 use super::projection::{By, project};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::brge::{self, Layout};
-use crate::equations::limbs;
-use crate::equations::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
-use crate::model::prepare::Prepared;
+use crate::equations::dynamics::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
+use crate::equations::factorization::limb_coupling::{LimbAccess, sum_row};
+use crate::equations::factorization::{
+    FactorLayout, Factorizable, factorize_matrix, inverse, solve, solve_column,
+};
+use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::Vector3;
 
 /// Where the accelerations and their derivatives go, matrices nv x nv by columns.
@@ -21,11 +23,11 @@ pub struct ForwardDerivatives<'a, S> {
     pub dqdd_dq: &'a mut [S],
     /// Their derivatives by qd.
     pub dqdd_dqd: &'a mut [S],
-    /// Their derivatives by tau: the inverse of the GIM, exactly symmetric.
+    /// Their derivatives by tau: the inverse of the mass matrix, exactly symmetric.
     pub dqdd_dtau: &'a mut [S],
 }
 
-/// The accelerations under the torques `tau` and their derivatives, through the factors of the GIM:
+/// The accelerations under the torques `tau` and their derivatives, through the factors of the mass matrix:
 /// d qdd = -I^-1 d tau at these accelerations.
 ///
 /// d tau / d qd does not depend on accelerations, and the forces of velocities are quadratic in
@@ -33,82 +35,83 @@ pub struct ForwardDerivatives<'a, S> {
 ///
 /// A floating base's origin is accelerated against free fall, whose derivatives are known: place
 /// and velocity of the base then change nothing else.
-pub fn forward_dynamics_derivatives<S: Scalar>(
-    model: &Prepared<S>,
-    layout: &Layout,
+pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
+    tree: &T,
+    limbs: &T::Layout,
     (q, qd, tau): (&[S], &[S], &[S]),
     workspace: &mut Workspace<S>,
     outputs: ForwardDerivatives<'_, S>,
 ) {
     let ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau } = outputs;
+    let (model, layout) = (tree.mechanism(), limbs.layout());
     let n = model.nv;
     workspace.make_room(layout.pivots(), n * n, layout.size());
     workspace.move_to(model, q);
-    angular_velocities(model, qd, workspace);
-    gather(model, qd, workspace);
-    by_rates(model, qd, true, workspace);
+    angular_velocities(tree, qd, workspace);
+    accumulate_composites(tree, qd, workspace);
+    by_rates(tree, qd, true, workspace);
     let mut matrix = core::mem::take(&mut workspace.matrix);
     let mut factors = core::mem::take(&mut workspace.factors);
-    project(model, By::Rates, workspace, dqdd_dqd, Some(&mut matrix[..n * n]));
+    project(tree, By::Rates, workspace, dqdd_dqd, Some(&mut matrix[..n * n]));
 
     qdd.copy_from_slice(tau);
-    subtract_forces(model, layout, (qd, dqdd_dqd), workspace, qdd);
-    brge::factorize_matrix(layout, &mut matrix, &mut workspace.pivots, &mut factors);
-    brge::solve(layout, &factors, qdd);
+    subtract_forces(tree, limbs, (qd, dqdd_dqd), workspace, qdd);
+    factorize_matrix(limbs, &mut matrix, &mut workspace.pivots, &mut factors);
+    solve(limbs, &factors, qdd);
 
-    link_wrenches(model, qd, Accelerations::AgainstFall(qdd), workspace);
-    gather_wrenches(model, |d| felt(model, d, (qd, qdd, tau)), workspace);
-    by_coordinates(model, qd, true, workspace);
-    project(model, By::Coordinates, workspace, dqdd_dq, None);
-    add_resistance(model, qd, dqdd_dqd);
-    brge::inverse(layout, &factors, dqdd_dtau);
+    link_wrenches(tree, qd, Accelerations::AgainstFall(qdd), workspace);
+    accumulate_wrenches(tree, |d| generalized_force(model, d, (qd, qdd, tau)), workspace);
+    by_coordinates(tree, qd, true, workspace);
+    project(tree, By::Coordinates, workspace, dqdd_dq, None);
+    add_dissipation(model, qd, dqdd_dqd);
+    inverse(limbs, &factors, dqdd_dtau);
     for columns in [&mut *dqdd_dq, &mut *dqdd_dqd] {
         columns.iter_mut().for_each(|entry| *entry = -*entry);
         for (j, column) in columns.chunks_mut(n.max(1)).enumerate() {
-            match model.columns_abreast {
-                1 => brge::solve_column(layout, &factors, j, column),
-                rows => multiply(dqdd_dtau, rows, column),
+            match tree.column_lanes() {
+                1 => solve_column(limbs, &factors, j, column),
+                lanes => multiply(tree, dqdd_dtau, lanes, column),
             }
         }
     }
     (workspace.matrix, workspace.factors) = (matrix, factors);
-    fall(model, qd, workspace, (qdd, dqdd_dq, dqdd_dqd));
+    add_free_fall(model, qd, workspace, (qdd, dqdd_dq, dqdd_dqd));
 }
 
-/// The product of a matrix by columns with `x`, so many rows side by side, in place of `x`.
-fn multiply<S: Scalar>(columns: &[S], abreast: usize, x: &mut [S]) {
+/// The product of a matrix by columns with `x`, `lanes` rows at a time, in place of `x`.
+fn multiply<S: Scalar, T: BodyTree<S>>(tree: &T, columns: &[S], lanes: usize, x: &mut [S]) {
     let n = x.len();
     let factors = x.to_vec();
-    for (k, rows) in x.chunks_mut(abreast).enumerate() {
-        let beside =
-            columns.chunks(n).map(|column| S::by_limb(&column[k * abreast..][..rows.len()]));
-        let products = beside.zip(&factors).map(|(column, &factor)| column * factor);
+    for (k, rows) in x.chunks_mut(lanes).enumerate() {
+        let packs = columns.chunks(n).map(|column| tree.pack(&column[k * lanes..][..rows.len()]));
+        let products = packs.zip(&factors).map(|(column, &factor)| column * factor);
         let sum = products.reduce(|sum, product| sum + product).expect("as many columns as rows");
         for (row, x) in rows.iter_mut().enumerate() {
-            *x = sum.of_limb(row);
+            *x = tree.extract_lane(sum, row);
         }
     }
 }
 
-/// Takes the forces of velocities, gravity and resistance off the torques `tau`; a floating base is
-/// in free fall. `dtau_dqd` is without resistance.
-fn subtract_forces<S: Scalar>(
-    model: &Prepared<S>,
-    layout: &Layout,
+/// Takes the forces of velocities, gravity and dissipation off the torques `tau`; a floating base is
+/// in free fall. `dtau_dqd` is without dissipation.
+fn subtract_forces<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    limbs: &impl FactorLayout<S>,
     (qd, dtau_dqd): (&[S], &[S]),
     workspace: &mut Workspace<S>,
     tau: &mut [S],
 ) {
+    let model = tree.mechanism();
     let half = S::from_f64(0.5);
     for (row, tau) in tau.iter_mut().enumerate() {
         let columns = dtau_dqd.chunks(model.nv.max(1));
         let twice = columns.zip(qd).map(|(column, &rate)| column[row] * rate);
-        if let Some(twice) = limbs::sum(layout, row, twice) {
+        if let Some(twice) = sum_row(limbs, row, twice) {
             *tau = *tau - half * twice;
         }
     }
     for (i, body) in model.bodies.iter().enumerate() {
-        let a = Vector3(body.from_parents(|parent| match parent {
+        let a = Vector3(tree.broadcast_from_parents(i, |parent| match parent {
             Some(parent) => workspace.twists[parent].linear.0,
             None if is_base(model, i) => Vector3::zero().0,
             None => (-model.gravity).0,
@@ -118,32 +121,36 @@ fn subtract_forces<S: Scalar>(
         for dof in model.dofs_of(i) {
             let weight = workspace.composite[i].column(dof.component).force.dot(a);
             dof.add(-weight, tau);
-            if let Some(resistance) = model.resistance(dof, qd) {
-                dof.add(-resistance, tau);
+            if let Some(dissipation) = model.dissipation(dof, qd) {
+                dof.add(-dissipation, tau);
             }
         }
     }
 }
 
-/// What degree of freedom `d` feels of its composite's wrench, where the torque says so.
-fn felt<S: Scalar>(model: &Prepared<S>, d: usize, (qd, qdd, tau): (&[S], &[S], &[S])) -> Option<S> {
+/// The force of its composite's wrench along degree of freedom `d`, where the torque says it.
+fn generalized_force<S: Scalar>(
+    model: &Mechanism<S>,
+    d: usize,
+    (qd, qdd, tau): (&[S], &[S], &[S]),
+) -> Option<S> {
     let dof = &model.dofs[d];
     if model.has_mimics() {
         return None;
     }
-    let mut felt = tau[dof.v];
-    if let Some(resistance) = model.resistance(dof, qd) {
-        felt = felt - resistance;
+    let mut force = tau[dof.v];
+    if let Some(dissipation) = model.dissipation(dof, qd) {
+        force = force - dissipation;
     }
     if let Some(armature) = dof.armature {
-        felt = felt - armature * dof.rate(qdd);
+        force = force - armature * dof.rate(qdd);
     }
-    Some(felt)
+    Some(force)
 }
 
 /// Adds floating bases' free fall g - omega x v to their accelerations, and its derivatives.
-fn fall<S: Scalar>(
-    model: &Prepared<S>,
+fn add_free_fall<S: Scalar>(
+    model: &Mechanism<S>,
     qd: &[S],
     workspace: &Workspace<S>,
     (qdd, dqdd_dq, dqdd_dqd): (&mut [S], &mut [S], &mut [S]),

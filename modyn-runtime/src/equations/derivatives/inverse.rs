@@ -1,39 +1,40 @@
 //! Derivatives of inverse dynamics.
 
-use super::composite::{gather, gather_wrenches};
-use super::deviation::{by_coordinates, by_rates};
+use super::composite::{accumulate_composites, accumulate_wrenches};
+use super::perturbation::{by_coordinates, by_rates};
 use super::projection::{By, project};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::newton_euler::{Accelerations, link_wrenches};
-use crate::model::prepare::Prepared;
+use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
+use crate::mechanism::{BodyTree, Mechanism};
 
-/// d tau / d q and d tau / d qd of [`inverse_dynamics`](crate::equations::inverse_dynamics), nv x nv
-/// by columns; d tau / d qdd is the [`mass_matrix`](crate::equations::mass_matrix).
+/// d tau / d q and d tau / d qd of [`inverse_dynamics`](crate::equations::dynamics::inverse_dynamics), nv x nv
+/// by columns; d tau / d qdd is the [`mass_matrix`](crate::equations::dynamics::mass_matrix).
 ///
 /// The jump of Coulomb friction counts as slope 0.
-pub fn inverse_dynamics_derivatives<S: Scalar>(
-    model: &Prepared<S>,
+pub fn inverse_dynamics_derivatives<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     (q, qd, qdd): (&[S], &[S], &[S]),
     workspace: &mut Workspace<S>,
     dtau_dq: &mut [S],
     dtau_dqd: &mut [S],
 ) {
+    let model = tree.mechanism();
     workspace.move_to(model, q);
-    link_wrenches(model, qd, Accelerations::Given(qdd), workspace);
-    gather(model, qd, workspace);
-    gather_wrenches(model, |_| None, workspace);
-    by_coordinates(model, qd, false, workspace);
-    project(model, By::Coordinates, workspace, dtau_dq, None);
-    by_rates(model, qd, false, workspace);
-    project(model, By::Rates, workspace, dtau_dqd, None);
-    add_resistance(model, qd, dtau_dqd);
+    link_wrenches(tree, qd, Accelerations::Given(qdd), workspace);
+    accumulate_composites(tree, qd, workspace);
+    accumulate_wrenches(tree, |_| None, workspace);
+    by_coordinates(tree, qd, false, workspace);
+    project(tree, By::Coordinates, workspace, dtau_dq, None);
+    by_rates(tree, qd, false, workspace);
+    project(tree, By::Rates, workspace, dtau_dqd, None);
+    add_dissipation(model, qd, dtau_dqd);
 }
 
 /// Adds what damping and friction do to d tau / d qd.
-pub(super) fn add_resistance<S: Scalar>(model: &Prepared<S>, qd: &[S], dtau_dqd: &mut [S]) {
+pub(super) fn add_dissipation<S: Scalar>(model: &Mechanism<S>, qd: &[S], dtau_dqd: &mut [S]) {
     for dof in &model.dofs {
-        if let Some(slope) = model.resistance_slope(dof, qd) {
+        if let Some(slope) = model.dissipation_slope(dof, qd) {
             let sum = &mut dtau_dqd[dof.v * model.nv + dof.v];
             *sum = *sum + dof.scale(dof.scale(slope));
         }

@@ -5,20 +5,19 @@
 //! with 12 numbers a composite for its Coriolis forces
 //! ([`VelocityMoments`](crate::spatial::VelocityMoments)).
 //!
-//! A degree of freedom gives each point behind it a displacement. Its coordinate and its rate
-//! change the points' accelerations by fields of one form (`deviation`); what a composite answers
-//! to such a field is felt in front, what such a field does to a unit displacement further behind
-//! is felt there (`projection`).
+//! A degree of freedom displaces each point after it. Its coordinate and its rate change the points'
+//! accelerations by fields of one form (`perturbation`). A composite's wrench under such a field acts on its
+//! ancestors' joints; the power of such a field at a unit displacement of a descendant acts on the
+//! descendant's joint (`projection`).
 //!
 //! Derivatives by coordinates are in the tangent space: for spherical and floating joints, by a
 //! displacement in the link's own axes. Matrices are nv x nv by columns.
 
 mod composite;
-mod deviation;
 mod forward;
 mod inverse;
+mod perturbation;
 mod projection;
 
-pub use deviation::Deviation;
 pub use forward::{ForwardDerivatives, forward_dynamics_derivatives};
 pub use inverse::inverse_dynamics_derivatives;

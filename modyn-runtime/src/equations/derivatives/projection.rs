@@ -1,96 +1,101 @@
-//! What deviations of accelerations are to the joints.
+//! The joint torques of perturbations of accelerations.
 
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::Deviation;
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::limbs::Way;
-use crate::joint::Motion;
-use crate::model::prepare::{Body, Dof, Prepared};
-use crate::spatial::{Matrix3, RigidInertia, Vector3, VelocityMoments, Wrench};
+use crate::joint::JointTransform;
+use crate::mechanism::{Body, BodyTree, Dof, Mechanism, RootwardAccumulator};
+use crate::spatial::{
+    AccelerationPerturbation, Matrix3, RigidInertia, Vector3, VelocityMoments, Wrench,
+};
 
-/// What the deviations are by.
+/// The variables that the perturbations are by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum By {
-    /// Coordinates: what is behind the joint is displaced with its wrench.
+    /// Coordinates: the bodies after the joint are displaced with their wrench.
     Coordinates,
-    /// Rates: it stays where it is.
+    /// Rates: they stay where they are.
     Rates,
 }
 
-/// The derivatives of the joint torques by columns, of `workspace.deviations`; and the GIM, which takes the
-/// same way, into `gim` if that is there (as in `mass_matrix`, but for what is carried). Expects composites (by coordinates, with their wrenches) and
-/// angular velocities.
+/// The derivatives of the joint torques by columns, of `workspace.perturbations`. The mass matrix needs the
+/// same sweep and goes into `mass_matrix` if that is there. Expects composites (by coordinates, with their
+/// wrenches) and angular velocities.
 ///
-/// Columns are carried towards the root one by one, or several side by side
-/// ([`Prepared::columns_abreast`]): those of joints one behind the other, each of which joins at its own joint.
-pub(super) fn project<S: Scalar>(
-    model: &Prepared<S>,
+/// Columns are carried towards the root one by one, or several in the lanes of one pack
+/// ([`MergedMechanism::with_column_lanes`](crate::mechanism::MergedMechanism::with_column_lanes)): those of joints that follow each other, each of which joins at its own
+/// joint.
+pub(super) fn project<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     by: By,
     workspace: &Workspace<S>,
     columns: &mut [S],
-    mut gim: Option<&mut [S]>,
+    mut mass_matrix: Option<&mut [S]>,
 ) {
+    let model = tree.mechanism();
     columns.fill(S::zero());
-    if let Some(gim) = gim.as_deref_mut() {
-        gim.fill(S::zero());
+    if let Some(mass_matrix) = mass_matrix.as_deref_mut() {
+        mass_matrix.fill(S::zero());
     }
     let mut end = model.dofs.len();
     while end > 0 {
-        let group = abreast_before(model, end);
+        let group = columns_before(model, tree.column_lanes(), end);
         end = group.start;
         project_group(
-            model,
+            tree,
             by,
             workspace,
             &group,
-            &mut Entries { model, columns, gim: gim.as_deref_mut() },
+            &mut Entries { model, columns, mass_matrix: mass_matrix.as_deref_mut() },
         );
     }
 }
 
-/// The last degrees of freedom before `end` whose columns go side by side.
-fn abreast_before<S>(model: &Prepared<S>, end: usize) -> Range<usize> {
+/// The last degrees of freedom before `end` whose columns are carried in the lanes of one pack.
+fn columns_before<S>(model: &Mechanism<S>, lanes: usize, end: usize) -> Range<usize> {
     let body = |d: usize| model.dofs[d].body;
     let follows = |d: usize| {
         let (front, back) = (body(d - 1), body(d));
         front == back || model.bodies[back].parent == Some(front)
     };
     let mut start = end - 1;
-    while start > 0 && end - start < model.columns_abreast && follows(start) {
+    while start > 0 && end - start < lanes && follows(start) {
         start -= 1;
     }
     start..end
 }
 
 /// Carries the columns of these degrees of freedom from the last one's body to the root.
-fn project_group<S: Scalar>(
-    model: &Prepared<S>,
+fn project_group<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
     by: By,
     workspace: &Workspace<S>,
     group: &Range<usize>,
     entries: &mut Entries<'_, S>,
 ) {
+    let model = tree.mechanism();
     let mut at = model.dofs[group.end - 1].body;
-    // What columns from `joined` on have behind the body `at`.
-    let mut behind: Option<Behind<S>> = None;
+    // The state at body `at` of the columns from `joined` on.
+    let mut behind: Option<SweepState<S>> = None;
     let mut joined = group.end;
-    let mut way = Way::new();
+    let mut path = RootwardAccumulator::new(tree);
     loop {
         let dofs = model.bodies[at].dofs.clone();
         for other in dofs.clone() {
-            let Some(Behind { wrench, weights }) = &behind else { break };
+            let Some(SweepState { wrench, dual }) = &behind else { break };
             let component = model.dofs[other].component;
-            let felt = wrench.components()[component];
-            let feel = weights.of(&workspace.deviations[other]);
-            let mass = weights.wrench.components()[component];
+            let force = wrench.components()[component];
+            let work = dual.of(&workspace.perturbations[other]);
+            let mass = dual.wrench.components()[component];
             for column in joined..group.end {
-                let lane =
-                    |x: S| if group.len() == 1 { x } else { x.of_limb(column - group.start) };
-                entries.add(other, column, lane(felt));
-                entries.add(column, other, lane(feel));
+                let lane = |x: S| match group.len() {
+                    1 => x,
+                    _ => tree.extract_lane(x, column - group.start),
+                };
+                entries.add(other, column, lane(force));
+                entries.add(column, other, lane(work));
                 entries.add_masses(other, column, lane(mass));
             }
         }
@@ -102,10 +107,10 @@ fn project_group<S: Scalar>(
             behind = Some(match behind {
                 Some(behind) => {
                     let (behind, own) = (behind.numbers(), own.numbers());
-                    Behind::of(core::array::from_fn(|k| {
-                        let of_group = |d| behind[k].of_limb(d - group.start);
+                    SweepState::of(core::array::from_fn(|k| {
+                        let of_group = |d| tree.extract_lane(behind[k], d - group.start);
                         let lane = |d| if d <= joined { own[k] } else { of_group(d) };
-                        S::by_limb(&group.clone().map(lane).collect::<Vec<_>>())
+                        tree.pack(&group.clone().map(lane).collect::<Vec<_>>())
                     }))
                 }
                 None => own,
@@ -114,16 +119,16 @@ fn project_group<S: Scalar>(
         let (body, motion) = (&model.bodies[at], &workspace.motions[at]);
         let (Some(parent), Some(whole)) = (body.parent, &behind) else { break };
         let carried = whole.carried(body, motion, workspace.levers[at]);
-        behind = Some(Behind::of(way.onto(body, parent, carried.numbers())));
+        behind = Some(SweepState::of(path.onto(at, parent, carried.numbers())));
         at = parent;
     }
 }
 
 /// Where the entries go.
 struct Entries<'a, S> {
-    model: &'a Prepared<S>,
+    model: &'a Mechanism<S>,
     columns: &'a mut [S],
-    gim: Option<&'a mut [S]>,
+    mass_matrix: Option<&'a mut [S]>,
 }
 
 impl<S: Scalar> Entries<'_, S> {
@@ -134,15 +139,15 @@ impl<S: Scalar> Entries<'_, S> {
         workspace: &Workspace<S>,
         composite: &Composite<'_, S>,
         column: usize,
-    ) -> Behind<S> {
+    ) -> SweepState<S> {
         let Dof { body, component, armature, .. } = self.model.dofs[column];
-        let mut wrench = composite.answer(&workspace.deviations[column]);
-        let weights = composite.weights(component);
+        let mut wrench = composite.required_wrench(&workspace.perturbations[column]);
+        let dual = composite.dual_column(component);
         let dofs = self.model.bodies[body].dofs.clone();
         for row in dofs.clone() {
             self.add(row, column, wrench.components()[self.model.dofs[row].component]);
         }
-        let masses = weights.wrench.components();
+        let masses = dual.wrench.components();
         let own = masses[component];
         self.add_mass(column, column, armature.map_or(own, |armature| own + armature));
         for other in dofs.start..column {
@@ -151,7 +156,7 @@ impl<S: Scalar> Entries<'_, S> {
         if by == By::Coordinates {
             wrench += displaced(workspace.wrenches[body], component);
         }
-        Behind { wrench, weights }
+        SweepState { wrench, dual }
     }
 
     /// Adds to the derivatives' entry of two degrees of freedom.
@@ -161,15 +166,15 @@ impl<S: Scalar> Entries<'_, S> {
         *sum = *sum + row.scale(column.scale(entry));
     }
 
-    /// Adds to the GIM's.
+    /// Adds to the mass matrix's.
     fn add_mass(&mut self, row: usize, column: usize, entry: S) {
-        let Some(gim) = self.gim.as_deref_mut() else { return };
+        let Some(mass_matrix) = self.mass_matrix.as_deref_mut() else { return };
         let (row, column) = (&self.model.dofs[row], &self.model.dofs[column]);
-        let sum = &mut gim[column.v * self.model.nv + row.v];
+        let sum = &mut mass_matrix[column.v * self.model.nv + row.v];
         *sum = *sum + row.scale(column.scale(entry));
     }
 
-    /// Adds to the GIM on both sides of its diagonal. (Where one degree of freedom follows the other both
+    /// Adds to the mass matrix on both sides of its diagonal. (Where one degree of freedom follows the other both
     /// are the same entry, and both count.)
     fn add_masses(&mut self, row: usize, column: usize, entry: S) {
         self.add_mass(row, column, entry);
@@ -187,7 +192,7 @@ fn displaced<S: Scalar>(wrench: Wrench<S>, component: usize) -> Wrench<S> {
     Wrench { moment: s.cross(wrench.moment), force: s.cross(wrench.force) }
 }
 
-/// All that hangs together behind a joint, on a body that turns with half of `twice_omega`.
+/// The composite of a body and its descendants; the body turns with half of `twice_omega`.
 struct Composite<'a, S> {
     inertia: &'a RigidInertia<S>,
     /// Against the body's frame.
@@ -205,10 +210,10 @@ impl<'a, S: Scalar> Composite<'a, S> {
         Self { inertia, velocities, twice_omega: omega + omega, rotational }
     }
 
-    /// The wrench that gives it a deviation of its accelerations: with x' against the body's frame,
+    /// The wrench that gives it a perturbation of its accelerations: with x' against the body's frame,
     /// relative x x + turning x 2 x' + 2 omega x (turning x x) + uniform.
-    fn answer(&self, deviation: &Deviation<S>) -> Wrench<S> {
-        let Deviation { relative, turning, uniform, .. } = *deviation;
+    fn required_wrench(&self, perturbation: &AccelerationPerturbation<S>) -> Wrench<S> {
+        let AccelerationPerturbation { relative, turning, uniform, .. } = *perturbation;
         let RigidInertia { mass, first_moment, second_moment } = *self.inertia;
         let turned = second_moment.full().mul_vector(self.twice_omega);
         Wrench {
@@ -223,8 +228,8 @@ impl<'a, S: Scalar> Composite<'a, S> {
         }
     }
 
-    /// What a unit displacement in `component` feels of deviations.
-    fn weights(&self, component: usize) -> Weights<S> {
+    /// The dual column of a unit displacement in `component`.
+    fn dual_column(&self, component: usize) -> DualColumn<S> {
         let RigidInertia { first_moment, second_moment, .. } = *self.inertia;
         let turning = if let Some(k) = component.checked_sub(3) {
             let momentum = self.velocities.first + self.twice_omega.cross(first_moment);
@@ -233,57 +238,58 @@ impl<'a, S: Scalar> Composite<'a, S> {
             let spun = self.twice_omega.cross(Vector3::unit(component));
             self.rotational.row(component) + second_moment.full().mul_vector(spun)
         };
-        Weights { wrench: self.inertia.column(component), turning }
+        DualColumn { wrench: self.inertia.column(component), turning }
     }
 }
 
-/// How much of a deviation's parts a unit displacement feels that is further behind.
+/// The dual of a perturbation: the power of its parts at a unit displacement of a descendant.
 #[derive(Clone, Copy, Debug)]
-struct Weights<S> {
+struct DualColumn<S> {
     /// Of the gradient (moment) and of the uniform part (force): the wrench of the displacement as
     /// an acceleration.
     wrench: Wrench<S>,
     turning: Vector3<S>,
 }
 
-impl<S: Scalar> Weights<S> {
-    fn of(&self, deviation: &Deviation<S>) -> S {
-        self.turning.dot(deviation.turning)
-            + self.wrench.moment.dot(deviation.gradient)
-            + self.wrench.force.dot(deviation.uniform)
+impl<S: Scalar> DualColumn<S> {
+    fn of(&self, perturbation: &AccelerationPerturbation<S>) -> S {
+        self.turning.dot(perturbation.turning)
+            + self.wrench.moment.dot(perturbation.gradient)
+            + self.wrench.force.dot(perturbation.uniform)
     }
 }
 
-/// What of a column is behind a body, seen from there: of several columns side by side.
+/// The state of a column during the sweep towards the root, seen from a body; of several columns in lanes.
 #[derive(Clone, Copy, Debug)]
-struct Behind<S> {
-    /// What answers to the deviation.
+struct SweepState<S> {
+    /// The wrench that gives the composite its perturbation.
     wrench: Wrench<S>,
-    /// What a unit displacement of the column's degree of freedom feels of deviations in front.
-    weights: Weights<S>,
+    /// The power of ancestors' perturbations at a unit displacement of the column's degree of freedom.
+    dual: DualColumn<S>,
 }
 
-impl<S: Scalar> Behind<S> {
+impl<S: Scalar> SweepState<S> {
     /// The same seen from the parent, over whose origin that of `body` moves with half of `lever`.
-    fn carried(&self, body: &Body<S>, motion: &Motion<S>, lever: Vector3<S>) -> Self {
-        let Weights { wrench, turning } = self.weights;
+    fn carried(&self, body: &Body<S>, motion: &JointTransform<S>, lever: Vector3<S>) -> Self {
+        let DualColumn { wrench, turning } = self.dual;
         let wrench = body.wrench_to_parent(motion, wrench);
         let turning = body.to_parent(motion, turning) + lever.cross(wrench.force);
-        let weights = Weights { wrench, turning };
-        Self { wrench: body.wrench_to_parent(motion, self.wrench), weights }
+        let dual = DualColumn { wrench, turning };
+        Self { wrench: body.wrench_to_parent(motion, self.wrench), dual }
     }
 
     /// All of it, to be taken apart number by number.
     fn numbers(&self) -> [S; 15] {
         let [[a, b, c], [d, e, f]] = [self.wrench.moment.0, self.wrench.force.0];
-        let Weights { wrench, turning: Vector3([m, n, o]) } = self.weights;
+        let DualColumn { wrench, turning: Vector3([m, n, o]) } = self.dual;
         let [[g, h, i], [j, k, l]] = [wrench.moment.0, wrench.force.0];
         [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o]
     }
 
     fn of([a, b, c, d, e, f, g, h, i, j, k, l, m, n, o]: [S; 15]) -> Self {
         let wrench = |moment, force| Wrench { moment: Vector3(moment), force: Vector3(force) };
-        let weights = Weights { wrench: wrench([g, h, i], [j, k, l]), turning: Vector3([m, n, o]) };
-        Self { wrench: wrench([a, b, c], [d, e, f]), weights }
+        let turning = Vector3([m, n, o]);
+        let dual = DualColumn { wrench: wrench([g, h, i], [j, k, l]), turning };
+        Self { wrench: wrench([a, b, c], [d, e, f]), dual }
     }
 }

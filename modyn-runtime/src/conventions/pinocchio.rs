@@ -1,0 +1,28 @@
+//! Pinocchio: the free-flyer is the same as modyn's floating joint, number by number, so is the
+//! spherical joint; what differs is the unbounded revolute joint (a continuous one in URDF) and the
+//! planar one.
+//!
+//! Source: [the free-flyer's documentation](https://docs.ros.org/en/jazzy/p/pinocchio/generated/function_namespacepinocchio_1aa5005bfe0ffbbdc62952c3c432e4eab7.html):
+//! coordinates translation and quaternion x, y, z, w from child to parent; velocities linear and
+//! angular in the child's frame, after Featherstone; and `joint-revolute-unbounded.hpp`.
+
+use crate::Scalar;
+
+/// The two coordinates of an unbounded revolute joint, (cos, sin), from the angle in rad.
+#[must_use]
+pub fn cos_sin_from_angle<T: Scalar>(angle: T) -> [T; 2] {
+    let (sin, cos) = angle.sin_cos();
+    [cos, sin]
+}
+
+/// The angle in rad, in [-pi, pi], from the two coordinates of an unbounded revolute joint.
+///
+/// ```
+/// use modyn_runtime::conventions::pinocchio::{angle_from_cos_sin, cos_sin_from_angle};
+///
+/// assert!((angle_from_cos_sin(cos_sin_from_angle(2.5_f64)) - 2.5).abs() < 1e-15);
+/// ```
+#[must_use]
+pub fn angle_from_cos_sin<T: Scalar>([cos, sin]: [T; 2]) -> T {
+    sin.atan2(cos)
+}

@@ -1,0 +1,134 @@
+//! How a degree of freedom changes the accelerations of the points after it.
+
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::dynamics::newton_euler::is_base;
+use crate::equations::kinematics::acceleration::carried;
+use crate::joint::ElementaryJoint;
+use crate::mechanism::BodyTree;
+use crate::spatial::{AccelerationPerturbation, Field, Matrix3, Vector3};
+
+/// Fills in the perturbations by the coordinates. Expects the bodies' accelerations.
+///
+/// `falling` takes a floating base to be in free fall, whatever its place and velocity.
+pub(super) fn by_coordinates<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    qd: &[S],
+    falling: bool,
+    workspace: &mut Workspace<S>,
+) {
+    let model = tree.mechanism();
+    for i in 0..model.bodies.len() {
+        let in_front = AncestorMotion::of(tree, i, qd, falling, workspace);
+        for d in model.bodies[i].dofs.clone() {
+            workspace.perturbations[d] = in_front.displaced(model.dofs[d].component);
+        }
+    }
+}
+
+/// Fills in the perturbations by the rates. Expects the bodies' angular velocities.
+pub(super) fn by_rates<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    qd: &[S],
+    falling: bool,
+    workspace: &mut Workspace<S>,
+) {
+    let model = tree.mechanism();
+    for i in 0..model.bodies.len() {
+        let in_front = AncestorMotion::of(tree, i, qd, falling, workspace);
+        let sum = in_front.omega + workspace.fields[i].omega;
+        for d in model.bodies[i].dofs.clone() {
+            workspace.perturbations[d] = match model.dofs[d].component.checked_sub(3) {
+                Some(_) if falling && is_base(model, i) => AccelerationPerturbation::zero(),
+                Some(k) => AccelerationPerturbation {
+                    uniform: sum.cross(Vector3::unit(k)),
+                    ..AccelerationPerturbation::zero()
+                },
+                None => {
+                    let s = Vector3::unit(model.dofs[d].component);
+                    AccelerationPerturbation {
+                        gradient: sum.cross(s),
+                        relative: in_front.back.cross(s),
+                        turning: s,
+                        uniform: s.cross(in_front.velocity),
+                    }
+                }
+            };
+        }
+    }
+}
+
+/// How the frame in front of a joint moves, in the axes behind it, at the point that the origin
+/// behind it passes.
+struct AncestorMotion<S> {
+    omega: Vector3<S>,
+    /// E of [`Field`].
+    gradient: Matrix3<S>,
+    a: Vector3<S>,
+    /// With what velocity it is passed.
+    velocity: Vector3<S>,
+    /// Its angular velocity over the body's.
+    back: Vector3<S>,
+}
+
+impl<S: Scalar> AncestorMotion<S> {
+    fn of<T: BodyTree<S>>(
+        tree: &T,
+        i: usize,
+        qd: &[S],
+        falling: bool,
+        workspace: &Workspace<S>,
+    ) -> Self {
+        let model = tree.mechanism();
+        let (motion, field) = (&workspace.motions[i], &workspace.fields[i]);
+        let zero = Vector3::zero();
+        match model.bodies[i].elementary_joint {
+            // Along an axis that is fixed on both sides, either side will do.
+            ElementaryJoint::Revolute | ElementaryJoint::Prismatic => Self {
+                omega: field.omega,
+                gradient: field.gradient,
+                a: field.a,
+                velocity: zero,
+                back: zero,
+            },
+            ElementaryJoint::Spherical | ElementaryJoint::Floating => {
+                let carried = carried(tree, i, workspace);
+                let back = carried.omega - field.omega;
+                let field = Field::turning(carried.omega, carried.alpha);
+                let mut a = carried.a;
+                let mut velocity = zero;
+                if let Some(displacement) = motion.displacement() {
+                    let rates = model.rates(i, qd);
+                    a += field.over_origin(motion.to_child(displacement));
+                    velocity = Vector3([rates[0], rates[1], rates[2]]);
+                }
+                if falling && is_base(model, i) {
+                    (a, velocity) = (zero, zero);
+                }
+                Self { omega: carried.omega, gradient: field.gradient, a, velocity, back }
+            }
+        }
+    }
+
+    /// The perturbation by a displacement in `component`, which stays as it is in front of the joint.
+    fn displaced(&self, component: usize) -> AccelerationPerturbation<S> {
+        if let Some(k) = component.checked_sub(3) {
+            return AccelerationPerturbation {
+                uniform: self.gradient.column(k),
+                ..AccelerationPerturbation::zero()
+            };
+        }
+        let s = Vector3::unit(component);
+        let turning = self.omega.cross(s);
+        let passing = turning.cross(self.velocity);
+        let uniform = self.a.cross(s) + (passing + passing);
+        // E_p s - 2 omega_p x (omega_p x s) = -E_p^T s
+        let relative = (self.back + self.back).cross(turning) - self.gradient.row(component);
+        AccelerationPerturbation {
+            gradient: self.gradient.column(component),
+            relative,
+            turning,
+            uniform,
+        }
+    }
+}

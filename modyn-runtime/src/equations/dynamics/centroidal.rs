@@ -1,0 +1,91 @@
+//! The momentum of the moving links about their centre of mass, world axes (Orin, Goswami and Lee
+//! 2013, "Centroidal dynamics of a humanoid robot"). Rotors have no part in it.
+//!
+//! Minimal parameters do for the momentum, and together with what they leave to the world for the
+//! centre of mass.
+
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::kinematics::{center_of_mass, kinematic_path, total_mass};
+use crate::mechanism::Mechanism;
+use crate::spatial::{Momentum, Twist, Vector3, Wrench};
+
+/// The matrix A with h = A(q) qd into `columns`, one an entry of qd: the momentum of a unit rate.
+pub fn centroidal_momentum_matrix<S: Scalar>(
+    model: &Mechanism<S>,
+    q: &[S],
+    workspace: &mut Workspace<S>,
+    columns: &mut [Momentum<S>],
+) {
+    workspace.move_to(model, q);
+    columns.fill(Momentum::zero());
+    let center = accumulate_composites(model, workspace);
+    for (i, body) in model.bodies.iter().enumerate() {
+        kinematic_path::turn_axes(model, i, workspace);
+        let axes = kinematic_path::joint_axes(model, i, workspace);
+        // The centre of mass, seen from the joint and from the body behind it.
+        let center = body.parent.map_or(center, |parent| workspace.points[parent]);
+        let at_joint = body.placement.point_to_child(center);
+        let behind = workspace.motions[i].point_to_child(at_joint);
+        workspace.points[i] = behind;
+        let center = if body.elementary_joint.has_axis() { at_joint } else { behind };
+        for dof in model.dofs_of(i) {
+            let Wrench { moment, force } = workspace.composite[i].column(dof.component);
+            let along = Momentum {
+                angular: axes.mul_vector(moment - center.cross(force)),
+                linear: axes.mul_vector(force),
+            };
+            let column = &mut columns[dof.v];
+            *column = *column + dof.multiplier.map_or(along, |multiplier| along.scale(multiplier));
+        }
+    }
+}
+
+/// Composite inertias, seen from where the degrees of freedom are: in front of a joint that has an
+/// axis, behind another one. Returns the centre of mass in the world.
+fn accumulate_composites<S: Scalar>(
+    model: &Mechanism<S>,
+    workspace: &mut Workspace<S>,
+) -> Vector3<S> {
+    for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
+        *composite = body.base_inertia;
+    }
+    let mut first_moment = model.static_inertia.first_moment;
+    for (i, body) in model.bodies.iter().enumerate().rev() {
+        let at_joint = workspace.motions[i].rigid_to_parent(&workspace.composite[i]);
+        if body.elementary_joint.has_axis() {
+            workspace.composite[i] = at_joint;
+        }
+        let carried = body.placement.rigid_to_parent(&at_joint);
+        match body.parent {
+            Some(parent) => workspace.composite[parent] = workspace.composite[parent] + carried,
+            None => first_moment += carried.first_moment,
+        }
+    }
+    first_moment.scale(total_mass(model).recip())
+}
+
+/// The momentum h of a motion, kg m^2/s and kg m/s.
+pub fn centroidal_momentum<S: Scalar>(
+    model: &Mechanism<S>,
+    (q, qd): (&[S], &[S]),
+    workspace: &mut Workspace<S>,
+) -> Momentum<S> {
+    workspace.move_to(model, q);
+    for (i, body) in model.bodies.iter().enumerate() {
+        let motion = &workspace.motions[i];
+        let parent = body.parent.map_or_else(Twist::zero, |p| workspace.twists[p]);
+        let twist = model.add_rates(i, body.twist_to_child(motion, parent), qd);
+        workspace.twists[i] = twist;
+        workspace.wrenches[i] = body.base_inertia.times(&twist);
+    }
+    // Momenta are carried as wrenches are.
+    let mut total = Wrench::zero();
+    for (i, body) in model.bodies.iter().enumerate().rev() {
+        let carried = body.wrench_to_parent(&workspace.motions[i], workspace.wrenches[i]);
+        *body.parent.map_or(&mut total, |parent| &mut workspace.wrenches[parent]) += carried;
+    }
+    let center = center_of_mass::at_joints(model, workspace);
+    let Wrench { moment, force } = total;
+    Momentum { angular: moment - center.cross(force), linear: force }
+}

@@ -1,0 +1,48 @@
+//! External forces: wrenches that act on links from outside.
+
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::kinematics::kinematic_path;
+use crate::mechanism::Mechanism;
+use crate::spatial::{Matrix3, Vector3, Wrench};
+
+/// One wrench for each link of the description (fixed ones too), in the description's order, at
+/// the link's origin.
+#[derive(Clone, Copy, Debug)]
+pub enum Forces<'a, S> {
+    /// In the link's own axes.
+    InLinkAxes(&'a [Wrench<S>]),
+    /// In the world's axes.
+    InWorldAxes(&'a [Wrench<S>]),
+}
+
+impl<S: Scalar> Forces<'_, S> {
+    /// The wrenches, in whichever axes.
+    #[must_use]
+    pub fn wrenches(&self) -> &[Wrench<S>] {
+        match self {
+            Self::InLinkAxes(wrenches) | Self::InWorldAxes(wrenches) => wrenches,
+        }
+    }
+
+    /// Takes them off the wrenches that the bodies' motion asks for. Expects the joints at q.
+    pub(in crate::equations) fn subtract(self, model: &Mechanism<S>, workspace: &mut Workspace<S>) {
+        let in_world = matches!(self, Self::InWorldAxes(_));
+        if in_world {
+            (0..model.bodies.len()).for_each(|i| kinematic_path::turn_axes(model, i, workspace));
+        }
+        for (force, frame) in self.wrenches().iter().zip(&model.frames) {
+            let Some(body) = frame.body else { continue };
+            let to_body = if in_world {
+                workspace.axes[body].transposed()
+            } else {
+                Matrix3(frame.pose.rotation)
+            };
+            let (moment, force) =
+                (to_body.mul_vector(force.moment), to_body.mul_vector(force.force));
+            let lever = Vector3(frame.pose.translation);
+            let wrench = &mut workspace.wrenches[body];
+            *wrench = *wrench - Wrench { moment: moment + lever.cross(force), force };
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! Forward dynamics by inter- and intra-modular recursion, (60) and Table 6.
+//!
+//! A Newton-Euler pass first gives the wrenches of the present velocities under gravity with all
+//! joints unaccelerated (a floating base in free fall); the recursion then works on the deviations
+//! from that motion, so no velocity occurs in it. Any partition into modules gives the same result:
+//! one link a module is Table 6 itself (and Featherstone's articulated-body algorithm), one module
+//! a serial chain is composite inertia and elimination.
+//!
+//! Joints that mimic others couple links across the tree, so a robot that has some is solved
+//! through the factors of its mass matrix.
+
+use super::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
+use super::{Forces, inverse_dynamics, mass_matrix};
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::factorization::blocks::{solve_lower, solve_upper};
+use crate::equations::factorization::partition::factor;
+use crate::equations::factorization::recursive::{
+    eliminate, motion_subspace, pivot, reduce_columns, split, start,
+};
+use crate::equations::factorization::{
+    ModuleBlock, ModulePartition, UduLayout, factorize_matrix, solve,
+};
+use crate::mechanism::{BodyTree, Mechanism};
+use crate::model::ModuleTree;
+use crate::spatial::{Twist, Wrench};
+
+/// The solver for accelerations and its partition into modules.
+#[derive(Clone, Debug)]
+pub enum Elimination {
+    /// Recursively, by these modules.
+    Recursive(ModulePartition),
+    /// Through the factors of the mass matrix, for joints that mimic others.
+    Matrix(UduLayout),
+}
+
+impl Elimination {
+    /// The solver that a model needs, by modules that fit it.
+    #[must_use]
+    pub fn new<S: Scalar>(model: &Mechanism<S>, modules: &ModuleTree) -> Self {
+        if model.has_mimics() {
+            Self::Matrix(UduLayout::new(model, modules))
+        } else {
+            Self::Recursive(ModulePartition::new(model, modules))
+        }
+    }
+
+    /// Makes room for it.
+    pub fn make_room<S: Scalar>(&self, model: &Mechanism<S>, workspace: &mut Workspace<S>) {
+        match self {
+            Self::Recursive(partition) => workspace.make_room(partition.pivots, 0, 0),
+            Self::Matrix(layout) => {
+                workspace.make_room(layout.pivots(), model.nv * model.nv, layout.size());
+            }
+        }
+    }
+}
+
+/// qdd = I(q)^-1 (tau - h(q, qd) + the external `forces`' share).
+pub fn forward_dynamics<S: Scalar>(
+    model: &Mechanism<S>,
+    elimination: &Elimination,
+    (q, qd, tau): (&[S], &[S], &[S]),
+    forces: Option<Forces<'_, S>>,
+    workspace: &mut Workspace<S>,
+    qdd: &mut [S],
+) {
+    elimination.make_room(model, workspace);
+    match elimination {
+        Elimination::Recursive(partition) => {
+            workspace.move_to(model, q);
+            link_wrenches(model, qd, Accelerations::FreeFall, workspace);
+            if let Some(forces) = forces {
+                forces.subtract(model, workspace);
+            }
+            recursion(model, partition, (qd, tau), workspace, qdd);
+        }
+        Elimination::Matrix(layout) => {
+            inverse_dynamics(model, (q, qd, None), forces, workspace, qdd);
+            for (qdd, &tau) in qdd.iter_mut().zip(tau) {
+                *qdd = tau - *qdd;
+            }
+            let mut matrix = core::mem::take(&mut workspace.matrix);
+            mass_matrix(model, q, workspace, &mut matrix);
+            let Workspace { pivots, factors, .. } = workspace;
+            factorize_matrix(layout, &mut matrix, pivots, factors);
+            solve(layout, factors, qdd);
+            workspace.matrix = matrix;
+        }
+    }
+}
+
+/// The same by these modules without forces from outside, on a tree whose limbs may be merged, of a
+/// robot where no joint mimics another.
+pub fn recursive_forward_dynamics<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    partition: &ModulePartition,
+    (q, qd, tau): (&[S], &[S], &[S]),
+    workspace: &mut Workspace<S>,
+    qdd: &mut [S],
+) {
+    workspace.make_room(partition.pivots, 0, 0);
+    workspace.move_to(tree.mechanism(), q);
+    link_wrenches(tree, qd, Accelerations::FreeFall, workspace);
+    recursion(tree, partition, (qd, tau), workspace, qdd);
+}
+
+/// The accelerations, from the wrenches of the unaccelerated motion.
+fn recursion<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    partition: &ModulePartition,
+    (qd, tau): (&[S], &[S]),
+    workspace: &mut Workspace<S>,
+    qdd: &mut [S],
+) {
+    let model = tree.mechanism();
+    start(model, workspace);
+    // The force along each joint, less damping and friction.
+    let torque = |d: usize| {
+        let dof = &model.dofs[d];
+        model.dissipation(dof, qd).map_or(tau[dof.v], |dissipation| tau[dof.v] - dissipation)
+    };
+    for block in partition.blocks.iter().rev() {
+        // phi_hat = U^-1 phi and phi_tilde = D^-1 phi_hat, steps (i) and (ii) of (60).
+        let first = block.bodies.start;
+        for i in block.bodies.clone().rev() {
+            let wrench = workspace.wrenches[i];
+            for d in model.bodies[i].dofs.clone() {
+                let force = wrench.components()[model.dofs[d].component];
+                workspace.torques[d] = torque(d) - force;
+            }
+            if i > first {
+                let carried = model.bodies[i].wrench_to_parent(&workspace.motions[i], wrench);
+                workspace.wrenches[i - 1] += carried;
+            }
+        }
+        pivot(tree, block, workspace);
+        split(block, workspace);
+        let torques = &mut workspace.torques[block.dofs.clone()];
+        solve_upper(factor(block, &workspace.pivots), torques);
+        if model.bodies[first].parent.is_some() {
+            reduce_columns(model, block, workspace);
+            eliminate(tree, block, workspace);
+            let left = wrench_left(model, block, workspace, torque);
+            let motion = &workspace.motions[first];
+            tree.wrench_to_parents(first, motion, left, |parent, carried| {
+                workspace.wrenches[parent] += carried;
+            });
+        }
+        for d in block.dofs.clone() {
+            workspace.torques[d] = workspace.torques[d] * workspace.reciprocals[d];
+        }
+    }
+    for block in &partition.blocks {
+        accelerate(tree, block, workspace, qdd);
+    }
+    // So far floating bases accelerate against free fall.
+    for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
+        let fall = free_fall(model, i, qd, workspace);
+        for (dof, fall) in model.dofs_of(i).iter().zip(fall.0) {
+            dof.add(fall, qdd);
+        }
+    }
+}
+
+/// qdd = U^-T phi_tilde, step (iii).
+fn accelerate<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    block: &ModuleBlock,
+    workspace: &mut Workspace<S>,
+    qdd: &mut [S],
+) {
+    let model = tree.mechanism();
+    let first = block.bodies.start;
+    let body = &model.bodies[first];
+    let carried = body.parent.is_some().then(|| {
+        let of = |p: Option<usize>| p.map_or_else(Twist::zero, |p| workspace.twists[p]);
+        let twist =
+            Twist::from_components(tree.broadcast_from_parents(first, |p| of(p).components()));
+        body.twist_to_child(&workspace.motions[first], twist)
+    });
+    let subspace = motion_subspace(model, block);
+    for d in block.dofs.clone() {
+        qdd[d] = workspace.torques[d];
+        if let Some(carried) = &carried {
+            let force = (0..6)
+                .filter(|&row| subspace[row].is_none())
+                .map(|row| workspace.gains[row][d] * carried.components()[row])
+                .reduce(|sum, x| sum + x);
+            qdd[d] = force.map_or(qdd[d], |force| qdd[d] - force);
+        }
+    }
+    solve_lower(factor(block, &workspace.pivots), &mut qdd[block.dofs.clone()]);
+    // So far the components of the motion subspace are those of the parent's motion.
+    let mut components = carried.unwrap_or_else(Twist::zero).components();
+    for d in model.bodies[first].dofs.clone() {
+        let along = &mut components[model.dofs[d].component];
+        if subspace[model.dofs[d].component].is_none() {
+            *along = *along + qdd[d];
+            continue;
+        }
+        let along = core::mem::replace(along, qdd[d]);
+        if carried.is_some() {
+            qdd[d] = qdd[d] - along;
+        }
+    }
+    workspace.twists[first] = Twist::from_components(components);
+    if block.has_children {
+        for i in block.bodies.clone().skip(1) {
+            let motion = &workspace.motions[i];
+            let carried = model.bodies[i].twist_to_child(motion, workspace.twists[i - 1]);
+            workspace.twists[i] = model.add_rates(i, carried, qdd);
+        }
+    }
+}
+
+/// The wrench that the module's first joint passes on: that of the unaccelerated motion, and the
+/// elimination's share of the torques. In the components of the motion subspace it is the joint's torque.
+fn wrench_left<S: Scalar>(
+    model: &Mechanism<S>,
+    block: &ModuleBlock,
+    workspace: &Workspace<S>,
+    torque: impl Fn(usize) -> S,
+) -> Wrench<S> {
+    let subspace = motion_subspace(model, block);
+    let mut left = workspace.wrenches[block.bodies.start].components();
+    for (row, entry) in left.iter_mut().enumerate() {
+        if let Some(d) = subspace[row] {
+            *entry = torque(d);
+            continue;
+        }
+        let shares = block.dofs.clone().map(|d| workspace.gains[row][d] * workspace.torques[d]);
+        if let Some(share) = shares.reduce(|sum, x| sum + x) {
+            *entry = *entry + share;
+        }
+    }
+    Wrench::from_components(left)
+}

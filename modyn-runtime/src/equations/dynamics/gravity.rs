@@ -1,0 +1,46 @@
+//! What gravity does: torques and potential energy, from composite masses and first moments.
+
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::kinematics::first_moment::{accumulate_masses, first_moment};
+use crate::mechanism::{BodyTree, Mechanism};
+use crate::spatial::{Vector3, Wrench};
+
+/// The joint torques that hold the robot still: bias forces at zero velocity.
+pub fn gravity_torques<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    q: &[S],
+    workspace: &mut Workspace<S>,
+    tau: &mut [S],
+) {
+    let model = tree.mechanism();
+    workspace.move_to(model, q);
+    // Downwards: the world's acceleration in each link's axes; upwards: composite first moments.
+    for (i, body) in model.bodies.iter().enumerate() {
+        let of = |p: Option<usize>| p.map_or(-model.gravity, |p| workspace.twists[p].linear);
+        let a = Vector3(tree.broadcast_from_parents(i, |p| of(p).0));
+        workspace.twists[i].linear = body.to_child(&workspace.motions[i], a);
+    }
+    accumulate_masses(tree, workspace, |body| body.base_inertia);
+    tau.fill(S::zero());
+    for i in 0..model.bodies.len() {
+        let (composite, a) = (&workspace.composite[i], workspace.twists[i].linear);
+        let wrench =
+            Wrench { moment: composite.first_moment.cross(a), force: a.scale(composite.mass) };
+        for dof in model.dofs_of(i) {
+            dof.add(wrench.components()[dof.component], tau);
+        }
+    }
+}
+
+/// The potential energy of the moving links under gravity, zero at the world's origin.
+///
+/// Read from the inertias as they were written: mass on the first axis adds a constant here.
+pub fn potential_energy<S: Scalar>(
+    model: &Mechanism<S>,
+    q: &[S],
+    workspace: &mut Workspace<S>,
+) -> S {
+    workspace.move_to(model, q);
+    -model.gravity.dot(first_moment(model, workspace, |body| body.inertia))
+}

@@ -1,0 +1,74 @@
+//! Inverse dynamics: the joint torques of a motion.
+
+use super::Forces;
+use super::newton_euler::{Accelerations, link_wrenches};
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::mechanism::{BodyTree, Mechanism};
+
+/// tau = I(q) qdd + h(q, qd) - the external `forces`' share, gravity, rotors and what resists the
+/// joints' motion included: the recursive Newton-Euler algorithm.
+///
+/// Without `qdd` these are the bias forces h(q, qd).
+pub fn inverse_dynamics<S: Scalar>(
+    model: &Mechanism<S>,
+    (q, qd, qdd): (&[S], &[S], Option<&[S]>),
+    forces: Option<Forces<'_, S>>,
+    workspace: &mut Workspace<S>,
+    tau: &mut [S],
+) {
+    move_bodies(model, (q, qd, qdd), workspace);
+    if let Some(forces) = forces {
+        forces.subtract(model, workspace);
+    }
+    joint_torques(model, (qd, qdd), workspace, tau);
+}
+
+/// The same without forces from outside, on a tree whose limbs may be merged.
+pub fn recursive_newton_euler<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    (q, qd, qdd): (&[S], &[S], Option<&[S]>),
+    workspace: &mut Workspace<S>,
+    tau: &mut [S],
+) {
+    move_bodies(tree, (q, qd, qdd), workspace);
+    joint_torques(tree, (qd, qdd), workspace, tau);
+}
+
+/// The wrench that each body's own motion needs.
+fn move_bodies<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    (q, qd, qdd): (&[S], &[S], Option<&[S]>),
+    workspace: &mut Workspace<S>,
+) {
+    workspace.move_to(tree.mechanism(), q);
+    let accelerations = qdd.map_or(Accelerations::None, Accelerations::Given);
+    link_wrenches(tree, qd, accelerations, workspace);
+}
+
+/// Sums the bodies' wrenches towards the root, and their components along the joints into `tau`.
+fn joint_torques<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    (qd, qdd): (&[S], Option<&[S]>),
+    workspace: &mut Workspace<S>,
+    tau: &mut [S],
+) {
+    let model = tree.mechanism();
+    tau.fill(S::zero());
+    for i in (0..model.bodies.len()).rev() {
+        let wrench = workspace.wrenches[i];
+        for dof in model.dofs_of(i) {
+            let mut force = wrench.components()[dof.component];
+            if let (Some(armature), Some(qdd)) = (dof.armature, qdd) {
+                force = force + armature * dof.rate(qdd);
+            }
+            if let Some(dissipation) = model.dissipation(dof, qd) {
+                force = force + dissipation;
+            }
+            dof.add(force, tau);
+        }
+        tree.wrench_to_parents(i, &workspace.motions[i], wrench, |parent, carried| {
+            workspace.wrenches[parent] += carried;
+        });
+    }
+}

@@ -1,0 +1,62 @@
+//! The mass matrix of the joints, (7)-(10) of the paper.
+
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::mechanism::{BodyTree, RootwardAccumulator};
+use crate::spatial::Wrench;
+
+/// The mass matrix by columns into `columns` (nv times nv, column by column), both triangles.
+///
+/// Composite inertias by (8); element (i, j) is the part that joint j feels of the wrench that a
+/// unit acceleration of joint i needs on its composite, (10). With modules of one link that is
+/// the composite-rigid-body algorithm (Walker and Orin 1982); larger modules are the same sums
+/// in blocks. (Derivatives need what is carried here, too, and get the mass matrix by the way: `derivatives::projection`.)
+pub fn mass_matrix<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    q: &[S],
+    workspace: &mut Workspace<S>,
+    columns: &mut [S],
+) {
+    let model = tree.mechanism();
+    let n = model.nv;
+    workspace.move_to(model, q);
+    columns.fill(S::zero());
+    for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
+        *composite = body.base_inertia;
+    }
+    for (i, body) in model.bodies.iter().enumerate().rev() {
+        for (d, dof) in body.dofs.clone().zip(model.dofs_of(i)) {
+            let mut add = |row: usize, column: usize, entry: S| {
+                let entry_of = &mut columns[column * n + row];
+                *entry_of = *entry_of + entry;
+            };
+            let mut wrench = workspace.composite[i].column(dof.component);
+            let mut own = wrench.components()[dof.component];
+            if let Some(armature) = dof.armature {
+                own = own + armature;
+            }
+            add(dof.v, dof.v, dof.scale(dof.scale(own)));
+            let mut at = i;
+            let mut path = RootwardAccumulator::new(tree);
+            let mut others = body.dofs.start..d;
+            loop {
+                for other in model.dofs[others].iter() {
+                    let force = other.scale(dof.scale(wrench.components()[other.component]));
+                    // Where one follows the other both are the same entry, and both count.
+                    add(other.v, dof.v, force);
+                    add(dof.v, other.v, force);
+                }
+                let Some(parent) = model.bodies[at].parent else { break };
+                let body = &model.bodies[at];
+                let carried = body.wrench_to_parent(&workspace.motions[at], wrench);
+                wrench = Wrench::from_components(path.onto(at, parent, carried.components()));
+                at = parent;
+                others = model.bodies[at].dofs.clone();
+            }
+        }
+        let inertia = workspace.composite[i];
+        tree.rigid_to_parents(i, &workspace.motions[i], &inertia, |parent, carried| {
+            workspace.composite[parent] = workspace.composite[parent] + carried;
+        });
+    }
+}

@@ -1,0 +1,206 @@
+//! Where the numbers of the factors of the mass matrix lie, without the zeros of other branches.
+
+use alloc::{collections::BTreeSet, vec, vec::Vec};
+use core::ops::Range;
+
+use super::partition::{ModuleBlock, ModulePartition};
+use crate::Scalar;
+use crate::mechanism::Mechanism;
+use crate::model::ModuleTree;
+
+/// Where the numbers of the factorization lie.
+///
+/// First D: each module's block, by rows, module after module. Then its factors, block =
+/// V Delta V^T: what stands above the diagonal of V, by columns, module after module, and the
+/// reciprocals of Delta, one a degree of freedom. Then U: for each module, for each degree of
+/// freedom in front of it that it is coupled with, a row as long as the module.
+#[derive(Clone, Debug)]
+pub struct UduLayout {
+    partition: ModulePartition,
+    /// Where each module's V starts.
+    factors: Vec<usize>,
+    /// For each module the degrees of freedom in front of it that it is coupled with, ascending:
+    /// those on the way from the root, and with mimics some of other branches.
+    in_front: Vec<Vec<usize>>,
+    /// Where each module's rows of U start, counted from the first number of U.
+    rows: Vec<usize>,
+    reciprocals: usize,
+    coupling: usize,
+    n: usize,
+}
+
+impl UduLayout {
+    /// The layout for a model's modules.
+    #[must_use]
+    pub fn new<S: Scalar>(model: &Mechanism<S>, modules: &ModuleTree) -> Self {
+        if !model.has_mimics() {
+            return Self::of(model, ModulePartition::new(model, modules));
+        }
+        let (partition, in_front) = coupled(model, modules);
+        Self::with(model.nv, partition, in_front)
+    }
+
+    /// The layout for modules of a model without mimics.
+    #[must_use]
+    pub fn of<S>(model: &Mechanism<S>, partition: ModulePartition) -> Self {
+        let in_front = ancestors(model, &partition);
+        Self::with(model.dofs.len(), partition, in_front)
+    }
+
+    fn with(n: usize, partition: ModulePartition, in_front: Vec<Vec<usize>>) -> Self {
+        let (mut rows, mut factors) = (Vec::new(), Vec::new());
+        let (mut coupling, mut next) = (0, partition.pivots);
+        for (block, in_front) in partition.blocks.iter().zip(&in_front) {
+            let size = block.dofs.len();
+            factors.push(next);
+            next += size * size.saturating_sub(1) / 2;
+            rows.push(coupling);
+            coupling += in_front.len() * size;
+        }
+        Self { partition, factors, in_front, rows, reciprocals: next, coupling, n }
+    }
+
+    /// The modules, with room for their pivots.
+    #[must_use]
+    pub fn partition(&self) -> &ModulePartition {
+        &self.partition
+    }
+
+    /// The modules.
+    #[must_use]
+    pub fn blocks(&self) -> &[ModuleBlock] {
+        &self.partition.blocks
+    }
+
+    /// How many numbers all pivot blocks hold together.
+    #[must_use]
+    pub fn pivots(&self) -> usize {
+        self.partition.pivots
+    }
+
+    /// How many numbers the factorization holds.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        self.u().start + self.coupling
+    }
+
+    /// The number of rows of the mass matrix.
+    #[must_use]
+    pub fn n(&self) -> usize {
+        self.n
+    }
+
+    /// Where module `m`'s V starts.
+    pub(super) fn v_start(&self, m: usize) -> usize {
+        self.factors[m]
+    }
+
+    /// The degrees of freedom in front of module `m` that it is coupled with, ascending.
+    pub(super) fn in_front(&self, m: usize) -> &[usize] {
+        &self.in_front[m]
+    }
+
+    /// Where D's block of module `m` lies.
+    #[must_use]
+    pub fn d(&self, m: usize) -> Range<usize> {
+        let block = &self.partition.blocks[m];
+        block.pivot..block.pivot + block.dofs.len() * block.dofs.len()
+    }
+
+    /// V of module `m` above its diagonal, by row and column.
+    pub(super) fn v<'a, S: Scalar>(
+        &self,
+        m: usize,
+        factors: &'a [S],
+    ) -> impl Fn(usize, usize) -> S + Copy + 'a {
+        let start = self.factors[m];
+        move |row, column| factors[start + column * (column - 1) / 2 + row]
+    }
+
+    /// Where the reciprocals of Delta lie.
+    #[must_use]
+    pub fn reciprocals(&self) -> Range<usize> {
+        self.reciprocals..self.reciprocals + self.n
+    }
+
+    /// Where U lies.
+    #[must_use]
+    pub fn u(&self) -> Range<usize> {
+        let start = self.reciprocals().end;
+        start..start + self.coupling
+    }
+
+    /// The rows of U above module `m`: pairs of a degree of freedom and where its row starts in U.
+    pub(in crate::equations) fn rows(
+        &self,
+        m: usize,
+    ) -> impl DoubleEndedIterator<Item = (usize, usize)> + '_ {
+        let size = self.partition.blocks[m].dofs.len();
+        let start = self.rows[m];
+        self.in_front[m].iter().enumerate().map(move |(k, &dof)| (dof, start + k * size))
+    }
+}
+
+/// For each module the degrees of freedom on the way to it from the root.
+fn ancestors<S>(model: &Mechanism<S>, partition: &ModulePartition) -> Vec<Vec<usize>> {
+    let mut ancestors: Vec<Vec<usize>> = Vec::new();
+    for block in &partition.blocks {
+        let parent = model.bodies[block.bodies.start].parent.and_then(|parent| {
+            partition.blocks.iter().position(|block| block.bodies.contains(&parent))
+        });
+        ancestors.push(parent.map_or_else(Vec::new, |parent| {
+            let mut in_front = ancestors[parent].clone();
+            in_front.extend(partition.blocks[parent].dofs.clone());
+            in_front
+        }));
+    }
+    ancestors
+}
+
+/// The same where joints mimic others: each module has the entries of the joint vectors that its
+/// own joints have (none, if all follow others), and the mass matrix's pattern is followed through the
+/// elimination.
+fn coupled<S: Scalar>(
+    model: &Mechanism<S>,
+    modules: &ModuleTree,
+) -> (ModulePartition, Vec<Vec<usize>>) {
+    let mut partition = ModulePartition::new(model, modules);
+    let mut module_of = vec![0; model.nv];
+    let (mut next, mut pivots) = (0, 0);
+    for (m, block) in partition.blocks.iter_mut().enumerate() {
+        let own = model.dofs[block.dofs.clone()].iter().filter(|dof| dof.multiplier.is_none());
+        block.dofs = next..next + own.count();
+        module_of[block.dofs.clone()].fill(m);
+        block.pivot = pivots;
+        next = block.dofs.end;
+        pivots += block.dofs.len() * block.dofs.len();
+    }
+    partition.pivots = pivots;
+    let mut in_front = vec![BTreeSet::new(); partition.blocks.len()];
+    let couple = |a: usize, b: usize, in_front: &mut [BTreeSet<usize>]| {
+        let (a, b) = (a.min(b), a.max(b));
+        if module_of[a] != module_of[b] {
+            in_front[module_of[b]].insert(a);
+        }
+    };
+    for (i, body) in model.bodies.iter().enumerate() {
+        let mut at = Some(body);
+        while let Some(other) = at {
+            for dof in model.dofs_of(i) {
+                for other in &model.dofs[other.dofs.clone()] {
+                    couple(dof.v, other.v, &mut in_front);
+                }
+            }
+            at = other.parent.map(|parent| &model.bodies[parent]);
+        }
+    }
+    for m in (0..in_front.len()).rev() {
+        let rows: Vec<usize> = in_front[m].iter().copied().collect();
+        for (k, &a) in rows.iter().enumerate() {
+            for &b in &rows[k + 1..] {
+                couple(a, b, &mut in_front);
+            }
+        }
+    }
+    (partition, in_front.into_iter().map(|rows| rows.into_iter().collect()).collect())
+}

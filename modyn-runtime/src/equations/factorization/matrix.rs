@@ -1,0 +1,70 @@
+//! The factors of the mass matrix from the matrix itself, block by block.
+
+use super::blocks::{factor_udu, solve_lower, solve_upper};
+use super::layout::UduLayout;
+use super::limb_coupling::FactorLayout;
+use super::partition::factor;
+use crate::Scalar;
+
+/// Fills `factors` with D, its factors and U, from the mass matrix by columns, which is used up: (16)-(45), block by block, where
+/// nothing is known of the matrix but which entries are zero.
+pub fn factorize_matrix<S: Scalar, L: FactorLayout<S>>(
+    limbs: &L,
+    matrix: &mut [S],
+    pivots: &mut [S],
+    factors: &mut [S],
+) {
+    let layout = limbs.layout();
+    let n = layout.n();
+    for (m, block) in layout.blocks().iter().enumerate().rev() {
+        let (start, size) = (block.dofs.start, block.dofs.len());
+        for (row, entries) in factors[layout.d(m)].chunks_mut(size.max(1)).enumerate() {
+            for (column, entry) in entries.iter_mut().enumerate() {
+                *entry = matrix[(start + column) * n + start + row];
+            }
+        }
+        pivots[layout.d(m)].copy_from_slice(&factors[layout.d(m)]);
+        let reciprocals = layout.reciprocals();
+        let own = reciprocals.start + start..reciprocals.start + start + size;
+        factor_udu(&mut pivots[layout.d(m)], size, &mut factors[own.clone()]);
+        store_v(layout, m, pivots, factors);
+        let v = factor(block, pivots);
+        for (dof, row) in layout.rows(m) {
+            let row = layout.u().start + row;
+            for j in 0..size {
+                factors[row + j] = matrix[(start + j) * n + dof];
+            }
+            let (before, after) = factors.split_at_mut(row);
+            let entries = &mut after[..size];
+            solve_upper(v, entries);
+            for (entry, &reciprocal) in entries.iter_mut().zip(&before[own.clone()]) {
+                *entry = *entry * reciprocal;
+            }
+            solve_lower(v, entries);
+        }
+        for (a, row) in layout.rows(m) {
+            let row = &factors[layout.u().start + row..][..size];
+            for &b in layout.in_front(m).iter().filter(|&&b| b <= a) {
+                let taken = (0..size).map(|j| row[j] * matrix[(start + j) * n + b]);
+                if let Some(taken) = taken.reduce(|sum, x| sum + x) {
+                    let count = limbs.limbs_over(m, a).min(limbs.limbs_over(m, b));
+                    let taken = limbs.sum_limbs(taken, count);
+                    let left = matrix[a * n + b] - taken;
+                    (matrix[a * n + b], matrix[b * n + a]) = (left, left);
+                }
+            }
+        }
+    }
+}
+
+/// Keeps V of a split pivot block.
+pub(super) fn store_v<S: Scalar>(layout: &UduLayout, m: usize, pivots: &[S], factors: &mut [S]) {
+    let block = &layout.blocks()[m];
+    let v = factor(block, pivots);
+    let mut entries = factors[layout.v_start(m)..].iter_mut();
+    for column in 0..block.dofs.len() {
+        for (row, entry) in (0..column).zip(&mut entries) {
+            *entry = v(row, column);
+        }
+    }
+}

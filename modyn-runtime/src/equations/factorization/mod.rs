@@ -1,0 +1,22 @@
+//! U D U^T of the mass matrix by modules: block reverse Gaussian elimination.
+
+pub(super) mod blocks;
+mod layout;
+pub(super) mod limb_coupling;
+mod matrix;
+pub(super) mod partition;
+pub(super) mod recursive;
+mod solve;
+
+pub(super) use recursive::factorize_tree;
+
+pub use {
+    layout::UduLayout,
+    limb_coupling::{FactorLayout, Factorizable, MergedUduLayout, cross_limb},
+    matrix::factorize_matrix,
+    partition::{ModuleBlock, ModulePartition},
+    solve::{
+        condition_number, diagonal, diagonal_inverse, inverse, log_determinant, solve,
+        solve_column, upper, upper_inverse,
+    },
+};

@@ -1,0 +1,222 @@
+//! A module's part in the block reverse Gaussian elimination, (35)-(49).
+//!
+//! Inside a module inertia travels as a rigid composite (10 numbers), in the last link together
+//! with what eliminated child modules left there (21 numbers from there on). The module's pivot
+//! is the block I_hat = N^T Psi, (46), with Psi = M_hat N, (47), and the rotors' inertia on its
+//! diagonal; it is split as V Delta V^T by reverse Gaussian elimination, and the module's parent
+//! then sees Phi M_hat, (48)-(49): M_hat - Psi I_hat^-1 Psi^T.
+//!
+//! No joint mimics another here: each degree of freedom is an entry of the joint vectors.
+
+use super::blocks::{factor_udu, solve_lower, solve_upper};
+use super::layout::UduLayout;
+use super::matrix::store_v;
+use super::partition::{ModuleBlock, factor};
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::mechanism::{BodyTree, Mechanism};
+use crate::spatial::{ArticulatedInertia, Wrench};
+
+/// Sets each body's inertia to its own.
+pub(in crate::equations) fn start<S: Scalar>(model: &Mechanism<S>, workspace: &mut Workspace<S>) {
+    for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
+        *composite = body.base_inertia;
+    }
+    workspace.articulated.fill(None);
+}
+
+/// Forms the module's pivot block and its columns Psi at the module's first body, and gathers the
+/// inertia of the bodies behind there.
+pub(in crate::equations) fn pivot<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    block: &ModuleBlock,
+    workspace: &mut Workspace<S>,
+) {
+    let model = tree.mechanism();
+    let (start, size) = (block.dofs.start, block.dofs.len());
+    for i in block.bodies.clone().rev() {
+        let (composite, articulated) = (workspace.composite[i], workspace.articulated[i]);
+        let whole = articulated.map(|a| a + composite.articulated());
+        for d in model.bodies[i].dofs.clone() {
+            let dof = &model.dofs[d];
+            let mut wrench = match &whole {
+                Some(whole) => whole.column(dof.component),
+                None => composite.column(dof.component),
+            };
+            let j = d - start;
+            let mut own = wrench.components()[dof.component];
+            if let Some(armature) = dof.armature {
+                own = own + armature;
+            }
+            workspace.pivots[block.pivot + j * size + j] = own;
+            let mut at = i;
+            for row in (0..j).rev() {
+                let other = &model.dofs[start + row];
+                while at > other.body {
+                    wrench = model.bodies[at].wrench_to_parent(&workspace.motions[at], wrench);
+                    at -= 1;
+                }
+                let force = wrench.components()[other.component];
+                workspace.pivots[block.pivot + row * size + j] = force;
+                workspace.pivots[block.pivot + j * size + row] = force;
+            }
+            for (column, component) in workspace.columns.iter_mut().zip(wrench.components()) {
+                column[d] = component;
+            }
+        }
+        if i == block.bodies.start {
+            continue;
+        }
+        if let Some(whole) = whole {
+            propagate_to_parent(tree, workspace, i, &whole);
+        } else {
+            let carried = model.bodies[i].rigid_to_parent(&workspace.motions[i], &composite);
+            workspace.composite[i - 1] = workspace.composite[i - 1] + carried;
+        }
+    }
+}
+
+/// Splits the module's pivot block as V Delta V^T in place.
+pub(in crate::equations) fn split<S: Scalar>(block: &ModuleBlock, workspace: &mut Workspace<S>) {
+    let size = block.dofs.len();
+    let v = &mut workspace.pivots[block.pivot..block.pivot + size * size];
+    factor_udu(v, size, &mut workspace.reciprocals[block.dofs.clone()]);
+}
+
+/// The motion subspace of the module's first joint: by component of the twist, the degree of freedom that
+/// moves it. The joint transmits no force along it, so nothing of that component reaches the parent. (A
+/// rotor does: it holds the joint.)
+pub(in crate::equations) fn motion_subspace<S: Scalar>(
+    model: &Mechanism<S>,
+    block: &ModuleBlock,
+) -> [Option<usize>; 6] {
+    let mut subspace = [None; 6];
+    for d in model.bodies[block.bodies.start].dofs.clone() {
+        if model.dofs[d].armature.is_none() {
+            subspace[model.dofs[d].component] = Some(d);
+        }
+    }
+    subspace
+}
+
+/// Turns the columns Psi into V^-1 Psi^T and, over Delta, into `gains`: row by row, without
+/// the rows of the motion subspace. Expects the split pivot.
+pub(in crate::equations) fn reduce_columns<S: Scalar>(
+    model: &Mechanism<S>,
+    block: &ModuleBlock,
+    workspace: &mut Workspace<S>,
+) {
+    let subspace = motion_subspace(model, block);
+    let v = factor(block, &workspace.pivots);
+    for row in (0..6).filter(|&row| subspace[row].is_none()) {
+        solve_upper(v, &mut workspace.columns[row][block.dofs.clone()]);
+        for d in block.dofs.clone() {
+            workspace.gains[row][d] = workspace.columns[row][d] * workspace.reciprocals[d];
+        }
+    }
+}
+
+/// Gives the module's inertia, with its joints eliminated, to the link it hangs on: (48).
+pub(in crate::equations) fn eliminate<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    block: &ModuleBlock,
+    workspace: &mut Workspace<S>,
+) {
+    let model = tree.mechanism();
+    let first = block.bodies.start;
+    let subspace = motion_subspace(model, block);
+    if subspace.iter().all(Option::is_some) {
+        return;
+    }
+    let rigid = workspace.composite[first].articulated();
+    let whole = workspace.articulated[first].map_or(rigid, |a| a + rigid);
+    let left = ArticulatedInertia::from_fn(|row, column| {
+        if subspace[row].is_some() || subspace[column].is_some() {
+            return S::zero();
+        }
+        let taken = block
+            .dofs
+            .clone()
+            .map(|d| workspace.columns[row][d] * workspace.gains[column][d])
+            .reduce(|sum, x| sum + x);
+        taken.map_or(whole.entry(row, column), |taken| whole.entry(row, column) - taken)
+    });
+    propagate_to_parent(tree, workspace, first, &left);
+}
+
+/// Adds an articulated inertia at body `i` to what its parent carries.
+fn propagate_to_parent<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    workspace: &mut Workspace<S>,
+    i: usize,
+    inertia: &ArticulatedInertia<S>,
+) {
+    tree.articulated_to_parents(i, &workspace.motions[i], inertia, |parent, carried| {
+        let sum = workspace.articulated[parent].map_or(carried, |a| a + carried);
+        workspace.articulated[parent] = Some(sum);
+    });
+}
+
+/// Fills `factors` with D, its factors and U at `q`, by the recursion over the tree.
+pub(in crate::equations) fn factorize_tree<S: Scalar>(
+    model: &Mechanism<S>,
+    layout: &UduLayout,
+    q: &[S],
+    workspace: &mut Workspace<S>,
+    factors: &mut [S],
+) {
+    workspace.make_room(layout.pivots(), 0, 0);
+    workspace.move_to(model, q);
+    start(model, workspace);
+    for (m, block) in layout.blocks().iter().enumerate().rev() {
+        let first = block.bodies.start;
+        pivot(model, block, workspace);
+        factors[layout.d(m)].copy_from_slice(&workspace.pivots[layout.d(m)]);
+        split(block, workspace);
+        store_v(layout, m, &workspace.pivots, factors);
+        for d in block.dofs.clone() {
+            factors[layout.reciprocals().start + d] = workspace.reciprocals[d];
+        }
+        if model.bodies[first].parent.is_none() {
+            continue;
+        }
+        reduce_columns(model, block, workspace);
+        eliminate(model, block, workspace);
+        // (46): the columns of Psi I_hat^-1, carried inwards, as each joint there feels them.
+        finish_gains(model, block, workspace);
+        for (j, d) in block.dofs.clone().enumerate() {
+            let mut wrench =
+                Wrench::from_components(core::array::from_fn(|row| workspace.gains[row][d]));
+            let mut at = first;
+            for (other, row) in layout.rows(m).rev() {
+                while at != model.dofs[other].body {
+                    let body = &model.bodies[at];
+                    wrench = body.wrench_to_parent(&workspace.motions[at], wrench);
+                    let Some(parent) = body.parent else { break };
+                    at = parent;
+                }
+                let component = model.dofs[other].component;
+                factors[layout.u().start + row + j] = wrench.components()[component];
+            }
+        }
+    }
+}
+
+/// Turns the gains Psi V^-T Delta^-1 into Psi I_hat^-1, all six rows.
+fn finish_gains<S: Scalar>(
+    model: &Mechanism<S>,
+    block: &ModuleBlock,
+    workspace: &mut Workspace<S>,
+) {
+    let subspace = motion_subspace(model, block);
+    for (row, free) in subspace.into_iter().enumerate() {
+        let gains = &mut workspace.gains[row][block.dofs.clone()];
+        if let Some(d) = free {
+            // Psi's row along a component of the motion subspace is a row of I_hat itself.
+            gains.fill(S::zero());
+            gains[d - block.dofs.start] = S::one();
+        } else {
+            solve_lower(factor(block, &workspace.pivots), gains);
+        }
+    }
+}

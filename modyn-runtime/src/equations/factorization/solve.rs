@@ -1,0 +1,166 @@
+//! Solving with the factors of the mass matrix; the matrices in full.
+
+use core::ops::Range;
+
+use super::blocks::{solve_lower, solve_upper};
+use super::layout::UduLayout;
+use super::limb_coupling::{FactorLayout, Limb};
+use crate::{Scalar, jacobi};
+
+/// x := I_hat^-1 x for module `m`.
+fn solve_block<S: Scalar>(layout: &UduLayout, factors: &[S], m: usize, x: &mut [S]) {
+    let v = layout.v(m, factors);
+    let reciprocals = &factors[layout.reciprocals()][layout.blocks()[m].dofs.clone()];
+    solve_upper(v, x);
+    for (x, &reciprocal) in x.iter_mut().zip(reciprocals) {
+        *x = *x * reciprocal;
+    }
+    solve_lower(v, x);
+}
+
+/// The solution x of I x = rhs, in place, by the three steps of (60).
+///
+/// Where equal limbs are computed as one, `rhs` is the same for all of them.
+pub fn solve<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], x: &mut [S]) {
+    solve_for(layout, factors, None, x);
+}
+
+/// The same for a right-hand side that is the column of a degree of freedom. Where equal limbs are
+/// computed as one, a limb's is each limb's own, zero on the others, and the rows of those are left out:
+/// see `limb_coupling`.
+pub fn solve_column<S: Scalar, L: FactorLayout<S>>(
+    layout: &L,
+    factors: &[S],
+    column: usize,
+    x: &mut [S],
+) {
+    solve_for(layout, factors, layout.limb_of_dof(column), x);
+}
+
+fn solve_for<S: Scalar, L: FactorLayout<S>>(
+    limbs: &L,
+    factors: &[S],
+    own: Option<Limb>,
+    x: &mut [S],
+) {
+    let layout = limbs.layout();
+    let u = &factors[layout.u()];
+    let others =
+        |m: usize| own.is_some() && limbs.limb_of_module(m).is_some_and(|limb| own != Some(limb));
+    for (m, block) in layout.blocks().iter().enumerate().rev().filter(|(m, _)| !others(*m)) {
+        for (dof, row) in layout.rows(m) {
+            let over = if own.is_none() { limbs.limbs_over(m, dof) } else { 1 };
+            let shares = block.dofs.clone().enumerate().map(|(j, i)| u[row + j] * x[i]);
+            x[dof] = if over == 1 {
+                shares.fold(x[dof], |x, share| x - share)
+            } else {
+                let sum = shares.fold(S::zero(), |sum, x| sum + x);
+                x[dof] - limbs.sum_limbs(sum, over)
+            };
+        }
+    }
+    for (m, block) in layout.blocks().iter().enumerate().filter(|(m, _)| !others(*m)) {
+        solve_block(layout, factors, m, &mut x[block.dofs.clone()]);
+        for (dof, row) in layout.rows(m) {
+            for (j, i) in block.dofs.clone().enumerate() {
+                x[i] = x[i] - u[row + j] * x[dof];
+            }
+        }
+    }
+}
+
+/// D as a full matrix by columns, (45).
+pub fn diagonal<S: Scalar>(layout: &UduLayout, factors: &[S], columns: &mut [S]) {
+    let n = layout.n();
+    columns.fill(S::zero());
+    for block in layout.blocks() {
+        let size = block.dofs.len();
+        for (j, column) in block.dofs.clone().enumerate() {
+            for (i, row) in block.dofs.clone().enumerate() {
+                columns[column * n + row] = factors[block.pivot + i * size + j];
+            }
+        }
+    }
+}
+
+/// D^-1 as a full matrix by columns, (54).
+pub fn diagonal_inverse<S: Scalar>(layout: &UduLayout, factors: &[S], columns: &mut [S]) {
+    let n = layout.n();
+    columns.fill(S::zero());
+    for (m, block) in layout.blocks().iter().enumerate() {
+        for column in block.dofs.clone() {
+            columns[column * n + column] = S::one();
+            let rows = column * n + block.dofs.start..column * n + block.dofs.end;
+            solve_block(layout, factors, m, &mut columns[rows]);
+        }
+        mirror(n, block.dofs.clone(), columns);
+    }
+}
+
+/// Copies what stands above the diagonal of these rows and columns below it.
+fn mirror<S: Scalar>(n: usize, range: Range<usize>, columns: &mut [S]) {
+    for column in range.clone() {
+        for row in range.start..column {
+            columns[row * n + column] = columns[column * n + row];
+        }
+    }
+}
+
+/// U as a full matrix by columns, (43).
+pub fn upper<S: Scalar>(layout: &UduLayout, u: &[S], columns: &mut [S]) {
+    let n = layout.n();
+    columns.fill(S::zero());
+    for (m, block) in layout.blocks().iter().enumerate() {
+        for (j, column) in block.dofs.clone().enumerate() {
+            columns[column * n + column] = S::one();
+            for (dof, row) in layout.rows(m) {
+                columns[column * n + dof] = u[row + j];
+            }
+        }
+    }
+}
+
+/// U^-1 as a full matrix by columns, (53)-(54): each block column of U is carried through the
+/// block columns of the modules in front of it.
+pub fn upper_inverse<S: Scalar>(layout: &UduLayout, u: &[S], columns: &mut [S]) {
+    let n = layout.n();
+    columns.fill(S::zero());
+    for (m, block) in layout.blocks().iter().enumerate() {
+        for (j, column) in block.dofs.clone().enumerate() {
+            columns[column * n + column] = S::one();
+            // Column `column` of U^-1 is e - sum over what stands in front of U's entry times their
+            // column. (With mimics that reaches more entries than U has.)
+            for (dof, row) in layout.rows(m) {
+                let factor = u[row + j];
+                for above in 0..=dof {
+                    let entry = columns[dof * n + above];
+                    columns[column * n + above] = columns[column * n + above] - factor * entry;
+                }
+            }
+        }
+    }
+}
+
+/// The inverse of the mass matrix as a full matrix by columns, (50): U^-T D^-1 U^-1, applied to each
+/// column of the identity.
+pub fn inverse<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], columns: &mut [S]) {
+    let n = layout.layout().n();
+    columns.fill(S::zero());
+    for (j, column) in columns.chunks_mut(n.max(1)).enumerate() {
+        column[j] = S::one();
+        solve_column(layout, factors, j, column);
+    }
+    mirror(n, 0..n, columns);
+}
+
+/// The logarithm of the mass matrix's determinant: that of D, since U's is one.
+pub fn log_determinant<S: Scalar>(layout: &UduLayout, factors: &[S]) -> S {
+    let reciprocals = &factors[layout.reciprocals()];
+    -reciprocals.iter().fold(S::zero(), |sum, reciprocal| sum + reciprocal.ln())
+}
+
+/// The condition number of module `m`'s pivot block, in the 2-norm.
+pub fn condition_number<S: Scalar>(layout: &UduLayout, factors: &[S], m: usize) -> S {
+    let mut block = factors[layout.d(m)].to_vec();
+    jacobi::condition_number(&mut block, layout.blocks()[m].dofs.len())
+}

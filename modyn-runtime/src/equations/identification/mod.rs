@@ -1,0 +1,7 @@
+//! Dynamics as linear in the inertial parameters.
+
+mod base_parameters;
+mod regressor;
+
+pub use base_parameters::{BaseParameter, BaseParameters};
+pub use regressor::regressor;

@@ -1,0 +1,177 @@
+//! The kinematic path of a link: the bodies between it and the world, which are all that its motion depends on.
+
+use alloc::vec::Vec;
+
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::joint::JointTransform;
+use crate::mechanism::Mechanism;
+use crate::spatial::{Matrix3, Pose, Twist, Vector3};
+
+/// Body `last` and those that it hangs on, down to the world.
+pub(in crate::equations) fn towards_world<S>(
+    model: &Mechanism<S>,
+    last: Option<usize>,
+) -> impl Iterator<Item = usize> {
+    core::iter::successors(last, |&i| model.bodies[i].parent)
+}
+
+/// The same bodies from the world on, into `path`.
+pub(in crate::equations) fn from_world<S>(
+    model: &Mechanism<S>,
+    last: Option<usize>,
+    path: &mut Vec<usize>,
+) {
+    path.clear();
+    path.extend(towards_world(model, last));
+    path.reverse();
+}
+
+/// Body `i`'s axes in the world. Expects its joint at q, and its parent's axes.
+pub(in crate::equations) fn turn_axes<S: Scalar>(
+    model: &Mechanism<S>,
+    i: usize,
+    workspace: &mut Workspace<S>,
+) {
+    workspace.axes[i] = workspace.motions[i].turn_axes(&axes_at_joint(model, i, workspace));
+}
+
+/// The axes in the world that body `i`'s degrees of freedom are along: an axis stands the same in
+/// front of the joint, where the axes have one turn less behind them.
+pub(in crate::equations) fn joint_axes<S: Scalar>(
+    model: &Mechanism<S>,
+    i: usize,
+    workspace: &Workspace<S>,
+) -> Matrix3<S> {
+    if model.bodies[i].elementary_joint.has_axis() {
+        axes_at_joint(model, i, workspace)
+    } else {
+        workspace.axes[i]
+    }
+}
+
+/// The axes in the world that stand in front of body `i`'s joint.
+fn axes_at_joint<S: Scalar>(
+    model: &Mechanism<S>,
+    i: usize,
+    workspace: &Workspace<S>,
+) -> Matrix3<S> {
+    let body = &model.bodies[i];
+    let world = || Matrix3(Pose::identity().rotation);
+    body.placement.turn_axes(&body.parent.map_or_else(world, |parent| workspace.axes[parent]))
+}
+
+/// The motion of a link's origin against a body that it hangs on, in that body's axes.
+#[derive(Clone, Copy)]
+pub(in crate::equations) struct Relative<S> {
+    /// The link's origin.
+    point: Vector3<S>,
+    pub(in crate::equations) velocity: Twist<S>,
+    /// Angular acceleration and the classical one of the link's origin.
+    pub(in crate::equations) acceleration: Twist<S>,
+}
+
+impl<S: Scalar> Relative<S> {
+    /// A link whose origin is fixed to the body.
+    pub(in crate::equations) fn fixed(point: Vector3<S>) -> Self {
+        Self { point, velocity: Twist::zero(), acceleration: Twist::zero() }
+    }
+
+    /// The motion against body `i`'s parent, from that against body `i`.
+    pub(in crate::equations) fn towards_world(
+        self,
+        model: &Mechanism<S>,
+        i: usize,
+        (q, qd, qdd): (&[S], &[S], Option<&[S]>),
+    ) -> Self {
+        let body = &model.bodies[i];
+        let motion = body.motion(q);
+        let rates = model.add_rates(i, Twist::zero(), qd);
+        let changes = qdd.map(|qdd| model.add_rates(i, Twist::zero(), qdd));
+        // An axis is the same in front of the joint, where the turn of what is constant on the
+        // link is known already.
+        let at_joint = if body.elementary_joint.has_axis() {
+            self.across(&motion).carried(rates, changes)
+        } else {
+            self.carried(rates, changes).across(&motion)
+        };
+        let turned = at_joint.turned(|v| body.placement.to_parent(v));
+        Self { point: body.placement.point_to_parent(at_joint.point), ..turned }
+    }
+
+    /// In the axes in front of the joint, against the body still.
+    fn across(self, motion: &JointTransform<S>) -> Self {
+        let turned = self.turned(|v| motion.to_parent(v));
+        Self { point: motion.point_to_parent(self.point), ..turned }
+    }
+
+    fn turned(self, turn: impl Fn(Vector3<S>) -> Vector3<S>) -> Self {
+        let twist = |t: Twist<S>| Twist { angular: turn(t.angular), linear: turn(t.linear) };
+        let (velocity, acceleration) = (twist(self.velocity), twist(self.acceleration));
+        Self { velocity, acceleration, ..self }
+    }
+
+    /// With the body's own motion by its joint added: `rates`, and what they change by.
+    fn carried(self, rates: Twist<S>, changes: Option<Twist<S>>) -> Self {
+        let Self { point, velocity: before, acceleration } = self;
+        let omega = rates.angular;
+        let over_origin = |t: Twist<S>| Twist { linear: t.linear + t.angular.cross(point), ..t };
+        let velocity = before + over_origin(rates);
+        // Centripetal and Coriolis: omega x (v_joint + omega x point) + 2 omega x v.
+        let turning = Twist {
+            angular: omega.cross(before.angular),
+            linear: omega.cross(before.linear + velocity.linear),
+        };
+        let mut acceleration = acceleration + turning;
+        if let Some(changes) = changes {
+            acceleration = acceleration + over_origin(changes);
+        }
+        Self { point, velocity, acceleration }
+    }
+}
+
+/// A body's velocity in its own axes at its origin, and the rate of change of these six numbers
+/// while the joints keep their rates: the spatial acceleration.
+#[derive(Clone, Copy)]
+pub(in crate::equations) struct Own<S> {
+    pub(in crate::equations) velocity: Twist<S>,
+    pub(in crate::equations) rate: Twist<S>,
+}
+
+impl<S: Scalar> Own<S> {
+    /// The world's.
+    pub(in crate::equations) fn at_rest() -> Self {
+        Self { velocity: Twist::zero(), rate: Twist::zero() }
+    }
+
+    /// Body `i`'s, from its parent's.
+    pub(in crate::equations) fn carried_to(
+        self,
+        model: &Mechanism<S>,
+        i: usize,
+        (q, qd): (&[S], &[S]),
+    ) -> Self {
+        let body = &model.bodies[i];
+        let motion = body.motion(q);
+        let carried = body.twist_to_child(&motion, self.velocity);
+        let rates = model.add_rates(i, Twist::zero(), qd);
+        // What is carried is seen from axes that turn and move with the joint.
+        let turning = Twist {
+            angular: carried.angular.cross(rates.angular),
+            linear: carried.angular.cross(rates.linear) + carried.linear.cross(rates.angular),
+        };
+        let rate = body.twist_to_child(&motion, self.rate) + turning;
+        Self { velocity: carried + rates, rate }
+    }
+
+    /// The same for what stands on the body at `pose`.
+    pub(in crate::equations) fn at(self, pose: &Pose<S>) -> Self {
+        let axes = Matrix3(pose.rotation).transposed();
+        let point = Vector3(pose.translation);
+        let twist = |t: Twist<S>| Twist {
+            angular: axes.mul_vector(t.angular),
+            linear: axes.mul_vector(t.linear + t.angular.cross(point)),
+        };
+        Self { velocity: twist(self.velocity), rate: twist(self.rate) }
+    }
+}

@@ -1,0 +1,13 @@
+//! Poses, motion and Jacobians of the links; the centre of mass; the space of the coordinates.
+
+pub(super) mod acceleration;
+pub(super) mod center_of_mass;
+pub mod coordinates;
+pub(super) mod first_moment;
+pub(super) mod kinematic_path;
+pub(super) mod links;
+
+pub use center_of_mass::{center_of_mass, center_of_mass_jacobian, total_mass};
+pub use links::{
+    Axes, jacobian, jacobian_rate, link_acceleration, link_pose, link_poses, link_velocity,
+};

@@ -1,0 +1,11 @@
+//! The matrices of the method's paper, dense: for study.
+
+mod decomposition;
+mod denoc;
+mod dense;
+
+pub use {
+    decomposition::Decomposition,
+    denoc::{DeNoc, denoc},
+    dense::Dense,
+};

@@ -1,0 +1,157 @@
+//! Why a quantity cannot be computed.
+
+use core::fmt;
+
+/// A vector or matrix that was given has the wrong length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ShapeError {
+    /// The parameter.
+    pub parameter: &'static str,
+    /// How many numbers it must hold.
+    pub expected: usize,
+    /// How many it holds.
+    pub found: usize,
+}
+
+impl ShapeError {
+    /// The error that `parameter` holds `found` numbers instead of `expected`.
+    #[must_use]
+    pub const fn new(parameter: &'static str, expected: usize, found: usize) -> Self {
+        Self { parameter, expected, found }
+    }
+}
+
+impl fmt::Display for ShapeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { parameter, expected, found } = self;
+        write!(f, "`{parameter}` must hold {expected} numbers but holds {found}")
+    }
+}
+
+impl core::error::Error for ShapeError {}
+
+pub(super) fn check<T>(
+    parameter: &'static str,
+    given: &[T],
+    expected: usize,
+) -> Result<(), ShapeError> {
+    let found = given.len();
+    if found == expected { Ok(()) } else { Err(ShapeError::new(parameter, expected, found)) }
+}
+
+/// The modules, or the factorization, are those of another model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ModuleMismatch {}
+
+impl fmt::Display for ModuleMismatch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the modules or the factorization are those of another model; make them from this one"
+        )
+    }
+}
+
+impl core::error::Error for ModuleMismatch {}
+
+/// Why a quantity of one link cannot be computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FrameError {
+    /// There is no link of that index.
+    NoFrame {
+        /// The index.
+        frame: usize,
+        /// How many links the description has.
+        count: usize,
+    },
+    /// A slice has the wrong length.
+    Shape(ShapeError),
+}
+
+impl fmt::Display for FrameError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoFrame { frame, count } => {
+                write!(f, "there is no link {frame}; the description has {count}")
+            }
+            Self::Shape(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for FrameError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::NoFrame { .. } => None,
+            Self::Shape(error) => Some(error),
+        }
+    }
+}
+
+impl From<ShapeError> for FrameError {
+    fn from(error: ShapeError) -> Self {
+        Self::Shape(error)
+    }
+}
+
+/// Why a model has no block decomposition in the paper's matrices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum DecompositionError {
+    /// `q` has the wrong length.
+    Shape(ShapeError),
+    /// Joints mimic others, which couples modules across the tree.
+    Mimics,
+}
+
+impl fmt::Display for DecompositionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Shape(error) => error.fmt(f),
+            Self::Mimics => write!(
+                f,
+                "joints mimic others, which couples modules across the tree; `brge` factorizes such models"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for DecompositionError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Shape(error) => Some(error),
+            Self::Mimics => None,
+        }
+    }
+}
+
+/// Why a factorization cannot be updated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum UpdateError {
+    /// It is that of another model or by other modules.
+    Modules(ModuleMismatch),
+    /// `q` has the wrong length.
+    Shape(ShapeError),
+}
+
+impl fmt::Display for UpdateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Modules(error) => error.fmt(f),
+            Self::Shape(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for UpdateError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Modules(error) => Some(error),
+            Self::Shape(error) => Some(error),
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! The factorization of the mass matrix by modules.
+
+use alloc::{vec, vec::Vec};
+
+use super::Interpreter;
+use super::errors::{ModuleMismatch, ShapeError, UpdateError, check};
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::brge::{self, UduLayout};
+use crate::mechanism::BodyStructure;
+use crate::model::ModuleTree;
+
+impl<S: Scalar> Interpreter<S> {
+    /// The factorization I = U D U^T by modules at `q`, (35)-(49). Allocates its result; to use
+    /// the memory of an earlier one again, see [`Brge::update`].
+    ///
+    /// # Errors
+    ///
+    /// If `q` does not have the model's length.
+    pub fn brge(&self, q: &[S]) -> Result<Brge<S>, ShapeError> {
+        check("q", q, self.model.nq())?;
+        let layout = UduLayout::new(&self.mechanism, &self.modules);
+        let factors = vec![S::zero(); layout.size()];
+        let workspace = Workspace::new(&self.mechanism);
+        let modules = self.modules.clone();
+        let structure = self.mechanism.structure().collect();
+        let (nq, n) = (self.model.nq(), self.model.nv());
+        let mut brge = Brge { modules, layout, factors, workspace, structure, nq, n };
+        brge.factorize(self, q);
+        Ok(brge)
+    }
+}
+
+/// The factorization I = U D U^T of the mass matrix by modules. Matrices are given by columns.
+///
+/// [`update`](Self::update) and [`solve_in_place`](Self::solve_in_place) allocate nothing; what
+/// returns a vector or matrix allocates it, and [`condition_number`](Self::condition_number) a
+/// copy of its block.
+#[derive(Clone, Debug)]
+pub struct Brge<S = f64> {
+    modules: ModuleTree,
+    layout: UduLayout,
+    factors: Vec<S>,
+    workspace: Workspace<S>,
+    /// By body: the properties that its layout and its memory depend on besides the modules.
+    structure: Vec<BodyStructure>,
+    nq: usize,
+    n: usize,
+}
+
+impl<S: Scalar> Brge<S> {
+    /// Factorizes anew at another `q`, in the memory that is there.
+    ///
+    /// # Errors
+    ///
+    /// If this is the factorization of a model with other joints or by other modules, or if `q` does
+    /// not have the model's length. (Models that differ in their numbers alone may share one.)
+    pub fn update(&mut self, interpreter: &Interpreter<S>, q: &[S]) -> Result<(), UpdateError> {
+        let structure = interpreter.mechanism.structure();
+        if self.modules != interpreter.modules || !structure.eq(self.structure.iter().copied()) {
+            return Err(UpdateError::Modules(ModuleMismatch {}));
+        }
+        check("q", q, self.nq).map_err(UpdateError::Shape)?;
+        self.factorize(interpreter, q);
+        Ok(())
+    }
+
+    fn factorize(&mut self, interpreter: &Interpreter<S>, q: &[S]) {
+        let Self { layout, factors, workspace, .. } = self;
+        brge::factorize(&interpreter.mechanism, layout, q, workspace, factors);
+    }
+
+    fn matrix(&self, fill: impl FnOnce(&mut [S])) -> Vec<S> {
+        let mut columns = vec![S::zero(); self.n * self.n];
+        fill(&mut columns);
+        columns
+    }
+
+    /// The block upper triangular U, (43).
+    #[must_use]
+    pub fn u(&self) -> Vec<S> {
+        self.matrix(|columns| brge::upper(&self.layout, &self.factors[self.layout.u()], columns))
+    }
+
+    /// The block diagonal D, (45).
+    #[must_use]
+    pub fn d(&self) -> Vec<S> {
+        self.matrix(|columns| brge::diagonal(&self.layout, &self.factors, columns))
+    }
+
+    /// U^-1, (54).
+    #[must_use]
+    pub fn u_inverse(&self) -> Vec<S> {
+        let u = &self.factors[self.layout.u()];
+        self.matrix(|columns| brge::upper_inverse(&self.layout, u, columns))
+    }
+
+    /// D^-1, (54).
+    #[must_use]
+    pub fn d_inverse(&self) -> Vec<S> {
+        self.matrix(|columns| brge::diagonal_inverse(&self.layout, &self.factors, columns))
+    }
+
+    /// The inverse of the mass matrix, (50).
+    #[must_use]
+    pub fn inverse(&self) -> Vec<S> {
+        self.matrix(|columns| brge::inverse(&self.layout, &self.factors, columns))
+    }
+
+    /// The x with I x = `rhs`, by the three steps of (60).
+    ///
+    /// # Errors
+    ///
+    /// If `rhs` does not have the model's length.
+    pub fn solve(&self, rhs: &[S]) -> Result<Vec<S>, ShapeError> {
+        check("rhs", rhs, self.n)?;
+        let mut x = rhs.to_vec();
+        brge::solve(&self.layout, &self.factors, &mut x);
+        Ok(x)
+    }
+
+    /// The same in place: `x` is the right-hand side, then the solution.
+    ///
+    /// # Errors
+    ///
+    /// If `x` does not have the model's length.
+    pub fn solve_in_place(&self, x: &mut [S]) -> Result<(), ShapeError> {
+        check("x", x, self.n)?;
+        brge::solve(&self.layout, &self.factors, x);
+        Ok(())
+    }
+
+    /// The natural logarithm of the mass matrix's determinant.
+    #[must_use]
+    pub fn log_determinant(&self) -> S {
+        brge::log_determinant(&self.layout, &self.factors)
+    }
+
+    /// Module `module`'s pivot block I_hat, (46), by columns; `None` if there is no such module.
+    #[must_use]
+    pub fn pivot_block(&self, module: usize) -> Option<Vec<S>> {
+        let exists = module < self.layout.blocks().len();
+        exists.then(|| self.factors[self.layout.d(module)].to_vec())
+    }
+
+    /// The condition number (2-norm) of that block, by a fixed number of Jacobi sweeps.
+    #[must_use]
+    pub fn condition_number(&self, module: usize) -> Option<S> {
+        let exists = module < self.layout.blocks().len();
+        exists.then(|| brge::condition_number(&self.layout, &self.factors, module))
+    }
+}

@@ -1,0 +1,65 @@
+//! The centre of mass, and the momentum about it.
+
+use super::Interpreter;
+use super::errors::{ShapeError, check};
+use crate::Scalar;
+use crate::equations::dynamics::{centroidal_momentum, centroidal_momentum_matrix};
+use crate::equations::kinematics::{center_of_mass, center_of_mass_jacobian};
+use crate::spatial::{Momentum, Vector3};
+
+/// Quantities of the moving links as a whole, in world axes.
+impl<S: Scalar> Interpreter<S> {
+    /// The centre of mass, m; not a number where there is no mass.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn center_of_mass(&mut self, q: &[S]) -> Result<[S; 3], ShapeError> {
+        check("q", q, self.model.nq())?;
+        Ok(center_of_mass(&self.mechanism, q, &mut self.workspace).0)
+    }
+
+    /// The Jacobian of the centre of mass into `columns` (nv): its velocity is their sum times qd.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn center_of_mass_jacobian(
+        &mut self,
+        q: &[S],
+        columns: &mut [Vector3<S>],
+    ) -> Result<(), ShapeError> {
+        check("q", q, self.model.nq())?;
+        check("columns", columns, self.model.nv())?;
+        center_of_mass_jacobian(&self.mechanism, q, &mut self.workspace, columns);
+        Ok(())
+    }
+
+    /// The centroidal momentum matrix A into `columns` (nv): the momentum about the centre of mass
+    /// is A qd.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn centroidal_momentum_matrix(
+        &mut self,
+        q: &[S],
+        columns: &mut [Momentum<S>],
+    ) -> Result<(), ShapeError> {
+        check("q", q, self.model.nq())?;
+        check("columns", columns, self.model.nv())?;
+        centroidal_momentum_matrix(&self.mechanism, q, &mut self.workspace, columns);
+        Ok(())
+    }
+
+    /// The momentum about the centre of mass.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn centroidal_momentum(&mut self, q: &[S], qd: &[S]) -> Result<Momentum<S>, ShapeError> {
+        check("q", q, self.model.nq())?;
+        check("qd", qd, self.model.nv())?;
+        Ok(centroidal_momentum(&self.mechanism, (q, qd), &mut self.workspace))
+    }
+}

@@ -1,0 +1,227 @@
+//! A joint at values of its coordinates: the one place where the equations meet joint types.
+//!
+//! The equations know four primitives. A universal joint is two revolute ones with nothing between
+//! them, a planar joint two prismatic ones and a revolute one (`mechanism::elementary` takes them apart).
+
+use super::carried::Carried;
+use super::{ElementaryJoint, JointOffset, floating, prismatic, revolute, rotated, spherical};
+use crate::Scalar;
+use crate::spatial::{
+    ArticulatedInertia, Axis, AxisRotation, Field, Matrix3, RigidInertia, Twist, Vector3,
+    VelocityMoments, Wrench,
+};
+
+/// The motion of a joint, at values of its coordinates.
+#[derive(Clone, Copy, Debug)]
+pub enum JointTransform<S> {
+    /// Turned about z.
+    Revolute(AxisRotation<S>),
+    /// Shifted along z by so much.
+    Prismatic(S),
+    /// Turned by this matrix, whose columns are the axes behind the joint.
+    Spherical(Matrix3<S>),
+    /// Shifted and turned.
+    Floating {
+        /// The axes behind the joint.
+        rotation: Matrix3<S>,
+        /// Where the frame behind the joint stands, in the axes in front of it.
+        position: Vector3<S>,
+    },
+}
+
+impl<S: Scalar> JointTransform<S> {
+    /// The joint at coordinates `q`, where the frame's own zero stands at `zero`.
+    #[must_use]
+    pub fn new(joint: ElementaryJoint, zero: JointOffset<S>, q: &[S]) -> Self {
+        match (joint, q) {
+            (ElementaryJoint::Prismatic, &[q]) => Self::Prismatic(q),
+            (ElementaryJoint::Spherical, &[x, y, z, w]) => {
+                Self::Spherical(spherical::rotation(zero, [x, y, z, w]))
+            }
+            (ElementaryJoint::Floating, &[px, py, pz, x, y, z, w]) => Self::Floating {
+                rotation: spherical::rotation(zero, [x, y, z, w]),
+                position: zero.turn().vector(Axis::Z, Vector3([px, py, pz])),
+            },
+            (_, q) => Self::Revolute(revolute::turn(zero, q[0])),
+        }
+    }
+
+    /// Where the joint has carried its frame's origin, in the axes in front of the joint; `None`
+    /// where it stays.
+    #[must_use]
+    pub fn displacement(&self) -> Option<Vector3<S>> {
+        match self {
+            Self::Revolute(_) | Self::Spherical(_) => None,
+            Self::Prismatic(q) => Some(Vector3::along_z(*q)),
+            Self::Floating { position, .. } => Some(*position),
+        }
+    }
+
+    /// The motion behind the joint, from what is carried across it and the joint's own rates and
+    /// accelerations; `None` where it has no acceleration.
+    #[must_use]
+    pub fn accelerate(
+        &self,
+        carried: Carried<S>,
+        rates: &[S],
+        accelerations: Option<&[S]>,
+    ) -> Field<S> {
+        match self {
+            Self::Revolute(_) => {
+                revolute::accelerate(carried, rates[0], accelerations.map(|a| a[0]))
+            }
+            Self::Prismatic(q) => {
+                prismatic::accelerate(*q, carried, rates[0], accelerations.map(|a| a[0]))
+            }
+            Self::Spherical(_) => spherical::accelerate(carried, rates, accelerations),
+            Self::Floating { rotation, position } => {
+                let displacement = rotation.transposed().mul_vector(*position);
+                floating::accelerate(displacement, carried, rates, accelerations)
+            }
+        }
+    }
+
+    /// A direction in front of the joint, seen from behind it.
+    #[must_use]
+    pub fn to_child(&self, v: Vector3<S>) -> Vector3<S> {
+        match self {
+            Self::Revolute(turn) => turn.inverse().vector(Axis::Z, v),
+            Self::Prismatic(_) => v,
+            Self::Spherical(rotation) | Self::Floating { rotation, .. } => {
+                rotation.transposed().mul_vector(v)
+            }
+        }
+    }
+
+    /// A direction behind the joint, seen from in front of it.
+    #[must_use]
+    pub fn to_parent(&self, v: Vector3<S>) -> Vector3<S> {
+        match self {
+            Self::Revolute(turn) => turn.vector(Axis::Z, v),
+            Self::Prismatic(_) => v,
+            Self::Spherical(rotation) | Self::Floating { rotation, .. } => rotation.mul_vector(v),
+        }
+    }
+
+    /// A point in front of the joint, seen from behind it.
+    #[must_use]
+    pub fn point_to_child(&self, point: Vector3<S>) -> Vector3<S> {
+        self.to_child(self.displacement().map_or(point, |displacement| point - displacement))
+    }
+
+    /// A point behind the joint, seen from in front of it.
+    #[must_use]
+    pub fn point_to_parent(&self, point: Vector3<S>) -> Vector3<S> {
+        let turned = self.to_parent(point);
+        self.displacement().map_or(turned, |displacement| turned + displacement)
+    }
+
+    /// The axes in front of the joint (as columns, in some third frame), turned behind it.
+    #[must_use]
+    pub fn turn_axes(&self, axes: &Matrix3<S>) -> Matrix3<S> {
+        match self {
+            Self::Revolute(turn) => turn.columns(Axis::Z, axes),
+            Self::Prismatic(_) => *axes,
+            Self::Spherical(rotation) | Self::Floating { rotation, .. } => axes.times(rotation),
+        }
+    }
+
+    /// A twist (or deviation of acceleration) carried rigidly across the joint, twist propagation.
+    #[must_use]
+    pub fn twist_to_child(&self, t: Twist<S>) -> Twist<S> {
+        match self {
+            Self::Revolute(turn) => revolute::twist_to_child(*turn, t),
+            Self::Prismatic(q) => prismatic::twist_to_child(*q, t),
+            Self::Spherical(rotation) => rotated::twist_to_child(rotation, t),
+            Self::Floating { rotation, position } => {
+                let linear = t.linear + t.angular.cross(*position);
+                rotated::twist_to_child(rotation, Twist { linear, ..t })
+            }
+        }
+    }
+
+    /// A wrench behind the joint, carried in front of it.
+    #[must_use]
+    pub fn wrench_to_parent(&self, w: Wrench<S>) -> Wrench<S> {
+        match self {
+            Self::Revolute(turn) => revolute::wrench_to_parent(*turn, w),
+            Self::Prismatic(q) => prismatic::wrench_to_parent(*q, w),
+            Self::Spherical(rotation) => rotated::wrench_to_parent(rotation, w),
+            Self::Floating { rotation, position } => {
+                let w = rotated::wrench_to_parent(rotation, w);
+                Wrench { moment: w.moment + position.cross(w.force), ..w }
+            }
+        }
+    }
+
+    /// A rigid inertia behind the joint, carried in front of it.
+    #[must_use]
+    pub fn rigid_to_parent(&self, i: &RigidInertia<S>) -> RigidInertia<S> {
+        match self {
+            Self::Revolute(turn) => revolute::rigid_to_parent(*turn, i),
+            Self::Prismatic(q) => prismatic::rigid_to_parent(*q, i),
+            Self::Spherical(rotation) => i.rotated(rotation),
+            Self::Floating { rotation, position } => i.rotated(rotation).shifted(*position),
+        }
+    }
+
+    /// The moments of the velocities that the points behind the joint, of inertia `body`, have
+    /// against the frame in front of it, there; `velocities` are against the frame behind it.
+    #[must_use]
+    pub fn velocities_to_parent(
+        &self,
+        velocities: &VelocityMoments<S>,
+        body: &RigidInertia<S>,
+        rates: &[S],
+    ) -> VelocityMoments<S> {
+        let twice = |own: &[S]| Vector3(core::array::from_fn(|k| own[k] + own[k]));
+        match self {
+            Self::Revolute(turn) => {
+                let turned = self.rigid_to_parent(body);
+                let spin = Vector3::along_z(rates[0] + rates[0]);
+                velocities.turned(*turn, Axis::Z).spun(spin, &turned)
+            }
+            Self::Prismatic(q) => {
+                let slide = Vector3::along_z(rates[0] + rates[0]);
+                velocities.slid(slide, body).shifted(Vector3::along_z(*q))
+            }
+            Self::Spherical(rotation) => {
+                let spin = rotation.mul_vector(twice(rates));
+                velocities.rotated(rotation).spun(spin, &body.rotated(rotation))
+            }
+            Self::Floating { rotation, position } => {
+                let (slide, spin) = (twice(rates), twice(&rates[3..]));
+                let turned = body.rotated(rotation);
+                velocities
+                    .rotated(rotation)
+                    .spun(rotation.mul_vector(spin), &turned)
+                    .slid(rotation.mul_vector(slide), &turned)
+                    .shifted(*position)
+            }
+        }
+    }
+
+    /// The velocity of the frame's origin behind the joint against the frame in front of it, there;
+    /// `None` where it stays.
+    #[must_use]
+    pub fn drift(&self, rates: &[S]) -> Option<Vector3<S>> {
+        match self {
+            Self::Revolute(_) | Self::Spherical(_) => None,
+            Self::Prismatic(_) => Some(Vector3::along_z(rates[0])),
+            Self::Floating { rotation, .. } => {
+                Some(rotation.mul_vector(Vector3([rates[0], rates[1], rates[2]])))
+            }
+        }
+    }
+
+    /// An articulated inertia behind the joint, carried in front of it.
+    #[must_use]
+    pub fn articulated_to_parent(&self, i: &ArticulatedInertia<S>) -> ArticulatedInertia<S> {
+        match self {
+            Self::Revolute(turn) => revolute::articulated_to_parent(*turn, i),
+            Self::Prismatic(q) => prismatic::articulated_to_parent(*q, i),
+            Self::Spherical(rotation) => i.rotated(rotation),
+            Self::Floating { rotation, position } => i.rotated(rotation).shifted(*position),
+        }
+    }
+}

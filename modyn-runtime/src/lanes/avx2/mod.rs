@@ -1,0 +1,36 @@
+//! AVX2 and FMA: 4 `f64` or 8 `f32`, products fused into sums.
+//!
+//! Unsafe code: these instructions may only run on a processor that has them, and the compiler can't
+//! see that it does. It does wherever the types of this folder exist: they can't be named outside of
+//! `lanes`, and inside only the four functions that `work!` and `vectors!` make here enter with them,
+//! which `lanes` calls for `SimdLevel::Avx2`, for `SimdLevel::Avx512`, whose processors have AVX2 and FMA too,
+//! and in programs that count on both. (A generic function that has one as its type parameter, or a
+//! type of `Doubles` or `Singles`, has it from there.)
+#![allow(unsafe_code)]
+
+mod fused;
+mod registers;
+
+use super::abreast::{beside, vectors};
+use super::pair::Pair;
+use super::vector::work;
+use fused::{F32x1, F64x1};
+use registers::{F32x4, F32x8, F64x2, F64x4};
+
+work! {
+    f64 on F64x4, "avx2,fma";
+    f32 on F32x8, "avx2,fma";
+}
+
+beside! {
+    F64x2: 2 of F64x1, [0 1] in [0 1];
+    F64x4: 4 of F64x1, [0 1 2 3] in [0 1 2 3];
+    F32x4: 2 of F32x1, [0 1] in [0 1 0 1];
+    F32x4: 4 of F32x1, [0 1 2 3] in [0 1 2 3];
+    F32x8: 8 of F32x1, [0 1 2 3 4 5 6 7] in [0 1 2 3 4 5 6 7];
+}
+
+vectors! {
+    f64 by abreast_f64 on Doubles "avx2,fma": F64x1, F64x2, F64x4, Pair<F64x4>;
+    f32 by abreast_f32 on Singles "avx2,fma": F32x1, F32x4, F32x4, F32x8;
+}

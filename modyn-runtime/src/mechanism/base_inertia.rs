@@ -1,0 +1,37 @@
+//! Inertia in base parameters: the part that a joint's motion does not depend on is counted with the parent.
+
+use super::Body;
+use crate::Scalar;
+use crate::joint::ElementaryJoint;
+use crate::spatial::{RigidInertia, Symmetric3, Vector3};
+
+/// Makes the base inertias anew of the bodies' inertias: moves the inertia that no joint torque depends on towards
+/// the root, leaves first. Returns the static inertia, which reaches the world, about the world's origin.
+pub(super) fn move_to_parents<S: Scalar>(bodies: &mut [Body<S>]) -> RigidInertia<S> {
+    let mut static_inertia = RigidInertia::zero();
+    for body in &mut *bodies {
+        body.base_inertia = body.inertia;
+    }
+    for i in (0..bodies.len()).rev() {
+        let Body { base_inertia: own, elementary_joint, .. } = bodies[i];
+        let (c, s) = (own.first_moment, own.second_moment);
+        let moved = match elementary_joint {
+            ElementaryJoint::Revolute => RigidInertia {
+                mass: own.mass,
+                first_moment: Vector3::along_z(c[2]),
+                second_moment: Symmetric3 { zz: s.zz, ..Symmetric3::zero() },
+            },
+            ElementaryJoint::Prismatic => RigidInertia { second_moment: s, ..RigidInertia::zero() },
+            ElementaryJoint::Spherical => RigidInertia { mass: own.mass, ..RigidInertia::zero() },
+            ElementaryJoint::Floating => continue,
+        };
+        bodies[i].base_inertia = own.minus(&moved);
+        let carried = bodies[i].placement.rigid_to_parent(&moved);
+        if let Some(parent) = bodies[i].parent {
+            bodies[parent].base_inertia = bodies[parent].base_inertia + carried;
+        } else {
+            static_inertia = static_inertia + carried;
+        }
+    }
+    static_inertia
+}

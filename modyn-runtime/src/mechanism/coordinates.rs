@@ -1,0 +1,86 @@
+//! The spaces of the joint coordinates: numbers, rotations, poses.
+
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+
+use crate::Scalar;
+use crate::joint::JointType;
+use crate::model::{Limits, Model};
+
+/// The space of a group of coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Space<S> {
+    /// A number: an angle or a displacement.
+    Line {
+        /// The lower limit (rad or m), or the lower end of a default range.
+        low: S,
+        /// The upper limit, or the upper end of a default range.
+        high: S,
+    },
+    /// A unit quaternion x, y, z, w; its velocity is the angular one in the rotated axes.
+    Rotation,
+    /// A position and a unit quaternion; the velocities are linear and angular, in the rotated axes.
+    Pose,
+}
+
+/// A group of coordinates that form one number, rotation or pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coordinates<S> {
+    /// Their space.
+    pub space: Space<S>,
+    /// The index of the first in q.
+    pub q: usize,
+    /// The index of its first velocity in qd.
+    pub v: usize,
+}
+
+impl<S> Coordinates<S> {
+    /// Each number through `f`.
+    pub fn map<T>(&self, f: impl Fn(&S) -> T) -> Coordinates<T> {
+        let space = match &self.space {
+            Space::Line { low, high } => Space::Line { low: f(low), high: f(high) },
+            Space::Rotation => Space::Rotation,
+            Space::Pose => Space::Pose,
+        };
+        Coordinates { space, q: self.q, v: self.v }
+    }
+}
+
+/// The coordinates of `model` in their order; joints that mimic have none.
+pub(super) fn coordinates<S: Scalar>(model: &Model) -> Vec<Coordinates<S>> {
+    let mut all = Vec::with_capacity(model.nv());
+    for (i, link) in model.links().iter().enumerate() {
+        let joint = &link.joint;
+        if joint.mimic.is_some() {
+            continue;
+        }
+        let limits = joint.limits.as_ref();
+        let spaces: &[Space<f64>] = match joint.joint_type {
+            JointType::Revolute | JointType::Continuous => &[line(limits, PI)],
+            JointType::Prismatic => &[line(limits, 1.0)],
+            JointType::Universal => &[line(None, PI); 2],
+            JointType::Planar => &[line(None, 1.0), line(None, 1.0), line(None, PI)],
+            JointType::Spherical => &[Space::Rotation],
+            JointType::Floating => &[Space::Pose],
+        };
+        let (q, v) = (model.q_range(i).start, model.v_range(i).start);
+        let blocks = spaces.iter().enumerate().map(|(k, space)| {
+            Coordinates { space: *space, q: q + k, v: v + k }.map(|x| S::from_f64(*x))
+        });
+        all.extend(blocks);
+    }
+    all
+}
+
+/// The numbers within `limits`; where one is missing, a range as wide as from -`reach` to `reach`.
+fn line(limits: Option<&Limits>, reach: f64) -> Space<f64> {
+    let finite = |limit: Option<f64>| limit.filter(|x| x.is_finite());
+    let (lower, upper) = limits.map_or((None, None), |l| (finite(l.lower), finite(l.upper)));
+    let (low, high) = match (lower, upper) {
+        (Some(low), Some(high)) => (low, high),
+        (Some(low), None) => (low, low + 2.0 * reach),
+        (None, Some(high)) => (high - 2.0 * reach, high),
+        (None, None) => (-reach, reach),
+    };
+    Space::Line { low, high }
+}

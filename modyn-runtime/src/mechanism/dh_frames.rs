@@ -1,0 +1,143 @@
+//! Frames rotated and shifted after Denavit and Hartenberg, carried over to trees.
+
+use alloc::vec::Vec;
+
+use super::elementary::ElementaryBody;
+use super::snapping::{AHEAD, Direction, combine, inverse, snap, snapped, towards, turn_of};
+use crate::joint::ElementaryJoint;
+use crate::spatial::{Axis, Matrix3, Pose, Vector3};
+
+/// The model's frames while they are being rotated and shifted.
+pub(super) struct Frames {
+    children: Vec<Vec<usize>>,
+    elementary_joint: Vec<ElementaryJoint>,
+    /// Rz(azimuth) Trans(translation) Rx(tilt) Rz(zero) from the parent's frame, joint at 0.
+    pub(super) azimuth: Vec<Direction>,
+    pub(super) translation: Vec<Vector3<f64>>,
+    pub(super) tilt: Vec<Direction>,
+    pub(super) zero: Vec<Direction>,
+    /// The pose of the model's link frame in the rotated and shifted one.
+    pub(super) link: Vec<Pose<f64>>,
+}
+
+impl Frames {
+    /// The frames with every joint axis along z.
+    pub(super) fn on_axes(elementary: &[ElementaryBody<'_>]) -> Self {
+        let mut frames = Self {
+            children: main_child_first(elementary),
+            elementary_joint: elementary.iter().map(|own| own.elementary_joint).collect(),
+            azimuth: Vec::with_capacity(elementary.len()),
+            translation: Vec::with_capacity(elementary.len()),
+            tilt: Vec::with_capacity(elementary.len()),
+            zero: Vec::with_capacity(elementary.len()),
+            link: elementary
+                .iter()
+                .map(|a| Pose { rotation: a.frame.transposed().0, translation: [0.0; 3] })
+                .collect(),
+        };
+        for own in elementary {
+            let mut rotation = Matrix3(own.origin.rotation).times(&own.frame);
+            let mut translation = Vector3(own.origin.translation);
+            if let Some(parent) = own.parent {
+                let back = elementary[parent].frame.transposed();
+                rotation = back.times(&rotation);
+                translation = back.mul_vector(translation);
+            }
+            let [azimuth, tilt, zero] = split(&rotation);
+            frames.translation.push(turn_of(inverse(azimuth)).vector(Axis::Z, translation));
+            frames.azimuth.push(azimuth);
+            frames.tilt.push(tilt);
+            frames.zero.push(zero);
+        }
+        frames
+    }
+
+    /// Rotates each frame about its own z: a prismatic joint's by the rotation after its tilt, a
+    /// revolute joint's towards its main child (a leaf's towards its centre of mass). Joints without an
+    /// axis keep the link's frame, whose axes their velocities are in.
+    pub(super) fn turn(&mut self, elementary: &[ElementaryBody<'_>]) {
+        for (i, own) in elementary.iter().enumerate() {
+            let by = match self.children[i].first() {
+                _ if self.elementary_joint[i] == ElementaryJoint::Prismatic => {
+                    inverse(self.zero[i])
+                }
+                _ if self.elementary_joint[i] != ElementaryJoint::Revolute => continue,
+                // Parallel axes need no azimuth, so the turn is free for the translation.
+                Some(&main) if self.tilt[main].1 == 0.0 => towards(self.translation[main]),
+                Some(&main) => self.azimuth[main],
+                None => towards(Vector3(self.link[i].transform_point(own.inertial.center_of_mass))),
+            };
+            // Rz(q) Rz(by): the new frame is ahead of the old one.
+            self.zero[i] = combine(self.zero[i], by);
+            let back = turn_of(inverse(by));
+            let columns = Matrix3(self.link[i].rotation).transposed().0;
+            let columns = columns.map(|c| back.vector(Axis::Z, Vector3(c)).0);
+            self.link[i].rotation = Matrix3(columns).transposed().0;
+            for &child in &self.children[i] {
+                let azimuth = combine(self.azimuth[child], inverse(by));
+                let (cos, sin) = self.tilt[child];
+                if sin == 0.0 {
+                    // Rz(a) Rx(0 or pi) = Rx(0 or pi) Rz(a or -a): one with the child's zero.
+                    let sense = if cos > 0.0 { azimuth } else { inverse(azimuth) };
+                    self.zero[child] = combine(sense, self.zero[child]);
+                    self.translation[child] =
+                        turn_of(azimuth).vector(Axis::Z, self.translation[child]);
+                } else {
+                    self.azimuth[child] = azimuth;
+                }
+            }
+        }
+    }
+
+    /// Shifts each revolute joint's frame along its axis to where a component of the translation
+    /// from its parent vanishes.
+    pub(super) fn shift(&mut self) {
+        for i in 0..self.children.len() {
+            if self.elementary_joint[i] != ElementaryJoint::Revolute {
+                continue;
+            }
+            // Behind the azimuth the axis is (0, -sin, cos).
+            let (cos, sin) = self.tilt[i];
+            let [x, y, z] = self.translation[i].0;
+            let (by, shifted) = if sin.abs() > cos.abs() {
+                (y / sin, [x, 0.0, z + y / sin * cos])
+            } else {
+                (-z / cos, [x, y + z / cos * sin, 0.0])
+            };
+            self.translation[i] = Vector3(shifted);
+            self.link[i].translation[2] -= by;
+            for &child in &self.children[i] {
+                self.translation[child][2] -= by;
+            }
+        }
+    }
+}
+
+/// Returns azimuth, tilt and zero of `rotation` = Rz(azimuth) Rx(tilt) Rz(zero). Parallel axes have no azimuth.
+fn split(rotation: &Matrix3<f64>) -> [Direction; 3] {
+    let r = rotation.0.map(|row| row.map(snap));
+    // The third column is (sin a sin t, -cos a sin t, cos t).
+    let sin = libm::hypot(r[0][2], r[1][2]);
+    let tilt = snapped((r[2][2], sin));
+    let azimuth = if tilt.1 == 0.0 { AHEAD } else { towards(Vector3([-r[1][2], r[0][2], 0.0])) };
+    let first = Vector3([r[0][0], r[1][0], r[2][0]]);
+    let first = turn_of(inverse(azimuth)).vector(Axis::Z, first);
+    [azimuth, tilt, towards(turn_of(inverse(tilt)).vector(Axis::X, first))]
+}
+
+/// Returns the children of each body, the child with the largest subtree first.
+fn main_child_first(elementary: &[ElementaryBody<'_>]) -> Vec<Vec<usize>> {
+    let mut size = alloc::vec![1usize; elementary.len()];
+    let mut children = alloc::vec![Vec::new(); elementary.len()];
+    for (i, own) in elementary.iter().enumerate().rev() {
+        if let Some(parent) = own.parent {
+            size[parent] += size[i];
+            children[parent].push(i);
+        }
+    }
+    for siblings in &mut children {
+        siblings.reverse();
+        siblings.sort_by_key(|&child| core::cmp::Reverse(size[child]));
+    }
+    children
+}

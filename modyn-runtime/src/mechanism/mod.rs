@@ -1,0 +1,252 @@
+//! The model rewritten for computation: exact rewrites from [`Model`] to [`Mechanism`].
+//!
+//! 0. **Composite joints** (`elementary`). Universal and planar joints are taken apart into revolute and prismatic ones
+//!    with massless bodies between them.
+//! 1. **z axes** (`dh_frames`). Frames are turned so that the axis of every revolute or prismatic joint is z.
+//! 2. **Rotated frames.** A rotation between two frames is Rz Rx Rz. The last factor joins the
+//!    child's joint angle; the first is taken over by the parent's joint angle for one child of
+//!    each link (the one that carries most). What is left is a rotation about x.
+//! 3. **Shifted origins.** A revolute joint's frame may stand anywhere along its axis: where the
+//!    translation from its parent has a component less. (2 and 3 are Denavit and Hartenberg's
+//!    argument, carried over to trees.)
+//! 4. **Base inertia** (`base_inertia`). Mass on a revolute axis moves with parent and child alike, so the
+//!    child's mass, first moment along z and second moment along z may be counted with the parent;
+//!    after a prismatic joint this holds for the whole second moment, after a spherical one
+//!    for the mass. The child keeps the parameters that its joint's torque depends on (Gautier and Khalil 1990, "Direct calculation
+//!    of minimum set of inertial parameters of serial robots").
+//! 5. **Snapping** (`snapping`). Constant rotations within 1e-11 rad of a quarter turn become one; translations and
+//!    components of axes below 1e-11 become 0.
+//!
+//! All of them leave the joint coordinates, and so every joint-space quantity, as they were. The
+//! fourth changes single links' inertias, and on a fixed base it drops mass that cannot move,
+//! with its constant share of the potential energy; so [`Body::inertia`] keeps the inertia of the description.
+
+mod base_inertia;
+mod body;
+mod body_frame;
+mod constrained_frames;
+pub mod coordinates;
+mod degree_of_freedom;
+mod dh_frames;
+mod elementary;
+mod friction;
+mod merged;
+mod snapping;
+mod tree;
+
+use alloc::vec::Vec;
+
+use crate::Scalar;
+use crate::joint::JointOffset;
+use crate::model::{Friction, Model};
+use crate::spatial::{AxisRotation, DhTransform, RigidInertia, Twist, Vector3};
+use constrained_frames::constrained;
+use coordinates::{Coordinates, coordinates};
+use dh_frames::Frames;
+use elementary::{ElementaryBody, expand_composite_joints};
+use snapping::{snap, turn_of};
+
+pub(crate) use tree::{RootwardAccumulator, TreeAccess};
+
+pub use {
+    body::{Body, BodyStructure, inertia_without, rigid_inertia},
+    body_frame::BodyFrame,
+    constrained_frames::{ConstrainedFrames, ConstraintRow},
+    degree_of_freedom::{Dof, Rates},
+    merged::MergedMechanism,
+    tree::{BodyTree, LimbRoot},
+};
+
+/// A model rewritten for computation, on scalars of type `S`.
+#[derive(Clone, Debug)]
+pub struct Mechanism<S> {
+    /// The acceleration of free fall in world axes.
+    pub gravity: Vector3<S>,
+    /// One body a moving link (more where its joint is composite), in the model's order.
+    pub bodies: Vec<Body<S>>,
+    /// The degrees of freedom in the order of their bodies. Without mimics, in that of qd.
+    pub dofs: Vec<Dof<S>>,
+    /// The inertia that base parameters count with the world, which no joint moves; about the world's
+    /// origin.
+    pub static_inertia: RigidInertia<S>,
+    /// By moving link of the model: its body, which is the last one of its joint.
+    pub links: Vec<usize>,
+    /// Length of q.
+    pub nq: usize,
+    /// Length of qd.
+    pub nv: usize,
+    /// The coordinates by their spaces.
+    pub coordinates: Vec<Coordinates<S>>,
+    /// The velocity over which Coulomb friction rises; `None` where its sign jumps.
+    pub smooth: Option<S>,
+    /// One frame a link of the description, in the model's order.
+    pub frames: Vec<BodyFrame<S>>,
+    /// The constraints that close loops, in the model's order.
+    pub loop_constraints: Vec<ConstrainedFrames<S>>,
+}
+
+impl<S: Scalar> Mechanism<S> {
+    /// The structure of each body, in their order.
+    pub fn structure(&self) -> impl Iterator<Item = BodyStructure> + '_ {
+        self.bodies.iter().map(|body| body.structure(&self.dofs))
+    }
+
+    /// The degrees of freedom of body `i`.
+    #[must_use]
+    pub fn dofs_of(&self, i: usize) -> &[Dof<S>] {
+        &self.dofs[self.bodies[i].dofs.clone()]
+    }
+
+    /// The rates of body `i`'s joint, of the joint vector `x`.
+    #[must_use]
+    pub fn rates(&self, i: usize, x: &[S]) -> Rates<S> {
+        let dofs = self.dofs_of(i);
+        let mut rates = Rates { numbers: [S::zero(); 6], count: dofs.len() };
+        for (rate, dof) in rates.numbers.iter_mut().zip(dofs) {
+            *rate = dof.rate(x);
+        }
+        rates
+    }
+
+    /// `t` with body `i`'s joint's own rates (or accelerations) added: t + P qd.
+    #[must_use]
+    pub fn add_rates(&self, i: usize, t: Twist<S>, x: &[S]) -> Twist<S> {
+        let mut components = t.components();
+        for dof in self.dofs_of(i) {
+            components[dof.component] = components[dof.component] + dof.rate(x);
+        }
+        Twist::from_components(components)
+    }
+
+    /// Whether joints follow others: degrees of freedom then share entries of the joint vectors.
+    #[must_use]
+    pub fn has_mimics(&self) -> bool {
+        self.dofs.len() != self.nv
+    }
+
+    /// Adds `inertia`, about the origin of link `frame` of the description (an index) in its own axes, to the body
+    /// that carries the link. On a link that is fixed to the world this changes nothing.
+    pub fn add_inertia(&mut self, frame: usize, inertia: &RigidInertia<S>) {
+        let BodyFrame { body: Some(body), pose } = self.frames[frame] else { return };
+        let (body, inertia) = (&mut self.bodies[body], inertia.placed(&pose));
+        body.inertia = body.inertia + inertia;
+        body.base_inertia = body.base_inertia + inertia;
+    }
+
+    /// Makes the base inertias and the static inertia anew of the bodies' inertias.
+    pub fn minimize(&mut self) {
+        self.static_inertia = base_inertia::move_to_parents(&mut self.bodies);
+    }
+}
+
+impl Mechanism<f64> {
+    /// Rewrites `model`.
+    #[must_use]
+    pub fn new(model: &Model) -> Self {
+        let (elementary, links) = expand_composite_joints(model);
+        let mut frames = Frames::on_axes(&elementary);
+        frames.turn(&elementary);
+        frames.shift();
+        let mut bodies = bodies(&elementary, &frames);
+        let static_inertia = base_inertia::move_to_parents(&mut bodies);
+        let on_bodies = model.frames().iter().map(|frame| {
+            let body = frame.link.map(|link| links[link]);
+            let pose = body.map_or(frame.pose, |body| frames.link[body].compose(&frame.pose));
+            BodyFrame { body, pose }
+        });
+        let frames: Vec<BodyFrame<f64>> = on_bodies.collect();
+        let constrained = model.loop_constraints().iter().enumerate().map(|(i, constraint)| {
+            constrained(&frames, constraint, model.characteristic_length(i))
+        });
+        let loop_constraints = constrained.collect();
+        Self {
+            gravity: Vector3(model.gravity()),
+            frames,
+            loop_constraints,
+            bodies,
+            dofs: dofs(&elementary, model.friction()),
+            static_inertia,
+            links,
+            nq: model.nq(),
+            nv: model.nv(),
+            coordinates: coordinates(model),
+            smooth: match model.friction() {
+                Friction::Smooth(w) => Some(w),
+                _ => None,
+            },
+        }
+    }
+
+    /// The same with each number as a scalar of type `S`.
+    #[must_use]
+    pub fn cast<S: Scalar>(&self) -> Mechanism<S> {
+        let f = S::from_f64;
+        Mechanism {
+            gravity: Vector3(self.gravity.0.map(f)),
+            bodies: self.bodies.iter().map(|body| body.map(f)).collect(),
+            dofs: self.dofs.iter().map(|dof| dof.map(f)).collect(),
+            static_inertia: self.static_inertia.map(f),
+            links: self.links.clone(),
+            nq: self.nq,
+            nv: self.nv,
+            coordinates: self.coordinates.iter().map(|c| c.map(|x| f(*x))).collect(),
+            smooth: self.smooth.map(f),
+            frames: self.frames.iter().map(|frame| frame.map(f)).collect(),
+            loop_constraints: self
+                .loop_constraints
+                .iter()
+                .map(|constraint| constraint.map(f))
+                .collect(),
+        }
+    }
+}
+
+/// The bodies in their turned and shifted frames, with the inertia that the model states.
+fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> {
+    let mut next = 0;
+    let body = |(i, own): (usize, &ElementaryBody<'_>)| {
+        let inertia = rigid_inertia(&own.inertial.transformed(&frames.link[i]));
+        let first = next;
+        next += own.elementary_joint.components().len();
+        Body {
+            parent: own.parent,
+            elementary_joint: own.elementary_joint,
+            q: own.q,
+            mimic: own.mimic,
+            dofs: first..next,
+            zero: match turn_of(frames.zero[i]) {
+                AxisRotation::Quarters(n) => JointOffset::Quarters(n),
+                AxisRotation::Angle { cos, sin } => JointOffset::Angle(libm::atan2(sin, cos)),
+            },
+            placement: DhTransform {
+                azimuth: turn_of(frames.azimuth[i]),
+                translation: Vector3(frames.translation[i].0.map(snap)),
+                tilt: turn_of(frames.tilt[i]),
+            },
+            link: frames.link[i],
+            inertia,
+            base_inertia: inertia,
+        }
+    };
+    elementary.iter().enumerate().map(body).collect()
+}
+
+/// The degrees of freedom of all bodies, with the damping and friction that `friction` lets act.
+fn dofs(elementary: &[ElementaryBody<'_>], friction: Friction) -> Vec<Dof<f64>> {
+    let acting = |x: f64, acts: bool| (acts && x != 0.0).then_some(x);
+    let dry = matches!(friction, Friction::Coulomb | Friction::Smooth(_));
+    let of = |(body, own): (usize, &ElementaryBody<'_>)| {
+        let drive = own.joint.drive;
+        let (v, multiplier) = (own.v, own.mimic.map(|(multiplier, _)| multiplier));
+        own.elementary_joint.components().iter().enumerate().map(move |(k, &component)| Dof {
+            body,
+            component,
+            v: v + k,
+            multiplier,
+            armature: acting(drive.armature, true),
+            damping: acting(drive.damping, friction != Friction::None),
+            friction: acting(drive.friction, dry),
+        })
+    };
+    elementary.iter().enumerate().flat_map(of).collect()
+}

@@ -1,0 +1,290 @@
+//! The table of the functions of a robot.
+//!
+//! A row is the function's documentation, its name (and that of the form that takes run-time
+//! parameters), its arguments, its result, and the trait of `modyn::functions` that a robot with this
+//! function implements.
+
+/// Passes the table on to `$rows`, a macro that takes all rows.
+macro_rules! robot_functions {
+    ($rows:ident) => {
+        $rows! {
+            /// Joint accelerations under the joint torques `tau`.
+            forward_dynamics / forward_dynamics_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                tau: &Self::V<T>
+            ) -> Self::V<T>, if ForwardDynamics;
+
+            /// Joint torques of the accelerations `qdd`.
+            inverse_dynamics / inverse_dynamics_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                qdd: &Self::V<T>
+            ) -> Self::V<T>, if InverseDynamics;
+
+            /// Coriolis, centrifugal and gravity torques (damping and friction too, where they act).
+            bias_forces / bias_forces_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>
+            ) -> Self::V<T>, if BiasForces;
+
+            /// Joint torques that hold the robot still.
+            gravity_torques / gravity_torques_with(q: &Self::Q<T>) -> Self::V<T>, if GravityTorques;
+
+            /// The mass matrix.
+            mass_matrix / mass_matrix_with(q: &Self::Q<T>) -> Self::M<T>, if MassMatrix;
+
+            /// The mass matrix as U D U^T by modules.
+            brge / brge_with(q: &Self::Q<T>) -> Self::Brge<T>, if Brge;
+
+            /// Kinetic energy, J.
+            kinetic_energy / kinetic_energy_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>
+            ) -> T, if KineticEnergy;
+
+            /// Potential energy under gravity, J; zero at the world's origin.
+            potential_energy / potential_energy_with(q: &Self::Q<T>) -> T, if PotentialEnergy;
+
+            /// Joint accelerations under the joint torques `tau` and a wrench on each link, at the link's
+            /// origin in its own axes.
+            forward_dynamics_external / forward_dynamics_external_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                tau: &Self::V<T>,
+                forces: &Self::PerLink<Wrench<T>>
+            ) -> Self::V<T>, if ForwardDynamicsExternal;
+
+            /// Joint accelerations under the joint torques `tau` and a wrench on each link, at the link's
+            /// origin in the world's axes.
+            forward_dynamics_external_world / forward_dynamics_external_world_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                tau: &Self::V<T>,
+                forces: &Self::PerLink<Wrench<T>>
+            ) -> Self::V<T>, if ForwardDynamicsExternalWorld;
+
+            /// Joint torques of the accelerations `qdd` under a wrench on each link, at the link's origin in
+            /// its own axes.
+            inverse_dynamics_external / inverse_dynamics_external_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                qdd: &Self::V<T>,
+                forces: &Self::PerLink<Wrench<T>>
+            ) -> Self::V<T>, if InverseDynamicsExternal;
+
+            /// Joint torques of the accelerations `qdd` under a wrench on each link, at the link's origin in
+            /// the world's axes.
+            inverse_dynamics_external_world / inverse_dynamics_external_world_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                qdd: &Self::V<T>,
+                forces: &Self::PerLink<Wrench<T>>
+            ) -> Self::V<T>, if InverseDynamicsExternalWorld;
+
+            /// The poses of all links in the world.
+            link_poses(q: &Self::Q<T>) -> Self::PerLink<Pose<T>>, if LinkPoses;
+
+            /// The derivatives of the inverse dynamics; with respect to `q` in tangent space.
+            inverse_dynamics_derivatives / inverse_dynamics_derivatives_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                qdd: &Self::V<T>
+            ) -> InverseDynamicsDerivatives<Self::M<T>>, if InverseDynamicsDerivatives;
+
+            /// The derivatives of the forward dynamics; with respect to `q` in tangent space.
+            forward_dynamics_derivatives / forward_dynamics_derivatives_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                tau: &Self::V<T>
+            ) -> ForwardDynamicsDerivatives<Self::V<T>, Self::M<T>>, if ForwardDynamicsDerivatives;
+
+            /// Joint accelerations under the joint torques or forces `tau` with the loops closed; for each loop
+            /// constraint the wrench on its second link and the part of its acceleration that could not be met, at
+            /// the second frame's origin in the first frame's axes; and the number of independent constraint rows.
+            /// Redundant constraints share their forces.
+            constrained_forward_dynamics / constrained_forward_dynamics_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                tau: &Self::V<T>,
+                settings: &ConstraintSettings<T>
+            ) -> Constrained<Self, Self::V<T>, T>, if ConstrainedForwardDynamics;
+
+            /// How far the second frame of each loop constraint is displaced from the first, and its relative
+            /// velocity, in the first frame's axes, without the free directions. Rotations are given by their axes
+            /// times the sines of their angles.
+            constraint_residual(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>
+            ) -> ConstraintResidual<Self::PerLoopConstraint<Twist<T>>>, if ConstraintResidual;
+
+            /// The smallest step (in the metric of the mass matrix) that, to first order, closes the loops at `q`,
+            /// the smallest change of `qd` that keeps them closed, and the number of independent constraint rows. Of
+            /// `settings`, `alpha` and `beta` do not matter.
+            project_constraints / project_constraints_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                settings: &ConstraintSettings<T>
+            ) -> ConstraintProjection<Self::V<T>, T>, if ProjectConstraints;
+
+            /// The regressor Y of the inverse dynamics, an array of columns: tau = Y pi (rotors and friction
+            /// apart), where pi holds ten numbers a moving link: mass, mass times centre of mass x, y, z, and
+            /// Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in its own axes.
+            regressor / regressor_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                qdd: &Self::V<T>
+            ) -> Self::Regressor<T>, if Regressor;
+
+            /// The centre of mass of the moving links in the world, m.
+            center_of_mass / center_of_mass_with(q: &Self::Q<T>) -> [T; 3], if CenterOfMass;
+
+            /// The derivative of the centre of mass: its velocity is this times `qd`. An array of columns.
+            center_of_mass_jacobian / center_of_mass_jacobian_with(
+                q: &Self::Q<T>
+            ) -> Self::PerVelocity<Vector3<T>>, if CenterOfMassJacobian;
+
+            /// The centroidal momentum matrix, an array of columns: this times `qd` is the momentum about the
+            /// centre of mass, in world axes.
+            centroidal_momentum_matrix / centroidal_momentum_matrix_with(
+                q: &Self::Q<T>
+            ) -> Self::PerVelocity<Momentum<T>>, if CentroidalMomentumMatrix;
+
+            /// The momentum about the centre of mass, in world axes.
+            centroidal_momentum / centroidal_momentum_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>
+            ) -> Momentum<T>, if CentroidalMomentum;
+
+            /// The pose of a link in the world.
+            link_pose(q: &Self::Q<T>, link: Self::Link) -> Pose<T>, if LinkPose;
+
+            /// The velocity of a link's origin and its angular velocity, in world axes.
+            link_velocity(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                link: Self::Link
+            ) -> Twist<T>, if LinkVelocity;
+
+            /// The same in the link's own axes.
+            local_link_velocity(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                link: Self::Link
+            ) -> Twist<T>, if LocalLinkVelocity;
+
+            /// The (classical) acceleration of a link's origin, gravity left out, and its angular
+            /// acceleration, in world axes.
+            link_acceleration(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                qdd: &Self::V<T>,
+                link: Self::Link
+            ) -> Twist<T>, if LinkAcceleration;
+
+            /// The same in the link's own axes.
+            local_link_acceleration(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                qdd: &Self::V<T>,
+                link: Self::Link
+            ) -> Twist<T>, if LocalLinkAcceleration;
+
+            /// A link's Jacobian, an array of columns: this times `qd` is
+            /// [`link_velocity`](Self::link_velocity).
+            jacobian(q: &Self::Q<T>, link: Self::Link) -> Self::PerVelocity<Twist<T>>, if Jacobian;
+
+            /// The same in the link's own axes.
+            local_jacobian(
+                q: &Self::Q<T>,
+                link: Self::Link
+            ) -> Self::PerVelocity<Twist<T>>, if LocalJacobian;
+
+            /// The time derivative of [`jacobian`](Self::jacobian), times `qd`: the link's (classical)
+            /// acceleration without joint accelerations.
+            jacobian_rate(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                link: Self::Link
+            ) -> Twist<T>, if JacobianRate;
+
+            /// The time derivative of [`local_jacobian`](Self::local_jacobian), times `qd`: the rates of the
+            /// velocity's components in the link's own axes.
+            local_jacobian_rate(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                link: Self::Link
+            ) -> Twist<T>, if LocalJacobianRate;
+
+            /// The coordinates behind a displacement `v` (a velocity times a time) from `q`.
+            integrate(q: &Self::Q<T>, v: &Self::V<T>) -> Self::Q<T>, if Integrate;
+
+            /// The displacement that [leads](Self::integrate) from one to the other.
+            difference(from: &Self::Q<T>, to: &Self::Q<T>) -> Self::V<T>, if Difference;
+
+            /// The rates of the coordinates: dq/dt.
+            coordinate_rates(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::Q<T>, if CoordinateRates;
+
+            /// The same coordinates, quaternions of unit length.
+            normalize(q: &Self::Q<T>) -> Self::Q<T>, if Normalize;
+
+            /// Coordinates within the joints' limits from numbers in [0, 1), evenly spread: angles without
+            /// limits in [-pi, pi), displacements without limits in [-1, 1), rotations of any direction.
+            random(uniform: impl FnMut() -> T) -> Self::Q<T>, if Random;
+        }
+    };
+}
+
+/// The functions of the trait: each requires the trait of robots that have it. A row with two names is
+/// two functions, one with run-time parameters and one with the default ones.
+macro_rules! declare_functions {
+    () => {};
+    (
+        $(#[$documentation:meta])*
+        $name:ident / $with:ident($($argument:ident: $of:ty),*) -> $result:ty, if $function:ident;
+        $($rows:tt)*
+    ) => {
+        $(#[$documentation])*
+        fn $with<T: Scalar>(params: &Self::Params<T>, $($argument: $of),*) -> $result
+        where
+            Self: crate::functions::$function,
+        {
+            missing!(params, $($argument),*)
+        }
+
+        #[doc = concat!("[`", stringify!($with), "`](Self::", stringify!($with), ") with the default parameters.")]
+        fn $name<T: Scalar>($($argument: $of),*) -> $result
+        where
+            Self: crate::functions::$function,
+        {
+            Self::$with(&Self::Params::<T>::default(), $($argument),*)
+        }
+
+        declare_functions! { $($rows)* }
+    };
+    (
+        $(#[$documentation:meta])*
+        $name:ident($($argument:ident: $of:ty),*) -> $result:ty, if $function:ident;
+        $($rows:tt)*
+    ) => {
+        $(#[$documentation])*
+        fn $name<T: Scalar>($($argument: $of),*) -> $result
+        where
+            Self: crate::functions::$function,
+        {
+            missing!($($argument),*)
+        }
+
+        declare_functions! { $($rows)* }
+    };
+}
+
+/// The body of a function that no robot without it is asked for: its bound says so before.
+macro_rules! missing {
+    ($($argument:ident),*) => {{
+        $(let _ = $argument;)*
+        const { panic!("a trait of `modyn::functions` is implemented for a robot without that function") }
+    }};
+}
+
+pub(super) use {declare_functions, missing, robot_functions};

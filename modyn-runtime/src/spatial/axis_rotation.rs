@@ -1,0 +1,151 @@
+//! Rotations about a coordinate axis.
+
+use super::{Matrix3, Symmetric3, Vector3};
+use crate::Scalar;
+
+/// A coordinate axis to turn about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// The x axis.
+    X,
+    /// The z axis.
+    Z,
+}
+
+impl Axis {
+    /// The plane that turns (first axis towards second), and the axis itself.
+    fn indices(self) -> (usize, usize, usize) {
+        match self {
+            Self::X => (1, 2, 0),
+            Self::Z => (0, 1, 2),
+        }
+    }
+}
+
+/// A rotation about a coordinate axis, from a turned frame to the one it was turned against.
+///
+/// Quarter turns only exchange and negate, so they are kept apart: exact, and free.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AxisRotation<S> {
+    /// That many quarter turns, 0 to 3.
+    Quarters(u8),
+    /// Any other angle.
+    Angle {
+        /// Its cosine.
+        cos: S,
+        /// Its sine.
+        sin: S,
+    },
+}
+
+impl<S: Scalar> AxisRotation<S> {
+    /// No rotation.
+    #[must_use]
+    pub fn none() -> Self {
+        Self::Quarters(0)
+    }
+
+    /// The same rotation backwards.
+    #[must_use]
+    pub fn inverse(self) -> Self {
+        match self {
+            Self::Quarters(n) => Self::Quarters((4 - n) % 4),
+            Self::Angle { cos, sin } => Self::Angle { cos, sin: -sin },
+        }
+    }
+
+    /// Each number through `f`.
+    pub fn map<T>(self, mut f: impl FnMut(S) -> T) -> AxisRotation<T> {
+        match self {
+            Self::Quarters(n) => AxisRotation::Quarters(n),
+            Self::Angle { cos, sin } => AxisRotation::Angle { cos: f(cos), sin: f(sin) },
+        }
+    }
+
+    /// Two numbers in the plane, turned.
+    fn planar(self, x: S, y: S) -> (S, S) {
+        match self {
+            Self::Quarters(0) => (x, y),
+            Self::Quarters(1) => (-y, x),
+            Self::Quarters(2) => (-x, -y),
+            Self::Quarters(_) => (y, -x),
+            Self::Angle { cos, sin } => (cos * x - sin * y, sin * x + cos * y),
+        }
+    }
+
+    /// R v.
+    #[must_use]
+    pub fn vector(self, about: Axis, v: Vector3<S>) -> Vector3<S> {
+        let (i, j, _) = about.indices();
+        let mut turned = v;
+        (turned[i], turned[j]) = self.planar(v[i], v[j]);
+        turned
+    }
+
+    /// M R: each row of the matrix is turned backwards.
+    #[must_use]
+    pub fn columns(self, about: Axis, m: &Matrix3<S>) -> Matrix3<S> {
+        Matrix3(m.0.map(|row| self.inverse().vector(about, Vector3(row)).0))
+    }
+
+    /// R M R^T.
+    ///
+    /// With k = s (m_ii - m_jj) + c (m_ij + m_ji) the turned plane is m_ii - s k, c k - m_ji,
+    /// c k - m_ij, m_jj + s k: four products instead of eight.
+    #[must_use]
+    pub fn matrix(self, about: Axis, m: &Matrix3<S>) -> Matrix3<S> {
+        let (i, j, k) = about.indices();
+        let m = &m.0;
+        let mut turned = *m;
+        (turned[i][k], turned[j][k]) = self.planar(m[i][k], m[j][k]);
+        (turned[k][i], turned[k][j]) = self.planar(m[k][i], m[k][j]);
+        ((turned[i][i], turned[i][j]), (turned[j][i], turned[j][j])) = match self {
+            Self::Quarters(0) => ((m[i][i], m[i][j]), (m[j][i], m[j][j])),
+            Self::Quarters(2) => ((m[i][i], m[i][j]), (m[j][i], m[j][j])),
+            Self::Quarters(_) => ((m[j][j], -m[j][i]), (-m[i][j], m[i][i])),
+            Self::Angle { cos, sin } => {
+                let mix = sin * (m[i][i] - m[j][j]) + cos * (m[i][j] + m[j][i]);
+                let (s, c) = (sin * mix, cos * mix);
+                ((m[i][i] - s, c - m[j][i]), (c - m[i][j], m[j][j] + s))
+            }
+        };
+        Matrix3(turned)
+    }
+
+    /// R M R^T of a symmetric matrix.
+    #[must_use]
+    pub fn symmetric(self, about: Axis, m: &Symmetric3<S>) -> Symmetric3<S> {
+        let (i, j, k) = about.indices();
+        let m = m.full().0;
+        let mut turned = m;
+        (turned[i][k], turned[j][k]) = self.planar(m[i][k], m[j][k]);
+        (turned[i][i], turned[i][j], turned[j][j]) = match self {
+            Self::Quarters(0 | 2) => (m[i][i], m[i][j], m[j][j]),
+            Self::Quarters(_) => (m[j][j], -m[i][j], m[i][i]),
+            Self::Angle { cos, sin } => {
+                let mix = sin * (m[i][i] - m[j][j]) + (cos + cos) * m[i][j];
+                let s = sin * mix;
+                (m[i][i] - s, cos * mix - m[i][j], m[j][j] + s)
+            }
+        };
+        // Either (i, j, k) = (0, 1, 2) or (1, 2, 0): pick each entry from where it was written.
+        match about {
+            Axis::Z => Symmetric3 {
+                xx: turned[0][0],
+                xy: turned[0][1],
+                xz: turned[0][2],
+                yy: turned[1][1],
+                yz: turned[1][2],
+                zz: turned[2][2],
+            },
+            Axis::X => Symmetric3 {
+                xx: turned[0][0],
+                xy: turned[1][0],
+                xz: turned[2][0],
+                yy: turned[1][1],
+                yz: turned[1][2],
+                zz: turned[2][2],
+            },
+        }
+    }
+}
