@@ -99,19 +99,19 @@ fn a_build_script_would_write_the_same() {
         "front_left_foot",
         "--payload",
         "trunk",
-        "--rotor",
-        "front_left_knee=0.0001,100",
-        "--loop",
-        "rod=revolute:trunk:0.1,0,-0.2:front_left_foot:0,0,0,0,0,1.5:0,2,0",
+        "--rotors",
+        "front_left_knee: (0.0001, 100)",
+        "--loops",
+        "rod: revolute(trunk, [0.1, 0, -0.2], front_left_foot, [0, 0, 0], [0, 0, 1.5], axis = [0, 2, 0])",
     ];
     let found = options("robots/quadruped.urdf", &extra);
     assert_eq!(found.code, 0, "{}", found.err);
     let builder = modyn_codegen::Builder::new()
         .urdf(root().join("robots/quadruped.urdf").canonicalize().expect("a robot"))
-        .float(modyn_codegen::FloatType::F32)
+        .scalar(modyn_codegen::FloatType::F32)
         .base(modyn_codegen::Base::Floating)
-        .rotor("front_left_knee", 0.0001, 100.0)
-        .loop_joint(modyn_codegen::Loop {
+        .rotors([modyn_codegen::Rotor::new("front_left_knee", 0.0001, 100.0)])
+        .loops([modyn_codegen::Loop {
             name: "rod".into(),
             kind: modyn_codegen::LoopConstraintKind::Revolute([0.0, 2.0, 0.0]),
             ends: [("trunk", [0.1, 0.0, -0.2], 0.0), ("front_left_foot", [0.0; 3], 1.5)].map(
@@ -121,7 +121,7 @@ fn a_build_script_would_write_the_same() {
                     rpy: [0.0, 0.0, yaw],
                 },
             ),
-        })
+        }])
         .friction(modyn_codegen::Friction::Smooth(0.01))
         .gravity([0.0, 0.0, -1.62])
         .modules(modyn_codegen::ModuleChoice::Links)
@@ -130,7 +130,7 @@ fn a_build_script_would_write_the_same() {
         .runtime_gravity()
         .type_name("Hand")
         .visibility("pub(crate)")
-        .krate("::other")
+        .crate_("::other")
         .functions(
             modyn_codegen::Function::DEFAULT
                 .iter()

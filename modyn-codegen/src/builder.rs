@@ -14,23 +14,11 @@ use crate::description::{Base, Loop, Mimic, ReadOptions, Rotor};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
 use crate::emit::{CSource, EmitOptions, Emitted, FloatType, emit, emit_c};
 use crate::names;
+use crate::options::{Fault, ModuleChoice, Options, Value, option_table};
 use crate::plan::Function;
 use crate::read::file::read_first;
 use crate::read::{Format, Reading};
 use crate::size::too_large;
-
-/// Which kinematic modules a robot is divided into; see [`ModuleTree`].
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum ModuleChoice {
-    /// Maximal serial chains.
-    #[default]
-    Chains,
-    /// Every link its own module.
-    Links,
-    /// These, by link names, each from its parent outwards.
-    List(Vec<Vec<String>>),
-}
 
 /// Compiles a robot description.
 ///
@@ -70,21 +58,7 @@ pub struct Builder {
     source: Source,
     /// `None` for that of the text.
     format: Option<Format>,
-    read: ReadOptions,
-    modules: ModuleChoice,
-    type_name: Option<String>,
-    visibility: Option<String>,
-    krate: Option<String>,
-    float: FloatType,
-    /// `None` for the default, or a model's own.
-    runtime_gravity: bool,
-    runtime_inertia: Vec<String>,
-    payload: Vec<String>,
-    /// `None` for the default ones.
-    functions: Option<Vec<Function>>,
-    share: bool,
-    self_contained: bool,
-    c_prefix: Option<String>,
+    options: Options,
 }
 
 /// Where the robot comes from.
@@ -126,6 +100,33 @@ pub struct Generated {
     /// What each partition that was considered costs, the chosen one first.
     pub partition_costs: Vec<(&'static str, usize)>,
 }
+
+/// A method for each option of the table.
+macro_rules! methods {
+    ($($stage:ident { $(
+        $(#[doc = $docs:literal])+
+        $name:literal $method:ident($($argument:ident: $type:ty)?)
+            $field:ident: $field_type:ty, $target:ident => $set:expr,
+            $form:literal, $default:literal, $example:literal $(, $entries:ident)?;
+    )* })*) => {
+        /// The options, as in [`OPTIONS`](crate::options::OPTIONS).
+        impl Builder {
+            $($(
+                $(#[doc = $docs])+
+                #[doc = ""]
+                #[doc = concat!("The default: ", $default, ".")]
+                #[must_use]
+                pub fn $method(mut self $(, $argument: $type)?) -> Self {
+                    let $target = &mut self.options.$stage.$field;
+                    $set;
+                    self
+                }
+            )*)*
+        }
+    };
+}
+
+option_table!(methods);
 
 impl Builder {
     /// With default options and no robot.
@@ -198,155 +199,20 @@ impl Builder {
         self
     }
 
-    /// The name of the generated type, in upper camel case; by default made from the robot's name.
-    #[must_use]
-    pub fn type_name(mut self, name: impl Into<String>) -> Self {
-        self.type_name = Some(name.into());
-        self
+    /// Takes the value of the option of this name, as the macro and the command line do.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such option, or the value has another form.
+    pub fn set(mut self, option: &str, value: &Value) -> Result<Self, Fault> {
+        self.options.set(option, value)?;
+        Ok(self)
     }
 
-    /// The visibility of the generated types, as Rust has it (`pub(crate)`; nothing for private);
-    /// `pub` by default.
+    /// The options about reading, for [`read`](crate::read()) alone.
     #[must_use]
-    pub fn visibility(mut self, visibility: impl Into<String>) -> Self {
-        self.visibility = Some(visibility.into());
-        self
-    }
-
-    /// The path of the crate `modyn` where the text goes; `::modyn` by default.
-    #[must_use]
-    pub fn krate(mut self, path: impl Into<String>) -> Self {
-        self.krate = Some(path.into());
-        self
-    }
-
-    /// The acceleration of free fall in world axes, m/s^2; by default (0, 0, -9.81) for a URDF, its
-    /// own for an MJCF or a [model](Self::model).
-    #[must_use]
-    pub fn gravity(mut self, gravity: [f64; 3]) -> Self {
-        self.read.gravity = Some(gravity);
-        self
-    }
-
-    /// The kinematic modules; maximal serial chains by default.
-    #[must_use]
-    pub fn modules(mut self, modules: ModuleChoice) -> Self {
-        self.modules = modules;
-        self
-    }
-
-    /// How to take inertias that no rigid body has; as errors by default. A negative mass is
-    /// always an error.
-    #[must_use]
-    pub fn unphysical_inertia(mut self, severity: Severity) -> Self {
-        self.read.unphysical_inertia = severity;
-        self
-    }
-
-    /// Whether the robot stands on the ground or floats; by default its root link is the world.
-    #[must_use]
-    pub fn base(mut self, base: Base) -> Self {
-        self.read.base = base;
-        self
-    }
-
-    /// A drive's rotor: its inertia (kg m^2) and gear ratio, in place of what the description says
-    /// of this joint.
-    #[must_use]
-    pub fn rotor(mut self, joint: impl Into<String>, inertia: f64, gear_ratio: f64) -> Self {
-        self.read.rotors.push(Rotor { joint: joint.into(), inertia, gear_ratio });
-        self
-    }
-
-    /// How the description's damping and friction act on the joints; not at all by default, with a warning if
-    /// there are some. [`Friction::None`] says that they are not to act, without a warning.
-    #[must_use]
-    pub fn friction(mut self, friction: Friction) -> Self {
-        self.read.friction = Some(friction);
-        self
-    }
-
-    /// A joint that closes a loop, besides the `<loop_joint>`s of the description. (A
-    /// [model](Self::model) has its own: [`Model::with_loop_constraints`].)
-    #[must_use]
-    pub fn loop_joint(mut self, closing: Loop) -> Self {
-        self.read.loops.push(closing);
-        self
-    }
-
-    /// How to take joints that mimic another one; by default they follow it and have no coordinate
-    /// of their own.
-    #[must_use]
-    pub fn mimic(mut self, mimic: Mimic) -> Self {
-        self.read.mimic = mimic;
-        self
-    }
-
-    /// The scalar of the type's own functions; `f64` by default.
-    #[must_use]
-    pub fn float(mut self, float: FloatType) -> Self {
-        self.float = float;
-        self
-    }
-
-    /// Makes gravity an argument, one of the robot's `Params`; its value is then the default.
-    #[must_use]
-    pub fn runtime_gravity(mut self) -> Self {
-        self.runtime_gravity = true;
-        self
-    }
-
-    /// Makes the inertias of these links (of each link alone, without the links that are fixed to it) arguments, among the
-    /// robot's `Params`: each replaces the description's, which is the default.
-    #[must_use]
-    pub fn runtime_inertia(mut self, links: impl IntoIterator<Item = impl Into<String>>) -> Self {
-        self.runtime_inertia.extend(links.into_iter().map(Into::into));
-        self
-    }
-
-    /// Adds an inertia to each of these links that is an argument, among the robot's `Params`: the inertia of a load, by
-    /// default none.
-    #[must_use]
-    pub fn payload(mut self, links: impl IntoIterator<Item = impl Into<String>>) -> Self {
-        self.payload.extend(links.into_iter().map(Into::into));
-        self
-    }
-
-    /// The functions that the robot has, in place of [`Function::DEFAULT`]. The dynamics of a large
-    /// robot take seconds to compile; what is left out costs nothing.
-    #[must_use]
-    pub fn functions(mut self, functions: impl IntoIterator<Item = Function>) -> Self {
-        self.functions = Some(functions.into_iter().collect());
-        self
-    }
-
-    /// Runs equal limbs (legs, arms, fingers) through one function, with a table of constants for each:
-    /// the smallest code. Limbs of which one carries a [`payload`](Self::payload) or a
-    /// [`runtime_inertia`](Self::runtime_inertia) are not equal: such a robot has them one after the other. Without it they run side by side where there are vectors, else one after the
-    /// other.
-    #[must_use]
-    pub fn share(mut self) -> Self {
-        self.share = true;
-        self
-    }
-
-    /// Makes text that depends on `core` alone: it carries the part of the runtime that it needs, as a
-    /// module `runtime`. Include it as a module of its own (`mod arm;` beside `arm.rs`). The type
-    /// has its functions, but not the trait `Robot` nor batches.
-    #[must_use]
-    pub fn self_contained(mut self) -> Self {
-        self.self_contained = true;
-        self
-    }
-
-    /// Adds functions for C, named `prefix_function`: `extern "C"` over pointers to arrays of fixed
-    /// sizes, without namespaces (`#[unsafe(no_mangle)]`, so not under `forbid(unsafe_code)`: that two
-    /// functions have one name is found by the linker alone). What they are given must be valid and
-    /// aligned, and `out` must overlap nothing, as ever in C. [`Generated::c_header`] is their header.
-    #[must_use]
-    pub fn c_functions(mut self, prefix: impl Into<String>) -> Self {
-        self.c_prefix = Some(prefix.into());
-        self
+    pub fn read_options(&self) -> &ReadOptions {
+        &self.options.read
     }
 
     /// Compiles to text, without writing anything.
@@ -398,12 +264,12 @@ impl Builder {
             self.module_tree(&reading.model).map_err(|found| errors.extend(found)).ok()
         });
         if let (Some(Reading { model, .. }), Some(modules)) = (&reading, &modules) {
-            let functions = self.functions.as_deref().unwrap_or(Function::DEFAULT);
+            let functions = self.options.code.functions.as_deref().unwrap_or(Function::DEFAULT);
             errors.extend(too_large(model, modules, functions));
         }
         let inertias = [
-            ("runtime_inertia", Code::RuntimeInertia, &self.runtime_inertia),
-            ("payload", Code::Payload, &self.payload),
+            ("runtime_inertia", Code::RuntimeInertia, &self.options.code.runtime_inertia),
+            ("payload", Code::Payload, &self.options.code.payload),
         ];
         let [runtime_inertia, payload] = inertias.map(|(option, code, names)| {
             reading.as_ref().and_then(|reading| {
@@ -417,20 +283,20 @@ impl Builder {
             return Err(Diagnostics::new(errors));
         };
         warnings.extend(self.name_conflict(&model, &warnings));
-        if self.float == FloatType::F32 {
+        if self.options.code.scalar == FloatType::F32 {
             warnings.extend(conditioning_warning(&model));
         }
         let defaults = EmitOptions::default();
         let options = EmitOptions {
-            type_name: self.type_name.clone(),
-            visibility: self.visibility.clone().unwrap_or(defaults.visibility),
-            krate: self.krate.clone().unwrap_or(defaults.krate),
-            float: self.float,
-            share: self.share,
-            self_contained: self.self_contained,
-            c_prefix: self.c_prefix.clone(),
-            functions: self.functions.clone().unwrap_or(defaults.functions),
-            runtime_gravity: self.runtime_gravity,
+            type_name: self.options.code.type_name.clone(),
+            visibility: self.options.code.visibility.clone().unwrap_or(defaults.visibility),
+            crate_path: self.options.code.crate_path.clone().unwrap_or(defaults.crate_path),
+            scalar: self.options.code.scalar,
+            share: self.options.code.share,
+            self_contained: self.options.code.self_contained,
+            c_prefix: self.options.code.c_functions.clone(),
+            functions: self.options.code.functions.clone().unwrap_or(defaults.functions),
+            runtime_gravity: self.options.code.runtime_gravity,
             runtime_inertia: runtime_inertia.unwrap_or_default(),
             payload: payload.unwrap_or_default(),
             warnings,
@@ -460,7 +326,7 @@ impl Builder {
         let folder = std::env::var_os("OUT_DIR").ok_or_else(|| {
             error("OUT_DIR is not set: `compile` is for build scripts".into(), "call `generate`")
         })?;
-        let stem = match (&self.type_name, &self.source) {
+        let stem = match (&self.options.code.type_name, &self.source) {
             (None, Source::File(path)) => path.file_stem().map(|stem| stem.to_string_lossy()),
             _ => None,
         };
@@ -488,8 +354,8 @@ impl Builder {
 
     fn read(&self) -> Result<Reading, Diagnostics> {
         // A bad one is among the errors of the options.
-        let gravity = self.read.gravity.filter(|&gravity| gravity_error(gravity).is_none());
-        let options = ReadOptions { gravity, ..self.read.clone() };
+        let gravity = self.options.read.gravity.filter(|&gravity| gravity_error(gravity).is_none());
+        let options = ReadOptions { gravity, ..self.options.read.clone() };
         match &self.source {
             Source::None => {
                 let missing =
@@ -533,7 +399,7 @@ impl Builder {
         let name = names::type_name(model.name());
         // Of a robot without a name this has been said.
         let said = warnings.iter().any(|w| w.code == Code::MissingAttribute && w.subject.is_none());
-        (self.type_name.is_none() && name == "Robot" && !said).then(|| {
+        (self.options.code.type_name.is_none() && name == "Robot" && !said).then(|| {
             let message = "the type `Robot` will collide with `use modyn::Robot`";
             let help = "name it: `modyn!(pub MyArm = \"...\")`, or `Builder::type_name`";
             let subject = Subject::Robot(model.name().into());
@@ -543,7 +409,7 @@ impl Builder {
     }
 
     fn module_tree(&self, model: &Model) -> Result<ModuleTree, Diagnostics> {
-        match &self.modules {
+        match &self.options.code.modules {
             ModuleChoice::Chains => Ok(ModuleTree::chains(model)),
             ModuleChoice::Links => Ok(ModuleTree::links(model)),
             ModuleChoice::List(list) => ModuleTree::from_names(model, list).map_err(|errors| {
@@ -570,7 +436,8 @@ impl Builder {
         let mut error = |code, message: String, help: String| {
             errors.push(Diagnostic::error(code, message).with_help(help));
         };
-        if let Some(name) = self.type_name.as_ref().filter(|&name| names::type_name(name) != *name)
+        if let Some(name) =
+            self.options.code.type_name.as_ref().filter(|&name| names::type_name(name) != *name)
         {
             error(
                 Code::TypeName,
@@ -578,46 +445,50 @@ impl Builder {
                 format!("`{}` is one", names::type_name(name)),
             );
         }
-        if let Some(visibility) = self.visibility.as_ref().filter(|text| !is_visibility(text)) {
+        if let Some(visibility) =
+            self.options.code.visibility.as_ref().filter(|text| !is_visibility(text))
+        {
             error(
                 Code::Option,
                 format!("{visibility:?} is no visibility"),
                 "`pub`, `pub(crate)`, `pub(super)`, `pub(in path)`, or nothing for private".into(),
             );
         }
-        if let Some(krate) = self.krate.as_ref().filter(|text| !is_path(text)) {
+        if let Some(path) = self.options.code.crate_path.as_ref().filter(|text| !is_path(text)) {
             error(
                 Code::Option,
-                format!("{krate:?} is no path of a crate or module"),
+                format!("{path:?} is no path of a crate or module"),
                 "give the path of `modyn`, such as `::modyn` or `crate::robots::modyn`".into(),
             );
         }
-        if let Some(prefix) = self.c_prefix.as_ref().filter(|name| !is_c_prefix(name)) {
+        if let Some(prefix) =
+            self.options.code.c_functions.as_ref().filter(|name| !is_c_prefix(name))
+        {
             error(
                 Code::Option,
                 format!("{prefix:?} cannot begin the names of C functions"),
                 "a letter, then letters, digits and underscores".into(),
             );
         }
-        if self.self_contained && self.krate.is_some() {
+        if self.options.code.self_contained && self.options.code.crate_path.is_some() {
             error(
                 Code::Option,
                 "a self-contained file has no crate to be told the path of".into(),
-                "leave out `krate`, or `self_contained`".into(),
+                "leave out `crate`, or `self_contained`".into(),
             );
         }
-        if matches!(self.source, Source::Model(_)) && !self.read.loops.is_empty() {
+        if matches!(self.source, Source::Model(_)) && !self.options.read.loops.is_empty() {
             error(
                 Code::Option,
                 "a model that is given as one has its own loops".into(),
                 "close them by `Model::with_loop_constraints`".into(),
             );
         }
-        let read = &self.read;
+        let read = &self.options.read;
         let of_reading = [
             ("base", read.base != Base::default()),
             ("mimic", read.mimic != Mimic::default()),
-            ("rotor", !read.rotors.is_empty()),
+            ("rotors", !read.rotors.is_empty()),
             ("friction", read.friction.is_some()),
         ];
         let given = of_reading.iter().filter(|(_, given)| *given);
@@ -968,7 +839,7 @@ mod tests {
     #[test]
     fn all_that_is_wrong_is_said_at_once() {
         let builder = Builder::new().urdf("no such.urdf").type_name("my arm");
-        let errors = builder.krate("a b").visibility("x").gravity([f64::NAN; 3]).generate();
+        let errors = builder.crate_("a b").visibility("x").gravity([f64::NAN; 3]).generate();
         let errors = errors.expect_err("all wrong");
         let codes: Vec<Code> = errors.iter().map(|error| error.code).collect();
         let options = [Code::TypeName, Code::Option, Code::Option, Code::Gravity];

@@ -65,7 +65,7 @@ fn compilers_take_it_without_a_word() {
     }
     let robot = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots").join(name);
     let arm = Builder::new().urdf(robot("joint_zoo.urdf"));
-    let bar = Builder::new().urdf(robot("four_bar.urdf")).float(FloatType::F32);
+    let bar = Builder::new().urdf(robot("four_bar.urdf")).scalar(FloatType::F32);
     let massive = HOSTILE.replace(
         "<link name='int'/>",
         "<link name='int'><inertial><mass value='1'/>\

@@ -145,7 +145,7 @@ const SCALARS: [&str; 2] = ["kinetic_energy", "potential_energy"];
 
 /// Compares the C with self-contained Rust.
 fn compare(name: &str, builder: &Builder, float: FloatType) {
-    let builder = builder.clone().float(float);
+    let builder = builder.clone().scalar(float);
     let (folder, header) = compiled(name, &builder);
     let rust = builder.type_name("Theirs").self_contained().c_functions("theirs");
     rust.write(folder.join("theirs.rs")).expect("good");

@@ -148,7 +148,7 @@ fn links_that_share_code_have_their_own_numbers() {
         (modyn_codegen::FloatType::F64, "f64", 1e-12),
         (modyn_codegen::FloatType::F32, "f32", 2e-5),
     ] {
-        let generated = builder.clone().float(float).generate().expect("good");
+        let generated = builder.clone().scalar(float).generate().expect("good");
         assert!(generated.text.contains("link_pose_on_"), "links share code");
         let found =
             run(&folder(&format!("fixed_links_{scalar}")), &generated.text, &main_of(scalar));

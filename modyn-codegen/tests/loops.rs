@@ -847,7 +847,7 @@ fn an_options_loop_is_checked_as_a_descriptions() {
     assert_eq!(codes("a", LoopConstraintKind::Point, [far, end("ground")]), [Code::NotFinite]);
     // A model has its own.
     let closing = Loop { name: "a".into(), kind: LoopConstraintKind::Point, ends: good() };
-    let builder = Builder::new().model(model(FOUR_BAR)).loop_joint(closing);
+    let builder = Builder::new().model(model(FOUR_BAR)).loops([closing]);
     let errors = builder.generate().expect_err("refused");
     assert_eq!(errors.iter().map(|error| error.code).collect::<Vec<_>>(), [Code::Option]);
     let moon = Builder::new().model(model(FOUR_BAR)).gravity([0.0, 0.0, -1.62]);

@@ -26,12 +26,12 @@ type Options = (&'static str, fn(Builder) -> Builder);
 const OPTIONS: &[Options] = &[
     ("default", |b| b),
     ("all", all),
-    ("all f32", |b| all(b).float(FloatType::F32)),
+    ("all f32", |b| all(b).scalar(FloatType::F32)),
     ("all floating", |b| all(b).base(Base::Floating)),
     ("all share", |b| all(b).share()),
-    ("all floating share f32", |b| all(b).base(Base::Floating).share().float(FloatType::F32)),
+    ("all floating share f32", |b| all(b).base(Base::Floating).share().scalar(FloatType::F32)),
     ("all self_contained", |b| all(b).self_contained()),
-    ("all self_contained share f32", |b| all(b).self_contained().share().float(FloatType::F32)),
+    ("all self_contained share f32", |b| all(b).self_contained().share().scalar(FloatType::F32)),
     ("all gravity c", |b| all(b).runtime_gravity().c_functions("robot")),
     ("all parameters", |b| with_inertia(all(b).runtime_gravity())),
     ("floating self_contained parameters c", |b| {

@@ -44,7 +44,7 @@ fn a_file_needs_nothing_but_core() {
     let robots =
         [("joint_zoo", FloatType::F32), ("gripper", FloatType::F64), ("four_bar", FloatType::F32)];
     for (name, float) in robots {
-        let builder = Builder::new().urdf(robot(&format!("{name}.urdf"))).float(float);
+        let builder = Builder::new().urdf(robot(&format!("{name}.urdf"))).scalar(float);
         let builder = builder.functions(Function::ALL.iter().copied()).self_contained();
         let file = folder.join(format!("{name}.rs"));
         builder.write(&file).expect("good");
@@ -118,7 +118,7 @@ fn a_file_says_how_it_was_made_and_knows_when_it_is_stale() {
     let description = std::fs::read_to_string(robot("gripper.urdf")).expect("a robot");
     std::fs::write(&urdf, &description).expect("writes");
     let _ = std::fs::remove_file(&file);
-    let builder = Builder::new().urdf(&urdf).float(FloatType::F32).self_contained();
+    let builder = Builder::new().urdf(&urdf).scalar(FloatType::F32).self_contained();
     let builder = builder.functions([Function::ForwardDynamics]);
     assert!(builder.is_stale(&file).expect("good"), "there is none yet");
     builder.write(&file).expect("good");
@@ -127,7 +127,7 @@ fn a_file_says_how_it_was_made_and_knows_when_it_is_stale() {
     let text = std::fs::read_to_string(&file).expect("written");
     let head =
         text.lines().take_while(|line| line.starts_with("//")).collect::<Vec<_>>().join("\n");
-    assert!(head.contains(env!("CARGO_PKG_VERSION")) && head.contains(".float(FloatType::F32)"));
+    assert!(head.contains(env!("CARGO_PKG_VERSION")) && head.contains(".scalar(FloatType::F32)"));
     assert!(
         head.contains(".urdf(\"gripper.urdf\")") && head.contains(".self_contained()"),
         "{head}"
@@ -140,7 +140,7 @@ fn a_file_says_how_it_was_made_and_knows_when_it_is_stale() {
     std::fs::write(&file, text.replacen("0.", "1.", 1)).expect("writes");
     assert!(builder.is_stale(&file).expect("good"), "edited by hand");
     builder.write(&file).expect("good");
-    assert!(builder.clone().float(FloatType::F64).is_stale(&file).expect("good"), "an option");
+    assert!(builder.clone().scalar(FloatType::F64).is_stale(&file).expect("good"), "an option");
     std::fs::write(&urdf, format!("{description}<!-- more -->")).expect("writes");
     assert!(builder.is_stale(&file).expect("good"), "another description");
     assert!(builder.write(folder.join("no/such/folder.rs")).is_err());

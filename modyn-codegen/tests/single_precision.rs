@@ -65,7 +65,7 @@ fn forward_dynamics_keeps_its_digits() {
         if found > bound {
             failures.push(name);
         }
-        let builder = Builder::new().model(model).float(FloatType::F32).functions([]);
+        let builder = Builder::new().model(model).scalar(FloatType::F32).functions([]);
         let warnings = builder.generate().expect("good").warnings;
         assert!(warnings.iter().all(|w| w.code != Code::IllConditioned), "{name}");
     }
@@ -95,7 +95,7 @@ fn light_between(offset: f64) -> String {
 #[test]
 fn a_robot_that_single_precision_does_not_carry_is_warned_of() {
     let warned = |offset: f64, float: FloatType| {
-        let builder = Builder::new().urdf_text(light_between(offset), "a.urdf").float(float);
+        let builder = Builder::new().urdf_text(light_between(offset), "a.urdf").scalar(float);
         let generated = builder.functions([]).generate().expect("good");
         let warned = generated.warnings.iter().any(|w| w.code == Code::IllConditioned);
         // It stands in the type's documentation too.

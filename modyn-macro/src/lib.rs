@@ -24,22 +24,7 @@ use input::Input;
 /// name, the type is `pub` and named after the robot. What is odd in the
 /// description, but no error, is printed during the build and stands in the type's documentation.
 ///
-/// | option | values | default |
-/// |---|---|---|
-/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: one of the type's `Params` | `[0.0, 0.0, -9.81]` |
-/// | `runtime_inertia` | names of links whose own inertia can be replaced at run time, in `Params` | `[]` |
-/// | `payload` | names of links to which an inertia can be added at run time, in `Params`; by default none is | `[]` |
-/// | `functions` | a list of functions' names, in which `default` may stand; `all` | `default` |
-/// | `modules` | `chains`, `links`, or a list of lists of link names, each from its parent outwards | `chains` |
-/// | `scalar` | `f64`, `f32`: of the type's own functions | `f64` |
-/// | `base` | `fixed`, `floating` | `fixed` |
-/// | `mimic` | `follow`, `independent`, `refuse`: joints that mimic another one | `follow` |
-/// | `rotors` | `["joint": (inertia, gear_ratio), ...]`, kg m^2 | the description's |
-/// | `friction` | `none`, `viscous`, `coulomb`, `smooth(velocity)`: which of the description's damping and friction acts | `none`, with a warning if there are some |
-/// | `loops` | `["name": spherical("link", [x, y, z], "link", [x, y, z]), ...]`, or `fixed`, `revolute`, `continuous`, `prismatic`: loop joints | the description's |
-/// | `share` | `true`, `false`: equal limbs through one function | `false` |
-/// | `unphysical_inertia` | `error`, `warn` | `error` |
-/// | `crate` | the path of `modyn`, where it was renamed | `::modyn` |
+#[doc = include_str!("../options.md")]
 ///
 /// Names of the description become identifiers word by word, words being runs of ASCII letters and
 /// digits: `my-robot 2` is the type `MyRobot2`, the joint `arm/left.wrist` the variant

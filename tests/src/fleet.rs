@@ -282,7 +282,7 @@ impl Spec {
     #[must_use]
     pub fn builder(&self) -> Builder {
         let model = self.model();
-        let mut builder = Builder::new().float(self.float).modules(match self.division {
+        let mut builder = Builder::new().scalar(self.float).modules(match self.division {
             Chains => ModuleChoice::Chains,
             Links => ModuleChoice::Links,
             List(_) => {
@@ -295,9 +295,8 @@ impl Spec {
         builder = match self.file() {
             Some(file) => {
                 let file = builder.urdf(file).mimic(self.mimic()).base(self.base());
-                self.rotors.iter().fold(file.friction(self.friction), |builder, rotor| {
-                    builder.rotor(rotor.0, rotor.1, rotor.2)
-                })
+                let rotors = self.rotors.iter().map(|rotor| Rotor::new(rotor.0, rotor.1, rotor.2));
+                file.friction(self.friction).rotors(rotors)
             }
             None => builder.model(model),
         };

@@ -9,8 +9,9 @@ use modyn_codegen::diagnostics::{Diagnostics, Severity};
 use serde_json::json;
 
 use crate::command::diagnostics;
+use crate::command::options::ReadingOptions;
 use crate::command::outcome::{Failure, to_stdout};
-use crate::command::robot::{Description, Options};
+use crate::command::robot::Description;
 
 /// Say all that is wrong with descriptions
 ///
@@ -27,7 +28,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    options: Options,
+    options: ReadingOptions,
 }
 
 /// One file's answer.

@@ -1,41 +1,10 @@
-//! Options that choose among functions and modules.
+//! The modules of a robot.
 
+use modyn_codegen::ModuleChoice;
 use modyn_codegen::diagnostics::sanitize_for_display;
-use modyn_codegen::{Function, ModuleChoice};
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::command::outcome::Failure;
-
-/// Clap takes a `Vec` for an option that is given several times.
-#[derive(Clone)]
-pub struct Functions(pub Vec<Function>);
-
-/// `default,regressor`
-pub fn functions(text: &str) -> Result<Functions, String> {
-    let mut functions = Vec::new();
-    for name in text.split(',').map(str::trim) {
-        match name {
-            "all" => functions.extend(Function::ALL),
-            "default" => functions.extend(Function::DEFAULT),
-            _ => {
-                functions.push(Function::from_name(name).ok_or_else(|| Function::unknown(name))?);
-            }
-        }
-    }
-    Ok(Functions(functions))
-}
-
-/// `chains`, `links` or `[["link", ...], ...]`
-pub fn modules(text: &str) -> Result<ModuleChoice, String> {
-    match text {
-        "chains" => Ok(ModuleChoice::Chains),
-        "links" => Ok(ModuleChoice::Links),
-        list => serde_json::from_str(list).map(ModuleChoice::List).map_err(|error| {
-            let form = r#"`chains`, `links` or a list such as [["a", "b"], ["c"]]"#;
-            format!("expected {form}: {error}")
-        }),
-    }
-}
 
 /// The modules of a robot that are chosen, by default its chains.
 pub fn module_tree(model: &Model, choice: Option<&ModuleChoice>) -> Result<ModuleTree, Failure> {

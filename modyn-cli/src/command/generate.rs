@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::diagnostics::sanitize_for_display;
-use modyn_codegen::{Builder, FloatType, ModuleChoice, names};
+use modyn_codegen::{Builder, names};
 
-use crate::command::choices::{Functions, functions, modules};
+use crate::command::options::CodeOptions;
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::{Description, Robot};
@@ -27,45 +27,11 @@ pub struct Arguments {
     /// The language: Rust, or C99 that needs `<math.h>` alone, FILE.c with its header FILE.h
     #[arg(long, value_enum, default_value_t)]
     target: Target,
-    /// Make a file that depends on `core` alone, not on modyn
-    #[arg(long)]
-    self_contained: bool,
-    /// Run equal limbs (legs, arms, fingers) through one function: the smallest code
-    #[arg(long)]
-    share: bool,
-    /// The functions that the robot has: their names with commas, `default`, `all`
-    #[arg(long, value_name = "NAMES", value_parser = functions)]
-    functions: Option<Functions>,
-    /// The scalar of the type's own functions
-    #[arg(long, value_enum, default_value_t)]
-    scalar: Scalar,
-    /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
-    #[arg(long, value_name = "MODULES", value_parser = modules)]
-    modules: Option<ModuleChoice>,
-    /// A link whose own inertia becomes an argument, which replaces the description's
-    #[arg(long, value_name = "LINK")]
-    runtime_inertia: Vec<String>,
-    /// A link to which an inertia is added that is an argument
-    #[arg(long, value_name = "LINK")]
-    payload: Vec<String>,
-    /// Make gravity an argument
-    #[arg(long)]
-    runtime_gravity: bool,
-    /// The name of the generated type [default: from the robot's name]
-    #[arg(long, value_name = "NAME")]
-    type_name: Option<String>,
-    /// The visibility of the generated types, such as `pub(crate)` [default: pub]
-    #[arg(long)]
-    visibility: Option<String>,
-    /// The path of the crate `modyn` where the file goes [default: ::modyn]
-    #[arg(long = "crate", value_name = "PATH", conflicts_with = "self_contained")]
-    krate: Option<String>,
-    /// Add functions for C with this prefix: `prefix_forward_dynamics` and so on
-    #[arg(long, value_name = "PREFIX")]
-    c_functions: Option<String>,
     /// Write the header of the functions for C; without `--c-functions` their prefix is the robot's name
     #[arg(long, value_name = "FILE.h", requires = "output")]
     c_header: Option<PathBuf>,
+    #[command(flatten)]
+    code: CodeOptions,
     #[command(flatten)]
     robot: Robot,
 }
@@ -75,13 +41,6 @@ enum Target {
     #[default]
     Rust,
     C,
-}
-
-#[derive(Clone, Copy, Default, ValueEnum)]
-enum Scalar {
-    #[default]
-    F64,
-    F32,
 }
 
 /// Writes, or compares.
@@ -131,15 +90,11 @@ fn c_source(
     description: &Description,
     named: &impl Fn(Diagnostics) -> Failure,
 ) -> Result<(), Failure> {
-    let given = [
-        ("--c-functions", arguments.c_functions.is_some()),
-        ("--c-header", arguments.c_header.is_some()),
-        ("--visibility", arguments.visibility.is_some()),
-        ("--crate", arguments.krate.is_some()),
-        ("--self-contained", arguments.self_contained),
-    ];
-    if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
-        let message = format!("error: `{option}` is about Rust, not `--target c`");
+    let of_rust = ["c_functions", "visibility", "crate", "self_contained"];
+    let given = of_rust.into_iter().find(|name| arguments.code.has(name));
+    if let Some(option) = given.or(arguments.c_header.as_ref().map(|_| "c_header")) {
+        let option = option.replace('_', "-");
+        let message = format!("error: `--{option}` is about Rust, not `--target c`");
         return Err(Failure::usage(message));
     }
     let Some(output) = &arguments.output else {
@@ -182,59 +137,13 @@ fn stale(
 
 impl Arguments {
     fn builder(&self, description: &Description) -> Result<Builder, Failure> {
-        let mut builder = self.robot.builder(description).float(self.scalar.into());
-        if self.self_contained {
-            builder = builder.self_contained();
+        let builder = self.code.configure(self.robot.builder(description));
+        if self.c_header.is_none() || self.code.has("c_functions") {
+            return Ok(builder);
         }
-        if self.share {
-            builder = builder.share();
-        }
-        if let Some(Functions(functions)) = &self.functions {
-            builder = builder.functions(functions.iter().copied());
-        }
-        if let Some(modules) = &self.modules {
-            builder = builder.modules(modules.clone());
-        }
-        if !self.runtime_inertia.is_empty() {
-            builder = builder.runtime_inertia(&self.runtime_inertia);
-        }
-        if !self.payload.is_empty() {
-            builder = builder.payload(&self.payload);
-        }
-        if self.runtime_gravity {
-            builder = builder.runtime_gravity();
-        }
-        if let Some(name) = &self.type_name {
-            builder = builder.type_name(name);
-        }
-        if let Some(visibility) = &self.visibility {
-            builder = builder.visibility(visibility);
-        }
-        if let Some(path) = &self.krate {
-            builder = builder.krate(path);
-        }
-        if self.c_functions.is_some() || self.c_header.is_some() {
-            builder = builder.c_functions(self.prefix(description)?);
-        }
-        Ok(builder)
-    }
-
-    /// What the names of functions for C begin with.
-    fn prefix(&self, description: &Description) -> Result<String, Failure> {
-        if let Some(prefix) = &self.c_functions {
-            return Ok(prefix.clone());
-        }
+        // Without a prefix the functions for C begin with the robot's name.
         let reading = description.read(&self.robot.options.read_options());
         let reading = reading.map_err(|found| description.failure(found))?;
-        Ok(names::snake(reading.model.name()))
-    }
-}
-
-impl From<Scalar> for FloatType {
-    fn from(scalar: Scalar) -> Self {
-        match scalar {
-            Scalar::F64 => Self::F64,
-            Scalar::F32 => Self::F32,
-        }
+        Ok(builder.c_functions(names::snake(reading.model.name())))
     }
 }

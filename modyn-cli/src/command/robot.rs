@@ -2,16 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use modyn_codegen::Builder;
-use modyn_codegen::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
+use modyn_codegen::diagnostics::{Code, Diagnostic, Diagnostics};
 use modyn_codegen::read::file::{read_first, read_text};
-use modyn_codegen::{
-    Format, Friction, Loop, LoopConstraintKind, LoopEnd, ReadOptions, Reading, Rotor, read,
-};
+use modyn_codegen::{Format, ReadOptions, Reading, read};
 
 use crate::command::diagnostics;
-use crate::command::numbers::{number, numbers};
+use crate::command::options::ReadingOptions;
 use crate::command::outcome::{Failure, to_stderr};
 
 /// A description, and how to read it.
@@ -21,58 +19,7 @@ pub struct Robot {
     #[arg(value_name = "ROBOT.urdf")]
     pub path: PathBuf,
     #[command(flatten)]
-    pub options: Options,
-}
-
-/// How to read a description.
-#[derive(Args)]
-#[command(next_help_heading = "Reading the description")]
-pub struct Options {
-    /// What the root link stands on
-    #[arg(long, value_enum, default_value_t)]
-    base: Base,
-    /// How to take joints that mimic another one
-    #[arg(long, value_enum, default_value_t)]
-    mimic: Mimic,
-    /// A drive's rotor: inertia (kg m^2) and gear ratio, in place of what the description says
-    #[arg(long = "rotor", value_name = "JOINT=INERTIA,RATIO", value_parser = rotor)]
-    rotors: Vec<Rotor>,
-    /// A joint that closes a loop, besides the description's: NAME=TYPE:LINK:X,Y,Z:LINK:X,Y,Z[:AXIS], of type spherical,
-    /// fixed, revolute or prismatic; behind each X,Y,Z may stand roll, pitch and yaw
-    #[arg(long = "loop", value_name = "JOINT", value_parser = loop_joint)]
-    loops: Vec<Loop>,
-    /// Which of the description's damping and friction acts: none, viscous, coulomb, smooth=VELOCITY [default: none,
-    /// with a warning if there are some]
-    #[arg(long, value_name = "KIND", value_parser = friction)]
-    friction: Option<Friction>,
-    /// The acceleration of free fall in world axes, m/s^2 [default: 0,0,-9.81, or what an MJCF says]
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    gravity: Option<[f64; 3]>,
-    /// How to take inertias that no rigid body has
-    #[arg(long, value_enum, default_value_t)]
-    unphysical_inertia: Unphysical,
-}
-
-#[derive(Clone, Copy, Default, ValueEnum)]
-enum Base {
-    #[default]
-    Fixed,
-    Floating,
-}
-
-#[derive(Clone, Copy, Default, ValueEnum)]
-enum Mimic {
-    #[default]
-    Follow,
-    Independent,
-    Refuse,
-}
-
-#[derive(Clone, Copy, Default, ValueEnum)]
-enum Unphysical {
-    #[default]
-    Error,
-    Warn,
+    pub options: ReadingOptions,
 }
 
 /// A description that was found.
@@ -151,119 +98,4 @@ impl Robot {
             .for_each(|file| file.clone_from(&name));
         Diagnostics::new(found)
     }
-}
-
-impl Options {
-    /// For the reader alone.
-    pub fn read_options(&self) -> ReadOptions {
-        ReadOptions {
-            gravity: self.gravity,
-            unphysical_inertia: self.unphysical_inertia.into(),
-            mimic: self.mimic.into(),
-            base: self.base.into(),
-            rotors: self.rotors.clone(),
-            friction: self.friction,
-            loops: self.loops.clone(),
-        }
-    }
-
-    fn configure(&self, builder: Builder) -> Builder {
-        let builder = builder
-            .base(self.base.into())
-            .mimic(self.mimic.into())
-            .unphysical_inertia(self.unphysical_inertia.into());
-        let builder = self.rotors.iter().fold(builder, |builder, rotor| {
-            builder.rotor(&rotor.joint, rotor.inertia, rotor.gear_ratio)
-        });
-        let builder = self.loops.iter().cloned().fold(builder, Builder::loop_joint);
-        let builder = self.friction.into_iter().fold(builder, Builder::friction);
-        self.gravity.into_iter().fold(builder, Builder::gravity)
-    }
-}
-
-impl From<Base> for modyn_codegen::Base {
-    fn from(base: Base) -> Self {
-        match base {
-            Base::Fixed => Self::Fixed,
-            Base::Floating => Self::Floating,
-        }
-    }
-}
-
-impl From<Mimic> for modyn_codegen::Mimic {
-    fn from(mimic: Mimic) -> Self {
-        match mimic {
-            Mimic::Follow => Self::Follow,
-            Mimic::Independent => Self::Independent,
-            Mimic::Refuse => Self::Refuse,
-        }
-    }
-}
-
-impl From<Unphysical> for Severity {
-    fn from(unphysical: Unphysical) -> Self {
-        match unphysical {
-            Unphysical::Error => Self::Error,
-            Unphysical::Warn => Self::Warning,
-        }
-    }
-}
-
-/// `elbow=0.0001,100`
-fn rotor(text: &str) -> Result<Rotor, String> {
-    let expected = || "expected JOINT=INERTIA,RATIO, such as elbow=0.0001,100".to_string();
-    let (joint, figures) = text.rsplit_once('=').ok_or_else(expected)?;
-    let (inertia, ratio) = figures.split_once(',').ok_or_else(expected)?;
-    Ok(Rotor { joint: joint.into(), inertia: number(inertia)?, gear_ratio: number(ratio)? })
-}
-
-/// `pin=revolute:coupler:0.5,0,0:rocker:0.4,0,0:0,1,0`
-fn loop_joint(text: &str) -> Result<Loop, String> {
-    let expected = || {
-        "expected NAME=TYPE:LINK:X,Y,Z:LINK:X,Y,Z[:AXIS], such as pin=spherical:coupler:0.5,0,0:rocker:0.4,0,0"
-            .to_string()
-    };
-    let (name, rest) = text.split_once('=').ok_or_else(expected)?;
-    let parts: Vec<&str> = rest.split(':').collect();
-    let (&[joint_type, first, at_first, second, at_second], axis) =
-        parts.split_first_chunk().ok_or_else(expected)?;
-    let end = |link: &str, place: &str| {
-        let (xyz, rpy) = match *numbers(place)? {
-            [x, y, z] => ([x, y, z], [0.0; 3]),
-            [x, y, z, roll, pitch, yaw] => ([x, y, z], [roll, pitch, yaw]),
-            _ => return Err(format!("`{place}` is not three numbers, or six with a rotation")),
-        };
-        Ok(LoopEnd { link: link.into(), xyz, rpy })
-    };
-    let along = match axis {
-        [] => [1.0, 0.0, 0.0],
-        [axis] => vector(axis)?,
-        _ => return Err(expected()),
-    };
-    let kind = LoopConstraintKind::of_joint(joint_type, along).ok_or_else(|| {
-        format!("`{joint_type}` is none of spherical, fixed, revolute, continuous, prismatic")
-    })?;
-    if kind.axis().is_none() && !axis.is_empty() {
-        return Err(format!("a loop joint of type {joint_type} has no axis"));
-    }
-    let ends = [end(first, at_first)?, end(second, at_second)?];
-    Ok(Loop { name: name.into(), kind, ends })
-}
-
-/// `none`, `viscous`, `coulomb` or `smooth=0.01`
-fn friction(text: &str) -> Result<Friction, String> {
-    match (text, text.strip_prefix("smooth=")) {
-        ("none", _) => Ok(Friction::None),
-        ("viscous", _) => Ok(Friction::Viscous),
-        ("coulomb", _) => Ok(Friction::Coulomb),
-        (_, Some(velocity)) => number(velocity).map(Friction::Smooth),
-        _ => Err("expected none, viscous, coulomb or smooth=VELOCITY (rad/s or m/s)".into()),
-    }
-}
-
-/// `0,0,-9.81`
-fn vector(text: &str) -> Result<[f64; 3], String> {
-    let numbers = numbers(text)?;
-    let count = numbers.len();
-    numbers.try_into().map_err(|_| format!("expected three numbers, there are {count}"))
 }

@@ -5,7 +5,7 @@ use modyn_runtime::model::{Friction, LoopConstraintKind};
 use crate::diagnostics::Severity;
 
 /// What a user may choose about reading.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// The acceleration of free fall in world axes, m/s^2; by default what the description says,
     /// if its format can, else [`DEFAULT_GRAVITY`](modyn_runtime::model::DEFAULT_GRAVITY).
@@ -23,20 +23,6 @@ pub struct ReadOptions {
     pub friction: Option<Friction>,
     /// What closes loops, besides what the description says.
     pub loops: Vec<Loop>,
-}
-
-impl Default for ReadOptions {
-    fn default() -> Self {
-        Self {
-            gravity: None,
-            unphysical_inertia: Severity::Error,
-            mimic: Mimic::default(),
-            base: Base::default(),
-            rotors: Vec::new(),
-            friction: None,
-            loops: Vec::new(),
-        }
-    }
 }
 
 /// How to take joints that mimic another one.
@@ -73,6 +59,14 @@ pub struct Rotor {
     /// How many times faster it turns than the joint; the joint feels the square of that times the
     /// inertia.
     pub gear_ratio: f64,
+}
+
+impl Rotor {
+    /// The rotor of this joint.
+    #[must_use]
+    pub fn new(joint: impl Into<String>, inertia: f64, gear_ratio: f64) -> Self {
+        Self { joint: joint.into(), inertia, gear_ratio }
+    }
 }
 
 /// A joint that closes a loop of joints, as `<loop_joint>` does: two frames that are held together.

@@ -6,9 +6,10 @@ use super::code::Code;
 use super::display::sanitize_for_display;
 
 /// How serious a diagnostic is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
     /// Nothing is compiled.
+    #[default]
     Error,
     /// The result stands, but probably is not what was meant.
     Warning,

@@ -41,9 +41,9 @@ pub struct EmitOptions {
     /// Its visibility: `pub`, `pub(crate)` or nothing.
     pub visibility: String,
     /// The path of the crate `modyn`.
-    pub krate: String,
+    pub crate_path: String,
     /// The scalar of the type's own functions.
-    pub float: FloatType,
+    pub scalar: FloatType,
     /// Whether the text carries the part of the runtime that it needs, and depends on `core` alone.
     pub self_contained: bool,
     /// The prefix of functions that C can call; there are none if `None`.
@@ -67,8 +67,8 @@ impl Default for EmitOptions {
         Self {
             type_name: None,
             visibility: "pub".into(),
-            krate: "::modyn".into(),
-            float: FloatType::default(),
+            crate_path: "::modyn".into(),
+            scalar: FloatType::default(),
             self_contained: false,
             c_prefix: None,
             functions: Function::DEFAULT.to_vec(),
@@ -149,5 +149,5 @@ pub fn emit_c(
     let options = EmitOptions { self_contained: true, ..options.clone() };
     let prefix = names::snake(&options.type_name(model));
     let header = header.map_or_else(|| format!("{prefix}.h"), String::from);
-    c::print(&options.plan(model, modules), model, (&prefix, &header), options.float)
+    c::print(&options.plan(model, modules), model, (&prefix, &header), options.scalar)
 }

@@ -16,7 +16,8 @@ use modyn_runtime::model::Model;
 use modyn_runtime::{Interpreter, ShapeError};
 use serde_json::{Value, json};
 
-use crate::command::choices::{Functions, functions, module_tree, modules};
+use crate::command::choices::module_tree;
+use crate::command::options::{Functions, functions, modules};
 use crate::command::outcome::{Failure, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::random::Random;

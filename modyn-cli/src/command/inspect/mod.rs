@@ -17,8 +17,9 @@ use modyn_codegen::{Builder, Function, ModuleChoice, condition_number};
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Model, ModuleTree};
 
-use crate::command::choices::{Functions, functions, module_tree, modules};
+use crate::command::choices::module_tree;
 use crate::command::diagnostics;
+use crate::command::options::{Functions, functions, modules};
 use crate::command::outcome::{Failure, to_file, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::Robot;

@@ -25,7 +25,7 @@ impl Robot<'_> {
     }
 
     fn c_function(&self, text: &mut String, prefix: &str, quantity: &Quantity<'_>) {
-        let (name, float) = (self.name, self.options.float.name());
+        let (name, float) = (self.name, self.options.scalar.name());
         let function = quantity.function.name();
         let by_link = matches!(quantity.kernels, Kernels::ByLink(_));
         let scalar = matches!(quantity.shape, Shape::Scalar);
@@ -68,8 +68,8 @@ impl Robot<'_> {
             parameters.join(", ")
         );
         if quantity.uses_spatial() {
-            let krate = &self.options.krate;
-            let _ = writeln!(text, "#[allow(unused_imports)]\nuse {krate} as __modyn;");
+            let path = &self.options.crate_path;
+            let _ = writeln!(text, "#[allow(unused_imports)]\nuse {path} as __modyn;");
         }
         text.push_str(&lets);
         if by_link {

@@ -15,7 +15,7 @@ impl Robot<'_> {
     /// The type's constants.
     pub(super) fn constants(&self, text: &mut String, operations: &[(&str, OperationCount)]) {
         let (name, model) = (self.name, self.model);
-        let (nq, nv, float) = (model.nq(), model.nv(), self.options.float.name());
+        let (nq, nv, float) = (model.nq(), model.nv(), self.options.scalar.name());
         let (joints, links) = (self.joint_names(), self.link_names());
         let quaternions: Vec<(&str, usize)> = model.quaternions().collect();
         let parameters: Vec<f64> = (0..model.links().len())
