@@ -193,7 +193,7 @@ impl Builder {
     /// A description that could not be read: `generate` says why, and what else is wrong.
     #[doc(hidden)]
     #[must_use]
-    pub fn unread(mut self, why: Diagnostics) -> Self {
+    pub fn failed_to_read(mut self, why: Diagnostics) -> Self {
         self.source = Source::Unread(why);
         self
     }
@@ -416,7 +416,7 @@ impl Builder {
         else {
             return Err(Diagnostics::new(errors));
         };
-        warnings.extend(self.taken_name(&model, &warnings));
+        warnings.extend(self.name_conflict(&model, &warnings));
         if self.float == FloatType::F32 {
             warnings.extend(conditioning_warning(&model));
         }
@@ -451,7 +451,7 @@ impl Builder {
     pub fn compile(&self) -> Result<Generated, Diagnostics> {
         if let Source::File(path) = &self.source {
             // Also when it does not exist: Cargo then looks again.
-            println!("cargo::rerun-if-changed={}", place(path).display());
+            println!("cargo::rerun-if-changed={}", resolve_path(path).display());
         }
         let generated = self.generate()?;
         let error = |message: String, help: &str| {
@@ -479,7 +479,7 @@ impl Builder {
             error(message, "OUT_DIR must be a folder that can be written to")
         })?;
         let warnings = generated.warnings.iter().take(Diagnostics::SHOWN);
-        let more = Diagnostics::more(generated.warnings.len());
+        let more = Diagnostics::count_hidden(generated.warnings.len());
         for warning in warnings.map(ToString::to_string).chain(more) {
             println!("cargo::warning={}", warning.replace(char::is_control, " "));
         }
@@ -497,7 +497,7 @@ impl Builder {
                 Err(missing.with_help("call `Builder::urdf` with the path of one").into())
             }
             Source::File(path) => {
-                let (_, text) = read_first(path.display(), &[place(path)])?;
+                let (_, text) = read_first(path.display(), &[resolve_path(path)])?;
                 self.read_text(&text, &path.display().to_string(), &options)
             }
             Source::Text { text, file } => self.read_text(text, file, &options),
@@ -529,7 +529,7 @@ impl Builder {
     }
 
     /// Warns of a type `Robot`, which is also what the trait is called that users import.
-    fn taken_name(&self, model: &Model, warnings: &[Diagnostic]) -> Option<Diagnostic> {
+    fn name_conflict(&self, model: &Model, warnings: &[Diagnostic]) -> Option<Diagnostic> {
         let name = names::type_name(model.name());
         // Of a robot without a name this has been said.
         let said = warnings.iter().any(|w| w.code == Code::MissingAttribute && w.subject.is_none());
@@ -538,7 +538,7 @@ impl Builder {
             let help = "name it: `modyn!(pub MyArm = \"...\")`, or `Builder::type_name`";
             let subject = Subject::Robot(model.name().into());
             let warning = Diagnostic::new(Severity::Warning, Code::TypeName, message);
-            warning.about(subject).with_help(help)
+            warning.with_subject(subject).with_help(help)
         })
     }
 
@@ -676,7 +676,7 @@ fn moving_frames(
 }
 
 /// Where a file is: as given, or from the folder of the crate's `Cargo.toml`.
-fn place(path: &Path) -> PathBuf {
+fn resolve_path(path: &Path) -> PathBuf {
     std::env::var_os("CARGO_MANIFEST_DIR")
         .map_or_else(|| path.into(), |root| Path::new(&root).join(path))
 }
@@ -691,7 +691,7 @@ fn is_visibility(text: &str) -> bool {
         // A visibility ends at a module around the robot.
         Some(inside) => inside.strip_prefix("in ").is_some_and(|path| {
             let first = path.trim().split("::").next().unwrap_or_default();
-            is_way(first.trim()) && is_path(&format!("{path}::name"))
+            is_path_keyword(first.trim()) && is_path(&format!("{path}::name"))
         }),
     }
 }
@@ -703,17 +703,17 @@ fn is_path(text: &str) -> bool {
     let parts: Vec<&str> = path.split("::").map(str::trim).collect();
     // `self` and `super` alone are no names to import.
     let Some((last, before)) = parts.split_last() else { return false };
-    let mut ways = before.iter().take_while(|part| is_way(part)).count();
+    let mut ways = before.iter().take_while(|part| is_path_keyword(part)).count();
     if *last == "crate" && before.is_empty() {
         ways = 1;
     }
     let (ways, names) = parts.split_at(ways);
     let ways = ways.iter().enumerate().all(|(i, way)| *way == "super" || i == 0);
-    ways && (!global || !is_way(parts[0])) && names.iter().all(|name| is_identifier(name))
+    ways && (!global || !is_path_keyword(parts[0])) && names.iter().all(|name| is_identifier(name))
 }
 
 /// Whether part of a path is a way to a module and not a name.
-fn is_way(part: &str) -> bool {
+fn is_path_keyword(part: &str) -> bool {
     matches!(part, "crate" | "self" | "super")
 }
 
@@ -910,7 +910,7 @@ mod tests {
         let large = changed(&good, |link| link.inertial.center_of_mass[0] = 1e100);
         for severity in [Severity::Error, Severity::Warning] {
             assert_eq!(codes(good.clone(), severity), []);
-            assert_eq!(codes(massless.clone(), severity), [Code::NoInertiaFelt]);
+            assert_eq!(codes(massless.clone(), severity), [Code::SingularJoint]);
             assert_eq!(codes(negative.clone(), severity), [Code::NegativeMass]);
             assert_eq!(codes(unphysical.clone(), severity), [Code::TriangleInequality]);
             assert_eq!(codes(large.clone(), severity), [Code::NotFinite]);

@@ -71,7 +71,7 @@ fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
         let (builder, tracking) = match locate::locate(&path, span) {
             Ok(found) => (builder.text(found.text, &path), found.tracking),
             // What is wrong with the options is said along with it.
-            Err(why) => (builder.unread(why), String::new()),
+            Err(why) => (builder.failed_to_read(why), String::new()),
         };
         Ok((builder.generate()?, tracking))
     }));

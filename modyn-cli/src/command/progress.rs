@@ -46,7 +46,7 @@ impl Progress {
     }
 
     /// Says what is going on now.
-    pub fn then(&self, what: &'static str) {
+    pub fn show(&self, what: &'static str) {
         if let Some(shown) = &self.0 {
             // The thread ends after the last sender only.
             let _ = shown.messages.send(what);

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::{Builder, Generated, ModuleChoice, Source, place};
+use super::{Builder, Generated, ModuleChoice, Source, resolve_path};
 use crate::FloatType;
 use crate::description::{Base, Mimic};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
@@ -28,8 +28,8 @@ impl Builder {
         let path = path.as_ref();
         let generated = self.generate()?;
         let text = self.file_text(&generated);
-        if !holds(path, &text) {
-            std::fs::write(path, text).map_err(|reason| unwritten(path, &reason))?;
+        if !file_has_text(path, &text) {
+            std::fs::write(path, text).map_err(|reason| write_error(path, &reason))?;
         }
         Ok(generated)
     }
@@ -42,7 +42,7 @@ impl Builder {
     /// All that is wrong with the description and the options.
     pub fn is_stale(&self, path: impl AsRef<Path>) -> Result<bool, Diagnostics> {
         let generated = self.generate()?;
-        Ok(!holds(path.as_ref(), &self.file_text(&generated)))
+        Ok(!file_has_text(path.as_ref(), &self.file_text(&generated)))
     }
 
     /// Compiles to the C source file `path` and the header beside it, `path` with `.h`. Files that are as they should
@@ -54,8 +54,8 @@ impl Builder {
     pub fn write_c(&self, path: impl AsRef<Path>) -> Result<Vec<Diagnostic>, Diagnostics> {
         let CFiles { files, warnings } = self.c_files(path.as_ref())?;
         for (path, text) in files {
-            if !holds(&path, &text) {
-                std::fs::write(&path, text).map_err(|reason| unwritten(&path, &reason))?;
+            if !file_has_text(&path, &text) {
+                std::fs::write(&path, text).map_err(|reason| write_error(&path, &reason))?;
             }
         }
         Ok(warnings)
@@ -68,7 +68,7 @@ impl Builder {
     /// All that is wrong with the description and the options.
     pub fn is_stale_c(&self, path: impl AsRef<Path>) -> Result<bool, Diagnostics> {
         let CFiles { files, .. } = self.c_files(path.as_ref())?;
-        Ok(!files.iter().all(|(path, text)| holds(path, text)))
+        Ok(!files.iter().all(|(path, text)| file_has_text(path, text)))
     }
 
     /// The source file and its header, with their texts, and the warnings.
@@ -197,7 +197,7 @@ impl Builder {
     /// A figure that is another one when the description is.
     fn description_hash(&self) -> u64 {
         let text = match &self.source {
-            Source::File(path) => std::fs::read_to_string(place(path)).unwrap_or_default(),
+            Source::File(path) => std::fs::read_to_string(resolve_path(path)).unwrap_or_default(),
             Source::Text { text, .. } => text.clone(),
             Source::Model(model) => format!("{model:?}"),
             Source::None | Source::Unread(_) => String::new(),
@@ -210,13 +210,13 @@ impl Builder {
 }
 
 /// The error for a file that cannot be written.
-fn unwritten(path: &Path, reason: &std::io::Error) -> Diagnostics {
+fn write_error(path: &Path, reason: &std::io::Error) -> Diagnostics {
     let message = format!("`{}` cannot be written: {reason}", path.display());
     let help = "give a path in a folder that exists and can be written to";
     Diagnostic::error(Code::Output, message).with_help(help).into()
 }
 
 /// Whether a file holds this text, however its lines end.
-fn holds(path: &Path, text: &str) -> bool {
+fn file_has_text(path: &Path, text: &str) -> bool {
     std::fs::read_to_string(path).is_ok_and(|found| found.replace("\r\n", "\n") == text)
 }

@@ -1,7 +1,7 @@
 //! Rotations and directions as descriptions write them.
 
 /// Numbers of this size and above are refused: products of them could overflow.
-pub const LARGEST: f64 = 1e60;
+pub const MAX_NUMBER: f64 = 1e60;
 
 /// `Rz(yaw) Ry(pitch) Rx(roll)`. Sines are libm's, so that every host has the same figures.
 pub fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {

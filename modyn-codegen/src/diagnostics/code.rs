@@ -226,7 +226,7 @@ codes! {
         "Check `ixx`, `iyy` and `izz`, and whether the inertia is about the centre of mass. \
         `unphysical_inertia = warn` takes it as it is.",
     /// A joint moves nothing that has inertia, so its acceleration is undefined.
-    NoInertiaFelt = "no-inertia-felt":
+    SingularJoint = "singular-joint":
         "Give what the joint moves (or what is fixed to it) a mass and an inertia, give the \
         joint a rotor (`rotors`, or `<dynamics armature>`), or make it `fixed`.",
     /// The gravity in the options is NaN, infinite or too large to compute with.
@@ -292,7 +292,7 @@ mod tests {
 
     #[test]
     fn a_code_is_suggested() {
-        assert_eq!(Code::suggest("no-inertia-flet"), Some(Code::NoInertiaFelt));
+        assert_eq!(Code::suggest("singular-jiont"), Some(Code::SingularJoint));
         assert_eq!(Code::suggest("inertia"), None);
     }
 

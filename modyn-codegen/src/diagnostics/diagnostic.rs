@@ -116,7 +116,7 @@ impl Diagnostic {
 
     /// The same, about this joint or link.
     #[must_use]
-    pub fn about(mut self, subject: Subject) -> Self {
+    pub fn with_subject(mut self, subject: Subject) -> Self {
         self.subject = Some(subject);
         self
     }
@@ -208,7 +208,7 @@ impl Diagnostics {
 
     /// What stands for those that are not shown, of so many.
     #[must_use]
-    pub(crate) fn more(count: usize) -> Option<String> {
+    pub(crate) fn count_hidden(count: usize) -> Option<String> {
         let more = count.checked_sub(Self::SHOWN).filter(|&more| more > 0)?;
         Some(format!("... and {more} more"))
     }
@@ -286,7 +286,7 @@ impl fmt::Display for Diagnostics {
             }
             write!(f, "{diagnostic}")?;
         }
-        if let Some(more) = Self::more(self.0.len()) {
+        if let Some(more) = Self::count_hidden(self.0.len()) {
             write!(f, "\n{more}")?;
         }
         Ok(())
@@ -304,7 +304,7 @@ mod tests {
         let diagnostic = Diagnostic::error(Code::NegativeMass, "the mass is -1 kg")
             .in_file("robots/foo.urdf")
             .at(Position { line: 12, column: 7 })
-            .about(Subject::Link("arm".into()))
+            .with_subject(Subject::Link("arm".into()))
             .with_help("write a mass of at least 0");
         assert_eq!(
             diagnostic.to_string(),
@@ -326,7 +326,7 @@ mod tests {
         let diagnostic = Diagnostic::error(Code::NegativeMass, "the mass is -1 kg")
             .in_file("robots/foo.urdf")
             .at(Position { line: 12, column: 7 })
-            .about(Subject::Link("arm".into()))
+            .with_subject(Subject::Link("arm".into()))
             .with_help("write a mass of at least 0");
         assert_eq!(
             diagnostic.without_severity().to_string(),

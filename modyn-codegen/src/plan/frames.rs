@@ -65,7 +65,7 @@ impl Frames {
     }
 
     /// The robot without its links.
-    pub(super) fn bare(&self) -> &Mechanism<f64> {
+    pub(super) fn mechanism_without_links(&self) -> &Mechanism<f64> {
         &self.bare
     }
 
@@ -82,7 +82,7 @@ impl Frames {
     }
 
     /// The links with programs of their own, each by its index.
-    pub fn own(&self) -> impl Iterator<Item = usize> {
+    pub fn links_with_own_program(&self) -> impl Iterator<Item = usize> {
         (0..self.codes.len()).filter(|&link| self.codes[link] == LinkCode::Own)
     }
 
@@ -110,7 +110,7 @@ impl Frames {
 
     /// The graphs of `trace` on tracers that have one link: first those of single links, then those that links share.
     pub(super) fn kernels(&self, trace: impl Fn(&Tracer<'_>) -> Graph) -> Vec<Graph> {
-        let own = self.own().map(|link| LinkFrame::Known(self.frames[link]));
+        let own = self.links_with_own_program().map(|link| LinkFrame::Known(self.frames[link]));
         let all = own.chain(self.shared.iter().copied().map(LinkFrame::On));
         all.map(|frame| trace(&Tracer::with_link(&self.bare, frame))).collect()
     }
@@ -118,7 +118,7 @@ impl Frames {
     /// The poses of the links with programs of their own and of the bodies with links that share one, and the pose of
     /// such a link from that of its body.
     pub(super) fn poses(&self) -> [Graph; 2] {
-        let own = self.own().map(|link| self.frames[link]);
+        let own = self.links_with_own_program().map(|link| self.frames[link]);
         let bodies = self.shared.iter().map(|&body| BodyFrame { body, pose: Pose::identity() });
         let model = Mechanism { frames: own.chain(bodies).collect(), ..self.bare.clone() };
         [Tracer::new(&model).link_poses(), Tracer::placed_pose()]

@@ -192,7 +192,7 @@ functions! {
         shapes::velocities,
         "Joint accelerations (rad/s^2 or m/s^2) at coordinates `q` and velocities `qd` under the joint\n\
          torques or forces `tau` (N m or N), gravity included: block reverse Gaussian elimination of the\n\
-         generalized inertia matrix by inter- and intra-modular recursion.",
+         mass matrix by inter- and intra-modular recursion.",
         |t, s| t.forward_dynamics(s.elimination),
     )
         .by_default()
@@ -228,21 +228,21 @@ functions! {
     )
         .by_default()
         .packed(Packing::Limbs);
-    /// The generalized inertia matrix.
+    /// The mass matrix.
     MassMatrix "mass_matrix" = Row::one(
         &[Q],
         shapes::square,
-        "The generalized inertia matrix at `q`, an array of columns: by composite modules.",
+        "The mass matrix at `q`, an array of columns: by composite modules.",
         |t, _| t.mass_matrix(),
     )
         .by_default()
         .packed(Packing::OnRootPath)
         .hot();
-    /// The generalized inertia matrix as U D U^T by modules.
+    /// The mass matrix as U D U^T by modules.
     Brge "brge" = Row::one(
         &[Q],
         shapes::factors,
-        "The generalized inertia matrix at `q` as U D U^T by kinematic modules: block reverse\n\
+        "The mass matrix at `q` as U D U^T by kinematic modules: block reverse\n\
          Gaussian elimination.",
         |t, s| t.brge(s.layout),
     )
@@ -464,21 +464,21 @@ functions! {
     )
         .without_parameters();
     /// The time derivative of the Jacobian times the velocities.
-    JacobianRate "jacobian_rate" = Row::by_link(
+    BiasAcceleration "bias_acceleration" = Row::by_link(
         &[Q, QD],
         shapes::twist,
         "The time derivative of `jacobian`, times `qd`: the link's (classical) acceleration without\n\
          joint accelerations, in world axes; computes its chain alone.",
-        |t| t.jacobian_rate(0, Axes::World),
+        |t| t.bias_acceleration(0, Axes::World),
     )
         .without_parameters();
     /// The time derivative of the local Jacobian times the velocities.
-    LocalJacobianRate "local_jacobian_rate" = Row::by_link(
+    LocalBiasAcceleration "local_bias_acceleration" = Row::by_link(
         &[Q, QD],
         shapes::twist,
         "The time derivative of `local_jacobian`, times `qd`: the rates of the components of the link's\n\
          velocity in its own axes; computes its chain alone.",
-        |t| t.jacobian_rate(0, Axes::Link),
+        |t| t.bias_acceleration(0, Axes::Link),
     )
         .without_parameters();
     /// Coordinates behind a displacement.
@@ -501,11 +501,11 @@ functions! {
         .by_default()
         .without_parameters();
     /// Rates of the coordinates.
-    CoordinateRates "coordinate_rates" = Row::one(
+    VelocityToQdot "velocity_to_qdot" = Row::one(
         &[Q, QD],
         shapes::coordinates,
         "The rates of the coordinates: dq/dt.",
-        |t, _| t.coordinate_rates(),
+        |t, _| t.velocity_to_qdot(),
     )
         .by_default()
         .without_parameters();

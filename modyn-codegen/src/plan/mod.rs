@@ -114,12 +114,12 @@ pub enum Kernels {
         /// The program on vectors.
         simd: Program,
     },
-    /// Those of a link: one for each link with a program of its own, in the order of [`Frames::own`], then one for each
+    /// Those of a link: one for each link with a program of its own, in the order of [`Frames::links_with_own_program`], then one for each
     /// body with links that share one. The latter have the placement of the link as a further argument.
     ByLink(Vec<Program>),
     /// Those of the poses of all links, where some share a program.
     Poses {
-        /// The poses in the order of [`Frames::own`], then of the bodies with links that share a program.
+        /// The poses in the order of [`Frames::links_with_own_program`], then of the bodies with links that share a program.
         bodies: Program,
         /// The pose of such a link, from the pose of its body and the placement of the link.
         placed: Program,
@@ -207,7 +207,7 @@ impl Plan {
         let all_links = Tracer::with_parameters(&mechanism, parameters.clone());
         // Nearly no function is about links, of which there may be very many; but their inertia may be an argument.
         let tracer = match described {
-            true => Tracer::with_parameters(frames.bare(), parameters.clone()),
+            true => Tracer::with_parameters(frames.mechanism_without_links(), parameters.clone()),
             false => all_links.clone(),
         };
         let Choice { modules: eliminated, graph: forward_dynamics, candidates } =
@@ -334,7 +334,8 @@ impl Planned {
         let kernels = match row.trace {
             Trace::ByLink(trace) => {
                 let graphs = tracing.frames.kernels(|tracer| optimize(trace(tracer)));
-                let (own, shared) = graphs.split_at(tracing.frames.own().count());
+                let (own, shared) =
+                    graphs.split_at(tracing.frames.links_with_own_program().count());
                 let own = own.iter().map(|graph| program(graph, Target::Scalar));
                 let placed = scalars + Frames::PLACEMENT;
                 let shared = shared.iter().map(|graph| Program::new(graph, placed, Target::Scalar));

@@ -24,7 +24,7 @@ impl Tracer<'_> {
     }
 
     /// The accelerations from `q`, `qd`, `tau` and their derivatives by q, qd and tau, column by
-    /// column, through the factors of the GIM in this layout.
+    /// column, through the factors of the mass matrix in this layout.
     #[must_use]
     pub fn forward_dynamics_derivatives(&self, layout: &UduLayout) -> Graph {
         let Some(limbs) = self.limbs else {

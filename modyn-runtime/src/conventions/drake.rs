@@ -7,7 +7,7 @@
 //! [`QuaternionFloatingJoint`](https://github.com/RobotLocomotion/drake/blob/master/multibody/tree/quaternion_floating_joint.h):
 //! `q_FM`, `p_FM`, and `w_FM`, `v_FM`, expressed in F.
 
-use super::floating::{attitude, halves, joined, quaternion};
+use super::floating::{concatenate, halves, joint_rotation, quaternion};
 use super::{wxyz_from_xyzw, xyzw_from_wxyz};
 use crate::Scalar;
 
@@ -28,15 +28,15 @@ pub fn from_q<T: Scalar>([qw, qx, qy, qz, x, y, z]: [T; 7]) -> [T; 7] {
 /// `v` of a quaternion floating joint at the coordinates `q` (modyn's, as everywhere here).
 #[must_use]
 pub fn to_v<T: Scalar>(q: [T; 7], qd: [T; 6]) -> [T; 6] {
-    let [linear, angular] = halves(qd).map(|part| attitude(q).rotate(part));
-    joined(angular, linear)
+    let [linear, angular] = halves(qd).map(|part| joint_rotation(q).rotate(part));
+    concatenate(angular, linear)
 }
 
 /// A floating joint's velocities from `v`.
 #[must_use]
 pub fn from_v<T: Scalar>(q: [T; 7], v: [T; 6]) -> [T; 6] {
-    let [angular, linear] = halves(v).map(|part| attitude(q).conjugate().rotate(part));
-    joined(linear, angular)
+    let [angular, linear] = halves(v).map(|part| joint_rotation(q).conjugate().rotate(part));
+    concatenate(linear, angular)
 }
 
 /// `vdot` of a quaternion floating joint.
@@ -44,14 +44,14 @@ pub fn from_v<T: Scalar>(q: [T; 7], v: [T; 6]) -> [T; 6] {
 pub fn to_vdot<T: Scalar>(q: [T; 7], qd: [T; 6], qdd: [T; 6]) -> [T; 6] {
     let ([v, omega], [rate, angular]) = (halves(qd), halves(qdd));
     // omega's own rate is the same in both axes: omega x omega is zero.
-    to_v(q, joined(rate + omega.cross(v), angular))
+    to_v(q, concatenate(rate + omega.cross(v), angular))
 }
 
 /// A floating joint's accelerations from `vdot`; `qd` are modyn's velocities.
 #[must_use]
 pub fn from_vdot<T: Scalar>(q: [T; 7], qd: [T; 6], vdot: [T; 6]) -> [T; 6] {
     let ([v, omega], [linear, angular]) = (halves(qd), halves(from_v(q, vdot)));
-    joined(linear - omega.cross(v), angular)
+    concatenate(linear - omega.cross(v), angular)
 }
 
 /// `tau` of a quaternion floating joint: moment and force.

@@ -11,7 +11,7 @@ use crate::results::ConstraintSettings;
 use crate::spatial::{Twist, Wrench};
 
 /// The memory that it works in.
-type Rooms<'a, S> = (&'a mut Workspace<S>, &'a mut ConstraintWorkspace<S>);
+type Workspaces<'a, S> = (&'a mut Workspace<S>, &'a mut ConstraintWorkspace<S>);
 
 /// Closed loops: see [`Model::loop_constraints`](crate::model::Model::loop_constraints). The slices
 /// that have an entry for each loop constraint are empty for a tree.
@@ -74,7 +74,7 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// The model, the layout of its factorization and the memory for constraints.
-    fn constraints(&mut self) -> (&Mechanism<S>, &UduLayout, Rooms<'_, S>) {
+    fn constraints(&mut self) -> (&Mechanism<S>, &UduLayout, Workspaces<'_, S>) {
         let Self { mechanism, workspace, model, links, constraints, .. } = self;
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));

@@ -78,7 +78,7 @@ impl<S: Scalar> Interpreter<S> {
         qdd: &[S],
         tau: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.act((q, qd, Some(qdd)), None, tau)
+        self.required_torques((q, qd, Some(qdd)), None, tau)
     }
 
     /// The same under `forces` from outside, which take their share off the joints: one wrench for
@@ -95,10 +95,10 @@ impl<S: Scalar> Interpreter<S> {
         forces: Forces<'_, S>,
         tau: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.act((q, qd, Some(qdd)), Some(forces), tau)
+        self.required_torques((q, qd, Some(qdd)), Some(forces), tau)
     }
 
-    fn act(
+    fn required_torques(
         &mut self,
         (q, qd, qdd): (&[S], &[S], Option<&[S]>),
         forces: Option<Forces<'_, S>>,
@@ -121,7 +121,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If a slice does not have the model's length.
     pub fn bias_forces(&mut self, q: &[S], qd: &[S], tau: &mut [S]) -> Result<(), ShapeError> {
-        self.act((q, qd, None), None, tau)
+        self.required_torques((q, qd, None), None, tau)
     }
 
     /// The joint torques that hold the robot still, into `tau`.

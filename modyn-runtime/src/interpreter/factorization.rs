@@ -12,12 +12,12 @@ use crate::model::ModuleTree;
 
 impl<S: Scalar> Interpreter<S> {
     /// The factorization I = U D U^T by modules at `q`, (35)-(49). Allocates its result; to use
-    /// the memory of an earlier one again, see [`Brge::update`].
+    /// the memory of an earlier one again, see [`UduFactorization::update`].
     ///
     /// # Errors
     ///
     /// If `q` does not have the model's length.
-    pub fn brge(&self, q: &[S]) -> Result<Brge<S>, ShapeError> {
+    pub fn brge(&self, q: &[S]) -> Result<UduFactorization<S>, ShapeError> {
         check("q", q, self.model.nq())?;
         let layout = UduLayout::new(&self.mechanism, &self.modules);
         let factors = vec![S::zero(); layout.size()];
@@ -25,7 +25,7 @@ impl<S: Scalar> Interpreter<S> {
         let modules = self.modules.clone();
         let structure = self.mechanism.structure().collect();
         let (nq, n) = (self.model.nq(), self.model.nv());
-        let mut brge = Brge { modules, layout, factors, workspace, structure, nq, n };
+        let mut brge = UduFactorization { modules, layout, factors, workspace, structure, nq, n };
         brge.factorize(self, q);
         Ok(brge)
     }
@@ -37,7 +37,7 @@ impl<S: Scalar> Interpreter<S> {
 /// returns a vector or matrix allocates it, and [`condition_number`](Self::condition_number) a
 /// copy of its block.
 #[derive(Clone, Debug)]
-pub struct Brge<S = f64> {
+pub struct UduFactorization<S = f64> {
     modules: ModuleTree,
     layout: UduLayout,
     factors: Vec<S>,
@@ -48,7 +48,7 @@ pub struct Brge<S = f64> {
     n: usize,
 }
 
-impl<S: Scalar> Brge<S> {
+impl<S: Scalar> UduFactorization<S> {
     /// Factorizes anew at another `q`, in the memory that is there.
     ///
     /// # Errors

@@ -61,7 +61,7 @@ impl<S: fmt::Debug + fmt::Display + fmt::LowerExp + 'static> core::error::Error
 
 /// The two inertias that a link has at run time.
 #[derive(Clone, Copy, Debug)]
-enum Part {
+enum InertialKind {
     /// Its own.
     Own,
     /// The one added to it.
@@ -121,7 +121,7 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
     }
 
     /// Sums up the inertias of the bodies.
-    fn enter(&mut self, mechanism: &mut Mechanism<S>) {
+    fn update_bodies(&mut self, mechanism: &mut Mechanism<S>) {
         for (body, (inertia, base_inertia)) in mechanism.bodies.iter_mut().zip(&self.described) {
             (body.inertia, body.base_inertia) = (*inertia, *base_inertia);
         }
@@ -147,7 +147,7 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
     }
 
     /// The first entry of qd, from the leaves, that feels no inertia any more.
-    fn unfelt(&mut self, mechanism: &Mechanism<S>) -> Option<usize> {
+    fn first_singular(&mut self, mechanism: &Mechanism<S>) -> Option<usize> {
         let Self { felt, pivots, workspace, .. } = self;
         singular::pivots(mechanism, epsilon(), workspace, pivots);
         let positive = |v: usize| pivots[v].partial_cmp(&S::zero()) == Some(Ordering::Greater);
@@ -172,7 +172,7 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         frame: usize,
         inertial: &Inertial<S>,
     ) -> Result<(), InertialError<S>> {
-        self.set_part(frame, Part::Own, inertial)
+        self.set_inertial_of_kind(frame, InertialKind::Own, inertial)
     }
 
     /// Adds an inertia to link `frame` of the description (an index into [`Model::frames`]), in the link's frame, in place
@@ -186,13 +186,13 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         frame: usize,
         payload: &Inertial<S>,
     ) -> Result<(), InertialError<S>> {
-        self.set_part(frame, Part::Payload, payload)
+        self.set_inertial_of_kind(frame, InertialKind::Payload, payload)
     }
 
-    fn set_part(
+    fn set_inertial_of_kind(
         &mut self,
         frame: usize,
-        part: Part,
+        part: InertialKind,
         inertial: &Inertial<S>,
     ) -> Result<(), InertialError<S>> {
         let count = self.model.frames().len();
@@ -205,14 +205,14 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         let Self { model, mechanism, inertias, .. } = self;
         let inertias = inertias.get_or_insert_with(|| Inertias::new(model, mechanism));
         let at = match part {
-            Part::Own => 1,
-            Part::Payload => 2,
+            InertialKind::Own => 1,
+            InertialKind::Payload => 2,
         };
         let before = core::mem::replace(&mut inertias.links[frame][at], *inertial);
-        inertias.enter(mechanism);
-        let Some(v) = inertias.unfelt(mechanism) else { return Ok(()) };
+        inertias.update_bodies(mechanism);
+        let Some(v) = inertias.first_singular(mechanism) else { return Ok(()) };
         inertias.links[frame][at] = before;
-        inertias.enter(mechanism);
+        inertias.update_bodies(mechanism);
         let moves =
             |link: &usize| model.mimic(*link).is_none() && model.v_range(*link).contains(&v);
         let link = (0..model.links().len()).find(moves);

@@ -1,6 +1,6 @@
 //! Spherical joints: any rotation, by a unit quaternion and the angular velocity behind the joint.
 
-use super::{Carried, JointOffset};
+use super::{JointOffset, ParentMotion};
 use crate::Scalar;
 use crate::spatial::{Axis, Field, Matrix3, Quaternion, Vector3};
 
@@ -13,7 +13,7 @@ pub(super) fn rotation<S: Scalar>(zero: JointOffset<S>, quaternion: [S; 4]) -> M
 }
 
 pub(super) fn accelerate<S: Scalar>(
-    Carried { omega, alpha, a }: Carried<S>,
+    ParentMotion { omega, alpha, a }: ParentMotion<S>,
     rates: &[S],
     accelerations: Option<&[S]>,
 ) -> Field<S> {
@@ -22,5 +22,5 @@ pub(super) fn accelerate<S: Scalar>(
     if let Some(own) = accelerations {
         alpha += Vector3([own[0], own[1], own[2]]);
     }
-    Field { a, ..Field::turning(omega + rate, alpha) }
+    Field { a, ..Field::rotating(omega + rate, alpha) }
 }

@@ -2,13 +2,11 @@
 //!
 //! Each instruction set has a file of its own with its vectors, and one function that is compiled for
 //! it. The vectors can't be named from outside: they reach generic code as the type parameter of
-//! [`Work::run`] only, which is called only where the processor has what they need, so that their
+//! [`BatchTask::run`] only, which is called only where the processor has what they need, so that their
 //! operations need no proof each time. All of it is inlined into that one function: what were
 //! not would lose the instruction set, and with it the speed. (A function that has the instruction set itself,
 //! as `fused` has, loses nothing but the call.)
 
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-mod abreast;
 #[cfg(target_arch = "x86_64")]
 #[allow(dead_code)] // Left out where the program counts on more.
 mod avx2;
@@ -20,6 +18,8 @@ mod level;
 mod neon;
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod pair;
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+mod simd;
 mod single;
 #[cfg(target_arch = "x86_64")]
 #[allow(dead_code)] // Left out where the program counts on more.
@@ -28,8 +28,8 @@ mod sse2;
 mod vector;
 
 use crate::Scalar;
-use crate::scalar::abreast::Abreast;
-pub use crate::scalar::abreast::Part;
+pub use crate::scalar::simd::Chunk;
+use crate::scalar::simd::SimdTask;
 use crate::scalar::trig::Precision;
 pub use level::{SimdLevel, force_level, level};
 
@@ -47,7 +47,7 @@ pub trait Lanes: Scalar {
 
     /// Does part of the work in a function of its own, compiled for the same instructions: what is too
     /// long for one takes the compiler more than linear time.
-    fn outlined<P: Part>(part: P) -> P::Output;
+    fn outlined<P: Chunk>(part: P) -> P::Output;
 
     /// The numbers from `from` on.
     ///
@@ -74,37 +74,37 @@ pub trait Lanes: Scalar {
 pub trait Float: Scalar + Precision + Send + Sync {
     /// Runs `work` on as many lanes as the processor has.
     #[doc(hidden)]
-    fn dispatch(work: impl Work<Self>);
+    fn dispatch(work: impl BatchTask<Self>);
 }
 
 /// What can be done on any lanes. Its `run` must be `#[inline(always)]`, and all that it calls.
 #[doc(hidden)]
-pub trait Work<F> {
+pub trait BatchTask<F> {
     /// Does it.
     fn run<L: Lanes<Lane = F>>(self);
 }
 
 /// Most lanes of any vector.
-pub(crate) const MOST_LANES: usize = 16;
+pub(crate) const MAX_LANES: usize = 16;
 
 macro_rules! dispatch {
-    ($($float:ident by $abreast:ident)*) => {$(
+    ($($float:ident by $run_simd:ident)*) => {$(
         /// Runs `work` on the best vectors for numbers of one state, or without. There is no way on SSE2: it
         /// would be as much work for rustc as each of the others, and gains little by two lanes. Where the
         /// program counts on AVX2, there is no way without.
         #[inline]
         #[allow(unsafe_code)] // Calls of functions for the instructions found to be there.
-        pub(crate) fn $abreast<W: Abreast<$float>>(work: W) -> W::Output {
+        pub(crate) fn $run_simd<W: SimdTask<$float>>(work: W) -> W::Output {
             // Few lanes gain nothing by longer vectors.
             #[cfg(target_arch = "x86_64")]
             if cfg!(all(target_feature = "avx2", target_feature = "fma")) || level() >= SimdLevel::Avx2 {
                 // SAFETY: the program counts on AVX2 and FMA, or `level` has found them; AVX-512 includes both.
-                return unsafe { avx2::$abreast(work) };
+                return unsafe { avx2::$run_simd(work) };
             }
             // All code fuses products there, and nothing is gained for numbers alone.
             #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-            if W::SIDE_BY_SIDE {
-                return neon::$abreast(work);
+            if W::HAS_PACKS {
+                return neon::$run_simd(work);
             }
             work.scalar()
         }
@@ -112,7 +112,7 @@ macro_rules! dispatch {
         impl Float for $float {
             #[inline]
             #[allow(unsafe_code)] // Calls of functions for the instructions found to be there.
-            fn dispatch(work: impl Work<Self>) {
+            fn dispatch(work: impl BatchTask<Self>) {
                 match level() {
                     // SAFETY: `level` names what the processor has.
                     #[cfg(target_arch = "x86_64")]
@@ -131,7 +131,7 @@ macro_rules! dispatch {
     )*};
 }
 
-dispatch!(f64 by abreast_f64 f32 by abreast_f32);
+dispatch!(f64 by run_simd_f64 f32 by run_simd_f32);
 
 #[cfg(test)]
 mod tests;

@@ -201,7 +201,7 @@ impl<'a, S: Scalar, T: BodyTree<S>, const N: usize> RootwardAccumulator<'a, S, T
 
     /// The numbers at `parent`, of those that are `carried` to it from `body` and of the lanes that are
     /// added there.
-    pub(crate) fn onto(&mut self, body: usize, parent: usize, carried: [S; N]) -> [S; N] {
+    pub(crate) fn accumulate(&mut self, body: usize, parent: usize, carried: [S; N]) -> [S; N] {
         let tree = self.tree;
         if let Some(parents) = tree.parents(body) {
             self.limbs = Some((parents, carried));

@@ -82,12 +82,12 @@ impl core::error::Error for ModelError {}
 
 /// Every defect of `model` without loop constraints: of the whole, then links, then frames.
 pub(super) fn check(model: &Model) -> Vec<ModelError> {
-    let mut errors = check_whole(model);
+    let mut errors = check_model(model);
     let mut report = |name: &str, kind| errors.push(ModelError { name: name.into(), kind });
     if model.links.is_empty() {
         report(&model.name, ModelErrorKind::NoJoint);
     }
-    let leads = lead_somewhere(model);
+    let leads = resolves_to_coordinates(model);
     let mut joints = BTreeMap::new();
     let mut names = BTreeMap::new();
     // The links on the path from the root to the one before: a depth-first successor hangs on one of them.
@@ -175,7 +175,7 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
 }
 
 /// Every defect of the figures that are the whole `model`'s.
-pub(super) fn check_whole(model: &Model) -> Vec<ModelError> {
+pub(super) fn check_model(model: &Model) -> Vec<ModelError> {
     let sound = match model.friction {
         Friction::Smooth(width) => width > 0.0 && width.is_finite(),
         _ => true,
@@ -224,7 +224,7 @@ pub(super) fn check_loop_constraints(model: &Model) -> Vec<ModelError> {
 
 /// By link: whether its joint has coordinates of its own, or follows, at last, one that has. Every
 /// mimic is followed once.
-fn lead_somewhere(model: &Model) -> Vec<bool> {
+fn resolves_to_coordinates(model: &Model) -> Vec<bool> {
     let single = |i: usize| model.links.get(i).is_some_and(|link| link.joint.joint_type.nq() == 1);
     let mut known: Vec<Option<bool>> = alloc::vec![None; model.links.len()];
     for start in 0..model.links.len() {

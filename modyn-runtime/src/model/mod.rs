@@ -41,12 +41,12 @@ pub struct Model {
     loop_constraints: Vec<LoopConstraint>,
     /// By link: where its joint's coordinates and velocities stand.
     #[cfg_attr(feature = "serde", serde(skip))]
-    places: Vec<Place>,
+    joint_indices: Vec<JointIndices>,
 }
 
 /// Where a joint stands in the joint vectors, or how it follows the one that does.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Place {
+struct JointIndices {
     q: Range<usize>,
     v: Range<usize>,
     /// Resolved through chains of mimics: the leader has coordinates of its own.
@@ -72,35 +72,37 @@ impl Model {
         frames: Vec<Frame>,
     ) -> Result<Self, Vec<ModelError>> {
         let friction = Friction::None;
-        let (loop_constraints, places) = (Vec::new(), Vec::new());
+        let (loop_constraints, joint_indices) = (Vec::new(), Vec::new());
         let name = name.into();
-        let mut model = Self { name, gravity, friction, links, frames, loop_constraints, places };
+        let mut model =
+            Self { name, gravity, friction, links, frames, loop_constraints, joint_indices };
         let errors = error::check(&model);
         if !errors.is_empty() {
             return Err(errors);
         }
-        model.places = model.placed();
+        model.joint_indices = model.joint_indices();
         Ok(model)
     }
 
     /// Where the joints stand in the joint vectors.
-    fn placed(&self) -> Vec<Place> {
-        let mut places: Vec<Place> = Vec::with_capacity(self.links.len());
+    fn joint_indices(&self) -> Vec<JointIndices> {
+        let mut joint_indices: Vec<JointIndices> = Vec::with_capacity(self.links.len());
         let (mut q, mut v) = (0, 0);
         for link in &self.links {
             let own = link.joint.mimic.is_none();
             let joint_type = link.joint.joint_type;
             let (nq, nv) = if own { (joint_type.nq(), joint_type.nv()) } else { (0, 0) };
-            places.push(Place { q: q..q + nq, v: v..v + nv, mimic: None });
+            joint_indices.push(JointIndices { q: q..q + nq, v: v..v + nv, mimic: None });
             (q, v) = (q + nq, v + nv);
         }
         for (i, mimic) in self.resolved_mimics().into_iter().enumerate() {
             if let Some(mimic) = mimic {
                 // A leader that is followed at last has a place of its own.
-                places[i] = Place { mimic: Some(mimic), ..places[mimic.leader].clone() };
+                joint_indices[i] =
+                    JointIndices { mimic: Some(mimic), ..joint_indices[mimic.leader].clone() };
             }
         }
-        places
+        joint_indices
     }
 
     /// By link: how its joint follows one that has coordinates of its own. Every mimic is followed
@@ -136,7 +138,7 @@ impl Model {
     /// If friction is to be smoothed by what is no velocity above zero.
     pub fn with_friction(mut self, friction: Friction) -> Result<Self, Vec<ModelError>> {
         self.friction = friction;
-        let errors = error::check_whole(&self);
+        let errors = error::check_model(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
@@ -147,7 +149,7 @@ impl Model {
     /// If it is not finite.
     pub fn with_gravity(mut self, gravity: [f64; 3]) -> Result<Self, Vec<ModelError>> {
         self.gravity = gravity;
-        let errors = error::check_whole(&self);
+        let errors = error::check_model(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
@@ -220,45 +222,45 @@ impl Model {
     /// Length of the coordinate vector q.
     #[must_use]
     pub fn nq(&self) -> usize {
-        self.places.iter().map(|place| place.q.end).max().unwrap_or(0)
+        self.joint_indices.iter().map(|place| place.q.end).max().unwrap_or(0)
     }
 
     /// Length of the velocity vector qd: the degrees of freedom.
     #[must_use]
     pub fn nv(&self) -> usize {
-        self.places.iter().map(|place| place.v.end).max().unwrap_or(0)
+        self.joint_indices.iter().map(|place| place.v.end).max().unwrap_or(0)
     }
 
     /// The entries of q that belong to the joint of moving link `link`: its leader's for a joint that
     /// mimics, none if there is no such link.
     #[must_use]
     pub fn q_range(&self, link: usize) -> Range<usize> {
-        self.places.get(link).map_or(0..0, |place| place.q.clone())
+        self.joint_indices.get(link).map_or(0..0, |place| place.q.clone())
     }
 
     /// The entries of qd, and of tau, that belong to the joint of moving link `link`: its leader's for a
     /// joint that mimics, none if there is no such link.
     #[must_use]
     pub fn v_range(&self, link: usize) -> Range<usize> {
-        self.places.get(link).map_or(0..0, |place| place.v.clone())
+        self.joint_indices.get(link).map_or(0..0, |place| place.v.clone())
     }
 
     /// How the joint of link `link` follows one that has a coordinate of its own, chains of mimics
     /// resolved; `None` if it has its own, or if there is no such link.
     #[must_use]
     pub fn mimic(&self, link: usize) -> Option<Mimic> {
-        self.places.get(link).and_then(|place| place.mimic)
+        self.joint_indices.get(link).and_then(|place| place.mimic)
     }
 
     /// Whether a joint follows another one.
     #[must_use]
     pub fn has_mimics(&self) -> bool {
-        self.places.iter().any(|place| place.mimic.is_some())
+        self.joint_indices.iter().any(|place| place.mimic.is_some())
     }
 
     /// The quaternions in q: the name of the joint of each, and the entry of q that it begins at.
     pub fn quaternions(&self) -> impl Iterator<Item = (&str, usize)> + '_ {
-        self.links.iter().zip(&self.places).filter_map(|(link, place)| {
+        self.links.iter().zip(&self.joint_indices).filter_map(|(link, place)| {
             let first = match link.joint.joint_type {
                 JointType::Spherical => 0,
                 JointType::Floating => 3,

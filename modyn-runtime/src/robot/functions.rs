@@ -35,7 +35,7 @@ macro_rules! robot_functions {
             mass_matrix / mass_matrix_with(q: &Self::Q<T>) -> Self::M<T>, if MassMatrix;
 
             /// The mass matrix as U D U^T by modules.
-            brge / brge_with(q: &Self::Q<T>) -> Self::Brge<T>, if Brge;
+            brge / brge_with(q: &Self::Q<T>) -> Self::UduFactorization<T>, if Brge;
 
             /// Kinetic energy, J.
             kinetic_energy / kinetic_energy_with(
@@ -202,19 +202,19 @@ macro_rules! robot_functions {
 
             /// The time derivative of [`jacobian`](Self::jacobian), times `qd`: the link's (classical)
             /// acceleration without joint accelerations.
-            jacobian_rate(
+            bias_acceleration(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 link: Self::Link
-            ) -> Twist<T>, if JacobianRate;
+            ) -> Twist<T>, if BiasAcceleration;
 
             /// The time derivative of [`local_jacobian`](Self::local_jacobian), times `qd`: the rates of the
             /// velocity's components in the link's own axes.
-            local_jacobian_rate(
+            local_bias_acceleration(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 link: Self::Link
-            ) -> Twist<T>, if LocalJacobianRate;
+            ) -> Twist<T>, if LocalBiasAcceleration;
 
             /// The coordinates behind a displacement `v` (a velocity times a time) from `q`.
             integrate(q: &Self::Q<T>, v: &Self::V<T>) -> Self::Q<T>, if Integrate;
@@ -223,7 +223,7 @@ macro_rules! robot_functions {
             difference(from: &Self::Q<T>, to: &Self::Q<T>) -> Self::V<T>, if Difference;
 
             /// The rates of the coordinates: dq/dt.
-            coordinate_rates(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::Q<T>, if CoordinateRates;
+            velocity_to_qdot(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::Q<T>, if VelocityToQdot;
 
             /// The same coordinates, quaternions of unit length.
             normalize(q: &Self::Q<T>) -> Self::Q<T>, if Normalize;

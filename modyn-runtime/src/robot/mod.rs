@@ -82,7 +82,7 @@ pub trait Robot {
     /// The regressor's columns.
     type Regressor<T: Scalar>: Array<Self::V<T>>;
     /// The factorization by modules.
-    type Brge<T: Scalar>: Factorization<T, V = Self::V<T>, M = Self::M<T>>;
+    type UduFactorization<T: Scalar>: Factorization<T, V = Self::V<T>, M = Self::M<T>>;
 
     robot_functions!(declare_functions);
 

@@ -1,6 +1,6 @@
 //! What some processors have instructions for, and `core` has no function.
 
-pub(super) use crate::lanes::{abreast_f32, abreast_f64};
+pub(super) use crate::lanes::{run_simd_f32, run_simd_f64};
 // An instruction where there is one; `root` computes the same without.
 pub(super) use libm::{sqrt as sqrt_f64, sqrtf as sqrt_f32};
 

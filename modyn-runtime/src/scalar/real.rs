@@ -2,7 +2,7 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::abreast::Abreast;
+use super::simd::SimdTask;
 
 /// A real number as the equations need it.
 ///
@@ -89,7 +89,7 @@ pub trait Scalar:
     /// Does `work` on vectors if there are some for such numbers.
     #[doc(hidden)]
     #[inline]
-    fn abreast<W: Abreast<Self>>(work: W) -> W::Output {
+    fn run_simd<W: SimdTask<Self>>(work: W) -> W::Output {
         work.scalar()
     }
 }

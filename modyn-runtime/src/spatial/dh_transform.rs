@@ -97,19 +97,21 @@ impl<S: Scalar> DhTransform<S> {
     /// Moments of velocities against the joint's frame, at the parent.
     #[must_use]
     pub fn velocities_to_parent(&self, v: &VelocityMoments<S>) -> VelocityMoments<S> {
-        v.turned(self.tilt, Axis::X).shifted(self.translation).turned(self.azimuth, Axis::Z)
+        v.rotated_about(self.tilt, Axis::X)
+            .shifted(self.translation)
+            .rotated_about(self.azimuth, Axis::Z)
     }
 
     /// An articulated inertia at the joint's frame, at the parent: A^T M A.
     #[must_use]
     pub fn articulated_to_parent(&self, i: &ArticulatedInertia<S>) -> ArticulatedInertia<S> {
-        let tilted = i.turned(self.tilt, Axis::X).shifted(self.translation);
-        tilted.turned(self.azimuth, Axis::Z)
+        let tilted = i.rotated_about(self.tilt, Axis::X).shifted(self.translation);
+        tilted.rotated_about(self.azimuth, Axis::Z)
     }
 
     /// The axes of the parent's frame (as columns, in some third frame) turned to the joint's.
     #[must_use]
-    pub fn turn_axes(&self, axes: &Matrix3<S>) -> Matrix3<S> {
+    pub fn rotate_axes(&self, axes: &Matrix3<S>) -> Matrix3<S> {
         self.tilt.columns(Axis::X, &self.azimuth.columns(Axis::Z, axes))
     }
 

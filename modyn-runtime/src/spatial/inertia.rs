@@ -204,7 +204,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
 
     /// The inertia in turned axes.
     #[must_use]
-    pub fn turned(&self, turn: AxisRotation<S>, about: Axis) -> Self {
+    pub fn rotated_about(&self, turn: AxisRotation<S>, about: Axis) -> Self {
         Self {
             rotational: turn.symmetric(about, &self.rotational),
             coupling: turn.matrix(about, &self.coupling),

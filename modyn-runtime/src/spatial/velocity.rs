@@ -7,7 +7,7 @@ use crate::Scalar;
 /// of points at x about a frame's origin in its axes: what Coriolis forces on a composite depend
 /// on, in 12 numbers.
 ///
-/// The rates x' are against the frame or against fixed axes, as the user has it; [`spun`](Self::spun)
+/// The rates x' are against the frame or against fixed axes, as the user has it; [`with_angular_velocity`](Self::with_angular_velocity)
 /// goes from the former to the latter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VelocityMoments<S> {
@@ -33,7 +33,7 @@ impl<S: Scalar> VelocityMoments<S> {
 
     /// The same points, of inertia `body`, with half of `twice_omega` x x added to their velocities.
     #[must_use]
-    pub fn spun(&self, twice_omega: Vector3<S>, body: &RigidInertia<S>) -> Self {
+    pub fn with_angular_velocity(&self, twice_omega: Vector3<S>, body: &RigidInertia<S>) -> Self {
         let s = body.second_moment.full();
         let columns = [0, 1, 2].map(|j| twice_omega.cross(s.column(j)).0);
         Self {
@@ -44,7 +44,7 @@ impl<S: Scalar> VelocityMoments<S> {
 
     /// The same points, of inertia `body`, with half of `twice` added to their velocities.
     #[must_use]
-    pub fn slid(&self, twice: Vector3<S>, body: &RigidInertia<S>) -> Self {
+    pub fn with_linear_velocity(&self, twice: Vector3<S>, body: &RigidInertia<S>) -> Self {
         Self {
             first: self.first + twice.scale(body.mass),
             second: self.second + Matrix3::outer(twice, body.first_moment),
@@ -59,7 +59,7 @@ impl<S: Scalar> VelocityMoments<S> {
 
     /// The moments in turned axes.
     #[must_use]
-    pub fn turned(&self, turn: AxisRotation<S>, about: Axis) -> Self {
+    pub fn rotated_about(&self, turn: AxisRotation<S>, about: Axis) -> Self {
         Self { first: turn.vector(about, self.first), second: turn.matrix(about, &self.second) }
     }
 

@@ -21,7 +21,7 @@ const SMALL: f64 = 1e-3;
 /// A link of less than this share of the robot's mass.
 const LIGHT: f64 = 1e-6;
 /// A link that carries more than so many times its own mass (elimination loses digits then).
-const CARRIES: f64 = 1e4;
+const MAX_CARRIED_RATIO: f64 = 1e4;
 /// So many links with one and the same inertia, whatever they weigh.
 const REPEATED: usize = 3;
 
@@ -72,7 +72,7 @@ pub fn about(model: &Model) -> Vec<Advice> {
         // What is carried is a matter of the moving body; of its links the first one tells.
         let body = frame.link.filter(|&link| model.links()[link].name == frame.name);
         if let Some(link) = body
-            && carried[link] > CARRIES * model.links()[link].inertial.mass
+            && carried[link] > MAX_CARRIED_RATIO * model.links()[link].inertial.mass
         {
             say(format!(
                 "it carries {:.4} kg, with {:.1e} kg of its own: simulation needs small steps, and single precision \

@@ -1,4 +1,4 @@
-//! Which entries of the inertia matrix and of its factors U and D are zero, whatever the coordinates.
+//! Which entries of the mass matrix and of its factors U and D are zero, whatever the coordinates.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
@@ -10,14 +10,14 @@ use crate::command::random::Random;
 const STATES: usize = 4;
 
 /// The largest robot that it is found and drawn for.
-const MOST_VELOCITIES: usize = 400;
+const MAX_VELOCITIES: usize = 400;
 
 /// By columns: whether an entry is not zero.
 pub struct Sparsity {
     /// Rows and columns.
     pub n: usize,
-    /// Of the generalized inertia matrix.
-    pub gim: Vec<bool>,
+    /// Of the mass matrix.
+    pub mass_matrix: Vec<bool>,
     /// Of U.
     pub u: Vec<bool>,
     /// Of D.
@@ -28,14 +28,14 @@ impl Sparsity {
     /// Of this robot, by these modules.
     pub fn of(model: &Model, modules: &ModuleTree) -> Result<Self, Failure> {
         let n = model.nv();
-        if n > MOST_VELOCITIES {
+        if n > MAX_VELOCITIES {
             let why = format!("error: a robot of {n} velocities is too large to draw");
-            return Err(Failure::usage(format!("{why}; {MOST_VELOCITIES} are the most")));
+            return Err(Failure::usage(format!("{why}; {MAX_VELOCITIES} are the most")));
         }
         let wrong = |error: &dyn std::fmt::Display| Failure::usage(format!("error: {error}"));
         let interpreter = Interpreter::<f64>::with_modules(model.clone(), modules.clone());
         let mut interpreter = interpreter.map_err(|error| wrong(&error))?;
-        let mut found = Self { n, gim: vec![], u: vec![], d: vec![] };
+        let mut found = Self { n, mass_matrix: vec![], u: vec![], d: vec![] };
         let mut q = vec![0.0; model.nq()];
         let mut matrix = vec![0.0; n * n];
         let mut random = Random::new(0);
@@ -43,7 +43,7 @@ impl Sparsity {
             interpreter.random(|| random.uniform(), &mut q).map_err(|error| wrong(&error))?;
             interpreter.mass_matrix(&q, &mut matrix).map_err(|error| wrong(&error))?;
             let factors = interpreter.brge(&q).map_err(|error| wrong(&error))?;
-            mark(&mut found.gim, &matrix);
+            mark(&mut found.mass_matrix, &matrix);
             mark(&mut found.u, &factors.u());
             mark(&mut found.d, &factors.d());
         }

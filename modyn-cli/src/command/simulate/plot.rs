@@ -10,7 +10,7 @@ use plotters::prelude::*;
 
 use super::motion::{Motion, Sample};
 use super::units::{self, Kind};
-use crate::command::figure::figure;
+use crate::command::numbers::four_digits;
 use crate::command::outcome::Failure;
 
 /// Curves that can be told apart in one panel: by their dashes, and by colour (Okabe and Ito).
@@ -27,7 +27,7 @@ const PANEL: (u32, u32) = (640, 300);
 const POINTS: usize = 500;
 
 /// Figures beyond this are left out.
-const LARGEST: f64 = 1e100;
+const MAX_VALUE: f64 = 1e100;
 
 /// A panel's curves.
 struct Panel {
@@ -182,10 +182,10 @@ fn draw_panel(
 
 /// Whether a figure can be drawn: axes and dashes have no end otherwise.
 fn drawn(x: f64) -> bool {
-    x.abs() < LARGEST
+    x.abs() < MAX_VALUE
 }
 
 /// A figure at an axis, where what is left of zero is none.
 fn label(y: f64) -> String {
-    figure(if y.abs() < 1e-12 { 0.0 } else { y })
+    four_digits(if y.abs() < 1e-12 { 0.0 } else { y })
 }

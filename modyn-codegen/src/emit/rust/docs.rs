@@ -82,7 +82,7 @@ pub(super) fn robot(text: &mut String, robot: &Robot<'_>, operations: &[(&str, O
             let warning = Diagnostic { file: None, ..warning.clone() };
             let _ = writeln!(lines, "{warning}");
         }
-        if let Some(more) = Diagnostics::more(warnings.len()) {
+        if let Some(more) = Diagnostics::count_hidden(warnings.len()) {
             let _ = writeln!(lines, "{more}");
         }
         lines.push_str("```\n");

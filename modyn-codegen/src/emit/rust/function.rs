@@ -1,6 +1,6 @@
 //! A program as the text of straight-line Rust functions.
 //!
-//! Scopes become blocks, `let (live, ...) = { ... };`, and chunks functions (`name_part0` and so on) that return the
+//! Scopes become blocks, `let (live, ...) = { ... };`, and chunks functions (`name_chunk0` and so on) that return the
 //! values that others read; the last chunk has the function's own name.
 
 use std::cell::{Cell, OnceCell};
@@ -59,9 +59,9 @@ struct VectorType {
 /// The types of `V`.
 const VECTORS: [VectorType; 4] = [
     VectorType { lanes: 1, name: "A", of: "One", bound: "Scalar" },
-    VectorType { lanes: 2, name: "B", of: "Two", bound: "batch::Beside<A, 2>" },
-    VectorType { lanes: 4, name: "C", of: "Four", bound: "batch::Beside<A, 4>" },
-    VectorType { lanes: 8, name: "D", of: "Eight", bound: "batch::Beside<A, 8>" },
+    VectorType { lanes: 2, name: "B", of: "Two", bound: "batch::Pack<A, 2>" },
+    VectorType { lanes: 4, name: "C", of: "Four", bound: "batch::Pack<A, 4>" },
+    VectorType { lanes: 8, name: "D", of: "Eight", bound: "batch::Pack<A, 8>" },
 ];
 
 /// The number of vector types that a function for [`Target::Simd`] has before `V` among its parameters.
@@ -110,16 +110,16 @@ impl Printer<'_> {
         for (k, chunk) in parts.iter().enumerate() {
             self.part.set(chunk.statements.start);
             if k + 1 == parts.len() {
-                self.last_part(&mut text, chunk, &parts[..k]);
+                self.entry_chunk(&mut text, chunk, &parts[..k]);
             } else {
-                self.part(&mut text, k, chunk);
+                self.chunk(&mut text, k, chunk);
             }
         }
         text
     }
 
     /// The last chunk, which has the function's name, calls the others, and has the result.
-    fn last_part(&self, text: &mut String, chunk: &Chunk, others: &[Chunk]) {
+    fn entry_chunk(&self, text: &mut String, chunk: &Chunk, others: &[Chunk]) {
         let target = self.program.target;
         let (bounds, returned) = match target {
             Target::Scalar => ("T: __modyn::Scalar".into(), self.result.type_of("T")),
@@ -127,7 +127,8 @@ impl Printer<'_> {
             Target::Simd => {
                 let of = self.vectors().map(|kind| format!("{} = {}", kind.of, kind.name));
                 let of = of.collect::<Vec<_>>().join(", ");
-                let bounds = format!("{}, V: __modyn::batch::Vectors<{of}>", self.vector_bounds());
+                let bounds =
+                    format!("{}, V: __modyn::batch::SimdBackend<{of}>", self.vector_bounds());
                 (bounds, self.result.type_of("V::Number"))
             }
         };
@@ -151,10 +152,10 @@ impl Printer<'_> {
     }
 
     /// Another chunk, which returns the values that others read.
-    fn part(&self, text: &mut String, k: usize, chunk: &Chunk) {
-        let name = format!("{}_part{k}", self.name);
+    fn chunk(&self, text: &mut String, k: usize, chunk: &Chunk) {
+        let name = format!("{}_chunk{k}", self.name);
         let handed = chunk.live_in.iter().map(|&part| {
-            format!("part{part}: &{}", self.types(&self.program.chunks[part].live_out))
+            format!("chunk{part}: &{}", self.types(&self.program.chunks[part].live_out))
         });
         let inputs: Vec<String> = self.inputs().into_iter().chain(handed).collect();
         let returned = self.types(&chunk.live_out);
@@ -186,7 +187,7 @@ impl Printer<'_> {
         fields.push(format!("of: ::core::marker::PhantomData<({own},)>"));
         format!(
             "struct {kind}<'a, {bounds}> {{ {} }}\n\
-             impl<{bounds}> __modyn::batch::Part for {kind}<'_, {own}> {{\n\
+             impl<{bounds}> __modyn::batch::Chunk for {kind}<'_, {own}> {{\n\
              type Output = {returned};\n\
              #[inline(always)]\nfn run(self) -> {returned} {{\n    let Self {{ {}, .. }} = self;\n",
             fields.join(", "),
@@ -230,11 +231,11 @@ impl Printer<'_> {
             }
             let scalar = self.program.target == Target::Scalar;
             let name = |part: &usize| match scalar {
-                true => format!("&part{part}"),
-                false => format!("part{part}: &part{part}"),
+                true => format!("&chunk{part}"),
+                false => format!("chunk{part}: &chunk{part}"),
             };
             arguments.extend(chunk.live_in.iter().map(name));
-            let (name, arguments) = (format!("{}_part{k}", self.name), arguments.join(", "));
+            let (name, arguments) = (format!("{}_chunk{k}", self.name), arguments.join(", "));
             let (by, own) = match self.program.target {
                 Target::Simd => ("V", self.vector_names()),
                 Target::Scalar | Target::Batch => ("T", "T".into()),
@@ -245,7 +246,7 @@ impl Printer<'_> {
                 let part = format!("{}::<'_, {own}>", helper_type(&name));
                 format!("{by}::outlined({part} {{ {arguments}, of: ::core::marker::PhantomData }})")
             };
-            let _ = writeln!(text, "    let part{k} = {call};");
+            let _ = writeln!(text, "    let chunk{k} = {call};");
         }
     }
 
@@ -341,12 +342,12 @@ impl Printer<'_> {
             Operation::Absolute(a) => call("abs", &[*a]),
             Operation::Maximum(a, b) => call("max", &[*a, *b]),
             Operation::Select(a, b, c) => call("select_nonnegative", &[*a, *b, *c]),
-            Operation::Pack(lanes) => format!("{kind}::beside([{}])", self.all(lanes)),
+            Operation::Pack(lanes) => format!("{kind}::pack([{}])", self.all(lanes)),
             Operation::Constants(lanes) => {
                 let lanes: Vec<String> = lanes.iter().map(|&lane| number(lane)).collect();
                 format!("{kind}::constants([{}])", lanes.join(", "))
             }
-            Operation::Unpack(a) => format!("{}::apart({})", self.kind(a.lanes), t(a)),
+            Operation::Unpack(a) => format!("{}::unpack({})", self.kind(a.lanes), t(a)),
             Operation::Call(Call { routine, repetition, own, common }) => {
                 let name = self.routine_name(*routine);
                 let tables = &self.program.routines[*routine].tables;
@@ -386,7 +387,7 @@ impl Printer<'_> {
     }
 
     fn routine_name(&self, number: usize) -> String {
-        format!("{}_piece{number}", self.name)
+        format!("{}_routine{number}", self.name)
     }
 
     /// The texts of operands in a row.
@@ -409,7 +410,7 @@ impl Printer<'_> {
         if constant || self.program.lanes_of(operand.source) == operand.lanes {
             format!("{sign}{text}")
         } else {
-            format!("{}::all({sign}{text})", self.kind(operand.lanes))
+            format!("{}::broadcast({sign}{text})", self.kind(operand.lanes))
         }
     }
 
@@ -447,13 +448,13 @@ impl Printer<'_> {
         self.places.get_or_init(|| {
             let mut places = BTreeMap::new();
             for (k, chunk) in self.program.chunks.iter().enumerate() {
-                for (group, values) in self.grouped(&chunk.live_out).iter().enumerate() {
+                for (group, values) in self.by_width(&chunk.live_out).iter().enumerate() {
                     for (i, &value) in values.iter().enumerate() {
                         let group = match self.program.target {
                             Target::Simd => format!(".{group}"),
                             Target::Scalar | Target::Batch => String::new(),
                         };
-                        places.insert(value, format!("part{k}{group}[{i}]"));
+                        places.insert(value, format!("chunk{k}{group}[{i}]"));
                     }
                 }
             }
@@ -462,7 +463,7 @@ impl Printer<'_> {
     }
 
     /// Values by their lanes, as in [`VECTORS`].
-    fn grouped(&self, values: &[Value]) -> [Vec<Value>; VECTORS.len()] {
+    fn by_width(&self, values: &[Value]) -> [Vec<Value>; VECTORS.len()] {
         VECTORS.each_ref().map(|kind| {
             let of_kind =
                 |value: &&Value| self.program.statements[value.statement].lanes == kind.lanes;
@@ -472,7 +473,7 @@ impl Printer<'_> {
 
     /// Values that a chunk hands on, as an expression.
     fn list(&self, values: &[Value]) -> String {
-        let lists = self.grouped(values).map(|values| {
+        let lists = self.by_width(values).map(|values| {
             let names: Vec<String> = values.iter().map(|&value| self.name(value)).collect();
             format!("[{}]", names.join(", "))
         });
@@ -487,7 +488,7 @@ impl Printer<'_> {
         if self.program.target != Target::Simd {
             return format!("[T; {}]", values.len());
         }
-        let groups = self.grouped(values);
+        let groups = self.by_width(values);
         let types = VECTORS.iter().zip(&groups).map(|(kind, values)| {
             // No values are of a type that is not mentioned.
             let kind = if values.is_empty() { "A" } else { kind.name };
@@ -541,7 +542,7 @@ fn constant(value: f64, lanes: u8) -> String {
 
 /// A constant in double precision.
 fn number(value: f64) -> String {
-    // Numbers of descriptions are below 1e60 (`urdf::build::LARGEST`), but folding multiplies them, along a chain
+    // Numbers of descriptions are below 1e60 (`urdf::build::MAX_NUMBER`), but folding multiplies them, along a chain
     // without end: what overflows is written as the infinity that it would be at run time.
     literal(value, FloatType::F64)
 }

@@ -36,10 +36,10 @@ impl Robot<'_> {
         }
         let _ = writeln!(
             text,
-            "/// The generalized inertia matrix of [`{name}`] as U D U^T by kinematic modules.\n\
+            "/// The mass matrix of [`{name}`] as U D U^T by kinematic modules.\n\
              #[allow(dead_code)]\n\
              #[derive(Clone, Copy, Debug, PartialEq)]\n\
-             {vis} struct {name}Brge<T = {float}> {{\n    factors: [T; {}],\n}}\n",
+             {vis} struct {name}UduFactorization<T = {float}> {{\n    factors: [T; {}],\n}}\n",
             self.plan.layout.size()
         );
     }

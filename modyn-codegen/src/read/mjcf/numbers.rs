@@ -31,7 +31,11 @@ const NUMBERS: [&str; 19] = [
 
 /// Returns the text with a stand-in for each such word, which is reported, and the bodies that have one, by the byte
 /// offsets of their elements. Places in the text stay.
-pub fn repaired(text: &str, root: Node, report: &mut Report<'_>) -> (String, BTreeSet<usize>) {
+pub fn replace_invalid_numbers(
+    text: &str,
+    root: Node,
+    report: &mut Report<'_>,
+) -> (String, BTreeSet<usize>) {
     let mut repaired = text.to_string();
     let mut unread = BTreeSet::new();
     let worlds = root.children().filter(|node| node.has_tag_name("worldbody"));

@@ -39,13 +39,13 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
             description.loops.push(reader.loop_joint(node));
         }
     }
-    reader.surprises(&description);
+    reader.warn_of_unread_values(&description);
     description
 }
 
 impl<'a> Reader<'a, '_, '_, '_> {
     /// Warns, once a kind, of what is written and would silently mean something else.
-    fn surprises(&mut self, description: &Description) {
+    fn warn_of_unread_values(&mut self, description: &Description) {
         let (message, help) = (
             "a limit of effort or velocity is negative, and is not read",
             "write its size, or leave the attribute out if there is no limit",

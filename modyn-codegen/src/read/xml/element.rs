@@ -65,7 +65,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
     }
 
     /// A number that need not be there.
-    pub fn figure(
+    pub fn number(
         &mut self,
         node: Node<'a, '_>,
         name: &str,
@@ -118,7 +118,12 @@ impl<'a> Elements<'a, '_, '_, '_> {
     }
 
     /// Warns of attributes that are not read: a misspelt one would silently count as 0.
-    pub fn known(&mut self, node: Node<'a, '_>, names: &[&str], subject: Option<&Subject>) {
+    pub fn warn_of_unknown_attributes(
+        &mut self,
+        node: Node<'a, '_>,
+        names: &[&str],
+        subject: Option<&Subject>,
+    ) {
         for attribute in node.attributes() {
             if attribute.namespace().is_none() && !names.contains(&attribute.name()) {
                 let element = node.tag_name().name();
@@ -132,7 +137,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
     }
 
     /// Warns of attributes that look like one of these. (Others are extensions, which abound.)
-    pub fn misspelt_attribute(
+    pub fn warn_of_misspelt_attributes(
         &mut self,
         node: Node<'a, '_>,
         names: &[&str],
@@ -156,7 +161,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
 
     /// Warns of elements that look like one that is optional: it would silently be missing.
     /// (Others are extensions, which abound.)
-    pub fn misspelt(
+    pub fn warn_of_misspelt_elements(
         &mut self,
         node: Node<'a, '_>,
         known: &[&str],

@@ -13,7 +13,7 @@ use crate::spatial::{
 
 /// The variables that the perturbations are by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum By {
+pub(super) enum Variable {
     /// Coordinates: the bodies after the joint are displaced with their wrench.
     Coordinates,
     /// Rates: they stay where they are.
@@ -29,7 +29,7 @@ pub(super) enum By {
 /// joint.
 pub(super) fn project<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    by: By,
+    by: Variable,
     workspace: &Workspace<S>,
     columns: &mut [S],
     mut mass_matrix: Option<&mut [S]>,
@@ -70,7 +70,7 @@ fn columns_before<S>(model: &Mechanism<S>, lanes: usize, end: usize) -> Range<us
 /// Carries the columns of these degrees of freedom from the last one's body to the root.
 fn project_group<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    by: By,
+    by: Variable,
     workspace: &Workspace<S>,
     group: &Range<usize>,
     entries: &mut Entries<'_, S>,
@@ -103,7 +103,7 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
         while joined > group.start.max(dofs.start) {
             joined -= 1;
             let composite = composite.as_ref().expect("made above");
-            let own = entries.own(by, workspace, composite, joined);
+            let own = entries.add_own_entries(by, workspace, composite, joined);
             behind = Some(match behind {
                 Some(behind) => {
                     let (behind, own) = (behind.numbers(), own.numbers());
@@ -119,7 +119,7 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
         let (body, motion) = (&model.bodies[at], &workspace.motions[at]);
         let (Some(parent), Some(whole)) = (body.parent, &behind) else { break };
         let carried = whole.carried(body, motion, workspace.levers[at]);
-        behind = Some(SweepState::of(path.onto(at, parent, carried.numbers())));
+        behind = Some(SweepState::of(path.accumulate(at, parent, carried.numbers())));
         at = parent;
     }
 }
@@ -133,9 +133,9 @@ struct Entries<'a, S> {
 
 impl<S: Scalar> Entries<'_, S> {
     /// Adds a column's entries of its own body's degrees of freedom; what of it is behind that body.
-    fn own(
+    fn add_own_entries(
         &mut self,
-        by: By,
+        by: Variable,
         workspace: &Workspace<S>,
         composite: &Composite<'_, S>,
         column: usize,
@@ -153,7 +153,7 @@ impl<S: Scalar> Entries<'_, S> {
         for other in dofs.start..column {
             self.add_masses(other, column, masses[self.model.dofs[other].component]);
         }
-        if by == By::Coordinates {
+        if by == Variable::Coordinates {
             wrench += displaced(workspace.wrenches[body], component);
         }
         SweepState { wrench, dual }

@@ -96,7 +96,7 @@ impl UduLayout {
     }
 
     /// The degrees of freedom in front of module `m` that it is coupled with, ascending.
-    pub(super) fn in_front(&self, m: usize) -> &[usize] {
+    pub(super) fn ancestors(&self, m: usize) -> &[usize] {
         &self.in_front[m]
     }
 

@@ -53,7 +53,7 @@ impl BaseParameters {
     /// Those of `model`, whatever its inertias and limits are.
     #[must_use]
     pub fn new(model: &Model) -> Self {
-        let columns = stacked(model);
+        let columns = stacked_regressors(model);
         let largest = columns.iter().map(|column| length(column)).fold(0.0, f64::max);
         let mut basis = Basis { directions: Vec::new(), triangle: Vec::new() };
         let mut parameters: Vec<BaseParameter> = Vec::new();
@@ -108,7 +108,7 @@ impl BaseParameters {
 
 /// The columns of the regressors at many states, one under the other: the same numbers on every host, since
 /// they become part of generated text.
-fn stacked(model: &Model) -> Vec<Vec<f64>> {
+fn stacked_regressors(model: &Model) -> Vec<Vec<f64>> {
     let mechanism = Mechanism::new(model).cast::<Portable>();
     let workspace = &mut Workspace::new(&mechanism);
     let (nq, nv) = (model.nq(), model.nv());

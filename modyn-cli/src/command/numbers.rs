@@ -13,7 +13,7 @@ pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
 }
 
 /// As short as it can be with four digits.
-pub fn figure(x: f64) -> String {
+pub fn four_digits(x: f64) -> String {
     let size = x.abs();
     if size == 0.0 {
         "0".into()

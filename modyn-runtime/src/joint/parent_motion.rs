@@ -4,7 +4,7 @@ use crate::spatial::Vector3;
 
 /// The motion in front of a joint, in the axes behind it.
 #[derive(Clone, Copy, Debug)]
-pub struct Carried<S> {
+pub struct ParentMotion<S> {
     /// Angular velocity.
     pub omega: Vector3<S>,
     /// Angular acceleration.

@@ -1,22 +1,22 @@
 //! Several numbers of one state side by side, such as the angles of equal limbs.
 //!
-//! The compiler writes a function once over [`Vectors`]; a number that has vector instructions runs it
-//! on those ([`Scalar::abreast`]), any other one computes the limbs one after the other.
+//! The compiler writes a function once over [`SimdBackend`]; a number that has vector instructions runs it
+//! on those ([`Scalar::run_simd`]), any other one computes the limbs one after the other.
 
 use super::Scalar;
 
 /// A set of vector instructions: numbers alone, and two, four and eight abreast.
-pub trait Vectors: 'static {
+pub trait SimdBackend: 'static {
     /// What they are vectors of.
     type Number;
     /// A number, to compute with.
     type One: Scalar;
     /// Two abreast.
-    type Two: Beside<Self::One, 2>;
+    type Two: Pack<Self::One, 2>;
     /// Four abreast.
-    type Four: Beside<Self::One, 4>;
+    type Four: Pack<Self::One, 4>;
     /// Eight abreast.
-    type Eight: Beside<Self::One, 8>;
+    type Eight: Pack<Self::One, 8>;
 
     /// A number as one.
     fn one(number: Self::Number) -> Self::One;
@@ -26,18 +26,18 @@ pub trait Vectors: 'static {
 
     /// Does part of the work in a function of its own, compiled for the same instructions: what is too
     /// long for one takes the compiler more than linear time.
-    fn outlined<P: Part>(part: P) -> P::Output;
+    fn outlined<P: Chunk>(part: P) -> P::Output;
 }
 
 /// Numbers side by side.
-pub trait Beside<One, const LANES: usize>: Scalar {
+pub trait Pack<One, const LANES: usize>: Scalar {
     /// The same number in all lanes.
     #[must_use]
-    fn all(number: One) -> Self;
+    fn broadcast(number: One) -> Self;
 
     /// These.
     #[must_use]
-    fn beside(numbers: [One; LANES]) -> Self;
+    fn pack(numbers: [One; LANES]) -> Self;
 
     /// These constants.
     #[must_use]
@@ -45,28 +45,28 @@ pub trait Beside<One, const LANES: usize>: Scalar {
 
     /// Each of them.
     #[must_use]
-    fn apart(self) -> [One; LANES];
+    fn unpack(self) -> [One; LANES];
 }
 
-/// What can be done with numbers abreast, such as those of equal limbs, or one after the other. `vectors` must be
+/// What can be done with numbers abreast, such as those of equal limbs, or one after the other. `vectorized` must be
 /// `#[inline(always)]`, and all that it calls.
-pub trait Abreast<F> {
+pub trait SimdTask<F> {
     /// What it comes to.
     type Output;
 
     /// Whether some numbers stand side by side; else all are alone, and vectors just have them fuse
     /// products into sums.
-    const SIDE_BY_SIDE: bool;
+    const HAS_PACKS: bool;
 
     /// Does it on vectors.
-    fn vectors<V: Vectors<Number = F>>(self) -> Self::Output;
+    fn vectorized<V: SimdBackend<Number = F>>(self) -> Self::Output;
 
     /// Does it number by number.
     fn scalar(self) -> Self::Output;
 }
 
 /// A part of the work on vectors. Its `run` must be `#[inline(always)]`, and all that it calls.
-pub trait Part {
+pub trait Chunk {
     /// What it comes to.
     type Output;
 
