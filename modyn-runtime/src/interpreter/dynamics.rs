@@ -10,8 +10,8 @@ use crate::equations::dynamics::{
 };
 
 impl<S: Scalar> Interpreter<S> {
-    /// The joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint torques or forces `tau`:
-    /// the inter- and intra-modular recursion, (60).
+    /// Computes the joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint forces `tau`, by the inter- and
+    /// intra-modular recursion (60) of the paper.
     ///
     /// # Errors
     ///
@@ -26,8 +26,9 @@ impl<S: Scalar> Interpreter<S> {
         self.accelerate((q, qd, tau), None, qdd)
     }
 
-    /// The same under `forces` from outside: one wrench for each link of the description, fixed
-    /// ones too, in the order of [`Model::frames`](crate::model::Model::frames).
+    /// Computes the joint accelerations `qdd` under the joint forces `tau` and external wrenches `forces`: one
+    /// wrench for each link of the description, fixed links included, in the order of
+    /// [`Model::frames`](crate::model::Model::frames).
     ///
     /// # Errors
     ///
@@ -66,7 +67,8 @@ impl<S: Scalar> Interpreter<S> {
             .map_or(Ok(()), |forces| check("forces", forces.wrenches(), self.model.frames().len()))
     }
 
-    /// The joint torques or forces `tau` (N m or N) of a motion: recursive Newton-Euler.
+    /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, by the recursive Newton-Euler
+    /// algorithm (Featherstone 2008, chapter 5).
     ///
     /// # Errors
     ///
@@ -81,8 +83,9 @@ impl<S: Scalar> Interpreter<S> {
         self.act((q, qd, Some(qdd)), None, tau)
     }
 
-    /// The same under `forces` from outside, which take their share off the joints: one wrench for
-    /// each link of the description, fixed ones too, in the order of [`Model::frames`](crate::model::Model::frames).
+    /// Computes the joint forces `tau` of the accelerations `qdd` under external wrenches `forces`: one wrench for
+    /// each link of the description, fixed links included, in the order of
+    /// [`Model::frames`](crate::model::Model::frames).
     ///
     /// # Errors
     ///
@@ -115,7 +118,7 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// The bias forces h(q, qd) into `tau`: inverse dynamics without acceleration.
+    /// Computes the bias forces h(q, qd): the joint forces at zero acceleration.
     ///
     /// # Errors
     ///
@@ -124,7 +127,7 @@ impl<S: Scalar> Interpreter<S> {
         self.act((q, qd, None), None, tau)
     }
 
-    /// The joint torques that hold the robot still, into `tau`.
+    /// Computes the joint forces that balance gravity at zero velocity.
     ///
     /// # Errors
     ///
@@ -137,7 +140,7 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// The mass matrix by columns into `columns` (nv times nv), (7)-(10).
+    /// Computes the mass matrix, nv x nv, into `columns`, column by column: (7)-(10) of the paper.
     ///
     /// # Errors
     ///
@@ -150,7 +153,7 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Kinetic energy of the moving links, J.
+    /// Returns the kinetic energy of the moving links and the rotors, J.
     ///
     /// # Errors
     ///
@@ -162,7 +165,7 @@ impl<S: Scalar> Interpreter<S> {
         Ok(kinetic_energy(&self.mechanism, q, qd, &mut self.workspace))
     }
 
-    /// Potential energy of the moving links under gravity, J; zero at the world's origin.
+    /// Returns the potential energy of the moving links under gravity, J; zero for mass at the world's origin.
     ///
     /// # Errors
     ///

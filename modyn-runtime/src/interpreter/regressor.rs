@@ -7,13 +7,13 @@ use crate::equations::identification::regressor;
 use crate::model::PARAMETERS_PER_LINK;
 
 impl<S: Scalar> Interpreter<S> {
-    /// The regressor Y of the motion by columns into `columns` (nv times 10 a moving link): tau =
-    /// Y pi, gravity included, with the [parameters](crate::model::Model::inertial_parameters) of
-    /// all moving links one after the other as pi.
+    /// Computes the regressor Y into `columns`: nv rows, 10 columns for each moving link, by columns. tau = Y pi,
+    /// gravity included; pi is the concatenation of all moving links'
+    /// [parameters](crate::model::Model::inertial_parameters).
     ///
-    /// The torques that rotors, damping and friction take are not part of Y pi. The columns do not
-    /// depend on the model's inertias, and not all of them are independent: see
-    /// [`BaseParameters`](crate::equations::identification::BaseParameters).
+    /// Y pi excludes the forces of rotors, damping and friction. The columns do not depend on the model's inertias.
+    /// Not all columns are independent: see [`BaseParameters`](crate::equations::identification::BaseParameters).
+    /// Source: Atkeson, An and Hollerbach 1986.
     ///
     /// # Errors
     ///
