@@ -76,8 +76,8 @@ pub struct Plan {
     pub sizes: Sizes,
     /// The run-time parameters.
     pub parameters: Parameters,
-    /// The entries of `qd` that would feel no inertia if all run-time inertias were zero, and the program of the inertia
-    /// that each of them feels, from the scalar's precision and the parameters; `None` if there are no such entries.
+    /// The entries of `qd` that would move no inertia if all run-time inertias were zero; and the program that computes
+    /// the inertia at each of them, from the scalar's precision and the parameters. `None` if there are no such entries.
     pub inertia_pivots: Option<(Vec<usize>, Program)>,
     /// The links, grouped by their programs.
     pub frames: Frames,

@@ -190,24 +190,24 @@ pub struct Scope {
 pub struct Routine {
     /// The program.
     pub program: Program,
-    /// For each repetition its constants, the same number of them.
+    /// The constants of each repetition; all tables have the same length.
     pub tables: Vec<Vec<f64>>,
-    /// The number of operands that each repetition has.
+    /// The number of operands that belong to one repetition.
     pub own: usize,
-    /// The number of operands that all repetitions have in common.
+    /// The number of operands that all repetitions share.
     pub common: usize,
 }
 
-/// One repetition of a routine; its results are the routine's.
+/// A call of a routine; its results are the routine's results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Call {
-    /// The routine.
+    /// The index of the routine.
     pub routine: usize,
-    /// Which of its repetitions, and so which table of constants.
+    /// The index of the repetition, and of its table of constants.
     pub repetition: usize,
     /// The operands of this repetition.
     pub own: Vec<Operand>,
-    /// The operands that all repetitions have in common.
+    /// The operands that all repetitions share.
     pub common: Vec<Operand>,
 }
 

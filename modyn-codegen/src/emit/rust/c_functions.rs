@@ -1,4 +1,4 @@
-//! Rust functions that C can call: plain pointers to arrays whose sizes their types state.
+//! Rust functions that C can call: with pointers to arrays whose sizes are in their types.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use super::{Quantity, Robot};
 use crate::plan::{Function, Kernels};
 
 impl Robot<'_> {
-    /// `extern "C"` functions named `prefix_function`, for all functions that C has.
+    /// Prints `extern "C"` functions named `prefix_function`, for all functions that C can call.
     pub(super) fn c_functions(&self, text: &mut String, prefix: &str, quantities: &[Quantity<'_>]) {
         let upper = prefix.to_uppercase();
         let (nq, nv, name) = (self.model.nq(), self.model.nv(), self.name);
@@ -96,13 +96,13 @@ impl Robot<'_> {
     }
 }
 
-/// Whether C has the function: the results of others are Rust's own.
+/// Returns whether C can call the function. The results of the others are Rust types.
 pub(super) fn in_c(quantity: &Quantity<'_>) -> bool {
     !matches!(quantity.function, Function::Brge | Function::Random)
 }
 
 impl Quantity<'_> {
-    /// Whether a structure is among its parameters or results.
+    /// Returns whether a parameter or the result is a spatial structure.
     fn uses_spatial(&self) -> bool {
         let shapes = self.parameters.iter().map(|p| &p.shape).chain([&self.shape]);
         shapes.into_iter().any(|shape| shape.type_of("").contains("__modyn"))
@@ -110,12 +110,12 @@ impl Quantity<'_> {
 }
 
 impl Shape {
-    /// Whether it is an array of scalars.
+    /// Returns whether the shape is an array of scalars.
     fn is_vector(&self) -> bool {
         matches!(self, Self::Array(of, _) if matches!(**of, Self::Scalar))
     }
 
-    /// In which order its scalars stand, one behind the other.
+    /// Returns the order of the scalars in words.
     pub(super) fn c_layout(&self) -> String {
         match self {
             Self::Scalar => "a number".into(),

@@ -1,4 +1,4 @@
-//! What a generated type says about its robot.
+//! The constants of a generated type.
 
 use std::fmt::Write as _;
 
@@ -12,7 +12,7 @@ use super::Robot;
 use crate::plan::Function;
 
 impl Robot<'_> {
-    /// The type's constants.
+    /// Prints the type's constants.
     pub(super) fn constants(&self, text: &mut String, operations: &[(&str, OperationCount)]) {
         let (name, model) = (self.name, self.model);
         let (nq, nv, float) = (model.nq(), model.nv(), self.options.float.name());
@@ -86,7 +86,7 @@ impl Robot<'_> {
         text.push_str("}\n\n");
     }
 
-    /// What can be identified; found by numbers, so only for robots that have the regressor.
+    /// Prints the base parameters, for robots that have the regressor: finding them takes a while.
     fn base_parameters(&self, text: &mut String) {
         let base = BaseParameters::new(self.model);
         let names: Vec<&str> = base.parameters.iter().map(BaseParameter::name).collect();
@@ -137,7 +137,7 @@ impl Robot<'_> {
         text.push_str("];\n");
     }
 
-    /// Limits and drives, by coordinate or velocity.
+    /// Prints limits, armature, damping and friction, by coordinate or velocity.
     fn limits(&self, text: &mut String) {
         let own = || self.model.links().iter().filter(|link| link.joint.mimic.is_none());
         let list = |length: fn(&Link) -> usize, figure: &dyn Fn(&Link) -> f64| {

@@ -8,14 +8,14 @@ use super::{Robot, docs};
 use crate::plan::FactorFunction;
 
 impl Robot<'_> {
-    /// The functions of the factorization.
+    /// Prints the functions of the factorization.
     pub(super) fn factorization(&self, text: &mut String) {
         let (name, layout, float) = (self.name, &self.plan.layout, self.options.float);
         let n = self.model.nv();
         let vector = Shape::vector(n).type_of("T");
         let matrix = Shape::vector(n).array(n).type_of("T");
         let shape = |planned: &crate::plan::Shape| Shape::new(planned, name);
-        // Of the factors alone; `solve` takes a right-hand side, too.
+        // The functions of the factors only; `solve` has a right-hand side, too.
         let (of_factors, solve): (Vec<_>, Vec<_>) =
             self.plan.factorization.iter().partition(|function| function.arguments.len() == 1);
         let _ = writeln!(
@@ -48,7 +48,7 @@ impl Robot<'_> {
         let mut condition_numbers = Vec::new();
         for (m, block) in layout.blocks().iter().enumerate() {
             let size = block.dofs.len();
-            // Only the entries up to the block's last are named; the rest is one pattern.
+            // Only the entries up to the block's last one are named; the rest is one pattern.
             let entries: Vec<String> = (0..layout.d(m).end)
                 .map(|i| if layout.d(m).contains(&i) { format!("d{i}") } else { "_".into() })
                 .collect();
@@ -69,7 +69,7 @@ impl Robot<'_> {
                 block_rows.join(", ")
             );
             condition_numbers.push(if size == 0 {
-                // All its joints mimic others.
+                // All joints of the module are mimic joints.
                 "T::one()".into()
             } else {
                 format!(

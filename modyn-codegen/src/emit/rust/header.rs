@@ -1,4 +1,4 @@
-//! The header of the functions for C: C99 and C++, without a diagnostic under `-pedantic`.
+//! The header of the functions for C, valid in C99 and C++, without warnings under `-pedantic`.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use crate::names;
 use crate::plan::Kernels;
 
 impl Robot<'_> {
-    /// The header of `prefix_function` for each of the `quantities` that C has.
+    /// Returns the header with `prefix_function` for each of the `quantities` that C can call.
     pub(super) fn c_header(&self, prefix: &str, quantities: &[Quantity<'_>]) -> String {
         let upper = prefix.to_uppercase();
         let (number, size) = match self.options.float {
@@ -68,7 +68,7 @@ impl Robot<'_> {
     }
 }
 
-/// What a function is declared as.
+/// Prints the declaration of a function.
 fn declaration(
     text: &mut String,
     quantity: &Quantity<'_>,
@@ -108,9 +108,9 @@ fn declaration(
     );
 }
 
-/// A name in a comment, whatever it holds.
+/// Returns a name, with any characters, in a form that is safe in a comment.
 fn comment(name: &str) -> String {
-    // Neither the end of a comment nor the beginning of another one, which compilers warn of; no trigraph.
+    // No end of a comment, no start of another one (compilers warn of it), and no trigraph.
     format!(
         "`{}`",
         sanitize_for_display(name).replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?")

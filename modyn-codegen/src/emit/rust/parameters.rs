@@ -1,4 +1,4 @@
-//! The type of the parts of a robot that are known at run time only.
+//! The type of a robot's run-time parameters.
 
 use std::fmt::Write as _;
 
@@ -6,18 +6,18 @@ use super::function::{Parameter, function};
 use super::{FloatType, Robot, Shape, docs};
 use crate::names;
 
-/// One inertia among the parameters.
+/// An inertia among the parameters.
 struct Field {
-    /// The name of the function that returns it.
+    /// The name of the method that returns it.
     name: String,
-    /// One sentence about it.
+    /// Its description in one sentence.
     docs: String,
-    /// Where its ten numbers begin.
+    /// The index of the first of its ten numbers.
     at: usize,
 }
 
 impl Robot<'_> {
-    /// The run-time inertias and the payloads.
+    /// Returns the run-time inertias and the payloads.
     fn inertia_fields(&self) -> Vec<Field> {
         let parameters = &self.plan.parameters;
         let links = self.link_names();
@@ -48,7 +48,7 @@ impl Robot<'_> {
         own.into_iter().chain(payloads).collect()
     }
 
-    /// The structure of the parameters, without its functions; nothing if there are none.
+    /// Prints the structure of the parameters, without its methods; nothing if there are no parameters.
     pub(super) fn parameters_type(&self, text: &mut String) {
         let count = self.plan.parameters.len();
         if count == 0 {
@@ -65,7 +65,7 @@ impl Robot<'_> {
         );
     }
 
-    /// Its functions.
+    /// Prints the methods of the parameters.
     pub(super) fn parameters(&self, text: &mut String) {
         let parameters = &self.plan.parameters;
         if parameters.is_empty() {
@@ -110,7 +110,7 @@ impl Robot<'_> {
         self.inertias(text);
     }
 
-    /// The functions of run-time inertias and payloads.
+    /// Prints the methods of run-time inertias and payloads.
     fn inertias(&self, text: &mut String) {
         let fields = self.inertia_fields();
         if fields.is_empty() {
@@ -161,7 +161,7 @@ impl Robot<'_> {
         );
     }
 
-    /// The name of the joint that entry `v` of qd belongs to.
+    /// Returns the name of the joint that entry `v` of qd belongs to.
     fn joint_of(&self, v: usize) -> &str {
         let own = |i: &usize| self.model.mimic(*i).is_none() && self.model.v_range(*i).contains(&v);
         let link = (0..self.model.links().len()).find(own);

@@ -7,7 +7,7 @@ use super::{Robot, docs};
 use crate::names;
 
 impl Robot<'_> {
-    /// The public types, without their functions.
+    /// Prints the public types, without their functions.
     pub(super) fn types(&self, text: &mut String) {
         let (name, vis) = (self.name, &self.options.visibility);
         let float = self.options.float.name();
@@ -44,7 +44,7 @@ impl Robot<'_> {
         );
     }
 
-    /// The functions of the enums.
+    /// Prints the functions of the enums.
     pub(super) fn enums(&self, text: &mut String) {
         let name = self.name;
         let joints = names::variants(&self.joint_names());

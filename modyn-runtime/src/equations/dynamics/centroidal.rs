@@ -10,8 +10,8 @@ use crate::equations::kinematics::{center_of_mass, kinematic_path, total_mass};
 use crate::mechanism::Mechanism;
 use crate::spatial::{Momentum, Twist, Vector3, Wrench};
 
-/// Computes the matrix A of h = A(q) qd into `columns`. Column k is the momentum at qd[k] = 1, in world
-/// axes about the centre of mass.
+/// Computes the matrix A of h = A(q) qd into `columns`. Column k is the momentum at unit rate k, in
+/// world axes about the centre of mass.
 pub fn centroidal_momentum_matrix<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],
