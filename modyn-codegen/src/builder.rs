@@ -117,9 +117,10 @@ pub struct Generated {
     pub warnings: Vec<Diagnostic>,
     /// The operations of one call of each function.
     pub operations: Vec<(&'static str, OperationCount)>,
-    /// The operations that stand in the text of each function but batches, where [`operations`](Self::operations) has
-    /// those of a call: for a function of a link, those of all links together; equal limbs once if they share their
-    /// code, and if they stand side by side, both that and one after the other.
+    /// The operations in the text of each function of one state; [`operations`](Self::operations) has those of a call.
+    ///
+    /// For a function of one link they include all links. Equal limbs count once if they share their code. If they
+    /// are packed into vectors, the packed code and the scalar code count, both.
     pub static_operations: Vec<(&'static str, OperationCount)>,
     /// The modules of forward dynamics.
     pub partition: ModuleTree,
@@ -258,8 +259,8 @@ impl Builder {
         self
     }
 
-    /// How the description's damping and friction act on the joints; not at all by default, with a warning if
-    /// there are some. [`Friction::None`] says that they are not to act, without a warning.
+    /// Sets which of the description's damping and friction act on the joints. By default neither acts, and there is a
+    /// warning if the description has some. [`Friction::None`] has the same effect without a warning.
     #[must_use]
     pub fn friction(mut self, friction: Friction) -> Self {
         self.read.friction = Some(friction);

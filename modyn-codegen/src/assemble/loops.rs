@@ -1,4 +1,4 @@
-//! Loop joints of the description and of the options: two frames of links that are held together.
+//! Loop joints of the description and of the options: constraints between two frames of links.
 
 use modyn_runtime::model::{LoopConstraint, LoopConstraintEnd, LoopConstraintKind};
 use modyn_runtime::spatial::Pose;
@@ -9,7 +9,7 @@ use crate::description::{
 };
 use crate::diagnostics::{Code, Diagnostic, Report, Suggestions};
 
-/// An option's; with errors in the report.
+/// Returns the record of a loop joint of the options; its errors are in the report.
 pub fn of_option(option: &Loop, report: &mut Report<'_>) -> LoopRecord {
     let ends = option.ends.each_ref().map(|LoopEnd { link, xyz, rpy }| {
         let pose = Pose { rotation: roll_pitch_yaw(*rpy), translation: *xyz };
@@ -33,7 +33,7 @@ pub fn of_option(option: &Loop, report: &mut Report<'_>) -> LoopRecord {
     part
 }
 
-/// The loop constraints; `carriers` has by link of the description the moving link that carries it.
+/// Returns the loop constraints. `carriers` has, for each link of the description, the moving link that carries it.
 pub fn loop_constraints(
     description: &Description,
     carriers: &[Option<usize>],
@@ -52,13 +52,13 @@ pub fn loop_constraints(
 struct Search<'p> {
     description: &'p Description,
     links: FxHashMap<&'p str, usize>,
-    /// Of the joints so far.
+    /// The names of the joints so far.
     names: FxHashSet<&'p str>,
     near: Suggestions,
 }
 
 impl<'p> Search<'p> {
-    /// `None` with an error in the report.
+    /// Returns the constraint of a record; `None` with an error in the report.
     fn constraint(
         &mut self,
         part: &'p LoopRecord,
@@ -69,7 +69,7 @@ impl<'p> Search<'p> {
         let mut error = |code, at: Option<usize>, message: String, help: &str| {
             report.error(code, at, Some(&part.subject()), message, help);
         };
-        // A name that is missing is an error already.
+        // A missing name is already an error.
         if !part.name.is_empty() && !self.names.insert(&part.name) {
             let message = "another joint has the same name";
             error(Code::DuplicateJoint, part.at, message.into(), "give one of them another name");

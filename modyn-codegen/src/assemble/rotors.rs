@@ -1,9 +1,9 @@
-//! The rotors that the options give to joints.
+//! The rotors in the options.
 
 use crate::description::{Description, Kind, LARGEST, Rotor};
 use crate::diagnostics::{Code, Diagnostic, Report, Subject, Suggestions};
 
-/// Sets the armatures; what is wrong with an option has no place in the file.
+/// Sets the armatures of joints. Errors of an option have no place in the file.
 pub fn apply(description: &mut Description, rotors: &[Rotor], report: &mut Report<'_>) {
     let mut armatures = Vec::new();
     let names = description.joints_by_name();

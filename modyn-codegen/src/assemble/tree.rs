@@ -1,4 +1,4 @@
-//! The tree that joints make of links: its root, its order, and whether it is one.
+//! The tree of links: its root, its order, and the errors of joints that form no tree.
 
 use rustc_hash::FxHashMap;
 
@@ -6,17 +6,17 @@ use super::cycles::cycles;
 use crate::description::{Description, Located};
 use crate::diagnostics::{Code, Report, Subject, Suggestions};
 
-/// A tree, depth first; a link's children stand in the order of their joints in the file.
+/// A tree in depth-first order; a link's children are in the order of their joints in the file.
 pub struct Tree {
-    /// The links (as indices into the description), parents before children.
+    /// The links, as indices into the description, parents before children.
     pub order: Vec<usize>,
-    /// By link: the joint (as an index) whose child it is; `None` for the root.
+    /// For each link, the joint (as an index) towards its parent; `None` for the root.
     pub joint: Vec<Option<usize>>,
-    /// By joint: the link that is its parent.
+    /// For each joint, its parent link.
     pub parent: Vec<Option<usize>>,
 }
 
-/// The tree; `None` with errors in the report.
+/// Returns the tree; `None` with errors in the report.
 pub fn grow(description: &Description, report: &mut Report<'_>) -> Option<Tree> {
     let errors = report.errors();
     let links =
@@ -29,11 +29,11 @@ pub fn grow(description: &Description, report: &mut Report<'_>) -> Option<Tree> 
     }
     let Ends { joint, parent, complete } = ends(description, &links, report);
     report_cycles(description, &joint, &parent, report);
-    // A child that is misspelt leaves a link behind that only looks like another root.
+    // A misspelt child leaves a link without a joint, which would be reported as another root.
     if complete {
         roots(description, &links, &joint, report);
     }
-    // An end that is missing altogether was reported before.
+    // A joint without a parent or child was reported before.
     if report.errors() > errors || !complete || parent.contains(&None) {
         return None;
     }
@@ -55,7 +55,7 @@ pub fn grow(description: &Description, report: &mut Report<'_>) -> Option<Tree> 
     Some(Tree { order, joint, parent })
 }
 
-/// Names to indices. The first of a name counts; the next are errors.
+/// Returns the index of each name. The first of equal names counts; the others are errors.
 fn index<'a>(
     names: impl Iterator<Item = &'a Located>,
     code: Code,
@@ -66,7 +66,7 @@ fn index<'a>(
     let mut places = Vec::new();
     for (i, name) in names.enumerate() {
         places.push(name.at);
-        // A name that is missing has been reported.
+        // A missing name was reported before.
         if name.text.is_empty() {
             continue;
         }
@@ -84,13 +84,13 @@ fn index<'a>(
     indices
 }
 
-/// The ends of the joints.
+/// The parent and child links of the joints.
 struct Ends {
-    /// By link: the joint whose child it is.
+    /// For each link, the joint whose child it is.
     joint: Vec<Option<usize>>,
-    /// By joint: the parent.
+    /// For each joint, its parent link.
     parent: Vec<Option<usize>>,
-    /// Whether every child was found.
+    /// Whether all children were found.
     complete: bool,
 }
 
@@ -148,14 +148,14 @@ fn ends(
     Ends { joint: joint_of, parent: parents, complete }
 }
 
-/// Reports every cycle, with the names of all joints on it.
+/// Reports all cycles, with the names of all joints of a cycle.
 fn report_cycles(
     description: &Description,
     joint: &[Option<usize>],
     parent: &[Option<usize>],
     report: &mut Report<'_>,
 ) {
-    // By joint: the one above it.
+    // For each joint, the joint of its parent link.
     let above: Vec<Option<usize>> =
         parent.iter().map(|parent| parent.and_then(|link| joint[link])).collect();
     for mut on_cycle in cycles(&above) {
@@ -176,7 +176,7 @@ fn roots(
     joint: &[Option<usize>],
     report: &mut Report<'_>,
 ) {
-    // A second link of one name cannot be any joint's child; its name is the error.
+    // The second of two links with one name cannot be the child of a joint; its name is the error.
     let first_of_its_name =
         |link: usize| links.get(description.links[link].name.text.as_str()) == Some(&link);
     let roots: Vec<usize> =

@@ -1,13 +1,13 @@
-//! The table of the kinds of diagnostics: name, cause and remedy.
+//! The table of the codes of diagnostics: name, cause and remedy.
 
 use std::fmt;
 
 use super::suggest::suggest;
 
-/// Makes the enum, its names and remedies from one table, so that no kind can lack one.
+/// Defines the enum, its names and remedies from one table, so that no code can lack one.
 macro_rules! codes {
     ($($(#[doc = $doc:literal])+ $variant:ident = $name:literal: $remedy:literal,)+) => {
-        /// The kinds of diagnostics.
+        /// The codes of diagnostics.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[non_exhaustive]
         pub enum Code {
@@ -15,10 +15,10 @@ macro_rules! codes {
         }
 
         impl Code {
-            /// All kinds, in the order of the table.
+            /// All codes, in the order of the table.
             pub const ALL: &[Self] = &[$(Self::$variant),+];
 
-            /// The identifier that stands in the output; it never changes.
+            /// Returns the name in the output; it never changes.
             #[must_use]
             pub fn name(self) -> &'static str {
                 match self {
@@ -26,7 +26,7 @@ macro_rules! codes {
                 }
             }
 
-            /// What is the matter.
+            /// Returns the cause: one sentence about what is wrong.
             #[must_use]
             pub fn cause(self) -> &'static str {
                 match self {
@@ -34,7 +34,7 @@ macro_rules! codes {
                 }
             }
 
-            /// What to do about it.
+            /// Returns the remedy: what to do about it.
             #[must_use]
             pub fn remedy(self) -> &'static str {
                 match self {
@@ -267,13 +267,13 @@ codes! {
 }
 
 impl Code {
-    /// The kind of that name.
+    /// Returns the code of this name; `None` if there is none.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|code| code.name() == name)
     }
 
-    /// The kind whose name differs from this text by a letter or two.
+    /// Returns the code whose name differs from `name` by one or two letters; `None` if there is none.
     #[must_use]
     pub fn suggest(name: &str) -> Option<Self> {
         suggest(name, Self::ALL.iter().map(|code| code.name())).and_then(Self::from_name)

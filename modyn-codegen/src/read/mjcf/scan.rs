@@ -1,4 +1,4 @@
-//! What changes the dynamics but is not read, with its place; and what must not reach a reader that recurses.
+//! Rejects elements and attributes that change the dynamics but are not read, and trees that are too deep.
 
 use std::collections::BTreeSet;
 
@@ -6,10 +6,10 @@ use roxmltree::{Attribute, Node};
 
 use crate::diagnostics::{Code, Report};
 
-/// Deeper trees would be read on a call stack that is too small for them.
+/// The largest nesting depth: deeper trees could overflow the call stack of a recursive reader.
 const DEEPEST: usize = 100;
 
-/// What children of an element can be.
+/// The context of an element, which determines its possible children.
 #[derive(Clone, Copy, PartialEq)]
 enum Place {
     Root,
@@ -23,14 +23,14 @@ enum Place {
     Equality,
     Tendon,
     Actuator,
-    /// Nothing in it matters, unless it brings in other files.
+    /// An element whose content has no effect on the dynamics, unless it includes other files.
     Beside,
 }
 
-/// What a tendon exerts forces by, or could by its class.
+/// Attributes by which a tendon exerts forces, or may do so through its class.
 const PULLS: [&str; 5] = ["stiffness", "damping", "frictionloss", "armature", "class"];
 
-/// Reports it.
+/// Reports all such elements and attributes under `root`.
 pub fn scan(root: Node, report: &mut Report<'_>) {
     let classes: BTreeSet<&str> = root
         .descendants()
@@ -61,7 +61,7 @@ pub fn scan(root: Node, report: &mut Report<'_>) {
     }
 }
 
-/// What may stand in a child, or what to do about it.
+/// Returns the context of a child, or the advice to its author.
 fn place_of(place: Place, child: Node) -> Result<Place, &'static str> {
     let inactive = child.attribute("active") == Some("false");
     match (place, child.tag_name().name()) {
@@ -93,7 +93,7 @@ fn place_of(place: Place, child: Node) -> Result<Place, &'static str> {
         (Place::Equality, _) => Err(
             "constraints are not part of a tree's dynamics: remove it, or write `active=\"false\"`",
         ),
-        // Without these it only measures.
+        // A tendon without these attributes only measures.
         (Place::Tendon, _) | (Place::Default, "tendon")
             if child.attributes().all(|one| !PULLS.contains(&one.name())) =>
         {
@@ -102,14 +102,14 @@ fn place_of(place: Place, child: Node) -> Result<Place, &'static str> {
         (Place::Tendon, _) | (Place::Default, "tendon") => {
             Err("tendons that pull are not supported: remove it")
         }
-        // Of classes, bodies' joints have all that matters once they are resolved.
+        // The joints of bodies contain everything that matters after classes are resolved.
         (Place::Default, _) => Ok(Place::Beside),
         (Place::Frame, "inertial" | "joint" | "freejoint") => Err("write it in a `<body>`"),
         _ => Err("it could change the dynamics: remove it, or write out what it stands for"),
     }
 }
 
-/// An attribute that changes the dynamics but is not read.
+/// Reports attributes that change the dynamics but are not read.
 fn check(
     node: Node,
     place: Place,

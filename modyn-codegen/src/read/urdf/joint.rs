@@ -1,4 +1,4 @@
-//! A `<joint>` as it is written.
+//! Reads a `<joint>`.
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{JointDynamics, Limits};
@@ -9,7 +9,7 @@ use crate::description::{JointRecord, Kind, Located, Mimic, MimicRecord, normali
 use crate::diagnostics::{Code, Severity, Subject};
 use crate::read::xml::element::{Attribute, attribute};
 
-/// The types that move.
+/// The moving joint types.
 const MOVING: [JointType; 7] = [
     JointType::Revolute,
     JointType::Continuous,
@@ -61,7 +61,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             drive_at: node.range().start,
             sound: true,
         };
-        // A fixed joint has none of these, whatever is written.
+        // The other elements of a fixed joint have no meaning.
         if kind != Kind::Fixed {
             [joint.axis, joint.second_axis] = self.axes(node, kind, subject);
             (joint.drive, joint.drive_at) = self.drive(node, subject);
@@ -101,10 +101,10 @@ impl<'a> Reader<'a, '_, '_, '_> {
         self.xml.attribute(node, "link", subject)
     }
 
-    /// The axis and the second axis, of unit length.
+    /// Returns the axis and the second axis, of unit length.
     fn axes(&mut self, node: Node<'a, '_>, kind: Kind, subject: Option<&Subject>) -> [[f64; 3]; 2] {
         if let Kind::Moving(JointType::Spherical | JointType::Floating) = kind {
-            // It has no meaning there, but files often have one, also of zeros.
+            // The axis has no meaning here, but many files have one, often zero.
             let axis = self.xml.single(node, "axis", subject);
             if let Some(text) = axis.and_then(|axis| attribute(axis, "xyz")) {
                 self.xml.numbers::<3>(text, subject);
@@ -116,7 +116,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             return [first.unwrap_or(X), Y];
         }
         let second = self.axis(node, "axis2", Y, subject);
-        // What could not be read is parallel to nothing.
+        // An axis that could not be read is not compared.
         let (Some(first), Some(second)) = (first, second) else {
             return [X, Y];
         };
@@ -132,7 +132,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         [first, second]
     }
 
-    /// An axis, of unit length; `None` if it cannot be read.
+    /// Returns an axis of unit length; `None` if it cannot be read.
     pub fn axis(
         &mut self,
         node: Node<'a, '_>,
@@ -166,7 +166,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(unit)
     }
 
-    /// Warns of a second axis where there can be none.
+    /// Warns of a second axis of a joint that has one axis only.
     fn no_second_axis(&mut self, node: Node<'a, '_>, kind: Kind, subject: Option<&Subject>) {
         if matches!(kind, Kind::Unknown | Kind::Moving(JointType::Universal)) {
             return;
@@ -189,8 +189,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let names =
             ["lower", "upper", "velocity", "effort", "acceleration", "deceleration", "jerk"];
         self.xml.known(node, &names, subject);
-        // URDF's defaults: a bound that is not written is 0; no figure for speed or effort is
-        // refused by some readers and no limit for others: no limit here.
+        // URDF's default for a missing bound is 0. A missing limit of velocity or effort is an error for some readers
+        // and no limit for others; here it is no limit.
         let (mut lower, mut upper) = (None, None);
         if matches!(joint_type, JointType::Revolute | JointType::Prismatic) {
             let mut bound = |name| match attribute(node, name) {
@@ -222,7 +222,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(Limits { lower, upper, velocity, effort })
     }
 
-    /// A limit of a size; `None` where it is not written, and where it is negative, which is noted.
+    /// Returns a velocity or effort limit; `None` if it is missing or negative. Negative limits are recorded.
     fn largest(
         &mut self,
         node: Node<'a, '_>,
@@ -238,7 +238,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(value)
     }
 
-    /// Warns of bounds of a joint that has several coordinates.
+    /// Warns of position limits of a joint with several coordinates.
     fn no_bounds(&mut self, limit: Node<'a, '_>, subject: Option<&Subject>) {
         for bound in ["lower", "upper"].into_iter().filter_map(|name| limit.attribute_node(name)) {
             let message = format!(
@@ -267,7 +267,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(MimicRecord { leader: leader.located(), multiplier: 1.0, offset: 0.0 })
     }
 
-    /// A `<mimic>` with all its figures.
+    /// Returns a `<mimic>` with all its numbers.
     fn followed(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Option<MimicRecord> {
         self.xml.known(node, &["joint", "multiplier", "offset"], subject);
         let multiplier = self.xml.figure(node, "multiplier", subject).unwrap_or(1.0);
@@ -282,7 +282,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(MimicRecord { leader, multiplier, offset })
     }
 
-    /// The drive, and where it stands.
+    /// Returns armature, damping and friction, and the place of the `<dynamics>`.
     fn drive(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> (JointDynamics, usize) {
         let Some(node) = self.xml.single(node, "dynamics", subject) else {
             return (JointDynamics::default(), node.range().start);
@@ -298,7 +298,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         (drive, node.range().start)
     }
 
-    /// A figure of `<dynamics>` that is at least zero, and zero where it is not written.
+    /// Returns a number of `<dynamics>`, which must be at least zero; zero if it is missing.
     fn resistance(&mut self, node: Node<'a, '_>, name: &str, subject: Option<&Subject>) -> f64 {
         let value = self.xml.figure(node, name, subject).unwrap_or(0.0);
         if let Some(text) = attribute(node, name)
@@ -312,7 +312,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         value
     }
 
-    /// The rotor is given either as the joint feels it, or by itself with a gear.
+    /// Reports an armature that is given both at the joint, and as a rotor with a gear ratio.
     fn one_armature(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) {
         let armature = attribute(node, "armature");
         let rotor = attribute(node, "rotor_inertia");
@@ -331,5 +331,5 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 }
 
-/// A cosine above which two axes are taken for parallel, as [`modyn_runtime::model::Model`] does.
+/// The cosine above which two axes count as parallel, as in [`modyn_runtime::model::Model`].
 const PARALLEL: f64 = 1.0 - 1e-6;

@@ -1,4 +1,4 @@
-//! `<loop_joint>`, which other tools' URDFs have too.
+//! Reads a `<loop_joint>`, an extension that other tools use, too.
 //!
 //! ```xml
 //! <loop_joint name="pin" type="revolute">

@@ -1,4 +1,4 @@
-//! The `<robot>` with all of its parts, in order.
+//! Reads the `<robot>` with all its elements, in order.
 
 use modyn_runtime::joint::JointType;
 use roxmltree::Node;
@@ -8,7 +8,7 @@ use crate::description::{Description, Kind, ReadOptions};
 use crate::diagnostics::{Code, Place, Report, Severity};
 use crate::read::xml::element::{Elements, is};
 
-/// Reads the parts of a `<robot>`.
+/// Reads the elements of a `<robot>`.
 pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Description {
     let at = robot.range().start;
     let mut reader =
@@ -44,7 +44,7 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
 }
 
 impl<'a> Reader<'a, '_, '_, '_> {
-    /// Warns, once a kind, of what is written and would silently mean something else.
+    /// Warns, once for each kind, of elements whose meaning probably differs from what the author expects.
     fn surprises(&mut self, description: &Description) {
         let (message, help) = (
             "a limit of effort or velocity is negative, and is not read",
