@@ -481,7 +481,7 @@ impl Builder {
         }
         std::fs::write(&file, &generated.text).map_err(|reason| {
             let message = format!("`{}` cannot be written: {reason}", file.display());
-            error(message, "OUT_DIR must be a folder that can be written to")
+            error(message, "OUT_DIR must be a writable folder")
         })?;
         let warnings = generated.warnings.iter().take(Diagnostics::SHOWN);
         let more = Diagnostics::more(generated.warnings.len());
@@ -499,7 +499,7 @@ impl Builder {
             Source::None => {
                 let missing =
                     Diagnostic::error(Code::MissingFile, "no robot description was given");
-                Err(missing.with_help("call `Builder::urdf` with the path of one").into())
+                Err(missing.with_help("call `Builder::urdf` with the path of a URDF").into())
             }
             Source::File(path) => {
                 let (_, text) = read_first(path.display(), &[place(path)])?;
@@ -579,43 +579,43 @@ impl Builder {
         {
             error(
                 Code::TypeName,
-                format!("{name:?} is no type's name in upper camel case"),
+                format!("{name:?} is not a type name in upper camel case"),
                 format!("`{}` is one", names::type_name(name)),
             );
         }
         if let Some(visibility) = self.visibility.as_ref().filter(|text| !is_visibility(text)) {
             error(
                 Code::Option,
-                format!("{visibility:?} is no visibility"),
+                format!("{visibility:?} is not a visibility"),
                 "`pub`, `pub(crate)`, `pub(super)`, `pub(in path)`, or nothing for private".into(),
             );
         }
         if let Some(krate) = self.krate.as_ref().filter(|text| !is_path(text)) {
             error(
                 Code::Option,
-                format!("{krate:?} is no path of a crate or module"),
+                format!("{krate:?} is not the path of a crate or module"),
                 "give the path of `modyn`, such as `::modyn` or `crate::robots::modyn`".into(),
             );
         }
         if let Some(prefix) = self.c_prefix.as_ref().filter(|name| !is_c_prefix(name)) {
             error(
                 Code::Option,
-                format!("{prefix:?} cannot begin the names of C functions"),
-                "a letter, then letters, digits and underscores".into(),
+                format!("{prefix:?} is not a prefix of C functions"),
+                "use a letter, then letters, digits and underscores".into(),
             );
         }
         if self.self_contained && self.krate.is_some() {
             error(
                 Code::Option,
-                "a self-contained file has no crate to be told the path of".into(),
-                "leave out `krate`, or `self_contained`".into(),
+                "a self-contained file does not use the crate `modyn`, so `krate` has no effect".into(),
+                "remove `krate` or `self_contained`".into(),
             );
         }
         if matches!(self.source, Source::Model(_)) && !self.read.loops.is_empty() {
             error(
                 Code::Option,
-                "a model that is given as one has its own loops".into(),
-                "close them by `Model::with_loop_constraints`".into(),
+                "a `Model` has its own loop constraints".into(),
+                "set them with `Model::with_loop_constraints`".into(),
             );
         }
         let read = &self.read;
@@ -629,8 +629,8 @@ impl Builder {
         for (option, _) in given.filter(|_| matches!(self.source, Source::Model(_))) {
             error(
                 Code::Option,
-                format!("`{option}` is about reading a description, and a model is given"),
-                "make the model so: its joints say what they are, `Model::with_friction` what acts"
+                format!("`{option}` is an option for descriptions, but the robot is a `Model`"),
+                "set it in the model: joints have their type and rotor, `Model::with_friction` sets the friction"
                     .into(),
             );
         }
@@ -664,15 +664,15 @@ fn moving_frames(
                     Some(meant) => format!("did you mean `{meant}`?"),
                     None => "name a link of the description".into(),
                 };
-                error(format!("`{name}` in `{option}` is no link"), help);
+                error(format!("`{name}` in `{option}` is not a link"), help);
             }
             Some(frame) if model.frames()[frame].link.is_none() => error(
                 format!("link `{name}` in `{option}` does not move"),
-                "leave it out: a link that is fixed to the world has no part in the dynamics"
+                "remove it: a link that is fixed to the world has no effect on the dynamics"
                     .into(),
             ),
             Some(frame) if frames.contains(&frame) => {
-                error(format!("link `{name}` stands in `{option}` twice"), "name it once".into());
+                error(format!("link `{name}` is listed in `{option}` twice"), "name it once".into());
             }
             Some(frame) => frames.push(frame),
         }

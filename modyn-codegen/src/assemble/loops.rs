@@ -26,7 +26,7 @@ pub fn of_option(option: &Loop, report: &mut Report<'_>) -> LoopRecord {
     };
     let part = LoopRecord { name: option.name.clone(), at: None, kind, ends };
     if let (Some(axis), None) = (option.kind.axis(), kind) {
-        let message = format!("{axis:?} is no axis");
+        let message = format!("{axis:?} is not a direction");
         let error = Diagnostic::error(Code::Option, message).about(part.subject());
         report.push(error.with_help("give a direction, such as [0.0, 0.0, 1.0]"));
     }
@@ -77,13 +77,13 @@ impl<'p> Search<'p> {
         let ends = part.ends.each_ref().map(|end| {
             let figures = end.pose.rotation.iter().flatten().chain(&end.pose.translation);
             if !figures.into_iter().all(|x| x.abs() < LARGEST) {
-                let message = "its place is too far away to compute with";
+                let message = "its origin is too far away to compute with";
                 error(Code::NotFinite, end.at.or(part.at), message.into(), "write `xyz` in m");
             }
             let link = end.link.as_deref()?;
             let found = self.links.get(link).copied();
             if found.is_none() {
-                let message = format!("it holds link `{link}`, which does not exist");
+                let message = format!("it refers to link `{link}`, which does not exist");
                 let names = self.description.link_names();
                 let help = self.near.suggest(link, names).map_or_else(
                     || "name a link of the description".into(),
@@ -98,11 +98,11 @@ impl<'p> Search<'p> {
         {
             let [a, b] = [a, b].map(|end| self.description.links[end.frame].name.text.as_str());
             let message = if a == b {
-                format!("it holds link `{a}` to itself")
+                format!("it connects link `{a}` to itself")
             } else {
-                format!("it holds links `{a}` and `{b}`, which cannot move against each other")
+                format!("it connects links `{a}` and `{b}`, which cannot move relative to each other")
             };
-            let help = "name two links with a joint that moves between them";
+            let help = "name two links with a moving joint between them";
             error(Code::LoopEnds, part.ends[1].at, message, help);
         }
         if report.errors() > errors {

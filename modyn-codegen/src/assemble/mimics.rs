@@ -90,7 +90,7 @@ impl Search<'_> {
 }
 
 const ONE_COORDINATE: &str =
-    "mimics are between joints of the types `revolute`, `continuous` and `prismatic`";
+    "only `revolute`, `continuous` and `prismatic` joints can mimic and be mimicked";
 
 /// Returns whether joints of this kind have one coordinate. An unreadable kind is already an error, so it passes.
 fn has_one_coordinate(kind: Kind) -> bool {
@@ -105,9 +105,9 @@ fn report_cycle(description: &Description, cycle: &[usize], report: &mut Report<
     } else {
         let names = cycle.iter().map(|&j| format!("`{}`", description.joints[j].name.text));
         let names: Vec<String> = names.collect();
-        format!("joints mimic each other in a circle: {}", names.join(", "))
+        format!("mimic joints form a cycle: {}", names.join(", "))
     };
     let at = joint.mimic.as_ref().map_or(joint.name.at, |mimic| mimic.leader.at);
-    let help = "let one of them move by itself: remove its `<mimic>`";
+    let help = "make one of them independent: remove its `<mimic>`";
     report.error(Code::MimicCycle, at, Some(&joint.subject()), message, help);
 }

@@ -52,7 +52,7 @@ fn model(
     let Assembly { mut links, bodies, place } = assembly;
     if links.is_empty() {
         let help = "make a joint `revolute`, `continuous` or `prismatic`, or let the base float";
-        let message = "no joint of the robot moves";
+        let message = "the robot has no moving joint";
         report.error(Code::NoMovingJoint, description.at, None, message, help);
     }
     let mut bodies: Vec<Body> = bodies.iter().map(|body| body.view(description)).collect();

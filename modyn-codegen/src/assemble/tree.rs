@@ -23,7 +23,7 @@ pub fn grow(description: &Description, report: &mut Report<'_>) -> Option<Tree> 
         index(description.links.iter().map(|l| &l.name), Code::DuplicateLink, "link", report);
     index(description.joints.iter().map(|j| &j.name), Code::DuplicateJoint, "joint", report);
     if description.links.is_empty() {
-        let help = "write at least two `<link>` and a `<joint>` that moves one against the other";
+        let help = "write at least two `<link>` and a moving `<joint>` between them";
         report.error(Code::NoLink, description.at, None, "the robot has no link", help);
         return None;
     }
@@ -134,7 +134,7 @@ fn ends(
                     first.name.text,
                     report.position(first.child.as_ref().map_or(first.name.at, |end| end.at)),
                 );
-                let help = "a link hangs on one joint; to close a loop, make one joint of it a `<loop_joint>`";
+                let help = "a link has one parent; to describe a closed loop, make one joint of the loop a `<loop_joint>`";
                 report.error(
                     Code::SeveralParents,
                     at,
@@ -165,7 +165,7 @@ fn report_cycles(
             on_cycle.iter().map(|&j| format!("`{}`", description.joints[j].name.text)).collect();
         let joint = &description.joints[on_cycle[0]];
         let message = format!("joints form a cycle: {}", names.join(", "));
-        let help = "a robot is a tree: let one link be the child of no joint";
+        let help = "a robot is a tree: one link must not be the child of any joint";
         report.error(Code::Cycle, joint.name.at, Some(&joint.subject()), message, help);
     }
 }
@@ -187,7 +187,7 @@ fn roots(
     let more = if roots.len() > names.len() { ", ..." } else { "" };
     let link = &description.links[second];
     let message =
-        format!("{} links are the child of no joint: {}{more}", roots.len(), names.join(", "));
-    let help = "a robot has one root: join the others to it, with a fixed joint if need be";
+        format!("{} links are not the child of any joint: {}{more}", roots.len(), names.join(", "));
+    let help = "a robot has one root: connect the others to it, for example by fixed joints";
     report.error(Code::SeveralRoots, link.name.at, Some(&link.subject()), message, help);
 }

@@ -36,7 +36,7 @@ fn check_whole(
     let at = body.inertials().next().map_or(moving.at, |(_, own)| own.at);
     let figures = [whole.mass].into_iter().chain(whole.center_of_mass).chain(whole.inertia);
     if !figures.into_iter().all(|x| x.abs() < LARGEST) {
-        let message = "the figures of the inertia are too large to compute with";
+        let message = "the inertia is too large to compute with";
         let help = "write kg, m and kg m^2";
         report.error(Code::NotFinite, at, Some(&moving.subject()), message, help);
         return false;
@@ -78,7 +78,7 @@ fn advice(defect: &InertialDefect) -> (Code, String) {
             "check ixx, iyy, izz and whether the inertia is about the centre of mass",
         ),
     };
-    (code, format!("{help}; or take it as it is with the option `unphysical_inertia = warn`"))
+    (code, format!("{help}; or accept it with the option `unphysical_inertia = warn`"))
 }
 
 fn fixed_names(fixed: &[LinkView]) -> String {
@@ -89,7 +89,7 @@ fn fixed_names(fixed: &[LinkView]) -> String {
     if names.is_empty() {
         String::new()
     } else {
-        format!(" (together with what is fixed to it: {}{more})", names.join(", "))
+        format!(" (together with the links that are fixed to it: {}{more})", names.join(", "))
     }
 }
 

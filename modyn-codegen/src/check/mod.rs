@@ -82,7 +82,7 @@ pub fn is_near(
 ) -> bool {
     let near = origin.translation.iter().all(|x| x.abs() < LARGEST);
     if !near {
-        let message = "its place is too far away to compute with";
+        let message = "its origin is too far away to compute with";
         report.error(Code::NotFinite, at, Some(joint), message, "write `xyz` in m");
     }
     near

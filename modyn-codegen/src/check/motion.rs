@@ -9,7 +9,7 @@ use crate::diagnostics::{Code, Place, Report, Subject};
 /// Reports armature, damping or friction that is too large to compute with.
 pub fn drive(drive: &JointDynamics, at: Option<usize>, joint: &Subject, report: &mut Report<'_>) {
     if ![drive.armature, drive.damping, drive.friction].iter().all(|x| x.abs() < LARGEST) {
-        let message = "the figures of its drive are too large to compute with";
+        let message = "its armature, damping or friction is too large to compute with";
         let help = "write kg m^2 (or kg), N m s/rad (or N s/m) and N m (or N)";
         report.error(Code::NotFinite, at, Some(joint), message, help);
     }
@@ -32,7 +32,7 @@ pub fn inactive_friction(bodies: &[Body], chosen: Option<Friction>, report: &mut
         (false, _) => "its friction does not act",
         (true, true) => "its damping and friction do not act",
     };
-    let help = "set the option `friction` to `viscous`, `coulomb` or `smooth` if they are to act, to `none` if not";
+    let help = "set the option `friction` to `viscous`, `coulomb` or `smooth` if they are to act, else to `none`";
     report.warn_once(Code::InactiveFriction, &places, message, help);
 }
 

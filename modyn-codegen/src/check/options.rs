@@ -21,7 +21,7 @@ pub fn gravity_error(gravity: [f64; 3]) -> Option<Diagnostic> {
 /// Returns the error of an invalid friction.
 pub fn friction_error(friction: Friction) -> Option<Diagnostic> {
     let Friction::Smooth(width) = friction else { return None };
-    let message = format!("{width} is no velocity to smooth friction by");
+    let message = format!("{width} is not a valid transition velocity of smooth friction");
     let help = "give a finite velocity above 0 in rad/s or m/s, such as 0.01";
     let good = width > 0.0 && width < LARGEST;
     (!good).then(|| Diagnostic::error(Code::Option, message).with_help(help))

@@ -43,7 +43,7 @@ pub struct ForeignExpr;
 impl fmt::Display for ForeignExpr {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(
-            "an expression was used in another trace than its own: make inputs and constants in the \
+            "an expression of another trace was used: create inputs and constants in the \
              function that `Graph::trace` runs, and return the outputs from there",
         )
     }

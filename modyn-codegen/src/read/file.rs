@@ -24,18 +24,18 @@ pub fn read_first(
     };
     let unreadable = |reason: &dyn Display| {
         let message = format!("`{}` cannot be read: {reason}", relative(place));
-        let help = "give the path of a URDF file that may be read";
+        let help = "give the path of a readable URDF file";
         Diagnostics::from(Diagnostic::error(Code::MissingFile, message).with_help(help))
     };
     // A device or a pipe might have no end.
     if !place.is_file() {
-        return Err(unreadable(&"it is no file"));
+        return Err(unreadable(&"it is not a file"));
     }
     let file = File::open(place).map_err(|error| unreadable(&error))?;
     let length = file.metadata().map_err(|error| unreadable(&error))?.len();
     if length > MOST_BYTES as u64 {
         let message = format!("`{}` has {length} bytes, more than {MOST_BYTES}", relative(place));
-        let help = "give the path of a URDF file; none is of this size";
+        let help = "give the path of a URDF file; none is this large";
         return Err(Diagnostic::error(Code::Excessive, message).with_help(help).into());
     }
     // The file may have grown since.
@@ -64,7 +64,7 @@ fn read_at_most(
     })?;
     if bytes.len() > limit {
         let message = format!("{wanted} has more than {limit} bytes");
-        let help = "give a URDF file; none is of this size";
+        let help = "give a URDF file; none is this large";
         return Err(Diagnostic::error(Code::Excessive, message).with_help(help).into());
     }
     String::from_utf8(bytes).map_err(|error| not_text(wanted, &error))
@@ -79,7 +79,7 @@ fn not_text(wanted: impl Display, error: &std::string::FromUtf8Error) -> Diagnos
         column: 1 + line.chars().count(),
     };
     let byte = rest.first().copied().unwrap_or_default();
-    Diagnostic::error(Code::NotUrdf, format!("this is no UTF-8 text: byte 0x{byte:02x}"))
+    Diagnostic::error(Code::NotUrdf, format!("this is not UTF-8 text: byte 0x{byte:02x}"))
         .in_file(wanted.to_string())
         .at(position)
         .with_help("save the file as UTF-8; a URDF is a text file")
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_folder_is_no_file() {
-        assert!(refused(&["no/such", "src"]).contains("`src` cannot be read: it is no file"));
+        assert!(refused(&["no/such", "src"]).contains("`src` cannot be read: it is not a file"));
     }
 
     #[test]
@@ -148,7 +148,7 @@ mod tests {
         let error = String::from_utf8(b"<robot>\n\xc3\xa9\xff".to_vec()).expect_err("0xff");
         assert_eq!(
             not_text("a.urdf", &error).to_string().lines().next(),
-            Some("a.urdf:2:2: error[not-urdf]: this is no UTF-8 text: byte 0xff")
+            Some("a.urdf:2:2: error[not-urdf]: this is not UTF-8 text: byte 0xff")
         );
     }
 }

@@ -49,7 +49,7 @@ impl fmt::Display for ModuleMismatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the modules or the factorization are those of another model; make them from this one"
+            "the modules or the factorization belong to another model; create them from this model"
         )
     }
 }
@@ -113,7 +113,7 @@ impl fmt::Display for DecompositionError {
             Self::Shape(error) => error.fmt(f),
             Self::Mimics => write!(
                 f,
-                "joints mimic others, which couples modules across the tree; `brge` factorizes such models"
+                "the robot has mimic joints, which couple modules across the tree; `brge` factorizes such models"
             ),
         }
     }

@@ -56,8 +56,8 @@ impl fmt::Display for ModelError {
             ModelErrorKind::NoJoint => "has no moving joint; a model needs at least one",
             ModelErrorKind::DuplicateName => "is a name used twice; names must be unique",
             ModelErrorKind::Parent => "has a parent that does not come before it in the model",
-            ModelErrorKind::Order => "is out of order; links must stand depth first",
-            ModelErrorKind::NotFinite => "has a figure that is NaN or infinite",
+            ModelErrorKind::Order => "is out of order; links must be in depth-first order",
+            ModelErrorKind::NotFinite => "has a number that is NaN or infinite",
             ModelErrorKind::Axis => "has an axis that is not of unit length",
             ModelErrorKind::SecondAxis => {
                 "has a second axis that is not of unit length, or parallel to the first"
@@ -68,10 +68,10 @@ impl fmt::Display for ModelError {
                  several coordinates"
             }
             ModelErrorKind::JointDynamics => "has a negative armature, damping or friction",
-            ModelErrorKind::Friction => "smooths friction by what is no velocity above zero",
-            ModelErrorKind::LoopConstraintLink => "holds a link that does not exist",
+            ModelErrorKind::Friction => "has smooth friction whose transition velocity is not positive",
+            ModelErrorKind::LoopConstraintLink => "refers to a link that does not exist",
             ModelErrorKind::LoopConstraintEnds => {
-                "holds two links that cannot move against each other"
+                "connects two links that cannot move relative to each other"
             }
         };
         write!(f, "`{}` {what}", self.name)

@@ -69,7 +69,7 @@ impl fmt::Display for ModuleError {
             Self::UnknownLink { name, links } => {
                 write!(
                     f,
-                    "`{name}` in the module list is no moving link; there are: {}{}",
+                    "`{name}` in the module list is not a moving link; the moving links are: {}{}",
                     links.join(", "),
                     if links.len() < SHOWN { "" } else { ", ..." }
                 )
@@ -77,11 +77,11 @@ impl fmt::Display for ModuleError {
             Self::Twice(link) => {
                 write!(
                     f,
-                    "link `{link}` stands in the module list twice; each link belongs to one module"
+                    "link `{link}` is listed in the modules twice; each link belongs to one module"
                 )
             }
             Self::Missing(link) => {
-                write!(f, "link `{link}` stands in no module; the list must hold every moving link")
+                write!(f, "link `{link}` is in no module; the modules must contain every moving link")
             }
             Self::NotSerial { before, link, parent } => write!(
                 f,
@@ -93,7 +93,7 @@ impl fmt::Display for ModuleError {
                 "the tree branches at link `{at}` (towards `{leaving}`), so a module must end there: \
                  modules leave the last link of their parent module"
             ),
-            Self::Empty => write!(f, "the module list holds an empty module; remove it"),
+            Self::Empty => write!(f, "the module list contains an empty module; remove it"),
         }
     }
 }

@@ -193,7 +193,7 @@ impl Reader<'_, '_, '_, '_> {
         let finite = pose.translation.to_array().iter().all(|x| x.is_finite());
         let turn = (length - 1.0).abs() < 1e-9;
         if !finite || !turn {
-            let (message, help) = ("its pose is not finite", "write finite figures in m and rad");
+            let (message, help) = ("its pose is not finite", "write finite numbers in m and rad");
             self.report.error(
                 Code::NotFinite,
                 at,
@@ -218,7 +218,7 @@ impl Reader<'_, '_, '_, '_> {
         let Joint { armature, damping, frictionloss: friction, .. } = *joint;
         let figures = [armature, damping, friction];
         if figures.iter().any(|&figure| figure < 0.0) {
-            let help = "write figures of at least 0: they work against the motion";
+            let help = "write numbers of at least 0: damping and friction oppose the motion";
             refuse(
                 Code::NegativeDrive,
                 "`armature`, `damping` or `frictionloss` is negative",
@@ -237,7 +237,7 @@ impl Reader<'_, '_, '_, '_> {
             JointDynamics::default()
         };
         if joint.type_ == Type::Free && !alone {
-            let message = "a free joint stands alone in a body of the world";
+            let message = "a free joint must be the only joint of a body of the world";
             refuse(Code::NotRead, message, "write the body in `<worldbody>`, with this joint only");
         }
         let mut figures = figures
@@ -247,7 +247,7 @@ impl Reader<'_, '_, '_, '_> {
             .chain([joint.ref_])
             .chain(joint.range.into_iter().flatten());
         if !figures.all(|figure| figure.abs() < LARGEST) {
-            refuse(Code::NotFinite, "a figure is not finite", "write finite figures in SI units");
+            refuse(Code::NotFinite, "a number is not finite", "write finite numbers in SI units");
         }
         let axis = if single {
             normalized(joint.axis).map(|(unit, _)| unit)
@@ -311,7 +311,7 @@ impl Reader<'_, '_, '_, '_> {
             return None;
         }
         let inertial = if self.classes_place_geoms {
-            Err("its geoms' places are those of a class, which are not read")
+            Err("the poses of its geoms come from a class, which is not read")
         } else {
             geoms::inertial(&body.geoms)
         };

@@ -34,7 +34,7 @@ pub fn heavy(geom: &Geom) -> bool {
 /// Returns a geom's inertia in its body's frame.
 fn solid(geom: &Geom) -> Result<Inertial, &'static str> {
     if geom.mesh.is_some() {
-        return Err("what a mesh weighs is not computed");
+        return Err("the mass of a mesh is not computed");
     }
     let (place, [x, y, z]) = placed(geom)?;
     // The volume, and the second moments divided by the volume: the integrals of x^2, y^2 and z^2.
@@ -46,7 +46,7 @@ fn solid(geom: &Geom) -> Result<Inertial, &'static str> {
         GeomType::Box => (8.0 * x * y * z, [x * x / 3.0, y * y / 3.0, z * z / 3.0]),
         GeomType::Cylinder => (2.0 * PI * x * x * z, [x * x / 4.0, x * x / 4.0, z * z / 3.0]),
         GeomType::Capsule => capsule(x, z),
-        _ => return Err("what a mesh weighs is not computed"),
+        _ => return Err("the mass of a mesh is not computed"),
     };
     if !(volume > 0.0 && volume.is_finite()) {
         return Err("a geom has no volume: its `size` must be above 0");

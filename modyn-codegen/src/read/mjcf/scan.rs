@@ -42,7 +42,7 @@ pub fn scan(root: Node, report: &mut Report<'_>) {
     while let Some((node, place, depth)) = open.pop() {
         if depth > DEEPEST {
             let message = format!("elements are nested more than {DEEPEST} deep");
-            let help = "write the tree less deep: many links in a row are for URDF";
+            let help = "make the tree less deep, or use URDF for long chains";
             report.error(Code::NotRead, node.range().start, None, message, help);
             return;
         }
@@ -66,7 +66,7 @@ fn place_of(place: Place, child: Node) -> Result<Place, &'static str> {
     let inactive = child.attribute("active") == Some("false");
     match (place, child.tag_name().name()) {
         (_, "include" | "attach") | (Place::Beside, "model") => {
-            Err("no other file is read: write it out, by `mj_saveLastXML` for example")
+            Err("no other file is read: copy its contents into this file; `mj_saveLastXML` writes such a file")
         }
         (Place::Root, "compiler") => Ok(Place::Compiler),
         (Place::Root, "option") => Ok(Place::Option),
@@ -105,7 +105,7 @@ fn place_of(place: Place, child: Node) -> Result<Place, &'static str> {
         // The joints of bodies contain everything that matters after classes are resolved.
         (Place::Default, _) => Ok(Place::Beside),
         (Place::Frame, "inertial" | "joint" | "freejoint") => Err("write it in a `<body>`"),
-        _ => Err("it could change the dynamics: remove it, or write out what it stands for"),
+        _ => Err("it could change the dynamics: remove it, or replace it by supported elements"),
     }
 }
 
@@ -142,7 +142,7 @@ fn check(
         (Place::Body, "gravcomp") if node.has_tag_name("body") && !zero() => {
             "forces against gravity are not supported: give them as torques"
         }
-        (Place::Body, "mocap") if value != "false" => "a body that is led by hand is no robot's",
+        (Place::Body, "mocap") if value != "false" => "mocap bodies are not supported: remove the attribute or the body",
         (Place::Beside, "armature" | "damping")
             if node.parent().is_some_and(|parent| parent.has_tag_name("actuator")) && !zero() =>
         {

@@ -19,7 +19,7 @@ pub fn robot<'a, 't>(document: &'a Document<'t>, report: &mut Report<'_>) -> Opt
     let (code, message, help) = match root.tag_name().name() {
         "robot" => {
             if let Some(offset) = xacro(root) {
-                let message = "this is xacro, not yet a URDF";
+                let message = "this is a xacro file, not a URDF";
                 report.error(Code::Xacro, offset, None, message, XACRO_HELP);
                 return None;
             }

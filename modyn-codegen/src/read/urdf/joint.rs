@@ -85,7 +85,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         if let Some(found) = MOVING.into_iter().find(|known| known.name() == text.text) {
             return Kind::Moving(found);
         }
-        let message = format!("`{}` is no joint type", text.text);
+        let message = format!("`{}` is not a joint type", text.text);
         let help = format!("supported are: {}, fixed", MOVING.map(JointType::name).join(", "));
         self.xml.report.error(Code::UnknownJointType, text.at, subject, message, help);
         Kind::Unknown
@@ -209,7 +209,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         {
             let at = node.range().start;
             let message = format!("the lower limit {lower} is above the upper limit {upper}");
-            let help = "exchange them; a bound that is not written is 0";
+            let help = "exchange them; the default of both is 0";
             self.xml.report.add(
                 Severity::Warning,
                 Code::InvertedLimits,
@@ -245,7 +245,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 "the attribute `{}` of `<limit>` is not read: the joint has several coordinates",
                 bound.name()
             );
-            let help = "remove it; such a joint has limits of velocity and effort alone";
+            let help = "remove it; such a joint has velocity and effort limits only";
             let at = bound.range().start;
             self.xml.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
         }
@@ -305,7 +305,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             && value < 0.0
         {
             let message = format!("the attribute `{name}` of `<dynamics>` is {value}");
-            let help = "write a figure of at least 0: it works against the motion";
+            let help = "write a number of at least 0: damping and friction oppose the motion";
             self.xml.report.error(Code::NegativeDrive, text.at, subject, message, help);
             return 0.0;
         }
@@ -319,8 +319,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let gear = attribute(node, "gear_ratio");
         if let Some(text) = armature.filter(|_| rotor.is_some() || gear.is_some()) {
             let message =
-                "`armature` stands beside `rotor_inertia` or `gear_ratio`, which say the same";
-            let help = "leave one: armature = gear_ratio^2 * rotor_inertia";
+                "`armature` stands beside `rotor_inertia` or `gear_ratio`, which define the same armature";
+            let help = "keep one: armature = gear_ratio^2 * rotor_inertia";
             self.xml.report.error(Code::RepeatedArmature, text.at, subject, message, help);
         } else if let (Some(text), None) = (gear, rotor) {
             let message =

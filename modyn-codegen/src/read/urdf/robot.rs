@@ -47,8 +47,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
     /// Warns, once for each kind, of elements whose meaning probably differs from what the author expects.
     fn surprises(&mut self, description: &Description) {
         let (message, help) = (
-            "a limit of effort or velocity is negative, and is not read",
-            "write its size, or leave the attribute out if there is no limit",
+            "a limit of effort or velocity is negative, and is ignored",
+            "write its magnitude, or omit the attribute if there is no limit",
         );
         self.xml.report.warn_once(Code::NegativeLimit, &self.negative_limits, message, help);
         let unlimited: Vec<Place> = description
@@ -60,7 +60,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             })
             .map(|joint| (Some(joint.name.at), Some(joint.subject())))
             .collect();
-        let message = "it has no `<limit>`, so it moves without end here";
+        let message = "it has no `<limit>`, so it has no position limits";
         let help = "write `<limit lower=\"...\" upper=\"...\" effort=\"...\" velocity=\"...\"/>`, or make a \
                     joint that turns without end `continuous`";
         self.xml.report.warn_once(Code::MissingLimit, &unlimited, message, help);

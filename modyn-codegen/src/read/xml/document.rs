@@ -85,11 +85,11 @@ pub fn parse<'t>(text: &'t str, report: &mut Report<'_>) -> Option<Document<'t>>
     let (code, message, help) = match &error {
         Error::DtdDetected => {
             position = report.position(text.find("<!DOCTYPE").unwrap_or(0));
-            let message = "a document type declaration (DTD) can redefine what the file says";
+            let message = "a document type declaration (DTD) can redefine the contents of the file";
             (Code::Dtd, message.into(), "remove `<!DOCTYPE ...>` and write entities out")
         }
         Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
-            (Code::Xacro, "this is xacro, not yet a URDF".into(), XACRO_HELP)
+            (Code::Xacro, "this is a xacro file, not a URDF".into(), XACRO_HELP)
         }
         Error::UnknownNamespace(prefix, _) => {
             let message = format!("the namespace prefix `{prefix}` is not declared");
@@ -106,7 +106,7 @@ pub fn parse<'t>(text: &'t str, report: &mut Report<'_>) -> Option<Document<'t>>
         }
         Error::NoRootNode => (
             Code::MalformedXml,
-            "there is no element in the text".into(),
+            "the text has no element".into(),
             "a URDF is one element `<robot>`",
         ),
         other => {

@@ -94,7 +94,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
         if let (Some(first), Some(second)) = (first, second) {
             let line = self.report.position(first.range().start).line;
             let message = format!("a second `<{name}>`; the first is in line {line}");
-            let help = "leave one of them";
+            let help = "keep one of them";
             self.report.error(Code::RepeatedElement, second.range().start, subject, message, help);
         }
         first

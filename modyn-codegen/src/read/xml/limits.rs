@@ -66,4 +66,4 @@ impl<'t> Tags<'t> {
     }
 }
 
-const HELP: &str = "leave out what the robot's motion has no use for; no description is like this";
+const HELP: &str = "remove everything that is not part of the robot's dynamics; valid descriptions stay below the limit";
