@@ -607,7 +607,8 @@ impl Builder {
         if self.self_contained && self.krate.is_some() {
             error(
                 Code::Option,
-                "a self-contained file does not use the crate `modyn`, so `krate` has no effect".into(),
+                "a self-contained file does not use the crate `modyn`, so `krate` has no effect"
+                    .into(),
                 "remove `krate` or `self_contained`".into(),
             );
         }
@@ -668,11 +669,13 @@ fn moving_frames(
             }
             Some(frame) if model.frames()[frame].link.is_none() => error(
                 format!("link `{name}` in `{option}` does not move"),
-                "remove it: a link that is fixed to the world has no effect on the dynamics"
-                    .into(),
+                "remove it: a link that is fixed to the world has no effect on the dynamics".into(),
             ),
             Some(frame) if frames.contains(&frame) => {
-                error(format!("link `{name}` is listed in `{option}` twice"), "name it once".into());
+                error(
+                    format!("link `{name}` is listed in `{option}` twice"),
+                    "name it once".into(),
+                );
             }
             Some(frame) => frames.push(frame),
         }

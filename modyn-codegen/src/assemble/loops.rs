@@ -100,7 +100,9 @@ impl<'p> Search<'p> {
             let message = if a == b {
                 format!("it connects link `{a}` to itself")
             } else {
-                format!("it connects links `{a}` and `{b}`, which cannot move relative to each other")
+                format!(
+                    "it connects links `{a}` and `{b}`, which cannot move relative to each other"
+                )
             };
             let help = "name two links with a moving joint between them";
             error(Code::LoopEnds, part.ends[1].at, message, help);

@@ -37,7 +37,10 @@ pub fn apply(description: &mut Description, rotors: &[Rotor], report: &mut Repor
             error("the options give it a rotor, but it does not move".into(), help);
         }
         if std::mem::replace(&mut given[j], true) {
-            error("the options give it two rotors".into(), "keep one, with the sum of the inertias");
+            error(
+                "the options give it two rotors".into(),
+                "keep one, with the sum of the inertias",
+            );
         }
         if good {
             armatures.push((j, armature));

@@ -124,6 +124,12 @@ impl Row {
         }
     }
 
+    /// Returns whether the function is one of a link, which is then its last argument.
+    #[must_use]
+    pub const fn is_by_link(&self) -> bool {
+        matches!(self.trace, Trace::ByLink(_))
+    }
+
     const fn by_default(self) -> Self {
         Self { default: true, ..self }
     }

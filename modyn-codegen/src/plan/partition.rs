@@ -64,10 +64,10 @@ pub fn choose(model: &Model, mechanism: &Mechanism<f64>, tracer: &Tracer<'_>) ->
         (better, cost, traced > MAX_TRACED)
     };
     let (_, by_links, _) = consider(ModuleTree::links(model));
-    let mut candidates = vec![("every link its own module", by_links)];
+    let mut candidates = vec![("one module for each link", by_links)];
     if whole_chains(model) != ModuleTree::links(model) {
         let (better, by_chains, mut over_budget) = consider(whole_chains(model));
-        candidates.push(("every chain one module", by_chains));
+        candidates.push(("one module for each chain", by_chains));
         search.start(!better);
         for (group, cut) in search.alternatives() {
             if over_budget {
@@ -83,7 +83,7 @@ pub fn choose(model: &Model, mechanism: &Mechanism<f64>, tracer: &Tracer<'_>) ->
     }
     let (cost, graph, modules) = best.expect("one candidate at least");
     if candidates.iter().all(|(_, other)| cost < *other) {
-        candidates.push(("the modules that were found", cost));
+        candidates.push(("the modules found by the search", cost));
     }
     candidates.sort_by_key(|(_, cost)| *cost);
     Choice { modules, graph: optimize(graph), candidates }
@@ -177,7 +177,7 @@ mod tests {
         let mechanism = Mechanism::new(&model);
         let Choice { modules, graph, candidates } =
             choose(&model, &mechanism, &Tracer::new(&mechanism));
-        assert_eq!(candidates[0].0, "the modules that were found");
+        assert_eq!(candidates[0].0, "the modules found by the search");
         assert!(candidates.iter().all(|(_, cost)| *cost >= candidates[0].1));
         assert!(graph.count().total() <= candidates[0].1);
         assert!(modules.fits(&model) && modules.modules().len() > 1);

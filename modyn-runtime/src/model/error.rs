@@ -68,7 +68,9 @@ impl fmt::Display for ModelError {
                  several coordinates"
             }
             ModelErrorKind::JointDynamics => "has a negative armature, damping or friction",
-            ModelErrorKind::Friction => "has smooth friction whose transition velocity is not positive",
+            ModelErrorKind::Friction => {
+                "has smooth friction whose transition velocity is not positive"
+            }
             ModelErrorKind::LoopConstraintLink => "refers to a link that does not exist",
             ModelErrorKind::LoopConstraintEnds => {
                 "connects two links that cannot move relative to each other"

@@ -81,7 +81,10 @@ impl fmt::Display for ModuleError {
                 )
             }
             Self::Missing(link) => {
-                write!(f, "link `{link}` is in no module; the modules must contain every moving link")
+                write!(
+                    f,
+                    "link `{link}` is in no module; the modules must contain every moving link"
+                )
             }
             Self::NotSerial { before, link, parent } => write!(
                 f,

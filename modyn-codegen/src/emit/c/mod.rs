@@ -116,9 +116,13 @@ impl Printer {
     /// Prints the sizes, the links by name, and the default run-time parameters.
     fn constants(&mut self, plan: &Plan, model: &Model, upper: &str) {
         for (name, value, docs) in [
-            ("NQ", plan.sizes.nq, "Length of the coordinate vector."),
-            ("NV", plan.sizes.nv, "Length of the velocity vector: degrees of freedom."),
-            ("LINKS", plan.sizes.links, "Number of links."),
+            ("NQ", plan.sizes.nq, "The length of the coordinate vector."),
+            (
+                "NV",
+                plan.sizes.nv,
+                "The length of the velocity vector: the number of degrees of freedom.",
+            ),
+            ("LINKS", plan.sizes.links, "The number of links."),
         ] {
             let _ = writeln!(self.header, "/* {docs} */\n#define {upper}_{name} {value}");
         }

@@ -124,7 +124,7 @@ impl Robot<'_> {
             let door = |suffix: &str, arguments: &[String], docs: &str, body: &str| {
                 format!(
                     "/// {summary}\n///\n/// {docs}\n///\n/// # Errors\n///\n\
-                     /// If they hold different numbers of states.\n\
+                     /// If the arguments hold different numbers of states.\n\
                      pub fn {name}_{suffix}{with}({first}{}) -> ::core::result::Result<(), __modyn::BatchError> {{\n{body}}}\n",
                     arguments.join(", ")
                 )
@@ -133,13 +133,13 @@ impl Robot<'_> {
             *text += &door(
                 "batch",
                 &by_columns,
-                "Of many states at a time: each slice holds one number of every state.",
+                "Computes many states: each slice holds one entry for each state. Results are written to the last arguments.",
                 &format!("{unpacked}    __modyn::batch::run({kernel}, [{inputs}], [{outputs}])\n"),
             );
             let parallel = door(
                 "batch_par",
                 &by_columns,
-                "Of many states at a time, on all cores: each slice holds one number of every state.",
+                "Computes many states on all cores: each slice holds one entry for each state. Results are written to the\n/// last arguments.",
                 &format!(
                     "{unpacked}    __modyn::batch::run_parallel({kernel}, [{inputs}], [{outputs}])\n"
                 ),
@@ -148,7 +148,7 @@ impl Robot<'_> {
             *text += &door(
                 "each",
                 &by_states,
-                "Of each state in a slice, many at a time.",
+                "Computes many states: each element of a slice is a state. Results are written to the last argument.",
                 &format!(
                     "    __modyn::batch::run_each({kernel}, [{}], {result}, {parts})\n",
                     flat.join(", ")

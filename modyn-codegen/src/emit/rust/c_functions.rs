@@ -14,9 +14,9 @@ impl Robot<'_> {
         let links = self.model.frames().len();
         let _ = writeln!(
             text,
-            "\n/// Length of the coordinate vector.\npub const {upper}_NQ: usize = {nq};\n\
-             /// Length of the velocity vector.\npub const {upper}_NV: usize = {nv};\n\
-             /// Number of links.\npub const {upper}_LINKS: usize = {links};\n\
+            "\n/// The length of the coordinate vector.\npub const {upper}_NQ: usize = {nq};\n\
+             /// The length of the velocity vector.\npub const {upper}_NV: usize = {nv};\n\
+             /// The number of links.\npub const {upper}_LINKS: usize = {links};\n\
              const _: () = assert!({upper}_NQ == {name}::NQ && {upper}_NV == {name}::NV);"
         );
         for quantity in quantities.iter().filter(|quantity| in_c(quantity)) {
@@ -49,7 +49,7 @@ impl Robot<'_> {
         if by_link {
             parameters.push("link: usize".into());
             arguments.push("link".into());
-            notes += "///\n/// `link` counts in the description's order; false (and nothing is written) if there is none.\n";
+            notes += "///\n/// `link` is an index in the description's order. Returns false, and writes nothing, if there is no such link.\n";
         }
         let returned = match (scalar, by_link) {
             (true, _) => format!(" -> {float}"),
@@ -58,7 +58,7 @@ impl Robot<'_> {
         };
         if !scalar {
             parameters.push(format!("out: &mut [{float}; {}]", quantity.shape.len()));
-            notes += &format!("///\n/// To `out`: {}.\n", quantity.shape.c_layout());
+            notes += &format!("///\n/// The layout of `out`: {}.\n", quantity.shape.c_layout());
         }
         let docs: String = quantity.docs.lines().map(|line| format!("/// {line}\n")).collect();
         let _ = writeln!(

@@ -9,29 +9,29 @@ pub(super) const MODULE: &str = "runtime";
 
 /// The replacement of `scalar/native` of the runtime, which uses `libm` and features.
 const NATIVE: &str = "\
-//! What only some processors have instructions for.
+//! Operations with instructions on some processors only.
 
 pub(super) use super::root::{sqrt_f32, sqrt_f64};
 
-/// a * b + c, rounded twice: the same on every processor.
+/// Returns a * b + c, rounded twice: the same on every processor.
 #[inline]
 pub(super) fn mul_add_f64(a: f64, b: f64, c: f64) -> f64 {
     a * b + c
 }
 
-/// a * b + c, rounded twice: the same on every processor.
+/// Returns a * b + c, rounded twice: the same on every processor.
 #[inline]
 pub(super) fn mul_add_f32(a: f32, b: f32, c: f32) -> f32 {
     a * b + c
 }
 
-/// Equal limbs, one after the other.
+/// Runs work on packed limbs one limb after the other.
 #[inline]
 pub(super) fn abreast_f64<W: super::abreast::Abreast<f64>>(work: W) -> W::Output {
     work.scalar()
 }
 
-/// Equal limbs, one after the other.
+/// Runs work on packed limbs one limb after the other.
 #[inline]
 pub(super) fn abreast_f32<W: super::abreast::Abreast<f32>>(work: W) -> W::Output {
     work.scalar()
@@ -69,7 +69,7 @@ fn outside_of_strings(line: &str, change: impl Fn(&str) -> String) -> String {
 /// Returns the module with the parts of the runtime that `items` use, and their dependencies.
 pub(super) fn module(items: &str) -> String {
     let mut text = format!(
-        "\n/// The part of modyn's runtime that stands behind the text above, on `core` alone.\n\
+        "\n/// The part of modyn's runtime that the text above uses; it needs `core` only.\n\
          #[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, unused_extern_crates)]\n\
          pub mod {MODULE} {{\n    #[doc(hidden)]\n    pub extern crate core as __core;\n\n"
     );

@@ -21,12 +21,12 @@ impl Robot<'_> {
         let _ = writeln!(
             text,
             "impl<T: __modyn::Scalar> {name}Brge<T> {{\n\
-             /// How many numbers it holds.\n\
+             /// The number of stored entries.\n\
              pub const FACTORS: usize = {size};\n\
-             /// From the numbers that [`factors`](Self::factors) gives.\n\
+             /// Returns the factorization with these stored entries, as [`factors`](Self::factors) returns them.\n\
              #[must_use]\n\
              pub const fn from_factors(factors: [T; {size}]) -> Self {{\n    Self {{ factors }}\n}}\n\
-             /// What U and D are made of without their zeros, in an order of its own.\n\
+             /// Returns the stored entries: U and D without their zeros, in an internal order.\n\
              #[must_use]\n\
              pub const fn factors(&self) -> &[T; {size}] {{\n    &self.factors\n}}",
             size = layout.size()
@@ -41,7 +41,7 @@ impl Robot<'_> {
         }
         let _ = writeln!(
             text,
-            "/// The x with I x = `rhs`, by the three steps of (60).\n\
+            "/// Returns the solution x of I x = `rhs`, by the three steps of (60).\n\
              #[must_use]\n\
              pub fn solve(&self, rhs: &{vector}) -> {vector} {{\n    solve(&self.factors, rhs)\n}}"
         );
@@ -61,7 +61,7 @@ impl Robot<'_> {
                 .collect();
             let _ = writeln!(
                 text,
-                "/// The pivot block of module {m} (joints {}), (46), an array of columns.\n\
+                "/// Returns the pivot block of module {m} (joints {}), (46), an array of columns.\n\
                  #[must_use]\n\
                  pub fn pivot_block_{m}(&self) -> [[T; {size}]; {size}] {{\n    \
                  let [{shown}..] = self.factors;\n    [{}]\n}}",
@@ -85,11 +85,11 @@ impl Robot<'_> {
             .collect();
         let _ = writeln!(
             text,
-            "/// The condition number (2-norm) of each module's pivot block, by a fixed number of Jacobi sweeps;\n\
-             /// infinite where it is beyond what the scalar can tell.\n\
+            "/// Returns the condition number (2-norm) of each module's pivot block, by a fixed number of Jacobi sweeps;\n\
+             /// infinite where it exceeds the scalar's precision.\n\
              #[must_use]\n\
              pub fn condition_numbers(&self) -> [T; {}] {{\n    [{}]\n}}\n\
-             /// That of module `module`'s pivot block; `None` if there is no such module.\n\
+             /// Returns the condition number of module `module`'s pivot block; `None` if there is no such module.\n\
              #[must_use]\n\
              pub fn condition_number(&self, module: usize) -> ::core::option::Option<T> {{\n    \
              match module {{\n{}_ => ::core::option::Option::None,\n    }}\n}}\n}}\n",

@@ -29,9 +29,9 @@ impl Robot<'_> {
         }
         let _ = writeln!(
             text,
-            "/* Length of the coordinate vector. */\n#define {upper}_NQ {}\n\
-             /* Length of the velocity vector. */\n#define {upper}_NV {}\n\
-             /* Number of links. */\n#define {upper}_LINKS {}\n\n\
+            "/* The length of the coordinate vector. */\n#define {upper}_NQ {}\n\
+             /* The length of the velocity vector. */\n#define {upper}_NV {}\n\
+             /* The number of links. */\n#define {upper}_LINKS {}\n\n\
              /* An array of at least n numbers, or a pointer to its first one. Compilers warn of shorter arrays. */\n\
              #if defined(__STDC_VERSION__) && !defined(_MSC_VER)\n\
              #define {upper}_AT_LEAST(n) static n\n#else\n#define {upper}_AT_LEAST(n)\n#endif\n\n\
@@ -93,12 +93,12 @@ fn declaration(
     let mut docs: Vec<String> = quantity.docs.lines().map(str::to_owned).collect();
     if by_link {
         docs.push(format!(
-            "`link` is one of `enum {prefix}_link`; false (and nothing is written) if there is none."
+            "`link` is one of `enum {prefix}_link`; returns false, and writes nothing, if there is no such link."
         ));
     }
     if returned != number {
         parameters.push(array("out", &quantity.shape));
-        docs.push(format!("To `out`: {}.", quantity.shape.c_layout()));
+        docs.push(format!("The layout of `out`: {}.", quantity.shape.c_layout()));
     }
     let _ = writeln!(
         text,

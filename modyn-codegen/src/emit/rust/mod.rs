@@ -61,8 +61,9 @@ pub(super) fn print(
          const _: () = {{\n\
          use {krate} as __modyn;\n"
     );
-    robot.constants(&mut text, &operations);
+    // Rustdoc shows methods before constants if they come first.
     robot.own_functions(&mut text, &quantities);
+    robot.constants(&mut text, &operations);
     if !options.self_contained {
         robot.robot_trait(&mut text, &quantities);
         let generated = plan.functions.iter().chain(&plan.batches).map(|p| p.function);
@@ -242,7 +243,7 @@ impl Robot<'_> {
                 let params = format!("params: &{name}Params");
                 let _ = writeln!(
                     text,
-                    "{docs}///\n/// With these parameters.\n#[must_use]\n\
+                    "{docs}///\n/// The robot has the run-time parameters `params`.\n#[must_use]\n\
                      pub fn {function}_with({}) -> {returned} {{\n    {}\n}}",
                     self.typed(quantity, Some(params), float),
                     self.call(quantity, "&params.numbers"),
@@ -252,8 +253,8 @@ impl Robot<'_> {
         let _ = writeln!(
             text,
             "/// Checks that the quaternions of spherical and floating joints in `q` have length 1, to half of the scalar's\n\
-             /// digits. Nothing else checks it, and accelerations are wrong where it does not hold.\n///\n\
-             /// # Errors\n///\n/// The first joint whose quaternion has another length.\n\
+             /// digits. No other function checks them, and accelerations are wrong with other lengths.\n///\n\
+             /// # Errors\n///\n/// Names the first joint whose quaternion does not have length 1.\n\
              pub fn check_configuration(q: &[{float}; {nq}]) -> \
              ::core::result::Result<(), __modyn::ConfigurationError<{float}>> {{\n    \
              __modyn::configuration::check(Self::QUATERNIONS.iter().copied(), q)\n}}",

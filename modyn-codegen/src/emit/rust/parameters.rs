@@ -57,8 +57,8 @@ impl Robot<'_> {
         let (name, vis, float) = (self.name, &self.options.visibility, self.options.float.name());
         let _ = writeln!(
             text,
-            "/// The numbers of [`{name}`] that can be changed at run time; by default as in the description. Its\n\
-             /// functions change them, and check what they are given.\n\
+            "/// The run-time parameters of [`{name}`]; the defaults are those of the description. The methods set\n\
+             /// parameters, and check their arguments.\n\
              #[allow(dead_code)]\n\
              #[derive(Clone, Copy, Debug, PartialEq)]\n\
              {vis} struct {name}Params<T = {float}> {{\n    numbers: [T; {count}],\n}}\n"
@@ -83,12 +83,13 @@ impl Robot<'_> {
         let _ = writeln!(
             text,
             "impl {name}Params<{float}> {{\n\
-             /// As in the description.\n\
+             /// The parameters of the description.\n\
              pub const DEFAULT: Self = Self {{ numbers: [{}] }};\n}}\n\
              impl<T: __modyn::Scalar> ::core::default::Default for {name}Params<T> {{\n\
              fn default() -> Self {{\n    Self {{ numbers: [{}] }}\n}}\n}}\n\
              impl<T> {name}Params<T> {{\n\
-             /// The same with each number through `f`, such as to another scalar; values that `f` changes are not checked.\n\
+             /// Returns the parameters with `f` applied to each number, for example to convert to another scalar. The\n\
+             /// results of `f` are not checked.\n\
              #[must_use]\n\
              pub fn map<U>(self, f: impl ::core::ops::FnMut(T) -> U) -> {name}Params<U> {{\n    \
              {name}Params {{ numbers: self.numbers.map(f) }}\n}}\n}}\n",
@@ -146,7 +147,7 @@ impl Robot<'_> {
                  pub fn {name}(&self) -> __modyn::Inertial<T> {{\n    \
                  __modyn::parameters::inertial(&self.numbers, {at})\n}}\n\
                  /// Sets {docs}\n///\n/// # Errors\n///\n\
-                 /// If no rigid body has this inertia{refused}; nothing has changed then.\n\
+                 /// If no rigid body has this inertia{refused}. After an error nothing has changed.\n\
                  pub fn set_{name}(&mut self, inertial: __modyn::Inertial<T>) \
                  -> ::core::result::Result<(), __modyn::ParameterError<T>> {{\n    \
                  self.set({at}, &inertial)\n}}"

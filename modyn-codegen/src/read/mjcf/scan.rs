@@ -65,9 +65,9 @@ pub fn scan(root: Node, report: &mut Report<'_>) {
 fn place_of(place: Place, child: Node) -> Result<Place, &'static str> {
     let inactive = child.attribute("active") == Some("false");
     match (place, child.tag_name().name()) {
-        (_, "include" | "attach") | (Place::Beside, "model") => {
-            Err("no other file is read: copy its contents into this file; `mj_saveLastXML` writes such a file")
-        }
+        (_, "include" | "attach") | (Place::Beside, "model") => Err(
+            "no other file is read: copy its contents into this file; `mj_saveLastXML` writes such a file",
+        ),
         (Place::Root, "compiler") => Ok(Place::Compiler),
         (Place::Root, "option") => Ok(Place::Option),
         (Place::Default, "default") if child.attribute("class").is_none() => {
@@ -142,7 +142,9 @@ fn check(
         (Place::Body, "gravcomp") if node.has_tag_name("body") && !zero() => {
             "forces against gravity are not supported: give them as torques"
         }
-        (Place::Body, "mocap") if value != "false" => "mocap bodies are not supported: remove the attribute or the body",
+        (Place::Body, "mocap") if value != "false" => {
+            "mocap bodies are not supported: remove the attribute or the body"
+        }
         (Place::Beside, "armature" | "damping")
             if node.parent().is_some_and(|parent| parent.has_tag_name("actuator")) && !zero() =>
         {
