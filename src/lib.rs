@@ -30,6 +30,17 @@
 pub use modyn_macro::modyn;
 pub use modyn_runtime::*;
 
+/// The guides and reference pages of modyn.
+///
+/// Start with [`start`](guides::start), then read the guide for your use: a controller
+/// ([`tutorial_controller`](guides::tutorial_controller)), firmware ([`tutorial_firmware`](guides::tutorial_firmware)), or
+/// sampling ([`tutorial_sampling`](guides::tutorial_sampling)). [`coming_from`](guides::coming_from) compares modyn with
+/// other libraries, function by function.
+#[cfg(all(doc, not(doctest)))]
+pub mod guides {
+    modyn_macro::guides!();
+}
+
 /// Includes the text that a build script compiled with `modyn_codegen::Builder`: `include_model!(gripper)` is the robot of
 /// `gripper.urdf`.
 #[macro_export]

@@ -1,5 +1,6 @@
 //! The macro of modyn; use it through the crate `modyn`.
 
+mod guides;
 mod input;
 mod locate;
 
@@ -49,6 +50,17 @@ use input::Input;
 #[proc_macro]
 pub fn modyn(input: TokenStream) -> TokenStream {
     syn::parse(input).and_then(compile).unwrap_or_else(|error| error.into_compile_error().into())
+}
+
+/// Modules for the pages of `docs/`, for the documentation of the crate `modyn`.
+#[doc(hidden)]
+#[proc_macro]
+pub fn guides(_: TokenStream) -> TokenStream {
+    let root = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default();
+    let modules = guides::modules(&std::path::Path::new(&root).join("docs"));
+    let modules =
+        modules.unwrap_or_else(|error| format!("compile_error!({:?});", error.to_string()));
+    modules.parse().unwrap_or_default()
 }
 
 fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {

@@ -7,6 +7,16 @@ use crate::scalar::epsilon;
 use crate::spatial::Pose;
 
 /// The mass, centre of mass and rotational inertia of a rigid link.
+///
+/// ```
+/// use modyn_runtime::Inertial;
+///
+/// // A ball of 1 kg with a radius of 0.1 m.
+/// let moment = 0.4 * 0.1 * 0.1;
+/// let ball = Inertial { mass: 1.0, center_of_mass: [0.0; 3], inertia: [moment, 0.0, 0.0, moment, 0.0, moment] };
+/// assert_eq!(ball.defect(), None);
+/// assert!(Inertial { mass: -1.0, ..ball }.defect().is_some());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Inertial<S = f64> {

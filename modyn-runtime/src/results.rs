@@ -52,6 +52,13 @@ pub struct ForwardDynamicsDerivatives<V, M> {
 /// The mobility of a row is an inverse inertia, 1/kg. A row depends on others if the mobility that they leave to it
 /// is at most a threshold. The threshold is `tolerance` times the mobility of the constraint's relative motion, plus
 /// `rounding` times the row's own mobility. Rotations are multiplied by the constraint's characteristic length.
+///
+/// ```
+/// use modyn_runtime::ConstraintSettings;
+///
+/// let stiff = ConstraintSettings { alpha: 100.0, beta: 100.0, ..ConstraintSettings::<f64>::DEFAULT };
+/// assert_eq!(stiff.tolerance, 1e-10);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintSettings<T> {
     /// The damping of the displacements, 1/s.
@@ -147,6 +154,13 @@ pub struct JointLimits<'a> {
 }
 
 /// The number of operations of a function. Changes of sign are not counted.
+///
+/// ```
+/// use modyn_runtime::OperationCount;
+///
+/// let count = OperationCount { multiplications: 3, additions: 2, ..OperationCount::default() };
+/// assert_eq!((count + count).total(), 10);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OperationCount {
     /// The number of multiplications.

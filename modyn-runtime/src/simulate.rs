@@ -80,6 +80,16 @@ impl<R: Robot, T: Scalar> State<R, T> {
     ///
     /// The energy error of an undamped oscillation of angular frequency w stays bounded if w `dt` is below 2.
     /// With a stiffer spring the motion diverges, as with any explicit method.
+    ///
+    /// ```
+    /// use modyn_runtime::simulate::State;
+    /// use modyn_runtime::{Robot, functions};
+    ///
+    /// /// A millisecond of free fall.
+    /// fn fall<R: Robot + functions::ForwardDynamics>(state: &State<R>, tau: &R::V<f64>) -> State<R> {
+    ///     state.semi_implicit_euler(0.001, |state| R::forward_dynamics(&state.q, &state.qd, tau))
+    /// }
+    /// ```
     #[must_use]
     pub fn semi_implicit_euler(&self, dt: T, accelerations: impl FnOnce(&Self) -> R::V<T>) -> Self
     where

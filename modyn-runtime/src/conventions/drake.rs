@@ -14,6 +14,14 @@ use super::{wxyz_from_xyzw, xyzw_from_wxyz};
 use crate::Scalar;
 
 /// Returns Drake's `q` of a quaternion floating joint.
+///
+/// ```
+/// use modyn_runtime::conventions::drake;
+///
+/// let q = [1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0];
+/// assert_eq!(drake::to_q(q), [1.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0]);
+/// assert_eq!(drake::from_q(drake::to_q(q)), q);
+/// ```
 #[must_use]
 pub fn to_q<T: Scalar>(q: [T; 7]) -> [T; 7] {
     let ([x, y, z, ..], [qw, qx, qy, qz]) = (q, wxyz_from_xyzw(quaternion(q)));

@@ -15,6 +15,13 @@ use crate::Scalar;
 
 /// Returns the six entries of RBDL's `Q` of a floating base, and w. w follows the coordinates of all joints, at
 /// `Model::multdof3_w_index` of the spherical joint's body.
+///
+/// ```
+/// use modyn_runtime::conventions::rbdl;
+///
+/// let q = [1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0];
+/// assert_eq!(rbdl::to_q(q), ([1.0, 2.0, 3.0, 0.0, 0.0, 0.0], 1.0));
+/// ```
 #[must_use]
 pub fn to_q<T: Scalar>([x, y, z, qx, qy, qz, qw]: [T; 7]) -> ([T; 6], T) {
     ([x, y, z, qx, qy, qz], qw)

@@ -14,6 +14,19 @@ impl<S: Scalar> Interpreter<S> {
     /// Coordinates of revolute and prismatic joints are added. Rotations and poses follow the exponential map in
     /// their own axes, which are the axes of qd; quaternions keep length 1.
     ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let pendulum = Interpreter::<f64>::new(model);
+    /// let (qd, dt) = (2.0, 0.01);
+    /// let mut q = [0.0];
+    /// pendulum.integrate(&[1.0], &[qd * dt], &mut q)?;
+    /// assert!((q[0] - 1.02).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
@@ -88,6 +101,18 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Sets all coordinates in `q` to zero, and quaternions to the identity.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let pendulum = Interpreter::<f64>::new(model);
+    /// let mut q = [1.0];
+    /// pendulum.neutral(&mut q)?;
+    /// assert_eq!(q, [0.0]);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///

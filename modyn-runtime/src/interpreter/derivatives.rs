@@ -44,6 +44,24 @@ impl<S: Scalar> Interpreter<S> {
     /// The derivative with respect to tau is the inverse of the mass matrix, exactly symmetric. The first call
     /// allocates memory.
     ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let (mut qdd, mut dq, mut dqd, mut dtau) = ([0.0], [0.0], [0.0], [0.0]);
+    /// let outputs = modyn_runtime::ForwardDerivatives {
+    ///     qdd: &mut qdd,
+    ///     dqdd_dq: &mut dq,
+    ///     dqdd_dqd: &mut dqd,
+    ///     dqdd_dtau: &mut dtau,
+    /// };
+    /// pendulum.forward_dynamics_derivatives(&[0.0], &[0.0], &[0.0], outputs)?;
+    /// assert!((dq[0] + 9.81 / 0.5).abs() < 1e-12 && (dtau[0] - 2.0).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.

@@ -13,6 +13,18 @@ impl<S: Scalar> Interpreter<S> {
     /// Computes the joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint forces `tau`, by the inter- and
     /// intra-modular recursion (60) of the paper.
     ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let mut qdd = [0.0];
+    /// pendulum.forward_dynamics(&[1.0], &[0.0], &[0.0], &mut qdd)?;
+    /// assert!((qdd[0] + 9.81 / 0.5 * 1.0_f64.sin()).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
@@ -70,6 +82,18 @@ impl<S: Scalar> Interpreter<S> {
     /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, by the recursive Newton-Euler
     /// algorithm (Featherstone 2008, chapter 5).
     ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let mut tau = [0.0];
+    /// pendulum.inverse_dynamics(&[0.0], &[0.0], &[1.0], &mut tau)?;
+    /// assert!((tau[0] - 2.0 * 0.5 * 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
@@ -120,6 +144,18 @@ impl<S: Scalar> Interpreter<S> {
 
     /// Computes the bias forces h(q, qd): the joint forces at zero acceleration.
     ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let mut tau = [0.0];
+    /// pendulum.bias_forces(&[1.0], &[3.0], &mut tau)?;
+    /// assert!((tau[0] - 2.0 * 9.81 * 0.5 * 1.0_f64.sin()).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
@@ -128,6 +164,18 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Computes the joint forces that balance gravity at zero velocity.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let mut tau = [0.0];
+    /// pendulum.gravity_torques(&[1.0], &mut tau)?;
+    /// assert!((tau[0] - 2.0 * 9.81 * 0.5 * 1.0_f64.sin()).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -142,6 +190,18 @@ impl<S: Scalar> Interpreter<S> {
 
     /// Computes the mass matrix, nv x nv, into `columns`, column by column: (7)-(10) of the paper.
     ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let mut columns = [0.0];
+    /// pendulum.mass_matrix(&[1.0], &mut columns)?;
+    /// assert!((columns[0] - 2.0 * 0.5 * 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
@@ -155,6 +215,16 @@ impl<S: Scalar> Interpreter<S> {
 
     /// Returns the kinetic energy of the moving links and the rotors, J.
     ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// assert!((pendulum.kinetic_energy(&[1.0], &[2.0])? - 1.0).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
@@ -166,6 +236,16 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Returns the potential energy of the moving links under gravity, J; zero for mass at the world's origin.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// assert!((pendulum.potential_energy(&[0.0])? + 2.0 * 9.81 * 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///

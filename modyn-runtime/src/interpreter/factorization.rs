@@ -14,6 +14,18 @@ impl<S: Scalar> Interpreter<S> {
     /// Returns the factorization I = U D U^T of the mass matrix by modules at `q`, (35)-(49) of the paper.
     /// Allocates the result; [`Brge::update`] uses the memory of an earlier one.
     ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let pendulum = Interpreter::<f64>::new(model);
+    /// let factors = pendulum.brge(&[1.0])?;
+    /// // A force of 1 N m accelerates an inertia of 0.5 kg m^2 by 2 rad/s^2.
+    /// assert!((factors.solve(&[1.0])?[0] - 2.0).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// If `q` does not have the model's length.

@@ -178,6 +178,21 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
     /// Sets the payload of link `frame` of the description (an index into [`Model::frames`]): an inertia in the link's
     /// frame that is added to the link's own. [`Inertial::default`] removes the payload.
     ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::{Inertial, Interpreter};
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let bob = pendulum.model().frame_index("bob").expect("a link");
+    /// let load = Inertial { mass: 2.0, ..Inertial::default() };
+    /// pendulum.set_payload(bob, load).expect("a physical inertia");
+    /// let mut columns = [0.0];
+    /// pendulum.mass_matrix(&[0.0], &mut columns)?;
+    /// assert!((columns[0] - 4.0 * 0.5 * 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// As for [`set_inertial`](Self::set_inertial).

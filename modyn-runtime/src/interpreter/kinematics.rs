@@ -24,6 +24,18 @@ impl<S: Scalar> Interpreter<S> {
 
     /// Returns the pose of a link in the world.
     ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let pendulum = Interpreter::<f64>::new(model);
+    /// let bob = pendulum.model().frame_index("bob").expect("a link");
+    /// let pose = pendulum.link_pose(&[0.0], bob)?;
+    /// assert!((pose.translation[2] + 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::FrameError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
@@ -34,6 +46,18 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Returns the velocity of a link relative to the world, at the link's origin in world axes, rad/s and m/s.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let bob = pendulum.model().frame_index("bob").expect("a link");
+    /// let twist = pendulum.link_velocity(&[0.0], &[2.0], bob)?;
+    /// assert!((twist.angular[1] - 2.0).abs() < 1e-12 && (twist.linear[0] + 1.0).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::FrameError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -120,6 +144,19 @@ impl<S: Scalar> Interpreter<S> {
 
     /// Computes the Jacobian J of a link into `columns` (nv), at the link's origin in world axes (Pinocchio's
     /// `LOCAL_WORLD_ALIGNED`). J qd is the link's [velocity](Self::link_velocity).
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let bob = pendulum.model().frame_index("bob").expect("a link");
+    /// let mut columns = [modyn_runtime::Twist::zero()];
+    /// pendulum.jacobian(&[0.0], bob, &mut columns)?;
+    /// assert!((columns[0].angular[1] - 1.0).abs() < 1e-12 && (columns[0].linear[0] + 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::FrameError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -213,6 +250,18 @@ impl<S: Scalar> Interpreter<S> {
 impl<S: Scalar> Interpreter<S> {
     /// Computes the poses in the world of all links of the description, fixed links included, in the order of
     /// [`Model::frames`](crate::model::Model::frames).
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let mut poses = [modyn_runtime::Pose::identity(); 2];
+    /// pendulum.link_poses(&[0.0], &mut poses)?;
+    /// assert!((poses[1].translation[2] + 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///

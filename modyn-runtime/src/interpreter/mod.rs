@@ -41,6 +41,22 @@ pub use inertias::InertialError;
 /// [`set_payload`](Self::set_payload) allocate at their first call; and so does the first call of
 /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) or
 /// [`project_constraints`](Self::project_constraints).
+///
+/// ```
+/// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+/// use modyn_runtime::Interpreter;
+///
+/// // A pendulum: 2 kg, 0.5 m below its joint.
+/// let mut pendulum = Interpreter::<f64>::new(model);
+/// let (mut q, mut qd, mut qdd) = ([0.1], [0.0], [0.0]);
+/// for _ in 0..1000 {
+///     pendulum.forward_dynamics(&q, &qd, &[0.0], &mut qdd)?;
+///     qd[0] += 0.001 * qdd[0];
+///     q[0] += 0.001 * qd[0];
+/// }
+/// assert!(q[0].abs() <= 0.1001);
+/// # Ok::<(), modyn_runtime::ShapeError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Interpreter<S = f64> {
     model: Model,

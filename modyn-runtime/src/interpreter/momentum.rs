@@ -11,6 +11,16 @@ use crate::spatial::{Momentum, Vector3};
 impl<S: Scalar> Interpreter<S> {
     /// Returns the centre of mass of the moving links in world axes, m; NaN if their mass is zero.
     ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// assert!((pendulum.center_of_mass(&[0.0])?[2] + 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.

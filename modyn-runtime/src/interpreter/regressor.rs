@@ -15,6 +15,20 @@ impl<S: Scalar> Interpreter<S> {
     /// Not all columns are independent: see [`BaseParameters`](crate::equations::identification::BaseParameters).
     /// Source: Atkeson, An and Hollerbach 1986.
     ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let mut columns = [0.0; 10];
+    /// pendulum.regressor(&[1.0], &[0.0], &[0.0], &mut columns)?;
+    /// let parameters = pendulum.model().inertial_parameters(0).expect("a link");
+    /// let tau: f64 = columns.iter().zip(parameters).map(|(y, pi)| y * pi).sum();
+    /// assert!((tau - 2.0 * 9.81 * 0.5 * 1.0_f64.sin()).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.

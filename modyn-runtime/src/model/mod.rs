@@ -30,6 +30,18 @@ pub const DEFAULT_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 ///
 /// Links are in depth-first order, parents before children. The order of the links is the order of all joint
 /// vectors. Units are SI units and radians.
+///
+/// ```
+/// use modyn_runtime::joint::JointType;
+/// use modyn_runtime::model::{DEFAULT_GRAVITY, Joint, Link, Model};
+/// use modyn_runtime::{Inertial, Pose};
+///
+/// let joint = Joint::new("pivot", JointType::Continuous, [0.0, 1.0, 0.0], Pose::identity());
+/// let inertial = Inertial { mass: 2.0, center_of_mass: [0.0, 0.0, -0.5], inertia: [0.0; 6] };
+/// let rod = Link { name: "rod".into(), parent: None, joint, inertial };
+/// let model = Model::new("pendulum", DEFAULT_GRAVITY, vec![rod], vec![]).expect("a valid model");
+/// assert_eq!((model.nq(), model.nv()), (1, 1));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Model {

@@ -20,6 +20,15 @@ pub struct Module {
 }
 
 /// A partition of a model's links into kinematic modules, parents before children.
+///
+/// ```
+/// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+/// use modyn_runtime::model::ModuleTree;
+///
+/// let chains = ModuleTree::chains(&model);
+/// assert_eq!(chains.modules().len(), 1);
+/// assert_eq!(ModuleTree::from_names(&model, &[vec!["rod"]]), Ok(chains));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ModuleTree {
     modules: Vec<Module>,

@@ -36,6 +36,23 @@ pub(crate) type Constrained<R, V, T> = ConstrainedForwardDynamics<
 ///
 /// A robot has the functions that its option `functions` selects. Code for any robot requires a trait of
 /// [`functions`](crate::functions) for each function that it calls.
+///
+/// ```
+/// use modyn_runtime::{Array as _, Robot, functions};
+///
+/// /// Computed torque: the joint forces of the desired accelerations, with feedback of the velocity errors.
+/// fn torques<R: Robot + functions::InverseDynamics>(
+///     q: &R::Q<f64>,
+///     qd: &R::V<f64>,
+///     desired: (&R::V<f64>, &R::V<f64>),
+///     gain: f64,
+/// ) -> R::V<f64> {
+///     let (qd_desired, qdd_desired) = desired;
+///     let error = |i: usize| qd_desired.as_ref()[i] - qd.as_ref()[i];
+///     let qdd = <R::V<f64>>::from_fn(|i| qdd_desired.as_ref()[i] + gain * error(i));
+///     R::inverse_dynamics(q, qd, &qdd)
+/// }
+/// ```
 pub trait Robot {
     /// The robot's name in its description.
     const NAME: &'static str;

@@ -3,6 +3,15 @@
 use crate::Scalar;
 
 /// The pose of a frame in a reference frame.
+///
+/// ```
+/// use modyn_runtime::Pose;
+///
+/// let quarter_about_z = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+/// let pose = Pose { rotation: quarter_about_z, translation: [0.0, 0.0, 1.0] };
+/// assert_eq!(pose.transform_point([1.0, 0.0, 0.0]), [0.0, 1.0, 1.0]);
+/// assert_eq!(pose.compose(&Pose::identity()), pose);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pose<S> {

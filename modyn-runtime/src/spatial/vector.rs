@@ -6,6 +6,13 @@ use crate::Scalar;
 
 /// A vector with a direction, such as a velocity or a force. (Positions are arrays: [`Pose`](super::Pose),
 /// [`Inertial`](crate::Inertial), the centre of mass.)
+///
+/// ```
+/// use modyn_runtime::Vector3;
+///
+/// let (x, y) = (Vector3([1.0, 0.0, 0.0]), Vector3([0.0, 1.0, 0.0]));
+/// assert_eq!(x.cross(y), Vector3([0.0, 0.0, 1.0]));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vector3<S>(pub [S; 3]);
 

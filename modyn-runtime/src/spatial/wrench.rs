@@ -6,6 +6,13 @@ use super::Vector3;
 use crate::Scalar;
 
 /// The velocity, or the acceleration, of a link at its origin.
+///
+/// ```
+/// use modyn_runtime::Twist;
+///
+/// let twist = Twist::from_components([0.0, 0.0, 1.0, 0.5, 0.0, 0.0]);
+/// assert_eq!((twist.angular[2], twist.linear[0]), (1.0, 0.5));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Twist<S> {
     /// The angular part, rad/s or rad/s^2.
@@ -49,6 +56,13 @@ impl<S: Scalar> Add for Twist<S> {
 }
 
 /// An angular and a linear momentum.
+///
+/// ```
+/// use modyn_runtime::Momentum;
+///
+/// let momentum = Momentum::from_components([0.0, 0.0, 0.0, 2.0, 0.0, 0.0]);
+/// assert_eq!(momentum.scale(0.5).linear[0], 1.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Momentum<S> {
     /// The angular momentum about the reference point, kg m^2/s.
@@ -92,6 +106,13 @@ impl<S: Scalar> Add for Momentum<S> {
 }
 
 /// A moment and a force on a link, at the link's origin.
+///
+/// ```
+/// use modyn_runtime::{Vector3, Wrench};
+///
+/// let weight = Wrench { force: Vector3([0.0, 0.0, -9.81]), ..Wrench::zero() };
+/// assert_eq!(weight.components(), [0.0, 0.0, 0.0, 0.0, 0.0, -9.81]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wrench<S> {
     /// The moment about the link's origin, N m.
