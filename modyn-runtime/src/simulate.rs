@@ -86,7 +86,7 @@ impl<R: Robot, T: Scalar> State<R, T> {
     /// use modyn_runtime::{Robot, functions};
     ///
     /// /// A millisecond of free fall.
-    /// fn fall<R: Robot + functions::ForwardDynamics>(state: &State<R>, tau: &R::V<f64>) -> State<R> {
+    /// fn fall<R: Robot + functions::Defaults>(state: &State<R>, tau: &R::V<f64>) -> State<R> {
     ///     state.semi_implicit_euler(0.001, |state| R::forward_dynamics(&state.q, &state.qd, tau))
     /// }
     /// ```

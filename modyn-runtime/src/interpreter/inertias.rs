@@ -186,7 +186,7 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
     /// let mut pendulum = Interpreter::<f64>::new(model);
     /// let bob = pendulum.model().frame_index("bob").expect("a link");
     /// let load = Inertial { mass: 2.0, ..Inertial::default() };
-    /// pendulum.set_payload(bob, load).expect("a physical inertia");
+    /// pendulum.set_payload(bob, &load).expect("a physical inertia");
     /// let mut columns = [0.0];
     /// pendulum.mass_matrix(&[0.0], &mut columns)?;
     /// assert!((columns[0] - 4.0 * 0.5 * 0.5).abs() < 1e-12);
