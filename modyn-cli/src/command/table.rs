@@ -1,33 +1,33 @@
-//! Tables of text.
+//! Tables as text.
 
 use unicode_width::UnicodeWidthStr;
 
-/// Rows under a head, in columns that are as wide as they must be.
+/// Rows under a header, in columns of minimal width.
 pub struct Table {
     rows: Vec<Vec<String>>,
-    /// The first column that is flush right.
+    /// The first column that is aligned to the right.
     right: usize,
 }
 
 impl Table {
-    /// With this head.
+    /// Returns a table with this header.
     pub fn new(head: &[&str]) -> Self {
         let head = head.iter().map(ToString::to_string).collect();
         Self { rows: vec![head], right: usize::MAX }
     }
 
-    /// Takes a row.
+    /// Adds a row.
     pub fn row<const N: usize>(&mut self, row: [String; N]) {
         self.rows.push(row.into());
     }
 
-    /// With figures from this column on.
+    /// Aligns the columns from `column` on to the right, as for numbers.
     pub fn right_aligned_from(mut self, column: usize) -> Self {
         self.right = column;
         self
     }
 
-    /// Line by line.
+    /// Returns the table's lines.
     pub fn text(&self) -> String {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
         let width = |column: usize| {

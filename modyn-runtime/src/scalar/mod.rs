@@ -1,4 +1,4 @@
-//! The numbers that the equations and the generated code run on.
+//! The scalars of the equations and of the generated code.
 
 #[cfg(feature = "num-dual")]
 mod dual;

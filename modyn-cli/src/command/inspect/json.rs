@@ -1,4 +1,4 @@
-//! For programs.
+//! The output of `modyn inspect --json`.
 
 use modyn_codegen::CARRIED_BY_F32;
 use modyn_runtime::OperationCount;
@@ -9,7 +9,7 @@ use super::text::active_friction;
 use super::{Cost, Inspection, advice};
 use crate::command::diagnostics;
 
-/// All of it, in SI units.
+/// Returns the inspection as JSON, in SI units.
 pub fn of(inspection: &Inspection) -> String {
     let Inspection { model, modules, warnings, advice, condition, costs } = inspection;
     let modules: Vec<Value> = modules

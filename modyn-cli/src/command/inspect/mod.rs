@@ -1,4 +1,4 @@
-//! `modyn inspect`: what a robot is, and what its functions cost.
+//! `modyn inspect`: describes a robot, and the cost of its functions.
 
 mod advice;
 mod json;
@@ -25,9 +25,9 @@ use crate::command::robot::Robot;
 use advice::Advice;
 use sparsity::Sparsity;
 
-/// Show a robot: joints, modules, masses, what its functions cost, what is odd in it
+/// Show a robot: joints, modules, masses, the cost of its functions, and suspicious properties
 ///
-/// Exit code 0 where the description is usable, 1 where it is refused.
+/// The exit code is 0 if the description is valid, 1 if it is rejected.
 #[derive(Args)]
 pub struct Arguments {
     /// Print JSON
@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Draw the module tree and the sparsity of the mass matrix and its factors U and D
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
-    /// The functions to count: their names with commas, `default`, `all`; else all but batches
+    /// The functions to count: names separated by commas, `default`, `all` [default: all but batches]
     #[arg(long, value_name = "NAMES", value_parser = functions)]
     functions: Option<Functions>,
     /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
@@ -46,28 +46,28 @@ pub struct Arguments {
     robot: Robot,
 }
 
-/// All that is shown.
+/// The contents of the output.
 struct Inspection {
     model: Model,
     modules: ModuleTree,
     warnings: Vec<Diagnostic>,
     advice: Vec<Advice>,
-    /// The scaled mass matrix's, if the robot is not too large for it.
+    /// The condition number of the scaled mass matrix; `None` if the robot is too large to compute it.
     condition: Option<f64>,
-    /// Nothing for a robot that is too large for code: then why.
+    /// The cost of each function; or the reason why the robot is too large to compile.
     costs: Result<Vec<Cost>, Diagnostics>,
 }
 
-/// What a function costs.
+/// The cost of a function.
 struct Cost {
     name: &'static str,
-    /// Of a call.
+    /// The operations of a call.
     operations: OperationCount,
-    /// Of its machine code, about; batches have code for each kind of processor.
+    /// The estimated bytes of machine code; `None` for batches, which have code for each instruction set.
     bytes: Option<f64>,
 }
 
-/// Shows it.
+/// Prints the inspection.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
     let reading = description.read(&arguments.robot.options.read_options());
@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     to_stdout(&(text::of(&inspection) + &warnings))
 }
 
-/// By function; or why there can be no code.
+/// Returns the cost of each function; or the reason why the robot cannot be compiled.
 fn costs(
     builder: Builder,
     arguments: &Arguments,

@@ -1,4 +1,4 @@
-//! For a terminal.
+//! The output of `modyn inspect` for terminals.
 
 use std::fmt::Write as _;
 
@@ -10,16 +10,16 @@ use super::{Cost, Inspection, advice};
 use crate::command::numbers::four_digits;
 use crate::command::table::Table;
 
-/// Of 24 bits.
+/// The decimal digits of 24 bits.
 const F32_DIGITS: f64 = 7.2;
 
-/// So many modules are drawn: the tree of a chain is as wide as it is high.
+/// The largest number of modules that are drawn: the tree of a chain is as wide as it is high.
 const MAX_DRAWN: usize = 1000;
 
-/// So many are told; JSON has all.
+/// The largest number of pieces of advice that are shown; JSON has all.
 const MAX_ADVICE: usize = 40;
 
-/// All of it.
+/// Returns the inspection as text.
 pub fn of(inspection: &Inspection) -> String {
     let Inspection { model, modules, advice, condition, costs, .. } = inspection;
     let mut out = format!(
@@ -61,7 +61,7 @@ pub fn of(inspection: &Inspection) -> String {
     out
 }
 
-/// What closes loops.
+/// Returns the loop joints, one on a line.
 fn loops(model: &Model) -> String {
     let line = |constraint: &LoopConstraint| {
         let [first, second] = constraint
@@ -78,7 +78,7 @@ fn loops(model: &Model) -> String {
 }
 
 fn section(out: &mut String, title: &str, body: &str) {
-    // Bold, where there is a terminal.
+    // Bold on terminals.
     let _ = writeln!(out, "\n\u{1b}[1m{title}\u{1b}[0m");
     body.lines().for_each(|line| {
         let _ = writeln!(out, "  {line}");
@@ -125,13 +125,13 @@ fn parent(model: &Model, link: &Link) -> String {
     link.parent.map_or_else(|| "the base".into(), |p| sanitize_for_display(&model.links()[p].name))
 }
 
-/// Whether damping acts, and whether Coulomb friction does.
+/// Returns whether damping acts, and whether Coulomb friction acts.
 pub fn active_friction(model: &Model) -> [bool; 2] {
     let friction = model.friction();
     [friction != Friction::None, !matches!(friction, Friction::None | Friction::Viscous)]
 }
 
-/// What a joint has besides.
+/// Returns notes on a joint: mimic relation, armature, damping, friction.
 fn notes(model: &Model, link: usize) -> String {
     let joint = &model.links()[link].joint;
     let mut notes = Vec::new();
@@ -174,7 +174,7 @@ fn links(model: &Model) -> String {
     table.text()
 }
 
-/// The modules as a tree, without recursion: a chain of them may be long.
+/// Returns the modules as a tree, without recursion, since a chain of modules may be long.
 fn tree(model: &Model, tree: &ModuleTree) -> String {
     let modules = tree.modules();
     if modules.len() > MAX_DRAWN {

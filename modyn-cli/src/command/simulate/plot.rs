@@ -1,4 +1,4 @@
-//! A motion as plots.
+//! Plots of a motion.
 
 use std::error::Error;
 
@@ -13,7 +13,7 @@ use super::units::{self, Kind};
 use crate::command::numbers::four_digits;
 use crate::command::outcome::Failure;
 
-/// Curves that can be told apart in one panel: by their dashes, and by colour (Okabe and Ito).
+/// Curves that can be distinguished in one panel: by dashes, and by colour (Okabe and Ito).
 const CURVES: [(RGBColor, i32, i32); 6] = [
     (RGBColor(0, 0, 0), 1, 0),
     (RGBColor(0, 114, 178), 10, 4),
@@ -23,20 +23,20 @@ const CURVES: [(RGBColor, i32, i32); 6] = [
     (RGBColor(86, 120, 180), 2, 8),
 ];
 const PANEL: (u32, u32) = (640, 300);
-/// The most points of a curve: more cannot be seen.
+/// The largest number of points of a curve; more cannot be seen.
 const POINTS: usize = 500;
 
-/// Figures beyond this are left out.
+/// Numbers beyond this magnitude are not drawn.
 const MAX_VALUE: f64 = 1e100;
 
-/// A panel's curves.
+/// A panel with its curves.
 struct Panel {
     title: String,
     unit: &'static str,
     curves: Vec<(String, Vec<f64>)>,
 }
 
-/// As SVG: coordinates and their rates side by side, then torques and energies.
+/// Returns the plots as SVG: coordinates beside velocities, then joint forces and energies.
 pub fn of(model: &Model, motion: &Motion) -> Result<String, Failure> {
     let mut text = String::new();
     draw(&mut text, model, motion)
@@ -88,7 +88,7 @@ fn panels(model: &Model, samples: &[&Sample]) -> Vec<Panel> {
     if !curves.is_empty() {
         right.push(Panel { title: "energies".into(), unit: "J", curves });
     }
-    // Side by side as long as both last.
+    // Two panels in a row as long as both lists last.
     let mut all = Vec::new();
     let (mut left, mut right) = (left.into_iter(), right.into_iter());
     loop {
@@ -102,7 +102,7 @@ fn panels(model: &Model, samples: &[&Sample]) -> Vec<Panel> {
 type Get = fn(&Sample) -> &[f64];
 type Unit = fn(Kind) -> &'static str;
 
-/// Entries of one unit, a few to a panel.
+/// Returns the panels of entries with the same unit, a few in each.
 fn grouped(
     title: &str,
     (names, kinds): (&[String], &[Kind]),
@@ -138,14 +138,14 @@ fn draw_panel(
     let (low, high) = all.fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
     let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
     let size = high.abs().max(low.abs());
-    // What is constant, or zero but for rounding, needs room all the same.
+    // A curve that is constant, or zero within rounding, needs a range, too.
     let room = if size < 1e-9 { 1.0 } else { ((high - low) * 0.08).max(size * 0.05) };
     let mut chart = ChartBuilder::on(area)
         .caption(format!("{} ({})", panel.title, panel.unit), ("sans-serif", 16))
         .margin(10)
         .x_label_area_size(36)
         .y_label_area_size(64)
-        // The legend stands beside the curves, behind the end of the time.
+        // The legend is to the right of the curves.
         .build_cartesian_2d(0.0..end * 1.45, low - room..high + room)?;
     chart
         .configure_mesh()
@@ -180,12 +180,12 @@ fn draw_panel(
     Ok(())
 }
 
-/// Whether a figure can be drawn: axes and dashes have no end otherwise.
+/// Returns whether a number can be drawn: larger ones would need endless axes and dashes.
 fn drawn(x: f64) -> bool {
     x.abs() < MAX_VALUE
 }
 
-/// A figure at an axis, where what is left of zero is none.
+/// Returns the label of an axis; rounding errors of zero are zero.
 fn label(y: f64) -> String {
     four_digits(if y.abs() < 1e-12 { 0.0 } else { y })
 }
