@@ -1,4 +1,4 @@
-//! Which entries of the inertia matrix and of its factors U and D are zero, whatever the coordinates.
+//! The entries of the mass matrix and of its factors U and D that are zero at all coordinates.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
@@ -16,8 +16,8 @@ const MOST_VELOCITIES: usize = 400;
 pub struct Sparsity {
     /// Rows and columns.
     pub n: usize,
-    /// Of the generalized inertia matrix.
-    pub gim: Vec<bool>,
+    /// Of the mass matrix.
+    pub mass_matrix: Vec<bool>,
     /// Of U.
     pub u: Vec<bool>,
     /// Of D.
@@ -35,7 +35,7 @@ impl Sparsity {
         let wrong = |error: &dyn std::fmt::Display| Failure::usage(format!("error: {error}"));
         let interpreter = Interpreter::<f64>::with_modules(model.clone(), modules.clone());
         let mut interpreter = interpreter.map_err(|error| wrong(&error))?;
-        let mut found = Self { n, gim: vec![], u: vec![], d: vec![] };
+        let mut found = Self { n, mass_matrix: vec![], u: vec![], d: vec![] };
         let mut q = vec![0.0; model.nq()];
         let mut matrix = vec![0.0; n * n];
         let mut random = Random::new(0);
@@ -43,7 +43,7 @@ impl Sparsity {
             interpreter.random(|| random.uniform(), &mut q).map_err(|error| wrong(&error))?;
             interpreter.mass_matrix(&q, &mut matrix).map_err(|error| wrong(&error))?;
             let factors = interpreter.brge(&q).map_err(|error| wrong(&error))?;
-            mark(&mut found.gim, &matrix);
+            mark(&mut found.mass_matrix, &matrix);
             mark(&mut found.u, &factors.u());
             mark(&mut found.d, &factors.d());
         }

@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         to_file(path, &table::of(&model, &motion)?)?;
     }
     if let Some(path) = &arguments.plot {
-        to_file(path, &plot::of(&model, &motion)?)?;
+        to_file(path, &plot::of(&model, &motion))?;
     }
     if let Some(path) = &arguments.html {
         let skeleton = skeleton::of(&model, &motion)?;
