@@ -191,22 +191,42 @@ impl Axes {
 
     /// A curve, in pieces where values cannot be drawn.
     fn curve(&self, out: &mut String, times: &[f64], values: &[f64], color: &str) {
-        let mut path = String::new();
-        let mut pen = 'M';
-        for (&time, &value) in times.iter().zip(values) {
-            if drawn(value) {
-                let _ = write!(path, "{pen}{:.2} {:.2}", self.x(time), self.y(value));
-                pen = 'L';
-            } else {
-                pen = 'M';
-            }
-        }
+        let points: Vec<Option<(f64, f64)>> = times
+            .iter()
+            .zip(values)
+            .map(|(&time, &value)| drawn(value).then(|| (self.x(time), self.y(value))))
+            .collect();
+        let path: String =
+            points.split(Option::is_none).map(|piece| smooth(piece.iter().flatten())).collect();
         let _ = writeln!(
             out,
             "<path d=\"{path}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"2\" stroke-linejoin=\"round\" \
              stroke-linecap=\"round\"/>"
         );
     }
+}
+
+/// The path of cubic curves through points from left to right. Between two points a curve stays between their heights
+/// (Fritsch and Butland 1984), so that it shows no peak that was not computed.
+fn smooth<'a>(points: impl Iterator<Item = &'a (f64, f64)>) -> String {
+    let points: Vec<(f64, f64)> = points.copied().collect();
+    let secant = |i: usize| (points[i + 1].1 - points[i].1) / (points[i + 1].0 - points[i].0);
+    let slope = |i: usize| {
+        if i == 0 || i + 1 == points.len() {
+            return secant(i.min(points.len() - 2));
+        }
+        let (before, after) = (secant(i - 1), secant(i));
+        if before * after > 0.0 { 2.0 * before * after / (before + after) } else { 0.0 }
+    };
+    let Some((x, y)) = points.first() else { return String::new() };
+    let mut path = format!("M{x:.2} {y:.2}");
+    for i in 1..points.len() {
+        let ((x0, y0), (x1, y1)) = (points[i - 1], points[i]);
+        let third = (x1 - x0) / 3.0;
+        let (a, b) = (y0 + third * slope(i - 1), y1 - third * slope(i));
+        let _ = write!(path, "C{:.2} {a:.2} {:.2} {b:.2} {x1:.2} {y1:.2}", x0 + third, x1 - third);
+    }
+    path
 }
 
 fn heading(out: &mut String, title: &str, top: f64) {
@@ -322,6 +342,30 @@ fn drawn(x: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The heights of the ends and of the control points.
+    fn heights(path: &str) -> Vec<f64> {
+        let numbers = path.split(['M', 'C', ' ']).filter(|text| !text.is_empty());
+        numbers.skip(1).step_by(2).map(|text| text.parse().expect("a number")).collect()
+    }
+
+    #[test]
+    fn curves_pass_through_their_points_and_do_not_overshoot() {
+        let points = [(0.0, 0.0), (1.0, 0.0), (2.0, 5.0), (3.0, 1.0), (4.0, 0.5)];
+        let heights = heights(&smooth(points.iter()));
+        assert_eq!(heights.len(), 1 + 3 * 4);
+        for (i, pair) in points.windows(2).enumerate() {
+            let (low, high) = (pair[0].1.min(pair[1].1), pair[0].1.max(pair[1].1));
+            let between = &heights[3 * i..3 * i + 4];
+            assert!((between[0] - pair[0].1).abs() < 0.01 && (between[3] - pair[1].1).abs() < 0.01);
+            assert!(
+                between.iter().all(|y| (low - 0.01..=high + 0.01).contains(y)),
+                "{i}: {between:?}"
+            );
+        }
+        assert_eq!(smooth([(1.0, 2.0)].iter()), "M1.00 2.00");
+        assert_eq!(smooth([].iter()), "");
+    }
 
     #[test]
     fn ticks_are_round_and_few() {
