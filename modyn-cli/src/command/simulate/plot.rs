@@ -328,10 +328,10 @@ fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     let first = (low / step).ceil();
     // Where the numbers' own spacing is wider than the steps there is nothing to mark.
     let count = ((high / step).floor() - first).clamp(0.0, most as f64) as u32;
-    (0..=count)
-        .map(|i| (first + f64::from(i)) * step)
-        .map(|x| if x.abs() < step * 1e-9 { 0.0 } else { x })
-        .collect()
+    let tick = |i: u32| (first + f64::from(i)) * step;
+    let ticks = (0..=count).map(tick).map(|x| if x.abs() < step * 1e-9 { 0.0 } else { x });
+    // Rounding may put the first or the last one outside.
+    ticks.filter(|x| (low..=high).contains(x)).collect()
 }
 
 /// Whether a value can be drawn.
