@@ -51,10 +51,10 @@ pub fn of(inspection: &Inspection) -> String {
             section(&mut out, "Functions", &format!("{}\n", sanitize_for_display(&why.to_string())))
         }
     }
-    section(&mut out, "Conditioning", &conditioning(*condition));
+    section(&mut out, "Conditioning", &paragraph(&conditioning(*condition)));
     if !advice.is_empty() {
         let line = |one: &advice::Advice| {
-            format!("link `{}`: {}\n", sanitize_for_display(&one.link), one.message)
+            paragraph(&format!("link `{}`: {}", sanitize_for_display(&one.link), one.message))
         };
         let mut lines: String = advice.iter().take(MOST_ADVICE).map(line).collect();
         if advice.len() > MOST_ADVICE {
@@ -80,6 +80,12 @@ fn loops(model: &Model) -> String {
         )
     };
     model.loop_constraints().iter().map(line).collect()
+}
+
+/// A sentence in lines that fit.
+fn paragraph(text: &str) -> String {
+    let lines = wrapped(text.trim_end().split(' '), " ", WIDTH - 4);
+    lines.join("\n    ") + "\n"
 }
 
 fn section(out: &mut String, title: &str, body: &str) {
