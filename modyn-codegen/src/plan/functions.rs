@@ -239,7 +239,7 @@ functions! {
     MassMatrix "mass_matrix" = Row::one(
         &[Q],
         shapes::square,
-        "Returns mass matrix at `q`, nv x nv, an array of columns.",
+        "Returns the mass matrix at `q`, nv x nv, an array of columns.",
         |t, _| t.mass_matrix(),
     )
         .by_default()
@@ -249,7 +249,7 @@ functions! {
     Brge "brge" = Row::one(
         &[Q],
         shapes::factors,
-        "The mass the factorization U D U^T of the mass matrix at `q` by kinematic modules, by block reverse\n\
+        "Returns the factorization U D U^T of the mass matrix at `q` by kinematic modules, by block reverse\n\
          Gaussian elimination.",
         |t, s| t.brge(s.layout),
     )

@@ -356,9 +356,7 @@ impl Planned {
                 Kernels::One(program(&graph, Target::Scalar))
             }
             Trace::One(trace) => {
-                let graph = graphs.scalar(function) {
-                    // The search for the partition has already optimised it.
-                    Function::ForwardDynamics => tracing.forward_dynamics.clone(), trace, tracing);
+                let graph = graphs.scalar(function, trace, tracing);
                 match packing::packed(function, tracing, &graph) {
                     _ if row.batch_of.is_some() => Kernels::One(program(&graph, Target::Batch)),
                     None => Kernels::One(program(&graph, Target::Scalar)),

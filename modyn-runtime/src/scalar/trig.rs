@@ -1,40 +1,41 @@
-//! Sine and cosine without a branch for common angles, and without a system library.
+//! Sine and cosine without a branch on the common path and without a system library.
 //!
-//! The angle is reduced modulo pi to [-pi/2, pi/2] by Cody and Waite's method. pi is the sum of several parts.
-//! All but the last are so short that their products with the multiple are exact. Sines close to multiples of pi
-//! therefore keep their digits, with fused products or without. Sine and cosine of the reduced angle are
-//! polynomials (near-minimax, Taylor-like coefficients). An odd multiple flips both signs by a bit operation.
-//! Angles beyond a limit, NaN and infinities are reduced with integers: the only branch on a value here. That
-//! reduction takes a fixed number of steps for any angle. `f32` is never converted to `f64`.
+//! The angle is reduced modulo pi to [-pi/2, pi/2] by Cody and Waite's method: pi is the sum of several parts,
+//! all but the last short enough that their products with the multiple are exact, so that sines near
+//! multiples of pi keep their digits, with fused products or without. Both functions are
+//! polynomials there (near-minimax, Taylor-like coefficients), and an odd multiple flips both
+//! signs by a bit operation. Beyond a limit (or where the argument is NaN or infinite)
+//! integers reduce it: the one branch on a value here. They take a fixed number of
+//! steps, whatever the angle. `f32` never passes through `f64`.
 
 #![allow(clippy::excessive_precision, clippy::unreadable_literal, clippy::cast_possible_truncation)]
 #![allow(clippy::cast_possible_wrap, clippy::cast_precision_loss, clippy::cast_sign_loss)]
 
 use super::Scalar;
 
-/// The bit operation that the reduction needs besides arithmetic.
+/// What the reduction needs besides arithmetic.
 pub(crate) trait FlipSign: Scalar {
-    /// Returns -self if the lowest bit of `by` is set, else self.
+    /// Minus self where the lowest bit of `by` is set.
     #[must_use]
     fn flip_sign(self, by: Self) -> Self;
 }
 
-/// A floating-point type with the polynomials of its precision, which serve its vectors, too.
+/// A floating-point type, with the polynomials of its precision; they serve lanes of it too.
 pub(crate) trait Precision: FlipSign + PartialOrd {
-    /// The exclusive bound of angles for the fast reduction, rad.
+    /// Arguments of the fast reduction are smaller.
     const LIMIT: Self;
 
-    /// Returns, for x below the limit, the angle in [-pi/2, pi/2] that differs from x by a multiple of pi, and a
-    /// number whose lowest bit is the multiple's lowest bit.
+    /// For x below the limit, the angle in [-pi/2, pi/2] that differs from it by a multiple of pi, and
+    /// a number whose lowest bit is the multiple's.
     fn reduce_small<S: FlipSign>(x: S) -> (S, S);
 
-    /// Returns sine and cosine of any other x; NaN if x is not finite.
+    /// The same for any other x; NaN if it is not finite.
     fn reduce_large(self) -> (Self, Self);
 
-    /// Returns sin and cos of an angle in [-pi/2, pi/2]; the lowest bit of `turns` flips both signs.
+    /// sin and cos of an angle in [-pi/2, pi/2]; both signs flipped by the lowest bit of `turns`.
     fn polynomials<S: FlipSign>(r: S, turns: S) -> (S, S);
 
-    /// Returns sin and cos of an angle below the limit.
+    /// sin and cos of an angle below the limit.
     #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
     #[inline(always)]
     fn reduced<S: FlipSign>(x: S) -> (S, S) {
@@ -42,7 +43,7 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
         Self::polynomials(r, turns)
     }
 
-    /// Returns sin and cos of any other angle.
+    /// sin and cos of any other one.
     #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
     #[inline]
     fn unreduced(self) -> (Self, Self) {
@@ -51,8 +52,8 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
     }
 }
 
-/// Returns sin and cos of `x` in rad. Absolute error: at most 3e-16 in double precision, 1.5e-7 in single precision.
-/// Relative error of the sine: at most 3.5e-16 and 2e-7; the cosine has no such bound close to its zeros.
+/// sin and cos of `x` in rad. Absolute error: at most 3e-16 in double precision, 1.5e-7 in single precision.
+/// Relative error of the sine: at most 3.5e-16 and 2e-7; the cosine has no such bound near its zeros.
 #[inline]
 pub(super) fn sin_cos<F: Precision>(x: F) -> (F, F) {
     // `<` is false for NaN.
@@ -60,7 +61,7 @@ pub(super) fn sin_cos<F: Precision>(x: F) -> (F, F) {
     F::polynomials(r, turns)
 }
 
-/// Returns sin and cos of several angles, without a branch between them.
+/// The same for several angles, without a branch between them.
 #[inline]
 pub(super) fn sin_cos_all<F: Precision, const N: usize>(angles: [F; N]) -> [(F, F); N] {
     let small = angles.iter().fold(true, |all, x| all & (x.abs() < F::LIMIT));
@@ -68,14 +69,14 @@ pub(super) fn sin_cos_all<F: Precision, const N: usize>(angles: [F; N]) -> [(F, 
     reduced.map(|(r, turns)| F::polynomials(r, turns))
 }
 
-/// Returns sin and cos of several angles, some of which are beyond the limit.
+/// The reduction where some angles are beyond the limit.
 #[cold]
 #[inline(never)]
 fn reduce_any<F: Precision, const N: usize>(angles: [F; N]) -> [(F, F); N] {
     angles.map(|x| if x.abs() < F::LIMIT { F::reduce_small(x) } else { x.reduce_large() })
 }
 
-/// Corrects the results of the fast reduction for angles beyond the limit, lane by lane.
+/// Puts right what the fast reduction made of angles beyond the limit, lane by lane.
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))] // Others have no lanes.
 #[cold]
 #[inline(never)]
@@ -88,12 +89,12 @@ pub(crate) fn correct<F: Precision>(angles: &[F], sines: &mut [F], cosines: &mut
     }
 }
 
-/// Returns the value of a polynomial; the highest coefficient comes first.
+/// The value of a polynomial, the highest coefficient first.
 #[inline(always)]
 fn polynomial<S: Scalar, const N: usize>(z: S, coefficients: [S; N]) -> S {
     let mut sum = coefficients[0];
     let mut i = 1;
-    // No iterator: code that is not inlined is compiled without the caller's instruction set.
+    // No iterator: what is not sure to be inlined would lose the caller's instruction set.
     while i < N {
         sum = z.mul_add(sum, coefficients[i]);
         i += 1;
@@ -101,8 +102,8 @@ fn polynomial<S: Scalar, const N: usize>(z: S, coefficients: [S; N]) -> S {
     sum
 }
 
-/// Returns sin and cos of r, from the coefficients of (sin r / r - 1) / z and of (cos r - 1 + z / 2) / z^2 in
-/// z = r^2; the lowest bit of `turns` flips both signs.
+/// sin and cos of r, from the coefficients of (sin r / r - 1) / z and of (cos r - 1 + z / 2) / z^2 in
+/// z = r^2; both signs flipped by the lowest bit of `turns`.
 #[inline(always)]
 fn sine_and_cosine<S: FlipSign, const M: usize, const N: usize>(
     r: S,
@@ -116,12 +117,12 @@ fn sine_and_cosine<S: FlipSign, const M: usize, const N: usize>(
     (sin.flip_sign(turns), cos.flip_sign(turns))
 }
 
-/// The numbers by which sine and cosine are computed in one precision: every back end has them At this limit the here.
+/// The numbers by which sine and cosine are computed in one precision: every back end has them from here.
 #[derive(Clone, Copy, Debug)]
 pub struct SinCosNumbers<const P: usize, const M: usize, const N: usize> {
     /// Angles of the fast reduction are smaller.
     pub limit: f64,
-    /// Adding this number rounds to the nearest integer; its lowest bit is then the lowest bit of the sum.
+    /// Adding this number rounds to the nearest integer, whose lowest bit is then the lowest bit of the sum.
     pub round: f64,
     /// Minus pi in parts. All parts but the last are short enough that their products with a multiple are exact.
     pub minus_pi: [f64; P],
@@ -220,7 +221,7 @@ impl Precision for f64 {
 
     #[inline(always)]
     fn polynomials<S: FlipSign>(r: S, turns: S) -> (S, S) {
-        // Each constant is converted in place; a loop would convert them at run time.
+        // Each is converted by name: a loop over them would do it at run time.
         let k = S::from_f64;
         let [a, b, c, d, e, f, g, h] = SIN_COS_F64.sine;
         let sine = [k(a), k(b), k(c), k(d), k(e), k(f), k(g), k(h)];
@@ -237,7 +238,6 @@ impl FlipSign for f32 {
 }
 
 impl Precision for f32 {
-    /// At this limit the multiple of pi has at most 11 bits.
     const LIMIT: Self = SIN_COS_F32.limit as Self;
 
     #[inline(always)]
@@ -263,7 +263,7 @@ impl Precision for f32 {
         let (fraction, exponent) = (bits & ((1 << 23) - 1), (bits >> 23) & 0xff);
         let Reduced { odd, negative, angle, zeros } =
             reduce((fraction | (1 << 23)).into(), exponent as i32 - 150);
-        // The upper half of `angle` has more bits than the result.
+        // Its upper half has more bits than the result.
         let r = (angle >> 32) as u32 as Self * Self::from_bits((127 - 30 - zeros) << 23);
         let sign = Self::from_bits(u32::from(negative) ^ (bits >> 31));
         (r.flip_sign(sign), Self::from_bits(odd.into()))
@@ -271,7 +271,7 @@ impl Precision for f32 {
 
     #[inline(always)]
     fn polynomials<S: FlipSign>(r: S, turns: S) -> (S, S) {
-        // Each constant is converted in place; a loop would convert them at run time.
+        // Each is converted by name: a loop over them would do it at run time.
         let k = S::from_f64;
         let [a, b, c, d] = SIN_COS_F32.sine;
         let sine = [k(a), k(b), k(c), k(d)];
@@ -280,8 +280,8 @@ impl Precision for f32 {
     }
 }
 
-/// A reduced angle: the angle is `odd` times pi (plus even multiples), plus or minus `angle` 2^-(62 + zeros), which
-/// is at most pi/2.
+/// What is left of an angle: it is `odd` pi (and even multiples) plus or minus
+/// `angle` 2^-(62 + zeros), at most pi/2.
 struct Reduced {
     odd: bool,
     negative: bool,
@@ -289,7 +289,7 @@ struct Reduced {
     zeros: u32,
 }
 
-/// The bits of 1 / pi, after 64 zeros.
+/// 1 / pi in binary, behind 64 zeros.
 const FRAC_1_PI_BITS: [u64; 20] = [
     0x0000000000000000,
     0x517cc1b727220a94,
@@ -316,25 +316,25 @@ const FRAC_1_PI_BITS: [u64; 20] = [
 /// pi 2^62.
 const PI_BITS: u64 = 0xc90fdaa22168c235;
 
-/// Reduces m 2^e (m below 2^53, -62 < e < 972) modulo pi, as in Payne and Hanek 1983, "Radian reduction for
-/// trigonometric functions". In m 2^e / pi, the bits of 1 / pi that contribute even integers are omitted, and so
-/// are bits that are too small to matter.
+/// Reduces m 2^e (m below 2^53, -62 < e < 972) modulo pi after Payne and Hanek 1983, "Radian
+/// reduction for trigonometric functions": of m 2^e / pi, the bits of 1 / pi that make even integers are
+/// left out, and so are those that are too small to matter.
 fn reduce(m: u64, e: i32) -> Reduced {
-    // From the bit of 1 / pi that m 2^e scales to 1: 192 bits.
+    // From the bit of 1 / pi that m 2^e brings to 1: 192 bits.
     let start = (e + 63) as u32;
     let limb = |i: u32| {
         let at = |i: u32| FRAC_1_PI_BITS.get(i as usize).copied().unwrap_or_default();
         let (word, shift) = (start / 64 + i, start % 64);
         at(word) << shift | at(word + 1) >> 1 >> (63 - shift)
     };
-    // The product with m: its uppermost bit counts ones, the other bits are the fraction.
+    // Their product with m, of which the uppermost bit counts ones and the others are the fraction.
     let wide = |i: u32| u128::from(m) * u128::from(limb(i));
     let low = wide(2);
     let middle = wide(1) + (low >> 64);
     let high = m.wrapping_mul(limb(0)).wrapping_add((middle >> 64) as u64);
     let fraction =
         u128::from(high) << 65 | (middle as u64 as u128) << 1 | (low as u64 >> 63) as u128;
-    // A fraction of at least 1/2 is the next multiple minus a remainder.
+    // A fraction from 1/2 on is the next multiple, less something.
     let nearest = fraction as i128;
     let magnitude = nearest.unsigned_abs();
     let zeros = magnitude.leading_zeros().min(62);
@@ -355,7 +355,7 @@ mod tests {
     const LIMIT_F64: f64 = <f64 as Precision>::LIMIT;
     const LIMIT_F32: f32 = <f32 as Precision>::LIMIT;
 
-    /// Returns evenly and unevenly spread angles within `limit`, of both signs.
+    /// Evenly and unevenly spread angles within `limit`, both signs.
     fn angles(limit: f64) -> impl Iterator<Item = f64> {
         (0..200_000u32).flat_map(move |i| {
             let t = f64::from(i) / 200_000.0;
@@ -363,12 +363,12 @@ mod tests {
         })
     }
 
-    /// Returns numbers of all sizes from `limit` on, and some that are very close to multiples of pi/2.
+    /// Numbers of all sizes from `limit` on, and some that are very near to multiples of pi/2.
     fn reduce_large(limit: f64, largest: f64) -> impl Iterator<Item = f64> {
         let steps = 200_000;
         let factor = libm::exp(libm::log(largest / limit) / f64::from(steps));
         let spread = (0..steps).map(move |i| limit * libm::pow(factor, f64::from(i)));
-        // 6381956970095103 * 2^797 is the double closest to a multiple, within 5e-19.
+        // 6381956970095103 * 2^797 is within 5e-19 of one: the nearest double.
         let near =
             [6381956970095103.0 * libm::pow(2.0, 797.0), 355.0, 5_419_351.0, 1_725_033.0 * 1e6];
         let pi = |k: u32| f64::from(k) * core::f64::consts::FRAC_PI_2;
@@ -402,8 +402,8 @@ mod tests {
         assert!(worst <= 1.5e-7, "{worst:e}");
     }
 
-    /// The sine's relative error of the fast reduction: close to every multiple of pi, against libm, and close to
-    /// selected ones, against mpmath.
+    /// The sine's relative error on the fast path: next to every multiple of pi, against libm, and next to selected
+    /// ones, against mpmath.
     #[test]
     fn sines_near_multiples_of_pi_keep_their_digits() {
         let mut worst: f64 = 0.0;
@@ -457,7 +457,7 @@ mod tests {
         assert!(double <= 3.5e-16 && single <= 2e-7, "{double:e}, {single:e}");
     }
 
-    /// The error is small relative to the sine itself, not only relative to 1.
+    /// Not only to the last place of 1, but of the sine itself.
     #[test]
     fn far_angles_near_multiples_of_pi_keep_their_digits() {
         for k in (1..4_000_000_000_u64).step_by(999_983) {

@@ -1,10 +1,6 @@
 //! `modyn simulate`: computes a robot's motion as a table, as plots, and as a page with an animation.
 
 mod motion;
-#[cfg(feature = "plot")]
-mod plot;
-#[cfg(not(feature = "plot"))]
-#[path = "no_plot.rs"]
 mod plot;
 mod skeleton;
 mod table;
@@ -98,7 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         to_file(path, &table::of(&model, &motion)?)?;
     }
     if let Some(path) = &arguments.plot {
-        to_file(path, &plot::of(&model, &motion)?)?;
+        to_file(path, &plot::of(&model, &motion))?;
     }
     if let Some(path) = &arguments.html {
         let skeleton = skeleton::of(&model, &motion)?;
