@@ -69,5 +69,8 @@ pub use results::{
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]
 pub use scalar::LaneScalar;
+#[cfg(feature = "std")]
+#[doc(hidden)]
+pub use scalar::steps;
 pub use scalar::{Portable, Scalar};
 pub use spatial::{Momentum, Pose, Twist, Vector3, Wrench};

@@ -83,7 +83,7 @@ impl Default for EmitOptions {
 
 impl EmitOptions {
     /// The plan for these options. A file of its own has neither vectors nor batches, which are the runtime's.
-    fn plan(&self, model: &Model, modules: &ModuleTree) -> Plan {
+    pub(crate) fn plan(&self, model: &Model, modules: &ModuleTree) -> Plan {
         let strategy = match (self.share, self.self_contained) {
             (true, _) => Strategy::Routines,
             (false, true) => Strategy::Scalar,

@@ -14,6 +14,8 @@ mod portable;
 mod real;
 #[cfg(test)]
 mod root;
+#[cfg(feature = "std")]
+pub mod steps;
 pub(crate) mod trig;
 
 #[cfg(feature = "alloc")]

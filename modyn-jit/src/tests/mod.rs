@@ -1,0 +1,1 @@
+//! Tests that see more than the public interface.
