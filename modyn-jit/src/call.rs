@@ -1,12 +1,14 @@
 //! Calls of compiled functions: arguments are checked, links are looked up, and the states of a batch are put into lanes.
 
+use std::borrow::Cow;
+
 use modyn_codegen::Function;
 use modyn_codegen::plan::Shape;
 
-use crate::compiled::{CompiledFunction, CompiledKernels, Kernel};
+use crate::compiled::{CompiledFunction, CompiledKernels};
 use crate::error::CallError;
-use crate::generate::CodeSize;
-use crate::machine::{Code, Pages};
+use crate::generate::{CodeSize, MAX_ARRAYS};
+use crate::machine::Pages;
 use crate::real::Real;
 
 /// A function of a robot, ready to be called.
@@ -139,41 +141,34 @@ impl<S: Real> Call<'_, S> {
 
     /// Runs the code on arguments that fit, with so many states side by side.
     fn run(&self, link: Option<usize>, arguments: &[&[S]], result: &mut [S], lanes: usize) {
-        let code = |kernel: &'_ Kernel| -> Code {
-            match &kernel.batch {
-                Some(batch) if lanes > 1 => batch.clone(),
-                _ => kernel.single.clone(),
-            }
-        };
-        let spread = |numbers: &[S]| -> Vec<S> {
-            numbers.iter().flat_map(|&number| std::iter::repeat_n(number, lanes)).collect()
-        };
         let parameters =
-            if self.compiled.has_parameters { spread(self.parameters) } else { Vec::new() };
-        let mut all: Vec<&[S]> = arguments.to_vec();
-        if self.compiled.has_parameters {
-            all.push(&parameters);
-        }
+            self.compiled.has_parameters.then(|| spread(self.parameters, lanes));
+        let mut all: [&[S]; MAX_ARRAYS] = [&[]; MAX_ARRAYS];
+        let given = arguments.iter().copied().chain(parameters.as_deref());
+        let count = all.iter_mut().zip(given).map(|(array, given)| *array = given).count();
         match &self.compiled.kernels {
-            CompiledKernels::One(kernel) => code(kernel).call(self.pages, &all, result),
+            CompiledKernels::One(kernel) => {
+                kernel.code(lanes).call(self.pages, &all[..count], result);
+            }
             CompiledKernels::ByLink(links, kernels) => {
                 let (kernel, row) = links[link.unwrap_or_default()];
-                let placement = row.map(|row| spread(&self.placements[row]));
-                all.extend(placement.as_deref());
-                code(&kernels[kernel]).call(self.pages, &all, result);
+                let placement = row.map(|row| spread(&self.placements[row], lanes));
+                all[count] = placement.as_deref().unwrap_or_default();
+                let count = count + usize::from(row.is_some());
+                kernels[kernel].code(lanes).call(self.pages, &all[..count], result);
             }
             CompiledKernels::Poses { bodies, placed, links } => {
-                let bodies = code(bodies);
+                let bodies = bodies.code(lanes);
                 let mut poses = vec![S::default(); bodies.results];
-                bodies.call(self.pages, &all, &mut poses);
+                bodies.call(self.pages, &all[..count], &mut poses);
                 let length = Shape::pose().len() * lanes;
                 for (&(at, row), pose) in links.iter().zip(result.chunks_exact_mut(length)) {
                     let body = &poses[at * length..][..length];
                     match row {
                         None => pose.copy_from_slice(body),
                         Some(row) => {
-                            let placement = spread(&self.placements[row]);
-                            code(placed).call(self.pages, &[body, &placement], pose);
+                            let placement = spread(&self.placements[row], lanes);
+                            placed.code(lanes).call(self.pages, &[body, &placement], pose);
                         }
                     }
                 }
@@ -244,4 +239,12 @@ impl<S: Real> Call<'_, S> {
         }
         Ok(())
     }
+}
+
+/// Each number in as many lanes.
+fn spread<S: Real>(numbers: &[S], lanes: usize) -> Cow<'_, [S]> {
+    if lanes == 1 {
+        return numbers.into();
+    }
+    numbers.iter().flat_map(|&number| std::iter::repeat_n(number, lanes)).collect()
 }

@@ -5,7 +5,7 @@ use std::fmt;
 use modyn_codegen::diagnostics::Diagnostic;
 use modyn_codegen::plan::{Frames, Kernels, LinkCode, Plan, Planned, Shape};
 use modyn_codegen::program::Program;
-use modyn_codegen::{Builder, Function};
+use modyn_codegen::{Builder, Function, Planning};
 use modyn_runtime::model::Model;
 
 use crate::call::Call;
@@ -73,6 +73,16 @@ pub(crate) struct Kernel {
     pub batch: Option<Code>,
 }
 
+impl Kernel {
+    /// The code for so many states at a time: one, or the lanes of a vector.
+    pub fn code(&self, lanes: usize) -> &Code {
+        match &self.batch {
+            Some(batch) if lanes > 1 => batch,
+            _ => &self.single,
+        }
+    }
+}
+
 impl<S: Real> Compiled<S> {
     /// Compiles these functions of a robot for this processor.
     ///
@@ -92,15 +102,23 @@ impl<S: Real> Compiled<S> {
     ///
     /// The description or an option is wrong, this processor lacks the level, or the system gives no executable memory.
     pub fn build(builder: &Builder, options: Options) -> Result<Self, CompileError> {
+        Self::from_plan(&builder.plan()?, options)
+    }
+
+    /// Compiles programs that [`Builder::plan`] has made; so several types of numbers and levels can share them.
+    ///
+    /// # Errors
+    ///
+    /// This processor lacks the level, or the system gives no executable memory.
+    pub fn from_plan(planning: &Planning, options: Options) -> Result<Self, CompileError> {
         let available = Level::detect().ok_or(CompileError::Architecture)?;
         let level = options.level.unwrap_or(available);
         if level > available {
             return Err(CompileError::Level { wanted: level, available });
         }
-        let planning = builder.plan()?;
-        let (plan, model) = (planning.plan, planning.model);
+        let Planning { plan, model, warnings, .. } = planning;
         let mut assembly = Assembly::<S>::new(level, options.batches);
-        let functions = plan.functions.iter().map(|planned| assembly.function(planned, &plan));
+        let functions = plan.functions.iter().map(|planned| assembly.function(planned, plan));
         let functions = functions.collect();
         let pages = Pages::new(&assembly.code).map_err(CompileError::Memory)?;
         let parameters = plan.parameters.described(model.gravity());
@@ -111,8 +129,8 @@ impl<S: Real> Compiled<S> {
             functions,
             parameters: parameters.into_iter().map(number).collect(),
             placements: plan.frames.placements().map(|row| row.map(number).to_vec()).collect(),
-            model,
-            warnings: planning.warnings,
+            model: model.clone(),
+            warnings: warnings.clone(),
         })
     }
 

@@ -22,7 +22,6 @@ pub(crate) fn lower<S: Real>(
     let native = (level.vector(batch) / size_of::<S>()) as u8;
     let mut lowering = Lowering::<S> {
         values: Values::default(),
-        program,
         arrays,
         fused: level.fuses(),
         native,
@@ -47,7 +46,6 @@ type Registers = Vec<Value>;
 
 struct Lowering<'a, S> {
     values: Values,
-    program: &'a Program,
     arrays: &'a Arrays,
     /// Whether products are fused with sums.
     fused: bool,

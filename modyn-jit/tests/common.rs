@@ -17,17 +17,17 @@ use modyn_runtime::steps::{self, Step, Steps};
 
 /// The robots of the folder `robots`.
 pub const ROBOTS: [&str; 11] = [
-    "arm6",
-    "arm7",
-    "biped",
     "double_pendulum",
-    "five_bar",
-    "four_bar",
     "gripper",
-    "humanoid",
-    "joint_zoo",
     "mimic_gripper",
+    "five_bar",
+    "arm6",
+    "joint_zoo",
+    "biped",
+    "four_bar",
+    "arm7",
     "quadruped",
+    "humanoid",
 ];
 
 pub fn robot(name: &str) -> Model {
@@ -36,9 +36,26 @@ pub fn robot(name: &str) -> Model {
     read(&text, name, &ReadOptions::default()).expect("good").model
 }
 
-pub fn builder(model: &Model, functions: &[Function]) -> Builder {
-    let builder = Builder::new().model(model.clone());
-    builder.functions(functions.iter().copied())
+/// The programs of some functions of a robot; those about loops only if it has some.
+pub fn plan(name: &str, functions: &[Function]) -> Planning {
+    let builder = Builder::new().model(robot(name));
+    builder.functions(functions.iter().copied()).plan().expect("good")
+}
+
+/// Random numbers.
+pub fn numbers<F: Fuse>(seed: u64, count: usize, scale: f64) -> Vec<F> {
+    let mut random = random::Random::new(seed);
+    (0..count).map(|_| F::from_f64(random.between(-scale, scale))).collect()
+}
+
+/// Numbers as several arrays.
+pub fn split<'a, F>(mut numbers: &'a [F], lengths: &[usize]) -> Vec<&'a [F]> {
+    let next = |&length: &usize| {
+        let (first, rest) = numbers.split_at(length);
+        numbers = rest;
+        first
+    };
+    lengths.iter().map(next).collect()
 }
 
 /// The levels that this processor has.
