@@ -57,12 +57,7 @@ impl<S: Real> Call<'_, S> {
     /// # Errors
     ///
     /// There is no such link, the number of arguments or a length is wrong, or the function is not one of a link.
-    pub fn link(
-        &self,
-        link: usize,
-        arguments: &[&[S]],
-        result: &mut [S],
-    ) -> Result<(), CallError> {
+    pub fn link(&self, link: usize, arguments: &[&[S]], result: &mut [S]) -> Result<(), CallError> {
         self.check(Some(link), arguments, result)?;
         self.run(Some(link), arguments, result, 1);
         Ok(())
@@ -141,8 +136,7 @@ impl<S: Real> Call<'_, S> {
 
     /// Runs the code on arguments that fit, with so many states side by side.
     fn run(&self, link: Option<usize>, arguments: &[&[S]], result: &mut [S], lanes: usize) {
-        let parameters =
-            self.compiled.has_parameters.then(|| spread(self.parameters, lanes));
+        let parameters = self.compiled.has_parameters.then(|| spread(self.parameters, lanes));
         let mut all: [&[S]; MAX_ARRAYS] = [&[]; MAX_ARRAYS];
         let given = arguments.iter().copied().chain(parameters.as_deref());
         let count = all.iter_mut().zip(given).map(|(array, given)| *array = given).count();

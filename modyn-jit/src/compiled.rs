@@ -171,9 +171,7 @@ impl<S: Real> Compiled<S> {
                 placements: &self.placements,
                 lanes: self.level.vector(true) / size_of::<S>(),
             }),
-            None => {
-                Err(CallError::NotCompiled { function, compiled: self.functions().collect() })
-            }
+            None => Err(CallError::NotCompiled { function, compiled: self.functions().collect() }),
         }
     }
 
@@ -302,8 +300,7 @@ impl<S: Real> Assembly<S> {
 
     fn append(&mut self, program: &Program, arrays: &[usize], batch: bool) -> (Code, CodeSize) {
         let values = lower::<S>(program, arrays, self.level, batch);
-        let generated =
-            generate(&values, self.level, size_of::<S>(), arrays.len(), &self.helpers);
+        let generated = generate(&values, self.level, size_of::<S>(), arrays.len(), &self.helpers);
         self.code.resize(self.code.len().next_multiple_of(64), 0xcc);
         let entry = self.code.len();
         self.code.extend_from_slice(&generated.code);

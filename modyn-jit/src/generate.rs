@@ -511,7 +511,9 @@ impl Generator<'_> {
         };
         let (opcode, immediate) = match operation {
             Operation::Join => self.join(bytes, second),
-            Operation::LessOrEqual => (arithmetic(op::COMPARE, scalar, self.size), Some(LESS_OR_EQUAL)),
+            Operation::LessOrEqual => {
+                (arithmetic(op::COMPARE, scalar, self.size), Some(LESS_OR_EQUAL))
+            }
             Operation::Unordered => (arithmetic(op::COMPARE, scalar, self.size), Some(UNORDERED)),
             Operation::Add => (arithmetic(op::ADD, scalar, self.size), None),
             Operation::Subtract => (arithmetic(op::SUBTRACT, scalar, self.size), None),
@@ -672,7 +674,9 @@ impl Generator<'_> {
         let choices = from_memory.flat_map(|memory| (0..3).map(move |over| (over, memory)));
         let choices = choices.filter(|&(over, memory)| Some(over) != memory);
         let (over, memory) = choices
-            .min_by_key(|&(over, memory)| (cost(self, over, memory), over, memory.is_none(), memory))
+            .min_by_key(|&(over, memory)| {
+                (cost(self, over, memory), over, memory.is_none(), memory)
+            })
             .expect("there are choices");
         let mut registers = [NONE; 3];
         for i in (0..3).filter(|&i| i != over && Some(i) != memory) {

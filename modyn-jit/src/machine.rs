@@ -61,7 +61,8 @@ impl Code {
         assert!(self.entry < pages.0.len() && arguments.len() == self.arguments.len());
         assert!(results.len() >= self.results);
         let mut pointers = [std::ptr::null(); MAX_ARRAYS];
-        for ((pointer, argument), &length) in pointers.iter_mut().zip(arguments).zip(&self.arguments)
+        for ((pointer, argument), &length) in
+            pointers.iter_mut().zip(arguments).zip(&self.arguments)
         {
             assert!(argument.len() >= length);
             *pointer = argument.as_ptr();

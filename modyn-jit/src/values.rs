@@ -202,9 +202,9 @@ impl Values {
         match step {
             Step::Compute(value) => self.operands(*value).to_vec(),
             Step::Check(FarCheck { squares, limit, angles }) => {
-                let angles = angles.iter().flat_map(|reduced| {
-                    [reduced.angle, reduced.results[0], reduced.results[1]]
-                });
+                let angles = angles
+                    .iter()
+                    .flat_map(|reduced| [reduced.angle, reduced.results[0], reduced.results[1]]);
                 [*squares, *limit].into_iter().chain(angles).collect()
             }
         }

@@ -28,7 +28,8 @@ fn compile<F: Fuse>(planning: &Planning, level: Level) -> Compiled<F> {
 /// States: small angles, angles about the limit of the fast reduction, larger ones, and one with infinities and NaN.
 fn states<F: Fuse>(count: usize) -> Vec<Vec<F>> {
     let scales = [1.5, 30.0, 6e3, 3e5, 1e20].iter().zip(1..);
-    let mut states: Vec<Vec<F>> = scales.map(|(&scale, seed)| numbers(seed, count, scale)).collect();
+    let mut states: Vec<Vec<F>> =
+        scales.map(|(&scale, seed)| numbers(seed, count, scale)).collect();
     for (seed, special) in [(6, f64::INFINITY), (7, f64::NAN), (8, 0.0), (9, -0.0), (10, 1e-310)] {
         let mut state: Vec<F> = numbers(seed, count, 2.0);
         state[seed as usize % count] = F::from_f64(special);

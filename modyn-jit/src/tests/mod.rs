@@ -1,1 +1,3 @@
-//! Tests that see more than the public interface.
+//! Tests of the instructions: against a disassembler that shares nothing with the encoder.
+
+mod encoding;

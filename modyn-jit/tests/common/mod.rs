@@ -2,8 +2,7 @@
 
 #![allow(dead_code)] // Each test uses a part.
 
-#[path = "../../tests/src/random.rs"]
-pub mod random;
+pub use modyn_tests::random;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -30,6 +29,7 @@ pub const ROBOTS: [&str; 11] = [
     "humanoid",
 ];
 
+/// A robot of the folder `robots`.
 pub fn robot(name: &str) -> Model {
     let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).expect("a robot");
