@@ -13,6 +13,8 @@ mod portable;
 mod real;
 #[cfg(test)]
 mod root;
+#[cfg(feature = "std")]
+pub mod steps;
 pub(crate) mod simd;
 pub(crate) mod trig;
 
