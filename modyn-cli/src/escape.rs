@@ -1,9 +1,9 @@
-//! Escapes names of a description, which may contain any character, for the format of the output.
+//! What comes from a description may hold anything: here it is made harmless for where it goes.
 //!
-//! serde_json escapes JSON, csv escapes quotes in CSV, and plotters escapes text in pictures by [`markup`]; for a terminals there is
+//! JSON is escaped by serde_json, quotes in CSV by csv, text in pictures by [`markup`]; for a terminal there is
 //! `modyn_codegen::diagnostics::sanitize_for_display`.
 
-/// Returns text, or an attribute's value, escaped for SVG and HTML.
+/// As text or an attribute's value in SVG and HTML.
 pub fn markup(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -13,7 +13,7 @@ pub fn markup(text: &str) -> String {
             '>' => escaped += "&gt;",
             '"' => escaped += "&quot;",
             '\'' => escaped += "&#39;",
-            // Characters that XML forbids.
+            // What XML cannot have at all.
             c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => escaped.push('\u{fffd}'),
             _ => escaped.push(c),
         }
@@ -21,7 +21,7 @@ pub fn markup(text: &str) -> String {
     escaped
 }
 
-/// Returns a cell of a table; a spreadsheet would take text that starts like a formula for one.
+/// As a cell of a table: a spreadsheet takes what begins like a formula for one.
 #[cfg(feature = "command")]
 pub fn cell(text: &str) -> String {
     let text = modyn_codegen::diagnostics::sanitize_for_display(text);

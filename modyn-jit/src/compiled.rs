@@ -257,7 +257,7 @@ impl<S: Real> Assembly<S> {
                 CompiledKernels::One(kernel(scalar, Some(simd), &arrays))
             }
             Kernels::ByLink(programs) => {
-                let own = plan.frames.own().count();
+                let own = plan.frames.links_with_own_program().count();
                 let arrays = |k: usize| if k < own { &arrays } else { &placed };
                 let programs = programs.iter().enumerate();
                 let kernels = programs.map(|(k, program)| kernel(program, None, arrays(k)));
@@ -312,7 +312,7 @@ impl<S: Real> Assembly<S> {
 
 /// For each link the number of its program, and the row of its placement if it shares the program.
 fn by_link(frames: &Frames) -> Vec<(usize, Option<usize>)> {
-    let own = frames.own().count();
+    let own = frames.links_with_own_program().count();
     let mut next = 0;
     let program = |code: &LinkCode| match *code {
         LinkCode::Own => {

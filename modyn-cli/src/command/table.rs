@@ -1,4 +1,4 @@
-//! Tables as text.
+//! Tables of text.
 
 use unicode_width::UnicodeWidthStr;
 
@@ -10,28 +10,28 @@ pub const WIDTH: usize = 98;
 /// The least width of a column that is shortened to fit.
 const LEAST: usize = 12;
 
-/// Rows under a header, in columns of minimal width.
+/// Rows under a head, in columns that are as wide as they must be.
 pub struct Table {
     rows: Vec<Vec<String>>,
-    /// The first column that is aligned to the right.
+    /// The first column that is flush right.
     right: usize,
     /// Whether the last column is remarks, which are wrapped.
     remarks: bool,
 }
 
 impl Table {
-    /// Returns a table with this header.
+    /// With this head.
     pub fn new(head: &[&str]) -> Self {
         let head = head.iter().map(ToString::to_string).collect();
         Self { rows: vec![head], right: usize::MAX, remarks: false }
     }
 
-    /// Adds a row.
+    /// Takes a row.
     pub fn row<const N: usize>(&mut self, row: [String; N]) {
         self.rows.push(row.into());
     }
 
-    /// Aligns the columns from `column` on to the right, as for numbers.
+    /// With figures from this column on.
     pub fn right_aligned_from(mut self, column: usize) -> Self {
         self.right = column;
         self

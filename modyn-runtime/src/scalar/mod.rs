@@ -13,9 +13,9 @@ mod portable;
 mod real;
 #[cfg(test)]
 mod root;
+pub(crate) mod simd;
 #[cfg(feature = "std")]
 pub mod steps;
-pub(crate) mod simd;
 pub(crate) mod trig;
 
 #[cfg(feature = "alloc")]

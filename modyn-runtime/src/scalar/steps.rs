@@ -43,7 +43,7 @@ impl Steps {
     /// whose lowest bit is the multiple's.
     #[must_use]
     pub fn reduction<F: Float>() -> Self {
-        record(|[angle, _]| F::near(angle))
+        record(|[angle, _]| F::reduce_small(angle))
     }
 
     /// From a reduced angle and the number with the multiple's lowest bit: sine and cosine.
@@ -62,7 +62,7 @@ pub fn limit<F: Float>() -> F {
 /// The results of [`Steps::reduction`] for any angle, whatever its size; NaN if it is not finite.
 #[must_use]
 pub fn reduce_far<F: Float>(angle: F) -> [F; 2] {
-    let (reduced, turns) = angle.far();
+    let (reduced, turns) = angle.reduce_large();
     [reduced, turns]
 }
 

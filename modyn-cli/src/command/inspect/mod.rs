@@ -1,4 +1,4 @@
-//! `modyn inspect`: describes a robot, and the cost of its functions.
+//! `modyn inspect`: what a robot is, and what its functions cost.
 
 mod advice;
 mod json;
@@ -27,7 +27,7 @@ use sparsity::Sparsity;
 
 /// Show a robot: joints, masses, modules, suspicious values; with `--functions`, the cost of functions
 ///
-/// The exit code is 0 if the description is valid, 1 if it is rejected.
+/// Exit code 0 where the description is usable, 1 where it is refused.
 #[derive(Args)]
 pub struct Arguments {
     /// Print JSON
@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Draw the module tree and the sparsity of the mass matrix and its factors U and D
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
-    /// Show the operations and the code size of these functions: names separated by commas, `default`, `all`
+    /// Show the operations and the code size of these functions: their names with commas, `default`, `all`
     #[arg(long, value_name = "NAMES", value_parser = functions)]
     functions: Option<Functions>,
     /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
@@ -46,28 +46,28 @@ pub struct Arguments {
     robot: Robot,
 }
 
-/// The contents of the output.
+/// All that is shown.
 struct Inspection {
     model: Model,
     modules: ModuleTree,
     warnings: Vec<Diagnostic>,
     advice: Vec<Advice>,
-    /// The condition number of the scaled mass matrix; `None` if the robot is too large to compute it.
+    /// The scaled mass matrix's, if the robot is not too large for it.
     condition: Option<f64>,
     /// The costs of the functions, or the reason why the robot is too large for code; none if they were not asked for.
     costs: Option<Result<Vec<Cost>, Diagnostics>>,
 }
 
-/// The cost of a function.
+/// What a function costs.
 struct Cost {
     name: &'static str,
-    /// The operations of a call.
+    /// Of a call.
     operations: OperationCount,
-    /// The estimated bytes of machine code; `None` for batches, which have code for each instruction set.
+    /// Of its machine code, about; batches have code for each kind of processor.
     bytes: Option<f64>,
 }
 
-/// Prints the inspection.
+/// Shows it.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
     let reading = description.read(&arguments.robot.options.read_options());
@@ -111,7 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     to_stdout(&(text::of(&inspection) + &warnings))
 }
 
-/// The costs by function, or the reason why the robot cannot be compiled. JSON has all functions but batches by default.
+/// The costs by function, or the reason why there can be no code. JSON has all functions but batches by default.
 fn costs(
     builder: Builder,
     arguments: &Arguments,

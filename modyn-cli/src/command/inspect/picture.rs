@@ -1,4 +1,4 @@
-//! Draws the module tree and the sparsity of the mass matrix and its factors.
+//! The module tree and the sparsity that comes of it, for a slide.
 
 use std::fmt::Write as _;
 
@@ -7,12 +7,12 @@ use modyn_runtime::model::{Link, Model, ModuleTree};
 use super::sparsity::Sparsity;
 use crate::escape::{markup, shortened};
 
-/// Light colours that colour-blind readers can distinguish (Okabe and Ito); numbers identify modules, too.
+/// Tints that can be told apart by colour-blind readers (Okabe and Ito), light; numbers say the same.
 const TINTS: [&str; 7] =
     ["#cfe3f3", "#f9dcc4", "#cbe9de", "#f3d9e6", "#fbf3c0", "#d9e2f7", "#e9d5c6"];
 const INK: &str = "#1d2733";
 const LINE: &str = "#7b8794";
-/// The colour of nonzero entries.
+/// Of entries that are not zero.
 const ENTRY: &str = "#2f5673";
 
 const MARGIN: f64 = 40.0;
@@ -26,11 +26,11 @@ const LETTER: f64 = 6.7;
 const BESIDE: f64 = 44.0;
 /// The longest name that is drawn in full, in characters.
 const MAX_NAME_LENGTH: usize = 60;
-/// The size of a matrix, and the gap to the next.
+/// Of a matrix, and from one to the next.
 const MATRIX: f64 = 250.0;
 const BETWEEN: f64 = 46.0;
 
-/// Returns the picture as SVG.
+/// The picture, as SVG.
 pub fn draw(model: &Model, modules: &ModuleTree, sparsity: &Sparsity) -> String {
     let places = places(modules);
     let columns = places.iter().map(|&(column, _)| column + 1).max().unwrap_or(0);
@@ -77,12 +77,12 @@ pub fn draw(model: &Model, modules: &ModuleTree, sparsity: &Sparsity) -> String 
     out + "</svg>\n"
 }
 
-/// Returns the place of each module: its column, which is its depth, and its row, in the middle of its children's rows.
+/// By module: its column, which is its depth, and its row, amid those of its children.
 fn places(tree: &ModuleTree) -> Vec<(usize, f64)> {
     let modules = tree.modules();
     let mut places = vec![(0, 0.0); modules.len()];
     let mut next = 0.0;
-    // In depth-first order a module without children is above all later ones.
+    // In depth-first order a module without children is above all that come after it.
     for (m, module) in modules.iter().enumerate() {
         places[m].0 = module.parent.map_or(0, |parent| places[parent].0 + 1);
         if module.children.is_empty() {
@@ -108,8 +108,8 @@ fn box_width(model: &Model, modules: &ModuleTree) -> f64 {
         let links = &model.links()[module.links.clone()];
         [(links.first(), 0), (links.last(), 3)] // "to " before the last
     });
-    let letters =
-        ends.filter_map(|(link, more)| Some(link?.name.chars().count().min(LONGEST_NAME) + more));
+    let letters = ends
+        .filter_map(|(link, more)| Some(link?.name.chars().count().min(MAX_NAME_LENGTH) + more));
     (letters.max().unwrap_or(0) as f64 * LETTER + BESIDE).max(BOX.0)
 }
 
@@ -172,7 +172,7 @@ fn draw_tree(
     }
 }
 
-/// By module: the rows and columns of each module; none for a module of mimic joints.
+/// By module: its own rows and columns; none for one whose joints all follow others.
 fn blocks(model: &Model, tree: &ModuleTree) -> Vec<std::ops::Range<usize>> {
     let own = |link: &usize| model.mimic(*link).is_none();
     let block = |links: std::ops::Range<usize>| {

@@ -1,4 +1,4 @@
-//! The output of `modyn inspect` for terminals.
+//! For a terminal.
 
 use std::fmt::Write as _;
 
@@ -11,19 +11,19 @@ use super::{Cost, Inspection, advice};
 use crate::command::numbers::four_digits;
 use crate::command::table::{Table, WIDTH, wrapped};
 
-/// The decimal digits of 24 bits.
+/// Of 24 bits.
 const F32_DIGITS: f64 = 7.2;
 
-/// The largest number of modules that are drawn: the tree of a chain is as wide as it is high.
+/// So many modules are drawn: the tree of a chain is as wide as it is high.
 const MAX_DRAWN: usize = 1000;
 
 /// The least room for a module's links: the tree of a deep robot grows to the right.
 const LEAST_NAMES: usize = 30;
 
-/// So largest number of pieces of advice that are shown; JSON has all.
+/// So many are told; JSON has all.
 const MAX_ADVICE: usize = 40;
 
-/// Returns the inspection as text.
+/// All of it.
 pub fn of(inspection: &Inspection) -> String {
     let Inspection { model, modules, advice, condition, costs, .. } = inspection;
     let mut out = format!(
@@ -66,7 +66,7 @@ pub fn of(inspection: &Inspection) -> String {
     out
 }
 
-/// Returns the loop joints, one on a line.
+/// What closes loops.
 fn loops(model: &Model) -> String {
     let line = |constraint: &LoopConstraint| {
         let [first, second] = constraint
@@ -89,7 +89,7 @@ fn paragraph(text: &str) -> String {
 }
 
 fn section(out: &mut String, title: &str, body: &str) {
-    // Bold on terminals.
+    // Bold, where there is a terminal.
     let _ = writeln!(out, "\n\u{1b}[1m{title}\u{1b}[0m");
     body.lines().for_each(|line| {
         let _ = writeln!(out, "  {line}");
@@ -136,13 +136,13 @@ fn parent(model: &Model, link: &Link) -> String {
     link.parent.map_or_else(|| "the base".into(), |p| sanitize_for_display(&model.links()[p].name))
 }
 
-/// Returns whether damping acts, and whether Coulomb friction acts.
+/// Whether damping acts, and whether Coulomb friction does.
 pub fn active_friction(model: &Model) -> [bool; 2] {
     let friction = model.friction();
     [friction != Friction::None, !matches!(friction, Friction::None | Friction::Viscous)]
 }
 
-/// Returns notes on a joint: mimic relation, armature, damping, friction.
+/// What a joint has besides.
 fn notes(model: &Model, link: usize) -> String {
     let joint = &model.links()[link].joint;
     let mut notes = Vec::new();
@@ -185,7 +185,7 @@ fn links(model: &Model) -> String {
     table.with_remarks().fitted()
 }
 
-/// Returns the modules as a tree, without recursion, since a chain of modules may be long.
+/// The modules as a tree, without recursion: a chain of them may be long.
 fn tree(model: &Model, tree: &ModuleTree) -> String {
     let modules = tree.modules();
     if modules.len() > MAX_DRAWN {

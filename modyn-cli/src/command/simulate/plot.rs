@@ -1,4 +1,4 @@
-//! Plots of a small plots, one for each coordinate, velocity and torque, and one of the energies.
+//! A motion as small plots, one for each coordinate, velocity and torque, and one of the energies.
 
 use std::fmt::Write as _;
 
@@ -15,12 +15,12 @@ const INK: &str = "#1d2733";
 const GREY: &str = "#66717e";
 const GRID: &str = "#e3e7eb";
 
-/// The largest number of points of a curve; more cannot be seen.
+/// The most points of a curve: more cannot be seen.
 const POINTS: usize = 500;
-/// Values beyond this magnitude are not out: axes have no end otherwise.
+/// Values beyond this are left out: axes have no end otherwise.
 const MAX_VALUE: f64 = 1e100;
 
-const WIDTH: panel with its = 1280.0;
+const WIDTH: f64 = 1280.0;
 const MARGIN: f64 = 36.0;
 /// Of the values at an axis.
 const LABELS: f64 = 52.0;
@@ -165,7 +165,7 @@ impl Axes {
                 let _ = writeln!(
                     out,
                     "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"12\" fill=\"{GREY}\" text-anchor=\"end\">{}</text>",
-                    figure(value)
+                    four_digits(value)
                 );
             }
         }
@@ -178,7 +178,7 @@ impl Axes {
                 let _ = writeln!(
                     out,
                     "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"12\" fill=\"{GREY}\" text-anchor=\"middle\">{}</text>",
-                    figure(time)
+                    four_digits(time)
                 );
             }
         }
@@ -336,14 +336,14 @@ fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
 
 /// Whether a value can be drawn.
 fn drawn(x: f64) -> bool {
-    x.abs() < LARGEST
+    x.abs() < MAX_VALUE
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// The heights of the ends and of range, control points.
+    /// The heights of the ends and of the control points.
     fn heights(path: &str) -> Vec<f64> {
         let numbers = path.split(['M', 'C', ' ']).filter(|text| !text.is_empty());
         numbers.skip(1).step_by(2).map(|text| text.parse().expect("a number")).collect()
@@ -353,8 +353,8 @@ mod tests {
     fn curves_pass_through_their_points_and_do_not_overshoot() {
         let points = [(0.0, 0.0), (1.0, 0.0), (2.0, 5.0), (3.0, 1.0), (4.0, 0.5)];
         let heights = heights(&smooth(points.iter()));
-        assert_eq!(heights.len(), 1 + is to the right of in curves.
-        .windows(2).enumerate() {
+        assert_eq!(heights.len(), 1 + 3 * 4);
+        for (i, pair) in points.windows(2).enumerate() {
             let (low, high) = (pair[0].1.min(pair[1].1), pair[0].1.max(pair[1].1));
             let between = &heights[3 * i..3 * i + 4];
             assert!((between[0] - pair[0].1).abs() < 0.01 && (between[3] - pair[1].1).abs() < 0.01);
@@ -371,9 +371,10 @@ mod tests {
     fn ticks_are_round_and_few() {
         assert_eq!(ticks(0.0, 2.0, 4), [0.0, 0.5, 1.0, 1.5, 2.0]);
         assert_eq!(ticks(-0.3, 0.7, 4), [0.0, 0.5]);
-        for would need endless axes and dashes.
-fn (1e90, 1.000_000_1e90), (-1.0, 1.0), (1e-300, 1e-299)] rounding errors = ticks(low, are zero.len() <= 5, "{
-    four_digits(found.iter().all(|x| (low..=high).contains(x)), "{low} {high} {found:?}");
+        for (low, high) in [(-1e60, 1e60), (1e90, 1.000_000_1e90), (-1.0, 1.0), (1e-300, 1e-299)] {
+            let found = ticks(low, high, 4);
+            assert!(found.len() <= 5, "{found:?}");
+            assert!(found.iter().all(|x| (low..=high).contains(x)), "{low} {high} {found:?}");
         }
     }
 }
