@@ -1,4 +1,4 @@
-//! The one door behind the three: from a description and options to text.
+//! The builder: from a description and options to text. The macro, build scripts and the command line use it.
 
 mod file;
 
@@ -15,7 +15,7 @@ use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, sugge
 use crate::emit::{CSource, EmitOptions, Emitted, FloatType, emit, emit_c};
 use crate::names;
 use crate::options::{Fault, ModuleChoice, Options, Value, option_table};
-use crate::plan::Function;
+use crate::plan::{Function, Plan};
 use crate::read::file::read_first;
 use crate::read::{Format, Reading};
 use crate::size::too_large;
@@ -56,12 +56,12 @@ use crate::size::too_large;
 #[derive(Clone, Debug, Default)]
 pub struct Builder {
     source: Source,
-    /// `None` for that of the text.
+    /// `None` detects the format from the text.
     format: Option<Format>,
     options: Options,
 }
 
-/// Where the robot comes from.
+/// The source of the robot.
 #[derive(Clone, Debug, Default)]
 enum Source {
     #[default]
@@ -75,30 +75,42 @@ enum Source {
     Unread(Diagnostics),
 }
 
-/// What was compiled.
+/// The result of a compilation.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Generated {
-    /// Rust items: the type named [`type_name`](Self::type_name) and what belongs to it.
+    /// The Rust items: the type named [`type_name`](Self::type_name) and its other items.
     pub text: String,
-    /// The header of the functions for C, if [`Builder::c_functions`] asked for some.
+    /// The header of the functions for C, if [`Builder::c_functions`] was called.
     pub c_header: Option<String>,
     /// The name of the generated type.
     pub type_name: String,
     /// The robot.
     pub model: Model,
+    /// The warnings about the description.
+    pub warnings: Vec<Diagnostic>,
+    /// The operations of one call of each function.
+    pub operations: Vec<(&'static str, OperationCount)>,
+    /// The operations in the text of each function of one state; [`operations`](Self::operations) has those of a call.
+    ///
+    /// For a function of one link they include all links. Equal limbs count once if they share their code. If they
+    /// are packed into vectors, the packed code and the scalar code count, both.
+    pub static_operations: Vec<(&'static str, OperationCount)>,
+    /// The modules of forward dynamics.
+    pub partition: ModuleTree,
+    /// The operations of each partition that was considered; the chosen one is first.
+    pub partition_costs: Vec<(&'static str, usize)>,
+}
+
+/// The programs of a robot; see [`Builder::plan`].
+#[non_exhaustive]
+pub struct Planning {
+    /// The programs.
+    pub plan: Plan,
+    /// The robot.
+    pub model: Model,
     /// What was found odd, but taken.
     pub warnings: Vec<Diagnostic>,
-    /// The operations that each function takes.
-    pub operations: Vec<(&'static str, OperationCount)>,
-    /// The operations that stand in the text of each function but batches, where [`operations`](Self::operations) has
-    /// those of a call: for a function of a link, those of all links together; equal limbs once if they share their
-    /// code, and if they stand side by side, both that and one after the other.
-    pub static_operations: Vec<(&'static str, OperationCount)>,
-    /// The modules that forward dynamics is eliminated by.
-    pub partition: ModuleTree,
-    /// What each partition that was considered costs, the chosen one first.
-    pub partition_costs: Vec<(&'static str, usize)>,
 }
 
 /// A method for each option of the table.
@@ -129,20 +141,20 @@ macro_rules! methods {
 option_table!(methods);
 
 impl Builder {
-    /// With default options and no robot.
+    /// Returns a builder with default options and without a robot.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The file to read, of whatever format it is ([`Format::of`]); a path as for a [URDF](Self::urdf).
+    /// Sets the file to read, of any format ([`Format::of`]); a relative path as for a [URDF](Self::urdf).
     #[must_use]
     pub fn file(mut self, path: impl Into<PathBuf>) -> Self {
         (self.source, self.format) = (Source::File(path.into()), None);
         self
     }
 
-    /// The text of a description, of whatever format it is ([`Format::of`]), and what to call the file in diagnostics.
+    /// Sets the text of a description, of any format ([`Format::of`]), and the file name for diagnostics.
     #[must_use]
     pub fn text(mut self, text: impl Into<String>, file: impl Into<String>) -> Self {
         self = self.urdf_text(text, file);
@@ -150,14 +162,14 @@ impl Builder {
         self
     }
 
-    /// The URDF file to read; a relative path is one from the folder of the crate's `Cargo.toml`.
+    /// Sets the URDF file to read. A relative path starts at the folder of the crate's `Cargo.toml`.
     #[must_use]
     pub fn urdf(mut self, path: impl Into<PathBuf>) -> Self {
         (self.source, self.format) = (Source::File(path.into()), Some(Format::Urdf));
         self
     }
 
-    /// The text of a URDF, and what to call the file in diagnostics.
+    /// Sets the text of a URDF, and the file name for diagnostics.
     #[must_use]
     pub fn urdf_text(mut self, text: impl Into<String>, file: impl Into<String>) -> Self {
         self.source = Source::Text { text: text.into(), file: file.into() };
@@ -165,7 +177,7 @@ impl Builder {
         self
     }
 
-    /// The `MuJoCo` model to read, [as far as that is supported](crate::read_mjcf); a path as for a
+    /// Sets the `MuJoCo` model to read, [as far as that is supported](crate::read_mjcf); a relative path as for a
     /// [URDF](Self::urdf).
     #[cfg(feature = "mjcf")]
     #[must_use]
@@ -174,7 +186,7 @@ impl Builder {
         self
     }
 
-    /// The text of a `MuJoCo` model, and what to call the file in diagnostics.
+    /// Sets the text of a `MuJoCo` model, and the file name for diagnostics.
     #[cfg(feature = "mjcf")]
     #[must_use]
     pub fn mjcf_text(mut self, text: impl Into<String>, file: impl Into<String>) -> Self {
@@ -183,15 +195,15 @@ impl Builder {
         self
     }
 
-    /// A model that is there already. It is checked as a description is, and has its own gravity
-    /// unless [another](Self::gravity) is given.
+    /// Sets a model as the robot. It is checked as a description is, and keeps its own gravity unless
+    /// [`gravity`](Self::gravity) is called.
     #[must_use]
     pub fn model(mut self, model: Model) -> Self {
         self.source = Source::Model(Box::new(model));
         self
     }
 
-    /// A description that could not be read: `generate` says why, and what else is wrong.
+    /// Sets the errors of a description that could not be read; `generate` returns them with the errors of the options.
     #[doc(hidden)]
     #[must_use]
     pub fn failed_to_read(mut self, why: Diagnostics) -> Self {
@@ -215,11 +227,11 @@ impl Builder {
         &self.options.read
     }
 
-    /// Compiles to text, without writing anything.
+    /// Returns the generated text, without writing a file.
     ///
     /// # Errors
     ///
-    /// All that is wrong with the description and the options.
+    /// Returns all errors of the description and the options.
     pub fn generate(&self) -> Result<Generated, Diagnostics> {
         let (model, modules, options) = self.compiled()?;
         let Emitted { text, c_header, type_name, operations, static_operations, partition } =
@@ -239,15 +251,34 @@ impl Builder {
         })
     }
 
-    /// Compiles to C99, without writing anything: a header and a source file that need `<math.h>` alone. Options about
-    /// Rust (visibility, crate, [`c_functions`](Self::c_functions)) have no part in it; the names begin with the type's
-    /// name in snake case. Besides it returns the warnings.
+    /// Returns the generated C99 text, a header and a source file that need `<math.h>` only, and the warnings. Writes no
+    /// file.
+    ///
+    /// Names start with the type's name in snake case. Options of Rust (visibility, crate,
+    /// [`c_functions`](Self::c_functions)) have no effect.
+    ///
+    /// # Errors
+    ///
+    /// Returns all errors of the description and the options.
+    pub fn generate_c(&self) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
+        self.c_source(None)
+    }
+
+    /// Returns the programs of the robot's functions with its model and the warnings: what a back end needs that prints no
+    /// text. Functions of many states have no programs of their own: [`Kernels`](crate::plan::Kernels) of one state can
+    /// be run on vectors with a state in each lane. Options about text have no effect.
     ///
     /// # Errors
     ///
     /// All that is wrong with the description and the options.
-    pub fn generate_c(&self) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
-        self.c_source(None)
+    pub fn plan(&self) -> Result<Planning, Diagnostics> {
+        let (model, modules, mut options) = self.compiled()?;
+        for function in &mut options.functions {
+            *function = function.batched().unwrap_or(*function);
+        }
+        (options.share, options.self_contained) = (false, false);
+        let plan = options.plan(&model, &modules);
+        Ok(Planning { plan, model, warnings: options.warnings })
     }
 
     /// The C source whose header file has this name, and the warnings.
@@ -256,7 +287,7 @@ impl Builder {
         Ok((emit_c(&model, &modules, &options, header), options.warnings))
     }
 
-    /// Everything that back ends need: the model, its modules, and the options.
+    /// Returns the inputs of the back ends: the model, its modules, and the options.
     fn compiled(&self) -> Result<(Model, ModuleTree, EmitOptions), Diagnostics> {
         let mut errors = self.option_errors();
         let reading = self.read().map_err(|found| errors.extend(found)).ok();
@@ -304,19 +335,18 @@ impl Builder {
         Ok((model, modules, options))
     }
 
-    /// From a build script: compiles to `OUT_DIR`, for `modyn::include_model!`, and has Cargo run
-    /// the script again when the description changes. Warnings become Cargo's warnings.
+    /// Compiles to `OUT_DIR` from a build script, for `modyn::include_model!`. Cargo runs the script again when the
+    /// description changes, and shows the warnings.
     ///
-    /// What to include is named after the type, if a name was [given](Self::type_name) (`LeftArm`
-    /// is `include_model!(left_arm)`), else after the description's file (`my-robot.urdf` is
-    /// `include_model!(my_robot)`).
+    /// The name for `include_model!` is derived from the type, if a name was [given](Self::type_name) (`LeftArm` is
+    /// `include_model!(left_arm)`), else from the description's file (`my-robot.urdf` is `include_model!(my_robot)`).
     ///
     /// # Errors
     ///
-    /// All that is wrong with the description and the options, or a file that cannot be written.
+    /// Returns all errors of the description and the options, or that a file cannot be written.
     pub fn compile(&self) -> Result<Generated, Diagnostics> {
         if let Source::File(path) = &self.source {
-            // Also when it does not exist: Cargo then looks again.
+            // Also for a missing file: Cargo then checks again.
             println!("cargo::rerun-if-changed={}", resolve_path(path).display());
         }
         let generated = self.generate()?;
@@ -332,7 +362,7 @@ impl Builder {
         };
         let name = names::snake(stem.as_deref().unwrap_or(&generated.type_name));
         let file = Path::new(&folder).join(format!("{name}.rs"));
-        // What this process, a build script, has written: one robot must not replace another.
+        // The files that this process, a build script, has written: a robot must not overwrite another.
         static WRITTEN: Mutex<BTreeMap<PathBuf, String>> = Mutex::new(BTreeMap::new());
         let mut written = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
         let text = written.entry(file.clone()).or_insert_with(|| generated.text.clone());
@@ -342,7 +372,7 @@ impl Builder {
         }
         std::fs::write(&file, &generated.text).map_err(|reason| {
             let message = format!("`{}` cannot be written: {reason}", file.display());
-            error(message, "OUT_DIR must be a folder that can be written to")
+            error(message, "OUT_DIR must be a writable folder")
         })?;
         let warnings = generated.warnings.iter().take(Diagnostics::SHOWN);
         let more = Diagnostics::count_hidden(generated.warnings.len());
@@ -353,14 +383,14 @@ impl Builder {
     }
 
     fn read(&self) -> Result<Reading, Diagnostics> {
-        // A bad one is among the errors of the options.
+        // An invalid gravity is among the errors of the options.
         let gravity = self.options.read.gravity.filter(|&gravity| gravity_error(gravity).is_none());
         let options = ReadOptions { gravity, ..self.options.read.clone() };
         match &self.source {
             Source::None => {
                 let missing =
                     Diagnostic::error(Code::MissingFile, "no robot description was given");
-                Err(missing.with_help("call `Builder::urdf` with the path of one").into())
+                Err(missing.with_help("call `Builder::urdf` with the path of a URDF").into())
             }
             Source::File(path) => {
                 let (_, text) = read_first(path.display(), &[resolve_path(path)])?;
@@ -394,10 +424,10 @@ impl Builder {
         self.format.unwrap_or_else(|| Format::of(text, file)).read(text, file, options)
     }
 
-    /// Warns of a type `Robot`, which is also what the trait is called that users import.
+    /// Returns a warning for a type `Robot`, which would collide with the trait that users import.
     fn name_conflict(&self, model: &Model, warnings: &[Diagnostic]) -> Option<Diagnostic> {
         let name = names::type_name(model.name());
-        // Of a robot without a name this has been said.
+        // A robot without a name already has a warning.
         let said = warnings.iter().any(|w| w.code == Code::MissingAttribute && w.subject.is_none());
         (self.options.code.type_name.is_none() && name == "Robot" && !said).then(|| {
             let message = "the type `Robot` will collide with `use modyn::Robot`";
@@ -430,7 +460,7 @@ impl Builder {
         }
     }
 
-    /// What is wrong with the options that become part of the text as they are.
+    /// Returns the errors of options that are copied into the text.
     fn option_errors(&self) -> Vec<Diagnostic> {
         let mut errors = Vec::new();
         let mut error = |code, message: String, help: String| {
@@ -441,7 +471,7 @@ impl Builder {
         {
             error(
                 Code::TypeName,
-                format!("{name:?} is no type's name in upper camel case"),
+                format!("{name:?} is not a type name in upper camel case"),
                 format!("`{}` is one", names::type_name(name)),
             );
         }
@@ -450,14 +480,14 @@ impl Builder {
         {
             error(
                 Code::Option,
-                format!("{visibility:?} is no visibility"),
+                format!("{visibility:?} is not a visibility"),
                 "`pub`, `pub(crate)`, `pub(super)`, `pub(in path)`, or nothing for private".into(),
             );
         }
         if let Some(path) = self.options.code.crate_path.as_ref().filter(|text| !is_path(text)) {
             error(
                 Code::Option,
-                format!("{path:?} is no path of a crate or module"),
+                format!("{path:?} is not the path of a crate or module"),
                 "give the path of `modyn`, such as `::modyn` or `crate::robots::modyn`".into(),
             );
         }
@@ -466,22 +496,23 @@ impl Builder {
         {
             error(
                 Code::Option,
-                format!("{prefix:?} cannot begin the names of C functions"),
-                "a letter, then letters, digits and underscores".into(),
+                format!("{prefix:?} is not a prefix of C functions"),
+                "use a letter, then letters, digits and underscores".into(),
             );
         }
         if self.options.code.self_contained && self.options.code.crate_path.is_some() {
             error(
                 Code::Option,
-                "a self-contained file has no crate to be told the path of".into(),
-                "leave out `crate`, or `self_contained`".into(),
+                "a self-contained file does not use the crate `modyn`, so `crate` has no effect"
+                    .into(),
+                "remove `crate` or `self_contained`".into(),
             );
         }
         if matches!(self.source, Source::Model(_)) && !self.options.read.loops.is_empty() {
             error(
                 Code::Option,
-                "a model that is given as one has its own loops".into(),
-                "close them by `Model::with_loop_constraints`".into(),
+                "a `Model` has its own loop constraints".into(),
+                "set them with `Model::with_loop_constraints`".into(),
             );
         }
         let read = &self.options.read;
@@ -495,8 +526,8 @@ impl Builder {
         for (option, _) in given.filter(|_| matches!(self.source, Source::Model(_))) {
             error(
                 Code::Option,
-                format!("`{option}` is about reading a description, and a model is given"),
-                "make the model so: its joints say what they are, `Model::with_friction` what acts"
+                format!("`{option}` is an option for descriptions, but the robot is a `Model`"),
+                "set it in the model: joints have their type and rotor, `Model::with_friction` sets the friction"
                     .into(),
             );
         }
@@ -510,7 +541,7 @@ fn is_c_prefix(name: &str) -> bool {
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-/// The links of this `option`, as indices into the model's frames.
+/// Returns the links of this `option`, as indices into the model's frames.
 fn moving_frames(
     model: &Model,
     option: &str,
@@ -530,15 +561,17 @@ fn moving_frames(
                     Some(meant) => format!("did you mean `{meant}`?"),
                     None => "name a link of the description".into(),
                 };
-                error(format!("`{name}` in `{option}` is no link"), help);
+                error(format!("`{name}` in `{option}` is not a link"), help);
             }
             Some(frame) if model.frames()[frame].link.is_none() => error(
                 format!("link `{name}` in `{option}` does not move"),
-                "leave it out: a link that is fixed to the world has no part in the dynamics"
-                    .into(),
+                "remove it: a link that is fixed to the world has no effect on the dynamics".into(),
             ),
             Some(frame) if frames.contains(&frame) => {
-                error(format!("link `{name}` stands in `{option}` twice"), "name it once".into());
+                error(
+                    format!("link `{name}` is listed in `{option}` twice"),
+                    "name it once".into(),
+                );
             }
             Some(frame) => frames.push(frame),
         }
@@ -546,7 +579,7 @@ fn moving_frames(
     if errors.is_empty() { Ok(frames) } else { Err(Diagnostics::new(errors)) }
 }
 
-/// Where a file is: as given, or from the folder of the crate's `Cargo.toml`.
+/// Returns the path of a file: as given, or from the folder of the crate's `Cargo.toml`.
 fn resolve_path(path: &Path) -> PathBuf {
     std::env::var_os("CARGO_MANIFEST_DIR")
         .map_or_else(|| path.into(), |root| Path::new(&root).join(path))
@@ -559,7 +592,7 @@ fn is_visibility(text: &str) -> bool {
     match inside {
         None => rest.is_empty(),
         Some("crate" | "super" | "self") => true,
-        // A visibility ends at a module around the robot.
+        // The path of a visibility must be an enclosing module.
         Some(inside) => inside.strip_prefix("in ").is_some_and(|path| {
             let first = path.trim().split("::").next().unwrap_or_default();
             is_path_keyword(first.trim()) && is_path(&format!("{path}::name"))
@@ -567,12 +600,12 @@ fn is_visibility(text: &str) -> bool {
     }
 }
 
-/// Whether a text is the path of a module that `use .. as` takes.
+/// Returns whether a text is the path of a module that `use .. as` accepts.
 fn is_path(text: &str) -> bool {
     let text = text.trim();
     let (global, path) = text.strip_prefix("::").map_or((false, text), |path| (true, path));
     let parts: Vec<&str> = path.split("::").map(str::trim).collect();
-    // `self` and `super` alone are no names to import.
+    // `self` and `super` alone cannot be imported.
     let Some((last, before)) = parts.split_last() else { return false };
     let mut ways = before.iter().take_while(|part| is_path_keyword(part)).count();
     if *last == "crate" && before.is_empty() {
@@ -583,12 +616,12 @@ fn is_path(text: &str) -> bool {
     ways && (!global || !is_path_keyword(parts[0])) && names.iter().all(|name| is_identifier(name))
 }
 
-/// Whether part of a path is a way to a module and not a name.
+/// Returns whether part of a path is a keyword that leads to a module.
 fn is_path_keyword(part: &str) -> bool {
     matches!(part, "crate" | "self" | "super")
 }
 
-/// Whether a text is an identifier in every edition, perhaps a raw one.
+/// Returns whether a text is an identifier in every edition, possibly a raw one.
 fn is_identifier(text: &str) -> bool {
     let name = text.strip_prefix("r#").unwrap_or(text);
     let mut letters = name.chars();
@@ -621,7 +654,7 @@ mod tests {
         }
     }
 
-    /// What is taken compiles as an import, and what does not compile is refused.
+    /// Accepted paths compile as imports, and paths that do not compile are rejected.
     #[test]
     fn paths_are_those_that_can_be_imported() {
         let good = [
@@ -699,11 +732,11 @@ mod tests {
         let errors = refused(comb(1, 1000), ModuleChoice::Chains);
         assert!(errors.starts_with("error[too-large]: code for 1000 moving joints"), "{errors}");
         assert!(errors.contains("1000 links, from `1` to `1000`"), "{errors}");
-        // Links as modules would not help here.
+        // Modules of one link would not help here.
         assert!(!errors.contains("modules = links"), "{errors}");
         let errors = refused(comb(1, 66), ModuleChoice::Chains);
         assert!(errors.contains("`brge` 2") && errors.contains("modules = links"), "{errors}");
-        // What takes most is named, and what would do without it.
+        // The most expensive function is named, and a set of functions without it.
         let errors = refused(comb(600, 1), ModuleChoice::Links);
         assert!(errors.contains("`jacobian` 5"), "{errors}");
         assert!(errors.contains("leave `jacobian` out of the option `functions`"), "{errors}");
@@ -726,11 +759,11 @@ mod tests {
             let default = Function::DEFAULT;
             assert_eq!(refused(&model, &by_chains, default), chains, "{}", model.nv());
             assert_eq!(refused(&model, &by_links, default), links, "{}", model.nv());
-            // One function that takes linear time is small.
+            // A single function with linear code size is small.
             let one = [Function::ForwardDynamics];
             assert!(!refused(&model, &by_links, &one), "{}", model.nv());
         }
-        // Derivatives of a chain take the cube of its length, and twice that with those of batches.
+        // Derivatives of a chain grow with the cube of its length, and twice as fast with batches.
         let model = comb(1, 45);
         let links = ModuleTree::links(&model);
         let mut functions = vec![Function::ForwardDynamicsDerivatives];
@@ -739,7 +772,7 @@ mod tests {
         assert!(refused(&model, &links, &functions));
     }
 
-    /// So many chains of so many links.
+    /// Returns a model of this number of chains with this number of links.
     fn comb(chains: usize, length: usize) -> Model {
         let mut urdf = String::from("<robot name='comb'><link name='0'/>");
         for i in 1..=chains * length {
@@ -754,7 +787,7 @@ mod tests {
         read.expect("a good robot").model
     }
 
-    /// The model with its last link changed.
+    /// Returns the model with its last link changed.
     fn changed(model: &Model, change: impl Fn(&mut modyn_runtime::model::Link)) -> Model {
         let mut links = model.links().to_vec();
         links.iter_mut().next_back().into_iter().for_each(change);

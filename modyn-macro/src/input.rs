@@ -1,4 +1,4 @@
-//! What stands in the macro: `[[visibility] Name =] "path" [, option = value]*`.
+//! The input of the macro: `[[visibility] Name =] "path" [, option = value]*`.
 
 use modyn_codegen::Builder;
 use modyn_codegen::diagnostics::suggest;
@@ -12,7 +12,7 @@ use syn::{Error, Ident, Lit, LitStr, Result, Token, Visibility};
 /// The macro's input.
 pub(crate) struct Input {
     pub path: String,
-    /// Where errors are shown.
+    /// The place of errors.
     pub span: Span,
     pub builder: Builder,
 }
@@ -46,7 +46,7 @@ impl Parse for Input {
                         Some(errors) => errors.combine(error),
                         None => errors = Some(error),
                     }
-                    // On to the next option, to report all errors at once.
+                    // Skips to the next option, to report all errors at once.
                     while !input.is_empty() && !input.peek(Token![,]) {
                         input.parse::<TokenTree>()?;
                     }

@@ -1,4 +1,4 @@
-//! `modyn check`: what is wrong with descriptions, and where.
+//! `modyn check`: reports the faults of descriptions, with their places.
 
 use std::path::PathBuf;
 
@@ -13,25 +13,25 @@ use crate::command::options::ReadingOptions;
 use crate::command::outcome::{Failure, to_stdout};
 use crate::command::robot::Description;
 
-/// Say all that is wrong with descriptions
+/// Report the faults of descriptions
 ///
-/// Exit code 0 if all are usable, 1 if one is refused, 2 if one cannot be read.
+/// The exit code is 0 if all descriptions are valid, 1 if one is rejected, 2 if a file cannot be read.
 #[derive(Args)]
 pub struct Arguments {
     /// The descriptions (URDF or MJCF); `-` for standard input
     #[arg(value_name = "ROBOT.urdf", required = true)]
     paths: Vec<PathBuf>,
-    /// Refuse what there are warnings about, too
+    /// Reject descriptions with warnings, too
     #[arg(long)]
     deny_warnings: bool,
-    /// Print JSON: for each file its name, whether it is usable, and the diagnostics
+    /// Print JSON: for each file its name, whether it is valid, and the diagnostics
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     options: ReadingOptions,
 }
 
-/// One file's answer.
+/// The result of one file.
 struct Outcome {
     name: String,
     text: Option<String>,
@@ -39,7 +39,7 @@ struct Outcome {
     usable: bool,
 }
 
-/// Answers for all files, in their order.
+/// Checks all files, in order.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = arguments.options.read_options();
     let mut answers = Vec::new();

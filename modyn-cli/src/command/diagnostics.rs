@@ -1,14 +1,14 @@
-//! Diagnostics for people, with the line that is wrong, and for programs.
+//! Prints diagnostics: for people, with the line of the fault, and for programs.
 
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::diagnostics::{Diagnostic, Diagnostics, Position, Severity, Subject};
 use serde_json::{Value, json};
 
-/// The longest line that is shown: a file may be one line of a million characters.
+/// The longest line that is shown; a file may be one line of a million characters.
 const MAX_LINE_LENGTH: usize = 10_000;
 
-/// As compilers show them, one below the other. `text` is the description.
+/// Returns diagnostics as compilers show them, one below the other. `text` is the description.
 pub fn render(found: &[Diagnostic], text: Option<&str>) -> String {
     let lines: Vec<&str> = text.map(|text| text.lines().collect()).unwrap_or_default();
     let renderer = Renderer::styled();
@@ -56,13 +56,12 @@ fn group<'a>(diagnostic: &Diagnostic, lines: &[&str]) -> Group<'a> {
     }
 }
 
-/// Character for character, so that columns stay; tabs may stay too.
+/// Returns a line safe to display. Characters are replaced one by one, so that columns do not change; tabs stay.
 fn sanitize_line(line: &str) -> String {
     line.split('\t').map(sanitize_for_display).collect::<Vec<_>>().join("\t")
 }
 
-/// The bytes of a line that a mark belongs under: the tag, the attribute or the value that begins at the
-/// position.
+/// Returns the bytes of a line to mark: the tag, the attribute or the value that starts at the position.
 fn marked_range(line: &str, at: Position) -> std::ops::Range<usize> {
     let start = line.char_indices().nth(at.column - 1).map_or(line.len(), |(i, _)| i);
     let rest = &line[start..];
@@ -84,7 +83,7 @@ fn marked_range(line: &str, at: Position) -> std::ops::Range<usize> {
     start..start + length.max(one)
 }
 
-/// For programs: what [`Diagnostic`] has, by the same names.
+/// Returns diagnostics for programs, with the field names of [`Diagnostic`].
 pub fn to_json(found: &[Diagnostic]) -> Value {
     found.iter().map(one_to_json).collect()
 }

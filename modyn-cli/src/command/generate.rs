@@ -1,4 +1,4 @@
-//! `modyn generate`: a robot's dynamics as Rust or C, in files that are kept, and a header for Rust's functions for C.
+//! `modyn generate`: writes a robot's dynamics as Rust or C, and a header for Rust functions that C calls.
 
 use std::path::{Path, PathBuf};
 
@@ -14,17 +14,17 @@ use crate::command::robot::{Description, Robot};
 
 /// Compile a description to Rust or C
 ///
-/// Exit code 0 when it is written (or, with `--check`, as it should be), 1 when the description is
-/// refused (or the file stale), 2 when an option or a file is not what it may be.
+/// The exit code is 0 if the file was written (with `--check`, if it is up to date), 1 if the description is rejected
+/// (with `--check`, if the file is stale), 2 if an option or a file is invalid.
 #[derive(Args)]
 pub struct Arguments {
     /// The file to write; standard output without it
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write nothing, but say whether FILE (and the header) is what would be written: 0 if so, 1 if stale
+    /// Write nothing, but report whether FILE (and the header) is up to date: exit code 0, or 1 if it is stale
     #[arg(long, requires = "output")]
     check: bool,
-    /// The language: Rust, or C99 that needs `<math.h>` alone, FILE.c with its header FILE.h
+    /// The language: Rust; or C99 that needs `<math.h>` only, FILE.c with its header FILE.h
     #[arg(long, value_enum, default_value_t)]
     target: Target,
     /// Write the header of the functions for C; without `--c-functions` their prefix is the robot's name
@@ -83,7 +83,7 @@ fn write(
     Ok(())
 }
 
-/// Writes C, or compares it.
+/// Writes the C files, or checks them.
 fn c_source(
     arguments: &Arguments,
     builder: &Builder,

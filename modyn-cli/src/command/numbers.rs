@@ -1,18 +1,18 @@
-//! Numbers as they are read from users, and shown to them.
+//! Numbers as users write them, and as the command prints them.
 
-/// A finite number.
+/// Parses a finite number.
 pub fn number(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let number: f64 = text.parse().map_err(|_| format!("`{text}` is no number"))?;
     if number.is_finite() { Ok(number) } else { Err(format!("`{text}` is not finite")) }
 }
 
-/// Numbers with commas between them.
+/// Parses numbers separated by commas.
 pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
     text.split(',').map(number).collect()
 }
 
-/// As short as it can be with four digits.
+/// Returns the shortest text with four significant digits.
 pub fn four_digits(x: f64) -> String {
     let size = x.abs();
     if size == 0.0 {

@@ -1,15 +1,15 @@
-//! Random numbers that are the same for the same seed, on every machine.
+//! Random numbers: the same for the same seed, on every machine.
 
 /// `SplitMix64` (Steele, Lea and Flood 2014).
 pub struct Random(u64);
 
 impl Random {
-    /// From a seed.
+    /// Returns the generator with this seed.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// Evenly spread in 0..1.
+    /// Returns a number uniformly distributed in 0..1.
     pub fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.0;
@@ -20,7 +20,7 @@ impl Random {
         (bits >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Evenly spread around 0, up to `most`.
+    /// Returns a number uniformly distributed in -`most`..`most`.
     pub fn symmetric(&mut self, most: f64) -> f64 {
         most * (2.0 * self.uniform() - 1.0)
     }

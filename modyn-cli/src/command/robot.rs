@@ -1,4 +1,4 @@
-//! The robot that a command is about: where its description is, and how it is to be read.
+//! The robot of a command: its description, and the options of reading.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use crate::command::diagnostics;
 use crate::command::options::ReadingOptions;
 use crate::command::outcome::{Failure, to_stderr};
 
-/// A description, and how to read it.
+/// A description, and the options of reading it.
 #[derive(Args)]
 pub struct Robot {
     /// The description (URDF or MJCF); `-` for standard input
@@ -22,18 +22,18 @@ pub struct Robot {
     pub options: ReadingOptions,
 }
 
-/// A description that was found.
+/// A description.
 pub struct Description {
-    /// What the user calls it.
+    /// The name, as the user wrote it.
     pub name: String,
-    /// What stands in it.
+    /// The text.
     pub text: String,
-    /// Where it is, unless it came through standard input.
+    /// The path; `None` for standard input.
     path: Option<PathBuf>,
 }
 
 impl Description {
-    /// Finds the description that the user means.
+    /// Reads the text of the description.
     pub fn open(path: &Path) -> Result<Self, Diagnostics> {
         let name = path.display().to_string();
         if path == Path::new("-") {
@@ -51,34 +51,35 @@ impl Description {
         Ok(Self { name, text, path: Some(path) })
     }
 
-    /// Reads it.
+    /// Reads the robot.
     pub fn read(&self, options: &ReadOptions) -> Result<Reading, Diagnostics> {
         read(&self.text, &self.name, options)
     }
 
-    /// Tells the user what is odd in it.
+    /// Prints the warnings.
     pub fn warn(&self, warnings: Diagnostics) {
         to_stderr(&diagnostics::render(warnings.as_slice(), Some(&self.text)));
     }
 
-    /// What went wrong with it, for the user.
+    /// Returns the failure of a description with these diagnostics.
     pub fn failure(&self, found: Diagnostics) -> Failure {
         Failure::Diagnostics(found, Some(self.text.clone()))
     }
 }
 
 impl Robot {
-    /// Finds the description.
+    /// Reads the text of the description.
     pub fn open(&self) -> Result<Description, Failure> {
         Description::open(&self.path).map_err(|found| Failure::Diagnostics(found, None))
     }
 
-    /// The compiler with these options, for this description.
+    /// Returns the builder with these options, for this description.
     pub fn builder(&self, description: &Description) -> Builder {
         let Description { name, text, path } = description;
         let builder = Builder::new();
-        // With its path, a kept file says what a build script's would.
+        // The path makes the comment of a generated file the same as that of a build script.
         let builder = match (path, Format::of(text, name)) {
+            #[cfg(feature = "mjcf")]
             (Some(path), Format::Mjcf) => builder.mjcf(path),
             (Some(path), _) => builder.urdf(path),
             (None, _) => builder.text(text, name),
@@ -88,7 +89,7 @@ impl Robot {
 }
 
 impl Robot {
-    /// The same, with the description called as the user calls it: compilers are given its full path.
+    /// Returns the diagnostics with the file's name as the user wrote it; the builder receives the full path.
     pub fn named(&self, found: Diagnostics) -> Diagnostics {
         let name = self.path.display().to_string();
         let mut found = found.into_vec();

@@ -1,4 +1,4 @@
-//! Whether joints can move: drives, ratios of mimics, and inertia that each joint feels.
+//! Checks whether joints can move: armatures, damping, ratios of mimic joints, and the inertia that each joint moves.
 
 use modyn_runtime::model::{Friction, JointDynamics, Model};
 
@@ -6,7 +6,7 @@ use super::{Body, inertia, singular};
 use crate::description::MAX_NUMBER;
 use crate::diagnostics::{Code, Place, Report, Subject};
 
-/// Reports a drive that one cannot compute with.
+/// Reports armature, damping or friction that is too large to compute with.
 pub fn check_dynamics(
     drive: &JointDynamics,
     at: Option<usize>,
@@ -14,7 +14,7 @@ pub fn check_dynamics(
     report: &mut Report<'_>,
 ) {
     if ![drive.armature, drive.damping, drive.friction].iter().all(|x| x.abs() < MAX_NUMBER) {
-        let message = "the figures of its drive are too large to compute with";
+        let message = "its armature, damping or friction is too large to compute with";
         let help = "write kg m^2 (or kg), N m s/rad (or N s/m) and N m (or N)";
         report.error(Code::NotFinite, at, Some(joint), message, help);
     }
@@ -37,13 +37,12 @@ pub fn inactive_friction(bodies: &[Body], chosen: Option<Friction>, report: &mut
         (false, _) => "its friction does not act",
         (true, true) => "its damping and friction do not act",
     };
-    let help = "set the option `friction` to `viscous`, `coulomb` or `smooth` if they are to act, to `none` if not";
+    let help = "set the option `friction` to `viscous`, `coulomb` or `smooth` if they are to act, else to `none`";
     report.warn_once(Code::InactiveFriction, &places, message, help);
 }
 
-/// Reports joints that feel no inertia, or that follow in a ratio that one cannot compute with, and warns of moving
-/// links without inertia. The bodies are those of the model's links; what depends on a body that is not known is not
-/// judged.
+/// Reports joints that move no inertia, and mimic joints whose ratio is too large to compute with; warns of moving links
+/// without inertia. The bodies are those of the model's links. Joints that depend on an unreadable body are not checked.
 pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
     for joint in too_large(model).filter_map(|i| bodies[i].joint.as_ref()) {
         let message = "its coordinate is too large a multiple of its leader's to compute with";
@@ -75,8 +74,8 @@ pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
     }
 }
 
-/// Which joints' motions depend on known figures alone: of the bodies that they carry, and of all
-/// that follow them.
+/// Returns the joints whose motion depends on readable numbers only: those of the bodies that they carry, and of all
+/// joints that follow them.
 fn is_determined(bodies: &[Body], model: &Model) -> Vec<bool> {
     let mut judged: Vec<bool> = bodies.iter().map(|body| body.known).collect();
     if judged.iter().all(|&known| known) {
@@ -94,8 +93,8 @@ fn is_determined(bodies: &[Body], model: &Model) -> Vec<bool> {
     judged
 }
 
-/// The links, as indices, whose joints follow in a ratio that one cannot compute with; along a chain
-/// of mimics ratios multiply.
+/// Returns the links, as indices, whose mimic joints have a ratio that is too large to compute with. The ratios of a chain
+/// of mimic joints are multiplied.
 fn too_large(model: &Model) -> impl Iterator<Item = usize> {
     let large = |i: &usize| {
         let mimic = model.mimic(*i);

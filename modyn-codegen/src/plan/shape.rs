@@ -1,72 +1,72 @@
-//! The layout of arguments and results: scalars in a row, and how they are grouped. No language has a part in it.
+//! The layout of arguments and results: a sequence of scalars and its grouping, independent of any language.
 
 /// A layout of scalars.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// One scalar.
     Scalar,
-    /// That many of the same, one after another.
+    /// A number of equal layouts, one after the other.
     Array(Box<Shape>, usize),
-    /// Named fields, one after another.
+    /// Named fields, one after the other.
     Record(Record, Vec<(&'static str, Shape)>),
 }
 
-/// A group of fields that has a name.
+/// A named group of fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Record {
-    /// A quantity of the spatial algebra, by its name.
+    /// A spatial quantity, by its name.
     Spatial(&'static str),
     /// The factors of the mass matrix.
     Factorization,
-    /// The results of a function that has several, or its settings, by name.
+    /// The results of a function with several results, or its settings, by name.
     Several(&'static str),
 }
 
 impl Shape {
-    /// `n` of these.
+    /// Returns the layout of `n` of these.
     #[must_use]
     pub fn array(self, n: usize) -> Self {
         Self::Array(Box::new(self), n)
     }
 
-    /// `n` scalars.
+    /// Returns the layout of `n` scalars.
     #[must_use]
     pub fn vector(n: usize) -> Self {
         Self::Scalar.array(n)
     }
 
-    /// A matrix by columns.
+    /// Returns the layout of a matrix by columns.
     #[must_use]
     pub fn matrix(columns: usize, rows: usize) -> Self {
         Self::vector(rows).array(columns)
     }
 
-    /// Three components.
+    /// Returns the layout of three components.
     #[must_use]
     pub fn vector3() -> Self {
         Self::Record(Record::Spatial("Vector3"), vec![("", Self::vector(3))])
     }
 
-    /// A rotation by rows, then a translation.
+    /// Returns the layout of a pose: a rotation by rows, then a translation.
     #[must_use]
     pub fn pose() -> Self {
         let fields = vec![("rotation", Self::matrix(3, 3)), ("translation", Self::vector(3))];
         Self::Record(Record::Spatial("Pose"), fields)
     }
 
-    /// Angular, then linear components.
+    /// Returns the layout of a twist: angular, then linear components.
     #[must_use]
     pub fn twist() -> Self {
         Self::pair_of_vectors("Twist", "angular", "linear")
     }
 
-    /// Angular, then linear components.
+    /// Returns the layout of a momentum: angular, then linear components.
     #[must_use]
     pub fn momentum() -> Self {
         Self::pair_of_vectors("Momentum", "angular", "linear")
     }
 
-    /// Moment, then force.
+    /// Returns the layout of a wrench: moment, then force.
     #[must_use]
     pub fn wrench() -> Self {
         Self::pair_of_vectors("Wrench", "moment", "force")
@@ -77,7 +77,7 @@ impl Shape {
         Self::Record(Record::Spatial(name), fields)
     }
 
-    /// The number of scalars.
+    /// Returns the number of scalars.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
@@ -87,13 +87,13 @@ impl Shape {
         }
     }
 
-    /// Whether there is no scalar.
+    /// Returns whether the layout has no scalar.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The order of the scalars in words.
+    /// Returns the order of the scalars in words.
     #[must_use]
     pub fn in_words(&self) -> String {
         match self {
@@ -111,24 +111,24 @@ impl Shape {
     }
 }
 
-/// The sizes of a robot, on which layouts depend.
+/// The sizes of a robot, which layouts depend on.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sizes {
-    /// Coordinates.
+    /// The number of coordinates.
     pub nq: usize,
-    /// Degrees of freedom.
+    /// The number of degrees of freedom.
     pub nv: usize,
-    /// Links of the description.
+    /// The number of links of the description.
     pub links: usize,
-    /// Links that move.
+    /// The number of moving links.
     pub moving: usize,
-    /// Closed loops.
+    /// The number of loop constraints.
     pub loops: usize,
-    /// Numbers of the mass matrix's factors.
+    /// The number of entries of the mass matrix's factors.
     pub factors: usize,
 }
 
-/// The layouts that the table of functions names.
+/// The layouts in the table of functions.
 #[rustfmt::skip]
 pub(super) mod shapes {
     use modyn_runtime::model::PARAMETERS_PER_LINK;

@@ -1,14 +1,14 @@
-//! The numbers of modyn's floating joint, taken apart.
+//! The components of modyn's floating joint.
 
 use crate::Scalar;
 use crate::spatial::{Quaternion, Vector3};
 
-/// The rotation of modyn's coordinates: from the link's axes to the joint's.
+/// Returns the rotation of modyn's coordinates: from the link's axes to the joint's axes.
 pub(super) fn joint_rotation<T: Scalar>(q: [T; 7]) -> Quaternion<T> {
     Quaternion::from_components(quaternion(q))
 }
 
-/// The quaternion of modyn's coordinates.
+/// Returns the quaternion of modyn's coordinates.
 pub(super) fn quaternion<T>([_, _, _, x, y, z, w]: [T; 7]) -> [T; 4] {
     [x, y, z, w]
 }

@@ -6,7 +6,7 @@ use crate::spatial::{
     ArticulatedInertia, Axis, AxisRotation, Field, RigidInertia, Twist, Vector3, Wrench,
 };
 
-/// The rotation at angle `q`.
+/// Returns the rotation at angle `q`.
 pub(super) fn turn<S: Scalar>(zero: JointOffset<S>, q: S) -> AxisRotation<S> {
     match zero {
         JointOffset::Quarters(n) => {

@@ -1,13 +1,13 @@
-//! Which vector instructions there are.
+//! The available vector instructions.
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 use core::sync::atomic::{AtomicU8, Ordering};
 
-/// The vector instructions that batches run on, and single states where numbers stand side by side.
+/// The vector instructions of batches, and of single states with packed limbs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum SimdLevel {
-    /// None: one state at a time.
+    /// No vectors: one state at a time.
     Single,
     /// x86-64's baseline: 2 `f64` or 4 `f32`.
     Sse2,
@@ -19,12 +19,12 @@ pub enum SimdLevel {
     Neon,
 }
 
-/// What was asked for in place of the best, plus one; 0 for nothing.
+/// The level that replaces the best one, plus 1; 0 for none.
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 static FORCED: AtomicU8 = AtomicU8::new(0);
 
-/// What batches run on: with `std` the best that the processor has, without it the best that the
-/// target is known to have.
+/// Returns the vector instructions that batches use. With `std` they are the best that the processor has; without
+/// `std`, the best that the target guarantees.
 #[inline]
 #[must_use]
 pub fn level() -> SimdLevel {
@@ -37,8 +37,8 @@ pub fn level() -> SimdLevel {
     best_level()
 }
 
-/// Runs batches on `level`, or again on the best if there is none; false where the processor lacks
-/// it, or where another is compiled in. For tests, and for benchmarks.
+/// Makes batches use `level`, or the best level for `None`. Returns false if the processor lacks the level, or if the
+/// program is compiled for another one. For tests and benchmarks.
 #[doc(hidden)]
 pub fn force_level(level: Option<SimdLevel>) -> bool {
     #[cfg(all(feature = "std", target_arch = "x86_64"))]
@@ -56,7 +56,7 @@ pub fn force_level(level: Option<SimdLevel>) -> bool {
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 const X86: [SimdLevel; 3] = [SimdLevel::Sse2, SimdLevel::Avx2, SimdLevel::Avx512];
 
-/// What every processor has that the program can run on.
+/// Returns the level that every processor has that can run the program.
 #[cfg(target_arch = "x86_64")]
 fn lowest_level() -> SimdLevel {
     if cfg!(all(target_feature = "avx512f", target_feature = "avx512vl")) {
@@ -81,7 +81,7 @@ fn best_level() -> SimdLevel {
 
 #[cfg(not(target_arch = "x86_64"))]
 fn best_level() -> SimdLevel {
-    // Soft-float targets for kernels lack it.
+    // Soft-float targets for kernels have no NEON.
     if cfg!(all(target_arch = "aarch64", target_feature = "neon")) {
         SimdLevel::Neon
     } else {

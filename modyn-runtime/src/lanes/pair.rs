@@ -1,11 +1,11 @@
-//! Two vectors as one with twice the lanes.
+//! Two vectors as one vector with twice the lanes.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::Scalar;
 use crate::scalar::simd::Pack;
 
-/// The first half of the lanes, and the second.
+/// The first and the second half of the lanes.
 #[derive(Clone, Copy)]
 pub struct Pair<V>(V, V);
 

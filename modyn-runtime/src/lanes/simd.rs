@@ -1,12 +1,12 @@
-//! Vectors of each instruction set for several numbers of one state.
+//! Vectors of each instruction set for several values of one state, such as those of equal limbs.
 //!
-//! Unsafe code: what these macros write stands in the instruction sets' files, and so under their proofs.
+//! Unsafe code: the macros expand in the files of the instruction sets, whose headers justify it.
 
 use super::Lanes;
 
-/// A vector's number alone.
+/// A vector type with one lane.
 pub trait SingleLane: Lanes {
-    /// It.
+    /// Returns the lane.
     fn number(self) -> Self::Lane;
 }
 
@@ -23,8 +23,8 @@ macro_rules! one {
 
 one!(f64 f32);
 
-/// The first lanes of vectors as numbers side by side, and what is in each lane: what is behind them
-/// repeats. Written out, since each loop is one for the compiler to unroll wherever limbs meet.
+/// Implements packs in the first lanes of vectors; the remaining lanes repeat them. The lanes are written out
+/// instead of looped over, since rustc would have to unroll a loop at each use.
 macro_rules! pack {
     ($($vector:ty: $lanes:literal of $one:ty, [$($unpacked:literal)*] in [$($lane:literal)*];)*) => {$(
         impl crate::scalar::simd::Pack<$one, $lanes> for $vector {
@@ -53,7 +53,7 @@ macro_rules! pack {
     )*};
 }
 
-/// The vectors of a set of instructions, with the function that works on it, compiled with
+/// Defines the vector types of an instruction set, and the function that runs work on them, compiled with
 /// `$features`.
 macro_rules! backend {
     ($(
@@ -61,7 +61,7 @@ macro_rules! backend {
         $one:ty, $two:ty, $four:ty, $eight:ty;
     )*) => {
         $(
-            /// The vectors of these instructions.
+            /// The vector types of these instructions.
             pub enum $set {}
 
             impl crate::scalar::simd::SimdBackend for $set {

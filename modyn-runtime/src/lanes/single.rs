@@ -1,6 +1,6 @@
-//! One lane: a number itself, where there are no vectors.
+//! One lane: the number itself, for processors without vectors.
 //!
-//! Unsafe code: `load` and `store` go through pointers, which is sound by what their callers promise.
+//! Unsafe code: `load` and `store` use pointers, which is sound by their callers' contract.
 #![allow(unsafe_code)]
 
 use super::{BatchTask, Chunk, Lanes};
@@ -23,13 +23,13 @@ macro_rules! single {
 
             #[inline(always)]
             unsafe fn load(from: *const Self) -> Self {
-                // SAFETY: the caller's promise.
+                // SAFETY: the caller's contract.
                 unsafe { *from }
             }
 
             #[inline(always)]
             unsafe fn store(self, to: *mut Self) {
-                // SAFETY: the caller's promise.
+                // SAFETY: the caller's contract.
                 unsafe { *to = self }
             }
         }

@@ -17,25 +17,25 @@ pub enum CoordinateSpace<S> {
         /// The upper limit, or the upper end of a default range.
         high: S,
     },
-    /// A unit quaternion x, y, z, w; its velocity is the angular one in the rotated axes.
+    /// A unit quaternion x, y, z, w. Its velocity is the angular velocity in the rotated axes.
     Rotation,
-    /// A position and a unit quaternion; the velocities are linear and angular, in the rotated axes.
+    /// A position and a unit quaternion. The velocities are linear, then angular, in the rotated axes.
     Pose,
 }
 
-/// A group of coordinates that form one number, rotation or pose.
+/// A group of coordinates that form a number, a rotation or a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coordinates<S> {
-    /// Their space.
+    /// The space of the group.
     pub space: CoordinateSpace<S>,
-    /// The index of the first in q.
+    /// The index in q of the group's first coordinate.
     pub q: usize,
-    /// The index of its first velocity in qd.
+    /// The index in qd of the group's first velocity.
     pub v: usize,
 }
 
 impl<S> Coordinates<S> {
-    /// Each number through `f`.
+    /// Returns the group with `f` applied to its numbers.
     pub fn map<T>(&self, f: impl Fn(&S) -> T) -> Coordinates<T> {
         let space = match &self.space {
             CoordinateSpace::Line { low, high } => {
@@ -48,7 +48,7 @@ impl<S> Coordinates<S> {
     }
 }
 
-/// The coordinates of `model` in their order; joints that mimic have none.
+/// Returns the coordinates of `model` in their order; mimic joints have none.
 pub(super) fn coordinates<S: Scalar>(model: &Model) -> Vec<Coordinates<S>> {
     let mut all = Vec::with_capacity(model.nv());
     for (i, link) in model.links().iter().enumerate() {
@@ -74,7 +74,7 @@ pub(super) fn coordinates<S: Scalar>(model: &Model) -> Vec<Coordinates<S>> {
     all
 }
 
-/// The numbers within `limits`; where one is missing, a range as wide as from -`reach` to `reach`.
+/// Returns the range of a coordinate within `limits`. Where a limit is missing, the range is 2 `reach` wide.
 fn line(limits: Option<&Limits>, reach: f64) -> CoordinateSpace<f64> {
     let finite = |limit: Option<f64>| limit.filter(|x| x.is_finite());
     let (lower, upper) = limits.map_or((None, None), |l| (finite(l.lower), finite(l.upper)));

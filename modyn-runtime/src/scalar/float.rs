@@ -122,7 +122,7 @@ impl Scalar for f32 {
 mod tests {
     use super::Scalar;
 
-    /// What every float must do, whatever its precision.
+    /// Checks the operations in any precision.
     fn computes<S: Scalar + PartialEq + core::fmt::Debug>() {
         let number = S::from_f64;
         assert_eq!(Scalar::sqrt(number(6.25)), number(2.5));

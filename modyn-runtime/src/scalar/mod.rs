@@ -1,4 +1,4 @@
-//! The numbers that the equations and the generated code run on.
+//! The scalars of the equations and of the generated code.
 
 #[cfg(feature = "num-dual")]
 mod dual;
@@ -14,6 +14,8 @@ mod real;
 #[cfg(test)]
 mod root;
 pub(crate) mod simd;
+#[cfg(feature = "std")]
+pub mod steps;
 pub(crate) mod trig;
 
 #[cfg(feature = "alloc")]
@@ -21,3 +23,4 @@ pub use lane_scalar::LaneScalar;
 pub use portable::Portable;
 pub use real::Scalar;
 pub(crate) use real::epsilon;
+pub use trig::{SIN_COS_F32, SIN_COS_F64, SinCosNumbers};

@@ -1,75 +1,75 @@
-//! Several numbers of one state side by side, such as the angles of equal limbs.
+//! Several values of one state in a pack, such as the angles of equal limbs.
 //!
-//! The compiler writes a function once over [`SimdBackend`]; a number that has vector instructions runs it
-//! on those ([`Scalar::run_simd`]), any other one computes the limbs one after the other.
+//! The compiler prints a function once over [`SimdBackend`]. Scalars with vector instructions run it on these
+//! ([`Scalar::run_simd`]); other scalars compute the limbs one after the other.
 
 use super::Scalar;
 
-/// A set of vector instructions: numbers alone, and two, four and eight abreast.
+/// The types of an instruction set: a single value, and packs of two, four and eight.
 pub trait SimdBackend: 'static {
-    /// What they are vectors of.
+    /// The scalar that is packed.
     type Number;
-    /// A number, to compute with.
+    /// A single value.
     type One: Scalar;
-    /// Two abreast.
+    /// A pack of two.
     type Two: Pack<Self::One, 2>;
-    /// Four abreast.
+    /// A pack of four.
     type Four: Pack<Self::One, 4>;
-    /// Eight abreast.
+    /// A pack of eight.
     type Eight: Pack<Self::One, 8>;
 
-    /// A number as one.
+    /// Returns a scalar as a single value.
     fn one(number: Self::Number) -> Self::One;
 
-    /// And back.
+    /// Returns a single value as a scalar.
     fn number(one: Self::One) -> Self::Number;
 
-    /// Does part of the work in a function of its own, compiled for the same instructions: what is too
-    /// long for one takes the compiler more than linear time.
+    /// Runs part of the work in a function of its own, compiled for the same instructions. rustc takes more than
+    /// linear time for long functions.
     fn outlined<P: Chunk>(part: P) -> P::Output;
 }
 
-/// Numbers side by side.
+/// A pack of values.
 pub trait Pack<One, const LANES: usize>: Scalar {
-    /// The same number in all lanes.
+    /// Returns the pack with `number` in all lanes.
     #[must_use]
     fn broadcast(number: One) -> Self;
 
-    /// These.
+    /// Returns the pack of these values.
     #[must_use]
     fn pack(numbers: [One; LANES]) -> Self;
 
-    /// These constants.
+    /// Returns the pack of these constants.
     #[must_use]
     fn constants(numbers: [f64; LANES]) -> Self;
 
-    /// Each of them.
+    /// Returns the lanes.
     #[must_use]
     fn unpack(self) -> [One; LANES];
 }
 
-/// What can be done with numbers abreast, such as those of equal limbs, or one after the other. `vectorized` must be
-/// `#[inline(always)]`, and all that it calls.
+/// Work on packed values, such as those of equal limbs, or on scalars. `vectorized` and everything that it calls must be
+/// `#[inline(always)]`.
 pub trait SimdTask<F> {
-    /// What it comes to.
+    /// The type of the result.
     type Output;
 
-    /// Whether some numbers stand side by side; else all are alone, and vectors just have them fuse
-    /// products into sums.
+    /// Whether some values are packed. Otherwise all are single, and vector types are used for their fused
+    /// multiply-add only.
     const HAS_PACKS: bool;
 
-    /// Does it on vectors.
+    /// Does the work on vectors.
     fn vectorized<V: SimdBackend<Number = F>>(self) -> Self::Output;
 
-    /// Does it number by number.
+    /// Does the work on scalars.
     fn scalar(self) -> Self::Output;
 }
 
-/// A part of the work on vectors. Its `run` must be `#[inline(always)]`, and all that it calls.
+/// Part of the work on vectors. `run` and everything that it calls must be `#[inline(always)]`.
 pub trait Chunk {
-    /// What it comes to.
+    /// The type of the result.
     type Output;
 
-    /// Does it.
+    /// Does the work.
     fn run(self) -> Self::Output;
 }

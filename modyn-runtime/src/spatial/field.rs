@@ -1,17 +1,17 @@
-//! The motion of a rigid body, as the accelerations of its points.
+//! The acceleration field of a rigid body.
 
 use super::{Matrix3, RigidInertia, Vector3, Wrench};
 use crate::Scalar;
 
-/// Angular velocity and acceleration of a body, and the acceleration of its point at r: a + E r
-/// with E = alpha x + omega x omega x. All are classical, in the body's axes, about its origin.
+/// The angular velocity and acceleration of a body, and the acceleration of its points: a + E r at r, with
+/// E = alpha x + omega x omega x. All are classical, in the body's axes, about its origin.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<S> {
-    /// Angular velocity.
+    /// The angular velocity, rad/s.
     pub omega: Vector3<S>,
-    /// Angular acceleration.
+    /// The angular acceleration, rad/s^2.
     pub alpha: Vector3<S>,
-    /// The acceleration of the origin.
+    /// The classical acceleration of the origin, m/s^2.
     pub a: Vector3<S>,
     /// E.
     pub(crate) gradient: Matrix3<S>,
@@ -20,14 +20,14 @@ pub struct Field<S> {
 }
 
 impl<S: Scalar> Field<S> {
-    /// At rest.
+    /// Returns the field of a body at rest.
     #[must_use]
     pub fn zero() -> Self {
         let zero = Vector3::zero();
         Self { omega: zero, alpha: zero, a: zero, gradient: Matrix3::zero(), differences: zero }
     }
 
-    /// The motion about an origin that is not accelerated.
+    /// Returns the field of a rotation about an origin that is not accelerated.
     #[must_use]
     pub fn rotating(omega: Vector3<S>, alpha: Vector3<S>) -> Self {
         let [x, y, z] = omega.0;
@@ -45,20 +45,20 @@ impl<S: Scalar> Field<S> {
         }
     }
 
-    /// The acceleration that the point at `r` has over the origin's: E r.
+    /// Returns the acceleration of the point at `r` relative to the origin's: E r.
     #[must_use]
     pub fn relative_acceleration(&self, r: Vector3<S>) -> Vector3<S> {
         self.gradient.mul_vector(r)
     }
 
-    /// The same for the point at `z` on the z axis.
+    /// Returns the acceleration of the point at `z` on the z axis relative to the origin's.
     #[must_use]
     pub fn relative_acceleration_along_z(&self, z: S) -> Vector3<S> {
         self.gradient.column(2).scale(z)
     }
 
-    /// The wrench that gives a rigid body this motion:
-    /// F = m a + E c and N = c x a + the axial vector of E S - (E S)^T.
+    /// Returns the wrench that gives a rigid body this motion: F = m a + E c, and N = c x a plus the axial vector
+    /// of E S - (E S)^T.
     #[must_use]
     pub fn wrench(&self, body: &RigidInertia<S>) -> Wrench<S> {
         let e = &self.gradient.0;

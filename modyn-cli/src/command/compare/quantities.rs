@@ -1,11 +1,11 @@
-//! The functions that are compared: how generated code calls each, and how the interpreter does.
+//! The functions that are compared: the call of the generated code, and that of the interpreter.
 
 use modyn_codegen::Function;
 use modyn_runtime::equations::derivatives::ForwardDerivatives;
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Interpreter, ShapeError};
 
-/// What functions are given.
+/// The arguments of functions.
 pub struct State {
     pub q: Vec<f64>,
     pub qd: Vec<f64>,
@@ -13,14 +13,14 @@ pub struct State {
     pub u: Vec<f64>,
 }
 
-/// A function.
+/// A function that is compared.
 pub struct Quantity {
     pub function: Function,
     /// Whether it divides by the mass matrix.
     pub solves: bool,
     /// The call in Rust, of the type `Robot` at the state `s`.
     pub call: &'static str,
-    /// The same by the interpreter, number by number.
+    /// The call of the interpreter, which appends the numbers of the result.
     pub interpret: Interpret,
 }
 
@@ -35,14 +35,14 @@ const fn quantity(
     Quantity { function, solves, call, interpret }
 }
 
-/// `count` more numbers.
+/// Appends `count` numbers, and returns them.
 fn extend_by(out: &mut Vec<f64>, count: usize) -> &mut [f64] {
     let start = out.len();
     out.resize(start + count, 0.0);
     &mut out[start..]
 }
 
-/// All of them.
+/// All functions that can be compared.
 pub const QUANTITIES: &[Quantity] = &[
     quantity(
         Function::ForwardDynamics,

@@ -1,4 +1,4 @@
-//! For programs.
+//! The output of `modyn inspect --json`.
 
 use modyn_codegen::CARRIED_BY_F32;
 use modyn_runtime::OperationCount;
@@ -9,7 +9,7 @@ use super::text::active_friction;
 use super::{Cost, Inspection, advice};
 use crate::command::diagnostics;
 
-/// All of it, in SI units.
+/// Returns the inspection as JSON, in SI units.
 pub fn of(inspection: &Inspection) -> String {
     let Inspection { model, modules, warnings, advice, condition, costs } = inspection;
     let modules: Vec<Value> = modules
@@ -51,8 +51,8 @@ pub fn of(inspection: &Inspection) -> String {
         "modules": modules,
         "condition_number": condition.filter(|number| number.is_finite()),
         "f32_will_do": condition.map(|number| number <= CARRIED_BY_F32),
-        "functions": costs.as_ref().ok().map(|costs| costs.iter().map(cost).collect::<Vec<_>>()),
-        "not_compiled": costs.as_ref().err().map(|why| diagnostics::to_json(why.as_slice())),
+        "functions": costs.as_ref().and_then(|costs| costs.as_ref().ok()).map(|costs| costs.iter().map(cost).collect::<Vec<_>>()),
+        "not_compiled": costs.as_ref().and_then(|costs| costs.as_ref().err()).map(|why| diagnostics::to_json(why.as_slice())),
         "diagnostics": diagnostics::to_json(warnings),
         "advice": advice,
     });

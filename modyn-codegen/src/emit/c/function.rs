@@ -1,5 +1,5 @@
-//! A program as C functions: a statement a line. Chunks become `static` functions (`name_chunk0` and so on) that write
-//! the values that others read into an array.
+//! Prints a program as C functions, one statement a line. Chunks become `static` functions (`name_chunk0` and so on) that
+//! write the values that later chunks read into an array.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -9,7 +9,7 @@ use super::{Array, FloatType, Printer, literal};
 use crate::program::{Addend, Chunk, MultiplyAdd, Operand, Operation, Program, Source, Value};
 
 impl Printer {
-    /// A function of one program: its routines, its chunks, and itself.
+    /// Prints the function of one program: its routines, its chunks, and the function itself.
     pub(super) fn function(
         &mut self,
         linkage: &str,
@@ -101,12 +101,12 @@ struct Body<'a> {
     name: &'a str,
     given: &'a [Array],
     program: &'a Program,
-    /// The first statement of the chunk.
+    /// The index of the chunk's first statement.
     first: usize,
 }
 
 impl Body<'_> {
-    /// A statement; the names of the arrays that it reads go to `read`.
+    /// Prints a statement; the names of the arrays that it reads are added to `read`.
     fn statement(&self, text: &mut String, s: usize, read: &mut BTreeSet<String>) {
         let (real, double) = (self.printer.real(), self.printer.float == FloatType::F64);
         let operation = &self.program.statements[s].operation;
@@ -208,7 +208,7 @@ impl Body<'_> {
         if operand.negated { format!("(-{text})") } else { text }
     }
 
-    /// A value: a local variable, or an entry of an earlier chunk's array.
+    /// Returns the text of a value: a local variable, or an entry of an earlier chunk's array.
     fn value(&self, value: Value) -> String {
         if value.statement >= self.first {
             return self.local(value.statement, value.place);

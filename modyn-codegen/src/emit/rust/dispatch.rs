@@ -1,4 +1,4 @@
-//! Functions that are printed twice, on scalars and on vectors; the scalar chooses.
+//! Functions that are printed twice, on scalars and on vectors; the scalar type chooses.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use crate::names::helper_type;
 use crate::program::Program;
 
 impl Robot<'_> {
-    /// A private function that leaves the choice to its scalar: the program on `vectors`, or the program on `scalars`.
+    /// Prints a private function that lets its scalar type choose between the program on `vectors` and that on `scalars`.
     pub(super) fn dispatched(
         &self,
         text: &mut String,
@@ -55,7 +55,7 @@ impl Robot<'_> {
     }
 }
 
-/// A parameter as numbers to compute with.
+/// Returns a parameter converted to vector lanes of one.
 fn ones(parameter: &Parameter) -> String {
     let shape = &parameter.shape;
     let one = |i| format!("V::one({})", parameter.entry(i));

@@ -1,44 +1,44 @@
-//! The part of the runtime that a self-contained file carries with it.
+//! The parts of the runtime that a self-contained file carries.
 
 use std::fmt::Write as _;
 
 use modyn_runtime::sources::{SOURCES, Source};
 
-/// What it is called in the file.
+/// The name of the module in the file.
 pub(super) const MODULE: &str = "runtime";
 
-/// Stands for `scalar/native` of the runtime, which has `libm` and features.
+/// The replacement of `scalar/native` of the runtime, which uses `libm` and features.
 const NATIVE: &str = "\
-//! What only some processors have instructions for.
+//! Operations with instructions on some processors only.
 
 pub(super) use super::root::{sqrt_f32, sqrt_f64};
 
-/// a * b + c, rounded twice: the same on every processor.
+/// Returns a * b + c, rounded twice: the same on every processor.
 #[inline]
 pub(super) fn mul_add_f64(a: f64, b: f64, c: f64) -> f64 {
     a * b + c
 }
 
-/// a * b + c, rounded twice: the same on every processor.
+/// Returns a * b + c, rounded twice: the same on every processor.
 #[inline]
 pub(super) fn mul_add_f32(a: f32, b: f32, c: f32) -> f32 {
     a * b + c
 }
 
-/// Equal limbs, one after the other.
+/// Runs work on packed limbs one limb after the other.
 #[inline]
 pub(super) fn run_simd_f64<W: super::simd::SimdTask<f64>>(work: W) -> W::Output {
     work.scalar()
 }
 
-/// Equal limbs, one after the other.
+/// Runs work on packed limbs one limb after the other.
 #[inline]
 pub(super) fn run_simd_f32<W: super::simd::SimdTask<f32>>(work: W) -> W::Output {
     work.scalar()
 }
 ";
 
-/// The items' text with `core` found through the module: in edition 2015 `::core` is no path to it.
+/// Returns the items with `core` found through the module, since `::core` is no path to it in edition 2015.
 pub(super) fn in_any_edition(items: &str) -> String {
     let core = format!("self::{MODULE}::__core::");
     let lines = items.lines().map(|line| match line.trim_start().starts_with("//") {
@@ -48,7 +48,7 @@ pub(super) fn in_any_edition(items: &str) -> String {
     lines.flat_map(|line| [line, "\n".into()]).collect()
 }
 
-/// A line of Rust with what is no string changed. Strings must end in the line they begin in.
+/// Returns a line of Rust with `change` applied outside of strings. Strings must end on the line they start on.
 fn map_outside_strings(line: &str, change: impl Fn(&str) -> String) -> String {
     let (mut changed, mut rest) = (String::with_capacity(line.len()), line);
     while let Some(start) = rest.find('"') {
@@ -66,10 +66,10 @@ fn map_outside_strings(line: &str, change: impl Fn(&str) -> String) -> String {
     changed + &change(rest)
 }
 
-/// The module: what `items` mention of the runtime, and what that needs.
+/// Returns the module with the parts of the runtime that `items` use, and their dependencies.
 pub(super) fn module(items: &str) -> String {
     let mut text = format!(
-        "\n/// The part of modyn's runtime that stands behind the text above, on `core` alone.\n\
+        "\n/// The part of modyn's runtime that the text above uses; it needs `core` only.\n\
          #[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, unused_extern_crates)]\n\
          pub mod {MODULE} {{\n    #[doc(hidden)]\n    pub extern crate core as __core;\n\n"
     );
@@ -116,7 +116,7 @@ fn write_folder(text: &mut String, folder: &str, files: &[&str], exported: &str)
     let _ = writeln!(text, "    {exported}\n    }}\n");
 }
 
-/// One file of the runtime as a module.
+/// Prints one file of the runtime as a module.
 fn write_module(text: &mut String, path: &[&str]) {
     let source = match path {
         ["scalar", "native"] => NATIVE,
@@ -125,7 +125,7 @@ fn write_module(text: &mut String, path: &[&str]) {
             .find(|Source { path: at, .. }| *at == path.join("/"))
             .map_or("", |s| s.text),
     };
-    // What tests and documents it does not stand alone, nor does what features add.
+    // Tests, examples and items for features are left out.
     let source = source.split("\n#[cfg(test)]\n").next().unwrap_or_default();
     let root = vec!["super"; path.len()].join("::");
     let (indent, inner) = ("    ".repeat(path.len()), "    ".repeat(path.len() + 1));

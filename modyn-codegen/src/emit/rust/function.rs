@@ -1,7 +1,7 @@
-//! A program as the text of straight-line Rust functions.
+//! Prints a program as straight-line Rust functions.
 //!
-//! Scopes become blocks, `let (live, ...) = { ... };`, and chunks functions (`name_chunk0` and so on) that return the
-//! values that others read; the last chunk has the function's own name.
+//! Scopes become blocks, `let (live, ...) = { ... };`. Chunks become functions (`name_chunk0` and so on) that return the
+//! values that later chunks read. The last chunk has the function's own name.
 
 use std::cell::{Cell, OnceCell};
 use std::collections::BTreeMap;
@@ -13,12 +13,12 @@ use crate::program::{
     Addend, Call, Chunk, MultiplyAdd, Operand, Operation, Program, Routine, Source, Target, Value,
 };
 
-/// A parameter, given by reference.
+/// A parameter, passed by reference.
 #[derive(Clone, Debug)]
 pub(super) struct Parameter {
     pub name: &'static str,
     pub shape: Shape,
-    /// The type of its numbers, if they are constants.
+    /// The type of the numbers of a table of constants; `None` for other parameters.
     constants: Option<&'static str>,
 }
 
@@ -27,36 +27,37 @@ impl Parameter {
         Self { name, shape, constants: None }
     }
 
-    /// One of constants, in the type's own scalar.
+    /// Returns a parameter of constants, in the type's own scalar.
     pub(super) fn constants(name: &'static str, shape: Shape, float: &'static str) -> Self {
         Self { name, shape, constants: Some(float) }
     }
 
-    /// The name of entry `i` in the function. No temporary is called so: their names are letters and digits at first
-    /// (`x1`, `s1_0`), those of parameters letters alone (but `k`, a function of constants).
+    /// Returns the name of entry `i` in the function. It differs from all temporaries: names of temporaries start with
+    /// letters and a digit (`x1`, `s1_0`), names of parameters have letters only (and are not `k`, a function of
+    /// constants).
     pub(super) fn entry(&self, i: usize) -> String {
         debug_assert!(self.name != "k" && !self.name.contains(|c: char| c.is_ascii_digit()));
         format!("{}_{i}", self.name)
     }
 
-    /// With its type over scalar `t`.
+    /// Returns the parameter with its type over scalar `t`.
     pub(super) fn typed(&self, t: &str) -> String {
         format!("{}: &{}", self.name, self.shape.type_of(self.constants.unwrap_or(t)))
     }
 }
 
-/// A type of vectors `V` for so many lanes.
+/// A vector type of `V` with this number of lanes.
 struct VectorType {
     lanes: u8,
-    /// As a parameter of functions: those are faster to compile with than projections.
+    /// The name as a type parameter of functions, which compiles faster than a projection.
     name: &'static str,
-    /// The associated type of `V`.
+    /// The name of the associated type of `V`.
     of: &'static str,
-    /// The trait that it implements.
+    /// The trait that the type implements.
     bound: &'static str,
 }
 
-/// The types of `V`.
+/// The vector types of `V`.
 const VECTORS: [VectorType; 4] = [
     VectorType { lanes: 1, name: "A", of: "One", bound: "Scalar" },
     VectorType { lanes: 2, name: "B", of: "Two", bound: "batch::Pack<A, 2>" },
@@ -64,18 +65,18 @@ const VECTORS: [VectorType; 4] = [
     VectorType { lanes: 8, name: "D", of: "Eight", bound: "batch::Pack<A, 8>" },
 ];
 
-/// The number of vector types that a function for [`Target::Simd`] has before `V` among its parameters.
+/// Returns the number of vector types among the type parameters of a function for [`Target::Simd`], before `V`.
 pub(super) fn vector_types(program: &Program) -> usize {
     program.widths().len()
 }
 
-/// The text of a private function `name` that computes `program`.
+/// Returns the text of a private function `name` that computes `program`.
 ///
 /// - [`Target::Scalar`]: generic over `T: Scalar`.
-/// - [`Target::Batch`]: over `T: Lanes`, always inlined into the code that is compiled for their instructions, with
-///   chunks that the lanes outline. It returns nothing, but stores each of the `result`'s numbers into `outputs` at
-///   once: handed on through the chunks, a matrix would be copied several times.
-/// - [`Target::Simd`]: over vectors `V`, inlined alike.
+/// - [`Target::Batch`]: over `T: Lanes`. The function is always inlined into code that is compiled for the vector
+///   instructions; chunks are outlined by the lanes. It returns nothing, and stores each entry of the `result` into
+///   `outputs` as soon as it is computed: returned through the chunks, a matrix would be copied several times.
+/// - [`Target::Simd`]: over vectors `V`, inlined in the same way.
 pub(super) fn function(
     name: &str,
     parameters: &[Parameter],
@@ -96,7 +97,7 @@ struct Printer<'a> {
     float: FloatType,
     /// The first statement of the chunk that is being printed.
     part: Cell<usize>,
-    /// Where values are found that an earlier chunk has computed.
+    /// The texts of the values that earlier chunks compute.
     places: OnceCell<BTreeMap<Value, String>>,
 }
 
@@ -118,7 +119,7 @@ impl Printer<'_> {
         text
     }
 
-    /// The last chunk, which has the function's name, calls the others, and has the result.
+    /// Prints the last chunk, which has the function's name, calls the other chunks, and returns the result.
     fn entry_chunk(&self, text: &mut String, chunk: &Chunk, others: &[Chunk]) {
         let target = self.program.target;
         let (bounds, returned) = match target {
@@ -151,7 +152,7 @@ impl Printer<'_> {
         let _ = writeln!(text, "    {value}\n}}\n");
     }
 
-    /// Another chunk, which returns the values that others read.
+    /// Prints another chunk, which returns the values that later chunks read.
     fn chunk(&self, text: &mut String, k: usize, chunk: &Chunk) {
         let name = format!("{}_chunk{k}", self.name);
         let handed = chunk.live_in.iter().map(|&part| {
@@ -174,7 +175,7 @@ impl Printer<'_> {
         let _ = writeln!(text, "    {}\n{end}\n", self.list(&chunk.live_out));
     }
 
-    /// Where the text of a chunk begins that lanes outline: a type that holds the arguments, and its function.
+    /// Returns the start of a chunk that lanes outline: a type that holds the arguments, and its function.
     fn outlined_head(&self, name: &str, inputs: &[String], returned: &str) -> String {
         let in_field = |input: &String| input.replace('&', "&'a ").replace("'_", "'a");
         let mut fields: Vec<String> = inputs.iter().map(in_field).collect();
@@ -195,7 +196,7 @@ impl Printer<'_> {
         )
     }
 
-    /// The parameters with their types.
+    /// Returns the parameters with their types.
     fn inputs(&self) -> Vec<String> {
         let scalar = self.kind(1);
         let mut inputs: Vec<String> = self.parameters.iter().map(|p| p.typed(scalar)).collect();
@@ -206,7 +207,7 @@ impl Printer<'_> {
         inputs
     }
 
-    /// The beginning of a function's body: how constants are made, and the names of the arguments.
+    /// Prints the start of a function's body: the functions of constants, and the names of the arguments.
     fn prelude(&self, text: &mut String) {
         for VectorType { lanes, name, .. } in self.vectors() {
             let (lanes, kind) = match (self.program.target, *lanes) {
@@ -221,7 +222,7 @@ impl Printer<'_> {
         }
     }
 
-    /// The calls of the earlier chunks, in the last one.
+    /// Prints the calls of the earlier chunks, in the last chunk.
     fn call_parts(&self, text: &mut String, parts: &[Chunk]) {
         for (k, chunk) in parts.iter().enumerate() {
             let mut arguments: Vec<String> =
@@ -250,7 +251,7 @@ impl Printer<'_> {
         }
     }
 
-    /// The statements of a chunk, in blocks if there are several scopes.
+    /// Prints the statements of a chunk, in blocks if there are several scopes.
     fn scopes(&self, text: &mut String, chunk: &Chunk) {
         let statements = |text: &mut String, scope: &crate::program::Scope, indent: &str| {
             for s in scope.statements.clone() {
@@ -270,7 +271,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Stores results.
+    /// Returns the statements that store results.
     fn stores(&self, results: &[usize]) -> String {
         let stored = |&i: &usize| {
             format!("outputs.set::<{i}>({});\n", self.operand(&self.program.results[i]))
@@ -280,7 +281,7 @@ impl Printer<'_> {
 
     fn statement(&self, text: &mut String, s: usize, indent: &str) {
         let statement = &self.program.statements[s];
-        // Where several results are bound, `_` stands for those that nothing reads.
+        // Where several results are bound, `_` replaces those that are not read.
         let names: Vec<String> = statement
             .used
             .iter()
@@ -309,7 +310,7 @@ impl Printer<'_> {
         let _ = writeln!(text, "{indent}let {pattern} = {value};");
     }
 
-    /// The text of an operation on so many lanes.
+    /// Returns the text of an operation on this number of lanes.
     fn operation(&self, operation: &Operation, lanes: u8) -> String {
         let (t, kind) = (|operand| self.operand(operand), self.kind(lanes));
         let call = |function: &str, operands: &[Operand]| {
@@ -361,7 +362,7 @@ impl Printer<'_> {
         }
     }
 
-    /// A routine's function, and its tables of constants.
+    /// Prints a routine's function and its tables of constants.
     fn routine(&self, text: &mut String, number: usize, routine: &Routine) {
         let (name, float) = (self.routine_name(number), self.float.name());
         let constants = routine.tables[0].len();
@@ -390,12 +391,12 @@ impl Printer<'_> {
         format!("{}_routine{number}", self.name)
     }
 
-    /// The texts of operands in a row.
+    /// Returns the texts of operands, separated by commas.
     fn all(&self, operands: &[Operand]) -> String {
         operands.iter().map(|operand| self.operand(operand)).collect::<Vec<_>>().join(", ")
     }
 
-    /// The text of an operand.
+    /// Returns the text of an operand.
     fn operand(&self, operand: &Operand) -> String {
         let text = match operand.source {
             Source::Constant(value) => constant(value, operand.lanes),
@@ -414,7 +415,7 @@ impl Printer<'_> {
         }
     }
 
-    /// The text of a scalar argument.
+    /// Returns the text of a scalar argument.
     fn argument(&self, number: usize) -> String {
         let mut rest = number;
         for parameter in self.parameters {
@@ -428,7 +429,7 @@ impl Printer<'_> {
         unreachable!("a program's arguments are the function's parameters")
     }
 
-    /// The name of a value.
+    /// Returns the name of a value.
     fn name(&self, Value { statement: s, place }: Value) -> String {
         match &self.program.statements[s].operation {
             Operation::SinCos(angles) => {
@@ -443,7 +444,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Where values are found that an earlier chunk has computed.
+    /// Returns the texts of the values that earlier chunks compute.
     fn places(&self) -> &BTreeMap<Value, String> {
         self.places.get_or_init(|| {
             let mut places = BTreeMap::new();
@@ -462,7 +463,7 @@ impl Printer<'_> {
         })
     }
 
-    /// Values by their lanes, as in [`VECTORS`].
+    /// Returns values grouped by their lanes, as in [`VECTORS`].
     fn by_width(&self, values: &[Value]) -> [Vec<Value>; VECTORS.len()] {
         VECTORS.each_ref().map(|kind| {
             let of_kind =
@@ -471,7 +472,7 @@ impl Printer<'_> {
         })
     }
 
-    /// Values that a chunk hands on, as an expression.
+    /// Returns the values that a chunk returns, as an expression.
     fn list(&self, values: &[Value]) -> String {
         let lists = self.by_width(values).map(|values| {
             let names: Vec<String> = values.iter().map(|&value| self.name(value)).collect();
@@ -483,21 +484,21 @@ impl Printer<'_> {
         }
     }
 
-    /// Their type.
+    /// Returns the type of the values that a chunk returns.
     fn types(&self, values: &[Value]) -> String {
         if self.program.target != Target::Simd {
             return format!("[T; {}]", values.len());
         }
         let groups = self.by_width(values);
         let types = VECTORS.iter().zip(&groups).map(|(kind, values)| {
-            // No values are of a type that is not mentioned.
+            // An empty array has no values of a type that the function does not mention.
             let kind = if values.is_empty() { "A" } else { kind.name };
             format!("[{kind}; {}]", values.len())
         });
         format!("({})", types.collect::<Vec<_>>().join(", "))
     }
 
-    /// The type of so many lanes.
+    /// Returns the type for this number of lanes.
     fn kind(&self, lanes: u8) -> &'static str {
         let vector = VECTORS.iter().find(|kind| kind.lanes == lanes);
         match (self.program.target, vector) {
@@ -506,61 +507,61 @@ impl Printer<'_> {
         }
     }
 
-    /// The types of `V` that are mentioned: scalars, and vectors.
+    /// Returns the vector types that the function mentions, scalars included.
     fn vectors(&self) -> impl Iterator<Item = &'static VectorType> {
         let widths = self.program.widths();
         VECTORS.iter().filter(move |kind| widths.contains(&kind.lanes))
     }
 
-    /// Their parameters, with bounds.
+    /// Returns the type parameters of these types, with bounds.
     fn vector_bounds(&self) -> String {
         let bounded = self.vectors().map(|kind| format!("{}: __modyn::{}", kind.name, kind.bound));
         bounded.collect::<Vec<_>>().join(", ")
     }
 
-    /// Their names.
+    /// Returns the names of these types.
     fn vector_names(&self) -> String {
         self.vectors().map(|kind| kind.name).collect::<Vec<_>>().join(", ")
     }
 }
 
-/// The name of the constants of one repetition.
+/// Returns the name of the constants of one repetition.
 fn table_name(routine: &str, repetition: usize) -> String {
     format!("{}_TABLE_{repetition}", routine.to_uppercase())
 }
 
-/// Where the text of a function begins.
+/// Returns the start of a function's text.
 fn head(name: &str, bound: &str, inputs: &[String], returned: &str) -> String {
     format!("fn {name}<{bound}>({}) -> {returned} {{\n", inputs.join(", "))
 }
 
-/// A constant as an expression, the same in so many lanes.
+/// Returns a constant as an expression, the same in all lanes.
 fn constant(value: f64, lanes: u8) -> String {
     let k = if lanes == 1 { "k".to_string() } else { format!("k{lanes}") };
     format!("{k}({})", number(value))
 }
 
-/// A constant in double precision.
+/// Returns a constant in double precision.
 fn number(value: f64) -> String {
-    // Numbers of descriptions are below 1e60 (`urdf::build::MAX_NUMBER`), but folding multiplies them, along a chain
-    // without end: what overflows is written as the infinity that it would be at run time.
+    // Numbers of descriptions are below 1e60 (`read/xml/numbers.rs`), but folding multiplies them along a chain of any
+    // length. An overflow is printed as the infinity that it would be at run time.
     literal(value, FloatType::F64)
 }
 
-/// A constant as a literal of its type.
+/// Returns a constant as a literal of its type.
 #[allow(clippy::cast_possible_truncation)]
 pub(super) fn literal(value: f64, float: FloatType) -> String {
     let single = value as f32;
     match float {
         FloatType::F64 if value.is_finite() => format!("{value:?}"),
         FloatType::F64 => format!("f64::from_bits({})", value.to_bits()),
-        // A literal that is beyond the type would not compile.
+        // A literal that exceeds the type's range would not compile.
         FloatType::F32 if single.is_finite() => format!("{single:?}"),
         FloatType::F32 => format!("f32::from_bits({})", single.to_bits()),
     }
 }
 
-/// Names for a parameter's entries.
+/// Returns the statement that names a parameter's entries.
 pub(super) fn unpacked(parameter: &Parameter) -> String {
     let Parameter { name, shape, .. } = parameter;
     let names: Vec<String> = (0..shape.len()).map(|i| parameter.entry(i)).collect();

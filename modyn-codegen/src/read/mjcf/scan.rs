@@ -1,4 +1,4 @@
-//! What changes the dynamics but is not read, with its place; and what must not reach a reader that recurses.
+//! Rejects elements and attributes that change the dynamics but are not read, and trees that are too deep.
 
 use std::collections::BTreeSet;
 
@@ -6,10 +6,10 @@ use roxmltree::{Attribute, Node};
 
 use crate::diagnostics::{Code, Report};
 
-/// Deeper trees would be read on a call stack that is too small for them.
+/// The largest nesting depth: deeper trees could overflow the call stack of a recursive reader.
 const MAX_DEPTH: usize = 100;
 
-/// What children of an element can be.
+/// The context of an element, which determines its possible children.
 #[derive(Clone, Copy, PartialEq)]
 enum ElementKind {
     Root,
@@ -23,14 +23,14 @@ enum ElementKind {
     Equality,
     Tendon,
     Actuator,
-    /// Nothing in it matters, unless it brings in other files.
+    /// An element whose content has no effect on the dynamics, unless it includes other files.
     Ignored,
 }
 
-/// What a tendon exerts forces by, or could by its class.
+/// Attributes by which a tendon exerts forces, or may do so through its class.
 const FORCE_ATTRIBUTES: [&str; 5] = ["stiffness", "damping", "frictionloss", "armature", "class"];
 
-/// Reports it.
+/// Reports all such elements and attributes under `root`.
 pub fn scan(root: Node, report: &mut Report<'_>) {
     let classes: BTreeSet<&str> = root
         .descendants()
@@ -42,7 +42,7 @@ pub fn scan(root: Node, report: &mut Report<'_>) {
     while let Some((node, place, depth)) = open.pop() {
         if depth > MAX_DEPTH {
             let message = format!("elements are nested more than {MAX_DEPTH} deep");
-            let help = "write the tree less deep: many links in a row are for URDF";
+            let help = "make the tree less deep, or use URDF for long chains";
             report.error(Code::NotRead, node.range().start, None, message, help);
             return;
         }
@@ -61,13 +61,13 @@ pub fn scan(root: Node, report: &mut Report<'_>) {
     }
 }
 
-/// What may stand in a child, or what to do about it.
+/// Returns the context of a child, or the advice to its author.
 fn kind_of_child(place: ElementKind, child: Node) -> Result<ElementKind, &'static str> {
     let inactive = child.attribute("active") == Some("false");
     match (place, child.tag_name().name()) {
-        (_, "include" | "attach") | (ElementKind::Ignored, "model") => {
-            Err("no other file is read: write it out, by `mj_saveLastXML` for example")
-        }
+        (_, "include" | "attach") | (ElementKind::Ignored, "model") => Err(
+            "no other file is read: copy its contents into this file; `mj_saveLastXML` writes such a file",
+        ),
         (ElementKind::Root, "compiler") => Ok(ElementKind::Compiler),
         (ElementKind::Root, "option") => Ok(ElementKind::Option),
         (ElementKind::Default, "default") if child.attribute("class").is_none() => {
@@ -100,7 +100,7 @@ fn kind_of_child(place: ElementKind, child: Node) -> Result<ElementKind, &'stati
         (ElementKind::Equality, _) => Err(
             "constraints are not part of a tree's dynamics: remove it, or write `active=\"false\"`",
         ),
-        // Without these it only measures.
+        // A tendon without these attributes only measures.
         (ElementKind::Tendon, _) | (ElementKind::Default, "tendon")
             if child.attributes().all(|one| !FORCE_ATTRIBUTES.contains(&one.name())) =>
         {
@@ -109,14 +109,14 @@ fn kind_of_child(place: ElementKind, child: Node) -> Result<ElementKind, &'stati
         (ElementKind::Tendon, _) | (ElementKind::Default, "tendon") => {
             Err("tendons that pull are not supported: remove it")
         }
-        // Of classes, bodies' joints have all that matters once they are resolved.
+        // The joints of bodies contain everything that matters after classes are resolved.
         (ElementKind::Default, _) => Ok(ElementKind::Ignored),
         (ElementKind::Frame, "inertial" | "joint" | "freejoint") => Err("write it in a `<body>`"),
-        _ => Err("it could change the dynamics: remove it, or write out what it stands for"),
+        _ => Err("it could change the dynamics: remove it, or replace it by supported elements"),
     }
 }
 
-/// An attribute that changes the dynamics but is not read.
+/// Reports attributes that change the dynamics but are not read.
 fn check(
     node: Node,
     place: ElementKind,
@@ -152,7 +152,7 @@ fn check(
             "forces against gravity are not supported: give them as torques"
         }
         (ElementKind::Body, "mocap") if value != "false" => {
-            "a body that is led by hand is no robot's"
+            "mocap bodies are not supported: remove the attribute or the body"
         }
         (ElementKind::Ignored, "armature" | "damping")
             if node.parent().is_some_and(|parent| parent.has_tag_name("actuator")) && !zero() =>

@@ -1,4 +1,4 @@
-//! A `<joint>` as it is written.
+//! Reads a `<joint>`.
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{JointDynamics, Limits};
@@ -9,7 +9,7 @@ use crate::description::{JointRecord, Kind, Located, Mimic, MimicRecord, normali
 use crate::diagnostics::{Code, Severity, Subject};
 use crate::read::xml::element::{Attribute, attribute};
 
-/// The types that move.
+/// The moving joint types.
 const MOVING: [JointType; 7] = [
     JointType::Revolute,
     JointType::Continuous,
@@ -66,7 +66,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             drive_at: node.range().start,
             sound: true,
         };
-        // A fixed joint has none of these, whatever is written.
+        // The other elements of a fixed joint have no meaning.
         if kind != Kind::Fixed {
             [joint.axis, joint.second_axis] = self.axes(node, kind, subject);
             (joint.drive, joint.drive_at) = self.joint_dynamics(node, subject);
@@ -90,7 +90,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         if let Some(found) = MOVING.into_iter().find(|known| known.name() == text.text) {
             return Kind::Moving(found);
         }
-        let message = format!("`{}` is no joint type", text.text);
+        let message = format!("`{}` is not a joint type", text.text);
         let help = format!("supported are: {}, fixed", MOVING.map(JointType::name).join(", "));
         self.xml.report.error(Code::UnknownJointType, text.at, subject, message, help);
         Kind::Unknown
@@ -106,10 +106,10 @@ impl<'a> Reader<'a, '_, '_, '_> {
         self.xml.attribute(node, "link", subject)
     }
 
-    /// The axis and the second axis, of unit length.
+    /// Returns the axis and the second axis, of unit length.
     fn axes(&mut self, node: Node<'a, '_>, kind: Kind, subject: Option<&Subject>) -> [[f64; 3]; 2] {
         if let Kind::Moving(JointType::Spherical | JointType::Floating) = kind {
-            // It has no meaning there, but files often have one, also of zeros.
+            // The axis has no meaning here, but many files have one, often zero.
             let axis = self.xml.single(node, "axis", subject);
             if let Some(text) = axis.and_then(|axis| attribute(axis, "xyz")) {
                 self.xml.numbers::<3>(text, subject);
@@ -121,7 +121,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             return [first.unwrap_or(X), Y];
         }
         let second = self.axis(node, "axis2", Y, subject);
-        // What could not be read is parallel to nothing.
+        // An axis that could not be read is not compared.
         let (Some(first), Some(second)) = (first, second) else {
             return [X, Y];
         };
@@ -137,7 +137,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         [first, second]
     }
 
-    /// An axis, of unit length; `None` if it cannot be read.
+    /// Returns an axis of unit length; `None` if it cannot be read.
     pub fn axis(
         &mut self,
         node: Node<'a, '_>,
@@ -171,7 +171,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(unit)
     }
 
-    /// Warns of a second axis where there can be none.
+    /// Warns of a second axis of a joint that has one axis only.
     fn no_second_axis(&mut self, node: Node<'a, '_>, kind: Kind, subject: Option<&Subject>) {
         if matches!(kind, Kind::Unknown | Kind::Moving(JointType::Universal)) {
             return;
@@ -194,8 +194,8 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let names =
             ["lower", "upper", "velocity", "effort", "acceleration", "deceleration", "jerk"];
         self.xml.warn_of_unknown_attributes(node, &names, subject);
-        // URDF's defaults: a bound that is not written is 0; no figure for speed or effort is
-        // refused by some readers and no limit for others: no limit here.
+        // URDF's default for a missing bound is 0. A missing limit of velocity or effort is an error for some readers
+        // and no limit for others; here it is no limit.
         let (mut lower, mut upper) = (None, None);
         if matches!(joint_type, JointType::Revolute | JointType::Prismatic) {
             let mut bound = |name| match attribute(node, name) {
@@ -214,7 +214,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         {
             let at = node.range().start;
             let message = format!("the lower limit {lower} is above the upper limit {upper}");
-            let help = "exchange them; a bound that is not written is 0";
+            let help = "exchange them; the default of both is 0";
             self.xml.report.add(
                 Severity::Warning,
                 Code::InvertedLimits,
@@ -227,7 +227,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(Limits { lower, upper, velocity, effort })
     }
 
-    /// A limit of a size; `None` where it is not written, and where it is negative, which is noted.
+    /// Returns a velocity or effort limit; `None` if it is missing or negative. Negative limits are recorded.
     fn nonnegative_limit(
         &mut self,
         node: Node<'a, '_>,
@@ -243,14 +243,14 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(value)
     }
 
-    /// Warns of bounds of a joint that has several coordinates.
+    /// Warns of position limits of a joint with several coordinates.
     fn no_bounds(&mut self, limit: Node<'a, '_>, subject: Option<&Subject>) {
         for bound in ["lower", "upper"].into_iter().filter_map(|name| limit.attribute_node(name)) {
             let message = format!(
                 "the attribute `{}` of `<limit>` is not read: the joint has several coordinates",
                 bound.name()
             );
-            let help = "remove it; such a joint has limits of velocity and effort alone";
+            let help = "remove it; such a joint has velocity and effort limits only";
             let at = bound.range().start;
             self.xml.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
         }
@@ -272,7 +272,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(MimicRecord { leader: leader.located(), multiplier: 1.0, offset: 0.0 })
     }
 
-    /// A `<mimic>` with all its figures.
+    /// Returns a `<mimic>` with all its numbers.
     fn mimic_record(
         &mut self,
         node: Node<'a, '_>,
@@ -291,7 +291,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(MimicRecord { leader, multiplier, offset })
     }
 
-    /// The drive, and where it stands.
+    /// Returns armature, damping and friction, and the place of the `<dynamics>`.
     fn joint_dynamics(
         &mut self,
         node: Node<'a, '_>,
@@ -311,29 +311,28 @@ impl<'a> Reader<'a, '_, '_, '_> {
         (drive, node.range().start)
     }
 
-    /// A figure of `<dynamics>` that is at least zero, and zero where it is not written.
+    /// Returns a number of `<dynamics>`, which must be at least zero; zero if it is missing.
     fn dissipation(&mut self, node: Node<'a, '_>, name: &str, subject: Option<&Subject>) -> f64 {
         let value = self.xml.number(node, name, subject).unwrap_or(0.0);
         if let Some(text) = attribute(node, name)
             && value < 0.0
         {
             let message = format!("the attribute `{name}` of `<dynamics>` is {value}");
-            let help = "write a figure of at least 0: it works against the motion";
+            let help = "write a number of at least 0: damping and friction oppose the motion";
             self.xml.report.error(Code::NegativeDrive, text.at, subject, message, help);
             return 0.0;
         }
         value
     }
 
-    /// The rotor is given either as the joint feels it, or by itself with a gear.
+    /// Reports an armature that is given both at the joint, and as a rotor with a gear ratio.
     fn check_armature(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) {
         let armature = attribute(node, "armature");
         let rotor = attribute(node, "rotor_inertia");
         let gear = attribute(node, "gear_ratio");
         if let Some(text) = armature.filter(|_| rotor.is_some() || gear.is_some()) {
-            let message =
-                "`armature` stands beside `rotor_inertia` or `gear_ratio`, which say the same";
-            let help = "leave one: armature = gear_ratio^2 * rotor_inertia";
+            let message = "`armature` stands beside `rotor_inertia` or `gear_ratio`, which define the same armature";
+            let help = "keep one: armature = gear_ratio^2 * rotor_inertia";
             self.xml.report.error(Code::RepeatedArmature, text.at, subject, message, help);
         } else if let (Some(text), None) = (gear, rotor) {
             let message =
@@ -344,5 +343,5 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 }
 
-/// A cosine above which two axes are taken for parallel, as [`modyn_runtime::model::Model`] does.
+/// The cosine above which two axes count as parallel, as in [`modyn_runtime::model::Model`].
 const PARALLEL: f64 = 1.0 - 1e-6;

@@ -1,4 +1,4 @@
-//! A `<link>` as it is written.
+//! Reads a `<link>`.
 
 use modyn_runtime::model::Inertial;
 use roxmltree::Node;

@@ -1,4 +1,4 @@
-//! `<loop_joint>`, which other tools' URDFs have too.
+//! Reads a `<loop_joint>`, an extension that other tools use, too.
 //!
 //! ```xml
 //! <loop_joint name="pin" type="revolute">
@@ -31,7 +31,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             if !(["link1", "link2"].contains(&name) || name == "axis" && axis) {
                 let message = format!("the element `<{name}>` of `<loop_joint>` is not read");
                 let help =
-                    "a loop joint has `<link1>`, `<link2>`, and, if it turns or slides, `<axis>`";
+                    "a loop joint has `<link1>`, `<link2>`, and, if it has an axis, `<axis>`";
                 let at = child.range().start;
                 self.xml.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
             }
@@ -49,7 +49,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let text = self.xml.attribute(node, "type", subject)?;
         let x = [1.0, 0.0, 0.0];
         let Some(kind) = LoopConstraintKind::of_joint(text.text, x) else {
-            let message = format!("`{}` is no type of a loop joint", text.text);
+            let message = format!("`{}` is not a type of loop joint", text.text);
             self.xml.report.error(Code::UnknownJointType, text.at, subject, message, TYPES);
             return None;
         };

@@ -1,11 +1,11 @@
-//! Strict numbers.
+//! Reads numbers strictly.
 //!
-//! `f64::from_str` takes `nan` and `inf` and turns `1e400` into infinity; urdf-rs skips what is
-//! no number in a list. Here a list has exactly as many numbers as it must, and all are finite.
+//! `f64::from_str` accepts `nan` and `inf`, and turns `1e400` into infinity. urdf-rs skips words in a list that are not
+//! numbers. Here a list must have exactly the required number of entries, all finite.
 
 use crate::diagnostics::Code;
 
-/// Why a text is not a list of `N` finite numbers.
+/// The reason why a text is not a list of `N` finite numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BadNumbers {
     pub code: Code,
@@ -13,7 +13,7 @@ pub struct BadNumbers {
     pub help: String,
 }
 
-/// Exactly `N` finite numbers, apart by white space.
+/// Returns exactly `N` finite numbers, separated by white space.
 pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], BadNumbers> {
     let mut values = [0.0; N];
     let mut count = 0;
@@ -39,7 +39,7 @@ pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], BadNumbers> {
     Err(BadNumbers { code: Code::NumberCount, message, help })
 }
 
-/// One decimal number: an optional sign, digits with an optional point, an optional exponent.
+/// Returns one decimal number: an optional sign, digits with an optional point, an optional exponent.
 fn number(word: &str) -> Result<f64, BadNumbers> {
     let name = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
     let infinite = |message| BadNumbers {
@@ -68,7 +68,7 @@ fn number(word: &str) -> Result<f64, BadNumbers> {
     }
 }
 
-/// At most 60 characters of a text, for a message.
+/// Returns at most 60 characters of a text, for a message.
 fn truncate(text: &str) -> String {
     match text.char_indices().nth(60) {
         Some((end, _)) => format!("{}...", &text[..end]),

@@ -1,14 +1,13 @@
-//! Matrices that couple equal limbs through their trunk, from lanes.
+//! Matrices that couple equal limbs through their trunk, unpacked from lanes.
 
 use super::{LimbPacking, constant};
 use crate::graph::Expr;
 
-/// An entry of the robot's joint vectors: a degree of freedom of the robot that has one limb in place of
-/// equal ones, and the limb.
+/// An entry of the robot's joint vectors: a degree of freedom of the merged robot, and the limb.
 type Entry = (usize, usize);
 
 impl LimbPacking {
-    /// The robot's matrix by columns from lanes, and from those `cross_limb` limbs.
+    /// Returns the robot's matrix by columns, from a matrix of the merged robot and the entries `cross_limb` limbs.
     pub(in crate::trace) fn unpack_coupled(
         &self,
         columns: &[Expr],
@@ -17,7 +16,7 @@ impl LimbPacking {
         self.unpack_entries(|row, column| self.entry(columns, cross_limb, row, column))
     }
 
-    /// The same for a symmetric matrix: an entry and its mirror image are one.
+    /// Returns the robot's symmetric matrix: an entry and its mirror image are the same expression.
     pub(in crate::trace) fn unpack_symmetric(
         &self,
         columns: &[Expr],
@@ -57,7 +56,7 @@ impl LimbPacking {
             let rows = cross_limb.len() / self.velocities.len();
             return cross_limb[column.0 * rows + before + row.1].extract_lane(column.1);
         }
-        // A number of the trunk is the same for all.
+        // An entry of the trunk is the same in all lanes.
         let limb = if group(column).is_some() { column.1 } else { row.1 };
         columns[column.0 * self.velocities.len() + row.0].extract_lane(limb)
     }

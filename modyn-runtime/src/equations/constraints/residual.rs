@@ -1,4 +1,4 @@
-//! The residual of the constraints: how far they are from being met.
+//! The residual of the constraints: the displacements and velocities that violate them.
 
 use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, relative_to_ancestor};
 use crate::Scalar;
@@ -7,8 +7,10 @@ use crate::mechanism::Mechanism;
 use crate::spatial::Twist;
 
 /// Computes the displacement and the velocity of each constraint's second frame relative to its first,
-/// in the first frame's axes, without the free directions. A rotation is its axis times the sine of
-/// its angle; of a hinge, the vector product of its two directions.
+/// in the first frame's axes. Components along free directions are zero.
+///
+/// A rotation is given as its axis times the sine of its angle. For a hinge it is the cross product of
+/// the axis directions of both frames.
 pub fn constraint_residual<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),

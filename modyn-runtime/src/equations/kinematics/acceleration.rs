@@ -1,4 +1,4 @@
-//! The motion in front of a joint, from the motion of the body that it hangs on.
+//! The motion of a joint's parent frame, from the motion of the parent body.
 
 use crate::Scalar;
 use crate::equations::Workspace;
@@ -6,7 +6,7 @@ use crate::joint::{JointTransform, ParentMotion};
 use crate::mechanism::{Body, BodyTree};
 use crate::spatial::{Field, Vector3};
 
-/// What body `i`'s joint has in front of it, from its parent's motion.
+/// Returns the motion of the parent frame of body `i`'s joint, in the axes and at the origin of body `i`.
 pub(in crate::equations) fn parent_motion<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     i: usize,
@@ -34,7 +34,7 @@ pub(in crate::equations) fn parent_motion<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// What `body`'s joint has in front of it, where `parent` is its parent's motion.
+/// Returns the motion of the parent frame of `body`'s joint; `parent` is the motion of the parent body.
 pub(in crate::equations) fn parent_motion_at_joint<S: Scalar>(
     parent: &Field<S>,
     body: &Body<S>,

@@ -1,18 +1,19 @@
-//! Moving in the space of the coordinates, which for rotations and poses is no vector space.
+//! The configuration space: integration, differences, rates and random values of coordinates.
 //!
-//! Tangent vectors have one number a degree of freedom: at a rotation, a rotation vector in the
-//! turned axes; at a pose, a linear part, then a rotation vector, in the moved axes. So a velocity
-//! times a time is one, and the maps are the exponential ones of SO(3) and SE(3) (Murray, Li and
-//! Sastry 1994, A Mathematical Introduction to Robotic Manipulation, chapter 2).
+//! Rotations and poses are no vector space. Tangent vectors have one entry for each degree of freedom.
+//! At a rotation it is a rotation vector in the rotated axes. At a pose it is a linear part, then a
+//! rotation vector, both in the moved axes. A velocity times a time is a tangent vector. The maps are the
+//! exponential maps of SO(3) and SE(3) (Murray, Li and Sastry 1994, "A Mathematical Introduction to
+//! Robotic Manipulation", chapter 2).
 
 use crate::Scalar;
 use crate::mechanism::Mechanism;
 use crate::mechanism::coordinates::{CoordinateSpace, Coordinates};
 use crate::spatial::{Quaternion, Vector3, screw_translation, screw_velocity};
 
-/// Where the constant velocities `v` lead from `q` in a unit of time: q (+) v into `out` (nq).
+/// Computes the coordinates after unit time at the constant velocities `v` from `q`: q (+) v, nq entries.
 ///
-/// The quaternions' lengths stay at 1 over any number of steps.
+/// Quaternions keep length 1 over any number of steps.
 pub fn integrate<S: Scalar>(model: &Mechanism<S>, (q, v): (&[S], &[S]), out: &mut [S]) {
     for block in &model.coordinates {
         match block.space {
@@ -33,7 +34,8 @@ pub fn integrate<S: Scalar>(model: &Mechanism<S>, (q, v): (&[S], &[S]), out: &mu
     }
 }
 
-/// The v with `from` (+) v = `to` into `out` (nv): the shortest rotations; angles are not wrapped.
+/// Computes the tangent vector v with `from` (+) v = `to`, nv entries. Rotations are the shortest ones;
+/// joint angles are not wrapped.
 pub fn difference<S: Scalar>(model: &Mechanism<S>, (from, to): (&[S], &[S]), out: &mut [S]) {
     let turn = |at| rotation(from, at).conjugate().times(rotation(to, at)).log();
     for block in &model.coordinates {
@@ -51,7 +53,7 @@ pub fn difference<S: Scalar>(model: &Mechanism<S>, (from, to): (&[S], &[S]), out
     }
 }
 
-/// The rates dq/dt of the coordinates `q` at velocities `qd` into `out` (nq).
+/// Computes dq/dt, the rates of the coordinates `q` at the velocities `qd`, nq entries.
 pub fn velocity_to_qdot<S: Scalar>(model: &Mechanism<S>, (q, qd): (&[S], &[S]), out: &mut [S]) {
     for block in &model.coordinates {
         match block.space {
@@ -68,14 +70,14 @@ pub fn velocity_to_qdot<S: Scalar>(model: &Mechanism<S>, (q, qd): (&[S], &[S]), 
     }
 }
 
-/// Brings the quaternions in `q` to length 1; one of length 0 becomes the identity.
+/// Scales the quaternions in `q` to length 1. A quaternion of length 0 becomes the identity.
 pub fn normalize<S: Scalar>(model: &Mechanism<S>, q: &mut [S]) {
     for at in model.coordinates.iter().filter_map(quaternion) {
         write_rotation(rotation(q, at).normalized(), q, at);
     }
 }
 
-/// The coordinates zero, with identity quaternions, into `q`.
+/// Sets all coordinates to zero, and quaternions to the identity.
 pub fn neutral<S: Scalar>(model: &Mechanism<S>, q: &mut [S]) {
     q.fill(S::zero());
     for at in model.coordinates.iter().filter_map(quaternion) {
@@ -83,10 +85,10 @@ pub fn neutral<S: Scalar>(model: &Mechanism<S>, q: &mut [S]) {
     }
 }
 
-/// Random coordinates into `q`, evenly spread within the joints' limits; without limits, angles in
-/// half a turn both ways, displacements in 1 m both ways, and rotations everywhere.
+/// Computes random coordinates, uniformly distributed within the joint limits. Without limits, angles are
+/// within -pi..pi, displacements within -1 m..1 m, and rotations uniformly distributed over SO(3).
 ///
-/// `uniform` gives independent numbers evenly spread in 0..1; it is called nv times.
+/// `uniform` returns independent numbers, uniformly distributed in 0..1. It is called nv times.
 pub fn random<S: Scalar>(model: &Mechanism<S>, uniform: &mut dyn FnMut() -> S, q: &mut [S]) {
     for block in &model.coordinates {
         match block.space {
@@ -102,12 +104,12 @@ pub fn random<S: Scalar>(model: &Mechanism<S>, uniform: &mut dyn FnMut() -> S, q
     }
 }
 
-/// Not above `high`, whatever rounding does.
+/// Returns low + (high - low) part, at most `high` in spite of rounding.
 fn interpolate<S: Scalar>(low: S, high: S, part: S) -> S {
     -(-(low + (high - low) * part)).max(-high)
 }
 
-/// Evenly spread over all rotations: Shoemake 1992, "Uniform random rotations", Graphics Gems III.
+/// Returns a uniformly distributed rotation: Shoemake 1992, "Uniform random rotations", Graphics Gems III.
 fn any_rotation<S: Scalar>(uniform: &mut dyn FnMut() -> S) -> Quaternion<S> {
     let turn = S::from_f64(core::f64::consts::TAU);
     let part = uniform();
@@ -116,7 +118,7 @@ fn any_rotation<S: Scalar>(uniform: &mut dyn FnMut() -> S) -> Quaternion<S> {
     Quaternion::from_components([near * first.0, near * first.1, far * second.0, far * second.1])
 }
 
-/// Where the quaternion of these coordinates starts in q.
+/// Returns the index in q of the quaternion of these coordinates.
 fn quaternion<S>(block: &Coordinates<S>) -> Option<usize> {
     match block.space {
         CoordinateSpace::Line { .. } => None,

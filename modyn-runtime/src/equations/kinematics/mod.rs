@@ -1,4 +1,4 @@
-//! Poses, motion and Jacobians of the links; the centre of mass; the space of the coordinates.
+//! Poses, motion and Jacobians of the links; the centre of mass; the configuration space.
 
 pub(super) mod acceleration;
 pub(super) mod center_of_mass;

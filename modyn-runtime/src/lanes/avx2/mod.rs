@@ -1,11 +1,10 @@
-//! AVX2 and FMA: 4 `f64` or 8 `f32`, products fused into sums.
+//! AVX2 and FMA: 4 `f64` or 8 `f32`, with fused multiply-add.
 //!
-//! Unsafe code: these instructions may only run on a processor that has them, and the compiler can't
-//! see that it does. It does wherever the types of this folder exist: they can't be named outside of
-//! `lanes`, and inside only the four functions that `work!` and `vectors!` make here enter with them,
-//! which `lanes` calls for `SimdLevel::Avx2`, for `SimdLevel::Avx512`, whose processors have AVX2 and FMA too,
-//! and in programs that count on both. (A generic function that has one as its type parameter, or a
-//! type of `Doubles` or `Singles`, has it from there.)
+//! Unsafe code: these instructions may only run on a processor that has them, which the compiler cannot check.
+//! The processor has them wherever values of this folder's types exist. The types cannot be named outside of
+//! `lanes`. Inside, only the four functions that `work!` and `vectors!` define here use them. `lanes` calls
+//! these for `SimdLevel::Avx2`, for `SimdLevel::Avx512`, whose processors have AVX2 and FMA, too, and in
+//! programs compiled for both. (Generic functions receive the types from these four functions.)
 #![allow(unsafe_code)]
 
 mod fused;
