@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use modyn_codegen::Function;
+use modyn_codegen::plan::CForm;
 
 fn file(path: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path);
@@ -65,7 +66,7 @@ const END: &str = "<!-- End of the table. -->\n";
 /// The table as the page has it.
 fn table() -> String {
     let mut text = String::from(
-        "| function | arguments | result | default | `_with` parameters | batch |\n|---|---|---|---|---|---|\n",
+        "| function | arguments | result | default | `_with` parameters | batch | C |\n|---|---|---|---|---|---|---|\n",
     );
     let one = Function::ALL.iter().filter(|function| function.batched().is_none());
     for function in one {
@@ -81,11 +82,16 @@ fn table() -> String {
         let docs = row.docs.replace('\n', " ");
         let _ = writeln!(
             text,
-            "| `{}` | {} | {docs} | {default} | {} | {} |",
+            "| `{}` | {} | {docs} | {default} | {} | {} | {} |",
             function.name(),
             arguments.join(", "),
             of(row.depends_on_parameters),
-            of(batch)
+            of(batch),
+            match row.c_form {
+                CForm::SourceAndExport => "yes",
+                CForm::Source => "C99 alone",
+                CForm::None => "",
+            }
         );
     }
     text

@@ -86,16 +86,7 @@ impl Dice {
     }
 
     fn joint(&mut self, name: String, links: usize) -> Joint {
-        const TYPES: [JointType; 7] = [
-            JointType::Revolute,
-            JointType::Continuous,
-            JointType::Prismatic,
-            JointType::Universal,
-            JointType::Planar,
-            JointType::Spherical,
-            JointType::Floating,
-        ];
-        let joint_type = TYPES[self.below(TYPES.len())];
+        let joint_type = JointType::ALL[self.below(JointType::ALL.len())];
         let mut joint = Joint::new(name, joint_type, self.axis(), self.pose());
         joint.second_axis = self.axis();
         if self.below(3) == 0 {

@@ -26,7 +26,7 @@ use modyn_runtime::model::{Model, ModuleTree};
 pub use factorization::FactorFunction;
 pub(crate) use frames::MAX_OWN_FUNCTIONS;
 pub use frames::{Frames, LinkCode};
-pub use functions::{Argument, Function, Row, Trace};
+pub use functions::{Argument, CForm, Function, Row, Trace};
 pub use packing::Packing;
 pub use shape::{Record, Shape, Sizes};
 

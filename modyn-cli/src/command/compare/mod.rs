@@ -24,7 +24,7 @@ use crate::command::random::Random;
 use crate::command::robot::Robot;
 use crate::command::table::Table;
 use harness::Harness;
-use quantities::{QUANTITIES, Quantity, State};
+use quantities::{Quantity, State, quantities};
 
 /// Compile a robot's code with rustc and compare it with the interpreter on random states
 ///
@@ -132,13 +132,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
-    fn quantities(&self) -> Result<Vec<&'static Quantity>, Failure> {
+    fn quantities(&self) -> Result<Vec<Quantity>, Failure> {
         let chosen = |function: Function| {
             self.functions.as_ref().is_none_or(|Functions(list)| list.contains(&function))
         };
-        let quantities: Vec<_> = QUANTITIES.iter().filter(|one| chosen(one.function)).collect();
+        let quantities: Vec<_> = quantities().filter(|one| chosen(one.function)).collect();
         if quantities.is_empty() {
-            let names: Vec<&str> = QUANTITIES.iter().map(|one| one.function.name()).collect();
+            let names: Vec<&str> = quantities().map(|one| one.function.name()).collect();
             return Err(Failure::usage(format!("error: compared can be: {}", names.join(", "))));
         }
         Ok(quantities)

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::shape::Shape;
 use super::{Quantity, Robot};
-use crate::plan::{Function, Kernels};
+use crate::plan::{CForm, Kernels};
 
 impl Robot<'_> {
     /// Prints `extern "C"` functions named `prefix_function`, for all functions that C can call.
@@ -98,7 +98,7 @@ impl Robot<'_> {
 
 /// Returns whether C can call the function. The results of the others are Rust types.
 pub(super) fn in_c(quantity: &Quantity<'_>) -> bool {
-    !matches!(quantity.function, Function::Brge | Function::Random)
+    quantity.function.row().c_form == CForm::SourceAndExport
 }
 
 impl Quantity<'_> {
