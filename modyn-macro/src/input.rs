@@ -106,7 +106,11 @@ impl Text {
     }
 
     fn token(&mut self, token: TokenTree) {
-        self.spans.push((self.text.len(), token.span()));
+        let span = match &token {
+            TokenTree::Group(group) => group.span_open(),
+            other => other.span(),
+        };
+        self.spans.push((self.text.len(), span));
         match token {
             TokenTree::Group(group) => {
                 let (open, close) = match group.delimiter() {

@@ -315,7 +315,7 @@ impl OptionValue for Loop {
         let axis = match rest {
             [] => None,
             [axis] => match pair(axis, expected)? {
-                (word, axis) if word == "axis" => Some((<[f64; 3]>::read(axis)?, axis.at)),
+                (word, value) if word == "axis" => Some((<[f64; 3]>::read(value)?, axis.at)),
                 _ => return Err(Fault::new(axis.at, "expected `axis`")),
             },
             [_, other, ..] => return Err(Fault::new(other.at, "expected `)`")),

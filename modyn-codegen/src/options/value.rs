@@ -118,7 +118,8 @@ impl Parser<'_> {
                 }
                 _ => values.push(self.pair()?),
             }
-            if self.peek() != end && !self.take(',') {
+            let next = self.peek();
+            if next.is_some() && next != end && !self.take(',') {
                 return Err(Fault::new(self.at, "expected `,`"));
             }
         }
@@ -196,9 +197,6 @@ impl Parser<'_> {
         if word.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+' | '.'))
             && let Ok(number) = word.parse::<f64>()
         {
-            if !number.is_finite() {
-                return Err(Fault::new(at, format!("`{word}` is not finite")));
-            }
             return Ok(ValueKind::Number(number));
         }
         if self.text[self.at..].starts_with('(') {
@@ -245,7 +243,7 @@ mod tests {
             ("[a", "2: expected `]`"),
             ("(a]", "2: expected `,`"),
             ("a,,b", "2: expected a value"),
-            ("1e400", "0: `1e400` is not finite"),
+            ("1e400", "inf"),
             ("nan", "nan"),
             ("\"a", "0: the quotes are not closed"),
         ] {

@@ -138,7 +138,8 @@ impl Arguments {
         };
         let quantities: Vec<_> = quantities().filter(|one| chosen(one.function)).collect();
         if quantities.is_empty() {
-            let names: Vec<&str> = quantities().map(|one| one.function.name()).collect();
+            let names: Vec<&str> =
+                quantities::quantities().map(|one| one.function.name()).collect();
             return Err(Failure::usage(format!("error: compared can be: {}", names.join(", "))));
         }
         Ok(quantities)
