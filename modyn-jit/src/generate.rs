@@ -148,9 +148,11 @@ pub(crate) fn generate(
     generator.finish(&pool)
 }
 
-/// The stores of results: vectors whose lanes are results one after another, then all others. With each the distance
-/// from the beginning of the results.
-fn stores(values: &Values, size: usize) -> (Vec<(Value, u32)>, Vec<(Value, u32)>) {
+/// Values with the distances from the beginning of the results at which they are stored.
+type Stores = Vec<(Value, u32)>;
+
+/// The stores of results: vectors whose lanes are results one after another, then all others.
+fn stores(values: &Values, size: usize) -> (Stores, Stores) {
     let (mut runs, mut single) = (Vec::new(), Vec::new());
     let mut distance = 0;
     let mut k = 0;
@@ -440,12 +442,14 @@ impl Generator<'_> {
         for &operand in operands {
             let soon = self.registers.distance(operand).is_some_and(|distance| distance <= SOON);
             let absent = self.registers.register(operand) == NONE;
-            if soon && absent && operation != Operation::Broadcast {
-                if let Some(register) = self.registers.unoccupied(*pinned) {
-                    self.load(register, operand);
-                    self.registers.hold(register, operand);
-                    *pinned |= 1 << register;
-                }
+            if soon
+                && absent
+                && operation != Operation::Broadcast
+                && let Some(register) = self.registers.unoccupied(*pinned)
+            {
+                self.load(register, operand);
+                self.registers.hold(register, operand);
+                *pinned |= 1 << register;
             }
         }
     }

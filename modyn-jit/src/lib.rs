@@ -50,6 +50,8 @@ mod registers;
 mod values;
 
 #[cfg(test)]
+extern crate self as modyn_jit;
+#[cfg(test)]
 mod tests;
 
 pub use call::Call;
