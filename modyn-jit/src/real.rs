@@ -1,9 +1,11 @@
 //! The numbers that code computes on.
 
+use std::fmt::{Debug, Display, LowerExp};
+
 use modyn_runtime::batch::Float;
 
 /// A floating-point number that machine code is made for: `f64` or `f32`.
-pub trait Real: Float + PartialOrd + Default + std::fmt::Debug + sealed::Sealed {
+pub trait Real: Float + PartialOrd + Default + Debug + Display + LowerExp + sealed::Sealed {
     /// The bits of the number.
     #[doc(hidden)]
     fn bits(self) -> u64;
