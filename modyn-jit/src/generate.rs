@@ -9,7 +9,7 @@
 //! slots of values.
 //!
 //! Angles that are too large for the fast reduction are found by one comparison after the reductions of a statement.
-//! Behind the function are the instructions that save the registers, reduce the angles by a call, and come back.
+//! A detour after the return saves the registers, reduces these angles by a call, and jumps back.
 
 use crate::encode::{Encoder, Encoding, Opcode, Operands, Place, RSP};
 use crate::helper::Helpers;
@@ -875,7 +875,7 @@ impl Generator<'_> {
             self.encoder.patch(from, start);
             self.save(occupied);
             for ([angle, reduced, turns], lanes) in angles {
-                // The angle first: it may be an argument, behind a register that the others overwrite.
+                // The angle first: it may be an argument, whose base register the others overwrite.
                 self.address(RDX, angle);
                 self.address(RDI, reduced);
                 self.address(RSI, turns);
