@@ -69,8 +69,8 @@ fn parameters_are_as_the_interpreter_has_them() {
 
 #[test]
 fn wrong_parameters_are_refused() {
-    let model = robot("arm7");
-    let last = model.links()[6].name.clone();
+    let model = robot("arm6");
+    let last = model.links()[5].name.clone();
     let functions = [Function::ForwardDynamics];
     let mut constant = Compiled::<f32>::new(&model, functions).expect("code");
     let error = constant.set_gravity([0.0; 3]).expect_err("a constant");
