@@ -96,8 +96,7 @@ impl<S: Real> RunTimeParameters<S> {
             let option = "runtime_gravity";
             return Err(ParameterError::NotAParameter { option, link: None });
         }
-        // Infinities and NaN less themselves are NaN.
-        if gravity.iter().any(|&x| (x - x).partial_cmp(&S::zero()).is_none()) {
+        if !gravity.iter().all(|x| x.has_value()) {
             return Err(ParameterError::Gravity);
         }
         self.numbers[..3].copy_from_slice(&gravity);

@@ -9,6 +9,10 @@ pub trait Real: Float + PartialOrd + Default + Debug + Display + LowerExp + seal
     /// The bits of the number.
     #[doc(hidden)]
     fn bits(self) -> u64;
+
+    /// Whether the number is neither infinite nor NaN.
+    #[doc(hidden)]
+    fn has_value(self) -> bool;
 }
 
 mod sealed {
@@ -22,10 +26,18 @@ impl Real for f64 {
     fn bits(self) -> u64 {
         self.to_bits()
     }
+
+    fn has_value(self) -> bool {
+        self.is_finite()
+    }
 }
 
 impl Real for f32 {
     fn bits(self) -> u64 {
         self.to_bits().into()
+    }
+
+    fn has_value(self) -> bool {
+        self.is_finite()
     }
 }
