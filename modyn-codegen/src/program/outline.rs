@@ -13,7 +13,7 @@ use super::{Chunk, Program, Scope, Target, Value};
 const MAX_SCOPE: usize = 250;
 
 /// The lengths of functions, in statements.
-struct Limits {
+pub(super) struct Limits {
     /// A program that is no longer stays one chunk.
     whole: usize,
     /// Most statements in a chunk of a longer one.
@@ -31,14 +31,19 @@ const SCALAR: Limits = Limits { whole: 1500, chunk: 500 };
 /// take rustc twice as long; chunks of 800 are as fast as longer ones that are not all.
 const PACKED: Limits = Limits { whole: 3000, chunk: 800 };
 
-/// The statements of a program in chunks of about equal length.
-pub(super) fn chunks(program: &Program) -> Vec<Chunk> {
+/// In a thread of a graphics processor: values that cross a cut go through memory, and compilers take a function of
+/// 5,000 statements well.
+pub(super) const THREAD: Limits = Limits { whole: 5000, chunk: 2500 };
+
+/// The statements of a program in chunks of about equal length: as long as `limits` say, else as the target takes them.
+pub(super) fn chunks(program: &Program, limits: Option<&Limits>) -> Vec<Chunk> {
     let count = program.statements.len();
-    let Limits { whole, chunk } = match program.target {
+    let of_target = match program.target {
         Target::Batch => BATCH,
         Target::Simd if program.widths().len() > 1 => PACKED,
         Target::Scalar | Target::Simd => SCALAR,
     };
+    let Limits { whole, chunk } = *limits.unwrap_or(&of_target);
     let parts = if count <= whole { 1 } else { count.div_ceil(chunk) };
     let ranges: Vec<Range<usize>> =
         (0..parts).map(|k| k * count / parts..(k + 1) * count / parts).collect();

@@ -9,7 +9,7 @@ use super::literal;
 
 /// A function, in the order in which C needs them to stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Support {
+pub(in crate::emit) enum Support {
     Bits,
     FromBits,
     SinCos,
@@ -41,7 +41,7 @@ impl Support {
 
 /// The text of these functions and of those that they need. In it, words in capitals stand for what depends on the
 /// precision, and `R(..)` for literals.
-pub(super) fn text(used: &BTreeSet<Support>, float: FloatType) -> String {
+pub(in crate::emit) fn text(used: &BTreeSet<Support>, float: FloatType) -> String {
     let needed = used.iter().flat_map(|support| support.needs());
     let all: BTreeSet<Support> = needed.chain(used).copied().collect();
     if all.is_empty() {
