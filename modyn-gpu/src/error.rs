@@ -86,7 +86,11 @@ impl fmt::Display for GpuError {
                 write!(f, "`{kernel}` takes {scalars} numbers a state as `{argument}`, not {given}")
             }
             Self::Arguments { kernel, expected, given } => {
-                write!(f, "`{kernel}` takes the arguments {}, not {given} arrays", expected.join(", "))
+                write!(
+                    f,
+                    "`{kernel}` takes the arguments {}, not {given} arrays",
+                    expected.join(", ")
+                )
             }
             Self::States { kernel, expected, given } => {
                 write!(f, "`{kernel}` was given arrays for {expected} and for {given} states")
@@ -95,7 +99,10 @@ impl fmt::Display for GpuError {
                 write!(f, "{numbers} numbers are no array for {states} states")
             }
             Self::TooLarge { bytes, limit } => {
-                write!(f, "an array of {bytes} bytes is too large for the processor, whose limit is {limit}")
+                write!(
+                    f,
+                    "an array of {bytes} bytes is too large for the processor, whose limit is {limit}"
+                )
             }
             Self::Device(why) => write!(f, "the graphics processor failed: {why}"),
         }

@@ -191,9 +191,10 @@ fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
                 for (link, code) in plan.frames.codes().iter().enumerate() {
                     let (place, known) = match *code {
                         LinkCode::Own => (own.next().unwrap_or_default(), Vec::new()),
-                        LinkCode::Shared { body, row } => {
-                            (plan.frames.own().count() + body, placements[row].to_vec())
-                        }
+                        LinkCode::Shared { body, row } => (
+                            plan.frames.links_with_own_program().count() + body,
+                            placements[row].to_vec(),
+                        ),
                     };
                     let named = (format!("{name}_{}", links[link]), Some(link));
                     kernels.push(kernel(planned, named, &programs[place], known));

@@ -50,7 +50,7 @@ fn modyn_far(x: f32) -> vec2<f32> {
     return vec2<f32>(bitcast<f32>(bitcast<u32>(r) ^ (negative << 31u) ^ (bits & 0x80000000u)), f32(odd));
 }
 
-// Sine and cosine of x in rad.
+// Sine and cosine of x in rad; absolute error at most 4e-7.
 fn modyn_sin_cos(x: f32) -> vec2<f32> {
     var r: f32;
     var odd: u32;

@@ -1,8 +1,9 @@
 //! WGSL. Its precision is single; a driver may flush subnormal numbers to zero and ignore infinities and NaN, as the
 //! language allows.
 //!
-//! Sine and cosine are the polynomials of the runtime, with the reduction for all finite angles: the language promises
-//! little about its own. No trick is used that a compiler may undo by reordering sums.
+//! Sine and cosine are the polynomials of the runtime: the language promises little about its own. The language lets a
+//! compiler reorder sums, and Mesa's does, which undoes a reduction by pi in parts. So only angles below
+//! [`LIMIT`] are reduced in floating point, where that costs little; all others are reduced in integers.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -15,6 +16,10 @@ use crate::emit::c;
 
 /// Threads of a workgroup.
 const WORKGROUP: usize = 64;
+
+/// Angles of the reduction in floating point are smaller, rad. The multiple of pi is then at most 3, and a compiler that
+/// adds the parts of pi to one number adds an error of 2.7e-7 at most.
+const LIMIT: f64 = 8.0;
 
 pub(super) struct Wgsl;
 
@@ -46,7 +51,7 @@ impl Dialect for Wgsl {
         let reduced = |x: String, part: &f64| format!("fma(n, {}, {x})", self.literal(*part));
         let sign = |i: f64| if i % 2.0 == 0.0 { -1.0 } else { 1.0 };
         let words = [
-            ("LIMIT", self.literal(SIN_COS_F32.limit)),
+            ("LIMIT", self.literal(LIMIT)),
             ("REDUCTION", SIN_COS_F32.minus_pi.iter().fold("x".into(), reduced)),
             ("SINE", polynomial("z", &SIN_COS_F32.sine)),
             ("COSINE", polynomial("z", &SIN_COS_F32.cosine)),
