@@ -241,3 +241,20 @@ fn options_that_are_wrong_are_usage_and_refused_models_are_not() {
     let found = modyn(&["generate", "modyn-codegen/tests/bad/cycle.urdf"]);
     assert!(found.err.contains("--> modyn-codegen/tests/bad/cycle.urdf:"), "{}", found.err);
 }
+
+#[test]
+fn kernels_for_graphics_processors() {
+    let shown = modyn(&["generate", "robots/arm6.urdf", "--target", "wgsl"]);
+    assert_eq!(shown.code, 0, "{}", shown.err);
+    assert!(shown.out.contains("fn arm6_forward_dynamics(@builtin(global_invocation_id)"));
+    let refused = modyn(&["generate", "robots/arm6.urdf", "--target", "cuda", "--self-contained"]);
+    assert_eq!(refused.code, 2);
+    assert!(refused.err.contains("`--self-contained` is about Rust, not `--target cuda`"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("arm.cu").display().to_string();
+    let write = ["generate", "robots/arm6.urdf", "--target", "cuda", "-o", &file];
+    assert_eq!(modyn(&write).code, 0);
+    let check =
+        |robot| modyn(&["generate", robot, "--target", "cuda", "-o", &file, "--check"]).code;
+    assert_eq!((check("robots/arm6.urdf"), check("robots/gripper.urdf")), (0, 1));
+}

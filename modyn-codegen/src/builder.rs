@@ -12,7 +12,9 @@ use modyn_runtime::model::{Friction, Model, ModuleError, ModuleTree};
 use crate::check::{check_model, conditioning_warning, gravity_error};
 use crate::description::{Base, Loop, Mimic, ReadOptions, Rotor};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
-use crate::emit::{CSource, EmitOptions, Emitted, FloatType, emit, emit_c};
+use crate::emit::{
+    CSource, EmitOptions, Emitted, FloatType, GpuLanguage, GpuSource, emit, emit_c, emit_gpu,
+};
 use crate::names;
 use crate::options::{Fault, ModuleChoice, Options, Value, option_table};
 use crate::plan::{Function, Plan};
@@ -279,6 +281,24 @@ impl Builder {
         (options.share, options.self_contained) = (false, false);
         let plan = options.plan(&model, &modules);
         Ok(Planning { plan, model, warnings: options.warnings })
+    }
+
+    /// Compiles to kernels for graphics processors, without writing anything: text in CUDA C++ or WGSL with a kernel for
+    /// each function, which computes it for many states, a thread a state. Besides it returns the warnings.
+    ///
+    /// # Errors
+    ///
+    /// All that is wrong with the description and the options; WGSL has single precision alone.
+    pub fn generate_gpu(
+        &self,
+        language: GpuLanguage,
+    ) -> Result<(GpuSource, Vec<Diagnostic>), Diagnostics> {
+        let builder = match language {
+            GpuLanguage::Wgsl => self.clone().scalar(FloatType::F32),
+            GpuLanguage::Cuda => self.clone(),
+        };
+        let (model, modules, options) = builder.compiled()?;
+        Ok((emit_gpu(&model, &modules, &options, language), options.warnings))
     }
 
     /// The C source whose header file has this name, and the warnings.

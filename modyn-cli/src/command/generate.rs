@@ -1,18 +1,18 @@
-//! `modyn generate`: writes a robot's dynamics as Rust or C, and a header for Rust functions that C calls.
+//! `modyn generate`: writes a robot's dynamics as Rust, C, CUDA or WGSL, and a header for Rust functions that C calls.
 
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::diagnostics::sanitize_for_display;
-use modyn_codegen::{Builder, names};
+use modyn_codegen::{Builder, GpuLanguage, names};
 
 use crate::command::options::CodeOptions;
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::{Description, Robot};
 
-/// Compile a description to Rust or C
+/// Compile a description to Rust, C, CUDA or WGSL
 ///
 /// The exit code is 0 if the file was written (with `--check`, if it is up to date), 1 if the description is rejected
 /// (with `--check`, if the file is stale), 2 if an option or a file is invalid.
@@ -24,7 +24,8 @@ pub struct Arguments {
     /// Write nothing, but report whether FILE (and the header) is up to date: exit code 0, or 1 if it is stale
     #[arg(long, requires = "output")]
     check: bool,
-    /// The language: Rust; or C99 that needs `<math.h>` only, FILE.c with its header FILE.h
+    /// The language: Rust; C99 that needs `<math.h>` only, FILE.c with its header FILE.h; or kernels for graphics
+    /// processors, CUDA C++ or WGSL, with a thread for each state
     #[arg(long, value_enum, default_value_t)]
     target: Target,
     /// Write the header of the functions for C; without `--c-functions` their prefix is the robot's name
@@ -41,6 +42,19 @@ enum Target {
     #[default]
     Rust,
     C,
+    Cuda,
+    Wgsl,
+}
+
+impl Target {
+    /// The language, if it is one for graphics processors.
+    fn gpu(self) -> Option<GpuLanguage> {
+        match self {
+            Self::Rust | Self::C => None,
+            Self::Cuda => Some(GpuLanguage::Cuda),
+            Self::Wgsl => Some(GpuLanguage::Wgsl),
+        }
+    }
 }
 
 /// Writes, or compares.
@@ -50,6 +64,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let named = |found: Diagnostics| description.failure(arguments.robot.named(found));
     if arguments.target == Target::C {
         return c_source(arguments, &builder, &description, &named);
+    }
+    if let Some(language) = arguments.target.gpu() {
+        return kernels(arguments, &builder, language, &description, &named);
     }
     let mut progress = Progress::start("compiling");
     let result = match &arguments.output {
@@ -83,6 +100,42 @@ fn write(
     Ok(())
 }
 
+/// Refuses options that only Rust has.
+fn refuse_rust_options(arguments: &Arguments, target: &str) -> Result<(), Failure> {
+    let of_rust = ["c_functions", "visibility", "crate", "self_contained"];
+    let given = of_rust.into_iter().find(|name| arguments.code.has(name));
+    if let Some(option) = given.or(arguments.c_header.as_ref().map(|_| "c_header")) {
+        let option = option.replace('_', "-");
+        let message = format!("error: `--{option}` is about Rust, not `--target {target}`");
+        return Err(Failure::usage(message));
+    }
+    Ok(())
+}
+
+/// Writes the kernels for graphics processors, or checks them.
+fn kernels(
+    arguments: &Arguments,
+    builder: &Builder,
+    language: GpuLanguage,
+    description: &Description,
+    named: &impl Fn(Diagnostics) -> Failure,
+) -> Result<(), Failure> {
+    let target = arguments.target.to_possible_value();
+    refuse_rust_options(arguments, target.as_ref().map_or("c", |value| value.get_name()))?;
+    let mut progress = Progress::start("compiling");
+    let (source, warnings) = builder.generate_gpu(language).map_err(named)?;
+    progress.stop();
+    description.warn(arguments.robot.named(Diagnostics::new(warnings)));
+    let Some(output) = &arguments.output else { return to_stdout(&source.text) };
+    let current = std::fs::read_to_string(output).is_ok_and(|found| found == source.text);
+    if arguments.check {
+        let found = if current { "up to date" } else { "stale" };
+        to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
+        return if current { Ok(()) } else { Err(Failure::Said) };
+    }
+    if current { Ok(()) } else { to_file(output, &source.text) }
+}
+
 /// Writes the C files, or checks them.
 fn c_source(
     arguments: &Arguments,
@@ -90,13 +143,7 @@ fn c_source(
     description: &Description,
     named: &impl Fn(Diagnostics) -> Failure,
 ) -> Result<(), Failure> {
-    let of_rust = ["c_functions", "visibility", "crate", "self_contained"];
-    let given = of_rust.into_iter().find(|name| arguments.code.has(name));
-    if let Some(option) = given.or(arguments.c_header.as_ref().map(|_| "c_header")) {
-        let option = option.replace('_', "-");
-        let message = format!("error: `--{option}` is about Rust, not `--target c`");
-        return Err(Failure::usage(message));
-    }
+    refuse_rust_options(arguments, "c")?;
     let Some(output) = &arguments.output else {
         let message = "error: `--target c` writes two files: name the first with `--output FILE.c`";
         return Err(Failure::usage(message));

@@ -1,9 +1,11 @@
 //! Back ends: from a [`Plan`] to text, one folder for each language. Back ends make no decisions.
 
 mod c;
+mod gpu;
 mod rust;
 
 pub use c::CSource;
+pub use gpu::{GpuArgument, GpuKernel, GpuLanguage, GpuSource};
 
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Model, ModuleTree};
@@ -89,10 +91,14 @@ impl EmitOptions {
             (false, true) => Strategy::Scalar,
             (false, false) => Strategy::Vectors,
         };
+        self.plan_by(model, modules, strategy)
+    }
+
+    fn plan_by(&self, model: &Model, modules: &ModuleTree, strategy: Strategy) -> Plan {
         let choices = Choices {
             functions: &self.functions,
             strategy,
-            batches: !self.self_contained,
+            batches: !self.self_contained && strategy != Strategy::Threads,
             runtime_gravity: self.runtime_gravity,
             runtime_inertia: &self.runtime_inertia,
             payload: &self.payload,
@@ -150,4 +156,17 @@ pub fn emit_c(
     let prefix = names::snake(&options.type_name(model));
     let header = header.map_or_else(|| format!("{prefix}.h"), String::from);
     c::print(&options.plan(model, modules), model, (&prefix, &header), options.scalar)
+}
+
+/// Compiles `model` to kernels for graphics processors, whose names begin with the type's name in snake case.
+#[must_use]
+pub fn emit_gpu(
+    model: &Model,
+    modules: &ModuleTree,
+    options: &EmitOptions,
+    language: GpuLanguage,
+) -> GpuSource {
+    let prefix = names::snake(&options.type_name(model));
+    let plan = options.plan_by(model, modules, Strategy::Threads);
+    gpu::print(&plan, model, &prefix, language, options.float)
 }

@@ -9,7 +9,7 @@ use super::literal;
 
 /// A support function, in the order in which C must define them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Support {
+pub(in crate::emit) enum Support {
     Bits,
     FromBits,
     SinCos,
@@ -41,7 +41,7 @@ impl Support {
 
 /// Returns the text of these functions and of those that they call. In the templates, words in capitals depend on the
 /// precision, and `R(..)` is a literal.
-pub(super) fn text(used: &BTreeSet<Support>, float: FloatType) -> String {
+pub(in crate::emit) fn text(used: &BTreeSet<Support>, float: FloatType) -> String {
     let needed = used.iter().flat_map(|support| support.dependencies());
     let all: BTreeSet<Support> = needed.chain(used).copied().collect();
     if all.is_empty() {
