@@ -1,28 +1,27 @@
-//! What generated robots say of themselves, and results that have parts.
+//! The results with several parts, and the descriptions of generated robots.
 
 use core::fmt;
 
-/// A kinematic module of a generated robot: links in a row.
+/// A kinematic module of a generated robot: a serial chain of links.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KinematicModule {
-    /// The module whose last link it leaves, as an index; `None` for the base.
+    /// The index of the parent module, whose last link carries this module; `None` for the base.
     pub parent: Option<usize>,
-    /// The modules that leave its last link.
+    /// The indices of the modules that this module's last link carries.
     pub children: &'static [usize],
-    /// Its links from the inside out.
+    /// The names of the module's links, from the parent to the tip.
     pub links: &'static [&'static str],
-    /// Their joints, in the same order.
+    /// The names of the links' joints, in the same order.
     pub joints: &'static [&'static str],
-    /// Where its first entry stands in velocity vectors; the others follow.
+    /// The module's first entry in velocity vectors; its other entries follow.
     pub first: usize,
-    /// How many entries it has there.
+    /// The number of the module's entries in velocity vectors.
     pub dofs: usize,
 }
 
-/// The derivatives of the inverse dynamics: square matrices by columns, a column for each entry
-/// of what is derived by.
+/// The derivatives of inverse dynamics: square matrices by columns, a column for each variable.
 ///
-/// The derivative by the accelerations is the mass matrix.
+/// The derivative with respect to the accelerations is the mass matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseDynamicsDerivatives<M> {
     /// d tau / d q, in tangent space.
@@ -31,10 +30,10 @@ pub struct InverseDynamicsDerivatives<M> {
     pub dqd: M,
 }
 
-/// The derivatives of the forward dynamics, and the accelerations at which they are taken.
+/// The accelerations of forward dynamics and their derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForwardDynamicsDerivatives<V, M> {
-    /// The accelerations.
+    /// The joint accelerations.
     pub qdd: V,
     /// d qdd / d q, in tangent space.
     pub dq: M,
@@ -44,25 +43,32 @@ pub struct ForwardDynamicsDerivatives<V, M> {
     pub dtau: M,
 }
 
-/// How constraints are stabilized, and which of their rows count as independent.
+/// The stabilization of constraints, and the limits below which rows count as dependent.
 ///
 /// A constraint whose frames are displaced by phi obeys phi'' = -2 alpha phi' - beta^2 phi (Baumgarte 1972).
-/// Alpha = beta is the fastest return without oscillation, by half in 1.7 / beta; zeros keep the
-/// displacement that an integrator's errors have caused.
+/// alpha = beta gives the fastest return without oscillation; the displacement halves in 1.7 / beta. With zeros
+/// the displacement by an integrator's errors remains.
 ///
-/// A row of the constraints depends on others where they leave it a mobility (inverse inertia, 1/kg) of at
-/// most `tolerance` times the mobility of its constraint's relative motion, plus `rounding` times the
-/// row's own. Rotations count times the constraint's characteristic length.
+/// The mobility of a row is an inverse inertia, 1/kg. A row depends on others if the mobility that they leave to it
+/// is at most a threshold. The threshold is `tolerance` times the mobility of the constraint's relative motion, plus
+/// `rounding` times the row's own mobility. Rotations are multiplied by the constraint's characteristic length.
+///
+/// ```
+/// use modyn_runtime::ConstraintSettings;
+///
+/// let stiff = ConstraintSettings { alpha: 100.0, beta: 100.0, ..ConstraintSettings::<f64>::DEFAULT };
+/// assert_eq!(stiff.tolerance, 1e-10);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintSettings<T> {
-    /// Damping of the displacements, 1/s.
+    /// The damping of the displacements, 1/s.
     pub alpha: T,
-    /// Stiffness of the displacements, 1/s.
+    /// The stiffness of the displacements, 1/s.
     pub beta: T,
-    /// The mobility of a dependent row as a share of its constraint's mobility in all six directions: the
-    /// square of the error, as an angle, that axes and joints of the mechanism may have.
+    /// The mobility of a dependent row relative to its constraint's mobility in all six directions: the squared
+    /// angular error of the mechanism's axes, rad^2.
     pub tolerance: T,
-    /// The share of a row's own mobility that rounding may leave of it.
+    /// The part of a row's own mobility that rounding may leave.
     pub rounding: T,
 }
 
@@ -70,7 +76,7 @@ impl ConstraintSettings<f64> {
     /// alpha = beta = 20/s, axes that are off by 1e-5 rad, and the square root of the precision.
     pub const DEFAULT: Self = Self { alpha: 20.0, beta: 20.0, tolerance: 1e-10, rounding: 1e-10 };
 
-    /// Constraints of accelerations alone: for mechanisms whose constraints are met exactly.
+    /// No stabilization, for mechanisms whose constraints are satisfied exactly.
     pub const EXACT: Self = Self { alpha: 0.0, beta: 0.0, ..Self::DEFAULT };
 }
 
@@ -78,7 +84,7 @@ impl ConstraintSettings<f32> {
     /// alpha = beta = 20/s, axes that are off by 1e-4 rad, and a hundred times the precision.
     pub const DEFAULT: Self = Self { alpha: 20.0, beta: 20.0, tolerance: 1e-8, rounding: 1e-5 };
 
-    /// Constraints of accelerations alone: for mechanisms whose constraints are met exactly.
+    /// No stabilization, for mechanisms whose constraints are satisfied exactly.
     pub const EXACT: Self = Self { alpha: 0.0, beta: 0.0, ..Self::DEFAULT };
 }
 
@@ -94,30 +100,29 @@ impl Default for ConstraintSettings<f32> {
     }
 }
 
-/// The accelerations of a robot under its constraints, and the wrenches that meet them.
+/// The accelerations of a robot under its constraints, and the constraint wrenches.
 ///
-/// Wrenches and residuals are arrays with an entry for each loop constraint, at its second frame's
-/// origin in its first frame's axes.
+/// Wrenches and residuals are arrays with an entry for each loop constraint, at its second frame's origin in its
+/// first frame's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedForwardDynamics<V, W, R, T> {
-    /// The accelerations, rad/s^2 or m/s^2.
+    /// The joint accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
-    /// The wrench on the constraint's second link, N m and N; the first link feels the opposite. Where
-    /// rows are redundant, the wrenches with the smallest sum of force^2 + (moment / l)^2 over all
-    /// constraints, with the characteristic length l of each.
+    /// The wrench on each constraint's second link, N m and N; the opposite wrench acts on the first link. If rows
+    /// are redundant, the wrenches minimize the sum of force^2 + (moment / l)^2 over all constraints, with the
+    /// characteristic length l of each.
     pub wrenches: W,
-    /// The part of each constraint's relative acceleration that could not be met, rad/s^2 and m/s^2:
-    /// rounding, unless rows contradict each other. Then it is the smallest possible, as a sum of
-    /// linear^2 + (l angular)^2.
+    /// The unmet part of each constraint's relative acceleration, rad/s^2 and m/s^2. It is within rounding of zero
+    /// unless rows contradict each other. Then it minimizes the sum of linear^2 + (l angular)^2.
     pub residuals: R,
     /// The number of independent constraint rows, an integer.
     pub rank: T,
 }
 
-/// A step that meets the constraints, and the change of the velocities that keeps them met.
+/// A step that satisfies the constraints, and the change of the velocities that keeps them satisfied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintProjection<V, T> {
-    /// The displacement, in tangent space, from coordinates that nearly meet the constraints.
+    /// The displacement, in tangent space, from coordinates that nearly satisfy the constraints.
     pub dq: V,
     /// The change of the velocities.
     pub dqd: V,
@@ -125,46 +130,53 @@ pub struct ConstraintProjection<V, T> {
     pub rank: T,
 }
 
-/// How far constraints are from being met: arrays with an entry for each loop constraint, of its second
-/// frame relative to its first, in the first frame's axes, without the free directions.
+/// The violation of the constraints: arrays with an entry for each loop constraint, for its second frame relative
+/// to its first, in the first frame's axes, without the free directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintResidual<D> {
-    /// Displacements, m; rotations by their axes times the sines of their angles.
+    /// The displacements, m; a rotation is its axis times the sine of its angle.
     pub displacements: D,
-    /// Velocities, m/s and rad/s.
+    /// The velocities, m/s and rad/s.
     pub velocities: D,
 }
 
-/// The limits of a robot's joints, infinite where the description states none.
+/// The limits of a robot's joints; infinite without a limit in the description.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits<'a> {
-    /// Smallest coordinates, rad or m; one for each entry of `q`.
+    /// The lower position limits, rad or m, one for each entry of `q`.
     pub lower: &'a [f64],
-    /// Largest coordinates, rad or m.
+    /// The upper position limits, rad or m, one for each entry of `q`.
     pub upper: &'a [f64],
-    /// Largest speeds, rad/s or m/s; one for each entry of `qd`.
+    /// The velocity limits, rad/s or m/s, one for each entry of `qd`.
     pub velocity: &'a [f64],
-    /// Largest efforts, N m or N.
+    /// The effort limits, N m or N, one for each entry of `qd`.
     pub effort: &'a [f64],
 }
 
-/// How many operations a function takes; changes of sign are free.
+/// The number of operations of a function. Changes of sign are not counted.
+///
+/// ```
+/// use modyn_runtime::OperationCount;
+///
+/// let count = OperationCount { multiplications: 3, additions: 2, ..OperationCount::default() };
+/// assert_eq!((count + count).total(), 10);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OperationCount {
-    /// Multiplications.
+    /// The number of multiplications.
     pub multiplications: usize,
-    /// Additions and subtractions.
+    /// The number of additions and subtractions.
     pub additions: usize,
-    /// Divisions.
+    /// The number of divisions.
     pub divisions: usize,
-    /// Angles whose sine, cosine or both are taken.
+    /// The number of angles whose sine, cosine or both are computed.
     pub sin_cos: usize,
-    /// Square roots and logarithms, absolute values, maxima and selections.
+    /// The number of square roots, logarithms, absolute values, maxima and selections.
     pub others: usize,
 }
 
 impl OperationCount {
-    /// Multiplications, additions and divisions together.
+    /// Returns the number of multiplications, additions and divisions together.
     #[must_use]
     pub const fn total(&self) -> usize {
         self.multiplications + self.additions + self.divisions

@@ -1,7 +1,7 @@
-//! Constraints.
+//! The graphs of loop constraints.
 //!
-//! Settings are alpha, beta, tolerance and rounding; a twist or a wrench is three angular numbers, then
-//! three linear ones.
+//! Settings are alpha, beta, tolerance and rounding. A twist or a wrench is three angular, then three linear
+//! components.
 
 use modyn_runtime::ConstraintSettings;
 use modyn_runtime::equations::brge::UduLayout;
@@ -12,8 +12,8 @@ use super::Tracer;
 use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
-    /// The accelerations, a wrench and a residual for each loop constraint, and the rank, from `q`, `qd`,
-    /// `tau` and settings, through the factors of the mass matrix in this layout.
+    /// Returns the graph of the accelerations, a wrench and a residual for each loop constraint, and the rank. Inputs:
+    /// `q`, `qd`, `tau` and settings. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn constrained_forward_dynamics(&self, layout: &UduLayout) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
@@ -26,7 +26,7 @@ impl Tracer<'_> {
                 model,
                 layout,
                 (&q, &qd, &tau),
-                &settings_of(&settings),
+                &constraint_settings(&settings),
                 (&mut Workspace::new(model), room),
                 (&mut qdd, &mut wrenches, &mut residuals),
             );
@@ -36,7 +36,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// The displacement of each loop constraint, then the velocity of each, from `q`, `qd`.
+    /// Returns the graph of the displacement, then the velocity of each loop constraint. Inputs: `q`, `qd`.
     #[must_use]
     pub fn constraint_residual(&self) -> Graph {
         self.trace(|model, [q, qd]| {
@@ -48,7 +48,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// The step, the change of the velocities and the rank, from `q`, `qd` and settings.
+    /// Returns the graph of the step, the change of the velocities and the rank. Inputs: `q`, `qd` and settings.
     #[must_use]
     pub fn project_constraints(&self, layout: &UduLayout) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
@@ -59,7 +59,7 @@ impl Tracer<'_> {
                 model,
                 layout,
                 (&q, &qd),
-                &settings_of(&settings),
+                &constraint_settings(&settings),
                 (&mut Workspace::new(model), room),
                 (&mut dq, &mut dqd),
             );
@@ -71,7 +71,7 @@ impl Tracer<'_> {
 /// The number of settings.
 const SETTINGS: usize = 4;
 
-fn settings_of(numbers: &[Expr]) -> ConstraintSettings<Expr> {
+fn constraint_settings(numbers: &[Expr]) -> ConstraintSettings<Expr> {
     let &[alpha, beta, tolerance, rounding] = numbers else { unreachable!("four settings") };
     ConstraintSettings { alpha, beta, tolerance, rounding }
 }

@@ -1,4 +1,4 @@
-//! Forward dynamics of closed loops, and their residuals.
+//! Forward dynamics of closed loops, and the residuals of loop constraints.
 
 use super::Interpreter;
 use super::errors::{ShapeError, check};
@@ -10,17 +10,19 @@ use crate::model::ModuleTree;
 use crate::results::ConstraintSettings;
 use crate::spatial::{Twist, Wrench};
 
-/// The memory that it works in.
-type Rooms<'a, S> = (&'a mut Workspace<S>, &'a mut ConstraintWorkspace<S>);
+/// The workspaces that constrained dynamics needs.
+type Workspaces<'a, S> = (&'a mut Workspace<S>, &'a mut ConstraintWorkspace<S>);
 
-/// Closed loops: see [`Model::loop_constraints`](crate::model::Model::loop_constraints). The slices
-/// that have an entry for each loop constraint are empty for a tree.
+/// Functions of closed loops: see [`Model::loop_constraints`](crate::model::Model::loop_constraints). Slices with
+/// an entry for each loop constraint are empty for a tree.
 impl<S: Scalar> Interpreter<S> {
-    /// Computes the joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint torques or forces `tau`
-    /// with the loops closed, and for each loop constraint the wrench on its second link (N m, N) and the
-    /// residual of its acceleration (rad/s^2, m/s^2), at the second frame's origin in the first frame's
-    /// axes: see [`ConstrainedForwardDynamics`](crate::ConstrainedForwardDynamics). Returns the number of
-    /// independent constraint rows, an integer. The first call allocates its memory.
+    /// Computes the joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint forces `tau`, with the loops
+    /// closed. Returns the number of independent constraint rows, an integer.
+    ///
+    /// `wrenches` receives the wrench on each loop constraint's second link (N m, N), and `residuals` the
+    /// residual of its acceleration (rad/s^2, m/s^2). Both are at the second frame's origin, in the first
+    /// frame's axes: see [`ConstrainedForwardDynamics`](crate::ConstrainedForwardDynamics). The first call
+    /// allocates memory. Source: Featherstone 2008, chapter 8.
     ///
     /// # Errors
     ///
@@ -46,12 +48,14 @@ impl<S: Scalar> Interpreter<S> {
         Ok(solve(mechanism, layout, state, settings, rooms, (qdd, wrenches, residuals)))
     }
 
-    /// Computes the step `dq` (rad or m, in tangent space) that, to first order, closes the loops at `q`,
-    /// and the change `dqd` of the velocities that keeps them closed: the smallest in the metric of the mass
-    /// matrix. Returns the number of independent constraint rows, an integer. Of `settings`, `alpha` and
-    /// `beta` do not matter. The first call of this or of
-    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) allocates its memory. Repeated
-    /// a few times from near by, with [`integrate`](Self::integrate), it assembles a robot.
+    /// Computes the smallest step `dq` (rad or m, in tangent space) that closes the loops at `q` to first order,
+    /// and the smallest change `dqd` of the velocities that keeps them closed. Returns the number of independent
+    /// constraint rows, an integer.
+    ///
+    /// Steps are smallest in the metric of the mass matrix. The settings `alpha` and `beta` have no effect. The
+    /// first call of this function or of [`constrained_forward_dynamics`](Self::constrained_forward_dynamics)
+    /// allocates memory. To assemble a robot from nearby coordinates, repeat it with
+    /// [`integrate`](Self::integrate) a few times.
     ///
     /// # Errors
     ///
@@ -73,8 +77,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(project(mechanism, layout, (q, qd), settings, rooms, (dq, dqd)))
     }
 
-    /// The model, the layout of its factorization and the memory for constraints.
-    fn constraints(&mut self) -> (&Mechanism<S>, &UduLayout, Rooms<'_, S>) {
+    /// Returns the mechanism, the layout of its factorization and the workspaces.
+    fn constraints(&mut self) -> (&Mechanism<S>, &UduLayout, Workspaces<'_, S>) {
         let Self { mechanism, workspace, model, links, constraints, .. } = self;
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
@@ -82,9 +86,10 @@ impl<S: Scalar> Interpreter<S> {
         (mechanism, layout, (workspace, room))
     }
 
-    /// Computes how far each loop constraint's second frame is displaced from its first (m; a rotation by
-    /// its axis times the sine of its angle) and its relative velocity (rad/s, m/s), in the first frame's
-    /// axes, without the free directions.
+    /// Computes the displacement (m) and the velocity (rad/s, m/s) of each loop constraint's second frame relative
+    /// to its first, in the first frame's axes.
+    ///
+    /// Components along free directions are zero. A rotation is its axis times the sine of its angle.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! The frames that loop constraints act on, on the bodies that carry them.
+//! The frames of loop constraints, on the bodies that carry them.
 
 use alloc::vec::Vec;
 
@@ -13,11 +13,11 @@ use crate::spatial::Vector3;
 pub struct ConstrainedFrames<S> {
     /// The first frame, in whose axes the relative twist is expressed, and the second.
     pub ends: [BodyFrame<S>; 2],
-    /// The axis that both frames have, if one is held.
+    /// The common axis of a hinge; `None` for other constraints.
     pub hinge: Option<Vector3<S>>,
-    /// The constrained directions, a row of the constraint Jacobian each.
+    /// The constrained directions, one for each row of the constraint Jacobian.
     pub rows: Vec<ConstraintRow<S>>,
-    /// The free directions: with `rows` an orthonormal basis of rotations and displacements.
+    /// The free directions. Together with `rows` they are an orthonormal basis of rotations and displacements.
     pub free: Vec<ConstraintRow<S>>,
     /// The characteristic length between rotations and displacements, m.
     pub length: S,
@@ -26,14 +26,14 @@ pub struct ConstrainedFrames<S> {
 /// A direction of a constraint's relative twist.
 #[derive(Clone, Copy, Debug)]
 pub struct ConstraintRow<S> {
-    /// Whether it is a rotation about the direction, not a displacement along it.
+    /// Whether the direction is a rotation axis; otherwise it is a displacement.
     pub angular: bool,
     /// A unit vector in the first frame's axes.
     pub direction: Vector3<S>,
 }
 
 impl<S: Scalar> ConstrainedFrames<S> {
-    /// Each number through `f`.
+    /// Returns the constraint with `f` applied to its numbers.
     pub(super) fn map<T>(&self, f: impl Fn(S) -> T) -> ConstrainedFrames<T> {
         let vector = |v: Vector3<S>| Vector3(v.0.map(&f));
         let row = |row: &ConstraintRow<S>| ConstraintRow {
@@ -50,7 +50,7 @@ impl<S: Scalar> ConstrainedFrames<S> {
     }
 }
 
-/// `constraint`, of characteristic length `length`, on the bodies that carry the description's `frames`.
+/// Returns `constraint`, of characteristic length `length`, on the bodies that carry the description's `frames`.
 pub(super) fn constrained(
     frames: &[BodyFrame<f64>],
     constraint: &LoopConstraint,

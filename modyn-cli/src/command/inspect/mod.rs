@@ -33,7 +33,7 @@ pub struct Arguments {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Draw the module tree and the sparsity of the inertia matrix and its factors U and D
+    /// Draw the module tree and the sparsity of the mass matrix and its factors U and D
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
     /// Show the operations and the code size of these functions: their names with commas, `default`, `all`

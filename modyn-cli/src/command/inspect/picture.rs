@@ -25,7 +25,7 @@ const STEP: (f64, f64) = (36.0, 62.0);
 const LETTER: f64 = 6.7;
 const BESIDE: f64 = 44.0;
 /// The longest name that is drawn in full, in characters.
-const LONGEST_NAME: usize = 60;
+const MAX_NAME_LENGTH: usize = 60;
 /// Of a matrix, and from one to the next.
 const MATRIX: f64 = 250.0;
 const BETWEEN: f64 = 46.0;
@@ -108,8 +108,8 @@ fn box_width(model: &Model, modules: &ModuleTree) -> f64 {
         let links = &model.links()[module.links.clone()];
         [(links.first(), 0), (links.last(), 3)] // "to " before the last
     });
-    let letters =
-        ends.filter_map(|(link, more)| Some(link?.name.chars().count().min(LONGEST_NAME) + more));
+    let letters = ends
+        .filter_map(|(link, more)| Some(link?.name.chars().count().min(MAX_NAME_LENGTH) + more));
     (letters.max().unwrap_or(0) as f64 * LETTER + BESIDE).max(BOX.0)
 }
 
@@ -150,7 +150,7 @@ fn draw_tree(
         );
         let links = &model.links()[module.links.clone()];
         let name = |link: Option<&Link>| {
-            markup(&shortened(link.map_or("", |link| &link.name), LONGEST_NAME))
+            markup(&shortened(link.map_or("", |link| &link.name), MAX_NAME_LENGTH))
         };
         let (first, last) = (name(links.first()), name(links.last()));
         let last = if links.len() > 1 { format!("to {last}") } else { String::new() };

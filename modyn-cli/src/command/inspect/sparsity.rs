@@ -6,31 +6,31 @@ use modyn_runtime::model::{Model, ModuleTree};
 use crate::command::outcome::Failure;
 use crate::command::random::Random;
 
-/// At how many states it is looked: an entry that is zero at all of them is zero.
+/// The number of random states; an entry that is zero at all of them counts as zero.
 const STATES: usize = 4;
 
-/// The largest robot that it is found and drawn for.
-const MOST_VELOCITIES: usize = 400;
+/// The largest number of velocities for which the pattern is computed and drawn.
+const MAX_VELOCITIES: usize = 400;
 
-/// By columns: whether an entry is not zero.
+/// The sparsity patterns by columns: whether an entry is nonzero.
 pub struct Sparsity {
-    /// Rows and columns.
+    /// The number of rows and columns.
     pub n: usize,
-    /// Of the mass matrix.
+    /// The pattern mass matrix.
     pub mass_matrix: Vec<bool>,
-    /// Of U.
+    /// The pattern of U.
     pub u: Vec<bool>,
-    /// Of D.
+    /// The pattern of D.
     pub d: Vec<bool>,
 }
 
 impl Sparsity {
-    /// Of this robot, by these modules.
+    /// Returns the patterns of a robot with these modules.
     pub fn of(model: &Model, modules: &ModuleTree) -> Result<Self, Failure> {
         let n = model.nv();
-        if n > MOST_VELOCITIES {
+        if n > MAX_VELOCITIES {
             let why = format!("error: a robot of {n} velocities is too large to draw");
-            return Err(Failure::usage(format!("{why}; {MOST_VELOCITIES} are the most")));
+            return Err(Failure::usage(format!("{why}; {MAX_VELOCITIES} are the most")));
         }
         let wrong = |error: &dyn std::fmt::Display| Failure::usage(format!("error: {error}"));
         let interpreter = Interpreter::<f64>::with_modules(model.clone(), modules.clone());
@@ -51,7 +51,7 @@ impl Sparsity {
     }
 }
 
-/// Adds what is not zero, beside rounding.
+/// Adds the entries that are not zero within rounding.
 fn mark(pattern: &mut Vec<bool>, matrix: &[f64]) {
     let largest = matrix.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     pattern.resize(matrix.len(), false);

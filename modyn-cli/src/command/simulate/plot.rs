@@ -6,7 +6,7 @@ use modyn_runtime::model::Model;
 
 use super::motion::{Motion, Sample};
 use super::units::{self, Kind};
-use crate::command::figure::figure;
+use crate::command::numbers::four_digits;
 use crate::escape::{markup, shortened};
 
 /// Curves that can be told apart, also by colour-blind readers (Okabe and Ito).
@@ -18,7 +18,7 @@ const GRID: &str = "#e3e7eb";
 /// The most points of a curve: more cannot be seen.
 const POINTS: usize = 500;
 /// Values beyond this are left out: axes have no end otherwise.
-const LARGEST: f64 = 1e100;
+const MAX_VALUE: f64 = 1e100;
 
 const WIDTH: f64 = 1280.0;
 const MARGIN: f64 = 36.0;
@@ -165,7 +165,7 @@ impl Axes {
                 let _ = writeln!(
                     out,
                     "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"12\" fill=\"{GREY}\" text-anchor=\"end\">{}</text>",
-                    figure(value)
+                    four_digits(value)
                 );
             }
         }
@@ -178,7 +178,7 @@ impl Axes {
                 let _ = writeln!(
                     out,
                     "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"12\" fill=\"{GREY}\" text-anchor=\"middle\">{}</text>",
-                    figure(time)
+                    four_digits(time)
                 );
             }
         }
@@ -336,7 +336,7 @@ fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
 
 /// Whether a value can be drawn.
 fn drawn(x: f64) -> bool {
-    x.abs() < LARGEST
+    x.abs() < MAX_VALUE
 }
 
 #[cfg(test)]

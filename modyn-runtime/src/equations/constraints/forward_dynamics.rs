@@ -1,4 +1,4 @@
-//! Forward dynamics under constraints.
+//! Forward dynamics with loop constraints.
 
 use super::ConstraintWorkspace;
 use super::rows::constraint_rows;
@@ -10,9 +10,14 @@ use crate::mechanism::Mechanism;
 use crate::results::ConstraintSettings;
 use crate::spatial::{Twist, Wrench};
 
-/// Computes the accelerations `qdd` under the joint torques or forces `tau` with the constraints met,
-/// and for each constraint the wrench on its second link and the residual of its accelerations, both at
-/// the second frame's origin in the first frame's axes. Returns the number of independent rows.
+/// Computes the joint accelerations `qdd` under the joint forces `tau`, with all constraints satisfied.
+/// Returns the number of independent rows.
+///
+/// `wrenches` receives, for each constraint, the wrench on its second link. `residuals` receives the
+/// part of the required relative acceleration that contradictory rows leave unmet. Wrenches and
+/// residuals are expressed in the first frame's axes, at the second frame's origin.
+///
+/// Featherstone 2008, "Rigid Body Dynamics Algorithms", chapter 8.
 pub fn constrained_forward_dynamics<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,

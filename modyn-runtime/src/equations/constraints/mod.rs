@@ -1,32 +1,33 @@
-//! Constraints: forward dynamics under the wrenches that hold the frames of loop joints together.
+//! Forward dynamics of mechanisms with loop joints: a constraint holds two frames together.
 //!
-//! | file | what it has |
+//! | file | content |
 //! |---|---|
 //! | `relative_motion` | the motion of a constraint's second frame relative to its first |
 //! | `rows` | the Jacobian rows in units of length, and the mobility of each constraint |
 //! | `factorization` | the pseudo-inverse of J I^-1 J^T, and its rank |
 //! | `forward_dynamics` | accelerations and constraint wrenches |
-//! | `projection` | steps that meet the constraints |
-//! | `residual` | how far the constraints are from being met |
+//! | `projection` | steps of coordinates and velocities that satisfy the constraints |
+//! | `residual` | displacements and velocities that violate the constraints |
 //!
-//! A constraint holds rows J qd = 0 of the motion of its second frame relative to its first, in the first
-//! frame's axes; their rate is J qdd + dJ/dt qd. With multipliers lambda (Featherstone 2008, "Rigid Body
-//! Dynamics Algorithms", 8.2) and the stabilization of Baumgarte (1972) towards phi = 0 and J qd = 0,
+//! A constraint consists of rows J qd = 0. Each row is a component of the second frame's twist relative
+//! to the first frame, in the first frame's axes. The time derivative of a row is J qdd + dJ/dt qd. With
+//! multipliers lambda (Featherstone 2008, "Rigid Body Dynamics Algorithms", 8.2) and the stabilization
+//! of Baumgarte (1972), which drives phi and J qd to zero, the equations are
 //!
 //! ```text
 //! I qdd = tau - h + J^T lambda
 //! J qdd = gamma = -dJ/dt qd - 2 alpha J qd - beta^2 phi
 //! ```
 //!
-//! With qdd_0 the accelerations of the tree, lambda = (J I^-1 J^T)^+ (gamma - J qdd_0) and
-//! qdd = qdd_0 + I^-1 J^T lambda. Every product with I^-1 is solved for by modules, through U D U^T
-//! ([`brge`](super::brge)).
+//! With the accelerations qdd_0 of the tree without constraints, lambda = (J I^-1 J^T)^+ (gamma - J qdd_0)
+//! and qdd = qdd_0 + I^-1 J^T lambda. Every product with I^-1 is computed with the factors U D U^T of
+//! the mass matrix ([`brge`](super::brge)).
 //!
 //! Rotation rows are multiplied by the constraint's characteristic length l
-//! ([`Model::characteristic_length`](crate::model::Model::characteristic_length)). Of redundant rows the
-//! multipliers are those with the smallest sum of force^2 + (moment / l)^2 over all constraints; the
-//! accelerations of contradictory rows have the smallest sum of squared residuals, linear^2 +
-//! (l angular)^2. Neither depends on how the mechanism is rotated.
+//! ([`Model::characteristic_length`](crate::model::Model::characteristic_length)). Where rows are
+//! redundant, the multipliers minimize the sum of force^2 + (moment / l)^2 over all constraints. Where
+//! rows contradict each other, the accelerations minimize the sum of the squared residuals,
+//! linear^2 + (l angular)^2. Neither sum depends on the orientation of the mechanism.
 
 mod factorization;
 mod forward_dynamics;
@@ -48,31 +49,31 @@ use crate::results::ConstraintSettings;
 use crate::spatial::Twist;
 use factorization::RankFactorization;
 
-/// Memory for constraints.
+/// Memory for the intermediate results of constrained dynamics.
 #[derive(Clone, Debug)]
 pub struct ConstraintWorkspace<S> {
-    /// By end: the Jacobian of its frame in its own axes, a column for each entry of qd.
+    /// For each of the two frames: its Jacobian in the frame's own axes, a column for each entry of qd.
     columns: [Vec<Twist<S>>; 2],
     /// The number of constrained rows.
     rows: usize,
-    /// J and I^-1 J^T: the constrained rows of all constraints, then the free ones; a row is as long
-    /// as qd.
+    /// J and I^-1 J^T: the constrained rows of all constraints, then the free rows. A row has nv
+    /// entries.
     jacobian: Vec<S>,
     solved: Vec<S>,
-    /// By constraint: the trace of J I^-1 J^T over all six directions.
+    /// For each constraint, the trace of J I^-1 J^T over all six directions.
     mobilities: Vec<S>,
-    /// J I^-1 J^T of the constrained rows.
+    /// The factorization of J I^-1 J^T, constrained rows only.
     factorization: RankFactorization<S>,
-    /// Two right-hand sides by constrained row, then the multipliers.
+    /// Two right-hand sides, an entry for each constrained row; `solve` replaces them by multipliers.
     right_hand_sides: [Vec<S>; 2],
-    /// By constrained row: the part of the right-hand side that was not met.
+    /// For each constrained row, the part of the right-hand side that is not met.
     residuals: Vec<S>,
-    /// Of the mass matrix.
+    /// The factors of the mass matrix.
     factors: Vec<S>,
 }
 
 impl<S: Scalar> ConstraintWorkspace<S> {
-    /// Memory for a model whose mass matrix is factorized in this layout.
+    /// Returns memory for `model`, whose mass matrix is factorized with `layout`.
     #[must_use]
     pub fn new(model: &Mechanism<S>, layout: &UduLayout) -> Self {
         let constraints = || model.loop_constraints.iter();
@@ -93,7 +94,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Factorizes J I^-1 J^T of the rows at present.
+    /// Factorizes J I^-1 J^T of the current rows.
     fn factorize(
         &mut self,
         model: &Mechanism<S>,
@@ -105,7 +106,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         self.factorization.factorize(&self.mobilities, tolerance, rounding);
     }
 
-    /// Replaces a right-hand side by its multipliers.
+    /// Replaces right-hand side `side` by its multipliers.
     fn solve(&mut self, side: usize) {
         let Self { factorization, right_hand_sides, residuals, .. } = self;
         factorization.solve(&mut right_hand_sides[side], residuals);
@@ -120,7 +121,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Adds the joints' response I^-1 J^T lambda to the multipliers of a right-hand side.
+    /// Adds I^-1 J^T lambda, the joints' response to the multipliers lambda of right-hand side `side`.
     fn add_response(&self, side: usize, sum: &mut [S]) {
         let rows = self.solved.chunks(sum.len().max(1));
         for (&multiplier, row) in self.right_hand_sides[side].iter().zip(rows) {
@@ -131,8 +132,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
     }
 }
 
-/// The number of entries of qd that move a constraint's frames relative to each other: its rows
-/// cannot have a higher rank.
+/// Returns the number of entries of qd that move the two frames of a constraint relative to each other.
+/// The rank of the constraint's rows cannot be higher.
 fn degrees_of_freedom<S>(model: &Mechanism<S>, constraint: &ConstrainedFrames<S>) -> usize {
     let ancestor = relative_motion::common_ancestor(model, constraint);
     let mut moving = vec![false; model.nv];

@@ -1,14 +1,16 @@
-//! The residual of the constraints: how far they are from being met.
+//! The residual of the constraints: the displacements and velocities that violate them.
 
-use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, seen_from_ancestor};
+use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, relative_to_ancestor};
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::mechanism::Mechanism;
 use crate::spatial::Twist;
 
 /// Computes the displacement and the velocity of each constraint's second frame relative to its first,
-/// in the first frame's axes, without the free directions. A rotation is its axis times the sine of
-/// its angle; of a hinge, the vector product of its two directions.
+/// in the first frame's axes. Components along free directions are zero.
+///
+/// A rotation is given as its axis times the sine of its angle. For a hinge it is the cross product of
+/// the axis directions of both frames.
 pub fn constraint_residual<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
@@ -19,7 +21,7 @@ pub fn constraint_residual<S: Scalar>(
     for (constraint, (displacement, velocity)) in model.loop_constraints.iter().zip(results) {
         let ancestor = common_ancestor(model, constraint);
         let seen =
-            constraint.ends.map(|end| seen_from_ancestor(model, end, ancestor, q, |_, _| {}));
+            constraint.ends.map(|end| relative_to_ancestor(model, end, ancestor, q, |_, _| {}));
         let pose = RelativePose::new(&seen);
         let motion = RelativeMotion::new(model, constraint, &pose, (q, qd), workspace);
         *displacement = constraint.constrained_part(motion.displacement);

@@ -1,13 +1,14 @@
-//! The rows of the constraint Jacobian in units of length, and the mobility that they are judged by.
+//! The rows of the constraint Jacobian in units of length, and the mobility of each constraint.
 //!
-//! A row holds one component of a constraint's relative twist. A rotation row is multiplied by the
+//! A row is one component of a constraint's relative twist. A rotation row is multiplied by the
 //! constraint's characteristic length l, so that all rows are velocities in m/s and all multipliers
-//! are forces in N. The mobility of a constraint is the trace of G I^-1 G^T, where G has a row for each
-//! of the six directions of the relative twist, constrained or free, in the same units: a number
-//! that depends neither on the axes nor on which directions are constrained.
+//! are forces in N. The mobility of a constraint is the trace of G I^-1 G^T. G has a row for each of
+//! the six directions of the relative twist, constrained or free, in the same units. The mobility
+//! therefore depends neither on the axes nor on which directions are constrained. It is the scale that
+//! decides whether a row is independent.
 
 use super::ConstraintWorkspace;
-use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, seen_from_ancestor};
+use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, relative_to_ancestor};
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::brge::{self, UduLayout};
@@ -16,12 +17,12 @@ use crate::mechanism::{ConstrainedFrames, ConstraintRow, Mechanism};
 use crate::spatial::Twist;
 
 impl<S: Scalar> ConstraintRow<S> {
-    /// The component of a twist that the row constrains, rad/s or m/s.
+    /// Returns the component of a twist that the row constrains, rad/s or m/s.
     fn component(&self, twist: Twist<S>) -> S {
         self.direction.dot(if self.angular { twist.angular } else { twist.linear })
     }
 
-    /// The same component in units of length.
+    /// Returns the component of a twist that the row constrains, in m/s.
     pub(super) fn scaled_component(&self, twist: Twist<S>, length: S) -> S {
         let component = self.component(twist);
         if self.angular { component * length } else { component }
@@ -29,11 +30,11 @@ impl<S: Scalar> ConstraintRow<S> {
 }
 
 impl<S: Scalar> ConstrainedFrames<S> {
-    /// The sum of the rows' directions times these components, one for each row; components that
-    /// follow belong to other constraints.
+    /// Returns the sum of the rows' directions times `components`, one component for each row. Further
+    /// components belong to other constraints and are not taken.
     pub(super) fn along_rows(&self, components: impl Iterator<Item = S>) -> Twist<S> {
         let mut sum = Twist::zero();
-        // The rows come first: a component that is taken must have a row.
+        // `zip` asks the rows first, so that no component is taken without a row.
         for (row, component) in self.rows.iter().zip(components) {
             let part = if row.angular { &mut sum.angular } else { &mut sum.linear };
             *part += row.direction.scale(component);
@@ -41,14 +42,14 @@ impl<S: Scalar> ConstrainedFrames<S> {
         sum
     }
 
-    /// The constrained part of a twist.
+    /// Returns a twist without its components along the free directions.
     pub(super) fn constrained_part(&self, twist: Twist<S>) -> Twist<S> {
         self.along_rows(self.rows.iter().map(|row| row.component(twist)))
     }
 }
 
-/// Computes the Jacobian rows of all constraints, constrained and free ones, and the two right-hand
-/// sides that `target` gives for each constrained row.
+/// Computes the Jacobian rows of all constraints, constrained and free, and two right-hand sides.
+/// `target` returns both right-hand sides of a constrained row.
 pub(super) fn constraint_rows<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
@@ -64,7 +65,7 @@ pub(super) fn constraint_rows<S: Scalar>(
         let ancestor = common_ancestor(model, constraint);
         let reach = |end, columns: &mut [Twist<S>]| {
             columns.fill(Twist::zero());
-            seen_from_ancestor(model, end, ancestor, q, |i, seen| {
+            relative_to_ancestor(model, end, ancestor, q, |i, seen| {
                 add_columns(model, i, &seen.axes, seen.point, columns);
             })
         };
@@ -91,7 +92,7 @@ pub(super) fn constraint_rows<S: Scalar>(
 }
 
 /// Computes I^-1 J^T, the matrix J I^-1 J^T of the constrained rows, and the mobility of each
-/// constraint, from the rows and the factors of the mass matrix.
+/// constraint. Expects the rows and the factors of the mass matrix.
 pub(super) fn mobilities<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,
