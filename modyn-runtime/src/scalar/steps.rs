@@ -167,6 +167,8 @@ impl Scalar for Recorded {
 #[cfg(test)]
 #[allow(clippy::cast_possible_truncation)]
 mod tests {
+    use alloc::vec::Vec;
+
     use super::{Float, Scalar, Step, Steps, limit, reduce_far};
 
     fn run<F: Float>(steps: &Steps, inputs: [F; 2]) -> [F; 2] {
