@@ -168,5 +168,5 @@ pub fn emit_gpu(
 ) -> GpuSource {
     let prefix = names::snake(&options.type_name(model));
     let plan = options.plan_by(model, modules, Strategy::Threads);
-    gpu::print(&plan, model, &prefix, language, options.float)
+    gpu::print(&plan, model, &prefix, language, options.scalar)
 }
