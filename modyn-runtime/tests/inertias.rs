@@ -264,39 +264,39 @@ fn a_small_moment_of_inertia_is_no_rounding_of_the_mass() {
 #[test]
 fn nothing_is_left_of_a_link_without_its_frames() {
     for seed in 0..20 {
-        for size in [1e-3, 1.0, 1e3] {
+        for size in [1e-3, 1.0, 1e3_f64] {
             // Rods along each axis, of which the difference of two moments of inertia is zero.
-            for rod in 0..3 {
+            for across in [[0, 3], [3, 5], [5, 0]] {
                 let mut random = Random(seed);
-                let across = [[0, 1], [1, 2], [2, 0]][rod];
-                let mut part = |name: &str| {
-                    let mut inertial =
-                        Inertial { mass: random.between(0.5, 5.0), ..Inertial::default() };
-                    across.iter().for_each(|&i| {
-                        inertial.inertia[[0, 3, 5][i]] = random.next() * size * size
-                    });
-                    let mut pose = random.pose();
+                let frames = ["link", "tool", "camera"].map(|name| {
+                    let mass = random.between(0.5, 5.0) * size.powi(3);
+                    let mut inertial = Inertial { mass, ..Inertial::default() };
+                    across.iter().for_each(|&i| inertial.inertia[i] = mass * size * size);
+                    let mut pose = if name == "link" { Pose::identity() } else { random.pose() };
                     pose.translation = pose.translation.map(|x| 1e-3 * size * x);
                     Frame { name: name.into(), link: Some(0), pose, inertial }
-                };
-                let mut frames = vec![part("link"), part("tool"), part("camera")];
-                // The link's own frame is the body's.
-                frames[0].pose = Pose::identity();
-                let inertial = frames.iter().fold(Inertial::default(), |sum, frame| {
-                    sum.merged(&frame.inertial.transformed(&frame.pose))
                 });
+                let placed = frames.each_ref().map(|f| f.inertial.transformed(&f.pose));
+                let inertial = placed[0].merged(&placed[1]).merged(&placed[2]);
                 let joint =
                     Joint::new("joint", JointType::Revolute, [0.0, 0.0, 1.0], random.pose());
                 let link = Link { name: "link".into(), parent: None, joint, inertial };
-                let model = Model::new("rods", [0.0; 3], vec![link], frames).expect("sound parts");
+                let model = Model::new("rods", [0.0; 3], vec![link], frames.into()).expect("sound");
                 let left = inertia_without(&model, 0, |_| true);
-                assert_eq!(left, RigidInertia::zero(), "seed {seed}, size {size}, rod {rod}");
-                let left = inertia_without(&model, 0, |frame| frame != 0);
-                let own = rigid_inertia(&model.frames()[0].inertial);
-                let off =
-                    |a: f64, b: f64, unit: f64| assert!((a - b).abs() <= 1e-12 * unit, "{a} {b}");
-                off(left.mass, own.mass, 10.0);
-                off(left.second_moment.zz, own.second_moment.zz, size * size);
+                assert_eq!(left, RigidInertia::zero(), "seed {seed}, size {size}, rod {across:?}");
+                let left = inertia_without(&model, 0, |frame| frame == 1);
+                let expected = rigid_inertia(&placed[0].merged(&placed[2]));
+                let close = |found: f64, expected: f64, unit: f64| {
+                    assert!((found - expected).abs() <= 1e-12 * unit, "{found} {expected}");
+                };
+                let mass = expected.mass;
+                close(left.mass, mass, mass);
+                for i in 0..3 {
+                    let [found, expected] = [&left, &expected].map(|x| x.first_moment.0[i]);
+                    close(found, expected, mass * size);
+                    assert!(found != 0.0, "the camera's first moment");
+                }
+                close(left.second_moment.zz, expected.second_moment.zz, mass * size * size);
             }
         }
     }
