@@ -2,7 +2,9 @@
 #![cfg(feature = "alloc")]
 
 use modyn_runtime::joint::JointType;
+use modyn_runtime::mechanism::{inertia_without, rigid_inertia};
 use modyn_runtime::model::{Frame, Joint, JointDynamics, Link, Mimic, Model};
+use modyn_runtime::spatial::RigidInertia;
 use modyn_runtime::{Inertial, InertialError, Interpreter, Pose, Scalar};
 
 /// A fixed stream of numbers in 0..1: SplitMix64 (Steele, Lea and Flood 2014).
@@ -243,6 +245,60 @@ fn a_point_mass_on_its_axis_is_not_felt() {
         assert!(matches!(single.set_inertial(2, &on_axis), Err(InertialError::NoInertia { .. })));
         interpreter.set_inertial(2, &at(0.7, 0.01)).expect("beside the axis");
         single.set_inertial(2, &at(0.7, 0.05).map(|x| x as f32)).expect("beside the axis");
+    }
+}
+
+#[test]
+fn a_small_moment_of_inertia_is_no_rounding_of_the_mass() {
+    let none = Inertial::default();
+    for seed in 0..20 {
+        let model = chain(seed, &[JointType::Revolute, JointType::Revolute]);
+        let mut single = Interpreter::<f32>::new(model);
+        single.set_inertial(3, &Inertial::default()).expect("the link is left");
+        // A kilogram within 2 mm of its axis: the rounding of the mass is above its moment of inertia.
+        let within = Inertial { mass: 1.0, inertia: [4e-6, 0.0, 0.0, 4e-6, 0.0, 4e-6], ..none };
+        single.set_inertial(2, &within.map(|x| x as f32)).expect("a moment of inertia");
+    }
+}
+
+#[test]
+fn nothing_is_left_of_a_link_without_its_frames() {
+    for seed in 0..20 {
+        for size in [1e-3, 1.0, 1e3_f64] {
+            // Rods along each axis, of which the difference of two moments of inertia is zero.
+            for across in [[0, 3], [3, 5], [5, 0]] {
+                let mut random = Random(seed);
+                let frames = ["link", "tool", "camera"].map(|name| {
+                    let mass = random.between(0.5, 5.0) * size.powi(3);
+                    let mut inertial = Inertial { mass, ..Inertial::default() };
+                    across.iter().for_each(|&i| inertial.inertia[i] = mass * size * size);
+                    let mut pose = if name == "link" { Pose::identity() } else { random.pose() };
+                    pose.translation = pose.translation.map(|x| 1e-3 * size * x);
+                    Frame { name: name.into(), link: Some(0), pose, inertial }
+                });
+                let placed = frames.each_ref().map(|f| f.inertial.transformed(&f.pose));
+                let inertial = placed[0].merged(&placed[1]).merged(&placed[2]);
+                let joint =
+                    Joint::new("joint", JointType::Revolute, [0.0, 0.0, 1.0], random.pose());
+                let link = Link { name: "link".into(), parent: None, joint, inertial };
+                let model = Model::new("rods", [0.0; 3], vec![link], frames.into()).expect("sound");
+                let left = inertia_without(&model, 0, |_| true);
+                assert_eq!(left, RigidInertia::zero(), "seed {seed}, size {size}, rod {across:?}");
+                let left = inertia_without(&model, 0, |frame| frame == 1);
+                let expected = rigid_inertia(&placed[0].merged(&placed[2]));
+                let close = |found: f64, expected: f64, unit: f64| {
+                    assert!((found - expected).abs() <= 1e-12 * unit, "{found} {expected}");
+                };
+                let mass = expected.mass;
+                close(left.mass, mass, mass);
+                for i in 0..3 {
+                    let [found, expected] = [&left, &expected].map(|x| x.first_moment.0[i]);
+                    close(found, expected, mass * size);
+                    assert!(found != 0.0, "the camera's first moment");
+                }
+                close(left.second_moment.zz, expected.second_moment.zz, mass * size * size);
+            }
+        }
     }
 }
 

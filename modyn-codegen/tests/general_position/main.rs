@@ -10,8 +10,12 @@ use modyn_codegen::graph::Graph;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::brge::UduLayout;
-use modyn_runtime::model::{Model, ModuleTree};
-use modyn_runtime::spatial::{Twist, Wrench};
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::{
+    Frame, Inertial, Joint, Link, LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Model,
+    ModuleTree,
+};
+use modyn_runtime::spatial::{Pose, Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, Interpreter, Scalar};
 use nalgebra::{Matrix3, Vector3};
 use reference::{Reference, Solution};
@@ -321,4 +325,27 @@ fn the_characteristic_length_is_as_documented() {
             }
         }
     });
+}
+
+#[test]
+fn a_loop_without_extent_has_a_length_of_a_metre() {
+    let joint = Joint::new("joint", JointType::Spherical, [0.0, 0.0, 1.0], Pose::identity());
+    let link = Link { name: "link".into(), parent: None, joint, inertial: Inertial::default() };
+    let frame = |name: &str, link| Frame {
+        name: name.into(),
+        link,
+        pose: Pose::identity(),
+        inertial: Inertial::default(),
+    };
+    let end = |frame| LoopConstraintEnd { frame, pose: Pose::identity() };
+    let constraint = LoopConstraint {
+        name: "closed".into(),
+        ends: [end(0), end(1)],
+        kind: LoopConstraintKind::Rigid,
+    };
+    let frames = vec![frame("world", None), frame("link", Some(0))];
+    let model = Model::new("point", [0.0; 3], vec![link], frames)
+        .and_then(|model| model.with_loop_constraints(vec![constraint]))
+        .expect("sound parts");
+    assert!((model.characteristic_length(0) - 1.0).abs() < 1e-15);
 }
