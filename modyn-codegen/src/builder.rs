@@ -194,7 +194,7 @@ impl Builder {
     /// Sets the errors of a description that could not be read; `generate` returns them with the errors of the options.
     #[doc(hidden)]
     #[must_use]
-    pub fn unread(mut self, why: Diagnostics) -> Self {
+    pub fn failed_to_read(mut self, why: Diagnostics) -> Self {
         self.source = Source::Unread(why);
         self
     }
@@ -422,7 +422,7 @@ impl Builder {
         else {
             return Err(Diagnostics::new(errors));
         };
-        warnings.extend(self.taken_name(&model, &warnings));
+        warnings.extend(self.name_conflict(&model, &warnings));
         if self.float == FloatType::F32 {
             warnings.extend(conditioning_warning(&model));
         }
@@ -456,7 +456,7 @@ impl Builder {
     pub fn compile(&self) -> Result<Generated, Diagnostics> {
         if let Source::File(path) = &self.source {
             // Also for a missing file: Cargo then checks again.
-            println!("cargo::rerun-if-changed={}", place(path).display());
+            println!("cargo::rerun-if-changed={}", resolve_path(path).display());
         }
         let generated = self.generate()?;
         let error = |message: String, help: &str| {
@@ -484,7 +484,7 @@ impl Builder {
             error(message, "OUT_DIR must be a writable folder")
         })?;
         let warnings = generated.warnings.iter().take(Diagnostics::SHOWN);
-        let more = Diagnostics::more(generated.warnings.len());
+        let more = Diagnostics::count_hidden(generated.warnings.len());
         for warning in warnings.map(ToString::to_string).chain(more) {
             println!("cargo::warning={}", warning.replace(char::is_control, " "));
         }
@@ -502,7 +502,7 @@ impl Builder {
                 Err(missing.with_help("call `Builder::urdf` with the path of a URDF").into())
             }
             Source::File(path) => {
-                let (_, text) = read_first(path.display(), &[place(path)])?;
+                let (_, text) = read_first(path.display(), &[resolve_path(path)])?;
                 self.read_text(&text, &path.display().to_string(), &options)
             }
             Source::Text { text, file } => self.read_text(text, file, &options),
@@ -534,7 +534,7 @@ impl Builder {
     }
 
     /// Returns a warning for a type `Robot`, which would collide with the trait that users import.
-    fn taken_name(&self, model: &Model, warnings: &[Diagnostic]) -> Option<Diagnostic> {
+    fn name_conflict(&self, model: &Model, warnings: &[Diagnostic]) -> Option<Diagnostic> {
         let name = names::type_name(model.name());
         // A robot without a name already has a warning.
         let said = warnings.iter().any(|w| w.code == Code::MissingAttribute && w.subject.is_none());
@@ -543,7 +543,7 @@ impl Builder {
             let help = "name it: `modyn!(pub MyArm = \"...\")`, or `Builder::type_name`";
             let subject = Subject::Robot(model.name().into());
             let warning = Diagnostic::new(Severity::Warning, Code::TypeName, message);
-            warning.about(subject).with_help(help)
+            warning.with_subject(subject).with_help(help)
         })
     }
 
@@ -601,7 +601,7 @@ impl Builder {
             error(
                 Code::Option,
                 format!("{prefix:?} is not a prefix of C functions"),
-                "use a letter, then letters, digits and underscores".into(),
+                "use use a letter, then letters, digits and underscores".into(),
             );
         }
         if self.self_contained && self.krate.is_some() {
@@ -684,7 +684,7 @@ fn moving_frames(
 }
 
 /// Returns the path of a file: as given, or from the folder of the crate's `Cargo.toml`.
-fn place(path: &Path) -> PathBuf {
+fn resolve_path(path: &Path) -> PathBuf {
     std::env::var_os("CARGO_MANIFEST_DIR")
         .map_or_else(|| path.into(), |root| Path::new(&root).join(path))
 }
@@ -699,7 +699,7 @@ fn is_visibility(text: &str) -> bool {
         // The path of a visibility must be an enclosing module.
         Some(inside) => inside.strip_prefix("in ").is_some_and(|path| {
             let first = path.trim().split("::").next().unwrap_or_default();
-            is_way(first.trim()) && is_path(&format!("{path}::name"))
+            is_path_keyword(first.trim()) && is_path(&format!("{path}::name"))
         }),
     }
 }
@@ -711,17 +711,17 @@ fn is_path(text: &str) -> bool {
     let parts: Vec<&str> = path.split("::").map(str::trim).collect();
     // `self` and `super` alone cannot be imported.
     let Some((last, before)) = parts.split_last() else { return false };
-    let mut ways = before.iter().take_while(|part| is_way(part)).count();
+    let mut ways = before.iter().take_while(|part| is_path_keyword(part)).count();
     if *last == "crate" && before.is_empty() {
         ways = 1;
     }
     let (ways, names) = parts.split_at(ways);
     let ways = ways.iter().enumerate().all(|(i, way)| *way == "super" || i == 0);
-    ways && (!global || !is_way(parts[0])) && names.iter().all(|name| is_identifier(name))
+    ways && (!global || !is_path_keyword(parts[0])) && names.iter().all(|name| is_identifier(name))
 }
 
 /// Returns whether part of a path is a keyword that leads to a module.
-fn is_way(part: &str) -> bool {
+fn is_path_keyword(part: &str) -> bool {
     matches!(part, "crate" | "self" | "super")
 }
 
@@ -918,7 +918,7 @@ mod tests {
         let large = changed(&good, |link| link.inertial.center_of_mass[0] = 1e100);
         for severity in [Severity::Error, Severity::Warning] {
             assert_eq!(codes(good.clone(), severity), []);
-            assert_eq!(codes(massless.clone(), severity), [Code::NoInertiaFelt]);
+            assert_eq!(codes(massless.clone(), severity), [Code::SingularJoint]);
             assert_eq!(codes(negative.clone(), severity), [Code::NegativeMass]);
             assert_eq!(codes(unphysical.clone(), severity), [Code::TriangleInequality]);
             assert_eq!(codes(large.clone(), severity), [Code::NotFinite]);

@@ -123,7 +123,7 @@ impl Measures {
             Function::LinkVelocity | Function::LocalLinkVelocity => of_link(1300.0, 300.0),
             Function::LinkAcceleration | Function::LocalLinkAcceleration => of_link(2100.0, 300.0),
             Function::Jacobian | Function::LocalJacobian => of_link(1600.0, 150.0 * nv),
-            Function::JacobianRate | Function::LocalJacobianRate => of_link(1900.0, 300.0),
+            Function::BiasAcceleration | Function::LocalBiasAcceleration => of_link(1900.0, 300.0),
             Function::Random => 200.0 * links,
             _ => 100.0 * links,
         }

@@ -82,7 +82,7 @@ fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
         let (builder, tracking) = match locate::locate(&path, span) {
             Ok(found) => (builder.text(found.text, &path), found.tracking),
             // The errors of the options are reported, too.
-            Err(why) => (builder.unread(why), String::new()),
+            Err(why) => (builder.failed_to_read(why), String::new()),
         };
         Ok((builder.generate()?, tracking))
     }));

@@ -15,10 +15,10 @@ use core::ops::Range;
 
 #[doc(hidden)]
 pub use crate::lanes::force_level;
-pub use crate::lanes::{Float, Lanes, Part, SimdLevel, level};
-use crate::lanes::{MOST_LANES, Work};
+use crate::lanes::{BatchTask, MAX_LANES};
+pub use crate::lanes::{Chunk, Float, Lanes, SimdLevel, level};
 #[doc(hidden)]
-pub use crate::scalar::abreast::{Abreast, Beside, Vectors};
+pub use crate::scalar::simd::{Pack, SimdBackend, SimdTask};
 
 /// The computation for one state: `O` outputs from `I` inputs, on any vectors.
 ///
@@ -90,7 +90,7 @@ struct Blocks<'a, F: Float, K, const I: usize, const O: usize> {
     states: Range<usize>,
 }
 
-impl<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize> Work<F>
+impl<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize> BatchTask<F>
     for Blocks<'_, F, K, I, O>
 {
     #[inline(always)]
@@ -116,7 +116,7 @@ fn compute<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize>(
     mut outputs: [&mut [F]; O],
     states: usize,
 ) {
-    if states < MOST_LANES {
+    if states < MAX_LANES {
         return padded(kernel, inputs, outputs, states);
     }
     let columns = &Columns::new(&inputs, &mut outputs);
@@ -146,20 +146,20 @@ fn padded<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize>(
 
 /// As many states as the widest vectors have lanes.
 struct Tile<F, const I: usize, const O: usize> {
-    inputs: [[F; MOST_LANES]; I],
-    outputs: [[F; MOST_LANES]; O],
+    inputs: [[F; MAX_LANES]; I],
+    outputs: [[F; MAX_LANES]; O],
 }
 
 impl<F: Float, const I: usize, const O: usize> Tile<F, I, O> {
     fn new() -> Self {
-        Self { inputs: [[F::zero(); MOST_LANES]; I], outputs: [[F::zero(); MOST_LANES]; O] }
+        Self { inputs: [[F::zero(); MAX_LANES]; I], outputs: [[F::zero(); MAX_LANES]; O] }
     }
 
     fn compute<K: Kernel<F, I, O>>(&mut self, kernel: &K) {
         let inputs = self.inputs.each_ref().map(|column| &column[..]);
         let mut outputs = self.outputs.each_mut().map(|column| &mut column[..]);
         let columns = &Columns::new(&inputs, &mut outputs);
-        F::dispatch(Blocks { kernel, columns, states: 0..MOST_LANES });
+        F::dispatch(Blocks { kernel, columns, states: 0..MAX_LANES });
     }
 }
 
@@ -212,17 +212,17 @@ pub fn run_parallel<F: Float, const I: usize, const O: usize>(
     use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
     /// A multiple of the number of lanes, so that only the last range overlaps.
-    const SOME: usize = 16 * MOST_LANES;
+    const STATES_PER_TASK: usize = 16 * MAX_LANES;
     let states = states(arguments, &inputs, &outputs)?;
-    if states < 2 * SOME {
+    if states < 2 * STATES_PER_TASK {
         compute(kernel, inputs, outputs, states);
         return Ok(());
     }
     let columns = &Columns::new(&inputs, &mut outputs);
-    let ranges = states / SOME;
+    let ranges = states / STATES_PER_TASK;
     (0..ranges).into_par_iter().for_each(|i| {
-        let end = if i + 1 == ranges { states } else { (i + 1) * SOME };
-        F::dispatch(Blocks { kernel, columns, states: i * SOME..end });
+        let end = if i + 1 == ranges { states } else { (i + 1) * STATES_PER_TASK };
+        F::dispatch(Blocks { kernel, columns, states: i * STATES_PER_TASK..end });
     });
     Ok(())
 }
@@ -241,16 +241,16 @@ pub fn run_each<F: Float, R, const A: usize, const I: usize, const O: usize, con
     let mut at = 0;
     let mut tile = Tile::<F, I, O>::new();
     while at < states {
-        let some = (states - at).min(MOST_LANES);
+        let count = (states - at).min(MAX_LANES);
         let mut first = 0;
         for (flat, argument) in inputs.iter().zip(arguments) {
             let numbers = argument.numbers;
             let columns = &mut tile.inputs[first..first + numbers];
-            gather(&flat[at * numbers..(at + some) * numbers], columns);
+            transpose(&flat[at * numbers..(at + count) * numbers], columns);
             first += numbers;
         }
         tile.compute(kernel);
-        for (state, result) in results[at..at + some].iter_mut().enumerate() {
+        for (state, result) in results[at..at + count].iter_mut().enumerate() {
             let mut columns = tile.outputs.iter();
             for part in parts(result) {
                 // The columns are the second operand of `zip`, which takes a column for each entry only.
@@ -259,7 +259,7 @@ pub fn run_each<F: Float, R, const A: usize, const I: usize, const O: usize, con
                 }
             }
         }
-        at += some;
+        at += count;
     }
     Ok(())
 }
@@ -286,9 +286,9 @@ fn states_each<F, const A: usize>(
 }
 
 /// Transposes states into columns; copies of the last state fill the remaining lanes.
-fn gather<F: Float>(states: &[F], columns: &mut [[F; MOST_LANES]]) {
+fn transpose<F: Float>(states: &[F], columns: &mut [[F; MAX_LANES]]) {
     let numbers = columns.len();
-    if states.len() == MOST_LANES * numbers {
+    if states.len() == MAX_LANES * numbers {
         for (j, column) in columns.iter_mut().enumerate() {
             for (x, state) in column.iter_mut().zip(states.chunks_exact(numbers)) {
                 *x = state[j];

@@ -85,7 +85,7 @@ impl<S: fmt::Display + fmt::LowerExp> fmt::Display for InertialDefect<S> {
 impl<S: fmt::Debug + fmt::Display + fmt::LowerExp> core::error::Error for InertialDefect<S> {}
 
 /// The relative tolerance of the physical bounds, since numbers in descriptions are rounded.
-const SLACK: f64 = 1e-6;
+const TRIANGLE_TOLERANCE: f64 = 1e-6;
 
 /// The tolerance of the physical bounds in units of the scalar's precision, relative to the mass times the squared
 /// distance of the centre of mass. Tools compute the inertia about the centre of mass as a difference of two numbers
@@ -119,7 +119,7 @@ impl<S: Scalar> Inertial<S> {
         let moments = self.principal_moments();
         let [x, y, z] = self.center_of_mass;
         let epsilon = S::from_f64(ROUNDING) * epsilon();
-        let relative = S::from_f64(SLACK) + epsilon;
+        let relative = S::from_f64(TRIANGLE_TOLERANCE) + epsilon;
         let slack = relative * moments[2].abs().max(moments[0].abs())
             + epsilon * self.mass * (x * x + y * y + z * z);
         if moments[0] < -slack {

@@ -54,8 +54,8 @@ pub use ::num_dual;
 pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
-    Brge, DecompositionError, ForwardDerivatives, FrameError, InertialError, Interpreter,
-    ModuleMismatch, ShapeError, UpdateError,
+    DecompositionError, ForwardDerivatives, FrameError, InertialError, Interpreter, ModuleMismatch,
+    ShapeError, UduFactorization, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]

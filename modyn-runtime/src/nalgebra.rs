@@ -87,7 +87,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
 
     /// Returns the factorization U D U^T of the mass matrix by modules; its matrices convert with `.into()`.
     #[must_use]
-    pub fn brge<const NQ: usize>(q: &SVector<T, NQ>) -> R::Brge<T>
+    pub fn brge<const NQ: usize>(q: &SVector<T, NQ>) -> R::UduFactorization<T>
     where
         R: Robot<Q<T> = [T; NQ]> + functions::Brge,
     {

@@ -6,7 +6,7 @@
 //!
 //! /// A second of computed torque towards `goal`.
 //! fn steer<R: Robot + functions::Defaults>(mut state: State<R>, goal: R::Q<f64>) -> State<R> {
-//!     let reference = Reference::<R>::standing(goal);
+//!     let reference = Reference::<R>::at_rest(goal);
 //!     for _ in 0..1000 {
 //!         state = state.runge_kutta_4(0.001, |state| {
 //!             let gains = Gains { stiffness: 225.0, damping: 30.0 };
@@ -53,7 +53,7 @@ pub struct Gains<T = f64> {
 }
 
 /// Returns a + factor b, entry by entry.
-fn plus<T: Scalar, V: Array<T>>(a: &V, factor: T, b: &V) -> V {
+fn add_scaled<T: Scalar, V: Array<T>>(a: &V, factor: T, b: &V) -> V {
     let mut sum = *a;
     for (sum, &b) in sum.as_mut().iter_mut().zip(b.as_ref()) {
         *sum = *sum + factor * b;
@@ -62,10 +62,10 @@ fn plus<T: Scalar, V: Array<T>>(a: &V, factor: T, b: &V) -> V {
 }
 
 /// Returns a + (b + 2 c + 2 d + e) factor.
-fn weighted<T: Scalar, V: Array<T>>(a: &V, factor: T, [b, c, d, e]: [&V; 4]) -> V {
+fn add_weighted<T: Scalar, V: Array<T>>(a: &V, factor: T, [b, c, d, e]: [&V; 4]) -> V {
     let twice = factor + factor;
-    let sum = plus(&plus(a, factor, b), twice, c);
-    plus(&plus(&sum, twice, d), factor, e)
+    let sum = add_scaled(&add_scaled(a, factor, b), twice, c);
+    add_scaled(&add_scaled(&sum, twice, d), factor, e)
 }
 
 impl<R: Robot, T: Scalar> State<R, T> {
@@ -95,9 +95,9 @@ impl<R: Robot, T: Scalar> State<R, T> {
     where
         R: functions::Integrate,
     {
-        let qd = plus(&self.qd, dt, &accelerations(self));
+        let qd = add_scaled(&self.qd, dt, &accelerations(self));
         let zero = R::V::<T>::from_fn(|_| T::zero());
-        Self { q: R::integrate(&self.q, &plus(&zero, dt, &qd)), qd }
+        Self { q: R::integrate(&self.q, &add_scaled(&zero, dt, &qd)), qd }
     }
 
     /// Returns the state after the time `dt` (s), by the classical Runge-Kutta method of fourth order.
@@ -107,22 +107,22 @@ impl<R: Robot, T: Scalar> State<R, T> {
     #[must_use]
     pub fn runge_kutta_4(&self, dt: T, mut accelerations: impl FnMut(&Self) -> R::V<T>) -> Self
     where
-        R: functions::CoordinateRates + functions::Normalize,
+        R: functions::VelocityToQdot + functions::Normalize,
     {
         let half = dt * T::from_f64(0.5);
         let mut rates =
-            |state: &Self| (R::coordinate_rates(&state.q, &state.qd), accelerations(state));
+            |state: &Self| (R::velocity_to_qdot(&state.q, &state.qd), accelerations(state));
         let moved = |time: T, (q, qd): &(R::Q<T>, R::V<T>)| Self {
-            q: plus(&self.q, time, q),
-            qd: plus(&self.qd, time, qd),
+            q: add_scaled(&self.q, time, q),
+            qd: add_scaled(&self.qd, time, qd),
         };
         let first = rates(self);
         let second = rates(&moved(half, &first));
         let third = rates(&moved(half, &second));
         let last = rates(&moved(dt, &third));
         let sixth = dt * T::from_f64(1.0 / 6.0);
-        let q = weighted(&self.q, sixth, [&first.0, &second.0, &third.0, &last.0]);
-        let qd = weighted(&self.qd, sixth, [&first.1, &second.1, &third.1, &last.1]);
+        let q = add_weighted(&self.q, sixth, [&first.0, &second.0, &third.0, &last.0]);
+        let qd = add_weighted(&self.qd, sixth, [&first.1, &second.1, &third.1, &last.1]);
         Self { q: R::normalize(&q), qd }
     }
 
@@ -148,9 +148,9 @@ impl<R: Robot, T: Scalar> State<R, T> {
         R: functions::Difference + functions::InverseDynamics,
     {
         let displacement = R::difference(&self.q, &reference.q);
-        let velocity = plus(&reference.qd, -T::one(), &self.qd);
-        let qdd = plus(&reference.qdd, gains.stiffness, &displacement);
-        let qdd = plus(&qdd, gains.damping, &velocity);
+        let velocity = add_scaled(&reference.qd, -T::one(), &self.qd);
+        let qdd = add_scaled(&reference.qdd, gains.stiffness, &displacement);
+        let qdd = add_scaled(&qdd, gains.damping, &velocity);
         R::inverse_dynamics_with(params, &self.q, &self.qd, &qdd)
     }
 }
@@ -158,7 +158,7 @@ impl<R: Robot, T: Scalar> State<R, T> {
 impl<R: Robot, T: Scalar> Reference<R, T> {
     /// Returns the reference to stand still at the coordinates `q`.
     #[must_use]
-    pub fn standing(q: R::Q<T>) -> Self {
+    pub fn at_rest(q: R::Q<T>) -> Self {
         let zero = R::V::<T>::from_fn(|_| T::zero());
         Self { q, qd: zero, qdd: zero }
     }

@@ -19,6 +19,6 @@ macro_rules! sources {
 /// All modules, by their paths.
 pub const SOURCES: &[Source] = sources!(
     "configuration" "inertial" "jacobi" "parameters" "results"
-    "scalar/abreast" "scalar/elementary" "scalar/float" "scalar/real" "scalar/root" "scalar/trig"
+    "scalar/elementary" "scalar/float" "scalar/real" "scalar/root" "scalar/simd" "scalar/trig"
     "spatial/pose" "spatial/vector" "spatial/wrench"
 );

@@ -31,7 +31,7 @@ pub struct Arguments {
 }
 
 /// The result of one file.
-struct Answer {
+struct Outcome {
     name: String,
     text: Option<String>,
     found: Diagnostics,
@@ -45,12 +45,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut unread = false;
     for path in &arguments.paths {
         match Description::open(path) {
-            Ok(description) => answers.push(answer(description, &options, arguments)),
+            Ok(description) => answers.push(check_one(description, &options, arguments)),
             Err(found) => {
                 let refused = found.iter().any(|one| one.position.is_some());
                 unread |= !refused;
                 let name = path.display().to_string();
-                answers.push(Answer { name, text: None, found, usable: false });
+                answers.push(Outcome { name, text: None, found, usable: false });
             }
         }
     }
@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if answers.iter().all(|answer| answer.usable) { Ok(()) } else { Err(Failure::Said) }
 }
 
-fn answer(description: Description, options: &ReadOptions, arguments: &Arguments) -> Answer {
+fn check_one(description: Description, options: &ReadOptions, arguments: &Arguments) -> Outcome {
     let (found, usable) = match description.read(options) {
         Ok(reading) => {
             let usable = !arguments.deny_warnings || reading.warnings.is_empty();
@@ -70,12 +70,12 @@ fn answer(description: Description, options: &ReadOptions, arguments: &Arguments
         Err(found) => (found, false),
     };
     let Description { name, text, .. } = description;
-    Answer { name, text: Some(text), found, usable }
+    Outcome { name, text: Some(text), found, usable }
 }
 
-fn as_text(answers: &[Answer]) -> String {
+fn as_text(answers: &[Outcome]) -> String {
     let mut out = String::new();
-    for Answer { name, text, found, usable } in answers {
+    for Outcome { name, text, found, usable } in answers {
         out += &diagnostics::render(found.as_slice(), text.as_deref());
         let count = |severity, what: &str| {
             let count = found.iter().filter(|one| one.severity == severity).count();
@@ -93,7 +93,7 @@ fn as_text(answers: &[Answer]) -> String {
     out
 }
 
-fn as_json(answers: &[Answer]) -> String {
+fn as_json(answers: &[Outcome]) -> String {
     let all: Vec<_> = answers
         .iter()
         .map(|answer| {

@@ -46,7 +46,7 @@ impl Progress {
     }
 
     /// Changes the operation.
-    pub fn then(&self, what: &'static str) {
+    pub fn show(&self, what: &'static str) {
         if let Some(shown) = &self.0 {
             // A send fails only after the thread has ended, when nothing can be shown.
             let _ = shown.messages.send(what);

@@ -21,7 +21,7 @@ impl Random {
     }
 
     /// Returns a number uniformly distributed in -`most`..`most`.
-    pub fn within(&mut self, most: f64) -> f64 {
+    pub fn symmetric(&mut self, most: f64) -> f64 {
         most * (2.0 * self.uniform() - 1.0)
     }
 }
@@ -36,7 +36,7 @@ mod tests {
         let first = (0xe220_a839_7b1d_cdaf_u64 >> 11) as f64 / (1_u64 << 53) as f64;
         assert!((Random::new(0).uniform() - first).abs() < 1e-16);
         let mut random = Random::new(7);
-        let mean = (0..10_000).map(|_| random.within(1.0)).sum::<f64>() / 10_000.0;
+        let mean = (0..10_000).map(|_| random.symmetric(1.0)).sum::<f64>() / 10_000.0;
         assert!(mean.abs() < 0.03, "{mean}");
     }
 }

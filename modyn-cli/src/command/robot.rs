@@ -11,7 +11,7 @@ use modyn_codegen::{
 };
 
 use crate::command::diagnostics;
-use crate::command::figure::{number, numbers};
+use crate::command::numbers::{number, numbers};
 use crate::command::outcome::{Failure, to_stderr};
 
 /// A description, and the options of reading it.

@@ -22,7 +22,7 @@ impl Table {
     }
 
     /// Aligns the columns from `column` on to the right, as for numbers.
-    pub fn right_from(mut self, column: usize) -> Self {
+    pub fn right_aligned_from(mut self, column: usize) -> Self {
         self.right = column;
         self
     }
@@ -59,6 +59,6 @@ mod tests {
         let mut table = Table::new(&["a", "n"]);
         table.row(["日本".into(), "1".into()]);
         table.row(["é".into(), "10".into()]);
-        assert_eq!(table.right_from(1).text(), "a      n\n日本   1\né     10\n");
+        assert_eq!(table.right_aligned_from(1).text(), "a      n\n日本   1\né     10\n");
     }
 }

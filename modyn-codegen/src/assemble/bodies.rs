@@ -41,8 +41,8 @@ pub fn merge(
         if let Some(j) = tree.joint[link] {
             let joint = &description.joints[j];
             let above = tree.parent[j].map_or((None, Pose::identity()), |p| assembly.place[p]);
-            let origin = placed(joint, &above.1, report);
-            assembly.place[link] = match moving(joint, origin) {
+            let origin = joint_origin(joint, &above.1, report);
+            assembly.place[link] = match moving_joint(joint, origin) {
                 None => (above.0, origin),
                 Some(moved) => {
                     let known = joint.sound && joint.kind != Kind::Unknown;
@@ -58,7 +58,7 @@ pub fn merge(
                 Joint::new(base_name(description), JointType::Floating, up, Pose::identity());
             assembly.place[link] = assembly.push(part, None, joint, None, true);
         }
-        assembly.carry(link, part);
+        assembly.add_inertia(link, part);
     }
     assembly
 }
@@ -80,7 +80,7 @@ impl Assembly {
     }
 
     /// Adds the inertia of a link of the description to the moving link that carries it.
-    fn carry(&mut self, link: usize, part: &LinkRecord) {
+    fn add_inertia(&mut self, link: usize, part: &LinkRecord) {
         // Links that are fixed to the world have no effect on the dynamics.
         let (Some(carrier), pose) = self.place[link] else { return };
         let body = &mut self.bodies[carrier];
@@ -92,7 +92,12 @@ impl Assembly {
     }
 
     /// Sets the leaders of mimic joints, which may be anywhere in the tree.
-    pub fn follow(&mut self, description: &Description, leaders: &[Option<usize>], follows: bool) {
+    pub fn resolve_mimics(
+        &mut self,
+        description: &Description,
+        leaders: &[Option<usize>],
+        follows: bool,
+    ) {
         let mut moved_by = vec![None; description.joints.len()];
         for (i, body) in self.bodies.iter().enumerate() {
             if let Some(joint) = body.joint {
@@ -113,14 +118,14 @@ impl Assembly {
 }
 
 /// Returns a joint's frame in the frame of its carrying body; the joint's parent has the pose `above` there.
-fn placed(joint: &JointRecord, above: &Pose<f64>, report: &mut Report<'_>) -> Pose<f64> {
+fn joint_origin(joint: &JointRecord, above: &Pose<f64>, report: &mut Report<'_>) -> Pose<f64> {
     let origin = above.compose(&joint.origin);
     let near = check::is_near(&origin, Some(joint.name.at), &joint.subject(), report);
     if near { origin } else { Pose::identity() }
 }
 
 /// Returns the joint; `None` for a fixed joint.
-fn moving(part: &JointRecord, origin: Pose<f64>) -> Option<Joint> {
+fn moving_joint(part: &JointRecord, origin: Pose<f64>) -> Option<Joint> {
     let joint_type = match part.kind {
         Kind::Fixed => return None,
         Kind::Moving(joint_type) => joint_type,

@@ -5,18 +5,18 @@ use modyn_runtime::spatial::Pose;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::description::{
-    Description, EndRecord, LARGEST, Loop, LoopEnd, LoopRecord, normalized, roll_pitch_yaw,
+    Description, EndRecord, Loop, LoopEnd, LoopRecord, MAX_NUMBER, normalized, roll_pitch_yaw,
 };
 use crate::diagnostics::{Code, Diagnostic, Report, Suggestions};
 
 /// Returns the record of a loop joint of the options; its errors are in the report.
-pub fn of_option(option: &Loop, report: &mut Report<'_>) -> LoopRecord {
+pub fn from_option(option: &Loop, report: &mut Report<'_>) -> LoopRecord {
     let ends = option.ends.each_ref().map(|LoopEnd { link, xyz, rpy }| {
         let pose = Pose { rotation: roll_pitch_yaw(*rpy), translation: *xyz };
         EndRecord { link: Some(link.clone()), at: None, pose }
     });
     let unit = |axis: [f64; 3]| {
-        let finite = axis.iter().all(|x| x.abs() < LARGEST);
+        let finite = axis.iter().all(|x| x.abs() < MAX_NUMBER);
         normalized(axis).filter(|_| finite).map(|(unit, _)| unit)
     };
     let kind = match option.kind {
@@ -27,7 +27,7 @@ pub fn of_option(option: &Loop, report: &mut Report<'_>) -> LoopRecord {
     let part = LoopRecord { name: option.name.clone(), at: None, kind, ends };
     if let (Some(axis), None) = (option.kind.axis(), kind) {
         let message = format!("{axis:?} is not a direction");
-        let error = Diagnostic::error(Code::Option, message).about(part.subject());
+        let error = Diagnostic::error(Code::Option, message).with_subject(part.subject());
         report.push(error.with_help("give a direction, such as [0.0, 0.0, 1.0]"));
     }
     part
@@ -76,7 +76,7 @@ impl<'p> Search<'p> {
         }
         let ends = part.ends.each_ref().map(|end| {
             let figures = end.pose.rotation.iter().flatten().chain(&end.pose.translation);
-            if !figures.into_iter().all(|x| x.abs() < LARGEST) {
+            if !figures.into_iter().all(|x| x.abs() < MAX_NUMBER) {
                 let message = "its origin is too far away to compute with";
                 error(Code::NotFinite, end.at.or(part.at), message.into(), "write `xyz` in m");
             }

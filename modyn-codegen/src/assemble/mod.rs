@@ -29,16 +29,16 @@ pub fn assemble(
 ) -> Option<Model> {
     rotors::apply(&mut description, &options.rotors, report);
     let loops: Vec<_> =
-        options.loops.iter().map(|option| loops::of_option(option, report)).collect();
+        options.loops.iter().map(|option| loops::from_option(option, report)).collect();
     description.loops.extend(loops);
     let description = &description;
     for joint in description.joints.iter().filter(|joint| joint.kind != Kind::Fixed) {
-        check::motion::drive(&joint.drive, Some(joint.drive_at), &joint.subject(), report);
+        check::motion::check_dynamics(&joint.drive, Some(joint.drive_at), &joint.subject(), report);
     }
     let leaders = mimics::leaders(description, options.mimic, report);
-    let tree = tree::grow(description, report)?;
+    let tree = tree::build_tree(description, report)?;
     let mut assembly = bodies::merge(description, &tree, options.base, report);
-    assembly.follow(description, &leaders, options.mimic != Mimic::Independent);
+    assembly.resolve_mimics(description, &leaders, options.mimic != Mimic::Independent);
     model(description, assembly, options, report)
 }
 

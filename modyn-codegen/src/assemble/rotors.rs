@@ -1,6 +1,6 @@
 //! The rotors in the options.
 
-use crate::description::{Description, Kind, LARGEST, Rotor};
+use crate::description::{Description, Kind, MAX_NUMBER, Rotor};
 use crate::diagnostics::{Code, Diagnostic, Report, Subject, Suggestions};
 
 /// Sets the armatures of joints. Errors of an option have no place in the file.
@@ -12,10 +12,10 @@ pub fn apply(description: &mut Description, rotors: &[Rotor], report: &mut Repor
     for rotor in rotors {
         let mut error = |message: String, help: &str| {
             let found = Diagnostic::error(Code::Option, message).with_help(help);
-            report.push(found.about(Subject::Joint(rotor.joint.clone())));
+            report.push(found.with_subject(Subject::Joint(rotor.joint.clone())));
         };
         let armature = rotor.gear_ratio * rotor.gear_ratio * rotor.inertia;
-        let good = rotor.inertia >= 0.0 && armature < LARGEST;
+        let good = rotor.inertia >= 0.0 && armature < MAX_NUMBER;
         if !good {
             let message = format!(
                 "inertia {} and gear ratio {} are no valid rotor",

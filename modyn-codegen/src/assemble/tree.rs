@@ -17,7 +17,7 @@ pub struct Tree {
 }
 
 /// Returns the tree; `None` with errors in the report.
-pub fn grow(description: &Description, report: &mut Report<'_>) -> Option<Tree> {
+pub fn build_tree(description: &Description, report: &mut Report<'_>) -> Option<Tree> {
     let errors = report.errors();
     let links =
         index(description.links.iter().map(|l| &l.name), Code::DuplicateLink, "link", report);

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::{Builder, Generated, ModuleChoice, Source, place};
+use super::{Builder, Generated, ModuleChoice, Source, resolve_path};
 use crate::FloatType;
 use crate::description::{Base, Mimic};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
@@ -29,8 +29,8 @@ impl Builder {
         let path = path.as_ref();
         let generated = self.generate()?;
         let text = self.file_text(&generated);
-        if !holds(path, &text) {
-            std::fs::write(path, text).map_err(|reason| unwritten(path, &reason))?;
+        if !file_has_text(path, &text) {
+            std::fs::write(path, text).map_err(|reason| write_error(path, &reason))?;
         }
         Ok(generated)
     }
@@ -43,7 +43,7 @@ impl Builder {
     /// Returns all errors of the description and the options.
     pub fn is_stale(&self, path: impl AsRef<Path>) -> Result<bool, Diagnostics> {
         let generated = self.generate()?;
-        Ok(!holds(path.as_ref(), &self.file_text(&generated)))
+        Ok(!file_has_text(path.as_ref(), &self.file_text(&generated)))
     }
 
     /// Compiles to the C source file `path` and a header of the same name with `.h`. Returns the warnings. Up-to-date
@@ -55,8 +55,8 @@ impl Builder {
     pub fn write_c(&self, path: impl AsRef<Path>) -> Result<Vec<Diagnostic>, Diagnostics> {
         let CFiles { files, warnings } = self.c_files(path.as_ref())?;
         for (path, text) in files {
-            if !holds(&path, &text) {
-                std::fs::write(&path, text).map_err(|reason| unwritten(&path, &reason))?;
+            if !file_has_text(&path, &text) {
+                std::fs::write(&path, text).map_err(|reason| write_error(&path, &reason))?;
             }
         }
         Ok(warnings)
@@ -69,7 +69,7 @@ impl Builder {
     /// Returns all errors of the description and the options.
     pub fn is_stale_c(&self, path: impl AsRef<Path>) -> Result<bool, Diagnostics> {
         let CFiles { files, .. } = self.c_files(path.as_ref())?;
-        Ok(!files.iter().all(|(path, text)| holds(path, text)))
+        Ok(!files.iter().all(|(path, text)| file_has_text(path, text)))
     }
 
     /// Returns the paths and texts of the source file and its header, and the warnings.
@@ -80,7 +80,7 @@ impl Builder {
         let is_source = path.extension().is_some_and(|extension| extension == "c");
         if !is_source || !name.chars().all(plain) {
             let message = format!("`{}` is not the name of a C source file", path.display());
-            let help = "use ASCII letters, digits, dashes and underscores, then `.c`";
+            let help = "use use ASCII letters, digits, dashes and underscores, then `.c`";
             return Err(Diagnostic::error(Code::Output, message).with_help(help).into());
         }
         let (found, warnings) = self.c_source(Some(name))?;
@@ -198,7 +198,7 @@ impl Builder {
     /// Returns a hash of the description.
     fn description_hash(&self) -> u64 {
         let text = match &self.source {
-            Source::File(path) => std::fs::read_to_string(place(path)).unwrap_or_default(),
+            Source::File(path) => std::fs::read_to_string(resolve_path(path)).unwrap_or_default(),
             Source::Text { text, .. } => text.clone(),
             Source::Model(model) => format!("{model:?}"),
             Source::None | Source::Unread(_) => String::new(),
@@ -211,13 +211,13 @@ impl Builder {
 }
 
 /// Returns the error of a file that cannot be written.
-fn unwritten(path: &Path, reason: &std::io::Error) -> Diagnostics {
+fn write_error(path: &Path, reason: &std::io::Error) -> Diagnostics {
     let message = format!("`{}` cannot be written: {reason}", path.display());
     let help = "give a path in a folder that exists and can be written to";
     Diagnostic::error(Code::Output, message).with_help(help).into()
 }
 
 /// Returns whether a file holds this text; line endings may differ.
-fn holds(path: &Path, text: &str) -> bool {
+fn file_has_text(path: &Path, text: &str) -> bool {
     std::fs::read_to_string(path).is_ok_and(|found| found.replace("\r\n", "\n") == text)
 }

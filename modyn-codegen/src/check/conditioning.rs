@@ -11,7 +11,7 @@ use crate::diagnostics::{Code, Diagnostic, Severity, Subject};
 const STATES: u32 = 8;
 
 /// The largest number of velocities: the eigenvalues take time cubic in it.
-const MOST_VELOCITIES: usize = 100;
+const MAX_VELOCITIES: usize = 100;
 
 /// The largest condition number at which single precision, with its 24 bits, is certain to keep two digits.
 pub const CARRIED_BY_F32: f64 = 1e5;
@@ -25,7 +25,7 @@ pub const CARRIED_BY_F32: f64 = 1e5;
 #[must_use]
 pub fn condition_number(model: &Model) -> Option<f64> {
     let nv = model.nv();
-    if nv > MOST_VELOCITIES {
+    if nv > MAX_VELOCITIES {
         return None;
     }
     let mechanism = Mechanism::new(model);
@@ -63,5 +63,5 @@ pub(crate) fn warning(model: &Model) -> Option<Diagnostic> {
     let help = "use f64, or compare with it at states that matter: the number bounds what is lost, \
                 which can be far less; often a link is very light beside what hangs on it";
     let warning = Diagnostic::new(Severity::Warning, Code::IllConditioned, message);
-    Some(warning.about(Subject::Robot(model.name().into())).with_help(help))
+    Some(warning.with_subject(Subject::Robot(model.name().into())).with_help(help))
 }

@@ -3,7 +3,7 @@
 use modyn_runtime::model::{Inertial, InertialDefect};
 
 use super::{Body, LinkView};
-use crate::description::LARGEST;
+use crate::description::MAX_NUMBER;
 use crate::diagnostics::{Code, Place, Report, Severity};
 
 /// Checks whether the inertia of a body as a whole is physical; `false` with an error in the report.
@@ -35,7 +35,7 @@ fn check_whole(
     let Some((moving, fixed)) = body.links.split_first() else { return true };
     let at = body.inertials().next().map_or(moving.at, |(_, own)| own.at);
     let figures = [whole.mass].into_iter().chain(whole.center_of_mass).chain(whole.inertia);
-    if !figures.into_iter().all(|x| x.abs() < LARGEST) {
+    if !figures.into_iter().all(|x| x.abs() < MAX_NUMBER) {
         let message = "the inertia is too large to compute with";
         let help = "write kg, m and kg m^2";
         report.error(Code::NotFinite, at, Some(&moving.subject()), message, help);
@@ -110,7 +110,7 @@ pub fn densities(bodies: &[Body], report: &mut Report<'_>) {
 }
 
 /// A density above that of any material (osmium has 22,600), kg/m^3.
-const DENSEST: f64 = 30_000.0;
+const MAX_DENSITY: f64 = 30_000.0;
 
 /// The radius of gyration below which a link counts as a point mass with rounding errors, m.
 const POINT: f64 = 1e-6;
@@ -122,7 +122,7 @@ fn implausible(inertial: &Inertial) -> Option<String> {
     // A ball of radius r has the moment 2/5 m r^2 about each axis.
     let radius = libm::sqrt((xx + yy + zz) / 3.0 / (0.4 * mass));
     let density = mass / (4.0 / 3.0 * core::f64::consts::PI * radius * radius * radius);
-    (radius > POINT && density > DENSEST).then(|| {
+    (radius > POINT && density > MAX_DENSITY).then(|| {
         format!(
             "its mass of {mass} kg is too large for its inertia: even a ball with both, of radius {:.3} mm, has \
              {density:.1e} kg/m^3, and no material has more than 2.3e4",
@@ -133,7 +133,7 @@ fn implausible(inertial: &Inertial) -> Option<String> {
 
 /// Warns of moving links without `<inertial>`, if no link that is fixed to them has one either. Bodies in `refused` have an
 /// error instead.
-pub fn missing(bodies: &[Body], refused: &[usize], report: &mut Report<'_>) {
+pub fn warn_of_missing(bodies: &[Body], refused: &[usize], report: &mut Report<'_>) {
     let mut said = vec![false; bodies.len()];
     refused.iter().for_each(|&i| said[i] = true);
     let places: Vec<Place> = bodies

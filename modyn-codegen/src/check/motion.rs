@@ -3,12 +3,17 @@
 use modyn_runtime::model::{Friction, JointDynamics, Model};
 
 use super::{Body, inertia, singular};
-use crate::description::LARGEST;
+use crate::description::MAX_NUMBER;
 use crate::diagnostics::{Code, Place, Report, Subject};
 
 /// Reports armature, damping or friction that is too large to compute with.
-pub fn drive(drive: &JointDynamics, at: Option<usize>, joint: &Subject, report: &mut Report<'_>) {
-    if ![drive.armature, drive.damping, drive.friction].iter().all(|x| x.abs() < LARGEST) {
+pub fn check_dynamics(
+    drive: &JointDynamics,
+    at: Option<usize>,
+    joint: &Subject,
+    report: &mut Report<'_>,
+) {
+    if ![drive.armature, drive.damping, drive.friction].iter().all(|x| x.abs() < MAX_NUMBER) {
         let message = "its armature, damping or friction is too large to compute with";
         let help = "write kg m^2 (or kg), N m s/rad (or N s/m) and N m (or N)";
         report.error(Code::NotFinite, at, Some(joint), message, help);
@@ -44,11 +49,11 @@ pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
         let help = "write `multiplier` as a ratio, and `offset` in rad or m";
         report.error(Code::NotFinite, joint.mimic_at, Some(&joint.subject()), message, help);
     }
-    let judged = judged(bodies, model);
+    let judged = is_determined(bodies, model);
     let mut singular = singular::singular_joints(model);
     singular.retain(|&i| judged[i]);
-    inertia::missing(bodies, &singular, report);
-    let code = Code::NoInertiaFelt;
+    inertia::warn_of_missing(bodies, &singular, report);
+    let code = Code::SingularJoint;
     for body in singular.into_iter().map(|i| &bodies[i]) {
         let Some(link) = body.links.first() else { continue };
         if let Some(joint) = &body.joint {
@@ -71,7 +76,7 @@ pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
 
 /// Returns the joints whose motion depends on readable numbers only: those of the bodies that they carry, and of all
 /// joints that follow them.
-fn judged(bodies: &[Body], model: &Model) -> Vec<bool> {
+fn is_determined(bodies: &[Body], model: &Model) -> Vec<bool> {
     let mut judged: Vec<bool> = bodies.iter().map(|body| body.known).collect();
     if judged.iter().all(|&known| known) {
         return judged;
@@ -93,7 +98,7 @@ fn judged(bodies: &[Body], model: &Model) -> Vec<bool> {
 fn too_large(model: &Model) -> impl Iterator<Item = usize> {
     let large = |i: &usize| {
         let mimic = model.mimic(*i);
-        mimic.is_some_and(|m| !(m.multiplier.abs() < LARGEST && m.offset.abs() < LARGEST))
+        mimic.is_some_and(|m| !(m.multiplier.abs() < MAX_NUMBER && m.offset.abs() < MAX_NUMBER))
     };
     (0..model.links().len()).filter(large)
 }

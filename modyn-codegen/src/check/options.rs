@@ -2,7 +2,7 @@
 
 use modyn_runtime::model::Friction;
 
-use crate::description::LARGEST;
+use crate::description::MAX_NUMBER;
 use crate::diagnostics::{Code, Diagnostic};
 
 /// Returns the error of an invalid gravity.
@@ -14,7 +14,7 @@ pub fn gravity_error(gravity: [f64; 3]) -> Option<Diagnostic> {
     };
     let message = format!("the gravity {gravity:?} is {what}");
     let help = "give three finite numbers in m/s^2, such as [0.0, 0.0, -9.81]";
-    let good = gravity.iter().all(|x| x.abs() < LARGEST);
+    let good = gravity.iter().all(|x| x.abs() < MAX_NUMBER);
     (!good).then(|| Diagnostic::error(Code::Gravity, message).with_help(help))
 }
 
@@ -23,6 +23,6 @@ pub fn friction_error(friction: Friction) -> Option<Diagnostic> {
     let Friction::Smooth(width) = friction else { return None };
     let message = format!("{width} is not a valid transition velocity of smooth friction");
     let help = "give a finite velocity above 0 in rad/s or m/s, such as 0.01";
-    let good = width > 0.0 && width < LARGEST;
+    let good = width > 0.0 && width < MAX_NUMBER;
     (!good).then(|| Diagnostic::error(Code::Option, message).with_help(help))
 }

@@ -71,7 +71,9 @@ fn least_pivots(model: &Model, configuration: usize, rotors: &[f64]) -> Vec<f64>
         let body = bodies[i];
         let mut subtree = body.articulated;
         let mut held = body.articulated;
-        while let Some(k) = clearest(&motions, |axis| pivot(&subtree, axis) / body.rounding(axis)) {
+        while let Some(k) =
+            largest_pivot(&motions, |axis| pivot(&subtree, axis) / body.rounding(axis))
+        {
             let axis = motions.swap_remove(k);
             let mut pivot = pivot(&subtree, &axis);
             if pivot.abs() > body.rounding(&axis) {
@@ -101,7 +103,7 @@ fn least_pivots(model: &Model, configuration: usize, rotors: &[f64]) -> Vec<f64>
 }
 
 /// Returns the motion to eliminate next: the one with the largest pivot, which keeps most digits. The order is free.
-fn clearest(motions: &[Twist<f64>], pivot: impl Fn(&Twist<f64>) -> f64) -> Option<usize> {
+fn largest_pivot(motions: &[Twist<f64>], pivot: impl Fn(&Twist<f64>) -> f64) -> Option<usize> {
     let clear = |&k: &usize| pivot(&motions[k]).abs();
     (0..motions.len()).max_by(|a, b| clear(a).total_cmp(&clear(b)))
 }

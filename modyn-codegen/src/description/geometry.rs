@@ -1,7 +1,7 @@
 //! Rotations and directions in descriptions.
 
 /// The smallest magnitude that is rejected: products of such numbers could overflow.
-pub const LARGEST: f64 = 1e60;
+pub const MAX_NUMBER: f64 = 1e60;
 
 /// Returns `Rz(yaw) Ry(pitch) Rx(roll)`. Sines are libm's, so that every host computes the same numbers.
 pub fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {

@@ -7,7 +7,7 @@ mod choices;
 mod geometry;
 
 pub use choices::{Base, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
-pub use geometry::{LARGEST, normalized, roll_pitch_yaw};
+pub use geometry::{MAX_NUMBER, normalized, roll_pitch_yaw};
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Inertial, JointDynamics, Limits, LoopConstraintKind};

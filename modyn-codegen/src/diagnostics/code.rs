@@ -217,7 +217,8 @@ codes! {
         "Check `ixx`, `iyy` and `izz`, and whether the inertia is about the centre of mass. \
         `unphysical_inertia = warn` accepts it.",
     /// A joint moves no inertia, so its acceleration is undefined.
-    NoInertiaFelt = "no-inertia-felt":
+    /// A joint moves nothing that has inertia, so its acceleration is undefined.
+    SingularJoint = "singular-joint":
         "Give the link that the joint moves (or a link that is fixed to it) a mass and an inertia, give the \
         joint a rotor (`rotors`, or `<dynamics armature>`), or make the joint `fixed`.",
     /// The gravity in the options is NaN, infinite or too large to compute with.
@@ -281,7 +282,7 @@ mod tests {
 
     #[test]
     fn a_code_is_suggested() {
-        assert_eq!(Code::suggest("no-inertia-flet"), Some(Code::NoInertiaFelt));
+        assert_eq!(Code::suggest("singular-jiont"), Some(Code::SingularJoint));
         assert_eq!(Code::suggest("inertia"), None);
     }
 

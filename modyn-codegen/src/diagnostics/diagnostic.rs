@@ -116,7 +116,7 @@ impl Diagnostic {
 
     /// Returns the diagnostic with its joint, link or robot.
     #[must_use]
-    pub fn about(mut self, subject: Subject) -> Self {
+    pub fn with_subject(mut self, subject: Subject) -> Self {
         self.subject = Some(subject);
         self
     }
@@ -207,7 +207,7 @@ impl Diagnostics {
 
     /// Returns the line that replaces the diagnostics that are not shown, of `count` in total.
     #[must_use]
-    pub(crate) fn more(count: usize) -> Option<String> {
+    pub(crate) fn count_hidden(count: usize) -> Option<String> {
         let more = count.checked_sub(Self::SHOWN).filter(|&more| more > 0)?;
         Some(format!("... and {more} more"))
     }
@@ -285,7 +285,7 @@ impl fmt::Display for Diagnostics {
             }
             write!(f, "{diagnostic}")?;
         }
-        if let Some(more) = Self::more(self.0.len()) {
+        if let Some(more) = Self::count_hidden(self.0.len()) {
             write!(f, "\n{more}")?;
         }
         Ok(())
@@ -303,7 +303,7 @@ mod tests {
         let diagnostic = Diagnostic::error(Code::NegativeMass, "the mass is -1 kg")
             .in_file("robots/foo.urdf")
             .at(Position { line: 12, column: 7 })
-            .about(Subject::Link("arm".into()))
+            .with_subject(Subject::Link("arm".into()))
             .with_help("write a mass of at least 0");
         assert_eq!(
             diagnostic.to_string(),
@@ -325,7 +325,7 @@ mod tests {
         let diagnostic = Diagnostic::error(Code::NegativeMass, "the mass is -1 kg")
             .in_file("robots/foo.urdf")
             .at(Position { line: 12, column: 7 })
-            .about(Subject::Link("arm".into()))
+            .with_subject(Subject::Link("arm".into()))
             .with_help("write a mass of at least 0");
         assert_eq!(
             diagnostic.without_severity().to_string(),

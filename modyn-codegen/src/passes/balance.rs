@@ -25,10 +25,10 @@ const NEAR: u32 = 6;
 #[must_use]
 pub fn balance(graph: &Graph) -> Graph {
     let (live, uses) = (graph.live(), graph.uses());
-    let ready_at = arrivals(graph, &uses);
+    let ready_at = ready_times(graph, &uses);
     let tail_latency = tail_latency(graph, &live, &ready_at);
     let critical_path = ready_at.iter().zip(&tail_latency).map(|(a, b)| a + b).max().unwrap_or(0);
-    let is_part = parts(graph, &live, &uses);
+    let is_part = nested_sums(graph, &live, &uses);
     let mut rewritten = Rewritten { graph: Graph::default(), ready_at: Vec::new() };
     let mut ids: Vec<Id> = Vec::with_capacity(graph.nodes().len());
     for (i, &node) in graph.nodes().iter().enumerate() {
@@ -59,7 +59,7 @@ pub fn balance(graph: &Graph) -> Graph {
 }
 
 /// Returns, for each node, whether it is a sum that is only used as a term of another sum.
-fn parts(graph: &Graph, live: &[bool], uses: &[u32]) -> Vec<bool> {
+fn nested_sums(graph: &Graph, live: &[bool], uses: &[u32]) -> Vec<bool> {
     let mut is_part = vec![false; graph.nodes().len()];
     for (i, node) in graph.nodes().iter().enumerate() {
         if !live[i] || !matches!(node, Node::Add(..) | Node::Sub(..)) {
@@ -95,16 +95,16 @@ fn is_product(graph: &Graph, id: Id) -> bool {
 }
 
 /// Returns the time at which each node is ready.
-fn arrivals(graph: &Graph, uses: &[u32]) -> Vec<u32> {
+fn ready_times(graph: &Graph, uses: &[u32]) -> Vec<u32> {
     let mut ready_at: Vec<u32> = Vec::with_capacity(graph.nodes().len());
     for &node in graph.nodes() {
-        ready_at.push(arrival(graph, node, &ready_at, |id| uses[id as usize] == 1));
+        ready_at.push(ready_time(graph, node, &ready_at, |id| uses[id as usize] == 1));
     }
     ready_at
 }
 
 /// Returns the time at which `node` is ready, given its operands. A product that is used `once` is fused.
-fn arrival(graph: &Graph, node: Node, ready_at: &[u32], once: impl Fn(Id) -> bool) -> u32 {
+fn ready_time(graph: &Graph, node: Node, ready_at: &[u32], once: impl Fn(Id) -> bool) -> u32 {
     let at = |id: Id| ready_at[id as usize];
     let last = node.operands().map(at).max().unwrap_or(0);
     match node {
@@ -166,7 +166,7 @@ impl Rewritten {
     fn make(&mut self, node: Node) -> Id {
         let id = self.graph.make(node);
         for i in self.ready_at.len()..self.graph.nodes().len() {
-            let ready_at = arrival(&self.graph, self.graph.nodes()[i], &self.ready_at, |_| true);
+            let ready_at = ready_time(&self.graph, self.graph.nodes()[i], &self.ready_at, |_| true);
             self.ready_at.push(ready_at);
         }
         id
@@ -234,7 +234,7 @@ mod tests {
     }
 
     fn critical_path(graph: &Graph) -> u32 {
-        let ready_at = arrivals(graph, &graph.uses());
+        let ready_at = ready_times(graph, &graph.uses());
         graph.outputs.iter().map(|&id| ready_at[id as usize]).max().expect("outputs")
     }
 

@@ -65,7 +65,7 @@ impl Frames {
     }
 
     /// Returns the robot without its links.
-    pub(super) fn bare(&self) -> &Mechanism<f64> {
+    pub(super) fn mechanism_without_links(&self) -> &Mechanism<f64> {
         &self.bare
     }
 
@@ -82,7 +82,7 @@ impl Frames {
     }
 
     /// Returns the indices of the links with programs of their own.
-    pub fn own(&self) -> impl Iterator<Item = usize> {
+    pub fn links_with_own_program(&self) -> impl Iterator<Item = usize> {
         (0..self.codes.len()).filter(|&link| self.codes[link] == LinkCode::Own)
     }
 
@@ -110,7 +110,7 @@ impl Frames {
 
     /// Returns the graphs of `trace` on tracers with one link: first for links of their own, then for shared ones.
     pub(super) fn kernels(&self, trace: impl Fn(&Tracer<'_>) -> Graph) -> Vec<Graph> {
-        let own = self.own().map(|link| LinkFrame::Known(self.frames[link]));
+        let own = self.links_with_own_program().map(|link| LinkFrame::Known(self.frames[link]));
         let all = own.chain(self.shared.iter().copied().map(LinkFrame::On));
         all.map(|frame| trace(&Tracer::with_link(&self.bare, frame))).collect()
     }
@@ -118,7 +118,7 @@ impl Frames {
     /// Returns two graphs: the poses of links with programs of their own and of bodies with a shared program; and the
     /// pose of a link with a shared program, from the pose of its body.
     pub(super) fn poses(&self) -> [Graph; 2] {
-        let own = self.own().map(|link| self.frames[link]);
+        let own = self.links_with_own_program().map(|link| self.frames[link]);
         let bodies = self.shared.iter().map(|&body| BodyFrame { body, pose: Pose::identity() });
         let model = Mechanism { frames: own.chain(bodies).collect(), ..self.bare.clone() };
         [Tracer::new(&model).link_poses(), Tracer::placed_pose()]

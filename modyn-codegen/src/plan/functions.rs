@@ -472,21 +472,21 @@ functions! {
     )
         .without_parameters();
     /// The bias acceleration of a link, in world axes.
-    JacobianRate "jacobian_rate" = Row::by_link(
+    BiasAcceleration "bias_acceleration" = Row::by_link(
         &[Q, QD],
         shapes::twist,
         "Returns the bias acceleration of a link in world axes: the time derivative of `jacobian` times `qd`, which\n\
          is the link's acceleration at zero joint accelerations. Computes the link's kinematic path only.",
-        |t| t.jacobian_rate(0, Axes::World),
+        |t| t.bias_acceleration(0, Axes::World),
     )
         .without_parameters();
     /// The bias acceleration of a link, in its own axes.
-    LocalJacobianRate "local_jacobian_rate" = Row::by_link(
+    LocalBiasAcceleration "local_bias_acceleration" = Row::by_link(
         &[Q, QD],
         shapes::twist,
         "Returns the bias acceleration of a link in its own axes: the time derivative of `local_jacobian` times\n\
          `qd`. Computes the link's kinematic path only.",
-        |t| t.jacobian_rate(0, Axes::Link),
+        |t| t.bias_acceleration(0, Axes::Link),
     )
         .without_parameters();
     /// Coordinates after a displacement.
@@ -509,11 +509,11 @@ functions! {
         .by_default()
         .without_parameters();
     /// The rates of the coordinates.
-    CoordinateRates "coordinate_rates" = Row::one(
+    VelocityToQdot "velocity_to_qdot" = Row::one(
         &[Q, QD],
         shapes::coordinates,
         "Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.",
-        |t, _| t.coordinate_rates(),
+        |t, _| t.velocity_to_qdot(),
     )
         .by_default()
         .without_parameters();

@@ -113,12 +113,12 @@ pub enum Kernels {
         simd: Program,
     },
     /// The programs of a function of one link: one for each link with a program of its own, in the order of
-    /// [`Frames::own`], then one for each body with a shared program. Shared programs have the link's placement as a
+    /// [`Frames::links_with_own_program`], then one for each body with a shared program. Shared programs have the link's placement as a
     /// further argument.
     ByLink(Vec<Program>),
     /// The programs of the poses of all links, if some links share a program.
     Poses {
-        /// The poses in the order of [`Frames::own`], then of the bodies with a shared program.
+        /// The poses in the order of [`Frames::links_with_own_program`], then of the bodies with a shared program.
         bodies: Program,
         /// The pose of a link with a shared program, from the pose of its body and the link's placement.
         placed: Program,
@@ -206,7 +206,7 @@ impl Plan {
         let all_links = Tracer::with_parameters(&mechanism, parameters.clone());
         // Few functions need links, of which there may be very many. But a link's inertia may be an argument.
         let tracer = match described {
-            true => Tracer::with_parameters(frames.bare(), parameters.clone()),
+            true => Tracer::with_parameters(frames.mechanism_without_links(), parameters.clone()),
             false => all_links.clone(),
         };
         let Choice { modules: eliminated, graph: forward_dynamics, candidates } =
@@ -296,7 +296,8 @@ impl Planned {
         let kernels = match row.trace {
             Trace::ByLink(trace) => {
                 let graphs = tracing.frames.kernels(|tracer| optimize(trace(tracer)));
-                let (own, shared) = graphs.split_at(tracing.frames.own().count());
+                let (own, shared) =
+                    graphs.split_at(tracing.frames.links_with_own_program().count());
                 let own = own.iter().map(|graph| program(graph, Target::Scalar));
                 let placed = scalars + Frames::PLACEMENT;
                 let shared = shared.iter().map(|graph| Program::new(graph, placed, Target::Scalar));

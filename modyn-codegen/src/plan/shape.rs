@@ -57,22 +57,22 @@ impl Shape {
     /// Returns the layout of a twist: angular, then linear components.
     #[must_use]
     pub fn twist() -> Self {
-        Self::two("Twist", "angular", "linear")
+        Self::pair_of_vectors("Twist", "angular", "linear")
     }
 
     /// Returns the layout of a momentum: angular, then linear components.
     #[must_use]
     pub fn momentum() -> Self {
-        Self::two("Momentum", "angular", "linear")
+        Self::pair_of_vectors("Momentum", "angular", "linear")
     }
 
     /// Returns the layout of a wrench: moment, then force.
     #[must_use]
     pub fn wrench() -> Self {
-        Self::two("Wrench", "moment", "force")
+        Self::pair_of_vectors("Wrench", "moment", "force")
     }
 
-    fn two(name: &'static str, first: &'static str, second: &'static str) -> Self {
+    fn pair_of_vectors(name: &'static str, first: &'static str, second: &'static str) -> Self {
         let fields = vec![(first, Self::vector3()), (second, Self::vector3())];
         Self::Record(Record::Spatial(name), fields)
     }
@@ -150,7 +150,7 @@ pub(super) mod shapes {
     pub fn momenta(s: &Sizes) -> Shape { Shape::momentum().array(s.nv) }
     pub fn wrenches(s: &Sizes) -> Shape { Shape::wrench().array(s.links) }
 
-    fn several(name: &'static str, fields: Vec<(&'static str, Shape)>) -> Shape {
+    fn named_fields(name: &'static str, fields: Vec<(&'static str, Shape)>) -> Shape {
         Shape::Record(Record::Several(name), fields)
     }
 
@@ -160,16 +160,16 @@ pub(super) mod shapes {
 
     pub fn settings(_: &Sizes) -> Shape {
         let fields = ["alpha", "beta", "tolerance", "rounding"].map(|name| (name, Shape::Scalar));
-        several("ConstraintSettings", fields.into())
+        named_fields("ConstraintSettings", fields.into())
     }
 
     pub fn inverse_derivatives(s: &Sizes) -> Shape {
-        several("InverseDynamicsDerivatives", vec![("dq", square(s)), ("dqd", square(s))])
+        named_fields("InverseDynamicsDerivatives", vec![("dq", square(s)), ("dqd", square(s))])
     }
 
     pub fn forward_derivatives(s: &Sizes) -> Shape {
         let matrices = ["dq", "dqd", "dtau"].map(|name| (name, square(s)));
-        several("ForwardDynamicsDerivatives", [vec![("qdd", velocities(s))], matrices.into()].concat())
+        named_fields("ForwardDynamicsDerivatives", [vec![("qdd", velocities(s))], matrices.into()].concat())
     }
 
     pub fn constrained(s: &Sizes) -> Shape {
@@ -181,16 +181,16 @@ pub(super) mod shapes {
             ("residuals", residuals),
             ("rank", Shape::Scalar),
         ];
-        several("ConstrainedForwardDynamics", fields)
+        named_fields("ConstrainedForwardDynamics", fields)
     }
 
     pub fn constraint_residual(s: &Sizes) -> Shape {
         let twists = || Shape::twist().array(s.loops);
-        several("ConstraintResidual", vec![("displacements", twists()), ("velocities", twists())])
+        named_fields("ConstraintResidual", vec![("displacements", twists()), ("velocities", twists())])
     }
 
     pub fn constraint_projection(s: &Sizes) -> Shape {
         let fields = vec![("dq", velocities(s)), ("dqd", velocities(s)), ("rank", Shape::Scalar)];
-        several("ConstraintProjection", fields)
+        named_fields("ConstraintProjection", fields)
     }
 }

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::xml::limits::MOST_BYTES;
+use super::xml::limits::MAX_BYTES;
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Position};
 
 /// Returns the path and the text of the first of `places` that exists. Diagnostics name the file `wanted`.
@@ -33,8 +33,8 @@ pub fn read_first(
     }
     let file = File::open(place).map_err(|error| unreadable(&error))?;
     let length = file.metadata().map_err(|error| unreadable(&error))?.len();
-    if length > MOST_BYTES as u64 {
-        let message = format!("`{}` has {length} bytes, more than {MOST_BYTES}", relative(place));
+    if length > MAX_BYTES as u64 {
+        let message = format!("`{}` has {length} bytes, more than {MAX_BYTES}", relative(place));
         let help = "give the path of a URDF file; none is this large";
         return Err(Diagnostic::error(Code::Excessive, message).with_help(help).into());
     }
@@ -48,7 +48,7 @@ pub fn read_first(
 ///
 /// If the stream cannot be read, is not UTF-8, or is longer than any description.
 pub fn read_text(wanted: impl Display, stream: impl Read) -> Result<String, Diagnostics> {
-    read_at_most(MOST_BYTES, wanted, stream)
+    read_at_most(MAX_BYTES, wanted, stream)
 }
 
 fn read_at_most(
@@ -119,7 +119,7 @@ mod tests {
         let path = std::env::temp_dir().join(format!("modyn-{}.urdf", std::process::id()));
         // A sparse file takes no space.
         let file = std::fs::File::create(&path).expect("a file");
-        file.set_len(MOST_BYTES as u64 + 1).expect("a hole");
+        file.set_len(MAX_BYTES as u64 + 1).expect("a hole");
         let message = refused(&[&path.to_string_lossy()]);
         let _ = std::fs::remove_file(&path);
         assert!(

@@ -108,7 +108,7 @@ impl Format {
         options: &ReadOptions,
         report: &mut Report<'_>,
     ) -> Option<Description> {
-        let text = xml::document::bounded(text, report)?;
+        let text = xml::document::within_limits(text, report)?;
         match self {
             Self::Urdf => urdf::describe(&text, options, report),
             #[cfg(feature = "mjcf")]

@@ -26,7 +26,7 @@ impl Tracer<'_> {
                 model,
                 layout,
                 (&q, &qd, &tau),
-                &settings_of(&settings),
+                &constraint_settings(&settings),
                 (&mut Workspace::new(model), room),
                 (&mut qdd, &mut wrenches, &mut residuals),
             );
@@ -59,7 +59,7 @@ impl Tracer<'_> {
                 model,
                 layout,
                 (&q, &qd),
-                &settings_of(&settings),
+                &constraint_settings(&settings),
                 (&mut Workspace::new(model), room),
                 (&mut dq, &mut dqd),
             );
@@ -71,7 +71,7 @@ impl Tracer<'_> {
 /// The number of settings.
 const SETTINGS: usize = 4;
 
-fn settings_of(numbers: &[Expr]) -> ConstraintSettings<Expr> {
+fn constraint_settings(numbers: &[Expr]) -> ConstraintSettings<Expr> {
     let &[alpha, beta, tolerance, rounding] = numbers else { unreachable!("four settings") };
     ConstraintSettings { alpha, beta, tolerance, rounding }
 }

@@ -29,10 +29,10 @@ impl Tracer<'_> {
 
     /// Returns the graph of the rates of the coordinates. Inputs: `q`, `qd`.
     #[must_use]
-    pub fn coordinate_rates(&self) -> Graph {
+    pub fn velocity_to_qdot(&self) -> Graph {
         self.trace(|model, [q, qd]| {
             let mut rates = self.coordinates();
-            coordinates::coordinate_rates(model, (&q, &qd), &mut rates);
+            coordinates::velocity_to_qdot(model, (&q, &qd), &mut rates);
             rates
         })
     }

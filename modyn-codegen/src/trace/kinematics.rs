@@ -75,10 +75,10 @@ impl Tracer<'_> {
 
     /// Returns the graph of a link's bias acceleration. Inputs: `q`, `qd`.
     #[must_use]
-    pub fn jacobian_rate(&self, frame: usize, axes: Axes) -> Graph {
+    pub fn bias_acceleration(&self, frame: usize, axes: Axes) -> Graph {
         self.trace(|model, [q, qd]| {
             let workspace = &mut Workspace::new(model);
-            let rate = kinematics::jacobian_rate(model, frame, (&q, &qd), axes, workspace);
+            let rate = kinematics::bias_acceleration(model, frame, (&q, &qd), axes, workspace);
             rate.components().to_vec()
         })
     }

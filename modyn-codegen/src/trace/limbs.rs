@@ -182,7 +182,7 @@ impl LimbPacking {
                     friction: optional(&each, |dof| dof.friction),
                 });
             }
-            let mut body = abreast(&each, start..dofs.len(), q);
+            let mut body = packed_body(&each, start..dofs.len(), q);
             q += body.elementary_joint.nq();
             body.parent = representative.parent.and_then(new);
             roots.push(first.then(|| {
@@ -237,21 +237,21 @@ impl LimbPacking {
 
     /// Returns the robot's joint vector, from a joint vector of the merged robot.
     pub(super) fn unpack_vector(&self, x: &[Expr], nv: usize) -> Vec<Expr> {
-        let mut apart = vec![constant(0.0); nv];
+        let mut unpacked = vec![constant(0.0); nv];
         for (&x, (of, _)) in x.iter().zip(&self.velocities) {
             for (lane, i) in of.iter().enumerate() {
                 if let Some(i) = *i {
-                    apart[i] = x.extract_lane(lane);
+                    unpacked[i] = x.extract_lane(lane);
                 }
             }
         }
-        apart
+        unpacked
     }
 
     /// Returns the robot's matrix by columns, from a matrix of the merged robot. Entries between different limbs are zero.
     pub(super) fn unpack_matrix(&self, columns: &[Expr], nv: usize) -> Vec<Expr> {
         let n = self.velocities.len();
-        let mut apart = vec![constant(0.0); nv * nv];
+        let mut unpacked = vec![constant(0.0); nv * nv];
         for (c, (column, of)) in self.velocities.iter().enumerate() {
             for (r, (row, other)) in self.velocities.iter().enumerate() {
                 if of.is_some() && other.is_some() && of != other {
@@ -264,12 +264,12 @@ impl LimbPacking {
                         continue;
                     }
                     if let (Some(column), Some(row)) = (at(column), at(row)) {
-                        apart[column * nv + row] = columns[c * n + r].extract_lane(lane);
+                        unpacked[column * nv + row] = columns[c * n + r].extract_lane(lane);
                     }
                 }
             }
         }
-        apart
+        unpacked
     }
 }
 
@@ -293,7 +293,7 @@ fn groups(model: &Mechanism<f64>) -> Vec<Vec<Range<usize>>> {
 fn join(model: &Mechanism<f64>, groups: &[Vec<Range<usize>>]) -> Vec<Vec<Range<usize>>> {
     let mut joined: Vec<Vec<Range<usize>>> = Vec::new();
     let fits = |one: &[Range<usize>], other: &[Range<usize>]| {
-        let (a, b) = (chain(model, longest(one)), chain(model, longest(other)));
+        let (a, b) = (chain_joints(model, longest(one)), chain_joints(model, longest(other)));
         let (Some(a), Some(b)) = (a, b) else { return false };
         one.len() + other.len() <= MAX_JOINED
             && a.len().abs_diff(b.len()) <= MAX_MISSING
@@ -309,7 +309,7 @@ fn join(model: &Mechanism<f64>, groups: &[Vec<Range<usize>>]) -> Vec<Vec<Range<u
 }
 
 /// Returns the joint types of a limb; `None` if it is no chain.
-fn chain(model: &Mechanism<f64>, limb: &Range<usize>) -> Option<Vec<ElementaryJoint>> {
+fn chain_joints(model: &Mechanism<f64>, limb: &Range<usize>) -> Option<Vec<ElementaryJoint>> {
     let follows = |i: usize| model.bodies[i].parent == Some(i - 1);
     let is_chain = limb.clone().skip(1).all(follows);
     is_chain.then(|| limb.clone().map(|i| model.bodies[i].elementary_joint).collect())
@@ -369,10 +369,10 @@ fn constant(value: f64) -> Expr {
 
 /// Returns the pack of the entries of `x` that belong to these lanes.
 fn lanes_of(lanes: &Lanes, x: &[Expr]) -> Expr {
-    beside(lanes.iter().map(|i| i.map_or(constant(0.0), |i| x[i])))
+    pack(lanes.iter().map(|i| i.map_or(constant(0.0), |i| x[i])))
 }
 
-fn beside(numbers: impl Iterator<Item = Expr>) -> Expr {
+fn pack(numbers: impl Iterator<Item = Expr>) -> Expr {
     Expr::pack(&numbers.collect::<Vec<_>>())
 }
 
@@ -386,20 +386,20 @@ fn numbers<T>(items: &[&T], each: impl Fn(&T, &mut dyn FnMut(f64))) -> impl Iter
             list
         })
         .collect();
-    (0..lists[0].len()).map(move |n| beside(lists.iter().map(|list| constant(list[n]))))
+    (0..lists[0].len()).map(move |n| pack(lists.iter().map(|list| constant(list[n]))))
 }
 
 /// Returns the pack of a number that some items lack; their lanes are zero.
 fn optional(dofs: &[&Dof<f64>], of: impl Fn(&Dof<f64>) -> Option<f64>) -> Option<Expr> {
     let has = dofs.iter().any(|dof| of(dof).is_some());
-    has.then(|| beside(dofs.iter().map(|dof| constant(of(dof).unwrap_or(0.0)))))
+    has.then(|| pack(dofs.iter().map(|dof| constant(of(dof).unwrap_or(0.0)))))
 }
 
 /// Returns bodies as one body of lanes.
-fn abreast(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> {
+fn packed_body(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> {
     let first = each[0];
     let turns = |of: fn(&Body<f64>) -> AxisRotation<f64>| {
-        turn(&each.iter().map(|body| of(body)).collect::<Vec<_>>())
+        packed_rotation(&each.iter().map(|body| of(body)).collect::<Vec<_>>())
     };
     let mut translations = numbers(each, |b, f| b.placement.translation.0.into_iter().for_each(f));
     let mut inertias = numbers(each, |b, f| _ = b.inertia.map(f));
@@ -411,7 +411,7 @@ fn abreast(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> {
         q,
         mimic: None,
         dofs,
-        zero: zero(&each.iter().map(|body| body.zero).collect::<Vec<_>>()),
+        zero: packed_offset(&each.iter().map(|body| body.zero).collect::<Vec<_>>()),
         placement: modyn_runtime::spatial::DhTransform {
             azimuth: turns(|body| body.placement.azimuth),
             translation: modyn_runtime::spatial::Vector3(
@@ -426,7 +426,7 @@ fn abreast(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> {
 }
 
 /// Returns rotations as one rotation of lanes; free of operations if all are the same quarter turn.
-fn turn(turns: &[AxisRotation<f64>]) -> AxisRotation<Expr> {
+fn packed_rotation(turns: &[AxisRotation<f64>]) -> AxisRotation<Expr> {
     if let (AxisRotation::Quarters(n), true) =
         (turns[0], turns.iter().all(|turn| *turn == turns[0]))
     {
@@ -439,13 +439,13 @@ fn turn(turns: &[AxisRotation<f64>]) -> AxisRotation<Expr> {
         }
     };
     AxisRotation::Angle {
-        cos: beside(turns.iter().map(|turn| constant(direction(turn).0))),
-        sin: beside(turns.iter().map(|turn| constant(direction(turn).1))),
+        cos: pack(turns.iter().map(|turn| constant(direction(turn).0))),
+        sin: pack(turns.iter().map(|turn| constant(direction(turn).1))),
     }
 }
 
 /// Returns offsets as one offset of lanes.
-fn zero(zeros: &[JointOffset<f64>]) -> JointOffset<Expr> {
+fn packed_offset(zeros: &[JointOffset<f64>]) -> JointOffset<Expr> {
     if let (JointOffset::Quarters(n), true) = (zeros[0], zeros.iter().all(|zero| *zero == zeros[0]))
     {
         return JointOffset::Quarters(n);
@@ -454,5 +454,5 @@ fn zero(zeros: &[JointOffset<f64>]) -> JointOffset<Expr> {
         JointOffset::Angle(angle) => angle,
         JointOffset::Quarters(n) => f64::from(n) * std::f64::consts::FRAC_PI_2,
     };
-    JointOffset::Angle(beside(zeros.iter().map(|zero| constant(angle(zero)))))
+    JointOffset::Angle(pack(zeros.iter().map(|zero| constant(angle(zero)))))
 }

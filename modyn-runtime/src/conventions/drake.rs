@@ -9,7 +9,7 @@
 //! [`QuaternionFloatingJoint`](https://github.com/RobotLocomotion/drake/blob/master/multibody/tree/quaternion_floating_joint.h):
 //! `q_FM`, `p_FM`, and `w_FM`, `v_FM`, expressed in F.
 
-use super::floating::{attitude, halves, joined, quaternion};
+use super::floating::{concatenate, halves, joint_rotation, quaternion};
 use super::{wxyz_from_xyzw, xyzw_from_wxyz};
 use crate::Scalar;
 
@@ -38,15 +38,15 @@ pub fn from_q<T: Scalar>([qw, qx, qy, qz, x, y, z]: [T; 7]) -> [T; 7] {
 /// Returns Drake's `v` of a quaternion floating joint, from modyn's coordinates `q` and velocities `qd`.
 #[must_use]
 pub fn to_v<T: Scalar>(q: [T; 7], qd: [T; 6]) -> [T; 6] {
-    let [linear, angular] = halves(qd).map(|part| attitude(q).rotate(part));
-    joined(angular, linear)
+    let [linear, angular] = halves(qd).map(|part| joint_rotation(q).rotate(part));
+    concatenate(angular, linear)
 }
 
 /// Returns modyn's velocities of a floating joint, from modyn's coordinates `q` and Drake's `v`.
 #[must_use]
 pub fn from_v<T: Scalar>(q: [T; 7], v: [T; 6]) -> [T; 6] {
-    let [angular, linear] = halves(v).map(|part| attitude(q).conjugate().rotate(part));
-    joined(linear, angular)
+    let [angular, linear] = halves(v).map(|part| joint_rotation(q).conjugate().rotate(part));
+    concatenate(linear, angular)
 }
 
 /// Returns Drake's `vdot` of a quaternion floating joint, from modyn's coordinates, velocities and
@@ -55,7 +55,7 @@ pub fn from_v<T: Scalar>(q: [T; 7], v: [T; 6]) -> [T; 6] {
 pub fn to_vdot<T: Scalar>(q: [T; 7], qd: [T; 6], qdd: [T; 6]) -> [T; 6] {
     let ([v, omega], [rate, angular]) = (halves(qd), halves(qdd));
     // The derivative of omega has the same components in both axes, since omega x omega is zero.
-    to_v(q, joined(rate + omega.cross(v), angular))
+    to_v(q, concatenate(rate + omega.cross(v), angular))
 }
 
 /// Returns modyn's accelerations of a floating joint, from modyn's coordinates and velocities and Drake's
@@ -63,7 +63,7 @@ pub fn to_vdot<T: Scalar>(q: [T; 7], qd: [T; 6], qdd: [T; 6]) -> [T; 6] {
 #[must_use]
 pub fn from_vdot<T: Scalar>(q: [T; 7], qd: [T; 6], vdot: [T; 6]) -> [T; 6] {
     let ([v, omega], [linear, angular]) = (halves(qd), halves(from_v(q, vdot)));
-    joined(linear - omega.cross(v), angular)
+    concatenate(linear - omega.cross(v), angular)
 }
 
 /// Returns Drake's `tau` of a quaternion floating joint: the moment, then the force.

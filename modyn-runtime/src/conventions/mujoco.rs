@@ -11,7 +11,7 @@
 //! [floating objects](https://mujoco.readthedocs.io/en/latest/overview.html#floating-objects) and its
 //! maintainers in [issue 691](https://github.com/google-deepmind/mujoco/issues/691).
 
-use super::floating::{attitude, halves, joined, quaternion};
+use super::floating::{concatenate, halves, joint_rotation, quaternion};
 use super::{wxyz_from_xyzw, xyzw_from_wxyz};
 use crate::Scalar;
 
@@ -33,21 +33,21 @@ pub fn from_qpos<T: Scalar>([x, y, z, qw, qx, qy, qz]: [T; 7]) -> [T; 7] {
 #[must_use]
 pub fn to_qvel<T: Scalar>(q: [T; 7], qd: [T; 6]) -> [T; 6] {
     let [linear, angular] = halves(qd);
-    joined(attitude(q).rotate(linear), angular)
+    concatenate(joint_rotation(q).rotate(linear), angular)
 }
 
 /// Returns modyn's velocities of a floating joint, from modyn's coordinates `q` and MuJoCo's `qvel`.
 #[must_use]
 pub fn from_qvel<T: Scalar>(q: [T; 7], qvel: [T; 6]) -> [T; 6] {
     let [linear, angular] = halves(qvel);
-    joined(attitude(q).conjugate().rotate(linear), angular)
+    concatenate(joint_rotation(q).conjugate().rotate(linear), angular)
 }
 
 /// Returns MuJoCo's `qacc` of a free joint, from modyn's coordinates, velocities and accelerations.
 #[must_use]
 pub fn to_qacc<T: Scalar>(q: [T; 7], qd: [T; 6], qdd: [T; 6]) -> [T; 6] {
     let ([v, omega], [rate, angular]) = (halves(qd), halves(qdd));
-    joined(attitude(q).rotate(rate + omega.cross(v)), angular)
+    concatenate(joint_rotation(q).rotate(rate + omega.cross(v)), angular)
 }
 
 /// Returns modyn's accelerations of a floating joint, from modyn's coordinates and velocities and MuJoCo's
@@ -55,7 +55,7 @@ pub fn to_qacc<T: Scalar>(q: [T; 7], qd: [T; 6], qdd: [T; 6]) -> [T; 6] {
 #[must_use]
 pub fn from_qacc<T: Scalar>(q: [T; 7], qd: [T; 6], qacc: [T; 6]) -> [T; 6] {
     let ([v, omega], [linear, angular]) = (halves(qd), halves(qacc));
-    joined(attitude(q).conjugate().rotate(linear) - omega.cross(v), angular)
+    concatenate(joint_rotation(q).conjugate().rotate(linear) - omega.cross(v), angular)
 }
 
 /// Returns MuJoCo's `qfrc_...` of a free joint, from modyn's coordinates `q` and forces `tau`.

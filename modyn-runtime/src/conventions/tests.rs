@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use super::floating::{attitude, halves, joined, quaternion};
+use super::floating::{concatenate, halves, joint_rotation, quaternion};
 use super::*;
 use crate::Scalar;
 use crate::spatial::{Quaternion, Vector3};
@@ -50,8 +50,9 @@ fn velocities(t: f64) -> [Vector3<f64>; 2] {
 
 /// Returns modyn's velocities.
 fn qd(t: f64) -> [f64; 6] {
-    let [linear, angular] = velocities(t).map(|part| attitude(motion(t)).conjugate().rotate(part));
-    joined(linear, angular)
+    let [linear, angular] =
+        velocities(t).map(|part| joint_rotation(motion(t)).conjugate().rotate(part));
+    concatenate(linear, angular)
 }
 
 #[test]
@@ -59,12 +60,12 @@ fn velocities_and_accelerations_are_rates() {
     for t in [-1.0, 0.2, 1.7] {
         let (q, qd, qdd) = (motion(t), qd(t), rate(t, qd));
         let [linear, turning] = velocities(t);
-        close(drake::to_v(q, qd), joined(turning, linear), 1e-10);
+        close(drake::to_v(q, qd), concatenate(turning, linear), 1e-10);
         close(drake::to_vdot(q, qd, qdd), rate(t, |t| drake::to_v(motion(t), self::qd(t))), 1e-6);
-        close(mujoco::to_qvel(q, qd), joined(linear, halves(qd)[1]), 1e-10);
+        close(mujoco::to_qvel(q, qd), concatenate(linear, halves(qd)[1]), 1e-10);
         let along = |t| mujoco::to_qvel(motion(t), self::qd(t));
         close(mujoco::to_qacc(q, qd, qdd), rate(t, along), 1e-6);
-        close(rbdl::to_qdot(q, qd), joined(linear, halves(qd)[1]), 1e-10);
+        close(rbdl::to_qdot(q, qd), concatenate(linear, halves(qd)[1]), 1e-10);
         let along = |t| rbdl::to_qdot(motion(t), self::qd(t));
         close(rbdl::to_qddot(q, qd, qdd), rate(t, along), 1e-6);
         // The body's angular velocity, from the quaternion's derivative: 2 conj(q) q'.

@@ -26,7 +26,7 @@ pub fn factorize<S: Scalar>(
     factors: &mut [S],
 ) {
     if model.has_mimics() {
-        workspace.make_room(layout.pivots(), model.nv * model.nv, 0);
+        workspace.reserve(layout.pivots(), model.nv * model.nv, 0);
         let mut matrix = core::mem::take(&mut workspace.matrix);
         mass_matrix(model, q, workspace, &mut matrix);
         factorize_matrix(layout, &mut matrix, &mut workspace.pivots, factors);

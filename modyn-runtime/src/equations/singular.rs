@@ -12,7 +12,7 @@ use alloc::{vec, vec::Vec};
 
 use crate::Scalar;
 use crate::joint::JointTransform;
-use crate::mechanism::coordinates::Space;
+use crate::mechanism::coordinates::CoordinateSpace;
 use crate::mechanism::{Dof, Mechanism};
 use crate::spatial::ArticulatedInertia;
 
@@ -40,7 +40,7 @@ impl<S: Scalar> PivotWorkspace<S> {
     /// Returns the memory for `model`.
     #[must_use]
     pub fn new(model: &Mechanism<S>) -> Self {
-        let none = vec![nothing(); model.bodies.len()];
+        let none = vec![zero_inertia(); model.bodies.len()];
         Self {
             q: configuration(model),
             motions: Vec::with_capacity(model.bodies.len()),
@@ -51,7 +51,7 @@ impl<S: Scalar> PivotWorkspace<S> {
     }
 }
 
-fn nothing<S: Scalar>() -> ArticulatedInertia<S> {
+fn zero_inertia<S: Scalar>() -> ArticulatedInertia<S> {
     ArticulatedInertia::from_fn(|_, _| S::zero())
 }
 
@@ -67,9 +67,9 @@ fn configuration<S: Scalar>(model: &Mechanism<S>) -> Vec<S> {
     for coordinates in &model.coordinates {
         let at = coordinates.q;
         let (numbers, rotation) = match coordinates.space {
-            Space::Line { .. } => (at..at + 1, None),
-            Space::Rotation => (at..at, Some(at)),
-            Space::Pose => (at..at + 3, Some(at + 3)),
+            CoordinateSpace::Line { .. } => (at..at + 1, None),
+            CoordinateSpace::Rotation => (at..at, Some(at)),
+            CoordinateSpace::Pose => (at..at + 3, Some(at + 3)),
         };
         for entry in numbers {
             q[entry] = 0.3 + 6.0 * spread(entry);
@@ -127,8 +127,8 @@ fn sweep<S: Scalar>(
     mut give: impl FnMut(&Dof<S>, S),
 ) {
     let PivotWorkspace { motions, free, held, .. } = workspace;
-    free.fill(nothing());
-    held.fill(nothing());
+    free.fill(zero_inertia());
+    held.fill(zero_inertia());
     let units = |n: f64| epsilon * S::from_f64(n);
     for (i, body) in model.bodies.iter().enumerate().rev() {
         let own = body.inertia.articulated();

@@ -78,7 +78,7 @@ impl<S: Scalar> Workspace<S> {
     }
 
     /// Makes room for this many entries. Allocates only if there is less room.
-    pub(super) fn make_room(&mut self, pivots: usize, matrix: usize, factors: usize) {
+    pub(super) fn reserve(&mut self, pivots: usize, matrix: usize, factors: usize) {
         for (numbers, size) in
             [(&mut self.pivots, pivots), (&mut self.matrix, matrix), (&mut self.factors, factors)]
         {

@@ -11,7 +11,7 @@ use crate::results::ConstraintSettings;
 use crate::spatial::{Twist, Wrench};
 
 /// The workspaces that constrained dynamics needs.
-type Rooms<'a, S> = (&'a mut Workspace<S>, &'a mut ConstraintWorkspace<S>);
+type Workspaces<'a, S> = (&'a mut Workspace<S>, &'a mut ConstraintWorkspace<S>);
 
 /// Functions of closed loops: see [`Model::loop_constraints`](crate::model::Model::loop_constraints). Slices with
 /// an entry for each loop constraint are empty for a tree.
@@ -78,7 +78,7 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Returns the mechanism, the layout of its factorization and the workspaces.
-    fn constraints(&mut self) -> (&Mechanism<S>, &UduLayout, Rooms<'_, S>) {
+    fn constraints(&mut self) -> (&Mechanism<S>, &UduLayout, Workspaces<'_, S>) {
         let Self { mechanism, workspace, model, links, constraints, .. } = self;
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));

@@ -59,12 +59,12 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If a slice does not have the model's length.
-    pub fn coordinate_rates(&self, q: &[S], qd: &[S], rates: &mut [S]) -> Result<(), ShapeError> {
+    pub fn velocity_to_qdot(&self, q: &[S], qd: &[S], rates: &mut [S]) -> Result<(), ShapeError> {
         let (nq, nv) = (self.model.nq(), self.model.nv());
         check("q", q, nq)?;
         check("qd", qd, nv)?;
         check("rates", rates, nq)?;
-        coordinates::coordinate_rates(&self.mechanism, (q, qd), rates);
+        coordinates::velocity_to_qdot(&self.mechanism, (q, qd), rates);
         Ok(())
     }
 

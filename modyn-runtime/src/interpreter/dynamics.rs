@@ -104,7 +104,7 @@ impl<S: Scalar> Interpreter<S> {
         qdd: &[S],
         tau: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.act((q, qd, Some(qdd)), None, tau)
+        self.required_torques((q, qd, Some(qdd)), None, tau)
     }
 
     /// Computes the joint forces `tau` of the accelerations `qdd` under external wrenches `forces`: one wrench for
@@ -122,10 +122,10 @@ impl<S: Scalar> Interpreter<S> {
         forces: Forces<'_, S>,
         tau: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.act((q, qd, Some(qdd)), Some(forces), tau)
+        self.required_torques((q, qd, Some(qdd)), Some(forces), tau)
     }
 
-    fn act(
+    fn required_torques(
         &mut self,
         (q, qd, qdd): (&[S], &[S], Option<&[S]>),
         forces: Option<Forces<'_, S>>,
@@ -160,7 +160,7 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If a slice does not have the model's length.
     pub fn bias_forces(&mut self, q: &[S], qd: &[S], tau: &mut [S]) -> Result<(), ShapeError> {
-        self.act((q, qd, None), None, tau)
+        self.required_torques((q, qd, None), None, tau)
     }
 
     /// Computes the joint forces that balance gravity at zero velocity.

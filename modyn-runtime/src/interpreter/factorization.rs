@@ -12,7 +12,7 @@ use crate::model::ModuleTree;
 
 impl<S: Scalar> Interpreter<S> {
     /// Returns the factorization I = U D U^T of the mass matrix by modules at `q`, (35)-(49) of the paper.
-    /// Allocates the result; [`Brge::update`] uses the memory of an earlier one.
+    /// Allocates the result; [`UduFactorization::update`] uses the memory of an earlier one.
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
@@ -29,7 +29,7 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If `q` does not have the model's length.
-    pub fn brge(&self, q: &[S]) -> Result<Brge<S>, ShapeError> {
+    pub fn brge(&self, q: &[S]) -> Result<UduFactorization<S>, ShapeError> {
         check("q", q, self.model.nq())?;
         let layout = UduLayout::new(&self.mechanism, &self.modules);
         let factors = vec![S::zero(); layout.size()];
@@ -37,7 +37,7 @@ impl<S: Scalar> Interpreter<S> {
         let modules = self.modules.clone();
         let structure = self.mechanism.structure().collect();
         let (nq, n) = (self.model.nq(), self.model.nv());
-        let mut brge = Brge { modules, layout, factors, workspace, structure, nq, n };
+        let mut brge = UduFactorization { modules, layout, factors, workspace, structure, nq, n };
         brge.factorize(self, q);
         Ok(brge)
     }
@@ -48,7 +48,7 @@ impl<S: Scalar> Interpreter<S> {
 /// [`update`](Self::update) and [`solve_in_place`](Self::solve_in_place) do not allocate. Methods that return a
 /// vector or matrix allocate it; [`condition_number`](Self::condition_number) allocates a copy of its block.
 #[derive(Clone, Debug)]
-pub struct Brge<S = f64> {
+pub struct UduFactorization<S = f64> {
     modules: ModuleTree,
     layout: UduLayout,
     factors: Vec<S>,
@@ -59,7 +59,7 @@ pub struct Brge<S = f64> {
     n: usize,
 }
 
-impl<S: Scalar> Brge<S> {
+impl<S: Scalar> UduFactorization<S> {
     /// Recomputes the factorization at another `q` without allocation.
     ///
     /// # Errors

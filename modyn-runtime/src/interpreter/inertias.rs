@@ -61,7 +61,7 @@ impl<S: fmt::Debug + fmt::Display + fmt::LowerExp + 'static> core::error::Error
 
 /// The two inertias of a link at run time.
 #[derive(Clone, Copy, Debug)]
-enum Part {
+enum InertialKind {
     /// The link's own inertia.
     Own,
     /// The payload, which is added to the link's own inertia.
@@ -121,7 +121,7 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
     }
 
     /// Sums the inertias of the bodies into `mechanism`.
-    fn enter(&mut self, mechanism: &mut Mechanism<S>) {
+    fn update_bodies(&mut self, mechanism: &mut Mechanism<S>) {
         for (body, (inertia, base_inertia)) in mechanism.bodies.iter_mut().zip(&self.described) {
             (body.inertia, body.base_inertia) = (*inertia, *base_inertia);
         }
@@ -147,7 +147,7 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
     }
 
     /// Returns the first entry of qd, from the leaves, that no longer moves inertia.
-    fn unfelt(&mut self, mechanism: &Mechanism<S>) -> Option<usize> {
+    fn first_singular(&mut self, mechanism: &Mechanism<S>) -> Option<usize> {
         let Self { felt, pivots, workspace, .. } = self;
         singular::pivots(mechanism, epsilon(), workspace, pivots);
         let positive = |v: usize| pivots[v].partial_cmp(&S::zero()) == Some(Ordering::Greater);
@@ -172,7 +172,7 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         frame: usize,
         inertial: &Inertial<S>,
     ) -> Result<(), InertialError<S>> {
-        self.set_part(frame, Part::Own, inertial)
+        self.set_inertial_of_kind(frame, InertialKind::Own, inertial)
     }
 
     /// Sets the payload of link `frame` of the description (an index into [`Model::frames`]): an inertia in the link's
@@ -201,13 +201,13 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         frame: usize,
         payload: &Inertial<S>,
     ) -> Result<(), InertialError<S>> {
-        self.set_part(frame, Part::Payload, payload)
+        self.set_inertial_of_kind(frame, InertialKind::Payload, payload)
     }
 
-    fn set_part(
+    fn set_inertial_of_kind(
         &mut self,
         frame: usize,
-        part: Part,
+        part: InertialKind,
         inertial: &Inertial<S>,
     ) -> Result<(), InertialError<S>> {
         let count = self.model.frames().len();
@@ -220,14 +220,14 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         let Self { model, mechanism, inertias, .. } = self;
         let inertias = inertias.get_or_insert_with(|| Inertias::new(model, mechanism));
         let at = match part {
-            Part::Own => 1,
-            Part::Payload => 2,
+            InertialKind::Own => 1,
+            InertialKind::Payload => 2,
         };
         let before = core::mem::replace(&mut inertias.links[frame][at], *inertial);
-        inertias.enter(mechanism);
-        let Some(v) = inertias.unfelt(mechanism) else { return Ok(()) };
+        inertias.update_bodies(mechanism);
+        let Some(v) = inertias.first_singular(mechanism) else { return Ok(()) };
         inertias.links[frame][at] = before;
-        inertias.enter(mechanism);
+        inertias.update_bodies(mechanism);
         let moves =
             |link: &usize| model.mimic(*link).is_none() && model.v_range(*link).contains(&v);
         let link = (0..model.links().len()).find(moves);

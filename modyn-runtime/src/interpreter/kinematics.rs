@@ -206,13 +206,13 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
-    pub fn jacobian_rate(
+    pub fn bias_acceleration(
         &mut self,
         q: &[S],
         qd: &[S],
         frame: usize,
     ) -> Result<Twist<S>, FrameError> {
-        self.jacobian_rate_in(q, qd, frame, Axes::World)
+        self.bias_acceleration_in(q, qd, frame, Axes::World)
     }
 
     /// Returns the bias acceleration dJ/dt qd of a link in its own axes: the time derivative of the components of
@@ -224,16 +224,16 @@ impl<S: Scalar> Interpreter<S> {
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
-    pub fn local_jacobian_rate(
+    pub fn local_bias_acceleration(
         &mut self,
         q: &[S],
         qd: &[S],
         frame: usize,
     ) -> Result<Twist<S>, FrameError> {
-        self.jacobian_rate_in(q, qd, frame, Axes::Link)
+        self.bias_acceleration_in(q, qd, frame, Axes::Link)
     }
 
-    fn jacobian_rate_in(
+    fn bias_acceleration_in(
         &mut self,
         q: &[S],
         qd: &[S],
@@ -242,7 +242,7 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<Twist<S>, FrameError> {
         self.check_motion(frame, q, qd)?;
         let Self { mechanism, workspace, .. } = self;
-        Ok(kinematics::jacobian_rate(mechanism, frame, (q, qd), axes, workspace))
+        Ok(kinematics::bias_acceleration(mechanism, frame, (q, qd), axes, workspace))
     }
 }
 

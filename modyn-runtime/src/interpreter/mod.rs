@@ -25,7 +25,7 @@ use inertias::Inertias;
 
 pub use derivatives::ForwardDerivatives;
 pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, UpdateError};
-pub use factorization::Brge;
+pub use factorization::UduFactorization;
 pub use inertias::InertialError;
 
 /// The dynamics of a model that is known at run time only.
@@ -80,7 +80,7 @@ impl<S: Scalar> Interpreter<S> {
     #[must_use]
     pub fn new(model: Model) -> Self {
         let modules = ModuleTree::chains(&model);
-        Self::made(model, modules)
+        Self::from_parts(model, modules)
     }
 
     /// Returns the interpreter of `model`, with `modules` as the modules of [`brge`](Self::brge).
@@ -89,14 +89,18 @@ impl<S: Scalar> Interpreter<S> {
     ///
     /// If the modules belong to another model.
     pub fn with_modules(model: Model, modules: ModuleTree) -> Result<Self, ModuleMismatch> {
-        if modules.fits(&model) { Ok(Self::made(model, modules)) } else { Err(ModuleMismatch {}) }
+        if modules.fits(&model) {
+            Ok(Self::from_parts(model, modules))
+        } else {
+            Err(ModuleMismatch {})
+        }
     }
 
-    fn made(model: Model, modules: ModuleTree) -> Self {
+    fn from_parts(model: Model, modules: ModuleTree) -> Self {
         let mechanism = Mechanism::new(&model).cast();
         let elimination = Elimination::new(&mechanism, &ModuleTree::links(&model));
         let mut workspace = Workspace::new(&mechanism);
-        elimination.make_room(&mechanism, &mut workspace);
+        elimination.reserve(&mechanism, &mut workspace);
         let body_poses = vec![Pose::identity(); mechanism.bodies.len()];
         let (inertias, links, constraints) = (None, None, None);
         Self {
@@ -124,7 +128,7 @@ impl<S: Scalar> Interpreter<S> {
             return Err(ModuleMismatch {});
         }
         self.elimination = Elimination::new(&self.mechanism, modules);
-        self.elimination.make_room(&self.mechanism, &mut self.workspace);
+        self.elimination.reserve(&self.mechanism, &mut self.workspace);
         Ok(self)
     }
 

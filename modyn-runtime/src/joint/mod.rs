@@ -4,13 +4,13 @@
 //! joint type is therefore described by its effect on spatial quantities about z.
 
 #[cfg(feature = "alloc")]
-mod carried;
-#[cfg(feature = "alloc")]
 mod elementary;
 #[cfg(feature = "alloc")]
 mod floating;
 #[cfg(feature = "alloc")]
 mod offset;
+#[cfg(feature = "alloc")]
+mod parent_motion;
 pub mod planar;
 #[cfg(feature = "alloc")]
 mod prismatic;
@@ -25,7 +25,8 @@ mod transform;
 
 #[cfg(feature = "alloc")]
 pub use {
-    carried::Carried, elementary::ElementaryJoint, offset::JointOffset, transform::JointTransform,
+    elementary::ElementaryJoint, offset::JointOffset, parent_motion::ParentMotion,
+    transform::JointTransform,
 };
 
 /// The type of a joint: the motion that it allows.

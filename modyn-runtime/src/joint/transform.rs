@@ -3,7 +3,7 @@
 //! The equations have four elementary joints. A universal joint is two revolute joints with a massless body
 //! between them, a planar joint two prismatic joints and a revolute joint (`mechanism::elementary`).
 
-use super::carried::Carried;
+use super::parent_motion::ParentMotion;
 use super::{ElementaryJoint, JointOffset, floating, prismatic, revolute, rotated, spherical};
 use crate::Scalar;
 use crate::spatial::{
@@ -62,7 +62,7 @@ impl<S: Scalar> JointTransform<S> {
     #[must_use]
     pub fn accelerate(
         &self,
-        carried: Carried<S>,
+        carried: ParentMotion<S>,
         rates: &[S],
         accelerations: Option<&[S]>,
     ) -> Field<S> {
@@ -118,7 +118,7 @@ impl<S: Scalar> JointTransform<S> {
 
     /// Returns the child's axes, from the parent's axes; both as columns, in some third frame.
     #[must_use]
-    pub fn turn_axes(&self, axes: &Matrix3<S>) -> Matrix3<S> {
+    pub fn rotate_axes(&self, axes: &Matrix3<S>) -> Matrix3<S> {
         match self {
             Self::Revolute(turn) => turn.columns(Axis::Z, axes),
             Self::Prismatic(_) => *axes,
@@ -180,23 +180,23 @@ impl<S: Scalar> JointTransform<S> {
             Self::Revolute(turn) => {
                 let turned = self.rigid_to_parent(body);
                 let spin = Vector3::along_z(rates[0] + rates[0]);
-                velocities.turned(*turn, Axis::Z).spun(spin, &turned)
+                velocities.rotated_about(*turn, Axis::Z).with_angular_velocity(spin, &turned)
             }
             Self::Prismatic(q) => {
                 let slide = Vector3::along_z(rates[0] + rates[0]);
-                velocities.slid(slide, body).shifted(Vector3::along_z(*q))
+                velocities.with_linear_velocity(slide, body).shifted(Vector3::along_z(*q))
             }
             Self::Spherical(rotation) => {
                 let spin = rotation.mul_vector(twice(rates));
-                velocities.rotated(rotation).spun(spin, &body.rotated(rotation))
+                velocities.rotated(rotation).with_angular_velocity(spin, &body.rotated(rotation))
             }
             Self::Floating { rotation, position } => {
                 let (slide, spin) = (twice(rates), twice(&rates[3..]));
                 let turned = body.rotated(rotation);
                 velocities
                     .rotated(rotation)
-                    .spun(rotation.mul_vector(spin), &turned)
-                    .slid(rotation.mul_vector(slide), &turned)
+                    .with_angular_velocity(rotation.mul_vector(spin), &turned)
+                    .with_linear_velocity(rotation.mul_vector(slide), &turned)
                     .shifted(*position)
             }
         }
@@ -205,7 +205,7 @@ impl<S: Scalar> JointTransform<S> {
     /// Returns the velocity of the child's origin relative to the parent frame, in the parent's axes; `None`
     /// for joints that only rotate.
     #[must_use]
-    pub fn drift(&self, rates: &[S]) -> Option<Vector3<S>> {
+    pub fn origin_velocity(&self, rates: &[S]) -> Option<Vector3<S>> {
         match self {
             Self::Revolute(_) | Self::Spherical(_) => None,
             Self::Prismatic(_) => Some(Vector3::along_z(rates[0])),

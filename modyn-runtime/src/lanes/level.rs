@@ -31,10 +31,10 @@ pub fn level() -> SimdLevel {
     #[cfg(all(feature = "std", target_arch = "x86_64"))]
     {
         let forced = FORCED.load(Ordering::Relaxed);
-        X86.into_iter().find(|&level| level as u8 + 1 == forced).unwrap_or_else(best)
+        X86.into_iter().find(|&level| level as u8 + 1 == forced).unwrap_or_else(best_level)
     }
     #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
-    best()
+    best_level()
 }
 
 /// Makes batches use `level`, or the best level for `None`. Returns false if the processor lacks the level, or if the
@@ -43,14 +43,14 @@ pub fn level() -> SimdLevel {
 pub fn force_level(level: Option<SimdLevel>) -> bool {
     #[cfg(all(feature = "std", target_arch = "x86_64"))]
     {
-        let available = level.is_none_or(|level| (lowest()..=best()).contains(&level));
+        let available = level.is_none_or(|level| (lowest_level()..=best_level()).contains(&level));
         if available {
             FORCED.store(level.map_or(0, |level| level as u8 + 1), Ordering::Relaxed);
         }
         available
     }
     #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
-    level.is_none_or(|level| level == best())
+    level.is_none_or(|level| level == best_level())
 }
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
@@ -58,7 +58,7 @@ const X86: [SimdLevel; 3] = [SimdLevel::Sse2, SimdLevel::Avx2, SimdLevel::Avx512
 
 /// Returns the level that every processor has that can run the program.
 #[cfg(target_arch = "x86_64")]
-fn lowest() -> SimdLevel {
+fn lowest_level() -> SimdLevel {
     if cfg!(all(target_feature = "avx512f", target_feature = "avx512vl")) {
         SimdLevel::Avx512
     } else if cfg!(all(target_feature = "avx2", target_feature = "fma")) {
@@ -69,18 +69,18 @@ fn lowest() -> SimdLevel {
 }
 
 #[cfg(target_arch = "x86_64")]
-fn best() -> SimdLevel {
+fn best_level() -> SimdLevel {
     #[cfg(feature = "std")]
     if std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512vl") {
         return SimdLevel::Avx512;
     } else if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
         return SimdLevel::Avx2;
     }
-    lowest()
+    lowest_level()
 }
 
 #[cfg(not(target_arch = "x86_64"))]
-fn best() -> SimdLevel {
+fn best_level() -> SimdLevel {
     // Soft-float targets for kernels have no NEON.
     if cfg!(all(target_arch = "aarch64", target_feature = "neon")) {
         SimdLevel::Neon

@@ -1,13 +1,11 @@
 //! SIMD vectors as scalars: several values in one register, usually a state in each lane.
 //!
 //! Each instruction set has a file with its vector types, and one function that is compiled for it. The vector
-//! types cannot be named from outside. Generic code receives them as the type parameter of [`Work::run`], which
+//! types cannot be named from outside. Generic code receives them as the type parameter of [`BatchTask::run`], which
 //! is called only where the processor has the instructions, so that single operations need no check. All generic
 //! code is inlined into that one function: code that is not inlined would be compiled without the instruction set,
 //! and be slow. (A function that enables the instruction set itself, as in `fused`, costs only the call.)
 
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-mod abreast;
 #[cfg(target_arch = "x86_64")]
 #[allow(dead_code)] // Unused in programs compiled for a higher level.
 mod avx2;
@@ -19,6 +17,8 @@ mod level;
 mod neon;
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod pair;
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+mod simd;
 mod single;
 #[cfg(target_arch = "x86_64")]
 #[allow(dead_code)] // Unused in programs compiled for a higher level.
@@ -27,8 +27,8 @@ mod sse2;
 mod vector;
 
 use crate::Scalar;
-use crate::scalar::abreast::Abreast;
-pub use crate::scalar::abreast::Part;
+pub use crate::scalar::simd::Chunk;
+use crate::scalar::simd::SimdTask;
 use crate::scalar::trig::Precision;
 pub use level::{SimdLevel, force_level, level};
 
@@ -46,7 +46,7 @@ pub trait Lanes: Scalar {
 
     /// Runs part of the work in a function of its own, compiled for the same instructions. rustc takes more than
     /// linear time for long functions.
-    fn outlined<P: Part>(part: P) -> P::Output;
+    fn outlined<P: Chunk>(part: P) -> P::Output;
 
     /// Returns the vector of the numbers from `from` on.
     ///
@@ -73,36 +73,36 @@ pub trait Lanes: Scalar {
 pub trait Float: Scalar + Precision + Send + Sync {
     /// Runs `work` on the widest vectors of the processor.
     #[doc(hidden)]
-    fn dispatch(work: impl Work<Self>);
+    fn dispatch(work: impl BatchTask<Self>);
 }
 
 /// Work on vectors of any width. `run` and everything that it calls must be `#[inline(always)]`.
 #[doc(hidden)]
-pub trait Work<F> {
+pub trait BatchTask<F> {
     /// Does the work.
     fn run<L: Lanes<Lane = F>>(self);
 }
 
 /// The largest number of lanes of any vector.
-pub(crate) const MOST_LANES: usize = 16;
+pub(crate) const MAX_LANES: usize = 16;
 
 macro_rules! dispatch {
-    ($($float:ident by $abreast:ident)*) => {$(
+    ($($float:ident by $run_simd:ident)*) => {$(
         /// Runs `work` on the best vectors for values of one state, or on scalars. SSE2 is not used: it would cost
         /// rustc as much as the other levels, and two lanes gain little. Programs compiled for AVX2 never use scalars.
         #[inline]
         #[allow(unsafe_code)] // Calls functions for instructions that were detected.
-        pub(crate) fn $abreast<W: Abreast<$float>>(work: W) -> W::Output {
+        pub(crate) fn $run_simd<W: SimdTask<$float>>(work: W) -> W::Output {
             // Few lanes do not profit from longer vectors.
             #[cfg(target_arch = "x86_64")]
             if cfg!(all(target_feature = "avx2", target_feature = "fma")) || level() >= SimdLevel::Avx2 {
                 // SAFETY: the program is compiled for AVX2 and FMA, or `level` has detected them; AVX-512 includes both.
-                return unsafe { avx2::$abreast(work) };
+                return unsafe { avx2::$run_simd(work) };
             }
             // On aarch64 all code has fused multiply-add, so single values gain nothing.
             #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-            if W::SIDE_BY_SIDE {
-                return neon::$abreast(work);
+            if W::HAS_PACKS {
+                return neon::$run_simd(work);
             }
             work.scalar()
         }
@@ -110,7 +110,7 @@ macro_rules! dispatch {
         impl Float for $float {
             #[inline]
             #[allow(unsafe_code)] // Calls functions for instructions that were detected.
-            fn dispatch(work: impl Work<Self>) {
+            fn dispatch(work: impl BatchTask<Self>) {
                 match level() {
                     // SAFETY: `level` returns a level that the processor has.
                     #[cfg(target_arch = "x86_64")]
@@ -129,7 +129,7 @@ macro_rules! dispatch {
     )*};
 }
 
-dispatch!(f64 by abreast_f64 f32 by abreast_f32);
+dispatch!(f64 by run_simd_f64 f32 by run_simd_f32);
 
 #[cfg(test)]
 mod tests;

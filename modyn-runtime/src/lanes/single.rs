@@ -3,7 +3,7 @@
 //! Unsafe code: `load` and `store` use pointers, which is sound by their callers' contract.
 #![allow(unsafe_code)]
 
-use super::{Lanes, Part, Work};
+use super::{BatchTask, Chunk, Lanes};
 
 macro_rules! single {
     ($($float:ident)*) => {$(
@@ -17,7 +17,7 @@ macro_rules! single {
             }
 
             #[inline(never)]
-            fn outlined<P: Part>(part: P) -> P::Output {
+            fn outlined<P: Chunk>(part: P) -> P::Output {
                 part.run()
             }
 
@@ -34,7 +34,7 @@ macro_rules! single {
             }
         }
 
-        pub(super) fn $float(work: impl Work<$float>) {
+        pub(super) fn $float(work: impl BatchTask<$float>) {
             work.run::<$float>();
         }
     )*};

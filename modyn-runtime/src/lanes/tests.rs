@@ -3,7 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::vec::Vec;
 
-use super::{Float, Lanes, SimdLevel, Work, force_level};
+use super::{BatchTask, Float, Lanes, SimdLevel, force_level};
 use crate::Scalar;
 use crate::scalar::near_pi;
 
@@ -54,7 +54,7 @@ struct All<'a, F> {
     results: &'a mut Vec<[F; 20]>,
 }
 
-impl<F: Float> Work<F> for All<'_, F> {
+impl<F: Float> BatchTask<F> for All<'_, F> {
     #[inline(always)]
     #[allow(unsafe_code)] // Loads and stores.
     fn run<L: Lanes<Lane = F>>(self) {

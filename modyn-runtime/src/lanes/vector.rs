@@ -75,7 +75,7 @@ macro_rules! vector {
 
             /// Returns sine and cosine, corrected in lanes beyond the limit of the fast argument reduction.
             #[inline(always)]
-            fn corrected(self, (sin, cos): (Self, Self)) -> (Self, Self) {
+            fn correct_large_angles(self, (sin, cos): (Self, Self)) -> (Self, Self) {
                 let (mut sines, mut cosines) = (sin.numbers(), cos.numbers());
                 crate::scalar::trig::correct(&self.numbers(), &mut sines, &mut cosines);
                 (Self::from_numbers(sines), Self::from_numbers(cosines))
@@ -93,10 +93,10 @@ macro_rules! vector {
             }
 
             #[inline(always)]
-            fn outlined<P: crate::lanes::Part>(part: P) -> P::Output {
+            fn outlined<P: crate::lanes::Chunk>(part: P) -> P::Output {
                 $(#[target_feature(enable = $features)])?
                 #[inline(never)]
-                fn run<P: crate::lanes::Part>(part: P) -> P::Output {
+                fn run<P: crate::lanes::Chunk>(part: P) -> P::Output {
                     part.run()
                 }
                 // SAFETY: the processor has the instructions, see the module's header.
@@ -172,7 +172,7 @@ macro_rules! vector {
             #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
                 let reduced = <$float as crate::scalar::trig::Precision>::reduced(self);
-                if self.reducible() { reduced } else { self.corrected(reduced) }
+                if self.reducible() { reduced } else { self.correct_large_angles(reduced) }
             }
 
             #[inline(always)]
@@ -188,7 +188,7 @@ macro_rules! vector {
                 if !reducible {
                     i = 0;
                     while i < N {
-                        all[i] = angles[i].corrected(all[i]);
+                        all[i] = angles[i].correct_large_angles(all[i]);
                         i += 1;
                     }
                 }
@@ -241,7 +241,7 @@ macro_rules! work {
     ($($float:ident on $name:ident $(, $features:literal)?;)*) => {$(
         $(#[target_feature(enable = $features)])?
         #[inline(never)] // Tests look for its name in the compiled code, on every level.
-        pub(super) fn $float(work: impl crate::lanes::Work<$float>) {
+        pub(super) fn $float(work: impl crate::lanes::BatchTask<$float>) {
             work.run::<$name>();
         }
     )*};

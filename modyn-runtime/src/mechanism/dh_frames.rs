@@ -3,7 +3,9 @@
 use alloc::vec::Vec;
 
 use super::elementary::ElementaryBody;
-use super::snapping::{AHEAD, Direction, combine, inverse, snap, snapped, towards, turn_of};
+use super::snapping::{
+    Direction, ZERO_ANGLE, combine, direction_of, inverse, rotation_by, snap, snapped,
+};
 use crate::joint::ElementaryJoint;
 use crate::spatial::{Axis, Matrix3, Pose, Vector3};
 
@@ -22,7 +24,7 @@ pub(super) struct Frames {
 
 impl Frames {
     /// Returns the frames with every joint axis along z.
-    pub(super) fn on_axes(elementary: &[ElementaryBody<'_>]) -> Self {
+    pub(super) fn with_axes_along_z(elementary: &[ElementaryBody<'_>]) -> Self {
         let mut frames = Self {
             children: main_child_first(elementary),
             elementary_joint: elementary.iter().map(|own| own.elementary_joint).collect(),
@@ -44,7 +46,7 @@ impl Frames {
                 translation = back.mul_vector(translation);
             }
             let [azimuth, tilt, zero] = split(&rotation);
-            frames.translation.push(turn_of(inverse(azimuth)).vector(Axis::Z, translation));
+            frames.translation.push(rotation_by(inverse(azimuth)).vector(Axis::Z, translation));
             frames.azimuth.push(azimuth);
             frames.tilt.push(tilt);
             frames.zero.push(zero);
@@ -63,13 +65,15 @@ impl Frames {
                 }
                 _ if self.elementary_joint[i] != ElementaryJoint::Revolute => continue,
                 // Parallel axes need no azimuth, so the rotation can simplify the translation.
-                Some(&main) if self.tilt[main].1 == 0.0 => towards(self.translation[main]),
+                Some(&main) if self.tilt[main].1 == 0.0 => direction_of(self.translation[main]),
                 Some(&main) => self.azimuth[main],
-                None => towards(Vector3(self.link[i].transform_point(own.inertial.center_of_mass))),
+                None => {
+                    direction_of(Vector3(self.link[i].transform_point(own.inertial.center_of_mass)))
+                }
             };
             // Rz(q) Rz(by): the new frame is ahead of the old frame by `by`.
             self.zero[i] = combine(self.zero[i], by);
-            let back = turn_of(inverse(by));
+            let back = rotation_by(inverse(by));
             let columns = Matrix3(self.link[i].rotation).transposed().0;
             let columns = columns.map(|c| back.vector(Axis::Z, Vector3(c)).0);
             self.link[i].rotation = Matrix3(columns).transposed().0;
@@ -81,7 +85,7 @@ impl Frames {
                     let sense = if cos > 0.0 { azimuth } else { inverse(azimuth) };
                     self.zero[child] = combine(sense, self.zero[child]);
                     self.translation[child] =
-                        turn_of(azimuth).vector(Axis::Z, self.translation[child]);
+                        rotation_by(azimuth).vector(Axis::Z, self.translation[child]);
                 } else {
                     self.azimuth[child] = azimuth;
                 }
@@ -119,10 +123,11 @@ fn split(rotation: &Matrix3<f64>) -> [Direction; 3] {
     // The third column is (sin a sin t, -cos a sin t, cos t).
     let sin = libm::hypot(r[0][2], r[1][2]);
     let tilt = snapped((r[2][2], sin));
-    let azimuth = if tilt.1 == 0.0 { AHEAD } else { towards(Vector3([-r[1][2], r[0][2], 0.0])) };
+    let azimuth =
+        if tilt.1 == 0.0 { ZERO_ANGLE } else { direction_of(Vector3([-r[1][2], r[0][2], 0.0])) };
     let first = Vector3([r[0][0], r[1][0], r[2][0]]);
-    let first = turn_of(inverse(azimuth)).vector(Axis::Z, first);
-    [azimuth, tilt, towards(turn_of(inverse(tilt)).vector(Axis::X, first))]
+    let first = rotation_by(inverse(azimuth)).vector(Axis::Z, first);
+    [azimuth, tilt, direction_of(rotation_by(inverse(tilt)).vector(Axis::X, first))]
 }
 
 /// Returns the children of each body; the child with the largest subtree comes first.

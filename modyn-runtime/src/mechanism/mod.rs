@@ -44,7 +44,7 @@ use constrained_frames::constrained;
 use coordinates::{Coordinates, coordinates};
 use dh_frames::Frames;
 use elementary::{ElementaryBody, expand_composite_joints};
-use snapping::{snap, turn_of};
+use snapping::{rotation_by, snap};
 
 pub(crate) use tree::{RootwardAccumulator, TreeAccess};
 
@@ -143,7 +143,7 @@ impl Mechanism<f64> {
     #[must_use]
     pub fn new(model: &Model) -> Self {
         let (elementary, links) = expand_composite_joints(model);
-        let mut frames = Frames::on_axes(&elementary);
+        let mut frames = Frames::with_axes_along_z(&elementary);
         frames.turn(&elementary);
         frames.shift();
         let mut bodies = bodies(&elementary, &frames);
@@ -213,14 +213,14 @@ fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> 
             q: own.q,
             mimic: own.mimic,
             dofs: first..next,
-            zero: match turn_of(frames.zero[i]) {
+            zero: match rotation_by(frames.zero[i]) {
                 AxisRotation::Quarters(n) => JointOffset::Quarters(n),
                 AxisRotation::Angle { cos, sin } => JointOffset::Angle(libm::atan2(sin, cos)),
             },
             placement: DhTransform {
-                azimuth: turn_of(frames.azimuth[i]),
+                azimuth: rotation_by(frames.azimuth[i]),
                 translation: Vector3(frames.translation[i].0.map(snap)),
-                tilt: turn_of(frames.tilt[i]),
+                tilt: rotation_by(frames.tilt[i]),
             },
             link: frames.link[i],
             inertia,

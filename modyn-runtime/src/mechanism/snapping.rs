@@ -9,13 +9,13 @@ const SNAP: f64 = 1e-11;
 pub(super) type Direction = (f64, f64);
 
 /// The angle zero.
-pub(super) const AHEAD: Direction = (1.0, 0.0);
+pub(super) const ZERO_ANGLE: Direction = (1.0, 0.0);
 
 /// Returns the direction of a vector in the x, y plane; the angle zero for a vector along z.
-pub(super) fn towards(v: Vector3<f64>) -> Direction {
+pub(super) fn direction_of(v: Vector3<f64>) -> Direction {
     let [x, y, _] = v.0;
     let length = libm::hypot(x, y);
-    if length < 1e-12 { AHEAD } else { snapped((x / length, y / length)) }
+    if length < 1e-12 { ZERO_ANGLE } else { snapped((x / length, y / length)) }
 }
 
 pub(super) fn inverse((cos, sin): Direction) -> Direction {
@@ -43,7 +43,7 @@ pub(super) fn snapped((cos, sin): Direction) -> Direction {
     }
 }
 
-pub(super) fn turn_of((cos, sin): Direction) -> AxisRotation<f64> {
+pub(super) fn rotation_by((cos, sin): Direction) -> AxisRotation<f64> {
     if sin == 0.0 {
         AxisRotation::Quarters(if cos > 0.0 { 0 } else { 2 })
     } else if cos == 0.0 {

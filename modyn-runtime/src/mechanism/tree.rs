@@ -200,7 +200,7 @@ impl<'a, S: Scalar, T: BodyTree<S>, const N: usize> RootwardAccumulator<'a, S, T
 
     /// Returns the values at `parent`: those that are `carried` to it from `body`, plus the lanes of limbs
     /// that join the path there.
-    pub(crate) fn onto(&mut self, body: usize, parent: usize, carried: [S; N]) -> [S; N] {
+    pub(crate) fn accumulate(&mut self, body: usize, parent: usize, carried: [S; N]) -> [S; N] {
         let tree = self.tree;
         if let Some(parents) = tree.parents(body) {
             self.limbs = Some((parents, carried));

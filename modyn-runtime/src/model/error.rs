@@ -84,12 +84,12 @@ impl core::error::Error for ModelError {}
 
 /// Returns all defects of `model` without its loop constraints: of the whole, then of links, then of frames.
 pub(super) fn check(model: &Model) -> Vec<ModelError> {
-    let mut errors = check_whole(model);
+    let mut errors = check_model(model);
     let mut report = |name: &str, kind| errors.push(ModelError { name: name.into(), kind });
     if model.links.is_empty() {
         report(&model.name, ModelErrorKind::NoJoint);
     }
-    let leads = lead_somewhere(model);
+    let leads = resolves_to_coordinates(model);
     let mut joints = BTreeMap::new();
     let mut names = BTreeMap::new();
     // The links from the root to the previous link: a depth-first successor is the child of one of them.
@@ -177,7 +177,7 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
 }
 
 /// Returns the defects of the model's own numbers: gravity and friction.
-pub(super) fn check_whole(model: &Model) -> Vec<ModelError> {
+pub(super) fn check_model(model: &Model) -> Vec<ModelError> {
     let sound = match model.friction {
         Friction::Smooth(width) => width > 0.0 && width.is_finite(),
         _ => true,
@@ -226,7 +226,7 @@ pub(super) fn check_loop_constraints(model: &Model) -> Vec<ModelError> {
 
 /// Returns, for each link, whether its joint has a coordinate of its own, or its chain of leaders ends at such a
 /// joint. Every mimic joint is visited once.
-fn lead_somewhere(model: &Model) -> Vec<bool> {
+fn resolves_to_coordinates(model: &Model) -> Vec<bool> {
     let single = |i: usize| model.links.get(i).is_some_and(|link| link.joint.joint_type.nq() == 1);
     let mut known: Vec<Option<bool>> = alloc::vec![None; model.links.len()];
     for start in 0..model.links.len() {

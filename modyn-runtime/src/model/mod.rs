@@ -53,12 +53,12 @@ pub struct Model {
     loop_constraints: Vec<LoopConstraint>,
     /// For each link, the place of its joint's coordinates and velocities.
     #[cfg_attr(feature = "serde", serde(skip))]
-    places: Vec<Place>,
+    joint_indices: Vec<JointIndices>,
 }
 
 /// The place of a joint in the joint vectors, and the mimic relation to the joint that has this place.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Place {
+struct JointIndices {
     q: Range<usize>,
     v: Range<usize>,
     /// Chains of mimic joints are resolved: the leader has a coordinate of its own.
@@ -84,35 +84,38 @@ impl Model {
         frames: Vec<Frame>,
     ) -> Result<Self, Vec<ModelError>> {
         let friction = Friction::None;
-        let (loop_constraints, places) = (Vec::new(), Vec::new());
+        let (loop_constraints, joint_indices) = (Vec::new(), Vec::new());
         let name = name.into();
-        let mut model = Self { name, gravity, friction, links, frames, loop_constraints, places };
+        let mut model =
+            Self { name, gravity, friction, links, frames, loop_constraints, joint_indices };
         let errors = error::check(&model);
         if !errors.is_empty() {
             return Err(errors);
         }
-        model.places = model.placed();
+        model.joint_indices = model.joint_indices();
         Ok(model)
     }
 
     /// Returns the places of the joints in the joint vectors.
-    fn placed(&self) -> Vec<Place> {
-        let mut places: Vec<Place> = Vec::with_capacity(self.links.len());
+    fn joint_indices(&self) -> Vec<JointIndices> {
+        let mut joint_indices: Vec<JointIndices> = Vec::with_capacity(self.links.len());
         let (mut q, mut v) = (0, 0);
         for link in &self.links {
             let own = link.joint.mimic.is_none();
             let joint_type = link.joint.joint_type;
             let (nq, nv) = if own { (joint_type.nq(), joint_type.nv()) } else { (0, 0) };
-            places.push(Place { q: q..q + nq, v: v..v + nv, mimic: None });
+            joint_indices.push(JointIndices { q: q..q + nq, v: v..v + nv, mimic: None });
             (q, v) = (q + nq, v + nv);
         }
         for (i, mimic) in self.resolved_mimics().into_iter().enumerate() {
             if let Some(mimic) = mimic {
+                // A leader that is followed at last has a place of its own.
+                joint_indices[i] =
                 // The leader at the end of a chain has a place of its own.
-                places[i] = Place { mimic: Some(mimic), ..places[mimic.leader].clone() };
+                    JointIndices { mimic: Some(mimic), ..joint_indices[mimic.leader].clone() };
             }
         }
-        places
+        joint_indices
     }
 
     /// Returns, for each link, the mimic relation to a joint with a coordinate of its own. Every mimic joint is
@@ -148,7 +151,7 @@ impl Model {
     /// If the transition velocity of smooth friction is not positive.
     pub fn with_friction(mut self, friction: Friction) -> Result<Self, Vec<ModelError>> {
         self.friction = friction;
-        let errors = error::check_whole(&self);
+        let errors = error::check_model(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
@@ -159,7 +162,7 @@ impl Model {
     /// If a component is not finite.
     pub fn with_gravity(mut self, gravity: [f64; 3]) -> Result<Self, Vec<ModelError>> {
         self.gravity = gravity;
-        let errors = error::check_whole(&self);
+        let errors = error::check_model(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
@@ -232,45 +235,45 @@ impl Model {
     /// Returns nq, the length of the coordinate vector q.
     #[must_use]
     pub fn nq(&self) -> usize {
-        self.places.iter().map(|place| place.q.end).max().unwrap_or(0)
+        self.joint_indices.iter().map(|place| place.q.end).max().unwrap_or(0)
     }
 
     /// Returns nv, the length of the velocity vector qd: the number of degrees of freedom.
     #[must_use]
     pub fn nv(&self) -> usize {
-        self.places.iter().map(|place| place.v.end).max().unwrap_or(0)
+        self.joint_indices.iter().map(|place| place.v.end).max().unwrap_or(0)
     }
 
     /// Returns the entries of q of moving link `link`'s joint; for a mimic joint those of its leader. The range is
     /// empty if there is no such link.
     #[must_use]
     pub fn q_range(&self, link: usize) -> Range<usize> {
-        self.places.get(link).map_or(0..0, |place| place.q.clone())
+        self.joint_indices.get(link).map_or(0..0, |place| place.q.clone())
     }
 
     /// Returns the entries of qd and tau of moving link `link`'s joint; for a mimic joint those of its leader. The
     /// range is empty if there is no such link.
     #[must_use]
     pub fn v_range(&self, link: usize) -> Range<usize> {
-        self.places.get(link).map_or(0..0, |place| place.v.clone())
+        self.joint_indices.get(link).map_or(0..0, |place| place.v.clone())
     }
 
     /// Returns the mimic relation of moving link `link`'s joint to a joint with a coordinate of its own; chains
     /// of mimic joints are resolved. Returns `None` if the joint has its own coordinate or does not exist.
     #[must_use]
     pub fn mimic(&self, link: usize) -> Option<Mimic> {
-        self.places.get(link).and_then(|place| place.mimic)
+        self.joint_indices.get(link).and_then(|place| place.mimic)
     }
 
     /// Returns whether the robot has mimic joints.
     #[must_use]
     pub fn has_mimics(&self) -> bool {
-        self.places.iter().any(|place| place.mimic.is_some())
+        self.joint_indices.iter().any(|place| place.mimic.is_some())
     }
 
     /// Returns the quaternions in q: the joint's name and the entry of q of the quaternion's x, for each.
     pub fn quaternions(&self) -> impl Iterator<Item = (&str, usize)> + '_ {
-        self.links.iter().zip(&self.places).filter_map(|(link, place)| {
+        self.links.iter().zip(&self.joint_indices).filter_map(|(link, place)| {
             let first = match link.joint.joint_type {
                 JointType::Spherical => 0,
                 JointType::Floating => 3,

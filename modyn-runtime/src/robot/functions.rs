@@ -35,7 +35,7 @@ macro_rules! robot_functions {
             mass_matrix / mass_matrix_with(q: &Self::Q<T>) -> Self::M<T>, if MassMatrix;
 
             /// Returns the factorization U D U^T of the mass matrix by modules.
-            brge / brge_with(q: &Self::Q<T>) -> Self::Brge<T>, if Brge;
+            brge / brge_with(q: &Self::Q<T>) -> Self::UduFactorization<T>, if Brge;
 
             /// Returns the kinetic energy, J.
             kinetic_energy / kinetic_energy_with(
@@ -206,19 +206,19 @@ macro_rules! robot_functions {
 
             /// Returns the bias acceleration of a link in world axes, the time derivative of
             /// [`jacobian`](Self::jacobian) times `qd`: its acceleration at zero joint accelerations.
-            jacobian_rate(
+            bias_acceleration(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 link: Self::Link
-            ) -> Twist<T>, if JacobianRate;
+            ) -> Twist<T>, if BiasAcceleration;
 
             /// Returns the bias acceleration of a link in its own axes, the time derivative of
             /// [`local_jacobian`](Self::local_jacobian) times `qd`.
-            local_jacobian_rate(
+            local_bias_acceleration(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 link: Self::Link
-            ) -> Twist<T>, if LocalJacobianRate;
+            ) -> Twist<T>, if LocalBiasAcceleration;
 
             /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
             integrate(q: &Self::Q<T>, v: &Self::V<T>) -> Self::Q<T>, if Integrate;
@@ -227,7 +227,7 @@ macro_rules! robot_functions {
             difference(from: &Self::Q<T>, to: &Self::Q<T>) -> Self::V<T>, if Difference;
 
             /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
-            coordinate_rates(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::Q<T>, if CoordinateRates;
+            velocity_to_qdot(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::Q<T>, if VelocityToQdot;
 
             /// Returns the coordinates with quaternions scaled to length 1.
             normalize(q: &Self::Q<T>) -> Self::Q<T>, if Normalize;

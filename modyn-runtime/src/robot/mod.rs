@@ -100,7 +100,7 @@ pub trait Robot {
     /// The type of the regressor: an array of columns.
     type Regressor<T: Scalar>: Array<Self::V<T>>;
     /// The type of the factorization by modules.
-    type Brge<T: Scalar>: Factorization<T, V = Self::V<T>, M = Self::M<T>>;
+    type UduFactorization<T: Scalar>: Factorization<T, V = Self::V<T>, M = Self::M<T>>;
 
     robot_functions!(declare_functions);
 

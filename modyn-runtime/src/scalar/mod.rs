@@ -1,6 +1,5 @@
 //! The scalars of the equations and of the generated code.
 
-pub(crate) mod abreast;
 #[cfg(feature = "num-dual")]
 mod dual;
 mod elementary;
@@ -14,6 +13,7 @@ mod portable;
 mod real;
 #[cfg(test)]
 mod root;
+pub(crate) mod simd;
 pub(crate) mod trig;
 
 #[cfg(feature = "alloc")]

@@ -1,6 +1,6 @@
 //! Operations with instructions on some processors, but without a function in `core`.
 
-pub(super) use crate::lanes::{abreast_f32, abreast_f64};
+pub(super) use crate::lanes::{run_simd_f32, run_simd_f64};
 // libm uses an instruction if there is one; `root` computes the same without.
 pub(super) use libm::{sqrt as sqrt_f64, sqrtf as sqrt_f32};
 

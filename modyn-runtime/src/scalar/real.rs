@@ -2,7 +2,7 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::abreast::Abreast;
+use super::simd::SimdTask;
 
 /// A real number, with the operations that the equations need.
 ///
@@ -90,7 +90,7 @@ pub trait Scalar:
     /// Does `work` on vectors if the scalar has vector types.
     #[doc(hidden)]
     #[inline]
-    fn abreast<W: Abreast<Self>>(work: W) -> W::Output {
+    fn run_simd<W: SimdTask<Self>>(work: W) -> W::Output {
         work.scalar()
     }
 }

@@ -26,10 +26,10 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
 
     /// Returns, for x below the limit, the angle in [-pi/2, pi/2] that differs from x by a multiple of pi, and a
     /// number whose lowest bit is the multiple's lowest bit.
-    fn near<S: FlipSign>(x: S) -> (S, S);
+    fn reduce_small<S: FlipSign>(x: S) -> (S, S);
 
     /// Returns sine and cosine of any other x; NaN if x is not finite.
-    fn far(self) -> (Self, Self);
+    fn reduce_large(self) -> (Self, Self);
 
     /// Returns sin and cos of an angle in [-pi/2, pi/2]; the lowest bit of `turns` flips both signs.
     fn polynomials<S: FlipSign>(r: S, turns: S) -> (S, S);
@@ -38,7 +38,7 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
     #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
     #[inline(always)]
     fn reduced<S: FlipSign>(x: S) -> (S, S) {
-        let (r, turns) = Self::near(x);
+        let (r, turns) = Self::reduce_small(x);
         Self::polynomials(r, turns)
     }
 
@@ -46,7 +46,7 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
     #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
     #[inline]
     fn unreduced(self) -> (Self, Self) {
-        let (r, turns) = self.far();
+        let (r, turns) = self.reduce_large();
         Self::polynomials(r, turns)
     }
 }
@@ -56,7 +56,7 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
 #[inline]
 pub(super) fn sin_cos<F: Precision>(x: F) -> (F, F) {
     // `<` is false for NaN.
-    let (r, turns) = if x.abs() < F::LIMIT { F::near(x) } else { x.far() };
+    let (r, turns) = if x.abs() < F::LIMIT { F::reduce_small(x) } else { x.reduce_large() };
     F::polynomials(r, turns)
 }
 
@@ -64,15 +64,15 @@ pub(super) fn sin_cos<F: Precision>(x: F) -> (F, F) {
 #[inline]
 pub(super) fn sin_cos_all<F: Precision, const N: usize>(angles: [F; N]) -> [(F, F); N] {
     let small = angles.iter().fold(true, |all, x| all & (x.abs() < F::LIMIT));
-    let reduced = if small { angles.map(F::near) } else { some_far(angles) };
+    let reduced = if small { angles.map(F::reduce_small) } else { reduce_any(angles) };
     reduced.map(|(r, turns)| F::polynomials(r, turns))
 }
 
 /// Returns sin and cos of several angles, some of which are beyond the limit.
 #[cold]
 #[inline(never)]
-fn some_far<F: Precision, const N: usize>(angles: [F; N]) -> [(F, F); N] {
-    angles.map(|x| if x.abs() < F::LIMIT { F::near(x) } else { x.far() })
+fn reduce_any<F: Precision, const N: usize>(angles: [F; N]) -> [(F, F); N] {
+    angles.map(|x| if x.abs() < F::LIMIT { F::reduce_small(x) } else { x.reduce_large() })
 }
 
 /// Corrects the results of the fast reduction for angles beyond the limit, lane by lane.
@@ -104,7 +104,7 @@ fn polynomial<S: Scalar, const N: usize>(z: S, coefficients: [S; N]) -> S {
 /// Returns sin and cos of r, from the coefficients of (sin r / r - 1) / z and of (cos r - 1 + z / 2) / z^2 in
 /// z = r^2; the lowest bit of `turns` flips both signs.
 #[inline(always)]
-fn at<S: FlipSign, const M: usize, const N: usize>(
+fn sine_and_cosine<S: FlipSign, const M: usize, const N: usize>(
     r: S,
     turns: S,
     sine: [S; M],
@@ -128,7 +128,7 @@ impl Precision for f64 {
     const LIMIT: Self = 262_144.0;
 
     #[inline(always)]
-    fn near<S: FlipSign>(x: S) -> (S, S) {
+    fn reduce_small<S: FlipSign>(x: S) -> (S, S) {
         let k = S::from_f64;
         // Adding 1.5 * 2^52 rounds to the nearest integer; its lowest bit is then the lowest bit of the sum.
         let round = k(6755399441055744.0);
@@ -142,7 +142,7 @@ impl Precision for f64 {
 
     #[cold]
     #[inline(never)]
-    fn far(self) -> (Self, Self) {
+    fn reduce_large(self) -> (Self, Self) {
         if !self.is_finite() {
             return (Self::NAN, 0.0);
         }
@@ -178,7 +178,7 @@ impl Precision for f64 {
             k(-0.0013888888888884767),
             k(0.04166666666666666),
         ];
-        at(r, turns, sine, cosine)
+        sine_and_cosine(r, turns, sine, cosine)
     }
 }
 
@@ -194,7 +194,7 @@ impl Precision for f32 {
     const LIMIT: Self = 4096.0;
 
     #[inline(always)]
-    fn near<S: FlipSign>(x: S) -> (S, S) {
+    fn reduce_small<S: FlipSign>(x: S) -> (S, S) {
         let k = S::from_f64;
         let round = k(12582912.0);
         let shifted = x.mul_add(k(core::f32::consts::FRAC_1_PI.into()), round);
@@ -208,7 +208,7 @@ impl Precision for f32 {
 
     #[cold]
     #[inline(never)]
-    fn far(self) -> (Self, Self) {
+    fn reduce_large(self) -> (Self, Self) {
         if !self.is_finite() {
             return (Self::NAN, 0.0);
         }
@@ -238,7 +238,7 @@ impl Precision for f32 {
             k(-0.001388881255124653),
             k(0.04166666607830637),
         ];
-        at(r, turns, sine, cosine)
+        sine_and_cosine(r, turns, sine, cosine)
     }
 }
 
@@ -326,7 +326,7 @@ mod tests {
     }
 
     /// Returns numbers of all sizes from `limit` on, and some that are very close to multiples of pi/2.
-    fn far(limit: f64, largest: f64) -> impl Iterator<Item = f64> {
+    fn reduce_large(limit: f64, largest: f64) -> impl Iterator<Item = f64> {
         let steps = 200_000;
         let factor = libm::exp(libm::log(largest / limit) / f64::from(steps));
         let spread = (0..steps).map(move |i| limit * libm::pow(factor, f64::from(i)));
@@ -345,7 +345,7 @@ mod tests {
     #[test]
     fn f64_is_within_its_bound() {
         let mut worst: f64 = 0.0;
-        for x in angles(3e5).chain(far(LIMIT_F64, f64::MAX)) {
+        for x in angles(3e5).chain(reduce_large(LIMIT_F64, f64::MAX)) {
             let (s, c) = sin_cos(x);
             worst = worst.max((s - libm::sin(x)).abs()).max((c - libm::cos(x)).abs());
         }
@@ -355,7 +355,7 @@ mod tests {
     #[test]
     fn f32_is_within_its_bound() {
         let mut worst: f64 = 0.0;
-        for x in angles(4.2e3).chain(far(LIMIT_F32.into(), f32::MAX.into())) {
+        for x in angles(4.2e3).chain(reduce_large(LIMIT_F32.into(), f32::MAX.into())) {
             let x = x as f32;
             let (s, c) = sin_cos(x);
             let (s, c) = (f64::from(s), f64::from(c));

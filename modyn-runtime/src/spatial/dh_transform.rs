@@ -97,19 +97,21 @@ impl<S: Scalar> DhTransform<S> {
     /// Returns velocity moments at the parent's frame, from the joint's frame.
     #[must_use]
     pub fn velocities_to_parent(&self, v: &VelocityMoments<S>) -> VelocityMoments<S> {
-        v.turned(self.tilt, Axis::X).shifted(self.translation).turned(self.azimuth, Axis::Z)
+        v.rotated_about(self.tilt, Axis::X)
+            .shifted(self.translation)
+            .rotated_about(self.azimuth, Axis::Z)
     }
 
     /// Returns an articulated inertia at the parent's frame, from the joint's frame: A^T M A.
     #[must_use]
     pub fn articulated_to_parent(&self, i: &ArticulatedInertia<S>) -> ArticulatedInertia<S> {
-        let tilted = i.turned(self.tilt, Axis::X).shifted(self.translation);
-        tilted.turned(self.azimuth, Axis::Z)
+        let tilted = i.rotated_about(self.tilt, Axis::X).shifted(self.translation);
+        tilted.rotated_about(self.azimuth, Axis::Z)
     }
 
     /// Returns the joint's axes, from the parent's axes; both as columns, in some third frame.
     #[must_use]
-    pub fn turn_axes(&self, axes: &Matrix3<S>) -> Matrix3<S> {
+    pub fn rotate_axes(&self, axes: &Matrix3<S>) -> Matrix3<S> {
         self.tilt.columns(Axis::X, &self.azimuth.columns(Axis::Z, axes))
     }
 

@@ -29,7 +29,7 @@ impl<S: Scalar> Field<S> {
 
     /// Returns the field of a rotation about an origin that is not accelerated.
     #[must_use]
-    pub fn turning(omega: Vector3<S>, alpha: Vector3<S>) -> Self {
+    pub fn rotating(omega: Vector3<S>, alpha: Vector3<S>) -> Self {
         let [x, y, z] = omega.0;
         let (xx, yy, zz, xy, xz, yz) = (x * x, y * y, z * z, x * y, x * z, y * z);
         Self {
@@ -47,13 +47,13 @@ impl<S: Scalar> Field<S> {
 
     /// Returns the acceleration of the point at `r` relative to the origin's: E r.
     #[must_use]
-    pub fn over_origin(&self, r: Vector3<S>) -> Vector3<S> {
+    pub fn relative_acceleration(&self, r: Vector3<S>) -> Vector3<S> {
         self.gradient.mul_vector(r)
     }
 
     /// Returns the acceleration of the point at `z` on the z axis relative to the origin's.
     #[must_use]
-    pub fn over_origin_along_z(&self, z: S) -> Vector3<S> {
+    pub fn relative_acceleration_along_z(&self, z: S) -> Vector3<S> {
         self.gradient.column(2).scale(z)
     }
 
@@ -89,7 +89,7 @@ mod tests {
             (0.4, Vector3([0.2, 0.9, -0.8])),
         ];
         let (omega, alpha) = (Vector3([0.5, -1.3, 0.8]), Vector3([2.0, 0.3, -0.7]));
-        let field = Field { a: Vector3([1.0, 2.0, -3.0]), ..Field::turning(omega, alpha) };
+        let field = Field { a: Vector3([1.0, 2.0, -3.0]), ..Field::rotating(omega, alpha) };
         let mut body = RigidInertia::<f64>::zero();
         let (mut force, mut moment) = (Vector3::zero(), Vector3::zero());
         for (m, r) in points {

@@ -204,7 +204,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
 
     /// Returns the inertia in the original axes, from the axes rotated by `turn`.
     #[must_use]
-    pub fn turned(&self, turn: AxisRotation<S>, about: Axis) -> Self {
+    pub fn rotated_about(&self, turn: AxisRotation<S>, about: Axis) -> Self {
         Self {
             rotational: turn.symmetric(about, &self.rotational),
             coupling: turn.matrix(about, &self.coupling),

@@ -9,21 +9,21 @@ use super::{Matrix3, Vector3};
 use crate::Scalar;
 
 /// The squared length below which a quaternion counts as zero, in any precision.
-const LEAST: f64 = 1e-30;
+const MIN_SQUARE: f64 = 1e-30;
 
 /// The squared angle below which series are used. The series have accurate third derivatives in double
 /// precision below it; above it the closed forms lose little.
-const NEAR: f64 = 1.0 / 16.0;
+const SERIES_LIMIT: f64 = 1.0 / 16.0;
 
 /// The squared tangent of half an angle below which series are used.
-const NEAR_TANGENT: f64 = 1.0 / 256.0;
+const SERIES_LIMIT_TANGENT: f64 = 1.0 / 256.0;
 
 /// The coefficients of sin(t/2) / (t/2) in powers of t^2.
 const SINC: [f64; 6] =
     [1.0, -1.0 / 24.0, 1.0 / 1920.0, -1.0 / 322_560.0, 1.0 / 92_897_280.0, -1.0 / 40_874_803_200.0];
 
 /// The coefficients of (sin(t/2) / (t/2) - cos(t/2)) / t^2 in powers of t^2.
-const LAG: [f64; 6] = [
+const SINC_MINUS_COS: [f64; 6] = [
     1.0 / 12.0,
     -1.0 / 480.0,
     1.0 / 53_760.0,
@@ -86,14 +86,14 @@ impl<S: Scalar> Quaternion<S> {
     #[must_use]
     pub fn log(self) -> Vector3<S> {
         let square = self.vector.dot(self.vector);
-        let sine = square.max(S::from_f64(LEAST)).sqrt();
+        let sine = square.max(S::from_f64(MIN_SQUARE)).sqrt();
         let half = sine.atan2(self.scalar.abs());
         // The quaternion and its negative are the same rotation.
         let shortest = self.scalar.select_nonnegative(S::one(), -S::one());
         let closed = shortest * ((half + half) / sine);
         let secant = self.scalar.recip();
         let series = (secant + secant) * series(&ARCTANGENT, square * (secant * secant));
-        let away = square - S::from_f64(NEAR_TANGENT) * (self.scalar * self.scalar);
+        let away = square - S::from_f64(SERIES_LIMIT_TANGENT) * (self.scalar * self.scalar);
         self.vector.scale(away.select_nonnegative(closed, series))
     }
 
@@ -145,7 +145,7 @@ impl<S: Scalar> Quaternion<S> {
     /// Returns the quaternion scaled to length 1. A quaternion of length 0 becomes the identity.
     #[must_use]
     pub fn normalized(self) -> Self {
-        let (square, least) = (self.square(), S::from_f64(LEAST));
+        let (square, least) = (self.square(), S::from_f64(MIN_SQUARE));
         let scaled = self.scale(square.max(least).sqrt().recip());
         let nothing = least - square;
         let or = |usual: S, identity: S| nothing.select_nonnegative(identity, usual);
@@ -202,8 +202,8 @@ struct Angle<S> {
 
 impl<S: Scalar> Angle<S> {
     fn of(w: Vector3<S>) -> Self {
-        let (square, near) = (w.dot(w), S::from_f64(NEAR));
-        let [sinc, lag] = [series(&SINC, square), series(&LAG, square)];
+        let (square, near) = (w.dot(w), S::from_f64(SERIES_LIMIT));
+        let [sinc, lag] = [series(&SINC, square), series(&SINC_MINUS_COS, square)];
         let series = [sinc, sinc - square * lag, lag];
         // Keeps the closed form away from 0 / 0, whose derivative would be NaN although its value is not selected.
         let far = square.max(near);

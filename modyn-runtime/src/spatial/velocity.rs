@@ -8,8 +8,7 @@ use crate::Scalar;
 /// numbers.
 ///
 /// The velocities x' are relative to the frame or to fixed axes, by choice of the caller;
-/// [`spun`](Self::spun) converts from the former to the latter.
-/// goes from the former to the latter.
+/// [`with_angular_velocity`](Self::with_angular_velocity) converts from the former to the latter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VelocityMoments<S> {
     /// Twice the integral of x', kg m/s.
@@ -34,7 +33,7 @@ impl<S: Scalar> VelocityMoments<S> {
 
     /// Returns the moments after adding (`twice_omega` / 2) x x to the velocities of points with inertia `body`.
     #[must_use]
-    pub fn spun(&self, twice_omega: Vector3<S>, body: &RigidInertia<S>) -> Self {
+    pub fn with_angular_velocity(&self, twice_omega: Vector3<S>, body: &RigidInertia<S>) -> Self {
         let s = body.second_moment.full();
         let columns = [0, 1, 2].map(|j| twice_omega.cross(s.column(j)).0);
         Self {
@@ -45,7 +44,7 @@ impl<S: Scalar> VelocityMoments<S> {
 
     /// Returns the moments after adding `twice` / 2 to the velocities of points with inertia `body`.
     #[must_use]
-    pub fn slid(&self, twice: Vector3<S>, body: &RigidInertia<S>) -> Self {
+    pub fn with_linear_velocity(&self, twice: Vector3<S>, body: &RigidInertia<S>) -> Self {
         Self {
             first: self.first + twice.scale(body.mass),
             second: self.second + Matrix3::outer(twice, body.first_moment),
@@ -60,7 +59,7 @@ impl<S: Scalar> VelocityMoments<S> {
 
     /// Returns the moments in the original axes, from the axes rotated by `turn`.
     #[must_use]
-    pub fn turned(&self, turn: AxisRotation<S>, about: Axis) -> Self {
+    pub fn rotated_about(&self, turn: AxisRotation<S>, about: Axis) -> Self {
         Self { first: turn.vector(about, self.first), second: turn.matrix(about, &self.second) }
     }
 

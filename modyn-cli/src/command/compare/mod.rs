@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = generated.model;
     let mut interpreter = arguments.interpreter(&model)?;
     let states = arguments.states(&interpreter)?;
-    progress.then("compiling with rustc");
+    progress.show("compiling with rustc");
     let start = Instant::now();
     let harness = Harness {
         rustc: &rustc,
@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let program = harness.compile(&model)?;
     let compiled_in = start.elapsed();
-    progress.then("comparing");
+    progress.show("comparing");
     let measured = program.run(&states)?;
     // An unknown or infinite condition number does not excuse larger differences.
     let condition = condition_number(&model).unwrap_or(1e6).clamp(1.0, 1e6);
@@ -157,8 +157,8 @@ impl Arguments {
             .map(|_| {
                 let mut q = vec![0.0; nq];
                 interpreter.random(|| random.uniform(), &mut q).map_err(shape)?;
-                let qd = (0..nv).map(|_| random.within(2.0)).collect();
-                let u = (0..nv).map(|_| random.within(10.0)).collect();
+                let qd = (0..nv).map(|_| random.symmetric(2.0)).collect();
+                let u = (0..nv).map(|_| random.symmetric(10.0)).collect();
                 Ok(State { q, qd, u })
             })
             .collect()
@@ -256,7 +256,7 @@ fn as_text(
         arguments.states,
         arguments.seed,
         compiled_in.as_secs_f64(),
-        table.right_from(1).text(),
+        table.right_aligned_from(1).text(),
     )
 }
 

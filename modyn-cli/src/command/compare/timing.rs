@@ -3,20 +3,20 @@
 use std::time::{Duration, Instant};
 
 /// The total time of a measurement.
-const LOOKED: Duration = Duration::from_millis(30);
+const MEASURING_TIME: Duration = Duration::from_millis(30);
 /// The shortest pass that is measured accurately, s.
-const SHORTEST: f64 = 1e-4;
+const MIN_SECONDS: f64 = 1e-4;
 
 /// Returns the time of a call in nanoseconds; `pass` makes `calls` calls. It is the best of many rounds, since other
 /// processes use the processor, too.
 pub fn nanoseconds(calls: usize, mut pass: impl FnMut()) -> f64 {
     let (mut passes, mut best) = (1, f64::INFINITY);
     let start = Instant::now();
-    while start.elapsed() < LOOKED {
+    while start.elapsed() < MEASURING_TIME {
         let round = Instant::now();
         (0..passes).for_each(|_| pass());
         let seconds = round.elapsed().as_secs_f64();
-        if seconds < SHORTEST {
+        if seconds < MIN_SECONDS {
             passes *= 2;
         } else {
             best = best.min(seconds / f64::from(passes));

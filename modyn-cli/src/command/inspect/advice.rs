@@ -21,7 +21,7 @@ const SMALL: f64 = 1e-3;
 /// The mass of a suspiciously light link, relative to the robot's mass.
 const LIGHT: f64 = 1e-6;
 /// The mass that a link carries, relative to its own, above which elimination loses digits.
-const CARRIES: f64 = 1e4;
+const MAX_CARRIED_RATIO: f64 = 1e4;
 /// The number of links with the same inertia, but different masses, that is suspicious.
 const REPEATED: usize = 3;
 
@@ -72,7 +72,7 @@ pub fn about(model: &Model) -> Vec<Advice> {
         // The carried mass belongs to the moving body; it is reported for the body's moving link.
         let body = frame.link.filter(|&link| model.links()[link].name == frame.name);
         if let Some(link) = body
-            && carried[link] > CARRIES * model.links()[link].inertial.mass
+            && carried[link] > MAX_CARRIED_RATIO * model.links()[link].inertial.mass
         {
             say(format!(
                 "it carries {:.4} kg, with {:.1e} kg of its own: simulation needs small steps, and single precision \

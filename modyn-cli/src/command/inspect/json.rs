@@ -5,7 +5,7 @@ use modyn_runtime::OperationCount;
 use modyn_runtime::model::Model;
 use serde_json::{Value, json};
 
-use super::text::acting;
+use super::text::active_friction;
 use super::{Cost, Inspection, advice};
 use crate::command::diagnostics;
 
@@ -63,7 +63,7 @@ fn joint(model: &Model, link: usize) -> Value {
     let moved = &model.links()[link];
     let joint = &moved.joint;
     let (q, v) = (model.q_range(link), model.v_range(link));
-    let [damps, rubs] = acting(model);
+    let [damps, rubs] = active_friction(model);
     json!({
         "name": joint.name,
         "type": joint.joint_type.name(),

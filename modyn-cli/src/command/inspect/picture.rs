@@ -21,7 +21,7 @@ const TITLE: f64 = 70.0;
 const BOX: (f64, f64) = (180.0, 46.0);
 const STEP: (f64, f64) = (216.0, 62.0);
 /// The longest link name in a box, in characters.
-const LONGEST_NAME: usize = 21;
+const MAX_NAME_LENGTH: usize = 21;
 /// The size of a matrix, and the gap to the next.
 const MATRIX: f64 = 250.0;
 const BETWEEN: f64 = 46.0;
@@ -38,7 +38,7 @@ pub fn draw(model: &Model, modules: &ModuleTree, sparsity: &Sparsity) -> String 
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
          height=\"{height:.0}\" font-family=\"Helvetica, Arial, sans-serif\" fill=\"{INK}\" role=\"img\">\n\
-         <title>Kinematic modules of {name}, and the sparsity of its inertia matrix and factors</title>\n\
+         <title>Kinematic modules of {name}, and the sparsity of its mass matrix and factors</title>\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
          <text x=\"{MARGIN}\" y=\"{y}\" font-size=\"26\" font-weight=\"bold\">{name}</text>\n\
          <text x=\"{MARGIN}\" y=\"{below}\" font-size=\"15\" fill=\"{LINE}\">{} moving links in {} kinematic \
@@ -55,7 +55,7 @@ pub fn draw(model: &Model, modules: &ModuleTree, sparsity: &Sparsity) -> String 
     let blocks = blocks(model, modules);
     let mut left = MARGIN + tree.0 + 30.0;
     for (name, pattern) in [
-        ("inertia matrix I = U D U<tspan dy=\"-5\" font-size=\"11\">T</tspan>", &sparsity.gim),
+        ("mass matrix M = U D U<tspan dy=\"-5\" font-size=\"11\">T</tspan>", &sparsity.mass_matrix),
         ("U", &sparsity.u),
         ("D", &sparsity.d),
     ] {
@@ -128,7 +128,7 @@ fn draw_tree(
         );
         let links = &model.links()[module.links.clone()];
         let name = |link: Option<&Link>| {
-            markup(&shortened(link.map_or("", |link| &link.name), LONGEST_NAME))
+            markup(&shortened(link.map_or("", |link| &link.name), MAX_NAME_LENGTH))
         };
         let (first, last) = (name(links.first()), name(links.last()));
         let last = if links.len() > 1 { format!("to {last}") } else { "alone".into() };

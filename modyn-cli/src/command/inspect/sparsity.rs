@@ -10,14 +10,14 @@ use crate::command::random::Random;
 const STATES: usize = 4;
 
 /// The largest number of velocities for which the pattern is computed and drawn.
-const MOST_VELOCITIES: usize = 400;
+const MAX_VELOCITIES: usize = 400;
 
 /// The sparsity patterns by columns: whether an entry is nonzero.
 pub struct Sparsity {
     /// The number of rows and columns.
     pub n: usize,
     /// The pattern of the mass matrix.
-    pub gim: Vec<bool>,
+    pub mass_matrix: Vec<bool>,
     /// The pattern of U.
     pub u: Vec<bool>,
     /// The pattern of D.
@@ -28,14 +28,14 @@ impl Sparsity {
     /// Returns the patterns of a robot with these modules.
     pub fn of(model: &Model, modules: &ModuleTree) -> Result<Self, Failure> {
         let n = model.nv();
-        if n > MOST_VELOCITIES {
+        if n > MAX_VELOCITIES {
             let why = format!("error: a robot of {n} velocities is too large to draw");
-            return Err(Failure::usage(format!("{why}; {MOST_VELOCITIES} are the most")));
+            return Err(Failure::usage(format!("{why}; {MAX_VELOCITIES} are the most")));
         }
         let wrong = |error: &dyn std::fmt::Display| Failure::usage(format!("error: {error}"));
         let interpreter = Interpreter::<f64>::with_modules(model.clone(), modules.clone());
         let mut interpreter = interpreter.map_err(|error| wrong(&error))?;
-        let mut found = Self { n, gim: vec![], u: vec![], d: vec![] };
+        let mut found = Self { n, mass_matrix: vec![], u: vec![], d: vec![] };
         let mut q = vec![0.0; model.nq()];
         let mut matrix = vec![0.0; n * n];
         let mut random = Random::new(0);
@@ -43,7 +43,7 @@ impl Sparsity {
             interpreter.random(|| random.uniform(), &mut q).map_err(|error| wrong(&error))?;
             interpreter.mass_matrix(&q, &mut matrix).map_err(|error| wrong(&error))?;
             let factors = interpreter.brge(&q).map_err(|error| wrong(&error))?;
-            mark(&mut found.gim, &matrix);
+            mark(&mut found.mass_matrix, &matrix);
             mark(&mut found.u, &factors.u());
             mark(&mut found.d, &factors.d());
         }

@@ -7,17 +7,17 @@ use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::{Friction, Link, LoopConstraint, Model, ModuleTree};
 
 use super::{Cost, Inspection, advice};
-use crate::command::figure::figure;
+use crate::command::numbers::four_digits;
 use crate::command::table::Table;
 
 /// The decimal digits of 24 bits.
 const F32_DIGITS: f64 = 7.2;
 
 /// The largest number of modules that are drawn: the tree of a chain is as wide as it is high.
-const MOST_DRAWN: usize = 1000;
+const MAX_DRAWN: usize = 1000;
 
 /// The largest number of pieces of advice that are shown; JSON has all.
-const MOST_ADVICE: usize = 40;
+const MAX_ADVICE: usize = 40;
 
 /// Returns the inspection as text.
 pub fn of(inspection: &Inspection) -> String {
@@ -28,7 +28,7 @@ pub fn of(inspection: &Inspection) -> String {
         model.links().len(),
         model.nq(),
         model.nv(),
-        figure(advice::total_mass(model)),
+        four_digits(advice::total_mass(model)),
     );
     section(&mut out, "Joints (rad, m, s, N m, N)", &joints(model));
     if !model.loop_constraints().is_empty() {
@@ -51,9 +51,9 @@ pub fn of(inspection: &Inspection) -> String {
         let line = |one: &advice::Advice| {
             format!("link `{}`: {}\n", sanitize_for_display(&one.link), one.message)
         };
-        let mut lines: String = advice.iter().take(MOST_ADVICE).map(line).collect();
-        if advice.len() > MOST_ADVICE {
-            let _ = writeln!(lines, "... and {} more", advice.len() - MOST_ADVICE);
+        let mut lines: String = advice.iter().take(MAX_ADVICE).map(line).collect();
+        if advice.len() > MAX_ADVICE {
+            let _ = writeln!(lines, "... and {} more", advice.len() - MAX_ADVICE);
         }
         section(&mut out, "To look at", &lines);
     }
@@ -86,11 +86,11 @@ fn section(out: &mut String, title: &str, body: &str) {
 }
 
 fn optional(x: Option<f64>) -> String {
-    x.map_or_else(|| "-".into(), figure)
+    x.map_or_else(|| "-".into(), four_digits)
 }
 
 fn vector(x: &[f64]) -> String {
-    x.iter().map(|&x| figure(x)).collect::<Vec<_>>().join(" ")
+    x.iter().map(|&x| four_digits(x)).collect::<Vec<_>>().join(" ")
 }
 
 fn joints(model: &Model) -> String {
@@ -126,7 +126,7 @@ fn parent(model: &Model, link: &Link) -> String {
 }
 
 /// Returns whether damping acts, and whether Coulomb friction acts.
-pub fn acting(model: &Model) -> [bool; 2] {
+pub fn active_friction(model: &Model) -> [bool; 2] {
     let friction = model.friction();
     [friction != Friction::None, !matches!(friction, Friction::None | Friction::Viscous)]
 }
@@ -137,18 +137,18 @@ fn notes(model: &Model, link: usize) -> String {
     let mut notes = Vec::new();
     if let Some(mimic) = model.mimic(link) {
         let leader = sanitize_for_display(&model.links()[mimic.leader].joint.name);
-        let (ratio, offset) = (figure(mimic.multiplier), figure(mimic.offset));
+        let (ratio, offset) = (four_digits(mimic.multiplier), four_digits(mimic.offset));
         notes.push(format!("follows {leader} times {ratio} plus {offset}"));
     }
     let drive = &joint.drive;
     if drive.armature != 0.0 {
-        notes.push(format!("rotor {}", figure(drive.armature)));
+        notes.push(format!("rotor {}", four_digits(drive.armature)));
     }
-    let [damps, rubs] = acting(model);
+    let [damps, rubs] = active_friction(model);
     for (what, x, acts) in [("damping", drive.damping, damps), ("friction", drive.friction, rubs)] {
         if x != 0.0 {
             let inactive = if acts { "" } else { " (does not act)" };
-            notes.push(format!("{what} {}{inactive}", figure(x)));
+            notes.push(format!("{what} {}{inactive}", four_digits(x)));
         }
     }
     notes.join(", ")
@@ -165,7 +165,7 @@ fn links(model: &Model) -> String {
     for (link, carried) in model.links().iter().zip(&carried) {
         table.row([
             sanitize_for_display(&link.name),
-            figure(link.inertial.mass),
+            four_digits(link.inertial.mass),
             vector(&link.inertial.center_of_mass),
             vector(&link.inertial.principal_moments()),
             carried.join(", "),
@@ -177,7 +177,7 @@ fn links(model: &Model) -> String {
 /// Returns the modules as a tree, without recursion, since a chain of modules may be long.
 fn tree(model: &Model, tree: &ModuleTree) -> String {
     let modules = tree.modules();
-    if modules.len() > MOST_DRAWN {
+    if modules.len() > MAX_DRAWN {
         return format!("{} modules: too many to draw\n", modules.len());
     }
     let mut out = String::from("the base\n");
@@ -213,7 +213,7 @@ fn functions(costs: &[Cost]) -> String {
             bytes.map_or_else(|| "-".into(), |bytes| format!("{:.1}", bytes / 1000.0)),
         ]);
     }
-    table.right_from(1).text()
+    table.right_aligned_from(1).text()
 }
 
 fn conditioning(condition: Option<f64>) -> String {

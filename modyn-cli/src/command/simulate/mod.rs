@@ -14,7 +14,7 @@ use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
 
-use crate::command::figure::numbers;
+use crate::command::numbers::numbers;
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::Robot;
@@ -23,10 +23,10 @@ use motion::{Motion, Settings};
 use torques::Torques;
 
 /// The largest number of joints that are named in a line.
-const MOST_NAMES: usize = 8;
+const MAX_NAMES: usize = 8;
 /// The largest numbers of steps and of samples.
-const MOST_STEPS: f64 = 1e8;
-const MOST_SAMPLES: f64 = 1e6;
+const MAX_STEPS: f64 = 1e8;
+const MAX_SAMPLES: f64 = 1e6;
 
 /// Simulate a robot in free fall, or under joint forces from a file
 ///
@@ -111,9 +111,9 @@ impl Arguments {
     fn settings(&self) -> Result<Settings, Failure> {
         let steps = (self.time / self.step).round().max(1.0);
         let every = (self.every / self.step).round().max(1.0);
-        if steps > MOST_STEPS || steps / every > MOST_SAMPLES {
+        if steps > MAX_STEPS || steps / every > MAX_SAMPLES {
             return Err(Failure::usage(format!(
-                "error: {steps:.0} steps and {:.0} rows are too many ({MOST_STEPS:.0} and {MOST_SAMPLES:.0} are \
+                "error: {steps:.0} steps and {:.0} rows are too many ({MAX_STEPS:.0} and {MAX_SAMPLES:.0} are \
                  the most): take a larger `--step` or `--every`",
                 steps / every
             )));
@@ -152,7 +152,7 @@ fn summary(model: &Model, motion: &Motion) -> String {
     );
     let beyond = motion.beyond_limits(model);
     if !beyond.is_empty() {
-        let shown = &beyond[..beyond.len().min(MOST_NAMES)];
+        let shown = &beyond[..beyond.len().min(MAX_NAMES)];
         let more = match beyond.len() - shown.len() {
             0 => String::new(),
             more => format!(" and {more} more"),

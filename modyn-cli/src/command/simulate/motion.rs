@@ -162,7 +162,7 @@ impl Dynamics<'_> {
     fn rates(&mut self, time: f64, State { q, qd, .. }: &State) -> Result<State, ShapeError> {
         self.torques.at(time, &mut self.tau);
         let mut rates = State { q: vec![0.0; q.len()], qd: vec![0.0; qd.len()], energy: [0.0; 2] };
-        self.interpreter.coordinate_rates(q, qd, &mut rates.q)?;
+        self.interpreter.velocity_to_qdot(q, qd, &mut rates.q)?;
         let settings = ConstraintSettings::<f64>::DEFAULT;
         let into = (&mut *rates.qd, &mut *self.loops.0, &mut *self.loops.1);
         if into.1.is_empty() {

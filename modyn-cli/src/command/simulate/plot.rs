@@ -10,7 +10,7 @@ use plotters::prelude::*;
 
 use super::motion::{Motion, Sample};
 use super::units::{self, Kind};
-use crate::command::figure::figure;
+use crate::command::numbers::four_digits;
 use crate::command::outcome::Failure;
 
 /// Curves that can be distinguished in one panel: by dashes, and by colour (Okabe and Ito).
@@ -27,7 +27,7 @@ const PANEL: (u32, u32) = (640, 300);
 const POINTS: usize = 500;
 
 /// Numbers beyond this magnitude are not drawn.
-const LARGEST: f64 = 1e100;
+const MAX_VALUE: f64 = 1e100;
 
 /// A panel with its curves.
 struct Panel {
@@ -182,10 +182,10 @@ fn draw_panel(
 
 /// Returns whether a number can be drawn: larger ones would need endless axes and dashes.
 fn drawn(x: f64) -> bool {
-    x.abs() < LARGEST
+    x.abs() < MAX_VALUE
 }
 
 /// Returns the label of an axis; rounding errors of zero are zero.
 fn label(y: f64) -> String {
-    figure(if y.abs() < 1e-12 { 0.0 } else { y })
+    four_digits(if y.abs() < 1e-12 { 0.0 } else { y })
 }

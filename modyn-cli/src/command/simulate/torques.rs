@@ -6,7 +6,7 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
 
-use crate::command::figure::number;
+use crate::command::numbers::number;
 use crate::command::outcome::Failure;
 use crate::escape::cell;
 
@@ -45,7 +45,7 @@ impl Torques {
             let record = record.map_err(|error| bad(i as u64 + 1, error.to_string()))?;
             let line = record.position().map_or(i as u64 + 1, csv::Position::line);
             if i == 0 && record.get(0).is_some_and(|first| first.parse::<f64>().is_err()) {
-                columns = named(&record, &names).map_err(|message| bad(line, message))?;
+                columns = columns_by_name(&record, &names).map_err(|message| bad(line, message))?;
                 continue;
             }
             if record.len() != columns.len() + 1 {
@@ -94,7 +94,7 @@ impl Torques {
 }
 
 /// Returns the velocity of each column.
-fn named(head: &StringRecord, names: &[String]) -> Result<Vec<usize>, String> {
+fn columns_by_name(head: &StringRecord, names: &[String]) -> Result<Vec<usize>, String> {
     let mut columns = Vec::new();
     for found in head.iter().skip(1) {
         // Tables of `modyn simulate` have the unit after the name.

@@ -196,8 +196,8 @@ impl Printer {
             }
             Programs::One(program) => self.function("", name, arguments, result.len(), program),
             Programs::ByLink(programs) => {
-                let (own, shared) = programs.split_at(frames.own().count());
-                for (link, program) in frames.own().zip(own) {
+                let (own, shared) = programs.split_at(frames.links_with_own_program().count());
+                for (link, program) in frames.links_with_own_program().zip(own) {
                     let name = format!("{name}_{link}");
                     self.function("static ", &name, arguments, result.len(), program);
                 }
@@ -235,7 +235,7 @@ impl Printer {
                 format!("    switch (link) {{\n{cases}    default: return 0;\n    }}\n")
             }
             Programs::Poses { .. } => {
-                let (pose, own) = (Shape::pose().len(), frames.own().count());
+                let (pose, own) = (Shape::pose().len(), frames.links_with_own_program().count());
                 let mut text = format!(
                     "    {} bodies[{}];\n    int i;\n    {name}_of_bodies({names}, bodies);\n",
                     self.real(),

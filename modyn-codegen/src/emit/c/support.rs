@@ -28,7 +28,7 @@ impl Support {
         }
     }
 
-    fn needs(self) -> &'static [Self] {
+    fn dependencies(self) -> &'static [Self] {
         match self {
             Self::SinCos | Self::Logarithm => &[Self::Bits, Self::FromBits],
             Self::Atan2 => &[Self::Bits],
@@ -40,24 +40,24 @@ impl Support {
 /// Returns the text of these functions and of those that they call. In the templates, words in capitals depend on the
 /// precision, and `R(..)` is a literal.
 pub(super) fn text(used: &BTreeSet<Support>, float: FloatType) -> String {
-    let needed = used.iter().flat_map(|support| support.needs());
+    let needed = used.iter().flat_map(|support| support.dependencies());
     let all: BTreeSet<Support> = needed.chain(used).copied().collect();
     if all.is_empty() {
         return String::new();
     }
-    let words = words(float);
+    let words = substitutions(float);
     let text: String = all.iter().map(|support| support.text()).collect();
     let bits = all.contains(&Support::Bits).then_some(
         "/* Numbers are as long as their bits. */\n\
          typedef char modyn_size_of_numbers[(sizeof(REAL) == sizeof(BITS)) ? 1 : -1];\n\n",
     );
     let text =
-        replaced(&[bits.unwrap_or_default(), &text].concat(), |word| words.get(word).cloned());
+        substitute(&[bits.unwrap_or_default(), &text].concat(), |word| words.get(word).cloned());
     literals(&text, float)
 }
 
 /// Returns the words that depend on the precision. The numbers are those of `scalar/trig.rs` and `scalar/elementary.rs`.
-fn words(float: FloatType) -> BTreeMap<&'static str, String> {
+fn substitutions(float: FloatType) -> BTreeMap<&'static str, String> {
     let series = |count: u32, term: &dyn Fn(f64) -> (f64, f64)| {
         let term = |i: u32| {
             let (over, under) = term(f64::from(i));
@@ -196,7 +196,7 @@ fn words(float: FloatType) -> BTreeMap<&'static str, String> {
 }
 
 /// Returns the text with words replaced.
-fn replaced(text: &str, with: impl Fn(&str) -> Option<String>) -> String {
+fn substitute(text: &str, with: impl Fn(&str) -> Option<String>) -> String {
     let mut out = String::with_capacity(text.len() + text.len() / 4);
     let mut rest = text;
     let in_word = |c: char| c.is_ascii_alphanumeric() || c == '_';

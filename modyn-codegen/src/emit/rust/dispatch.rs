@@ -17,11 +17,11 @@ impl Robot<'_> {
         (scalars, vectors): (&Program, &Program),
     ) {
         let (name, shape) = (quantity.function.name(), &quantity.shape);
-        let (alone, abreast) = (format!("{name}_alone"), format!("{name}_abreast"));
-        *text += &function(&alone, parameters, shape, scalars, self.options.float);
-        *text += &function(&abreast, parameters, shape, vectors, self.options.float);
+        let (scalar, vectorized) = (format!("{name}_scalar"), format!("{name}_vectorized"));
+        *text += &function(&scalar, parameters, shape, scalars, self.options.float);
+        *text += &function(&vectorized, parameters, shape, vectors, self.options.float);
         let types = vector_types(vectors);
-        let kind = format!("{}Abreast", helper_type(name));
+        let kind = format!("{}SimdTask", helper_type(name));
         let fields: Vec<String> =
             parameters.iter().map(|p| p.typed("T").replace('&', "&'a ")).collect();
         let typed: Vec<String> = parameters.iter().map(|p| p.typed("T")).collect();
@@ -34,16 +34,16 @@ impl Robot<'_> {
         let _ = writeln!(
             text,
             "struct {kind}<'a, T> {{ {} }}\n\
-             impl<T: __modyn::Scalar> __modyn::batch::Abreast<T> for {kind}<'_, T> {{\n\
+             impl<T: __modyn::Scalar> __modyn::batch::SimdTask<T> for {kind}<'_, T> {{\n\
              type Output = {returned};\n\
-             const SIDE_BY_SIDE: bool = {};\n\
+             const HAS_PACKS: bool = {};\n\
              #[inline(always)]\n\
-             fn vectors<V: __modyn::batch::Vectors<Number = T>>(self) -> {returned} {{\n    \
+             fn vectorized<V: __modyn::batch::SimdBackend<Number = T>>(self) -> {returned} {{\n    \
              let Self {{ {names} }} = self;\n{}    \
-             {abreast}::<{}V>({})\n}}\n\
-             #[inline]\nfn scalar(self) -> {returned} {{\n    {alone}({})\n}}\n}}\n\
+             {vectorized}::<{}V>({})\n}}\n\
+             #[inline]\nfn scalar(self) -> {returned} {{\n    {scalar}({})\n}}\n}}\n\
              fn {name}<T: __modyn::Scalar>({}) -> {returned} {{\n    \
-             T::abreast({kind} {{ {names} }})\n}}\n",
+             T::run_simd({kind} {{ {names} }})\n}}\n",
             fields.join(", "),
             types > 1,
             unpacked.concat(),

@@ -236,7 +236,7 @@ fn warnings(lines: &mut String, warnings: &[Diagnostic]) {
         let warning = Diagnostic { file: None, ..warning.clone() };
         let _ = writeln!(lines, "{warning}");
     }
-    if let Some(more) = Diagnostics::more(warnings.len()) {
+    if let Some(more) = Diagnostics::count_hidden(warnings.len()) {
         let _ = writeln!(lines, "{more}");
     }
     lines.push_str("```\n");

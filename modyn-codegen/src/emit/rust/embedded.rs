@@ -27,13 +27,13 @@ pub(super) fn mul_add_f32(a: f32, b: f32, c: f32) -> f32 {
 
 /// Runs work on packed limbs one limb after the other.
 #[inline]
-pub(super) fn abreast_f64<W: super::abreast::Abreast<f64>>(work: W) -> W::Output {
+pub(super) fn run_simd_f64<W: super::simd::SimdTask<f64>>(work: W) -> W::Output {
     work.scalar()
 }
 
 /// Runs work on packed limbs one limb after the other.
 #[inline]
-pub(super) fn abreast_f32<W: super::abreast::Abreast<f32>>(work: W) -> W::Output {
+pub(super) fn run_simd_f32<W: super::simd::SimdTask<f32>>(work: W) -> W::Output {
     work.scalar()
 }
 ";
@@ -43,13 +43,13 @@ pub(super) fn in_any_edition(items: &str) -> String {
     let core = format!("self::{MODULE}::__core::");
     let lines = items.lines().map(|line| match line.trim_start().starts_with("//") {
         true => line.to_owned(),
-        false => outside_of_strings(line, |code| code.replace("::core::", &core)),
+        false => map_outside_strings(line, |code| code.replace("::core::", &core)),
     });
     lines.flat_map(|line| [line, "\n".into()]).collect()
 }
 
 /// Returns a line of Rust with `change` applied outside of strings. Strings must end on the line they start on.
-fn outside_of_strings(line: &str, change: impl Fn(&str) -> String) -> String {
+fn map_outside_strings(line: &str, change: impl Fn(&str) -> String) -> String {
     let (mut changed, mut rest) = (String::with_capacity(line.len()), line);
     while let Some(start) = rest.find('"') {
         let mut escaped = false;
@@ -78,20 +78,20 @@ pub(super) fn module(items: &str) -> String {
     let jacobi = parameters || items.contains("__modyn::jacobi::");
     let mut exports = vec!["pub use self::results::*;", "pub use self::scalar::Scalar;"];
     for module in ["configuration", "results"] {
-        module_of(&mut text, &[module]);
+        write_module(&mut text, &[module]);
     }
     exports.push("pub use self::configuration::ConfigurationError;");
     if parameters {
-        module_of(&mut text, &["inertial"]);
-        module_of(&mut text, &["parameters"]);
+        write_module(&mut text, &["inertial"]);
+        write_module(&mut text, &["parameters"]);
         exports.push("pub use self::inertial::{Inertial, InertialDefect};");
         exports.push("pub use self::parameters::ParameterError;");
     }
     if jacobi {
-        module_of(&mut text, &["jacobi"]);
+        write_module(&mut text, &["jacobi"]);
     }
-    let scalar = ["abreast", "elementary", "float", "native", "real", "root", "trig"];
-    folder_of(
+    let scalar = ["elementary", "float", "native", "real", "root", "simd", "trig"];
+    write_folder(
         &mut text,
         "scalar",
         &scalar,
@@ -100,7 +100,7 @@ pub(super) fn module(items: &str) -> String {
     if spatial {
         let exported = "pub use self::{\n        pose::Pose,\n        vector::Vector3,\n        \
                         wrench::{Momentum, Twist, Wrench},\n    };";
-        folder_of(&mut text, "spatial", &["pose", "vector", "wrench"], exported);
+        write_folder(&mut text, "spatial", &["pose", "vector", "wrench"], exported);
     }
     for export in exports {
         let _ = writeln!(text, "    {export}");
@@ -108,16 +108,16 @@ pub(super) fn module(items: &str) -> String {
     text + "}\n"
 }
 
-fn folder_of(text: &mut String, folder: &str, files: &[&str], exported: &str) {
+fn write_folder(text: &mut String, folder: &str, files: &[&str], exported: &str) {
     let _ = writeln!(text, "    pub mod {folder} {{\n        //! See `modyn::{folder}`.");
     for file in files {
-        module_of(text, &[folder, file]);
+        write_module(text, &[folder, file]);
     }
     let _ = writeln!(text, "    {exported}\n    }}\n");
 }
 
 /// Prints one file of the runtime as a module.
-fn module_of(text: &mut String, path: &[&str]) {
+fn write_module(text: &mut String, path: &[&str]) {
     let source = match path {
         ["scalar", "native"] => NATIVE,
         _ => SOURCES

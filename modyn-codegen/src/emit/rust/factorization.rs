@@ -20,7 +20,7 @@ impl Robot<'_> {
             self.plan.factorization.iter().partition(|function| function.arguments.len() == 1);
         let _ = writeln!(
             text,
-            "impl<T: __modyn::Scalar> {name}Brge<T> {{\n\
+            "impl<T: __modyn::Scalar> {name}UduFactorization<T> {{\n\
              /// The number of stored entries.\n\
              pub const FACTORS: usize = {size};\n\
              /// Returns the factorization with these stored entries, as [`factors`](Self::factors) returns them.\n\
@@ -100,7 +100,7 @@ impl Robot<'_> {
         if !self.options.self_contained {
             let _ = writeln!(
                 text,
-                "impl<T: __modyn::Scalar> __modyn::Factorization<T> for {name}Brge<T> {{\n\
+                "impl<T: __modyn::Scalar> __modyn::Factorization<T> for {name}UduFactorization<T> {{\n\
              type V = {vector};\n\
              type M = {matrix};"
             );

@@ -24,8 +24,8 @@ impl Robot<'_> {
     ) {
         let (frames, float) = (&self.plan.frames, self.options.float);
         let (name, mut parameters) = (quantity.function.name(), quantity.all_parameters());
-        let (own, shared) = programs.split_at(frames.own().count());
-        for (link, program) in frames.own().zip(own) {
+        let (own, shared) = programs.split_at(frames.links_with_own_program().count());
+        for (link, program) in frames.links_with_own_program().zip(own) {
             let name = format!("{name}_{link}");
             *text += &function(&name, &parameters, &quantity.shape, program, float);
         }
@@ -60,7 +60,7 @@ impl Robot<'_> {
         let pose = Shape::new(&crate::plan::Shape::pose(), self.name);
         let of_placed = [Parameter::new("body", pose.clone()), placement(float)];
         *text += &function(&format!("{name}_placed"), &of_placed, &pose, placed, float);
-        let (own, mut next) = (frames.own().count(), 0);
+        let (own, mut next) = (frames.links_with_own_program().count(), 0);
         let poses = frames.codes().iter().map(|code| match code {
             LinkCode::Own => {
                 next += 1;

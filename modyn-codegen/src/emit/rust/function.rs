@@ -1,6 +1,6 @@
 //! Prints a program as straight-line Rust functions.
 //!
-//! Scopes become blocks, `let (live, ...) = { ... };`. Chunks become functions (`name_part0` and so on) that return the
+//! Scopes become blocks, `let (live, ...) = { ... };`. Chunks become functions (`name_chunk0` and so on) that return the
 //! values that later chunks read. The last chunk has the function's own name.
 
 use std::cell::{Cell, OnceCell};
@@ -60,9 +60,9 @@ struct VectorType {
 /// The vector types of `V`.
 const VECTORS: [VectorType; 4] = [
     VectorType { lanes: 1, name: "A", of: "One", bound: "Scalar" },
-    VectorType { lanes: 2, name: "B", of: "Two", bound: "batch::Beside<A, 2>" },
-    VectorType { lanes: 4, name: "C", of: "Four", bound: "batch::Beside<A, 4>" },
-    VectorType { lanes: 8, name: "D", of: "Eight", bound: "batch::Beside<A, 8>" },
+    VectorType { lanes: 2, name: "B", of: "Two", bound: "batch::Pack<A, 2>" },
+    VectorType { lanes: 4, name: "C", of: "Four", bound: "batch::Pack<A, 4>" },
+    VectorType { lanes: 8, name: "D", of: "Eight", bound: "batch::Pack<A, 8>" },
 ];
 
 /// Returns the number of vector types among the type parameters of a function for [`Target::Simd`], before `V`.
@@ -111,16 +111,16 @@ impl Printer<'_> {
         for (k, chunk) in parts.iter().enumerate() {
             self.part.set(chunk.statements.start);
             if k + 1 == parts.len() {
-                self.last_part(&mut text, chunk, &parts[..k]);
+                self.entry_chunk(&mut text, chunk, &parts[..k]);
             } else {
-                self.part(&mut text, k, chunk);
+                self.chunk(&mut text, k, chunk);
             }
         }
         text
     }
 
     /// Prints the last chunk, which has the function's name, calls the other chunks, and returns the result.
-    fn last_part(&self, text: &mut String, chunk: &Chunk, others: &[Chunk]) {
+    fn entry_chunk(&self, text: &mut String, chunk: &Chunk, others: &[Chunk]) {
         let target = self.program.target;
         let (bounds, returned) = match target {
             Target::Scalar => ("T: __modyn::Scalar".into(), self.result.type_of("T")),
@@ -128,7 +128,8 @@ impl Printer<'_> {
             Target::Simd => {
                 let of = self.vectors().map(|kind| format!("{} = {}", kind.of, kind.name));
                 let of = of.collect::<Vec<_>>().join(", ");
-                let bounds = format!("{}, V: __modyn::batch::Vectors<{of}>", self.vector_bounds());
+                let bounds =
+                    format!("{}, V: __modyn::batch::SimdBackend<{of}>", self.vector_bounds());
                 (bounds, self.result.type_of("V::Number"))
             }
         };
@@ -152,10 +153,10 @@ impl Printer<'_> {
     }
 
     /// Prints another chunk, which returns the values that later chunks read.
-    fn part(&self, text: &mut String, k: usize, chunk: &Chunk) {
-        let name = format!("{}_part{k}", self.name);
+    fn chunk(&self, text: &mut String, k: usize, chunk: &Chunk) {
+        let name = format!("{}_chunk{k}", self.name);
         let handed = chunk.live_in.iter().map(|&part| {
-            format!("part{part}: &{}", self.types(&self.program.chunks[part].live_out))
+            format!("chunk{part}: &{}", self.types(&self.program.chunks[part].live_out))
         });
         let inputs: Vec<String> = self.inputs().into_iter().chain(handed).collect();
         let returned = self.types(&chunk.live_out);
@@ -187,7 +188,7 @@ impl Printer<'_> {
         fields.push(format!("of: ::core::marker::PhantomData<({own},)>"));
         format!(
             "struct {kind}<'a, {bounds}> {{ {} }}\n\
-             impl<{bounds}> __modyn::batch::Part for {kind}<'_, {own}> {{\n\
+             impl<{bounds}> __modyn::batch::Chunk for {kind}<'_, {own}> {{\n\
              type Output = {returned};\n\
              #[inline(always)]\nfn run(self) -> {returned} {{\n    let Self {{ {}, .. }} = self;\n",
             fields.join(", "),
@@ -231,11 +232,11 @@ impl Printer<'_> {
             }
             let scalar = self.program.target == Target::Scalar;
             let name = |part: &usize| match scalar {
-                true => format!("&part{part}"),
-                false => format!("part{part}: &part{part}"),
+                true => format!("&chunk{part}"),
+                false => format!("chunk{part}: &chunk{part}"),
             };
             arguments.extend(chunk.live_in.iter().map(name));
-            let (name, arguments) = (format!("{}_part{k}", self.name), arguments.join(", "));
+            let (name, arguments) = (format!("{}_chunk{k}", self.name), arguments.join(", "));
             let (by, own) = match self.program.target {
                 Target::Simd => ("V", self.vector_names()),
                 Target::Scalar | Target::Batch => ("T", "T".into()),
@@ -246,7 +247,7 @@ impl Printer<'_> {
                 let part = format!("{}::<'_, {own}>", helper_type(&name));
                 format!("{by}::outlined({part} {{ {arguments}, of: ::core::marker::PhantomData }})")
             };
-            let _ = writeln!(text, "    let part{k} = {call};");
+            let _ = writeln!(text, "    let chunk{k} = {call};");
         }
     }
 
@@ -342,12 +343,12 @@ impl Printer<'_> {
             Operation::Absolute(a) => call("abs", &[*a]),
             Operation::Maximum(a, b) => call("max", &[*a, *b]),
             Operation::Select(a, b, c) => call("select_nonnegative", &[*a, *b, *c]),
-            Operation::Pack(lanes) => format!("{kind}::beside([{}])", self.all(lanes)),
+            Operation::Pack(lanes) => format!("{kind}::pack([{}])", self.all(lanes)),
             Operation::Constants(lanes) => {
                 let lanes: Vec<String> = lanes.iter().map(|&lane| number(lane)).collect();
                 format!("{kind}::constants([{}])", lanes.join(", "))
             }
-            Operation::Unpack(a) => format!("{}::apart({})", self.kind(a.lanes), t(a)),
+            Operation::Unpack(a) => format!("{}::unpack({})", self.kind(a.lanes), t(a)),
             Operation::Call(Call { routine, repetition, own, common }) => {
                 let name = self.routine_name(*routine);
                 let tables = &self.program.routines[*routine].tables;
@@ -387,7 +388,7 @@ impl Printer<'_> {
     }
 
     fn routine_name(&self, number: usize) -> String {
-        format!("{}_piece{number}", self.name)
+        format!("{}_routine{number}", self.name)
     }
 
     /// Returns the texts of operands, separated by commas.
@@ -410,7 +411,7 @@ impl Printer<'_> {
         if constant || self.program.lanes_of(operand.source) == operand.lanes {
             format!("{sign}{text}")
         } else {
-            format!("{}::all({sign}{text})", self.kind(operand.lanes))
+            format!("{}::broadcast({sign}{text})", self.kind(operand.lanes))
         }
     }
 
@@ -448,13 +449,13 @@ impl Printer<'_> {
         self.places.get_or_init(|| {
             let mut places = BTreeMap::new();
             for (k, chunk) in self.program.chunks.iter().enumerate() {
-                for (group, values) in self.grouped(&chunk.live_out).iter().enumerate() {
+                for (group, values) in self.by_width(&chunk.live_out).iter().enumerate() {
                     for (i, &value) in values.iter().enumerate() {
                         let group = match self.program.target {
                             Target::Simd => format!(".{group}"),
                             Target::Scalar | Target::Batch => String::new(),
                         };
-                        places.insert(value, format!("part{k}{group}[{i}]"));
+                        places.insert(value, format!("chunk{k}{group}[{i}]"));
                     }
                 }
             }
@@ -463,7 +464,7 @@ impl Printer<'_> {
     }
 
     /// Returns values grouped by their lanes, as in [`VECTORS`].
-    fn grouped(&self, values: &[Value]) -> [Vec<Value>; VECTORS.len()] {
+    fn by_width(&self, values: &[Value]) -> [Vec<Value>; VECTORS.len()] {
         VECTORS.each_ref().map(|kind| {
             let of_kind =
                 |value: &&Value| self.program.statements[value.statement].lanes == kind.lanes;
@@ -473,7 +474,7 @@ impl Printer<'_> {
 
     /// Returns the values that a chunk returns, as an expression.
     fn list(&self, values: &[Value]) -> String {
-        let lists = self.grouped(values).map(|values| {
+        let lists = self.by_width(values).map(|values| {
             let names: Vec<String> = values.iter().map(|&value| self.name(value)).collect();
             format!("[{}]", names.join(", "))
         });
@@ -488,7 +489,7 @@ impl Printer<'_> {
         if self.program.target != Target::Simd {
             return format!("[T; {}]", values.len());
         }
-        let groups = self.grouped(values);
+        let groups = self.by_width(values);
         let types = VECTORS.iter().zip(&groups).map(|(kind, values)| {
             // An empty array has no values of a type that the function does not mention.
             let kind = if values.is_empty() { "A" } else { kind.name };

@@ -277,7 +277,7 @@ impl Robot<'_> {
         let params =
             if self.plan.parameters.is_empty() { "()".into() } else { format!("{name}Params<T>") };
         let brge = if self.factorizes() {
-            format!("{name}Brge<T>")
+            format!("{name}UduFactorization<T>")
         } else {
             format!("__modyn::NotGenerated<[T; {nv}], [[T; {nv}]; {nv}]>")
         };
@@ -304,7 +304,7 @@ impl Robot<'_> {
              type PerLink<X: ::core::marker::Copy> = [X; {links}];\n\
              type PerLoopConstraint<X: ::core::marker::Copy> = [X; {loop_constraints}];\n\
              type Regressor<T: __modyn::Scalar> = [[T; {nv}]; {columns}];\n\
-             type Brge<T: __modyn::Scalar> = {brge};\n\
+             type UduFactorization<T: __modyn::Scalar> = {brge};\n\
              fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| T::from_f64(::core::convert::Into::into(x)))\n}}",
             columns = PARAMETERS_PER_LINK * self.model.links().len(),
         );

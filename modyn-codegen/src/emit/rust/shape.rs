@@ -37,7 +37,7 @@ impl Shape {
             fields.iter().map(|(name, field)| (*name, Self::new(field, robot))).collect();
         let (path, arguments) = match record {
             Record::Spatial(name) => (format!("__modyn::spatial::{name}"), "{t}".into()),
-            Record::Factorization => (format!("{robot}Brge"), "{t}".into()),
+            Record::Factorization => (format!("{robot}UduFactorization"), "{t}".into()),
             Record::Several(name) => {
                 // The structure is generic over the types of its fields.
                 let mut types: Vec<String> = Vec::new();

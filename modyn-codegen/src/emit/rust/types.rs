@@ -39,7 +39,7 @@ impl Robot<'_> {
             "/// The factorization U D U^T of the mass matrix of [`{name}`] by kinematic modules.\n\
              #[allow(dead_code)]\n\
              #[derive(Clone, Copy, Debug, PartialEq)]\n\
-             {vis} struct {name}Brge<T = {float}> {{\n    factors: [T; {}],\n}}\n",
+             {vis} struct {name}UduFactorization<T = {float}> {{\n    factors: [T; {}],\n}}\n",
             self.plan.layout.size()
         );
     }

@@ -13,7 +13,7 @@ use roxmltree::Node;
 use super::geoms;
 use super::pose::pose;
 use crate::description::{
-    Description, InertialRecord, JointRecord, Kind, LARGEST, LinkRecord, Located, normalized,
+    Description, InertialRecord, JointRecord, Kind, LinkRecord, Located, MAX_NUMBER, normalized,
 };
 use crate::diagnostics::{Code, Report, Severity, Subject};
 
@@ -113,7 +113,7 @@ impl Bodies {
             let origin = if free {
                 Pose::identity()
             } else {
-                frame.compose(&shift(anchor)).compose(&back(joint, made.axis))
+                frame.compose(&translation(anchor)).compose(&to_zero_coordinate(joint, made.axis))
             };
             let last = k + 1 == body.joints.len() && anchor == [0.0; 3];
             let link = if last { name.clone() } else { format!("{name}_behind_{joint_name}") };
@@ -121,7 +121,7 @@ impl Bodies {
             self.description.links[child].auxiliary = !last;
             self.push(JointRecord { origin, ..made }, above, child);
             above = child;
-            frame = shift(anchor.map(|x| -x));
+            frame = translation(anchor.map(|x| -x));
         }
         // A body without joints, or whose frame is not at its last joint, is fixed to the last link.
         if body.joints.is_empty() || self.description.links[above].name.text != name {
@@ -246,7 +246,7 @@ impl Reader<'_, '_, '_, '_> {
             .chain(joint.axis)
             .chain([joint.ref_])
             .chain(joint.range.into_iter().flatten());
-        if !figures.all(|figure| figure.abs() < LARGEST) {
+        if !figures.all(|figure| figure.abs() < MAX_NUMBER) {
             refuse(Code::NotFinite, "a number is not finite", "write finite numbers in SI units");
         }
         let axis = if single {
@@ -294,7 +294,7 @@ impl Reader<'_, '_, '_, '_> {
         let node = self.node.children().find(|node| node.has_tag_name("inertial"));
         let at = node.unwrap_or(self.node).range().start;
         let from_geoms = self.model.compiler.inertia_from_geom;
-        let heavy = body.geoms.iter().any(geoms::heavy);
+        let heavy = body.geoms.iter().any(geoms::has_mass);
         if let Some(own) =
             body.inertial.as_ref().filter(|_| from_geoms != InertiaFromGeom::True || !heavy)
         {
@@ -328,10 +328,10 @@ impl Reader<'_, '_, '_, '_> {
 }
 
 /// Returns the displacement from the coordinate `ref`, at which a joint is drawn, to zero.
-fn back(joint: &Joint, axis: [f64; 3]) -> Pose<f64> {
+fn to_zero_coordinate(joint: &Joint, axis: [f64; 3]) -> Pose<f64> {
     let [x, y, z] = axis;
     match joint.type_ {
-        Type::Slide => shift(axis.map(|x| -joint.ref_ * x)),
+        Type::Slide => translation(axis.map(|x| -joint.ref_ * x)),
         Type::Hinge if joint.ref_ != 0.0 => {
             let (sin, cos) = libm::sincos(-0.5 * joint.ref_);
             let rotation = rotation_from_quaternion([x * sin, y * sin, z * sin, cos]);
@@ -341,6 +341,6 @@ fn back(joint: &Joint, axis: [f64; 3]) -> Pose<f64> {
     }
 }
 
-fn shift(translation: [f64; 3]) -> Pose<f64> {
+fn translation(translation: [f64; 3]) -> Pose<f64> {
     Pose { translation, ..Pose::identity() }
 }

@@ -19,14 +19,14 @@ const DENSITY: f64 = 1000.0;
 /// Returns the reason why a geom's inertia is not computed.
 pub fn inertial(geoms: &[Geom]) -> Result<Inertial, &'static str> {
     let mut whole = Inertial::default();
-    for geom in geoms.iter().filter(|geom| heavy(geom)) {
+    for geom in geoms.iter().filter(|geom| has_mass(geom)) {
         whole = whole.merged(&solid(geom)?);
     }
     Ok(whole)
 }
 
 /// Returns whether a geom has a mass.
-pub fn heavy(geom: &Geom) -> bool {
+pub fn has_mass(geom: &Geom) -> bool {
     let weightless = geom.mass.or(geom.density) == Some(0.0);
     !weightless && !matches!(geom.type_, GeomType::Plane | GeomType::Hfield)
 }
@@ -36,7 +36,7 @@ fn solid(geom: &Geom) -> Result<Inertial, &'static str> {
     if geom.mesh.is_some() {
         return Err("the mass of a mesh is not computed");
     }
-    let (place, [x, y, z]) = placed(geom)?;
+    let (place, [x, y, z]) = pose_and_size(geom)?;
     // The volume, and the second moments divided by the volume: the integrals of x^2, y^2 and z^2.
     let (volume, squares) = match geom.type_ {
         GeomType::Sphere => (4.0 / 3.0 * PI * x * x * x, [x * x / 5.0; 3]),
@@ -70,7 +70,7 @@ fn capsule(radius: f64, half: f64) -> (f64, [f64; 3]) {
 }
 
 /// Returns the pose and the sizes of a geom. The z axis of a geom between two points is along their line.
-fn placed(geom: &Geom) -> Result<(Pose<f64>, [f64; 3]), &'static str> {
+fn pose_and_size(geom: &Geom) -> Result<(Pose<f64>, [f64; 3]), &'static str> {
     let Some([x1, y1, z1, x2, y2, z2]) = geom.fromto else {
         let [x, y, z] = geom.size;
         // Radius and half length.
@@ -82,12 +82,12 @@ fn placed(geom: &Geom) -> Result<(Pose<f64>, [f64; 3]), &'static str> {
     let radius = geom.size[0];
     let translation = [(x1 + x2) / 2.0, (y1 + y2) / 2.0, (z1 + z2) / 2.0];
     // The geom is symmetric about its z axis, so any x axis will do.
-    let rotation = around(axis);
+    let rotation = rotation_with_z(axis);
     Ok((Pose { rotation, translation }, [radius, radius, length / 2.0]))
 }
 
 /// Returns a rotation with this z axis.
-fn around([x, y, z]: [f64; 3]) -> [[f64; 3]; 3] {
+fn rotation_with_z([x, y, z]: [f64; 3]) -> [[f64; 3]; 3] {
     // Without a singularity: Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
     let sign = 1.0_f64.copysign(z);
     let a = -1.0 / (sign + z);

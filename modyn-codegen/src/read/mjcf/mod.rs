@@ -38,8 +38,8 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     if report.errors() > 0 {
         return None;
     }
-    let (text, unread) = numbers::repaired(text, root, report);
-    let model = resolved(&text, at, report)?;
+    let (text, unread) = numbers::replace_invalid_numbers(text, root, report);
+    let model = parse_model(&text, at, report)?;
     let gravity = model.option.gravity;
     let error = gravity_error(gravity).filter(|_| options.gravity.is_none());
     if let Some(error) = error {
@@ -51,7 +51,7 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
 }
 
 /// Returns the model as resolved by mjcf-rs, whose errors have no place.
-fn resolved(text: &str, at: usize, report: &mut Report<'_>) -> Option<mjcf_rs::Model> {
+fn parse_model(text: &str, at: usize, report: &mut Report<'_>) -> Option<mjcf_rs::Model> {
     match mjcf_rs::Model::from_str(text, "") {
         Ok(model) => Some(model),
         Err(error) => {

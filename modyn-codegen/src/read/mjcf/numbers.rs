@@ -31,7 +31,11 @@ const NUMBERS: [&str; 19] = [
 
 /// Returns the text with a stand-in for each word that should be a number, and the bodies with such words, by the byte
 /// offsets of their elements. The words are reported. Offsets in the text do not change.
-pub fn repaired(text: &str, root: Node, report: &mut Report<'_>) -> (String, BTreeSet<usize>) {
+pub fn replace_invalid_numbers(
+    text: &str,
+    root: Node,
+    report: &mut Report<'_>,
+) -> (String, BTreeSet<usize>) {
     let mut repaired = text.to_string();
     let mut unread = BTreeSet::new();
     let worlds = root.children().filter(|node| node.has_tag_name("worldbody"));

@@ -43,7 +43,12 @@ impl<'a> Reader<'a, '_, '_, '_> {
             "calibration",
             "safety_controller",
         ];
-        self.xml.misspelt(node, &known, &["origin", "axis", "limit", "mimic", "dynamics"], subject);
+        self.xml.warn_of_misspelt_elements(
+            node,
+            &known,
+            &["origin", "axis", "limit", "mimic", "dynamics"],
+            subject,
+        );
         let mut joint = JointRecord {
             name: name.map_or(
                 Located { text: String::new(), at: node.range().start },
@@ -64,7 +69,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         // The other elements of a fixed joint have no meaning.
         if kind != Kind::Fixed {
             [joint.axis, joint.second_axis] = self.axes(node, kind, subject);
-            (joint.drive, joint.drive_at) = self.drive(node, subject);
+            (joint.drive, joint.drive_at) = self.joint_dynamics(node, subject);
         }
         if let Kind::Moving(joint_type) = kind {
             joint.limits = self.limits(node, joint_type, subject);
@@ -143,7 +148,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let Some(node) = self.xml.single(node, name, subject) else {
             return Some(default);
         };
-        self.xml.known(node, &["xyz"], subject);
+        self.xml.warn_of_unknown_attributes(node, &["xyz"], subject);
         let text = self.xml.attribute(node, "xyz", subject)?;
         let axis = self.xml.numbers::<3>(text, subject)?;
         let Some((unit, length)) = normalized(axis) else {
@@ -188,13 +193,13 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let node = self.xml.single(node, "limit", subject)?;
         let names =
             ["lower", "upper", "velocity", "effort", "acceleration", "deceleration", "jerk"];
-        self.xml.known(node, &names, subject);
+        self.xml.warn_of_unknown_attributes(node, &names, subject);
         // URDF's default for a missing bound is 0. A missing limit of velocity or effort is an error for some readers
         // and no limit for others; here it is no limit.
         let (mut lower, mut upper) = (None, None);
         if matches!(joint_type, JointType::Revolute | JointType::Prismatic) {
             let mut bound = |name| match attribute(node, name) {
-                Some(_) => self.xml.figure(node, name, subject),
+                Some(_) => self.xml.number(node, name, subject),
                 None => Some(0.0),
             };
             (lower, upper) = (bound("lower"), bound("upper"));
@@ -203,7 +208,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             self.no_bounds(node, subject);
         }
         let [velocity, effort] =
-            ["velocity", "effort"].map(|name| self.largest(node, name, subject));
+            ["velocity", "effort"].map(|name| self.nonnegative_limit(node, name, subject));
         if let (Some(lower), Some(upper)) = (lower, upper)
             && lower > upper
         {
@@ -223,13 +228,13 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     /// Returns a velocity or effort limit; `None` if it is missing or negative. Negative limits are recorded.
-    fn largest(
+    fn nonnegative_limit(
         &mut self,
         node: Node<'a, '_>,
         name: &str,
         subject: Option<&Subject>,
     ) -> Option<f64> {
-        let value = self.xml.figure(node, name, subject)?;
+        let value = self.xml.number(node, name, subject)?;
         if value < 0.0 {
             let at = attribute(node, name).map_or(node.range().start, |text| text.at);
             self.negative_limits.push((Some(at), subject.cloned()));
@@ -255,7 +260,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let node = self.xml.single(node, "mimic", subject)?;
         let at = node.range().start;
         if self.options.mimic == Mimic::Follow {
-            return self.followed(node, subject);
+            return self.mimic_record(node, subject);
         }
         let leader = attribute(node, "joint").unwrap_or(Attribute { text: "", at });
         if self.options.mimic == Mimic::Refuse {
@@ -268,10 +273,14 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     /// Returns a `<mimic>` with all its numbers.
-    fn followed(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Option<MimicRecord> {
-        self.xml.known(node, &["joint", "multiplier", "offset"], subject);
-        let multiplier = self.xml.figure(node, "multiplier", subject).unwrap_or(1.0);
-        let offset = self.xml.figure(node, "offset", subject).unwrap_or(0.0);
+    fn mimic_record(
+        &mut self,
+        node: Node<'a, '_>,
+        subject: Option<&Subject>,
+    ) -> Option<MimicRecord> {
+        self.xml.warn_of_unknown_attributes(node, &["joint", "multiplier", "offset"], subject);
+        let multiplier = self.xml.number(node, "multiplier", subject).unwrap_or(1.0);
+        let offset = self.xml.number(node, "offset", subject).unwrap_or(0.0);
         if let (Some(text), 0.0) = (attribute(node, "multiplier"), multiplier) {
             let message = "the multiplier is 0, so the joint never moves";
             let help = "write the ratio of the velocities, or make the joint `fixed`";
@@ -283,24 +292,28 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     /// Returns armature, damping and friction, and the place of the `<dynamics>`.
-    fn drive(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> (JointDynamics, usize) {
+    fn joint_dynamics(
+        &mut self,
+        node: Node<'a, '_>,
+        subject: Option<&Subject>,
+    ) -> (JointDynamics, usize) {
         let Some(node) = self.xml.single(node, "dynamics", subject) else {
             return (JointDynamics::default(), node.range().start);
         };
         let names = ["damping", "friction", "armature", "rotor_inertia", "gear_ratio"];
-        self.xml.misspelt_attribute(node, &names, subject);
+        self.xml.warn_of_misspelt_attributes(node, &names, subject);
         let [damping, friction, armature, rotor] =
             ["damping", "friction", "armature", "rotor_inertia"]
-                .map(|name| self.resistance(node, name, subject));
-        let gear = self.xml.figure(node, "gear_ratio", subject).unwrap_or(1.0);
-        self.one_armature(node, subject);
+                .map(|name| self.dissipation(node, name, subject));
+        let gear = self.xml.number(node, "gear_ratio", subject).unwrap_or(1.0);
+        self.check_armature(node, subject);
         let drive = JointDynamics { armature: armature + gear * gear * rotor, damping, friction };
         (drive, node.range().start)
     }
 
     /// Returns a number of `<dynamics>`, which must be at least zero; zero if it is missing.
-    fn resistance(&mut self, node: Node<'a, '_>, name: &str, subject: Option<&Subject>) -> f64 {
-        let value = self.xml.figure(node, name, subject).unwrap_or(0.0);
+    fn dissipation(&mut self, node: Node<'a, '_>, name: &str, subject: Option<&Subject>) -> f64 {
+        let value = self.xml.number(node, name, subject).unwrap_or(0.0);
         if let Some(text) = attribute(node, name)
             && value < 0.0
         {
@@ -313,7 +326,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 
     /// Reports an armature that is given both at the joint, and as a rotor with a gear ratio.
-    fn one_armature(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) {
+    fn check_armature(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) {
         let armature = attribute(node, "armature");
         let rotor = attribute(node, "rotor_inertia");
         let gear = attribute(node, "gear_ratio");

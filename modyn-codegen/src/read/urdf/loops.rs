@@ -23,7 +23,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let name = self.xml.attribute(node, "name", None);
         let subject = name.map(|name| Subject::Joint(name.text.into()));
         let subject = subject.as_ref();
-        self.xml.known(node, &["name", "type"], subject);
+        self.xml.warn_of_unknown_attributes(node, &["name", "type"], subject);
         let kind = self.loop_kind(node, subject);
         for child in node.children().filter(Node::is_element) {
             let name = child.tag_name().name();
@@ -64,7 +64,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let Some(end) = self.xml.required(node, name, example, subject) else {
             return EndRecord { link: None, at: None, pose: Pose::identity() };
         };
-        self.xml.known(end, &["link", "xyz", "rpy", "quat_xyzw"], subject);
+        self.xml.warn_of_unknown_attributes(end, &["link", "xyz", "rpy", "quat_xyzw"], subject);
         for child in end.children().filter(Node::is_element) {
             let message = format!("`<{}>` in `<{name}>` is not read", child.tag_name().name());
             let help = format!("write `<{name} link=\"...\" xyz=\"0 0 0\" rpy=\"0 0 0\"/>`");

@@ -21,7 +21,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let Some(node) = self.xml.single(node, "origin", subject) else {
             return Pose::identity();
         };
-        self.xml.known(node, &["xyz", "rpy", "quat_xyzw"], subject);
+        self.xml.warn_of_unknown_attributes(node, &["xyz", "rpy", "quat_xyzw"], subject);
         self.pose(node, subject)
     }
 

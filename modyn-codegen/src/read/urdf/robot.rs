@@ -39,13 +39,13 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
             description.loops.push(reader.loop_joint(node));
         }
     }
-    reader.surprises(&description);
+    reader.warn_of_unread_values(&description);
     description
 }
 
 impl<'a> Reader<'a, '_, '_, '_> {
     /// Warns, once for each kind, of elements whose meaning probably differs from what the author expects.
-    fn surprises(&mut self, description: &Description) {
+    fn warn_of_unread_values(&mut self, description: &Description) {
         let (message, help) = (
             "a limit of effort or velocity is negative, and is ignored",
             "write its magnitude, or omit the attribute if there is no limit",

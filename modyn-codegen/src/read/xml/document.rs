@@ -6,17 +6,17 @@ use super::limits::{self, Tags};
 use crate::diagnostics::{Code, Diagnostic, Position, Report};
 
 /// Returns the tidied text; `None` if it is longer than any description.
-pub fn bounded(text: &str, report: &mut Report<'_>) -> Option<String> {
+pub fn within_limits(text: &str, report: &mut Report<'_>) -> Option<String> {
     if !limits::is_short(text.len(), report) {
         return None;
     }
-    let (text, tags) = tidied(text);
-    tags.are_few(report).then_some(text)
+    let (text, tags) = blank_comments(text);
+    tags.within_limits(report).then_some(text)
 }
 
 /// Replaces text that XML forbids but robot files contain by spaces, so that offsets do not change: comments (with
 /// lines of dashes), and text before the XML declaration. Counts attributes and namespaces in tags.
-fn tidied(text: &str) -> (String, Tags<'_>) {
+fn blank_comments(text: &str) -> (String, Tags<'_>) {
     let mut bytes = text.as_bytes().to_vec();
     let mut blank = |from: usize, to: usize| {
         bytes[from..to].iter_mut().filter(|b| !b.is_ascii_whitespace()).for_each(|b| *b = b' ');
@@ -158,10 +158,13 @@ mod tests {
     #[test]
     fn blanking_moves_nothing() {
         let text = "\n<!-- \u{e9} -- --><?xml version='1.0'?>\n<a b='<!-- > -->'><![CDATA[<!-- -->]]></a><!---->";
-        let (tidy, _) = tidied(text);
+        let (tidy, _) = blank_comments(text);
         assert_eq!(tidy.len(), text.len());
         assert_eq!(tidy.find("<a b='<!-- > -->'><![CDATA[<!-- -->]]></a>"), text.find("<a b="));
         assert!(!tidy.contains("<?xml"));
-        assert_eq!(tidied("<?xml version='1.0'?><a/><!-- ").0, "<?xml version='1.0'?><a/><!-- ");
+        assert_eq!(
+            blank_comments("<?xml version='1.0'?><a/><!-- ").0,
+            "<?xml version='1.0'?><a/><!-- "
+        );
     }
 }

@@ -65,7 +65,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
     }
 
     /// Returns an optional number.
-    pub fn figure(
+    pub fn number(
         &mut self,
         node: Node<'a, '_>,
         name: &str,
@@ -118,7 +118,12 @@ impl<'a> Elements<'a, '_, '_, '_> {
     }
 
     /// Warns of attributes that are not read: the value of a misspelt attribute would silently be its default.
-    pub fn known(&mut self, node: Node<'a, '_>, names: &[&str], subject: Option<&Subject>) {
+    pub fn warn_of_unknown_attributes(
+        &mut self,
+        node: Node<'a, '_>,
+        names: &[&str],
+        subject: Option<&Subject>,
+    ) {
         for attribute in node.attributes() {
             if attribute.namespace().is_none() && !names.contains(&attribute.name()) {
                 let element = node.tag_name().name();
@@ -132,7 +137,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
     }
 
     /// Warns of attributes whose names are similar to one of these. (Other attributes are extensions.)
-    pub fn misspelt_attribute(
+    pub fn warn_of_misspelt_attributes(
         &mut self,
         node: Node<'a, '_>,
         names: &[&str],
@@ -156,7 +161,7 @@ impl<'a> Elements<'a, '_, '_, '_> {
 
     /// Warns of elements whose names are similar to that of an optional element, which would silently be missing. (Other
     /// elements are extensions.)
-    pub fn misspelt(
+    pub fn warn_of_misspelt_elements(
         &mut self,
         node: Node<'a, '_>,
         known: &[&str],

@@ -6,19 +6,19 @@ use std::ops::Range;
 use crate::diagnostics::{Code, Report};
 
 /// The largest number of bytes of a text; a robot of a million joints has half as many.
-pub const MOST_BYTES: usize = 1 << 30;
+pub const MAX_BYTES: usize = 1 << 30;
 
 /// The largest number of attributes of an element; each is compared with the others.
-pub const MOST_ATTRIBUTES: usize = 256;
+pub const MAX_ATTRIBUTES: usize = 256;
 
 /// The largest number of namespaces of a document; each element that declares one copies all of them.
-pub const MOST_NAMESPACES: usize = 256;
+pub const MAX_NAMESPACES: usize = 256;
 
 /// Returns whether a text of this length may be read; otherwise an error is in the report.
 pub fn is_short(bytes: usize, report: &mut Report<'_>) -> bool {
-    let short = bytes <= MOST_BYTES;
+    let short = bytes <= MAX_BYTES;
     if !short {
-        let message = format!("the text has {bytes} bytes, more than {MOST_BYTES}");
+        let message = format!("the text has {bytes} bytes, more than {MAX_BYTES}");
         report.error(Code::Excessive, 0, None, message, HELP);
     }
     short
@@ -51,15 +51,15 @@ impl<'t> Tags<'t> {
             rest = &inside[end + 1..];
         }
         let counted = [
-            (attributes, MOST_ATTRIBUTES, "attributes in one element"),
-            (self.namespaces.len(), MOST_NAMESPACES, "namespaces in one document"),
+            (attributes, MAX_ATTRIBUTES, "attributes in one element"),
+            (self.namespaces.len(), MAX_NAMESPACES, "namespaces in one document"),
         ];
         let excess = counted.into_iter().find(|(count, most, _)| count > most);
         self.excess = excess.map(|(_, most, of)| (tag.start, format!("more than {most} {of}")));
     }
 
     /// Returns whether the document may be parsed; otherwise an error is in the report.
-    pub fn are_few(self, report: &mut Report<'_>) -> bool {
+    pub fn within_limits(self, report: &mut Report<'_>) -> bool {
         let Some((at, message)) = self.excess else { return true };
         report.error(Code::Excessive, at, None, message, HELP);
         false

@@ -34,7 +34,7 @@ pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], BadNumbers> {
     let message = format!(
         "{N} number{s} {are} needed, but there {} {found} in \"{}\"",
         if count == 1 { "is" } else { "are" },
-        shortened(text)
+        truncate(text)
     );
     Err(BadNumbers { code: Code::NumberCount, message, help })
 }
@@ -48,17 +48,17 @@ fn number(word: &str) -> Result<f64, BadNumbers> {
         help: "write a finite number".into(),
     };
     if matches!(name.as_str(), "nan" | "inf" | "infinity") {
-        return Err(infinite(format!("`{}` is not finite", shortened(word))));
+        return Err(infinite(format!("`{}` is not finite", truncate(word))));
     }
     let decimal = word.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
     match word.parse::<f64>() {
         Ok(value) if decimal && value.is_finite() => Ok(value),
         Ok(_) if decimal => {
-            Err(infinite(format!("`{}` is too large for a 64-bit number", shortened(word))))
+            Err(infinite(format!("`{}` is too large for a 64-bit number", truncate(word))))
         }
         _ => Err(BadNumbers {
             code: Code::BadNumber,
-            message: format!("`{}` is not a number", shortened(word)),
+            message: format!("`{}` is not a number", truncate(word)),
             help: if word.contains(',') {
                 "write a point before decimals, and spaces (no commas) between numbers".into()
             } else {
@@ -69,7 +69,7 @@ fn number(word: &str) -> Result<f64, BadNumbers> {
 }
 
 /// Returns at most 60 characters of a text, for a message.
-fn shortened(text: &str) -> String {
+fn truncate(text: &str) -> String {
     match text.char_indices().nth(60) {
         Some((end, _)) => format!("{}...", &text[..end]),
         None => text.into(),

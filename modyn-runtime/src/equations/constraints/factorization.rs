@@ -54,7 +54,7 @@ pub(super) struct RankFactorization<S> {
 }
 
 /// Returns the index of the first entry of row `k` in a lower triangle.
-fn start(k: usize) -> usize {
+fn row_start(k: usize) -> usize {
     k * (k + 1) / 2
 }
 
@@ -74,12 +74,12 @@ impl<S: Scalar> RankFactorization<S> {
         Self {
             blocks,
             rows,
-            matrix: numbers(start(rows)),
+            matrix: numbers(row_start(rows)),
             thresholds: numbers(rows),
             columns: numbers(rows * pivots),
             reciprocals: numbers(pivots),
             independent: numbers(pivots),
-            gram: numbers(start(pivots)),
+            gram: numbers(row_start(pivots)),
             gram_reciprocals: numbers(pivots),
             reduced: numbers(pivots),
         }
@@ -89,7 +89,7 @@ impl<S: Scalar> RankFactorization<S> {
     pub(super) fn fill(&mut self, entry: impl Fn(usize, usize) -> S) {
         for i in 0..self.rows {
             for j in 0..=i {
-                self.matrix[start(i) + j] = entry(i, j);
+                self.matrix[row_start(i) + j] = entry(i, j);
             }
         }
     }
@@ -100,7 +100,7 @@ impl<S: Scalar> RankFactorization<S> {
     pub(super) fn factorize(&mut self, scales: &[S], tolerance: S, rounding: S) {
         for (block, &scale) in self.blocks.iter().zip(scales) {
             for k in block.rows.clone() {
-                self.thresholds[k] = tolerance * scale + rounding * self.matrix[start(k) + k];
+                self.thresholds[k] = tolerance * scale + rounding * self.matrix[row_start(k) + k];
             }
         }
         self.columns.fill(S::zero());
@@ -116,7 +116,7 @@ impl<S: Scalar> RankFactorization<S> {
     /// Performs one step: the row with the largest margin over its threshold becomes the pivot.
     fn eliminate_largest(&mut self, rows: Range<usize>, pivot: usize) {
         let Self { matrix, thresholds, columns, .. } = self;
-        let at = |matrix: &[S], i: usize, j: usize| matrix[start(i.max(j)) + i.min(j)];
+        let at = |matrix: &[S], i: usize, j: usize| matrix[row_start(i.max(j)) + i.min(j)];
         // Rows of earlier constraints are eliminated, so the column starts at this constraint.
         let all = rows.start..self.rows;
         let column = &mut columns[pivot * self.rows..][..self.rows];
@@ -144,7 +144,7 @@ impl<S: Scalar> RankFactorization<S> {
         for i in all.clone().rev() {
             let scaled = column[i] * reciprocal;
             for j in all.start..=i {
-                let entry = &mut matrix[start(i) + j];
+                let entry = &mut matrix[row_start(i) + j];
                 *entry = *entry - scaled * column[j];
             }
             column[i] = scaled;
@@ -156,12 +156,12 @@ impl<S: Scalar> RankFactorization<S> {
         let Self { rows, columns, gram, gram_reciprocals, independent, .. } = self;
         let column = |k: usize| &columns[k * *rows..][..*rows];
         for k in 0..independent.len() {
-            let (before, own) = gram.split_at_mut(start(k));
+            let (before, own) = gram.split_at_mut(row_start(k));
             for (l, entry) in own[..=k].iter_mut().enumerate() {
                 *entry = dot(column(k), column(l));
             }
             for l in 0..k {
-                own[l] = own[l] - dot(&own[..l], &before[start(l)..][..l]);
+                own[l] = own[l] - dot(&own[..l], &before[row_start(l)..][..l]);
             }
             let mut diagonal = own[k] + (S::one() - independent[k]);
             for (entry, &reciprocal) in own[..k].iter_mut().zip(&*gram_reciprocals) {
@@ -206,14 +206,14 @@ impl<S: Scalar> RankFactorization<S> {
     fn solve_gram(&mut self) {
         let Self { gram, gram_reciprocals, reduced, .. } = self;
         for k in 0..reduced.len() {
-            reduced[k] = reduced[k] - dot(&reduced[..k], &gram[start(k)..][..k]);
+            reduced[k] = reduced[k] - dot(&reduced[..k], &gram[row_start(k)..][..k]);
         }
         for (x, &reciprocal) in reduced.iter_mut().zip(&*gram_reciprocals) {
             *x = *x * reciprocal;
         }
         for k in (0..reduced.len()).rev() {
             let (before, own) = reduced.split_at_mut(k);
-            for (x, &entry) in before.iter_mut().zip(&gram[start(k)..]) {
+            for (x, &entry) in before.iter_mut().zip(&gram[row_start(k)..]) {
                 *x = *x - entry * own[0];
             }
         }

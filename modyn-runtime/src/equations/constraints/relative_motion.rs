@@ -4,8 +4,8 @@
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::kinematics::kinematic_path::{self, Own};
-use crate::equations::kinematics::links::Seen;
+use crate::equations::kinematics::kinematic_path::{self, BodyMotion};
+use crate::equations::kinematics::links::LinkInBody;
 use crate::mechanism::{BodyFrame, ConstrainedFrames, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3};
 
@@ -34,14 +34,14 @@ pub(super) fn path<S>(
 
 /// Returns a frame as seen from the body `ancestor`. For each body on the path, `visit` is called with
 /// the frame as seen from that body.
-pub(super) fn seen_from_ancestor<S: Scalar>(
+pub(super) fn relative_to_ancestor<S: Scalar>(
     model: &Mechanism<S>,
     end: BodyFrame<S>,
     ancestor: Option<usize>,
     q: &[S],
-    mut visit: impl FnMut(usize, &Seen<S>),
-) -> Seen<S> {
-    path(model, end, ancestor).fold(Seen::fixed(&end.pose), |seen, i| {
+    mut visit: impl FnMut(usize, &LinkInBody<S>),
+) -> LinkInBody<S> {
+    path(model, end, ancestor).fold(LinkInBody::fixed(&end.pose), |seen, i| {
         visit(i, &seen);
         seen.towards_world(&model.bodies[i], q)
     })
@@ -57,7 +57,7 @@ pub(super) struct RelativePose<S> {
 
 impl<S: Scalar> RelativePose<S> {
     /// Returns the relative pose of two frames, both seen from their common ancestor.
-    pub(super) fn new([first, second]: &[Seen<S>; 2]) -> Self {
+    pub(super) fn new([first, second]: &[LinkInBody<S>; 2]) -> Self {
         Self {
             rotation: first.axes.times(&second.axes.transposed()),
             origin: first.axes.mul_vector(second.point - first.point),
@@ -118,7 +118,9 @@ impl<S: Scalar> RelativeMotion<S> {
             workspace.kinematic_path.clear();
             workspace.kinematic_path.extend(path(model, end, ancestor));
             let bodies = workspace.kinematic_path.iter().rev();
-            bodies.fold(Own::at_rest(), |own, &i| own.carried_to(model, i, state)).at(&end.pose)
+            bodies
+                .fold(BodyMotion::at_rest(), |own, &i| own.to_child(model, i, state))
+                .at(&end.pose)
         });
         let velocity = pose.twist(first.velocity, second.velocity);
         // The second frame's components are in axes that rotate relative to the first frame, and the

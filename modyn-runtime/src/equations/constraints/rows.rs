@@ -8,7 +8,7 @@
 //! decides whether a row is independent.
 
 use super::ConstraintWorkspace;
-use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, seen_from_ancestor};
+use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, relative_to_ancestor};
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::brge::{self, UduLayout};
@@ -65,7 +65,7 @@ pub(super) fn constraint_rows<S: Scalar>(
         let ancestor = common_ancestor(model, constraint);
         let reach = |end, columns: &mut [Twist<S>]| {
             columns.fill(Twist::zero());
-            seen_from_ancestor(model, end, ancestor, q, |i, seen| {
+            relative_to_ancestor(model, end, ancestor, q, |i, seen| {
                 add_columns(model, i, &seen.axes, seen.point, columns);
             })
         };

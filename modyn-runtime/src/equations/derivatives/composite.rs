@@ -13,14 +13,15 @@ pub(super) fn angular_velocities<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     for (i, body) in model.bodies.iter().enumerate() {
-        let angular = body.to_child(&workspace.motions[i], parents_turn(tree, i, workspace));
+        let angular =
+            body.to_child(&workspace.motions[i], parent_angular_velocity(tree, i, workspace));
         let twist = model.add_rates(i, Twist { angular, ..Twist::zero() }, qd);
         workspace.fields[i].omega = twist.angular;
     }
 }
 
 /// Returns the angular velocity of a body's parent; zero for the world.
-fn parents_turn<S: Scalar, T: BodyTree<S>>(
+fn parent_angular_velocity<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     body: usize,
     workspace: &Workspace<S>,
@@ -69,8 +70,8 @@ pub(super) fn accumulate_composites<S: Scalar, T: BodyTree<S>>(
         if let Some(displacement) = motion.displacement() {
             origin += to_parent(displacement);
         }
-        let mut lever = parents_turn(tree, i, workspace).cross(origin + origin);
-        if let Some(drift) = motion.drift(&rates) {
+        let mut lever = parent_angular_velocity(tree, i, workspace).cross(origin + origin);
+        if let Some(drift) = motion.origin_velocity(&rates) {
             lever += to_parent(drift + drift);
         }
         workspace.levers[i] = lever;

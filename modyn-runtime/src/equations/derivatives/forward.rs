@@ -2,8 +2,8 @@
 
 use super::composite::{accumulate_composites, accumulate_wrenches, angular_velocities};
 use super::inverse::add_dissipation;
-use super::perturbation::{by_coordinates, by_rates};
-use super::projection::{By, project};
+use super::perturbation::{perturbations_by_coordinates, perturbations_by_rates};
+use super::projection::{Variable, project};
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
@@ -49,14 +49,14 @@ pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
     let ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau } = outputs;
     let (model, layout) = (tree.mechanism(), limbs.layout());
     let n = model.nv;
-    workspace.make_room(layout.pivots(), n * n, layout.size());
+    workspace.reserve(layout.pivots(), n * n, layout.size());
     workspace.move_to(model, q);
     angular_velocities(tree, qd, workspace);
     accumulate_composites(tree, qd, workspace);
-    by_rates(tree, qd, true, workspace);
+    perturbations_by_rates(tree, qd, true, workspace);
     let mut matrix = core::mem::take(&mut workspace.matrix);
     let mut factors = core::mem::take(&mut workspace.factors);
-    project(tree, By::Rates, workspace, dqdd_dqd, Some(&mut matrix[..n * n]));
+    project(tree, Variable::Rates, workspace, dqdd_dqd, Some(&mut matrix[..n * n]));
 
     qdd.copy_from_slice(tau);
     subtract_forces(tree, limbs, (qd, dqdd_dqd), workspace, qdd);
@@ -65,8 +65,8 @@ pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
 
     link_wrenches(tree, qd, Accelerations::AgainstFall(qdd), workspace);
     accumulate_wrenches(tree, |d| generalized_force(model, d, (qd, qdd, tau)), workspace);
-    by_coordinates(tree, qd, true, workspace);
-    project(tree, By::Coordinates, workspace, dqdd_dq, None);
+    perturbations_by_coordinates(tree, qd, true, workspace);
+    project(tree, Variable::Coordinates, workspace, dqdd_dq, None);
     add_dissipation(model, qd, dqdd_dqd);
     inverse(limbs, &factors, dqdd_dtau);
     for columns in [&mut *dqdd_dq, &mut *dqdd_dqd] {

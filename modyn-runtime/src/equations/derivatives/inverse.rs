@@ -1,8 +1,8 @@
 //! Derivatives of inverse dynamics.
 
 use super::composite::{accumulate_composites, accumulate_wrenches};
-use super::perturbation::{by_coordinates, by_rates};
-use super::projection::{By, project};
+use super::perturbation::{perturbations_by_coordinates, perturbations_by_rates};
+use super::projection::{Variable, project};
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
@@ -25,10 +25,10 @@ pub fn inverse_dynamics_derivatives<S: Scalar, T: BodyTree<S>>(
     link_wrenches(tree, qd, Accelerations::Given(qdd), workspace);
     accumulate_composites(tree, qd, workspace);
     accumulate_wrenches(tree, |_| None, workspace);
-    by_coordinates(tree, qd, false, workspace);
-    project(tree, By::Coordinates, workspace, dtau_dq, None);
-    by_rates(tree, qd, false, workspace);
-    project(tree, By::Rates, workspace, dtau_dqd, None);
+    perturbations_by_coordinates(tree, qd, false, workspace);
+    project(tree, Variable::Coordinates, workspace, dtau_dq, None);
+    perturbations_by_rates(tree, qd, false, workspace);
+    project(tree, Variable::Rates, workspace, dtau_dqd, None);
     add_dissipation(model, qd, dtau_dqd);
 }
 

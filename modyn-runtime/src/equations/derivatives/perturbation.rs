@@ -3,7 +3,7 @@
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::is_base;
-use crate::equations::kinematics::acceleration::carried;
+use crate::equations::kinematics::acceleration::parent_motion;
 use crate::joint::ElementaryJoint;
 use crate::mechanism::BodyTree;
 use crate::spatial::{AccelerationPerturbation, Field, Matrix3, Vector3};
@@ -11,7 +11,7 @@ use crate::spatial::{AccelerationPerturbation, Field, Matrix3, Vector3};
 /// Computes the perturbation by each coordinate. Expects the bodies' accelerations.
 ///
 /// With `falling` a floating base is in free fall, independent of its position and velocity.
-pub(super) fn by_coordinates<S: Scalar, T: BodyTree<S>>(
+pub(super) fn perturbations_by_coordinates<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     qd: &[S],
     falling: bool,
@@ -27,7 +27,7 @@ pub(super) fn by_coordinates<S: Scalar, T: BodyTree<S>>(
 }
 
 /// Computes the perturbation by each rate. Expects the bodies' angular velocities.
-pub(super) fn by_rates<S: Scalar, T: BodyTree<S>>(
+pub(super) fn perturbations_by_rates<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     qd: &[S],
     falling: bool,
@@ -92,14 +92,14 @@ impl<S: Scalar> AncestorMotion<S> {
                 back: zero,
             },
             ElementaryJoint::Spherical | ElementaryJoint::Floating => {
-                let carried = carried(tree, i, workspace);
+                let carried = parent_motion(tree, i, workspace);
                 let back = carried.omega - field.omega;
-                let field = Field::turning(carried.omega, carried.alpha);
+                let field = Field::rotating(carried.omega, carried.alpha);
                 let mut a = carried.a;
                 let mut velocity = zero;
                 if let Some(displacement) = motion.displacement() {
                     let rates = model.rates(i, qd);
-                    a += field.over_origin(motion.to_child(displacement));
+                    a += field.relative_acceleration(motion.to_child(displacement));
                     velocity = Vector3([rates[0], rates[1], rates[2]]);
                 }
                 if falling && is_base(model, i) {

@@ -13,7 +13,7 @@ use crate::spatial::{
 
 /// The variables of the derivatives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum By {
+pub(super) enum Variable {
     /// Coordinates. Bodies after the joint are displaced, together with their wrenches.
     Coordinates,
     /// Rates. No body is displaced.
@@ -31,7 +31,7 @@ pub(super) enum By {
 /// ([`MergedMechanism::with_column_lanes`](crate::mechanism::MergedMechanism::with_column_lanes)).
 pub(super) fn project<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    by: By,
+    by: Variable,
     workspace: &Workspace<S>,
     columns: &mut [S],
     mut mass_matrix: Option<&mut [S]>,
@@ -72,7 +72,7 @@ fn columns_before<S>(model: &Mechanism<S>, lanes: usize, end: usize) -> Range<us
 /// Transforms the columns of `group` from the body of the last degree of freedom to the root.
 fn project_group<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    by: By,
+    by: Variable,
     workspace: &Workspace<S>,
     group: &Range<usize>,
     entries: &mut Entries<'_, S>,
@@ -105,7 +105,7 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
         while joined > group.start.max(dofs.start) {
             joined -= 1;
             let composite = composite.as_ref().expect("made above");
-            let own = entries.own(by, workspace, composite, joined);
+            let own = entries.add_own_entries(by, workspace, composite, joined);
             behind = Some(match behind {
                 Some(behind) => {
                     let (behind, own) = (behind.numbers(), own.numbers());
@@ -121,7 +121,7 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
         let (body, motion) = (&model.bodies[at], &workspace.motions[at]);
         let (Some(parent), Some(whole)) = (body.parent, &behind) else { break };
         let carried = whole.carried(body, motion, workspace.levers[at]);
-        behind = Some(SweepState::of(path.onto(at, parent, carried.numbers())));
+        behind = Some(SweepState::of(path.accumulate(at, parent, carried.numbers())));
         at = parent;
     }
 }
@@ -136,9 +136,9 @@ struct Entries<'a, S> {
 impl<S: Scalar> Entries<'_, S> {
     /// Adds a column's entries for its own body's degrees of freedom. Returns the column's state at that
     /// body.
-    fn own(
+    fn add_own_entries(
         &mut self,
-        by: By,
+        by: Variable,
         workspace: &Workspace<S>,
         composite: &Composite<'_, S>,
         column: usize,
@@ -156,7 +156,7 @@ impl<S: Scalar> Entries<'_, S> {
         for other in dofs.start..column {
             self.add_masses(other, column, masses[self.model.dofs[other].component]);
         }
-        if by == By::Coordinates {
+        if by == Variable::Coordinates {
             wrench += displaced(workspace.wrenches[body], component);
         }
         SweepState { wrench, dual }

@@ -22,7 +22,7 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
     columns.fill(Momentum::zero());
     let center = accumulate_composites(model, workspace);
     for (i, body) in model.bodies.iter().enumerate() {
-        kinematic_path::turn_axes(model, i, workspace);
+        kinematic_path::rotate_axes(model, i, workspace);
         let axes = kinematic_path::joint_axes(model, i, workspace);
         // The centre of mass, seen from the joint's parent side and from its child side.
         let center = body.parent.map_or(center, |parent| workspace.points[parent]);

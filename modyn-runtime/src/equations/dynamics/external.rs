@@ -29,7 +29,7 @@ impl<S: Scalar> Forces<'_, S> {
     pub(in crate::equations) fn subtract(self, model: &Mechanism<S>, workspace: &mut Workspace<S>) {
         let in_world = matches!(self, Self::InWorldAxes(_));
         if in_world {
-            (0..model.bodies.len()).for_each(|i| kinematic_path::turn_axes(model, i, workspace));
+            (0..model.bodies.len()).for_each(|i| kinematic_path::rotate_axes(model, i, workspace));
         }
         for (force, frame) in self.wrenches().iter().zip(&model.frames) {
             let Some(body) = frame.body else { continue };

@@ -46,11 +46,11 @@ impl Elimination {
     }
 
     /// Makes the workspace large enough for this solver.
-    pub fn make_room<S: Scalar>(&self, model: &Mechanism<S>, workspace: &mut Workspace<S>) {
+    pub fn reserve<S: Scalar>(&self, model: &Mechanism<S>, workspace: &mut Workspace<S>) {
         match self {
-            Self::Recursive(partition) => workspace.make_room(partition.pivots, 0, 0),
+            Self::Recursive(partition) => workspace.reserve(partition.pivots, 0, 0),
             Self::Matrix(layout) => {
-                workspace.make_room(layout.pivots(), model.nv * model.nv, layout.size());
+                workspace.reserve(layout.pivots(), model.nv * model.nv, layout.size());
             }
         }
     }
@@ -66,7 +66,7 @@ pub fn forward_dynamics<S: Scalar>(
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
 ) {
-    elimination.make_room(model, workspace);
+    elimination.reserve(model, workspace);
     match elimination {
         Elimination::Recursive(partition) => {
             workspace.move_to(model, q);
@@ -100,7 +100,7 @@ pub fn recursive_forward_dynamics<S: Scalar, T: BodyTree<S>>(
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
 ) {
-    workspace.make_room(partition.pivots, 0, 0);
+    workspace.reserve(partition.pivots, 0, 0);
     workspace.move_to(tree.mechanism(), q);
     link_wrenches(tree, qd, Accelerations::FreeFall, workspace);
     recursion(tree, partition, (qd, tau), workspace, qdd);
@@ -142,7 +142,7 @@ fn recursion<S: Scalar, T: BodyTree<S>>(
         if model.bodies[first].parent.is_some() {
             reduce_columns(model, block, workspace);
             eliminate(tree, block, workspace);
-            let left = wrench_left(model, block, workspace, torque);
+            let left = remaining_wrench(model, block, workspace, torque);
             let motion = &workspace.motions[first];
             tree.wrench_to_parents(first, motion, left, |parent, carried| {
                 workspace.wrenches[parent] += carried;
@@ -218,7 +218,7 @@ fn accelerate<S: Scalar, T: BodyTree<S>>(
 /// Returns the wrench that the module's first joint transmits to its parent: the wrench at zero joint
 /// accelerations plus the reaction to the module's accelerations. Its components along the motion
 /// subspace are the joint's own force.
-fn wrench_left<S: Scalar>(
+fn remaining_wrench<S: Scalar>(
     model: &Mechanism<S>,
     block: &ModuleBlock,
     workspace: &Workspace<S>,

@@ -49,7 +49,7 @@ pub fn mass_matrix<S: Scalar, T: BodyTree<S>>(
                 let Some(parent) = model.bodies[at].parent else { break };
                 let body = &model.bodies[at];
                 let carried = body.wrench_to_parent(&workspace.motions[at], wrench);
-                wrench = Wrench::from_components(path.onto(at, parent, carried.components()));
+                wrench = Wrench::from_components(path.accumulate(at, parent, carried.components()));
                 at = parent;
                 others = model.bodies[at].dofs.clone();
             }

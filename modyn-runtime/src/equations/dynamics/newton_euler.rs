@@ -5,7 +5,7 @@
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::kinematics::acceleration::carried;
+use crate::equations::kinematics::acceleration::parent_motion;
 use crate::joint::ElementaryJoint;
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::Vector3;
@@ -35,7 +35,7 @@ pub(in crate::equations) fn link_wrenches<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     for (i, body) in model.bodies.iter().enumerate() {
-        let carried = carried(tree, i, workspace);
+        let carried = parent_motion(tree, i, workspace);
         let own = match accelerations {
             Accelerations::Given(qdd) | Accelerations::AgainstFall(qdd) => {
                 Some(model.rates(i, qdd))

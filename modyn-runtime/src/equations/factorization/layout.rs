@@ -97,7 +97,7 @@ impl UduLayout {
     }
 
     /// Returns the preceding degrees of freedom that module `m` is coupled with, ascending.
-    pub(super) fn in_front(&self, m: usize) -> &[usize] {
+    pub(super) fn ancestors(&self, m: usize) -> &[usize] {
         &self.in_front[m]
     }
 

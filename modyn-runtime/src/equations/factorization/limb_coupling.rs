@@ -65,8 +65,8 @@ pub trait LimbAccess<S: Scalar> {
 
     /// Returns the number of limbs that are summed where module `m` acts on the preceding degree of
     /// freedom `dof`.
-    fn limbs_over(&self, m: usize, dof: usize) -> usize {
-        over(self.limb_of_module(m), self.limb_of_dof(dof))
+    fn summed_limbs(&self, m: usize, dof: usize) -> usize {
+        summed_limb_count(self.limb_of_module(m), self.limb_of_dof(dof))
     }
 }
 
@@ -140,7 +140,7 @@ impl<S: LaneScalar> Factorizable<S> for MergedMechanism<S> {
 
 /// Returns the number of limbs to sum over for the effect of a degree of freedom in `limb` on one in
 /// `other`.
-fn over(limb: Option<Limb>, other: Option<Limb>) -> usize {
+fn summed_limb_count(limb: Option<Limb>, other: Option<Limb>) -> usize {
     limb.filter(|_| limb != other).map_or(1, |limb| limb.count)
 }
 
@@ -156,7 +156,7 @@ pub(in crate::equations) fn sum_row<S: Scalar, L: FactorLayout<S>>(
     // The running sum of one limb's columns, and that limb.
     let mut part: Option<(S, Option<Limb>)> = None;
     let add = |whole: Option<S>, (part, limb): (S, Option<Limb>)| {
-        let part = layout.sum_limbs(part, over(limb, row));
+        let part = layout.sum_limbs(part, summed_limb_count(limb, row));
         Some(whole.map_or(part, |whole| whole + part))
     };
     for (dof, term) in terms.enumerate() {
@@ -201,7 +201,7 @@ pub fn cross_limb<S: LaneScalar>(
                 }
                 x[block.dofs.clone()].fill(S::zero());
                 for (dof, row) in layout.rows(m) {
-                    if merged.module_limb(m).is_some_and(|it| !moves(tree, dof, it, limb)) {
+                    if merged.module_limb(m).is_some_and(|it| !moves_limb(tree, dof, it, limb)) {
                         continue;
                     }
                     for (j, i) in block.dofs.clone().enumerate() {
@@ -219,7 +219,7 @@ pub fn cross_limb<S: LaneScalar>(
 
 /// Returns whether a degree of freedom moves limb `limb` of the merged limb `of`. It does not if the limb
 /// is attached to an ancestor of the degree of freedom's body, or to another tree.
-fn moves<S: LaneScalar>(tree: &MergedMechanism<S>, dof: usize, of: Limb, limb: usize) -> bool {
+fn moves_limb<S: LaneScalar>(tree: &MergedMechanism<S>, dof: usize, of: Limb, limb: usize) -> bool {
     let model = tree.mechanism();
     let parents = tree.parents(of.first).unwrap_or_default();
     let mut on = parents.get(limb).copied().unwrap_or(model.bodies[of.first].parent);

@@ -44,10 +44,10 @@ pub fn factorize_matrix<S: Scalar, L: FactorLayout<S>>(
         }
         for (a, row) in layout.rows(m) {
             let row = &factors[layout.u().start + row..][..size];
-            for &b in layout.in_front(m).iter().filter(|&&b| b <= a) {
+            for &b in layout.ancestors(m).iter().filter(|&&b| b <= a) {
                 let taken = (0..size).map(|j| row[j] * matrix[(start + j) * n + b]);
                 if let Some(taken) = taken.reduce(|sum, x| sum + x) {
-                    let count = limbs.limbs_over(m, a).min(limbs.limbs_over(m, b));
+                    let count = limbs.summed_limbs(m, a).min(limbs.summed_limbs(m, b));
                     let taken = limbs.sum_limbs(taken, count);
                     let left = matrix[a * n + b] - taken;
                     (matrix[a * n + b], matrix[b * n + a]) = (left, left);

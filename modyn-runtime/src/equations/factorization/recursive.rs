@@ -165,7 +165,7 @@ pub(in crate::equations) fn factorize_tree<S: Scalar>(
     workspace: &mut Workspace<S>,
     factors: &mut [S],
 ) {
-    workspace.make_room(layout.pivots(), 0, 0);
+    workspace.reserve(layout.pivots(), 0, 0);
     workspace.move_to(model, q);
     start(model, workspace);
     for (m, block) in layout.blocks().iter().enumerate().rev() {

@@ -51,7 +51,7 @@ fn solve_for<S: Scalar, L: FactorLayout<S>>(
         |m: usize| own.is_some() && limbs.limb_of_module(m).is_some_and(|limb| own != Some(limb));
     for (m, block) in layout.blocks().iter().enumerate().rev().filter(|(m, _)| !others(*m)) {
         for (dof, row) in layout.rows(m) {
-            let over = if own.is_none() { limbs.limbs_over(m, dof) } else { 1 };
+            let over = if own.is_none() { limbs.summed_limbs(m, dof) } else { 1 };
             let shares = block.dofs.clone().enumerate().map(|(j, i)| u[row + j] * x[i]);
             x[dof] = if over == 1 {
                 shares.fold(x[dof], |x, share| x - share)
@@ -95,12 +95,12 @@ pub fn diagonal_inverse<S: Scalar>(layout: &UduLayout, factors: &[S], columns: &
             let rows = column * n + block.dofs.start..column * n + block.dofs.end;
             solve_block(layout, factors, m, &mut columns[rows]);
         }
-        mirror(n, block.dofs.clone(), columns);
+        symmetrize(n, block.dofs.clone(), columns);
     }
 }
 
 /// Copies the entries above the diagonal of these rows and columns to those below it.
-fn mirror<S: Scalar>(n: usize, range: Range<usize>, columns: &mut [S]) {
+fn symmetrize<S: Scalar>(n: usize, range: Range<usize>, columns: &mut [S]) {
     for column in range.clone() {
         for row in range.start..column {
             columns[row * n + column] = columns[column * n + row];
@@ -152,7 +152,7 @@ pub fn inverse<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], columns
         column[j] = S::one();
         solve_column(layout, factors, j, column);
     }
-    mirror(n, 0..n, columns);
+    symmetrize(n, 0..n, columns);
 }
 
 /// Returns the natural logarithm of the mass matrix's determinant. It is that of D, since det U = 1.

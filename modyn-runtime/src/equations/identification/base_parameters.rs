@@ -54,7 +54,7 @@ impl BaseParameters {
     /// Returns the base parameters of `model`. They depend neither on its inertias nor on its limits.
     #[must_use]
     pub fn new(model: &Model) -> Self {
-        let columns = stacked(model);
+        let columns = stacked_regressors(model);
         let largest = columns.iter().map(|column| length(column)).fold(0.0, f64::max);
         let mut basis = Basis { directions: Vec::new(), triangle: Vec::new() };
         let mut parameters: Vec<BaseParameter> = Vec::new();
@@ -110,7 +110,7 @@ impl BaseParameters {
 
 /// Returns the columns of the regressors at many states, stacked. They are computed with portable numbers,
 /// the same on every host, since they become part of generated text.
-fn stacked(model: &Model) -> Vec<Vec<f64>> {
+fn stacked_regressors(model: &Model) -> Vec<Vec<f64>> {
     let mechanism = Mechanism::new(model).cast::<Portable>();
     let workspace = &mut Workspace::new(&mechanism);
     let (nq, nv) = (model.nq(), model.nv());

@@ -62,8 +62,8 @@ fn subtree_end<S>(model: &Mechanism<S>, i: usize) -> usize {
 fn field_in_link<S: Scalar>(body: &Body<S>, field: &Field<S>) -> Field<S> {
     let to_link = Matrix3(body.link.rotation).transposed();
     let (omega, alpha) = (to_link.mul_vector(field.omega), to_link.mul_vector(field.alpha));
-    let a = field.a + field.over_origin(Vector3(body.link.translation));
-    Field { a: to_link.mul_vector(a), ..Field::turning(omega, alpha) }
+    let a = field.a + field.relative_acceleration(Vector3(body.link.translation));
+    Field { a: to_link.mul_vector(a), ..Field::rotating(omega, alpha) }
 }
 
 /// Returns a body's twist at its link's origin, in the link's axes.

@@ -45,7 +45,7 @@ pub fn center_of_mass_jacobian<S: Scalar>(
     accumulate_masses(model, workspace, |body| shared(&body.base_inertia, share));
     columns.fill(Vector3::zero());
     for (i, body) in model.bodies.iter().enumerate() {
-        kinematic_path::turn_axes(model, i, workspace);
+        kinematic_path::rotate_axes(model, i, workspace);
         let axes = kinematic_path::joint_axes(model, i, workspace);
         let RigidInertia { mass, first_moment, .. } = workspace.composite[i];
         let first_moment = if body.elementary_joint.has_axis() {

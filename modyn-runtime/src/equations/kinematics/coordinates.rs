@@ -8,7 +8,7 @@
 
 use crate::Scalar;
 use crate::mechanism::Mechanism;
-use crate::mechanism::coordinates::{Coordinates, Space};
+use crate::mechanism::coordinates::{CoordinateSpace, Coordinates};
 use crate::spatial::{Quaternion, Vector3, screw_translation, screw_velocity};
 
 /// Computes the coordinates after unit time at the constant velocities `v` from `q`: q (+) v, nq entries.
@@ -17,18 +17,18 @@ use crate::spatial::{Quaternion, Vector3, screw_translation, screw_velocity};
 pub fn integrate<S: Scalar>(model: &Mechanism<S>, (q, v): (&[S], &[S]), out: &mut [S]) {
     for block in &model.coordinates {
         match block.space {
-            Space::Line { .. } => out[block.q] = q[block.q] + v[block.v],
-            Space::Rotation => {
+            CoordinateSpace::Line { .. } => out[block.q] = q[block.q] + v[block.v],
+            CoordinateSpace::Rotation => {
                 let turned = rotation(q, block.q).times(Quaternion::exp(vector(v, block.v)));
-                put_rotation(turned.renormalized(), out, block.q);
+                write_rotation(turned.renormalized(), out, block.q);
             }
-            Space::Pose => {
+            CoordinateSpace::Pose => {
                 let (linear, w) = (vector(v, block.v), vector(v, block.v + 3));
                 let attitude = rotation(q, block.q + 3);
                 let moved = attitude.rotate(screw_translation(w, linear));
-                put(vector(q, block.q) + moved, out, block.q);
+                write_vector(vector(q, block.q) + moved, out, block.q);
                 let turned = attitude.times(Quaternion::exp(w)).renormalized();
-                put_rotation(turned, out, block.q + 3);
+                write_rotation(turned, out, block.q + 3);
             }
         }
     }
@@ -40,31 +40,31 @@ pub fn difference<S: Scalar>(model: &Mechanism<S>, (from, to): (&[S], &[S]), out
     let turn = |at| rotation(from, at).conjugate().times(rotation(to, at)).log();
     for block in &model.coordinates {
         match block.space {
-            Space::Line { .. } => out[block.v] = to[block.q] - from[block.q],
-            Space::Rotation => put(turn(block.q), out, block.v),
-            Space::Pose => {
+            CoordinateSpace::Line { .. } => out[block.v] = to[block.q] - from[block.q],
+            CoordinateSpace::Rotation => write_vector(turn(block.q), out, block.v),
+            CoordinateSpace::Pose => {
                 let w = turn(block.q + 3);
                 let moved = vector(to, block.q) - vector(from, block.q);
                 let moved = rotation(from, block.q + 3).conjugate().rotate(moved);
-                put(screw_velocity(w, moved), out, block.v);
-                put(w, out, block.v + 3);
+                write_vector(screw_velocity(w, moved), out, block.v);
+                write_vector(w, out, block.v + 3);
             }
         }
     }
 }
 
 /// Computes dq/dt, the rates of the coordinates `q` at the velocities `qd`, nq entries.
-pub fn coordinate_rates<S: Scalar>(model: &Mechanism<S>, (q, qd): (&[S], &[S]), out: &mut [S]) {
+pub fn velocity_to_qdot<S: Scalar>(model: &Mechanism<S>, (q, qd): (&[S], &[S]), out: &mut [S]) {
     for block in &model.coordinates {
         match block.space {
-            Space::Line { .. } => out[block.q] = qd[block.v],
-            Space::Rotation => {
-                put_rotation(rotation(q, block.q).rate(vector(qd, block.v)), out, block.q);
+            CoordinateSpace::Line { .. } => out[block.q] = qd[block.v],
+            CoordinateSpace::Rotation => {
+                write_rotation(rotation(q, block.q).rate(vector(qd, block.v)), out, block.q);
             }
-            Space::Pose => {
+            CoordinateSpace::Pose => {
                 let attitude = rotation(q, block.q + 3);
-                put(attitude.rotate(vector(qd, block.v)), out, block.q);
-                put_rotation(attitude.rate(vector(qd, block.v + 3)), out, block.q + 3);
+                write_vector(attitude.rotate(vector(qd, block.v)), out, block.q);
+                write_rotation(attitude.rate(vector(qd, block.v + 3)), out, block.q + 3);
             }
         }
     }
@@ -73,7 +73,7 @@ pub fn coordinate_rates<S: Scalar>(model: &Mechanism<S>, (q, qd): (&[S], &[S]), 
 /// Scales the quaternions in `q` to length 1. A quaternion of length 0 becomes the identity.
 pub fn normalize<S: Scalar>(model: &Mechanism<S>, q: &mut [S]) {
     for at in model.coordinates.iter().filter_map(quaternion) {
-        put_rotation(rotation(q, at).normalized(), q, at);
+        write_rotation(rotation(q, at).normalized(), q, at);
     }
 }
 
@@ -81,7 +81,7 @@ pub fn normalize<S: Scalar>(model: &Mechanism<S>, q: &mut [S]) {
 pub fn neutral<S: Scalar>(model: &Mechanism<S>, q: &mut [S]) {
     q.fill(S::zero());
     for at in model.coordinates.iter().filter_map(quaternion) {
-        put_rotation(Quaternion::identity(), q, at);
+        write_rotation(Quaternion::identity(), q, at);
     }
 }
 
@@ -92,20 +92,20 @@ pub fn neutral<S: Scalar>(model: &Mechanism<S>, q: &mut [S]) {
 pub fn random<S: Scalar>(model: &Mechanism<S>, uniform: &mut dyn FnMut() -> S, q: &mut [S]) {
     for block in &model.coordinates {
         match block.space {
-            Space::Line { low, high } => q[block.q] = between(low, high, uniform()),
-            Space::Rotation => put_rotation(any_rotation(uniform), q, block.q),
-            Space::Pose => {
+            CoordinateSpace::Line { low, high } => q[block.q] = interpolate(low, high, uniform()),
+            CoordinateSpace::Rotation => write_rotation(any_rotation(uniform), q, block.q),
+            CoordinateSpace::Pose => {
                 let one = S::one();
-                let position = core::array::from_fn(|_| between(-one, one, uniform()));
-                put(Vector3(position), q, block.q);
-                put_rotation(any_rotation(uniform), q, block.q + 3);
+                let position = core::array::from_fn(|_| interpolate(-one, one, uniform()));
+                write_vector(Vector3(position), q, block.q);
+                write_rotation(any_rotation(uniform), q, block.q + 3);
             }
         }
     }
 }
 
 /// Returns low + (high - low) part, at most `high` in spite of rounding.
-fn between<S: Scalar>(low: S, high: S, part: S) -> S {
+fn interpolate<S: Scalar>(low: S, high: S, part: S) -> S {
     -(-(low + (high - low) * part)).max(-high)
 }
 
@@ -121,9 +121,9 @@ fn any_rotation<S: Scalar>(uniform: &mut dyn FnMut() -> S) -> Quaternion<S> {
 /// Returns the index in q of the quaternion of these coordinates.
 fn quaternion<S>(block: &Coordinates<S>) -> Option<usize> {
     match block.space {
-        Space::Line { .. } => None,
-        Space::Rotation => Some(block.q),
-        Space::Pose => Some(block.q + 3),
+        CoordinateSpace::Line { .. } => None,
+        CoordinateSpace::Rotation => Some(block.q),
+        CoordinateSpace::Pose => Some(block.q + 3),
     }
 }
 
@@ -135,10 +135,10 @@ fn rotation<S: Scalar>(q: &[S], at: usize) -> Quaternion<S> {
     Quaternion::from_components(core::array::from_fn(|i| q[at + i]))
 }
 
-fn put<S: Scalar>(v: Vector3<S>, out: &mut [S], at: usize) {
+fn write_vector<S: Scalar>(v: Vector3<S>, out: &mut [S], at: usize) {
     out[at..at + 3].copy_from_slice(&v.0);
 }
 
-fn put_rotation<S: Scalar>(rotation: Quaternion<S>, out: &mut [S], at: usize) {
+fn write_rotation<S: Scalar>(rotation: Quaternion<S>, out: &mut [S], at: usize) {
     out[at..at + 4].copy_from_slice(&rotation.components());
 }

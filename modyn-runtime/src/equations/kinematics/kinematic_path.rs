@@ -28,12 +28,12 @@ pub(in crate::equations) fn from_world<S>(
 }
 
 /// Computes body `i`'s axes in the world. Expects the joint transform and the parent's axes.
-pub(in crate::equations) fn turn_axes<S: Scalar>(
+pub(in crate::equations) fn rotate_axes<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,
     workspace: &mut Workspace<S>,
 ) {
-    workspace.axes[i] = workspace.motions[i].turn_axes(&axes_at_joint(model, i, workspace));
+    workspace.axes[i] = workspace.motions[i].rotate_axes(&axes_at_joint(model, i, workspace));
 }
 
 /// Returns the world axes of body `i`'s degrees of freedom. A joint axis is the same before and after the
@@ -58,12 +58,12 @@ fn axes_at_joint<S: Scalar>(
 ) -> Matrix3<S> {
     let body = &model.bodies[i];
     let world = || Matrix3(Pose::identity().rotation);
-    body.placement.turn_axes(&body.parent.map_or_else(world, |parent| workspace.axes[parent]))
+    body.placement.rotate_axes(&body.parent.map_or_else(world, |parent| workspace.axes[parent]))
 }
 
 /// The motion of a link's origin relative to one of the link's ancestors, in that ancestor's axes.
 #[derive(Clone, Copy)]
-pub(in crate::equations) struct Relative<S> {
+pub(in crate::equations) struct OriginMotion<S> {
     /// The position of the link's origin.
     point: Vector3<S>,
     pub(in crate::equations) velocity: Twist<S>,
@@ -71,7 +71,7 @@ pub(in crate::equations) struct Relative<S> {
     pub(in crate::equations) acceleration: Twist<S>,
 }
 
-impl<S: Scalar> Relative<S> {
+impl<S: Scalar> OriginMotion<S> {
     /// Returns the motion of a link that is fixed to the body.
     pub(in crate::equations) fn fixed(point: Vector3<S>) -> Self {
         Self { point, velocity: Twist::zero(), acceleration: Twist::zero() }
@@ -91,28 +91,28 @@ impl<S: Scalar> Relative<S> {
         // A joint axis has the same components before the joint, where the vectors that are fixed to the
         // link are already rotated.
         let at_joint = if body.elementary_joint.has_axis() {
-            self.across(&motion).carried(rates, changes)
+            self.across_joint(&motion).with_joint_motion(rates, changes)
         } else {
-            self.carried(rates, changes).across(&motion)
+            self.with_joint_motion(rates, changes).across_joint(&motion)
         };
-        let turned = at_joint.turned(|v| body.placement.to_parent(v));
+        let turned = at_joint.rotated(|v| body.placement.to_parent(v));
         Self { point: body.placement.point_to_parent(at_joint.point), ..turned }
     }
 
     /// Rotates the motion into the axes before the joint. It stays relative to the body.
-    fn across(self, motion: &JointTransform<S>) -> Self {
-        let turned = self.turned(|v| motion.to_parent(v));
+    fn across_joint(self, motion: &JointTransform<S>) -> Self {
+        let turned = self.rotated(|v| motion.to_parent(v));
         Self { point: motion.point_to_parent(self.point), ..turned }
     }
 
-    fn turned(self, turn: impl Fn(Vector3<S>) -> Vector3<S>) -> Self {
+    fn rotated(self, turn: impl Fn(Vector3<S>) -> Vector3<S>) -> Self {
         let twist = |t: Twist<S>| Twist { angular: turn(t.angular), linear: turn(t.linear) };
         let (velocity, acceleration) = (twist(self.velocity), twist(self.acceleration));
         Self { velocity, acceleration, ..self }
     }
 
     /// Adds the motion of the body's joint: its velocity `rates` and its acceleration `changes`.
-    fn carried(self, rates: Twist<S>, changes: Option<Twist<S>>) -> Self {
+    fn with_joint_motion(self, rates: Twist<S>, changes: Option<Twist<S>>) -> Self {
         let Self { point, velocity: before, acceleration } = self;
         let omega = rates.angular;
         let over_origin = |t: Twist<S>| Twist { linear: t.linear + t.angular.cross(point), ..t };
@@ -133,19 +133,19 @@ impl<S: Scalar> Relative<S> {
 /// A body's velocity in its own axes at its origin, and the time derivative of these six components at
 /// constant joint rates: the spatial acceleration.
 #[derive(Clone, Copy)]
-pub(in crate::equations) struct Own<S> {
+pub(in crate::equations) struct BodyMotion<S> {
     pub(in crate::equations) velocity: Twist<S>,
     pub(in crate::equations) rate: Twist<S>,
 }
 
-impl<S: Scalar> Own<S> {
+impl<S: Scalar> BodyMotion<S> {
     /// Returns the motion of the world.
     pub(in crate::equations) fn at_rest() -> Self {
         Self { velocity: Twist::zero(), rate: Twist::zero() }
     }
 
     /// Returns the motion of body `i`, from that of its parent.
-    pub(in crate::equations) fn carried_to(
+    pub(in crate::equations) fn to_child(
         self,
         model: &Mechanism<S>,
         i: usize,

@@ -1,7 +1,7 @@
 //! The poses, velocities, accelerations and Jacobians of the links.
 
-use super::acceleration::carried_by;
-use super::kinematic_path::{self, Own, Relative};
+use super::acceleration::parent_motion_at_joint;
+use super::kinematic_path::{self, BodyMotion, OriginMotion};
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::mechanism::{Body, BodyFrame, Mechanism};
@@ -20,12 +20,12 @@ pub fn link_poses<S: Scalar>(
         let motion = &workspace.motions[i];
         let parent = body.parent.map_or_else(Pose::identity, |p| body_poses[p]);
         let (axes, origin) = (Matrix3(parent.rotation), Vector3(parent.translation));
-        let at_joint = body.placement.turn_axes(&axes);
+        let at_joint = body.placement.rotate_axes(&axes);
         let mut origin = origin + axes.mul_vector(body.placement.origin());
         if let Some(displacement) = motion.displacement() {
             origin += at_joint.mul_vector(displacement);
         }
-        let rotation = motion.turn_axes(&at_joint).0;
+        let rotation = motion.rotate_axes(&at_joint).0;
         body_poses[i] = Pose { rotation, translation: origin.0 };
     }
     for (pose, frame) in poses.iter_mut().zip(&model.frames) {
@@ -47,7 +47,7 @@ pub enum Axes {
 /// As all functions for one link here, it visits the bodies of the link's kinematic path only.
 pub fn link_pose<S: Scalar>(model: &Mechanism<S>, frame: usize, q: &[S]) -> Pose<S> {
     let BodyFrame { body, pose } = model.frames[frame];
-    let mut seen = Seen::fixed(&pose);
+    let mut seen = LinkInBody::fixed(&pose);
     for i in kinematic_path::towards_world(model, body) {
         seen = seen.towards_world(&model.bodies[i], q);
     }
@@ -86,11 +86,11 @@ pub fn link_acceleration<S: Scalar>(
             kinematic_path::from_world(model, body, &mut workspace.kinematic_path);
             let field = workspace.kinematic_path.iter().fold(Field::zero(), |parent, &i| {
                 let (body, motion) = (&model.bodies[i], model.bodies[i].motion(q));
-                let carried = carried_by(&parent, body, &motion);
+                let carried = parent_motion_at_joint(&parent, body, &motion);
                 motion.accelerate(carried, &model.rates(i, qd), Some(&model.rates(i, qdd)))
             });
             let axes = Matrix3(pose.rotation).transposed();
-            let a = field.a + field.over_origin(Vector3(pose.translation));
+            let a = field.a + field.relative_acceleration(Vector3(pose.translation));
             Twist { angular: axes.mul_vector(field.alpha), linear: axes.mul_vector(a) }
         }
     }
@@ -117,7 +117,7 @@ pub fn jacobian<S: Scalar>(
             for k in 0..workspace.kinematic_path.len() {
                 let i = workspace.kinematic_path[k];
                 workspace.motions[i] = model.bodies[i].motion(q);
-                kinematic_path::turn_axes(model, i, workspace);
+                kinematic_path::rotate_axes(model, i, workspace);
             }
             // The link's origin, as seen from each body on the path.
             let mut point = Vector3(pose.translation);
@@ -136,7 +136,7 @@ pub fn jacobian<S: Scalar>(
             }
         }
         Axes::Link => {
-            let mut seen = Seen::fixed(&pose);
+            let mut seen = LinkInBody::fixed(&pose);
             for i in kinematic_path::towards_world(model, last) {
                 add_columns(model, i, &seen.axes, seen.point, columns);
                 seen = seen.towards_world(&model.bodies[i], q);
@@ -150,7 +150,7 @@ pub fn jacobian<S: Scalar>(
 /// In [`Axes::World`] it is [`link_acceleration`] at qdd = 0. In [`Axes::Link`] the components also change
 /// because the axes rotate with the link. Its linear part is then the classical acceleration in link axes
 /// minus the cross product of the angular and the linear velocity.
-pub fn jacobian_rate<S: Scalar>(
+pub fn bias_acceleration<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
     (q, qd): (&[S], &[S]),
@@ -168,9 +168,9 @@ fn in_world_axes<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
     motion: (&[S], &[S], Option<&[S]>),
-) -> Relative<S> {
+) -> OriginMotion<S> {
     let BodyFrame { body, pose } = model.frames[frame];
-    let link = Relative::fixed(Vector3(pose.translation));
+    let link = OriginMotion::fixed(Vector3(pose.translation));
     kinematic_path::towards_world(model, body)
         .fold(link, |link, i| link.towards_world(model, i, motion))
 }
@@ -181,22 +181,22 @@ fn in_link_axes<S: Scalar>(
     frame: usize,
     motion: (&[S], &[S]),
     workspace: &mut Workspace<S>,
-) -> Own<S> {
+) -> BodyMotion<S> {
     let BodyFrame { body, pose } = model.frames[frame];
     kinematic_path::from_world(model, body, &mut workspace.kinematic_path);
     let bodies = workspace.kinematic_path.iter();
-    bodies.fold(Own::at_rest(), |own, &i| own.carried_to(model, i, motion)).at(&pose)
+    bodies.fold(BodyMotion::at_rest(), |own, &i| own.to_child(model, i, motion)).at(&pose)
 }
 
 /// The pose of a link, as seen from a body.
-pub(in crate::equations) struct Seen<S> {
+pub(in crate::equations) struct LinkInBody<S> {
     /// The link's axes in the body's frame, as rows. The columns are the body's axes in the link's frame.
     pub(in crate::equations) axes: Matrix3<S>,
     /// The link's origin in the body's frame.
     pub(in crate::equations) point: Vector3<S>,
 }
 
-impl<S: Scalar> Seen<S> {
+impl<S: Scalar> LinkInBody<S> {
     /// Returns the pose of a link that is fixed to the body at `pose`.
     pub(in crate::equations) fn fixed(pose: &Pose<S>) -> Self {
         let axes = Matrix3(pose.rotation).transposed();

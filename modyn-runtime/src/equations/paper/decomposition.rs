@@ -108,7 +108,7 @@ impl<S: Scalar> Decomposition<S> {
 
     /// Returns whether module `j` is a descendant of module `i`: j in gamma_i, Fig. 3.
     #[must_use]
-    pub fn originates(&self, j: usize, i: usize) -> bool {
+    pub fn descends_from(&self, j: usize, i: usize) -> bool {
         core::iter::successors(self.parents[j], |&parent| self.parents[parent]).any(|h| h == i)
     }
 
@@ -157,7 +157,7 @@ impl<S: Scalar> Decomposition<S> {
             return Dense::identity(rows.len());
         }
         let mut propagation = Dense::zero(rows.len(), columns.len());
-        if self.originates(j, i) {
+        if self.descends_from(j, i) {
             let last = columns.end - 6..columns.end;
             let block = self.denoc.propagation.block(rows, last);
             propagation.set_block(0, columns.len() - 6, &block);
@@ -264,7 +264,7 @@ impl<S: Scalar> Decomposition<S> {
     #[must_use]
     pub fn articulated_propagation(&self, j: usize, i: usize) -> Dense<S> {
         match self.parents[j] {
-            Some(h) if h != i && self.originates(h, i) => {
+            Some(h) if h != i && self.descends_from(h, i) => {
                 let through = self.phi(h).transposed().times(&self.articulated_propagation(h, i));
                 self.propagation(j, h).times(&through)
             }
@@ -311,7 +311,7 @@ impl<S: Scalar> Decomposition<S> {
     #[must_use]
     pub fn u_column(&self, j: usize) -> Dense<S> {
         let mut column = Dense::zero(self.denoc.joints.columns, self.dofs[j].len());
-        for i in (0..j).filter(|&i| self.originates(j, i)) {
+        for i in (0..j).filter(|&i| self.descends_from(j, i)) {
             column.set_block(self.dofs[i].start, 0, &self.u_block(i, j));
         }
         column
@@ -340,7 +340,7 @@ impl<S: Scalar> Decomposition<S> {
     fn triangular(&self, block: impl Fn(&Self, usize, usize) -> Dense<S>) -> Dense<S> {
         let mut matrix = Dense::identity(self.denoc.joints.columns);
         for j in 0..self.modules() {
-            for i in (0..j).filter(|&i| self.originates(j, i)) {
+            for i in (0..j).filter(|&i| self.descends_from(j, i)) {
                 matrix.set_block(self.dofs[i].start, self.dofs[j].start, &block(self, i, j));
             }
         }
@@ -374,7 +374,7 @@ impl<S: Scalar> Decomposition<S> {
     pub fn eliminated(&self, j: usize) -> Dense<S> {
         (j..self.modules())
             .rev()
-            .fold(self.mass_matrix(), |gim, column| self.ebutm(column).times(&gim))
+            .fold(self.mass_matrix(), |mass_matrix, column| self.ebutm(column).times(&mass_matrix))
     }
 }
 

@@ -8,8 +8,8 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::registers::{F32x8, F64x4};
 use crate::Scalar;
-use crate::lanes::abreast::One;
-use crate::lanes::{Lanes, Part};
+use crate::lanes::simd::SingleLane;
+use crate::lanes::{Chunk, Lanes};
 use crate::scalar::trig::{FlipSign, Precision};
 
 macro_rules! fused {
@@ -29,10 +29,10 @@ macro_rules! fused {
             }
 
             #[inline(always)]
-            fn outlined<P: Part>(part: P) -> P::Output {
+            fn outlined<P: Chunk>(part: P) -> P::Output {
                 #[target_feature(enable = "avx2,fma")]
                 #[inline(never)]
-                fn run<P: Part>(part: P) -> P::Output {
+                fn run<P: Chunk>(part: P) -> P::Output {
                     part.run()
                 }
                 // SAFETY: the processor has the instructions, see the header.
@@ -52,7 +52,7 @@ macro_rules! fused {
             }
         }
 
-        impl One for $name {
+        impl SingleLane for $name {
             #[inline(always)]
             fn number(self) -> $float {
                 self.0

@@ -10,8 +10,8 @@
 mod fused;
 mod registers;
 
-use super::abreast::{beside, vectors};
 use super::pair::Pair;
+use super::simd::{backend, pack};
 use super::vector::work;
 use fused::{F32x1, F64x1};
 use registers::{F32x4, F32x8, F64x2, F64x4};
@@ -21,7 +21,7 @@ work! {
     f32 on F32x8, "avx2,fma";
 }
 
-beside! {
+pack! {
     F64x2: 2 of F64x1, [0 1] in [0 1];
     F64x4: 4 of F64x1, [0 1 2 3] in [0 1 2 3];
     F32x4: 2 of F32x1, [0 1] in [0 1 0 1];
@@ -29,7 +29,7 @@ beside! {
     F32x8: 8 of F32x1, [0 1 2 3 4 5 6 7] in [0 1 2 3 4 5 6 7];
 }
 
-vectors! {
-    f64 by abreast_f64 on Doubles "avx2,fma": F64x1, F64x2, F64x4, Pair<F64x4>;
-    f32 by abreast_f32 on Singles "avx2,fma": F32x1, F32x4, F32x4, F32x8;
+backend! {
+    f64 by run_simd_f64 on Doubles "avx2,fma": F64x1, F64x2, F64x4, Pair<F64x4>;
+    f32 by run_simd_f32 on Singles "avx2,fma": F32x1, F32x4, F32x4, F32x8;
 }

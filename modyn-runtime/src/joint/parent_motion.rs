@@ -4,7 +4,7 @@ use crate::spatial::Vector3;
 
 /// The motion of a joint's parent frame at the joint's origin, in the axes of the child frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Carried<S> {
+pub struct ParentMotion<S> {
     /// The angular velocity, rad/s.
     pub omega: Vector3<S>,
     /// The angular acceleration, rad/s^2.

@@ -5,14 +5,14 @@
 use super::Lanes;
 
 /// A vector type with one lane.
-pub trait One: Lanes {
+pub trait SingleLane: Lanes {
     /// Returns the lane.
     fn number(self) -> Self::Lane;
 }
 
 macro_rules! one {
     ($($float:ident)*) => {$(
-        impl One for $float {
+        impl SingleLane for $float {
             #[inline(always)]
             fn number(self) -> $float {
                 self
@@ -25,17 +25,17 @@ one!(f64 f32);
 
 /// Implements packs in the first lanes of vectors; the remaining lanes repeat them. The lanes are written out
 /// instead of looped over, since rustc would have to unroll a loop at each use.
-macro_rules! beside {
-    ($($vector:ty: $lanes:literal of $one:ty, [$($apart:literal)*] in [$($lane:literal)*];)*) => {$(
-        impl crate::scalar::abreast::Beside<$one, $lanes> for $vector {
+macro_rules! pack {
+    ($($vector:ty: $lanes:literal of $one:ty, [$($unpacked:literal)*] in [$($lane:literal)*];)*) => {$(
+        impl crate::scalar::simd::Pack<$one, $lanes> for $vector {
             #[inline(always)]
-            fn all(number: $one) -> Self {
-                <Self as crate::lanes::Lanes>::splat(crate::lanes::abreast::One::number(number))
+            fn broadcast(number: $one) -> Self {
+                <Self as crate::lanes::Lanes>::splat(crate::lanes::simd::SingleLane::number(number))
             }
 
             #[inline(always)]
-            fn beside(numbers: [$one; $lanes]) -> Self {
-                Self::from_numbers([$(crate::lanes::abreast::One::number(numbers[$lane])),*])
+            fn pack(numbers: [$one; $lanes]) -> Self {
+                Self::from_numbers([$(crate::lanes::simd::SingleLane::number(numbers[$lane])),*])
             }
 
             #[inline(always)]
@@ -45,9 +45,9 @@ macro_rules! beside {
             }
 
             #[inline(always)]
-            fn apart(self) -> [$one; $lanes] {
+            fn unpack(self) -> [$one; $lanes] {
                 let numbers = self.numbers();
-                [$(<$one as crate::lanes::Lanes>::splat(numbers[$apart])),*]
+                [$(<$one as crate::lanes::Lanes>::splat(numbers[$unpacked])),*]
             }
         }
     )*};
@@ -55,7 +55,7 @@ macro_rules! beside {
 
 /// Defines the vector types of an instruction set, and the function that runs work on them, compiled with
 /// `$features`.
-macro_rules! vectors {
+macro_rules! backend {
     ($(
         $float:ident by $function:ident on $set:ident $($features:literal)?:
         $one:ty, $two:ty, $four:ty, $eight:ty;
@@ -64,7 +64,7 @@ macro_rules! vectors {
             /// The vector types of these instructions.
             pub enum $set {}
 
-            impl crate::scalar::abreast::Vectors for $set {
+            impl crate::scalar::simd::SimdBackend for $set {
                 type Number = $float;
                 type One = $one;
                 type Two = $two;
@@ -78,14 +78,14 @@ macro_rules! vectors {
 
                 #[inline(always)]
                 fn number(one: $one) -> $float {
-                    crate::lanes::abreast::One::number(one)
+                    crate::lanes::simd::SingleLane::number(one)
                 }
 
                 #[inline(always)]
-                fn outlined<P: crate::lanes::Part>(part: P) -> P::Output {
+                fn outlined<P: crate::lanes::Chunk>(part: P) -> P::Output {
                     $(#[target_feature(enable = $features)])?
                     #[inline(never)]
-                    fn run<P: crate::lanes::Part>(part: P) -> P::Output {
+                    fn run<P: crate::lanes::Chunk>(part: P) -> P::Output {
                         part.run()
                     }
                     // SAFETY: the processor has the instructions, see the module's header.
@@ -94,11 +94,11 @@ macro_rules! vectors {
             }
 
             $(#[target_feature(enable = $features)])?
-            pub(super) fn $function<W: crate::scalar::abreast::Abreast<$float>>(work: W) -> W::Output {
-                work.vectors::<$set>()
+            pub(super) fn $function<W: crate::scalar::simd::SimdTask<$float>>(work: W) -> W::Output {
+                work.vectorized::<$set>()
             }
         )*
     };
 }
 
-pub(super) use {beside, vectors};
+pub(super) use {backend, pack};

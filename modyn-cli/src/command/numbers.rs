@@ -13,7 +13,7 @@ pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
 }
 
 /// Returns the shortest text with four significant digits.
-pub fn figure(x: f64) -> String {
+pub fn four_digits(x: f64) -> String {
     let size = x.abs();
     if size == 0.0 {
         "0".into()
