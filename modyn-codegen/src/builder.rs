@@ -601,7 +601,7 @@ impl Builder {
             error(
                 Code::Option,
                 format!("{prefix:?} is not a prefix of C functions"),
-                "use use a letter, then letters, digits and underscores".into(),
+                "use use use a letter, then letters, digits and underscores".into(),
             );
         }
         if self.self_contained && self.krate.is_some() {

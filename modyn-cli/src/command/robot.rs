@@ -132,6 +132,7 @@ impl Robot {
         let builder = Builder::new();
         // The path makes the comment of a generated file the same as that of a build script.
         let builder = match (path, Format::of(text, name)) {
+            #[cfg(feature = "mjcf")]
             (Some(path), Format::Mjcf) => builder.mjcf(path),
             (Some(path), _) => builder.urdf(path),
             (None, _) => builder.text(text, name),

@@ -1,6 +1,10 @@
 //! `modyn simulate`: computes a robot's motion as a table, as plots, and as a page with an animation.
 
 mod motion;
+#[cfg(feature = "plot")]
+mod plot;
+#[cfg(not(feature = "plot"))]
+#[path = "no_plot.rs"]
 mod plot;
 mod skeleton;
 mod table;
