@@ -1,4 +1,4 @@
-//! What the command says of itself.
+//! The command's help, version and usage errors.
 #![cfg(feature = "command")]
 
 mod common;
