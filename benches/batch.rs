@@ -1,4 +1,4 @@
-//! The table of docs/batch.md: many states at a time, on each level of vector instructions that this machine
+//! The table of docs/batch.md (`tools/record` makes `docs/data/batch.tsv` of it): many states at a time, on each level of vector instructions that this machine
 //! has, beside one state after the other on numbers without vectors; ns a state. The least of many runs, so
 //! that what else the machine does matters little; Criterion's averages would have it in them.
 //!

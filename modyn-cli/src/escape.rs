@@ -1,6 +1,6 @@
 //! Escapes names of a description, which may contain any character, for the format of the output.
 //!
-//! serde_json escapes JSON, csv escapes quotes in CSV, and plotters escapes text in plots. For terminals there is
+//! serde_json escapes JSON, csv escapes quotes in CSV, and [`markup`] escapes text in pictures. For terminals there is
 //! `modyn_codegen::diagnostics::sanitize_for_display`.
 
 /// Returns text, or an attribute's value, escaped for SVG and HTML.
@@ -28,9 +28,28 @@ pub fn cell(text: &str) -> String {
     if text.starts_with(['=', '+', '-', '@']) { format!("'{text}") } else { text }
 }
 
+/// Returns the text; characters in the middle are left out if it is longer than `most`.
+#[cfg(feature = "command")]
+pub fn shortened(text: &str, most: usize) -> String {
+    let characters: Vec<char> = text.chars().collect();
+    if characters.len() <= most {
+        return text.into();
+    }
+    let (head, tail) = (most.saturating_sub(1) / 2, most / 2);
+    let part = |range: &[char]| range.iter().collect::<String>();
+    format!("{}…{}", part(&characters[..head]), part(&characters[characters.len() - tail..]))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    #[cfg(feature = "command")]
+    fn long_names_lose_their_middle() {
+        assert_eq!(shortened("abcdefgh", 5), "ab…gh");
+        assert_eq!(shortened("abc", 5), "abc");
+    }
 
     #[test]
     fn nothing_gets_out_of_where_it_stands() {

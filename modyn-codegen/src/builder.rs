@@ -14,7 +14,7 @@ use crate::description::{Base, Loop, Mimic, ReadOptions, Rotor};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
 use crate::emit::{CSource, EmitOptions, Emitted, FloatType, emit, emit_c};
 use crate::names;
-use crate::plan::Function;
+use crate::plan::{Function, Plan};
 use crate::read::file::read_first;
 use crate::read::{Format, Reading};
 use crate::size::too_large;
@@ -126,6 +126,17 @@ pub struct Generated {
     pub partition: ModuleTree,
     /// The operations of each partition that was considered; the chosen one is first.
     pub partition_costs: Vec<(&'static str, usize)>,
+}
+
+/// The programs of a robot; see [`Builder::plan`].
+#[non_exhaustive]
+pub struct Planning {
+    /// The programs.
+    pub plan: Plan,
+    /// The robot.
+    pub model: Model,
+    /// The warnings about the description.
+    pub warnings: Vec<Diagnostic>,
 }
 
 impl Builder {
@@ -390,6 +401,23 @@ impl Builder {
         self.c_source(None)
     }
 
+    /// Returns the programs of the robot's functions, with its model and the warnings, for a back end that prints no
+    /// text. Functions of many states have no programs of their own: the [`Kernels`](crate::plan::Kernels) of one state
+    /// run on vectors with a state in each lane. Options about text have no effect.
+    ///
+    /// # Errors
+    ///
+    /// Returns all errors of the description and the options.
+    pub fn plan(&self) -> Result<Planning, Diagnostics> {
+        let (model, modules, mut options) = self.compiled()?;
+        for function in &mut options.functions {
+            *function = function.batched().unwrap_or(*function);
+        }
+        (options.share, options.self_contained) = (false, false);
+        let plan = options.plan(&model, &modules);
+        Ok(Planning { plan, model, warnings: options.warnings })
+    }
+
     /// Returns the C source whose header file has this name, and the warnings.
     fn c_source(&self, header: Option<&str>) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
         let (model, modules, options) = self.compiled()?;
@@ -601,7 +629,7 @@ impl Builder {
             error(
                 Code::Option,
                 format!("{prefix:?} is not a prefix of C functions"),
-                "use use use a letter, then letters, digits and underscores".into(),
+                "use use use use a letter, then letters, digits and underscores".into(),
             );
         }
         if self.self_contained && self.krate.is_some() {

@@ -26,7 +26,7 @@ pub mod read;
 mod size;
 pub mod trace;
 
-pub use builder::{Builder, Generated, ModuleChoice};
+pub use builder::{Builder, Generated, ModuleChoice, Planning};
 pub use check::{CARRIED_BY_F32, condition_number};
 pub use description::{Base, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
 pub use emit::{CSource, FloatType};

@@ -278,7 +278,7 @@ fn bad_options_are_errors_without_a_place() {
             rotor("weld", 1.0, 1.0),
             "joint `weld`: the options give it a rotor, but it does not move",
         ),
-        (rotor("j", -1.0, 1.0), "joint `j`: no rotor has inertia -1"),
+        (rotor("j", -1.0, 1.0), "joint `j`: inertia -1 and gear ratio 1 are not those of a rotor"),
         (rotor("j", f64::NAN, 1.0), "inertia NaN"),
         (rotor("j", 0.0, f64::INFINITY), "gear ratio inf"),
         (rotor("j", 1.0, 1e40), "gear ratio 1000"),

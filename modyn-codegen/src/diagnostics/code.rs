@@ -217,7 +217,6 @@ codes! {
         "Check `ixx`, `iyy` and `izz`, and whether the inertia is about the centre of mass. \
         `unphysical_inertia = warn` accepts it.",
     /// A joint moves no inertia, so its acceleration is undefined.
-    /// A joint moves nothing that has inertia, so its acceleration is undefined.
     SingularJoint = "singular-joint":
         "Give the link that the joint moves (or a link that is fixed to it) a mass and an inertia, give the \
         joint a rotor (`rotors`, or `<dynamics armature>`), or make the joint `fixed`.",

@@ -83,7 +83,7 @@ impl Default for EmitOptions {
 
 impl EmitOptions {
     /// Returns the plan for these options. Self-contained files have neither vectors nor batches, which need the runtime.
-    fn plan(&self, model: &Model, modules: &ModuleTree) -> Plan {
+    pub(crate) fn plan(&self, model: &Model, modules: &ModuleTree) -> Plan {
         let strategy = match (self.share, self.self_contained) {
             (true, _) => Strategy::Routines,
             (false, true) => Strategy::Scalar,

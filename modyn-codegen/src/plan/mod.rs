@@ -115,8 +115,8 @@ pub enum Kernels {
         simd: Program,
     },
     /// The programs of a function of one link: one for each link with a program of its own, in the order of
-    /// [`Frames::links_with_own_program`], then one for each body with a shared program. Shared programs have the link's placement as a
-    /// further argument.
+    /// [`Frames::links_with_own_program`], then one for each body with a shared program. Shared programs have the
+    /// link's placement as a further argument.
     ByLink(Vec<Program>),
     /// The programs of the poses of all links, if some links share a program.
     Poses {
@@ -286,7 +286,7 @@ impl Plan {
 /// The scalar graphs of the selected functions that also have a selected batch form. Each graph is traced once, for
 /// the function and its batch form.
 struct Graphs {
-    /// The functions whose graphs are kept for their batch forms.
+    /// The functions with a selected batch form; their graphs are kept.
     batched: BTreeSet<Function>,
     kept: BTreeMap<Function, Graph>,
 }

@@ -109,9 +109,8 @@ impl Model {
         }
         for (i, mimic) in self.resolved_mimics().into_iter().enumerate() {
             if let Some(mimic) = mimic {
-                // A leader that is followed at last has a place of its own.
-                joint_indices[i] =
                 // The leader at the end of a chain has a place of its own.
+                joint_indices[i] =
                     JointIndices { mimic: Some(mimic), ..joint_indices[mimic.leader].clone() };
             }
         }

@@ -14,6 +14,8 @@ mod real;
 #[cfg(test)]
 mod root;
 pub(crate) mod simd;
+#[cfg(feature = "std")]
+pub mod steps;
 pub(crate) mod trig;
 
 #[cfg(feature = "alloc")]

@@ -51,8 +51,8 @@ pub fn of(inspection: &Inspection) -> String {
         "modules": modules,
         "condition_number": condition.filter(|number| number.is_finite()),
         "f32_will_do": condition.map(|number| number <= CARRIED_BY_F32),
-        "functions": costs.as_ref().ok().map(|costs| costs.iter().map(cost).collect::<Vec<_>>()),
-        "not_compiled": costs.as_ref().err().map(|why| diagnostics::to_json(why.as_slice())),
+        "functions": costs.as_ref().and_then(|costs| costs.as_ref().ok()).map(|costs| costs.iter().map(cost).collect::<Vec<_>>()),
+        "not_compiled": costs.as_ref().and_then(|costs| costs.as_ref().err()).map(|why| diagnostics::to_json(why.as_slice())),
         "diagnostics": diagnostics::to_json(warnings),
         "advice": advice,
     });

@@ -25,7 +25,7 @@ use crate::command::robot::Robot;
 use advice::Advice;
 use sparsity::Sparsity;
 
-/// Show a robot: joints, modules, masses, the cost of its functions, and suspicious properties
+/// Show a robot: joints, masses, modules, suspicious properties; with `--functions`, the cost of functions
 ///
 /// The exit code is 0 if the description is valid, 1 if it is rejected.
 #[derive(Args)]
@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Draw the module tree and the sparsity of the mass matrix and its factors U and D
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
-    /// The functions to count: names separated by commas, `default`, `all` [default: all but batches]
+    /// Show the operations and the code size of these functions: names separated by commas, `default`, `all`
     #[arg(long, value_name = "NAMES", value_parser = functions)]
     functions: Option<Functions>,
     /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
@@ -54,8 +54,8 @@ struct Inspection {
     advice: Vec<Advice>,
     /// The condition number of the scaled mass matrix; `None` if the robot is too large to compute it.
     condition: Option<f64>,
-    /// The cost of each function; or the reason why the robot is too large to compile.
-    costs: Result<Vec<Cost>, Diagnostics>,
+    /// The cost of each function, or the reason why the robot is too large to compile; `None` without `--functions`.
+    costs: Option<Result<Vec<Cost>, Diagnostics>>,
 }
 
 /// The cost of a function.
@@ -83,9 +83,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         reading => reading.map_err(|found| description.failure(found))?,
     };
     let mut progress = Progress::start("counting operations");
-    let builder = arguments.robot.builder(&description);
-    let costs = costs(builder, arguments)
-        .map_err(|found| description.failure(arguments.robot.named(found)))?;
+    let costs = if arguments.json || arguments.functions.is_some() {
+        let builder = arguments.robot.builder(&description);
+        let costs = costs(builder, arguments);
+        Some(costs.map_err(|found| description.failure(arguments.robot.named(found)))?)
+    } else {
+        None
+    };
     let Reading { model, warnings, .. } = reading;
     let inspection = Inspection {
         modules: module_tree(&model, arguments.modules.as_ref())?,
@@ -107,7 +111,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     to_stdout(&(text::of(&inspection) + &warnings))
 }
 
-/// Returns the cost of each function; or the reason why the robot cannot be compiled.
+/// Returns the cost of each function, or the reason why the robot cannot be compiled. JSON has all functions except
+/// batches by default.
 fn costs(
     builder: Builder,
     arguments: &Arguments,

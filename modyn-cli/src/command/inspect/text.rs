@@ -5,16 +5,20 @@ use std::fmt::Write as _;
 use modyn_codegen::CARRIED_BY_F32;
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::{Friction, Link, LoopConstraint, Model, ModuleTree};
+use unicode_width::UnicodeWidthStr;
 
 use super::{Cost, Inspection, advice};
 use crate::command::numbers::four_digits;
-use crate::command::table::Table;
+use crate::command::table::{Table, WIDTH, wrapped};
 
 /// The decimal digits of 24 bits.
 const F32_DIGITS: f64 = 7.2;
 
 /// The largest number of modules that are drawn: the tree of a chain is as wide as it is high.
 const MAX_DRAWN: usize = 1000;
+
+/// The minimal width of a module's list of links; the tree of a deep robot grows to the right.
+const LEAST_NAMES: usize = 30;
 
 /// The largest number of pieces of advice that are shown; JSON has all.
 const MAX_ADVICE: usize = 40;
@@ -34,22 +38,23 @@ pub fn of(inspection: &Inspection) -> String {
     if !model.loop_constraints().is_empty() {
         section(&mut out, "Loop joints", &loops(model));
     }
-    section(&mut out, "Moving links, with what is fixed to them (kg, m, kg m^2)", &links(model));
+    section(&mut out, "Moving links, with the links fixed to them (kg, m, kg m^2)", &links(model));
     section(&mut out, "Kinematic modules", &tree(model, modules));
     match costs {
-        Ok(costs) => section(
+        None => {}
+        Some(Ok(costs)) => section(
             &mut out,
-            "Functions: operations of a call, and machine code (about; x86-64, f64)",
+            "Functions: operations of a call, and approximate machine code (x86-64, f64)",
             &functions(costs),
         ),
-        Err(why) => {
+        Some(Err(why)) => {
             section(&mut out, "Functions", &format!("{}\n", sanitize_for_display(&why.to_string())))
         }
     }
-    section(&mut out, "Conditioning", &conditioning(*condition));
+    section(&mut out, "Conditioning", &paragraph(&conditioning(*condition)));
     if !advice.is_empty() {
         let line = |one: &advice::Advice| {
-            format!("link `{}`: {}\n", sanitize_for_display(&one.link), one.message)
+            paragraph(&format!("link `{}`: {}", sanitize_for_display(&one.link), one.message))
         };
         let mut lines: String = advice.iter().take(MAX_ADVICE).map(line).collect();
         if advice.len() > MAX_ADVICE {
@@ -75,6 +80,12 @@ fn loops(model: &Model) -> String {
         )
     };
     model.loop_constraints().iter().map(line).collect()
+}
+
+/// Returns a sentence, wrapped to the width of the output.
+fn paragraph(text: &str) -> String {
+    let lines = wrapped(text.trim_end().split(' '), " ", WIDTH - 4);
+    lines.join("\n    ") + "\n"
 }
 
 fn section(out: &mut String, title: &str, body: &str) {
@@ -118,7 +129,7 @@ fn joints(model: &Model) -> String {
             notes(model, i),
         ]);
     }
-    table.text()
+    table.with_remarks().fitted()
 }
 
 fn parent(model: &Model, link: &Link) -> String {
@@ -171,7 +182,7 @@ fn links(model: &Model) -> String {
             carried.join(", "),
         ]);
     }
-    table.text()
+    table.with_remarks().fitted()
 }
 
 /// Returns the modules as a tree, without recursion, since a chain of modules may be long.
@@ -194,7 +205,20 @@ fn tree(model: &Model, tree: &ModuleTree) -> String {
         let names: Vec<String> =
             links.map(|i| sanitize_for_display(&model.links()[i].name)).collect();
         let (branch, below) = if last { ("└─", "   ") } else { ("├─", "│  ") };
-        let _ = writeln!(out, "{indent}{branch} {m}: {}", names.join(" ─ "));
+        let start = format!("{indent}{branch} {m}: ");
+        let room = WIDTH.saturating_sub(start.width()).max(LEAST_NAMES);
+        let names = wrapped(names.iter().map(String::as_str), " ─ ", room);
+        // Links that continue on the next line are aligned with the first link.
+        let bar = if modules[m].children.is_empty() { "" } else { "│" };
+        let rest = format!("{indent}{below}{bar}");
+        for (i, names) in names.iter().enumerate() {
+            let space = " ".repeat(start.width().saturating_sub(rest.width()));
+            let _ = if i == 0 {
+                writeln!(out, "{start}{names}")
+            } else {
+                writeln!(out, "{rest}{space}{names}")
+            };
+        }
         put(&mut waiting, &modules[m].children, &format!("{indent}{below}"));
     }
     out
@@ -220,12 +244,12 @@ fn conditioning(condition: Option<f64>) -> String {
     match condition {
         None => "not computed: the robot is too large\n".into(),
         Some(number) => format!(
-            "mass matrix, scaled to a diagonal of ones: up to {number:.1e}; f32 {}\n",
+            "mass matrix, scaled to a unit diagonal: up to {number:.1e}; f32 {}\n",
             if number > CARRIED_BY_F32 {
-                "may be left no digits of the accelerations: use f64, or compare with it".into()
+                "may keep no digits of the accelerations: use f64, or compare with it".into()
             } else {
                 let digits = (F32_DIGITS - number.log10()).floor();
-                format!("is left about {digits} digits of the accelerations")
+                format!("keeps about {digits} digits of accelerations")
             }
         ),
     }

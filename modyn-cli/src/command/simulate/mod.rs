@@ -1,10 +1,6 @@
 //! `modyn simulate`: computes a robot's motion as a table, as plots, and as a page with an animation.
 
 mod motion;
-#[cfg(feature = "plot")]
-mod plot;
-#[cfg(not(feature = "plot"))]
-#[path = "no_plot.rs"]
 mod plot;
 mod skeleton;
 mod table;
@@ -35,8 +31,9 @@ const MAX_SAMPLES: f64 = 1e6;
 /// Simulate a robot in free fall, or under joint forces from a file
 ///
 /// Loops are closed before the start if they are nearly closed, and stay closed. Joint limits are not enforced. Without
-/// `--csv`, `--plot` and `--html` the table is written to standard output. The exit code is 1 if the description is rejected
-/// or the motion diverges.
+/// `--csv`, `--plot` and `--html` the table is written to standard output.
+///
+/// The exit code is 1 if the description is rejected or the motion diverges.
 #[derive(Args)]
 pub struct Arguments {
     /// The duration, s
@@ -98,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         to_file(path, &table::of(&model, &motion)?)?;
     }
     if let Some(path) = &arguments.plot {
-        to_file(path, &plot::of(&model, &motion)?)?;
+        to_file(path, &plot::of(&model, &motion))?;
     }
     if let Some(path) = &arguments.html {
         let skeleton = skeleton::of(&model, &motion)?;
