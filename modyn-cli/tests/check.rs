@@ -1,4 +1,4 @@
-//! `modyn check`: exit codes, what is shown, JSON.
+//! `modyn check`: exit codes, displayed text, JSON.
 #![cfg(feature = "command")]
 
 mod common;

@@ -8,7 +8,7 @@ use std::process::Command;
 
 use common::{modyn, root};
 
-/// The path of a file in a folder, as an argument.
+/// Returns the path of a file in a folder, as an argument.
 fn at(folder: &Path, name: &str) -> String {
     folder.join(name).to_string_lossy().into_owned()
 }
@@ -237,7 +237,7 @@ fn options_that_are_wrong_are_usage_and_refused_models_are_not() {
     assert_eq!(code(&["-o", "no/such/folder/arm.rs"]), 2);
     assert_eq!(modyn(&["generate", "no_such.urdf"]).code, 2);
     assert_eq!(modyn(&["generate", "modyn-codegen/tests/bad/cycle.urdf"]).code, 1);
-    // Diagnostics call the file as the user does.
+    // Diagnostics name the file as the user did.
     let found = modyn(&["generate", "modyn-codegen/tests/bad/cycle.urdf"]);
     assert!(found.err.contains("--> modyn-codegen/tests/bad/cycle.urdf:"), "{}", found.err);
 }

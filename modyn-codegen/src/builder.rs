@@ -111,7 +111,7 @@ pub struct Planning {
     pub plan: Plan,
     /// The robot.
     pub model: Model,
-    /// What was found odd, but taken.
+    /// The warnings about the description.
     pub warnings: Vec<Diagnostic>,
 }
 
@@ -280,15 +280,16 @@ impl Builder {
         }
         (options.share, options.self_contained) = (false, false);
         let plan = options.plan(&model, &modules);
-        Ok(Planning { plan, model, warnings: options.warnings })
+        Ok(Planning { plan, model, warnings, options.warnings })
     }
 
-    /// Compiles to kernels for graphics processors, without writing anything: text in CUDA C++ or WGSL with a kernel for
-    /// each function, which computes it for many states, a thread a state. Besides it returns the warnings.
+    /// Compiles to that graphics processors, without writing anything: text in CUDA C++ or WGSL with a the [`Kernels`](crate::plan::Kernels) for
+    /// each state
+    /// run for many states, a thread a state. Besides it returns the warnings.
     ///
     /// # Errors
     ///
-    /// All that is wrong with the description and the options; WGSL has single precision alone.
+    /// Returns all errors of the description and the options; WGSL has single precision alone.
     pub fn generate_gpu(
         &self,
         language: GpuLanguage,
@@ -301,7 +302,7 @@ impl Builder {
         Ok((emit_gpu(&model, &modules, &options, language), options.warnings))
     }
 
-    /// The C source whose header file has this name, and the warnings.
+    /// Returns the C source whose header file has this name, and the warnings.
     fn c_source(&self, header: Option<&str>) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
         let (model, modules, options) = self.compiled()?;
         Ok((emit_c(&model, &modules, &options, header), options.warnings))
@@ -517,7 +518,7 @@ impl Builder {
             error(
                 Code::Option,
                 format!("{prefix:?} is not a prefix of C functions"),
-                "use a letter, then letters, digits and underscores".into(),
+                "use use use use a letter, then letters, digits and underscores".into(),
             );
         }
         if self.options.code.self_contained && self.options.code.crate_path.is_some() {

@@ -117,8 +117,8 @@ pub enum Kernels {
         simd: Program,
     },
     /// The programs of a function of one link: one for each link with a program of its own, in the order of
-    /// [`Frames::links_with_own_program`], then one for each body with a shared program. Shared programs have the link's placement as a
-    /// further argument.
+    /// [`Frames::links_with_own_program`], then one for each body with a shared program. Shared programs have the
+    /// link's placement as a further argument.
     ByLink(Vec<Program>),
     /// The programs of the poses of all links, if some links share a program.
     Poses {
@@ -285,9 +285,10 @@ impl Plan {
     }
 }
 
-/// The scalar graphs of selected functions whose batch forms are selected, too: each is traced once for both.
+/// The scalar graphs of the selected functions that also have a selected batch form. Each graph is traced once, for
+/// the function and its batch form.
 struct Graphs {
-    /// The functions whose graphs are kept for their batch forms.
+    /// The functions with a selected batch form; their graphs are kept.
     batched: BTreeSet<Function>,
     kept: BTreeMap<Function, Graph>,
 }
@@ -298,7 +299,7 @@ impl Graphs {
         Self { batched, kept: BTreeMap::new() }
     }
 
-    /// Returns the optimized and balanced graph of a function or of its batch form, which is traced at the first call.
+    /// Returns the optimized and balanced graph of a function or of its batch form. The first call traces the graph.
     fn scalar(
         &mut self,
         function: Function,
@@ -310,7 +311,7 @@ impl Graphs {
             return graph.clone();
         }
         let graph = packing::balanced(match one {
-            // The search for its modules has optimized it.
+            // The search for the partition has already optimized this graph.
             Function::ForwardDynamics => tracing.forward_dynamics.clone(),
             _ => optimize(trace(tracing.tracer, tracing)),
         });
