@@ -280,12 +280,11 @@ impl Builder {
         }
         (options.share, options.self_contained) = (false, false);
         let plan = options.plan(&model, &modules);
-        Ok(Planning { plan, model, warnings, options.warnings })
+        Ok(Planning { plan, model, warnings: options.warnings })
     }
 
-    /// Compiles to that graphics processors, without writing anything: text in CUDA C++ or WGSL with a the [`Kernels`](crate::plan::Kernels) for
-    /// each state
-    /// run for many states, a thread a state. Besides it returns the warnings.
+    /// Returns kernels for graphics processors, without writing anything, and the warnings. The text is CUDA C++ or WGSL,
+    /// with a kernel for each function, which computes it for many states with a thread for each state.
     ///
     /// # Errors
     ///
@@ -518,7 +517,7 @@ impl Builder {
             error(
                 Code::Option,
                 format!("{prefix:?} is not a prefix of C functions"),
-                "use use use use a letter, then letters, digits and underscores".into(),
+                "use a letter, then letters, digits and underscores".into(),
             );
         }
         if self.options.code.self_contained && self.options.code.crate_path.is_some() {

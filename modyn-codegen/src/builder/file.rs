@@ -78,7 +78,7 @@ impl Builder {
         let is_source = path.extension().is_some_and(|extension| extension == "c");
         if !is_source || !name.chars().all(plain) {
             let message = format!("`{}` is not the name of a C source file", path.display());
-            let help = "use use use use ASCII letters, digits, dashes and underscores, then `.c`";
+            let help = "use ASCII letters, digits, dashes and underscores, then `.c`";
             return Err(Diagnostic::error(Code::Output, message).with_help(help).into());
         }
         let (found, warnings) = self.c_source(Some(name))?;
