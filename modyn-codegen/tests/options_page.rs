@@ -26,7 +26,8 @@ fn head(builder: &Builder) -> String {
 
 /// An arm that fits the examples.
 const ARM: &str = r#"<robot name="arm">
-    <link name="base"/>
+    <link name="base"><inertial><origin xyz="0 0 0.1"/><mass value="3"/>
+        <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
     <joint name="shoulder" type="continuous">
         <parent link="base"/><child link="upper_arm"/><axis xyz="0 1 0"/>
         <dynamics damping="0.1" friction="0.1"/>
