@@ -3,7 +3,6 @@
 
 use modyn_codegen::graph::Graph;
 use modyn_codegen::passes::optimize;
-use modyn_codegen::plan::partition::whole_chains;
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, ReadOptions};
 use modyn_codegen::{Builder, Function};
@@ -163,62 +162,6 @@ fn derivatives_side_by_side_are_the_interpreters() {
     }
 }
 
-/// The table of derivatives in `docs/limbs.md`.
-#[test]
-fn operations_of_derivatives_are_those_of_the_page() {
-    let page = include_str!("../../docs/limbs.md");
-    let page = &page[page.find("Operations of derivatives").expect("the table")..];
-    let mut rows = 0;
-    for (name, model) in robots() {
-        let Some(row) = page.lines().find(|line| line.starts_with(&format!("| {name} | "))) else {
-            continue;
-        };
-        let mechanism = Mechanism::new(&model);
-        let layout = UduLayout::new(&mechanism, &whole_chains(&model));
-        let alone = Tracer::new(&mechanism);
-        let ways = LimbPacking::candidates(&mechanism, true);
-        let count = |graph: Graph| optimize(graph).count().total();
-        let counts = |of: &dyn Fn(&Tracer) -> Graph| {
-            let ways = ways.iter().map(|limbs| count(of(&alone.packed(limbs))).to_string());
-            let mut counts: Vec<String> =
-                [count(of(&alone)).to_string()].into_iter().chain(ways).collect();
-            counts.resize(3, String::new());
-            counts.join(" | ")
-        };
-        let inverse = counts(&|tracer| tracer.inverse_dynamics_derivatives());
-        let forward = counts(&|tracer| tracer.forward_dynamics_derivatives(&layout));
-        let expected = format!("| {inverse} | {forward} |").replace("|  |", "| |");
-        assert!(row.ends_with(&expected), "{row}: {expected}");
-        rows += 1;
-    }
-    assert_eq!(rows, 4);
-}
-
-/// The table of packed columns in `docs/derivatives.md`.
-#[test]
-fn operations_by_columns_are_those_of_the_page() {
-    let page = include_str!("../../docs/derivatives.md");
-    let robots = [
-        ("6-joint arm", include_str!("../../robots/arm6.urdf")),
-        ("7-joint arm", include_str!("../../robots/arm7.urdf")),
-    ];
-    for (name, text) in robots {
-        let model = read(text, name, Base::Fixed);
-        let mechanism = Mechanism::new(&model);
-        let layout = UduLayout::new(&mechanism, &whole_chains(&model));
-        let alone = Tracer::new(&mechanism);
-        let count = |graph: Graph| optimize(graph).count().total();
-        let [inverse, forward] = [
-            [&alone, &alone.column_lanes()].map(|t| count(t.inverse_dynamics_derivatives())),
-            [&alone, &alone.column_lanes()].map(|t| count(t.forward_dynamics_derivatives(&layout))),
-        ];
-        let [a, b] = inverse;
-        let [c, d] = forward;
-        let row = format!("| {name} | {a} | {b} | {c} | {d} |");
-        assert!(page.contains(&row), "{row}");
-    }
-}
-
 /// Legs on one branch and equal arms on another: their results are not propagated together.
 #[test]
 fn limbs_on_two_branches_share_no_root_path() {
@@ -249,7 +192,7 @@ fn limbs_on_two_branches_share_no_root_path() {
     // They are therefore packed for torques, but not where columns are propagated.
     let joins = |function| {
         let builder = Builder::new().urdf_text(&text, "two.urdf").functions([function]);
-        builder.generate().expect("a good robot").text.contains("Beside<A, 4>")
+        builder.generate().expect("a good robot").text.contains("Pack<A, 4>")
     };
     assert!(joins(Function::InverseDynamics));
     for function in [

@@ -227,8 +227,8 @@ impl Functions {
     fn most(&self, name: &str) -> OperationCount {
         let by_link = |i: usize| format!("{name}_{i}");
         // What is announced is what one state takes without vectors.
-        let alone = format!("{name}_alone");
-        if let Some(name) = [&alone, name].into_iter().find(|&name| self.0.contains_key(name)) {
+        let scalar = format!("{name}_scalar");
+        if let Some(name) = [&scalar, name].into_iter().find(|&name| self.0.contains_key(name)) {
             return self.count(name);
         }
         let counts =
