@@ -93,7 +93,10 @@ fn with_the_strictest_lints() {
         succeeds(&folder, "clippy --all-targets");
     }
     let docs = succeeds(&folder, "doc --no-deps");
-    assert!(!docs.contains("warning"), "{docs}");
+    // The description's own warnings are there as well: of the build script, and with the description's file first.
+    let of_rustdoc =
+        |line: &str| line.starts_with("warning") && !line.starts_with("warning: user-strict@");
+    assert!(!docs.lines().any(of_rustdoc), "{docs}");
 }
 
 #[test]
