@@ -15,7 +15,7 @@ fn a_robot_is_shown() {
     assert_snapshot("gripper.txt", &found.out);
 }
 
-/// Whatever the names are, lines fit a terminal; what functions cost is shown to who asks.
+/// Lines fit a terminal with any names. The costs of functions are shown with `--functions` only.
 #[test]
 fn lines_fit_a_hundred_columns() {
     for (robot, base) in [("humanoid", "floating"), ("arm7", "fixed"), ("mimic_gripper", "fixed")] {

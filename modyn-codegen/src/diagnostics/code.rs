@@ -34,7 +34,7 @@ macro_rules! codes {
                 }
             }
 
-            /// Returns the remedy: what to do about it.
+            /// Returns the remedy.
             #[must_use]
             pub fn remedy(self) -> &'static str {
                 match self {

@@ -52,7 +52,7 @@ impl fmt::Display for Subject {
     }
 }
 
-/// A fault: what is wrong, where, and what would be right.
+/// A fault: the error, its place in the file, and the remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Diagnostic {

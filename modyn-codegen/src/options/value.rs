@@ -11,7 +11,7 @@
 pub struct Fault {
     /// The place in the text, in bytes.
     pub at: usize,
-    /// The error, and what would be right.
+    /// The error, and the form that the value should have.
     pub message: String,
 }
 
@@ -159,7 +159,7 @@ impl Parser<'_> {
         Ok(values)
     }
 
-    /// The text in quotes. A backslash stands before a quote or a backslash of the text.
+    /// Returns the text in quotes. Quotes and backslashes of the text are escaped by a backslash.
     fn quoted(&mut self) -> Result<String, Fault> {
         let (start, mut text) = (self.at, String::new());
         let mut characters = self.text[start + 1..].char_indices();

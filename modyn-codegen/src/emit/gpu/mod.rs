@@ -3,7 +3,7 @@
 //! Arguments and results are structures of arrays: scalar `j` of state `i` of `n` states is number `j n + i` of its
 //! buffer, so that neighbouring threads read neighbouring numbers. Run-time parameters are the same for all states.
 //!
-//! [`Printer`] prints the statements, which both languages have in common; a [`Dialect`] has the syntax in which they
+//! `function.rs` prints the statements, which both languages have in common; a [`Dialect`] has the syntax in which they
 //! differ, the kernel's head and the functions that are no operator.
 
 mod cuda;
