@@ -32,7 +32,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let model = read(&text, &file, &ReadOptions::default())?.model;
         let model = if name == "leg" { first_leg(&model)? } else { model };
         for (float, scalar) in [(FloatType::F32, "f32"), (FloatType::F64, "f64")] {
-            let mut builder = Builder::new().model(model.clone()).scalar(float).functions(FUNCTIONS);
+            let mut builder =
+                Builder::new().model(model.clone()).scalar(float).functions(FUNCTIONS);
             if name == "legs_shared" {
                 builder = builder.share();
             }

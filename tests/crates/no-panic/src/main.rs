@@ -5,9 +5,9 @@
 
 use core::hint::black_box;
 
+use modyn::Inertial;
 use modyn::simulate::{Gains, Reference, State};
 use modyn::spatial::Wrench;
-use modyn::Inertial;
 
 modyn::modyn!("../../../../robots/gripper.urdf");
 modyn::modyn!(Arm = "../../../../robots/arm7.urdf");

@@ -57,7 +57,10 @@ mod tests {
         assert_eq!(Some::NAME, r##"r#"robot"# */ {} // \"##);
         assert_eq!(Some::JOINT_NAMES[1], "T");
         assert_eq!(TJoint::Self_.name(), "Self");
-        assert_eq!(Some::JOINT_NAMES[3], "rtl\u{202e}ltr\u{2066}\u{200f}\u{61c}\u{2028}\u{200b}end");
+        assert_eq!(
+            Some::JOINT_NAMES[3],
+            "rtl\u{202e}ltr\u{2066}\u{200f}\u{61c}\u{2028}\u{200b}end"
+        );
         assert_eq!(OptionLink::ALL.len(), 5);
         assert_eq!(OptionJoint::ALL.map(OptionJoint::index), [0, 1, 2, 3]);
     }
