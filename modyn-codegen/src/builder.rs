@@ -10,7 +10,7 @@ use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Friction, Model, ModuleError, ModuleTree};
 
 use crate::check::{check_model, conditioning_warning, gravity_error};
-use crate::description::{Base, Loop, Mimic, ReadOptions, Rotor};
+use crate::description::{Base, Contact, Loop, Mimic, ReadOptions, Rotor};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
 use crate::emit::{CSource, EmitOptions, Emitted, FloatType, emit, emit_c};
 use crate::names;
@@ -271,6 +271,13 @@ impl Builder {
     #[must_use]
     pub fn loop_joint(mut self, closing: Loop) -> Self {
         self.read.loops.push(closing);
+        self
+    }
+
+    /// A frame of a link that may touch the world. (A [model](Self::model) has its own: [`Model::with_contacts`].)
+    #[must_use]
+    pub fn contact(mut self, contact: Contact) -> Self {
+        self.read.contacts.push(contact);
         self
     }
 
@@ -611,6 +618,13 @@ impl Builder {
                 Code::Option,
                 "a model that is given as one has its own loops".into(),
                 "close them by `Model::with_loop_constraints`".into(),
+            );
+        }
+        if matches!(self.source, Source::Model(_)) && !self.read.contacts.is_empty() {
+            error(
+                Code::Option,
+                "a model that is given as one has its own contacts".into(),
+                "give them by `Model::with_contacts`".into(),
             );
         }
         let read = &self.read;

@@ -28,9 +28,9 @@ pub mod trace;
 
 pub use builder::{Builder, Generated, ModuleChoice};
 pub use check::{CARRIED_BY_F32, condition_number};
-pub use description::{Base, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
+pub use description::{Base, Contact, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
 pub use emit::{CSource, FloatType};
-pub use modyn_runtime::model::{Friction, LoopConstraintKind};
+pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 pub use plan::Function;
 #[cfg(feature = "mjcf")]
 pub use read::read_mjcf;

@@ -33,8 +33,8 @@ struct Measures {
     rows: f64,
     /// Degrees of freedom.
     nv: f64,
-    /// What closes loops.
-    closures: f64,
+    /// Constraints.
+    constraints: f64,
 }
 
 impl Measures {
@@ -78,14 +78,14 @@ impl Measures {
                 .sum(),
             rows: on_body.iter().map(|&n| n.saturating_sub(MAX_OWN_FUNCTIONS) as f64).sum(),
             nv: model.nv() as f64,
-            closures: model.loop_constraints().len() as f64,
+            constraints: model.constraints() as f64,
         }
     }
 
     /// About how many bytes a function takes. The factors are those of chains and of trees of 6 to 48 joints
     /// in general position.
     fn bytes(&self, function: Function) -> f64 {
-        let &Self { links, carried, depths, squares, entries, pivots, nv, closures, .. } = self;
+        let &Self { links, carried, depths, squares, entries, pivots, nv, constraints, .. } = self;
         let &Self { frames, kernels, chains, rows, .. } = self;
         let factors = 1000.0 * depths + 130.0 * squares + 40.0 * entries + 25.0 * pivots;
         // A function of a link: by its operations, its results and the calls for links that share it.
@@ -110,9 +110,11 @@ impl Measures {
                 5000.0 * depths + 600.0 * squares + 100.0 * entries
             }
             Function::ConstrainedForwardDynamics | Function::ProjectConstraints => {
-                factors + closures * (40_000.0 + 10_000.0 * links) + 50_000.0 * closures.powi(2)
+                factors
+                    + constraints * (40_000.0 + 10_000.0 * links)
+                    + 50_000.0 * constraints.powi(2)
             }
-            Function::ConstraintResidual => closures * (5000.0 + 1500.0 * links),
+            Function::ConstraintResidual => constraints * (5000.0 + 1500.0 * links),
             Function::Regressor => 2200.0 * depths + 120.0 * squares + 60.0 * entries,
             Function::CenterOfMass => 600.0 * links,
             Function::CenterOfMassJacobian => 1200.0 * links,
@@ -137,7 +139,8 @@ pub fn estimate(
     functions: &[Function],
 ) -> (f64, Vec<(Function, f64)>) {
     let measures = Measures::new(model, modules);
-    let selected = functions.iter().filter(|f| !f.is_of_loops() || measures.closures > 0.0);
+    let selected =
+        functions.iter().filter(|f| !f.is_of_constraints() || measures.constraints > 0.0);
     let mut sizes: Vec<_> = selected.map(|&f| (f, measures.bytes(f))).collect();
     sizes.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     // Enums, names and tables have a line or two for each joint and link.

@@ -122,8 +122,16 @@ fn the_trait_has_each_function() {
 /// So has the interpreter; wrenches in either axes are one argument of it.
 #[test]
 fn the_interpreter_has_each_function() {
-    let files =
-        ["constraints", "coordinates", "derivatives", "dynamics", "factorization", "kinematics", "momentum", "regressor"];
+    let files = [
+        "constraints",
+        "coordinates",
+        "derivatives",
+        "dynamics",
+        "factorization",
+        "kinematics",
+        "momentum",
+        "regressor",
+    ];
     let text: String =
         files.map(|name| file(&format!("modyn-runtime/src/interpreter/{name}.rs"))).concat();
     for function in Function::ALL.iter().filter(|function| function.batched().is_none()) {

@@ -1,7 +1,9 @@
 //! What stands in the macro: `[[visibility] Name =] "path" [, option = value]*`.
 
 use modyn_codegen::diagnostics::{Severity, suggest};
-use modyn_codegen::{Base, Friction, Loop, LoopConstraintKind, LoopEnd, Mimic};
+use modyn_codegen::{
+    Base, Contact, ContactKind, Friction, Loop, LoopConstraintKind, LoopEnd, Mimic,
+};
 use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
 use proc_macro2::{Span, TokenTree};
 use quote::ToTokens as _;
@@ -62,7 +64,7 @@ impl Parse for Input {
 }
 
 /// The names of all options.
-const OPTIONS: [&str; 14] = [
+const OPTIONS: [&str; 15] = [
     "gravity",
     "runtime_inertia",
     "payload",
@@ -73,6 +75,7 @@ const OPTIONS: [&str; 14] = [
     "mimic",
     "rotors",
     "loops",
+    "contacts",
     "friction",
     "share",
     "unphysical_inertia",
@@ -112,6 +115,7 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
         "friction" => friction(input).map(|friction| builder.friction(friction)),
         "rotors" => rotors(builder, input),
         "loops" => loops(builder, input),
+        "contacts" => contacts(builder, input),
         "mimic" => {
             let choices = [
                 ("follow", Mimic::Follow),
@@ -226,6 +230,36 @@ fn loop_joint(input: ParseStream<'_>) -> Result<Loop> {
         _ if !figures.is_empty() => Err(figures.error("expected `)`")),
         _ => Ok(Loop { name: name.value(), kind, ends }),
     }
+}
+
+/// `["name": point("link"), "name": surface("link", [x, y, z], [roll, pitch, yaw]), ...]`
+fn contacts(builder: Builder, input: ParseStream<'_>) -> Result<Builder> {
+    let content;
+    syn::bracketed!(content in input);
+    let contacts = Punctuated::<_, Token![,]>::parse_terminated_with(&content, contact)?;
+    Ok(contacts.into_iter().fold(builder, Builder::contact))
+}
+
+fn contact(input: ParseStream<'_>) -> Result<Contact> {
+    let name: LitStr = input.parse()?;
+    input.parse::<Token![:]>()?;
+    let kind = choice(input, &[("point", ContactKind::Point), ("surface", ContactKind::Surface)])?;
+    let content;
+    syn::parenthesized!(content in input);
+    let link: LitStr = content.parse()?;
+    let mut numbers = [[0.0; 3]; 2];
+    for vector_of in &mut numbers {
+        content.parse::<Option<Token![,]>>()?;
+        if !content.is_empty() {
+            *vector_of = vector(&content)?;
+        }
+    }
+    content.parse::<Option<Token![,]>>()?;
+    if !content.is_empty() {
+        return Err(content.error("expected `)`: a link, then a place and roll, pitch, yaw"));
+    }
+    let [xyz, rpy] = numbers;
+    Ok(Contact { name: name.value(), kind, end: LoopEnd { link: link.value(), xyz, rpy } })
 }
 
 /// `"link", [x, y, z]` or `"link", [x, y, z], [roll, pitch, yaw]`

@@ -37,6 +37,7 @@ use input::Input;
 /// | `rotors` | `["joint": (inertia, gear_ratio), ...]`, kg m^2 | the description's |
 /// | `friction` | `none`, `viscous`, `coulomb`, `smooth(velocity)`: which of the description's damping and friction acts | `none`, with a warning if there are some |
 /// | `loops` | `["name": spherical("link", [x, y, z], "link", [x, y, z]), ...]`, or `fixed`, `revolute`, `continuous`, `prismatic`: loop joints | the description's |
+/// | `contacts` | `["name": point("link"), "name": surface("link", [x, y, z], [roll, pitch, yaw]), ...]`: frames of links that may touch the world | none |
 /// | `share` | `true`, `false`: equal limbs through one function | `false` |
 /// | `unphysical_inertia` | `error`, `warn` | `error` |
 /// | `crate` | the path of `modyn`, where it was renamed | `::modyn` |

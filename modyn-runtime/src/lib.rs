@@ -15,6 +15,7 @@ extern crate std;
 pub mod batch;
 #[doc(hidden)]
 pub mod configuration;
+mod constraint_settings;
 pub mod conventions;
 #[cfg(feature = "alloc")]
 pub mod equations;
@@ -59,10 +60,11 @@ pub use interpreter::{
 pub use crate::nalgebra::Nalgebra;
 pub use batch::BatchError;
 pub use configuration::ConfigurationError;
+pub use constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 pub use inertial::{Inertial, InertialDefect};
 pub use parameters::ParameterError;
 pub use results::{
-    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual, ConstraintSettings,
+    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
     OperationCount,
 };

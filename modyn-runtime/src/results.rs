@@ -44,71 +44,21 @@ pub struct ForwardDynamicsDerivatives<V, M> {
     pub dtau: M,
 }
 
-/// How constraints are stabilized, and which of their rows count as independent.
-///
-/// A constraint whose frames are displaced by phi obeys phi'' = -2 alpha phi' - beta^2 phi (Baumgarte 1972).
-/// Alpha = beta is the fastest return without oscillation, by half in 1.7 / beta; zeros keep the
-/// displacement that an integrator's errors have caused.
-///
-/// A row of the constraints depends on others where they leave it a mobility (inverse inertia, 1/kg) of at
-/// most `tolerance` times the mobility of its constraint's relative motion, plus `rounding` times the
-/// row's own. Rotations count times the constraint's characteristic length.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ConstraintSettings<T> {
-    /// Damping of the displacements, 1/s.
-    pub alpha: T,
-    /// Stiffness of the displacements, 1/s.
-    pub beta: T,
-    /// The mobility of a dependent row as a share of its constraint's mobility in all six directions: the
-    /// square of the error, as an angle, that axes and joints of the mechanism may have.
-    pub tolerance: T,
-    /// The share of a row's own mobility that rounding may leave of it.
-    pub rounding: T,
-}
-
-impl ConstraintSettings<f64> {
-    /// alpha = beta = 20/s, axes that are off by 1e-5 rad, and the square root of the precision.
-    pub const DEFAULT: Self = Self { alpha: 20.0, beta: 20.0, tolerance: 1e-10, rounding: 1e-10 };
-
-    /// Constraints of accelerations alone: for mechanisms whose constraints are met exactly.
-    pub const EXACT: Self = Self { alpha: 0.0, beta: 0.0, ..Self::DEFAULT };
-}
-
-impl ConstraintSettings<f32> {
-    /// alpha = beta = 20/s, axes that are off by 1e-4 rad, and a hundred times the precision.
-    pub const DEFAULT: Self = Self { alpha: 20.0, beta: 20.0, tolerance: 1e-8, rounding: 1e-5 };
-
-    /// Constraints of accelerations alone: for mechanisms whose constraints are met exactly.
-    pub const EXACT: Self = Self { alpha: 0.0, beta: 0.0, ..Self::DEFAULT };
-}
-
-impl Default for ConstraintSettings<f64> {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
-impl Default for ConstraintSettings<f32> {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
 /// The accelerations of a robot under its constraints, and the wrenches that meet them.
 ///
-/// Wrenches and residuals are arrays with an entry for each loop constraint, at its second frame's
-/// origin in its first frame's axes.
+/// Wrenches and residuals are arrays with an entry for each constraint: for each loop constraint at its second frame's
+/// origin in its first frame's axes, then for each contact at its frame's origin in world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedForwardDynamics<V, W, R, T> {
     /// The accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
-    /// The wrench on the constraint's second link, N m and N; the first link feels the opposite. Where
-    /// rows are redundant, the wrenches with the smallest sum of force^2 + (moment / l)^2 over all
+    /// The wrench on the constraint's second link, N m and N; the first link feels the opposite. Of a contact the
+    /// wrench on the link, zero where the contact is not active. Where rows are redundant, the wrenches with the smallest sum of force^2 + (moment / l)^2 over all
     /// constraints, with the characteristic length l of each.
     pub wrenches: W,
     /// The part of each constraint's relative acceleration that could not be met, rad/s^2 and m/s^2:
     /// rounding, unless rows contradict each other. Then it is the smallest possible, as a sum of
-    /// linear^2 + (l angular)^2.
+    /// linear^2 + (l angular)^2. The acceleration that the compliance of a contact allows is no part of it.
     pub residuals: R,
     /// The number of independent constraint rows, an integer.
     pub rank: T,
@@ -125,8 +75,9 @@ pub struct ConstraintProjection<V, T> {
     pub rank: T,
 }
 
-/// How far constraints are from being met: arrays with an entry for each loop constraint, of its second
-/// frame relative to its first, in the first frame's axes, without the free directions.
+/// How far constraints are from being met: arrays with an entry for each constraint. Of a loop constraint, the second
+/// frame relative to the first, in the first frame's axes, without the free directions; of a contact, active or not,
+/// its frame relative to its target, in world axes, the rotations of a point left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintResidual<D> {
     /// Displacements, m; rotations by their axes times the sines of their angles.

@@ -7,7 +7,8 @@ use modyn_codegen::Builder;
 use modyn_codegen::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
 use modyn_codegen::read::file::{read_first, read_text};
 use modyn_codegen::{
-    Format, Friction, Loop, LoopConstraintKind, LoopEnd, ReadOptions, Reading, Rotor, read,
+    Contact, ContactKind, Format, Friction, Loop, LoopConstraintKind, LoopEnd, ReadOptions,
+    Reading, Rotor, read,
 };
 
 use crate::command::diagnostics;
@@ -41,6 +42,9 @@ pub struct Options {
     /// fixed, revolute or prismatic; behind each X,Y,Z may stand roll, pitch and yaw
     #[arg(long = "loop", value_name = "JOINT", value_parser = loop_joint)]
     loops: Vec<Loop>,
+    /// A frame of a link that may touch the world: NAME=point:LINK[:X,Y,Z] or NAME=surface:LINK[:X,Y,Z[,ROLL,PITCH,YAW]]
+    #[arg(long = "contact", value_name = "CONTACT", value_parser = contact)]
+    contacts: Vec<Contact>,
     /// Which of the description's damping and friction acts: none, viscous, coulomb, smooth=VELOCITY [default: none,
     /// with a warning if there are some]
     #[arg(long, value_name = "KIND", value_parser = friction)]
@@ -164,6 +168,7 @@ impl Options {
             rotors: self.rotors.clone(),
             friction: self.friction,
             loops: self.loops.clone(),
+            contacts: self.contacts.clone(),
         }
     }
 
@@ -176,6 +181,7 @@ impl Options {
             builder.rotor(&rotor.joint, rotor.inertia, rotor.gear_ratio)
         });
         let builder = self.loops.iter().cloned().fold(builder, Builder::loop_joint);
+        let builder = self.contacts.iter().cloned().fold(builder, Builder::contact);
         let builder = self.friction.into_iter().fold(builder, Builder::friction);
         self.gravity.into_iter().fold(builder, Builder::gravity)
     }
@@ -227,14 +233,6 @@ fn loop_joint(text: &str) -> Result<Loop, String> {
     let parts: Vec<&str> = rest.split(':').collect();
     let (&[joint_type, first, at_first, second, at_second], axis) =
         parts.split_first_chunk().ok_or_else(expected)?;
-    let end = |link: &str, place: &str| {
-        let (xyz, rpy) = match *numbers(place)? {
-            [x, y, z] => ([x, y, z], [0.0; 3]),
-            [x, y, z, roll, pitch, yaw] => ([x, y, z], [roll, pitch, yaw]),
-            _ => return Err(format!("`{place}` is not three numbers, or six with a rotation")),
-        };
-        Ok(LoopEnd { link: link.into(), xyz, rpy })
-    };
     let along = match axis {
         [] => [1.0, 0.0, 0.0],
         [axis] => vector(axis)?,
@@ -246,8 +244,31 @@ fn loop_joint(text: &str) -> Result<Loop, String> {
     if kind.axis().is_none() && !axis.is_empty() {
         return Err(format!("a loop joint of type {joint_type} has no axis"));
     }
-    let ends = [end(first, at_first)?, end(second, at_second)?];
+    let ends = [frame(first, at_first)?, frame(second, at_second)?];
     Ok(Loop { name: name.into(), kind, ends })
+}
+
+/// The frame on a link at `0.5,0,0`, or `0.5,0,0,0,0,1.57` with roll, pitch and yaw.
+fn frame(link: &str, place: &str) -> Result<LoopEnd, String> {
+    let (xyz, rpy) = match *numbers(place)? {
+        [x, y, z] => ([x, y, z], [0.0; 3]),
+        [x, y, z, roll, pitch, yaw] => ([x, y, z], [roll, pitch, yaw]),
+        _ => return Err(format!("`{place}` is not three numbers, or six with a rotation")),
+    };
+    Ok(LoopEnd { link: link.into(), xyz, rpy })
+}
+
+/// `left_foot=point:FL_FOOT`, `sole=surface:ankle:0.04,0,-0.03,0,0,0`
+fn contact(text: &str) -> Result<Contact, String> {
+    let expected = || {
+        "expected NAME=point:LINK[:X,Y,Z] or NAME=surface:LINK[:X,Y,Z[,ROLL,PITCH,YAW]], such as foot=point:FL_FOOT"
+            .to_string()
+    };
+    let (name, rest) = text.split_once('=').ok_or_else(expected)?;
+    let (kind, rest) = rest.split_once(':').ok_or_else(expected)?;
+    let kind = ContactKind::from_name(kind).ok_or_else(expected)?;
+    let (link, place) = rest.split_once(':').unwrap_or((rest, "0,0,0"));
+    Ok(Contact { name: name.into(), kind, end: frame(link, place)? })
 }
 
 /// `none`, `viscous`, `coulomb` or `smooth=0.01`

@@ -159,6 +159,9 @@ impl Builder {
         for closing in &self.read.loops {
             call(format!("loop_joint({closing:?})"));
         }
+        for contact in &self.read.contacts {
+            call(format!("contact({contact:?})"));
+        }
         if let Some(friction) = self.read.friction {
             call(format!("friction(Friction::{friction:?})"));
         }

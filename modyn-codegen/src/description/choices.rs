@@ -1,6 +1,6 @@
 //! What a user may choose about a description, and what may be added to it.
 
-use modyn_runtime::model::{Friction, LoopConstraintKind};
+use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 
 use crate::diagnostics::Severity;
 
@@ -23,6 +23,8 @@ pub struct ReadOptions {
     pub friction: Option<Friction>,
     /// What closes loops, besides what the description says.
     pub loops: Vec<Loop>,
+    /// The frames of links that may touch the world.
+    pub contacts: Vec<Contact>,
 }
 
 impl Default for ReadOptions {
@@ -35,6 +37,7 @@ impl Default for ReadOptions {
             rotors: Vec::new(),
             friction: None,
             loops: Vec::new(),
+            contacts: Vec::new(),
         }
     }
 }
@@ -86,7 +89,7 @@ pub struct Loop {
     pub ends: [LoopEnd; 2],
 }
 
-/// A frame that a [`Loop`] holds.
+/// A frame that a [`Loop`] holds, or that a [`Contact`] is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoopEnd {
     /// The link's name.
@@ -95,4 +98,15 @@ pub struct LoopEnd {
     pub xyz: [f64; 3],
     /// How it is turned: roll, pitch and yaw, rad.
     pub rpy: [f64; 3],
+}
+
+/// A frame of a link that may touch the world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// Its name, which no other contact has.
+    pub name: String,
+    /// The motions that it prevents.
+    pub kind: ContactKind,
+    /// The frame, on a link that moves.
+    pub end: LoopEnd,
 }

@@ -25,8 +25,8 @@ pub struct Row {
     pub docs: &'static str,
     /// Whether a robot has it unless others are chosen.
     pub default: bool,
-    /// Whether only robots with closed loops have it.
-    pub of_loops: bool,
+    /// Whether only robots with closed loops or contacts have it.
+    pub of_constraints: bool,
     /// Whether run-time parameters of the robot (gravity, inertia of links) can matter to it.
     pub depends_on_parameters: bool,
     /// Whether it is called so often that it is compiled for several instruction sets.
@@ -70,6 +70,7 @@ const FROM: Argument = argument("from", shapes::coordinates);
 const TO: Argument = argument("to", shapes::coordinates);
 const FORCES: Argument = argument("forces", shapes::wrenches);
 const SETTINGS: Argument = argument("settings", shapes::settings);
+const CONTACTS: Argument = argument("contacts", shapes::contacts);
 const UNIFORMS: Argument = argument("uniforms", shapes::velocities);
 
 impl Row {
@@ -85,7 +86,7 @@ impl Row {
             trace,
             docs,
             default: false,
-            of_loops: false,
+            of_constraints: false,
             depends_on_parameters: true,
             hot: false,
             packing: Packing::Never,
@@ -128,8 +129,8 @@ impl Row {
         Self { default: true, ..self }
     }
 
-    const fn of_loops(self) -> Self {
-        Self { of_loops: true, ..self }
+    const fn of_constraints(self) -> Self {
+        Self { of_constraints: true, ..self }
     }
 
     const fn without_parameters(self) -> Self {
@@ -315,41 +316,44 @@ functions! {
     )
         .packed(Packing::Derivatives)
         .hot();
-    /// Forward dynamics with the loops closed.
+    /// Forward dynamics with the loops closed and contacts held.
     ConstrainedForwardDynamics "constrained_forward_dynamics" = Row::one(
-        &[Q, QD, TAU, SETTINGS],
+        &[Q, QD, TAU, CONTACTS, SETTINGS],
         shapes::constrained,
-        "Joint accelerations under the joint torques or forces `tau` with the loops closed; for each loop\n\
-         constraint (in the order of `LOOP_CONSTRAINT_NAMES`) the wrench on its second link and the part\n\
-         of its acceleration that could not be met, at the second frame's origin in the first frame's\n\
-         axes; and the number of independent constraint rows. Redundant constraints share their forces.",
+        "Joint accelerations under the joint torques or forces `tau` with the loops closed and the active\n\
+         contacts held; for each loop constraint (in the order of `LOOP_CONSTRAINT_NAMES`) the wrench on its\n\
+         second link and the part of its acceleration that could not be met, at the second frame's origin\n\
+         in the first frame's axes; then for each contact (in the order of `CONTACT_NAMES`) the same at the\n\
+         frame's origin in world axes; and the number of independent constraint rows. Redundant constraints\n\
+         share their forces.",
         |t, s| t.constrained_forward_dynamics(s.layout),
     )
         .by_default()
-        .of_loops();
-    /// How well the loops are closed.
+        .of_constraints();
+    /// How well the constraints are met.
     ConstraintResidual "constraint_residual" = Row::one(
-        &[Q, QD],
+        &[Q, QD, SETTINGS],
         shapes::constraint_residual,
         "How far the second frame of each loop constraint is displaced from the first, and its relative\n\
-         velocity, in the first frame's axes, without the free directions. Rotations are given by their\n\
+         velocity, in the first frame's axes, without the free directions; then the same of the frame of\n\
+         each contact, active or not, relative to its target, in world axes. Rotations are given by their\n\
          axes times the sines of their angles.",
-        |t, _| t.constraint_residual(),
+        |t, s| t.constraint_residual(s.layout),
     )
         .by_default()
-        .of_loops()
+        .of_constraints()
         .without_parameters();
-    /// The step that closes them.
+    /// The step that meets them.
     ProjectConstraints "project_constraints" = Row::one(
-        &[Q, QD, SETTINGS],
+        &[Q, QD, CONTACTS, SETTINGS],
         shapes::constraint_projection,
         "The smallest step (in the metric of the mass matrix) that, to first order, closes the loops at\n\
-         `q`, the smallest change of `qd` that keeps them closed, and the number of independent\n\
-         constraint rows. Of `settings`, `alpha` and `beta` do not matter.",
+         `q` and puts the active contacts on their targets, the smallest change of `qd` that keeps them\n\
+         there, and the number of independent constraint rows. Stabilization does not matter.",
         |t, s| t.project_constraints(s.layout),
     )
         .by_default()
-        .of_loops();
+        .of_constraints();
     /// The regressor of inverse dynamics.
     Regressor "regressor" = Row::one(
         &[Q, QD, QDD],
@@ -584,7 +588,7 @@ const DEFAULT: [Function; DEFAULTS] = {
 };
 
 impl Function {
-    /// The functions that a robot has unless others are chosen; a robot without loops has none about loops.
+    /// The functions that a robot has unless others are chosen; a robot without constraints has none about them.
     pub const DEFAULT: &[Self] = &DEFAULT;
 
     /// The function that this one computes for many states at a time.
@@ -593,10 +597,10 @@ impl Function {
         self.row().batch_of
     }
 
-    /// Whether it is about closed loops, so that only robots with some have it.
+    /// Whether it is about constraints, so that only robots with closed loops or contacts have it.
     #[must_use]
-    pub const fn is_of_loops(self) -> bool {
-        self.row().of_loops
+    pub const fn is_of_constraints(self) -> bool {
+        self.row().of_constraints
     }
 
     /// Whether run-time parameters (gravity, inertias, payloads) can matter to it.

@@ -228,7 +228,8 @@ impl Plan {
             nv: model.nv(),
             links: model.frames().len(),
             moving: model.links().len(),
-            loops: model.loop_constraints().len(),
+            constraints: model.constraints(),
+            contacts: model.contacts().len(),
             factors: layout.size(),
         };
         let tracing = Tracing {
@@ -248,7 +249,7 @@ impl Plan {
             let row = function.row();
             choices.functions.contains(function)
                 && (choices.batches || row.batch_of.is_none())
-                && (sizes.loops > 0 || !row.of_loops)
+                && (sizes.constraints > 0 || !row.of_constraints)
         };
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
         let planned = |&function: &Function| {

@@ -16,8 +16,12 @@ pub enum Shape {
 pub enum Record {
     /// A quantity of the spatial algebra, by its name.
     Spatial(&'static str),
+    /// A quantity of the runtime's root that is generic over the scalar alone, by its name.
+    Plain(&'static str),
     /// The factors of the mass matrix.
     Factorization,
+    /// Which contacts are active: a number for each, 1 if it is, else 0.
+    Contacts,
     /// The results of a function that has several, or its settings, by name.
     Several(&'static str),
 }
@@ -122,8 +126,10 @@ pub struct Sizes {
     pub links: usize,
     /// Links that move.
     pub moving: usize,
-    /// Closed loops.
-    pub loops: usize,
+    /// Constraints: closed loops, then contacts.
+    pub constraints: usize,
+    /// Contacts.
+    pub contacts: usize,
     /// Numbers of the mass matrix's factors.
     pub factors: usize,
 }
@@ -158,9 +164,22 @@ pub(super) mod shapes {
         Shape::Record(Record::Factorization, vec![("factors", Shape::vector(s.factors))])
     }
 
-    pub fn settings(_: &Sizes) -> Shape {
-        let fields = ["alpha", "beta", "tolerance", "rounding"].map(|name| (name, Shape::Scalar));
-        several("ConstraintSettings", fields.into())
+    pub fn contacts(s: &Sizes) -> Shape {
+        Shape::Record(Record::Contacts, vec![("", Shape::vector(s.contacts))])
+    }
+
+    pub fn settings(s: &Sizes) -> Shape {
+        let scalars = |names: &[&'static str]| -> Vec<(&'static str, Shape)> {
+            names.iter().map(|&name| (name, Shape::Scalar)).collect()
+        };
+        let target = [
+            vec![("pose", Shape::pose()), ("velocity", Shape::twist())],
+            scalars(&["tangential", "alpha", "beta", "compliance"]),
+        ];
+        let target = Shape::Record(Record::Plain("ContactTarget"), target.concat());
+        let mut fields = scalars(&["alpha", "beta", "tolerance", "rounding"]);
+        fields.push(("contacts", target.array(s.contacts)));
+        several("ConstraintSettings", fields)
     }
 
     pub fn inverse_derivatives(s: &Sizes) -> Shape {
@@ -173,8 +192,8 @@ pub(super) mod shapes {
     }
 
     pub fn constrained(s: &Sizes) -> Shape {
-        let wrenches = Shape::wrench().array(s.loops);
-        let residuals = Shape::twist().array(s.loops);
+        let wrenches = Shape::wrench().array(s.constraints);
+        let residuals = Shape::twist().array(s.constraints);
         let fields = vec![
             ("qdd", velocities(s)),
             ("wrenches", wrenches),
@@ -185,7 +204,7 @@ pub(super) mod shapes {
     }
 
     pub fn constraint_residual(s: &Sizes) -> Shape {
-        let twists = || Shape::twist().array(s.loops);
+        let twists = || Shape::twist().array(s.constraints);
         several("ConstraintResidual", vec![("displacements", twists()), ("velocities", twists())])
     }
 

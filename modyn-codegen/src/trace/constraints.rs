@@ -1,32 +1,34 @@
 //! Constraints.
 //!
-//! Settings are alpha, beta, tolerance and rounding; a twist or a wrench is three angular numbers, then
-//! three linear ones.
+//! Settings are alpha, beta, tolerance and rounding, then for each contact its target: rotation by rows, translation,
+//! velocity, tangential, alpha, beta, compliance. A twist or a wrench is three angular numbers, then three linear ones.
 
-use modyn_runtime::ConstraintSettings;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
-use modyn_runtime::spatial::{Twist, Wrench};
+use modyn_runtime::mechanism::Mechanism;
+use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
+use modyn_runtime::{ConstraintSettings, ContactTarget};
 
 use super::Tracer;
 use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
-    /// The accelerations, a wrench and a residual for each loop constraint, and the rank, from `q`, `qd`,
-    /// `tau` and settings, through the factors of the mass matrix in this layout.
+    /// The accelerations, a wrench and a residual for each constraint, and the rank, from `q`, `qd`, `tau`, which
+    /// contacts are active, and settings, through the factors of the mass matrix in this layout.
     #[must_use]
     pub fn constrained_forward_dynamics(&self, layout: &UduLayout) -> Graph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
-        self.trace_groups([nq, nv, nv, SETTINGS], |model, [q, qd, tau, settings]| {
-            let loops = model.loop_constraints.len();
-            let (mut qdd, mut wrenches) = (self.vector(), vec![Wrench::zero(); loops]);
-            let mut residuals = vec![Twist::zero(); loops];
+        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
+        let groups = [nq, nv, nv, contacts, settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, qd, tau, active, settings]| {
+            let count = model.constraints.len();
+            let (mut qdd, mut wrenches) = (self.vector(), vec![Wrench::zero(); count]);
+            let mut residuals = vec![Twist::zero(); count];
             let room = &mut ConstraintWorkspace::new(model, layout);
             let rank = constraints::constrained_forward_dynamics(
                 model,
                 layout,
                 (&q, &qd, &tau),
-                &settings_of(&settings),
+                (&active, &settings_of(&settings)),
                 (&mut Workspace::new(model), room),
                 (&mut qdd, &mut wrenches, &mut residuals),
             );
@@ -36,30 +38,35 @@ impl Tracer<'_> {
         })
     }
 
-    /// The displacement of each loop constraint, then the velocity of each, from `q`, `qd`.
+    /// The displacement of each constraint, then the velocity of each, from `q`, `qd` and settings.
     #[must_use]
-    pub fn constraint_residual(&self) -> Graph {
-        self.trace(|model, [q, qd]| {
-            let twists = || vec![Twist::zero(); model.loop_constraints.len()];
+    pub fn constraint_residual(&self, layout: &UduLayout) -> Graph {
+        let groups = [self.model.nq, self.model.nv, settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, qd, settings]| {
+            let twists = || vec![Twist::zero(); model.constraints.len()];
             let (mut displacements, mut velocities) = (twists(), twists());
-            let errors = (&mut *displacements, &mut *velocities);
-            constraints::constraint_residual(model, (&q, &qd), &mut Workspace::new(model), errors);
+            let results = (&mut *displacements, &mut *velocities);
+            let rooms = (&mut Workspace::new(model), &mut ConstraintWorkspace::new(model, layout));
+            let targets = settings_of(&settings).contacts;
+            constraints::constraint_residual(model, (&q, &qd), &targets, rooms, results);
             displacements.iter().chain(&velocities).flat_map(Twist::components).collect()
         })
     }
 
-    /// The step, the change of the velocities and the rank, from `q`, `qd` and settings.
+    /// The step, the change of the velocities and the rank, from `q`, `qd`, which contacts are active, and
+    /// settings.
     #[must_use]
     pub fn project_constraints(&self, layout: &UduLayout) -> Graph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
-        self.trace_groups([nq, nv, SETTINGS], |model, [q, qd, settings]| {
+        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
+        let groups = [nq, nv, contacts, settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, qd, active, settings]| {
             let (mut dq, mut dqd) = (self.vector(), self.vector());
             let room = &mut ConstraintWorkspace::new(model, layout);
             let rank = constraints::project_constraints(
                 model,
                 layout,
                 (&q, &qd),
-                &settings_of(&settings),
+                (&active, &settings_of(&settings)),
                 (&mut Workspace::new(model), room),
                 (&mut dq, &mut dqd),
             );
@@ -68,10 +75,24 @@ impl Tracer<'_> {
     }
 }
 
-/// The number of settings.
-const SETTINGS: usize = 4;
+/// The numbers of a contact's target.
+const TARGET: usize = 22;
 
-fn settings_of(numbers: &[Expr]) -> ConstraintSettings<Expr> {
-    let &[alpha, beta, tolerance, rounding] = numbers else { unreachable!("four settings") };
-    ConstraintSettings { alpha, beta, tolerance, rounding }
+/// The number of settings.
+fn settings_count(model: &Mechanism<f64>) -> usize {
+    4 + TARGET * model.contacts()
+}
+
+fn settings_of(numbers: &[Expr]) -> ConstraintSettings<Expr, Vec<ContactTarget<Expr>>> {
+    let (&[alpha, beta, tolerance, rounding], targets) =
+        numbers.split_first_chunk().expect("four settings");
+    let target = |numbers: &[Expr]| {
+        let three = |from: usize| core::array::from_fn(|k| numbers[from + k]);
+        let pose = Pose { rotation: [three(0), three(3), three(6)], translation: three(9) };
+        let velocity = Twist { angular: Vector3(three(12)), linear: Vector3(three(15)) };
+        let [tangential, alpha, beta, compliance] = core::array::from_fn(|k| numbers[18 + k]);
+        ContactTarget { pose, velocity, tangential, alpha, beta, compliance }
+    };
+    let contacts = targets.chunks(TARGET).map(target).collect();
+    ConstraintSettings { alpha, beta, tolerance, rounding, contacts }
 }

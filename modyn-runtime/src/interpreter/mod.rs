@@ -53,6 +53,8 @@ pub struct Interpreter<S = f64> {
     links: Option<UduLayout>,
     /// Made when loops are first closed.
     constraints: Option<ConstraintWorkspace<S>>,
+    /// By contact: 1 if it is active, else 0.
+    active: Vec<S>,
 }
 
 impl<S: Scalar> Interpreter<S> {
@@ -81,6 +83,7 @@ impl<S: Scalar> Interpreter<S> {
         elimination.make_room(&mechanism, &mut workspace);
         let body_poses = vec![Pose::identity(); mechanism.bodies.len()];
         let (inertias, links, constraints) = (None, None, None);
+        let active = vec![S::zero(); model.contacts().len()];
         Self {
             model,
             modules,
@@ -91,6 +94,7 @@ impl<S: Scalar> Interpreter<S> {
             inertias,
             links,
             constraints,
+            active,
         }
     }
 

@@ -5,6 +5,7 @@
 //! one joint, towards its parent. Links that are fixed to another link are [`Frame`]s; their
 //! inertia has been merged into the link that carries them.
 
+mod contact;
 mod error;
 mod joint;
 mod link;
@@ -12,6 +13,7 @@ mod loop_constraint;
 mod modules;
 
 pub use crate::inertial::{INERTIAL_PARAMETERS, Inertial, InertialDefect, PARAMETERS_PER_LINK};
+pub use contact::{Contact, ContactKind};
 pub use error::{ModelError, ModelErrorKind};
 pub use joint::{Friction, Joint, JointDynamics, Limits, Mimic};
 pub use link::{Frame, Link};
@@ -39,6 +41,7 @@ pub struct Model {
     links: Vec<Link>,
     frames: Vec<Frame>,
     loop_constraints: Vec<LoopConstraint>,
+    contacts: Vec<Contact>,
     /// By link: where its joint's coordinates and velocities stand.
     #[cfg_attr(feature = "serde", serde(skip))]
     places: Vec<Place>,
@@ -72,9 +75,10 @@ impl Model {
         frames: Vec<Frame>,
     ) -> Result<Self, Vec<ModelError>> {
         let friction = Friction::None;
-        let (loop_constraints, places) = (Vec::new(), Vec::new());
+        let (loop_constraints, contacts, places) = (Vec::new(), Vec::new(), Vec::new());
         let name = name.into();
-        let mut model = Self { name, gravity, friction, links, frames, loop_constraints, places };
+        let mut model =
+            Self { name, gravity, friction, links, frames, loop_constraints, contacts, places };
         let errors = error::check(&model);
         if !errors.is_empty() {
             return Err(errors);
@@ -167,6 +171,18 @@ impl Model {
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
+    /// The same robot with these contacts, in place of those that it had.
+    ///
+    /// # Errors
+    ///
+    /// Every defect found: a name used twice, a link that does not exist or does not move, a rotation that is none, a
+    /// number that is not finite.
+    pub fn with_contacts(mut self, contacts: Vec<Contact>) -> Result<Self, Vec<ModelError>> {
+        self.contacts = contacts;
+        let errors = error::check_contacts(&self);
+        if errors.is_empty() { Ok(self) } else { Err(errors) }
+    }
+
     /// How joints resist their motion.
     #[must_use]
     pub fn friction(&self) -> Friction {
@@ -201,6 +217,18 @@ impl Model {
     #[must_use]
     pub fn loop_constraints(&self) -> &[LoopConstraint] {
         &self.loop_constraints
+    }
+
+    /// The frames of links that may touch the world.
+    #[must_use]
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// The number of constraints: loop constraints, then contacts.
+    #[must_use]
+    pub fn constraints(&self) -> usize {
+        self.loop_constraints.len() + self.contacts.len()
     }
 
     /// The link of the description of that name, as an index of [`frames`](Self::frames).
@@ -320,12 +348,15 @@ impl<'de> serde::Deserialize<'de> for Model {
             frames: Vec<Frame>,
             #[serde(default)]
             loop_constraints: Vec<LoopConstraint>,
+            #[serde(default)]
+            contacts: Vec<Contact>,
         }
-        let Parts { name, gravity, friction, links, frames, loop_constraints } =
+        let Parts { name, gravity, friction, links, frames, loop_constraints, contacts } =
             Parts::deserialize(deserializer)?;
         let model = Self::new(name, gravity, links, frames)
             .and_then(|model| model.with_friction(friction))
-            .and_then(|model| model.with_loop_constraints(loop_constraints));
+            .and_then(|model| model.with_loop_constraints(loop_constraints))
+            .and_then(|model| model.with_contacts(contacts));
         model.map_err(|errors| {
             let all: Vec<String> = errors.iter().map(alloc::string::ToString::to_string).collect();
             serde::de::Error::custom(all.join("; "))

@@ -99,32 +99,37 @@ macro_rules! robot_functions {
                 tau: &Self::V<T>
             ) -> ForwardDynamicsDerivatives<Self::V<T>, Self::M<T>>, if ForwardDynamicsDerivatives;
 
-            /// Joint accelerations under the joint torques or forces `tau` with the loops closed; for each loop
-            /// constraint the wrench on its second link and the part of its acceleration that could not be met, at
-            /// the second frame's origin in the first frame's axes; and the number of independent constraint rows.
-            /// Redundant constraints share their forces.
+            /// Joint accelerations under the joint torques or forces `tau` with the loops closed and the active
+            /// contacts held; for each loop constraint the wrench on its second link and the part of its acceleration
+            /// that could not be met, at the second frame's origin in the first frame's axes; for each contact the
+            /// same at the frame's origin in world axes; and the number of independent constraint rows. Redundant
+            /// constraints share their forces.
             constrained_forward_dynamics / constrained_forward_dynamics_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 tau: &Self::V<T>,
-                settings: &ConstraintSettings<T>
+                contacts: Self::Contacts,
+                settings: &Settings<Self, T>
             ) -> Constrained<Self, Self::V<T>, T>, if ConstrainedForwardDynamics;
 
             /// How far the second frame of each loop constraint is displaced from the first, and its relative
-            /// velocity, in the first frame's axes, without the free directions. Rotations are given by their axes
+            /// velocity, in the first frame's axes, without the free directions; and the same of the frame of each
+            /// contact, active or not, relative to its target, in world axes. Rotations are given by their axes
             /// times the sines of their angles.
             constraint_residual(
                 q: &Self::Q<T>,
-                qd: &Self::V<T>
-            ) -> ConstraintResidual<Self::PerLoopConstraint<Twist<T>>>, if ConstraintResidual;
+                qd: &Self::V<T>,
+                settings: &Settings<Self, T>
+            ) -> ConstraintResidual<Self::PerConstraint<Twist<T>>>, if ConstraintResidual;
 
-            /// The smallest step (in the metric of the mass matrix) that, to first order, closes the loops at `q`,
-            /// the smallest change of `qd` that keeps them closed, and the number of independent constraint rows. Of
-            /// `settings`, `alpha` and `beta` do not matter.
+            /// The smallest step (in the metric of the mass matrix) that, to first order, closes the loops at `q` and
+            /// puts the active contacts on their targets, the smallest change of `qd` that keeps them there, and the
+            /// number of independent constraint rows. Stabilization does not matter.
             project_constraints / project_constraints_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
-                settings: &ConstraintSettings<T>
+                contacts: Self::Contacts,
+                settings: &Settings<Self, T>
             ) -> ConstraintProjection<Self::V<T>, T>, if ProjectConstraints;
 
             /// The regressor Y of the inverse dynamics, an array of columns: tau = Y pi (rotors and friction

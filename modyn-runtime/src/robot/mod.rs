@@ -6,8 +6,9 @@ mod functions;
 
 use crate::Scalar;
 use crate::configuration::{self, ConfigurationError};
+use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 use crate::results::{
-    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual, ConstraintSettings,
+    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
@@ -21,10 +22,13 @@ pub use {
 /// The result of constrained forward dynamics for robot `R`, with accelerations as `V`.
 pub(crate) type Constrained<R, V, T> = ConstrainedForwardDynamics<
     V,
-    <R as Robot>::PerLoopConstraint<Wrench<T>>,
-    <R as Robot>::PerLoopConstraint<Twist<T>>,
+    <R as Robot>::PerConstraint<Wrench<T>>,
+    <R as Robot>::PerConstraint<Twist<T>>,
     T,
 >;
+
+/// The settings of the constraints of robot `R`.
+pub(crate) type Settings<R, T> = ConstraintSettings<T, <R as Robot>::PerContact<ContactTarget<T>>>;
 
 /// A generated robot, over any scalar.
 ///
@@ -54,6 +58,8 @@ pub trait Robot {
     const VELOCITY_NAMES: &'static [&'static str];
     /// The joints that close loops, in the description's order.
     const LOOP_CONSTRAINT_NAMES: &'static [&'static str] = &[];
+    /// The frames of links that may touch the world.
+    const CONTACT_NAMES: &'static [&'static str] = &[];
     /// The quaternions in the coordinate vector: the name of the joint of each, and the entry that it begins at.
     const QUATERNIONS: &'static [(&'static str, usize)] = &[];
     /// The limits of the joints, as the description states them.
@@ -76,9 +82,13 @@ pub trait Robot {
     type PerVelocity<X: Copy>: Array<X>;
     /// Something for each link of the description, in the order of [`LINK_NAMES`](Self::LINK_NAMES).
     type PerLink<X: Copy>: Array<X>;
-    /// Something for each joint that closes a loop, in the order of
-    /// [`LOOP_CONSTRAINT_NAMES`](Self::LOOP_CONSTRAINT_NAMES).
-    type PerLoopConstraint<X: Copy>: Array<X>;
+    /// Which contacts are active: a type with a member for each contact, `()` if there are none.
+    type Contacts: ContactSet;
+    /// Something for each contact, in the order of [`CONTACT_NAMES`](Self::CONTACT_NAMES).
+    type PerContact<X: Copy>: Array<X>;
+    /// Something for each constraint: for each joint that closes a loop, in the order of
+    /// [`LOOP_CONSTRAINT_NAMES`](Self::LOOP_CONSTRAINT_NAMES), then for each contact.
+    type PerConstraint<X: Copy>: Array<X>;
     /// The regressor's columns.
     type Regressor<T: Scalar>: Array<Self::V<T>>;
     /// The factorization by modules.

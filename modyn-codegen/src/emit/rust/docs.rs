@@ -51,6 +51,17 @@ pub(super) fn robot(text: &mut String, robot: &Robot<'_>, operations: &[(&str, O
             let _ = writeln!(lines, "| {i} | {name} | {kind} | {first} | {second} |");
         }
     }
+    if !model.contacts().is_empty() {
+        lines.push_str(
+            "\nContacts, which `constrained_forward_dynamics` holds where they are active:\n\n\
+             | | contact | type | link |\n|---|---|---|---|\n",
+        );
+        for (i, contact) in model.contacts().iter().enumerate() {
+            let link = code(&model.frames()[contact.end.frame].name);
+            let (name, kind) = (code(&contact.name), contact.kind.name());
+            let _ = writeln!(lines, "| {i} | {name} | {kind} | {link} |");
+        }
+    }
     lines.push_str("\nKinematic modules:\n\n");
     for (m, module) in robot.modules.modules().iter().enumerate() {
         let links: Vec<String> =

@@ -20,16 +20,23 @@ pub(super) struct Parameter {
     pub shape: Shape,
     /// The type of its numbers, if they are constants.
     constants: Option<&'static str>,
+    /// Whether it is which contacts are active: public functions have a type for that.
+    pub(super) contacts: bool,
 }
 
 impl Parameter {
     pub(super) fn new(name: &'static str, shape: Shape) -> Self {
-        Self { name, shape, constants: None }
+        Self { name, shape, constants: None, contacts: false }
+    }
+
+    /// The same; `contacts` says whether it is which contacts are active.
+    pub(super) fn with_contacts(self, contacts: bool) -> Self {
+        Self { contacts, ..self }
     }
 
     /// One of constants, in the type's own scalar.
     pub(super) fn constants(name: &'static str, shape: Shape, float: &'static str) -> Self {
-        Self { name, shape, constants: Some(float) }
+        Self { name, shape, constants: Some(float), contacts: false }
     }
 
     /// The name of entry `i` in the function. No temporary is called so: their names are letters and digits at first

@@ -1,8 +1,10 @@
-//! Constraints: forward dynamics under the wrenches that hold the frames of loop joints together.
+//! Constraints: forward dynamics under the wrenches that hold the frames of loop joints together, and those of links
+//! on the world.
 //!
-//! | file | what it has |
+//! | file | contents |
 //! |---|---|
-//! | `relative_motion` | the motion of a constraint's second frame relative to its first |
+//! | `relative_motion` | the motion of a loop constraint's second frame relative to its first |
+//! | `contact` | the motion of a contact's frame relative to its target |
 //! | `rows` | the Jacobian rows in units of length, and the mobility of each constraint |
 //! | `factorization` | the pseudo-inverse of J I^-1 J^T, and its rank |
 //! | `forward_dynamics` | accelerations and constraint wrenches |
@@ -19,8 +21,12 @@
 //! ```
 //!
 //! With qdd_0 the accelerations of the tree, lambda = (J I^-1 J^T)^+ (gamma - J qdd_0) and
-//! qdd = qdd_0 + I^-1 J^T lambda. Every product with I^-1 is solved for by modules, through U D U^T
-//! ([`brge`](super::brge)).
+//! qdd = qdd_0 + I^-1 J^T lambda. The factors I = U D U^T by modules, D = V Delta V^T
+//! ([`brge`](super::brge)), are used in halves: with W = U V, only W^-1 J^T, W^-1 (tau - h) and one final product
+//! with W^-T are computed.
+//!
+//! A contact is such a constraint between the world and a link. One that is not active has rows of zeros: they count
+//! as dependent, and their multipliers are zero. No branch depends on a value.
 //!
 //! Rotation rows are multiplied by the constraint's characteristic length l
 //! ([`Model::characteristic_length`](crate::model::Model::characteristic_length)). Of redundant rows the
@@ -28,6 +34,7 @@
 //! accelerations of contradictory rows have the smallest sum of squared residuals, linear^2 +
 //! (l angular)^2. Neither depends on how the mechanism is rotated.
 
+mod contact;
 mod factorization;
 mod forward_dynamics;
 mod projection;
@@ -41,24 +48,51 @@ pub use residual::constraint_residual;
 
 use alloc::{vec, vec::Vec};
 
+use super::Workspace;
 use super::brge::UduLayout;
+use super::dynamics::newton_euler::{free_fall, is_base};
+use super::factorization::{solve_lower_factor, solve_upper_factor};
 use crate::Scalar;
+use crate::constraint_settings::{ConstraintSettings, ContactTarget};
 use crate::mechanism::{ConstrainedFrames, Mechanism};
-use crate::results::ConstraintSettings;
-use crate::spatial::Twist;
+use crate::spatial::{Twist, Wrench};
+use contact::ContactFrame;
 use factorization::RankFactorization;
+
+/// Which contacts are active (1, else 0), and the settings of all constraints.
+pub type Settings<'a, S, C> = (&'a [S], &'a ConstraintSettings<S, C>);
+
+/// The entries of a constraint's rows that are not zero by structure, after W^-1 too.
+#[derive(Clone, Debug)]
+struct Support {
+    /// The modules, ascending.
+    modules: Vec<usize>,
+    /// The entries, ascending, and by entry whether it is one of them.
+    entries: Vec<usize>,
+    has: Vec<bool>,
+}
 
 /// Memory for constraints.
 #[derive(Clone, Debug)]
 pub struct ConstraintWorkspace<S> {
-    /// By end: the Jacobian of its frame in its own axes, a column for each entry of qd.
+    /// By end: the Jacobian of its frame, a column for each entry of qd.
     columns: [Vec<Twist<S>>; 2],
     /// The number of constrained rows.
     rows: usize,
-    /// J and I^-1 J^T: the constrained rows of all constraints, then the free ones; a row is as long
+    /// By row, constrained or free: its constraint.
+    owner: Vec<usize>,
+    /// By constraint.
+    supports: Vec<Support>,
+    /// By contact.
+    frames: Vec<ContactFrame<S>>,
+    /// J and W^-1 J^T: the constrained rows of all constraints, then the free ones; a row is as long
     /// as qd.
     jacobian: Vec<S>,
-    solved: Vec<S>,
+    reduced: Vec<S>,
+    /// W^-1 of a force.
+    force: Vec<S>,
+    /// By entry of qd: the acceleration of floating bases in free fall.
+    fall: Vec<S>,
     /// By constraint: the trace of J I^-1 J^T over all six directions.
     mobilities: Vec<S>,
     /// J I^-1 J^T of the constrained rows.
@@ -75,34 +109,55 @@ impl<S: Scalar> ConstraintWorkspace<S> {
     /// Memory for a model whose mass matrix is factorized in this layout.
     #[must_use]
     pub fn new(model: &Mechanism<S>, layout: &UduLayout) -> Self {
-        let constraints = || model.loop_constraints.iter();
+        let constraints = || model.constraints.iter();
         let rows = constraints().map(|constraint| constraint.rows.len()).sum();
         let free: usize = constraints().map(|constraint| constraint.free.len()).sum();
-        let blocks = constraints().map(|c| (c.rows.len(), degrees_of_freedom(model, c)));
+        let moving: Vec<Vec<bool>> = constraints().map(|c| moving_entries(model, c)).collect();
+        let moves = |moving: &Vec<bool>| moving.iter().filter(|&&moves| moves).count();
+        let blocks = constraints().zip(&moving).map(|(c, moving)| (c.rows.len(), moves(moving)));
+        let owner = |rows: fn(&ConstrainedFrames<S>) -> usize| {
+            constraints().enumerate().flat_map(move |(i, c)| core::iter::repeat_n(i, rows(c)))
+        };
         let numbers = |count| vec![S::zero(); count];
         Self {
             columns: [vec![Twist::zero(); model.nv], vec![Twist::zero(); model.nv]],
             rows,
+            owner: owner(|c| c.rows.len()).chain(owner(|c| c.free.len())).collect(),
+            frames: Vec::with_capacity(model.contacts()),
             jacobian: numbers((rows + free) * model.nv),
-            solved: numbers((rows + free) * model.nv),
-            mobilities: numbers(model.loop_constraints.len()),
+            reduced: numbers((rows + free) * model.nv),
+            force: numbers(model.nv),
+            fall: numbers(model.nv),
+            mobilities: numbers(model.constraints.len()),
             factorization: RankFactorization::new(blocks),
+            supports: moving.iter().map(|moving| Support::new(layout, moving)).collect(),
             right_hand_sides: [numbers(rows), numbers(rows)],
             residuals: numbers(rows),
             factors: numbers(layout.size()),
         }
     }
 
-    /// Factorizes J I^-1 J^T of the rows at present.
-    fn factorize(
+    /// Factorizes J I^-1 J^T of the rows at present, lets `complete` change the right-hand sides, and sets those of
+    /// inactive contacts to zero.
+    fn factorize<C: AsRef<[ContactTarget<S>]>>(
         &mut self,
         model: &Mechanism<S>,
         layout: &UduLayout,
-        settings: &ConstraintSettings<S>,
+        (active, settings): Settings<'_, S, C>,
+        complete: impl FnOnce(&mut Self),
     ) {
-        rows::mobilities(model, layout, self);
+        rows::mobilities(model, layout, (active, settings.contacts.as_ref()), self);
         let (tolerance, rounding) = (settings.tolerance, settings.rounding);
         self.factorization.factorize(&self.mobilities, tolerance, rounding);
+        complete(self);
+        let loops = model.constraints.len() - active.len();
+        for side in &mut self.right_hand_sides {
+            for (b, &constraint) in side.iter_mut().zip(&self.owner) {
+                if let Some(contact) = constraint.checked_sub(loops) {
+                    *b = *b * active[contact];
+                }
+            }
+        }
     }
 
     /// Replaces a right-hand side by its multipliers.
@@ -111,29 +166,106 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         factorization.solve(&mut right_hand_sides[side], residuals);
     }
 
-    /// Subtracts J qdd from the first right-hand side.
-    fn subtract_accelerations(&mut self, qdd: &[S]) {
-        let rows = self.jacobian.chunks(qdd.len().max(1));
-        for (b, row) in self.right_hand_sides[0].iter_mut().zip(rows) {
-            let products = row.iter().zip(qdd).map(|(&a, &x)| a * x);
-            *b = products.reduce(|sum, x| sum + x).map_or(*b, |sum| *b - sum);
+    /// Sets `force` to W^-1 of this.
+    fn set_force(&mut self, layout: &UduLayout, force: &[S]) {
+        self.force.copy_from_slice(force);
+        solve_upper_factor(layout, &self.factors, 0..layout.blocks().len(), &mut self.force);
+    }
+
+    /// Sets `fall` to the acceleration of floating bases in free fall. Expects their angular velocities.
+    fn set_fall(&mut self, model: &Mechanism<S>, qd: &[S], workspace: &Workspace<S>) {
+        self.fall.fill(S::zero());
+        for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
+            // The base's numbers are contiguous, the linear ones first.
+            let first = model.dofs_of(i)[0].v;
+            self.fall[first..first + 3].copy_from_slice(&free_fall(model, i, qd, workspace).0);
         }
     }
 
-    /// Adds the joints' response I^-1 J^T lambda to the multipliers of a right-hand side.
-    fn add_response(&self, side: usize, sum: &mut [S]) {
-        let rows = self.solved.chunks(sum.len().max(1));
-        for (&multiplier, row) in self.right_hand_sides[side].iter().zip(rows) {
-            for (sum, &x) in sum.iter_mut().zip(row) {
-                *sum = *sum + x * multiplier;
+    /// Subtracts the accelerations of loop constraints by free fall, and J I^-1 of the force, from the first right-hand
+    /// side. Expects W^-1 J^T. (Those of contacts are relative to free fall.)
+    fn subtract_accelerations(&mut self, model: &Mechanism<S>, layout: &UduLayout) {
+        let Self { right_hand_sides: [b, _], jacobian, reduced, supports, owner, .. } = self;
+        let reciprocals = &self.factors[layout.reciprocals()];
+        let n = self.force.len().max(1);
+        for (k, (b, &c)) in b.iter_mut().zip(&*owner).enumerate() {
+            let (row, rates) = (&reduced[k * n..][..n], &jacobian[k * n..][..n]);
+            let entries = || supports[c].entries.iter();
+            *b = entries().fold(*b, |b, &k| b - row[k] * (self.force[k] * reciprocals[k]));
+            if !model.constraints[c].contact {
+                *b = entries().fold(*b, |b, &k| b - rates[k] * self.fall[k]);
             }
         }
     }
+
+    /// The joints' response I^-1 (f + J^T lambda) to the force and the multipliers of a right-hand side, into `response`.
+    fn respond(&self, layout: &UduLayout, side: usize, response: &mut [S]) {
+        response.copy_from_slice(&self.force);
+        let rows = self.reduced.chunks(response.len().max(1)).zip(&self.owner);
+        for (&multiplier, (row, &constraint)) in self.right_hand_sides[side].iter().zip(rows) {
+            for &k in &self.supports[constraint].entries {
+                response[k] = response[k] + row[k] * multiplier;
+            }
+        }
+        for (x, &reciprocal) in response.iter_mut().zip(&self.factors[layout.reciprocals()]) {
+            *x = *x * reciprocal;
+        }
+        solve_lower_factor(layout, &self.factors, response);
+    }
+
+    /// Calls `each` with the index of each constraint, the constraint, and the sum of its rows' directions times these
+    /// components, one for each constrained row: of a loop constraint in the first frame's axes, of a contact in world
+    /// axes.
+    fn by_constraint(
+        &self,
+        model: &Mechanism<S>,
+        components: &[S],
+        mut each: impl FnMut(usize, &ConstrainedFrames<S>, Twist<S>),
+    ) {
+        let (mut components, mut frames) = (components.iter().copied(), self.frames.iter());
+        for (c, constraint) in model.constraints.iter().enumerate() {
+            let sum = constraint.along_rows(components.by_ref());
+            let frame = constraint.contact.then(|| frames.next()).flatten();
+            each(c, constraint, frame.map_or(sum, |frame| frame.twist_to_world(sum)));
+        }
+    }
+
+    /// The wrenches of the multipliers of a right-hand side: see [`by_constraint`](Self::by_constraint).
+    fn wrenches(&self, model: &Mechanism<S>, side: usize, wrenches: &mut [Wrench<S>]) {
+        self.by_constraint(model, &self.right_hand_sides[side], |c, constraint, sum| {
+            let moment = sum.angular.scale(constraint.length);
+            wrenches[c] = Wrench { moment, force: sum.linear };
+        });
+    }
+
+    /// The residuals of the last solution: see [`by_constraint`](Self::by_constraint).
+    fn missed(&self, model: &Mechanism<S>, residuals: &mut [Twist<S>]) {
+        self.by_constraint(model, &self.residuals, |c, constraint, sum| {
+            residuals[c] = Twist { angular: sum.angular.scale(constraint.length.recip()), ..sum };
+        });
+    }
 }
 
-/// The number of entries of qd that move a constraint's frames relative to each other: its rows
-/// cannot have a higher rank.
-fn degrees_of_freedom<S>(model: &Mechanism<S>, constraint: &ConstrainedFrames<S>) -> usize {
+impl Support {
+    /// Of rows that these entries of qd move.
+    fn new(layout: &UduLayout, moving: &[bool]) -> Self {
+        let mut has = moving.to_vec();
+        let mut modules = Vec::new();
+        for (m, block) in layout.blocks().iter().enumerate().rev() {
+            if has[block.dofs.clone()].contains(&true) {
+                modules.insert(0, m);
+                has[block.dofs.clone()].fill(true);
+                layout.rows(m).for_each(|(dof, _)| has[dof] = true);
+            }
+        }
+        let entries = (0..has.len()).filter(|&k| has[k]).collect();
+        Self { modules, entries, has }
+    }
+}
+
+/// By entry of qd: whether it moves a constraint's frames relative to each other. The rows of the constraint cannot
+/// have a higher rank than such entries.
+fn moving_entries<S>(model: &Mechanism<S>, constraint: &ConstrainedFrames<S>) -> Vec<bool> {
     let ancestor = relative_motion::common_ancestor(model, constraint);
     let mut moving = vec![false; model.nv];
     for end in &constraint.ends {
@@ -145,5 +277,5 @@ fn degrees_of_freedom<S>(model: &Mechanism<S>, constraint: &ConstrainedFrames<S>
             body = model.bodies[i].parent;
         }
     }
-    moving.into_iter().filter(|&moves| moves).count()
+    moving
 }

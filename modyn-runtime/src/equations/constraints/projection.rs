@@ -1,33 +1,34 @@
 //! The projection of coordinates and velocities on the constraints.
 
-use super::ConstraintWorkspace;
 use super::rows::constraint_rows;
+use super::{ConstraintWorkspace, Settings};
 use crate::Scalar;
+use crate::constraint_settings::ContactTarget;
 use crate::equations::Workspace;
 use crate::equations::brge::{self, UduLayout};
 use crate::mechanism::Mechanism;
-use crate::results::ConstraintSettings;
 
 /// Computes the step `dq` that meets the constraints at `q` to first order, and the change `dqd` of the
 /// velocities that keeps them met: -I^-1 J^T (J I^-1 J^T)^+ times the displacements and the velocities,
 /// the smallest in the metric of the mass matrix. Returns the number of independent rows.
-pub fn project_constraints<S: Scalar>(
+pub fn project_constraints<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     model: &Mechanism<S>,
     layout: &UduLayout,
     (q, qd): (&[S], &[S]),
-    settings: &ConstraintSettings<S>,
+    (active, settings): Settings<'_, S, C>,
     (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     (dq, dqd): (&mut [S], &mut [S]),
 ) -> S {
     brge::factorize(model, layout, q, workspace, &mut room.factors);
-    constraint_rows(model, (q, qd), workspace, room, |component, motion| {
+    let contacts = settings.contacts.as_ref();
+    constraint_rows(model, (q, qd), contacts, workspace, room, |_, component, motion| {
         [-component(motion.displacement), -component(motion.velocity)]
     });
-    room.factorize(model, layout, settings);
+    room.factorize(model, layout, (active, settings), |_| {});
+    room.force.fill(S::zero());
     for (side, step) in [dq, dqd].into_iter().enumerate() {
-        step.fill(S::zero());
         room.solve(side);
-        room.add_response(side, step);
+        room.respond(layout, side, step);
     }
     room.factorization.rank()
 }

@@ -35,6 +35,19 @@ pub fn recursive_newton_euler<S: Scalar, T: BodyTree<S>>(
     joint_torques(tree, (qd, qdd), workspace, tau);
 }
 
+/// The torques while the joints do not accelerate and floating bases fall freely, see
+/// [`free_fall`](super::newton_euler::free_fall). The bodies' accelerations are left in the workspace.
+pub(in crate::equations) fn bias_in_free_fall<S: Scalar>(
+    model: &Mechanism<S>,
+    (q, qd): (&[S], &[S]),
+    workspace: &mut Workspace<S>,
+    tau: &mut [S],
+) {
+    workspace.move_to(model, q);
+    link_wrenches(model, qd, Accelerations::FreeFall, workspace);
+    joint_torques(model, (qd, None), workspace, tau);
+}
+
 /// The wrench that each body's own motion needs.
 fn move_bodies<S: Scalar, T: BodyTree<S>>(
     tree: &T,

@@ -69,6 +69,42 @@ fn solve_for<S: Scalar, L: FactorLayout<S>>(
     }
 }
 
+/// x := W^-1 x with I = W Delta W^T, where W = U V is unit upper triangular: the first half of [`solve`]. Expects zeros
+/// outside of these modules, among which is each module that U couples them with.
+pub(in crate::equations) fn solve_upper_factor<S: Scalar>(
+    layout: &UduLayout,
+    factors: &[S],
+    modules: impl DoubleEndedIterator<Item = usize>,
+    x: &mut [S],
+) {
+    let u = &factors[layout.u()];
+    for m in modules.rev() {
+        let dofs = layout.blocks()[m].dofs.clone();
+        for (dof, row) in layout.rows(m) {
+            x[dof] =
+                dofs.clone().enumerate().fold(x[dof], |x_dof, (j, i)| x_dof - u[row + j] * x[i]);
+        }
+        solve_upper(layout.v(m, factors), &mut x[dofs]);
+    }
+}
+
+/// x := W^-T x: the last part of [`solve`].
+pub(in crate::equations) fn solve_lower_factor<S: Scalar>(
+    layout: &UduLayout,
+    factors: &[S],
+    x: &mut [S],
+) {
+    let u = &factors[layout.u()];
+    for (m, block) in layout.blocks().iter().enumerate() {
+        solve_lower(layout.v(m, factors), &mut x[block.dofs.clone()]);
+        for (dof, row) in layout.rows(m) {
+            for (j, i) in block.dofs.clone().enumerate() {
+                x[i] = x[i] - u[row + j] * x[dof];
+            }
+        }
+    }
+}
+
 /// D as a full matrix by columns, (45).
 pub fn diagonal<S: Scalar>(layout: &UduLayout, factors: &[S], columns: &mut [S]) {
     let n = layout.n();

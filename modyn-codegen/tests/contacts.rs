@@ -1,0 +1,525 @@
+//! Contacts: accelerations and wrenches against dense solutions of M qdd = tau - h + J^T f by singular values, with M, h
+//! and J from other functions; random masks on random trees; graphs against the interpreter.
+
+use modyn_codegen::passes::optimize;
+use modyn_codegen::trace::Tracer;
+use modyn_codegen::{Base, Contact, ContactKind, LoopEnd, ReadOptions, read};
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::mechanism::Mechanism;
+use modyn_runtime::model::{Model, ModelErrorKind, ModuleTree};
+use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
+use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3 as V3};
+
+const QUADRUPED: &str = include_str!("../../robots/quadruped.urdf");
+
+struct Random(u64);
+
+impl Random {
+    /// In [-1, 1).
+    fn next(&mut self) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        #[allow(clippy::cast_precision_loss)]
+        let unit = (self.0 >> 11) as f64 / (1_u64 << 53) as f64;
+        2.0 * unit - 1.0
+    }
+
+    fn vector(&mut self, n: usize, size: f64) -> Vec<f64> {
+        (0..n).map(|_| size * self.next()).collect()
+    }
+
+    fn three(&mut self, size: f64) -> [f64; 3] {
+        [0; 3].map(|_| size * self.next())
+    }
+}
+
+fn contact(name: &str, kind: ContactKind, link: &str, [xyz, rpy]: [[f64; 3]; 2]) -> Contact {
+    Contact { name: name.into(), kind, end: LoopEnd { link: link.into(), xyz, rpy } }
+}
+
+fn model_of(text: &str, base: Base, contacts: Vec<Contact>) -> Model {
+    let options = ReadOptions { base, contacts, ..ReadOptions::default() };
+    read(text, "robot.urdf", &options).unwrap_or_else(|errors| panic!("{errors}")).model
+}
+
+fn quadruped() -> Model {
+    let feet = ["front_left", "front_right", "hind_left", "hind_right"];
+    let foot =
+        |foot: &str| contact(foot, ContactKind::Point, &format!("{foot}_foot"), [[0.0; 3]; 2]);
+    model_of(QUADRUPED, Base::Floating, feet.map(foot).into())
+}
+
+/// A tree of joints in general position on a base, with frames of points and surfaces on random links; a frame of the
+/// base itself is among them.
+fn random_tree(random: &mut Random, joints: usize, contacts: usize, base: Base) -> Model {
+    let inertial = |random: &mut Random| {
+        let [x, y, z] = random.three(0.2);
+        format!(
+            "<inertial><origin xyz='{x} {y} {z}' rpy='0.3 {y} 1'/><mass value='{}'/>\
+             <inertia ixx='0.021' iyy='0.03' izz='0.025' ixy='0.002' ixz='-0.001' iyz='0.003'/></inertial>",
+            2.0 + random.next()
+        )
+    };
+    let mut text = format!("<robot name='tree'><link name='0'>{}</link>", inertial(random));
+    for i in 1..=joints {
+        let ([x, y, z], [a, b, c], [r, p, w]) =
+            (random.three(0.4), random.three(1.0), random.three(3.0));
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss
+        )]
+        let parent = ((random.next() + 1.0) / 2.0 * i as f64) as usize;
+        let kind = if i % 4 == 3 { "prismatic" } else { "revolute" };
+        text += &format!(
+            "<joint name='j{i}' type='{kind}'><parent link='{parent}'/><child link='{i}'/><axis xyz='{a} {b} {c}'/>\
+             <origin xyz='{x} {y} {z}' rpy='{r} {p} {w}'/><limit lower='-3' upper='3' effort='9' velocity='9'/>\
+             </joint><link name='{i}'>{}</link>",
+            inertial(random)
+        );
+    }
+    let contacts = (0..contacts).map(|k| {
+        let kind = if k % 3 == 1 { ContactKind::Surface } else { ContactKind::Point };
+        let link = (joints - k % joints).to_string();
+        contact(&format!("c{k}"), kind, &link, [random.three(0.3), random.three(3.0)])
+    });
+    let mut contacts: Vec<Contact> = contacts.collect();
+    if base == Base::Floating {
+        contacts.push(contact("belly", ContactKind::Point, "0", [random.three(0.3), [0.0; 3]]));
+    }
+    model_of(&(text + "</robot>"), base, contacts)
+}
+
+type Settings = ConstraintSettings<f64, Vec<ContactTarget<f64>>>;
+
+fn exact(model: &Model) -> Settings {
+    let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
+        ConstraintSettings::<f64>::EXACT;
+    let contacts = vec![ContactTarget::<f64>::EXACT; model.contacts().len()];
+    ConstraintSettings { alpha, beta, tolerance, rounding, contacts }
+}
+
+fn rotation([r, p, y]: [f64; 3]) -> Matrix3<f64> {
+    *nalgebra::Rotation3::from_euler_angles(r, p, y).matrix()
+}
+
+fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| m[(i, j)]))
+}
+
+fn matrix(rows: [[f64; 3]; 3]) -> Matrix3<f64> {
+    Matrix3::from_fn(|i, j| rows[i][j])
+}
+
+fn column(m: &Matrix3<f64>, k: usize) -> V3<f64> {
+    V3::new(m[(0, k)], m[(1, k)], m[(2, k)])
+}
+
+/// Targets anywhere, moving, stabilized and compliant.
+fn general(model: &Model, random: &mut Random, compliance: f64) -> Settings {
+    let mut settings = exact(model);
+    for target in &mut settings.contacts {
+        let pose =
+            Pose { rotation: rows(&rotation(random.three(3.0))), translation: random.three(1.0) };
+        let velocity =
+            Twist { angular: Vector3(random.three(1.0)), linear: Vector3(random.three(1.0)) };
+        let (tangential, alpha, beta) = (random.next().abs(), 3.0, 5.0);
+        let compliance = compliance * (1.5 + random.next());
+        *target = ContactTarget { pose, velocity, tangential, alpha, beta, compliance };
+    }
+    settings
+}
+
+struct State {
+    q: Vec<f64>,
+    qd: Vec<f64>,
+    tau: Vec<f64>,
+}
+
+fn state(model: &Model, random: &mut Random) -> State {
+    let interpreter = Interpreter::<f64>::new(model.clone());
+    let mut q = vec![0.0; model.nq()];
+    interpreter.random(|| (random.next() + 1.0) / 2.0, &mut q).expect("fits");
+    let nv = model.nv();
+    State { q, qd: random.vector(nv, 2.0), tau: random.vector(nv, 5.0) }
+}
+
+#[derive(Debug)]
+struct Solution {
+    qdd: Vec<f64>,
+    wrenches: Vec<[f64; 6]>,
+    rank: f64,
+}
+
+fn interpreted(model: &Model, state: &State, active: &[bool], settings: &Settings) -> Solution {
+    let mut interpreter = Interpreter::new(model.clone());
+    let count = model.constraints();
+    let (mut qdd, mut wrenches) = (vec![0.0; model.nv()], vec![Wrench::zero(); count]);
+    let mut residuals = vec![Twist::zero(); count];
+    let into = (&mut *qdd, &mut *wrenches, &mut *residuals);
+    let rank = interpreter.constrained_forward_dynamics(
+        (&state.q, &state.qd, &state.tau),
+        active,
+        settings,
+        into,
+    );
+    let rank = rank.expect("fits");
+    Solution { qdd, wrenches: wrenches.iter().map(Wrench::components).collect(), rank }
+}
+
+/// All that the dense witness needs of a contact: from the pose and the Jacobian of its link.
+struct Frame {
+    /// Angular, then linear rows in world axes at the frame's origin.
+    jacobian: DMatrix<f64>,
+    /// The classical acceleration without joint accelerations.
+    bias: DVector<f64>,
+    axes: Matrix3<f64>,
+    origin: V3<f64>,
+}
+
+fn frame(interpreter: &mut Interpreter<f64>, State { q, qd, .. }: &State, c: usize) -> Frame {
+    let model = interpreter.model().clone();
+    let end = &model.contacts()[c].end;
+    let nv = model.nv();
+    let mut columns = vec![Twist::zero(); nv];
+    interpreter.jacobian(q, end.frame, &mut columns).expect("a link");
+    let rate = interpreter.link_acceleration(q, qd, &vec![0.0; nv], end.frame).expect("a link");
+    let velocity = interpreter.link_velocity(q, qd, end.frame).expect("a link");
+    let link = interpreter.link_pose(q, end.frame).expect("a link");
+    let lever = matrix(link.rotation) * V3::from(end.pose.translation);
+    let v = |x: Vector3<f64>| V3::from(x.0);
+    let mut jacobian = DMatrix::zeros(6, nv);
+    for (j, column) in columns.iter().enumerate() {
+        let (angular, linear) = (v(column.angular), v(column.linear));
+        jacobian.view_mut((0, j), (3, 1)).copy_from(&angular);
+        jacobian.view_mut((3, j), (3, 1)).copy_from(&(linear + angular.cross(&lever)));
+    }
+    let (omega, alpha) = (v(velocity.angular), v(rate.angular));
+    let linear = v(rate.linear) + alpha.cross(&lever) + omega.cross(&omega.cross(&lever));
+    let mut bias = DVector::zeros(6);
+    bias.rows_mut(0, 3).copy_from(&alpha);
+    bias.rows_mut(3, 3).copy_from(&linear);
+    let axes = matrix(link.rotation) * matrix(end.pose.rotation);
+    Frame { jacobian, bias, axes, origin: V3::from(link.translation) + lever }
+}
+
+/// The displacement from the target, as documented.
+fn displacement(frame: &Frame, target: &ContactTarget<f64>, kind: ContactKind) -> [V3<f64>; 2] {
+    let axes = matrix(target.pose.rotation);
+    let normal = column(&axes, 2);
+    let split = |x: V3<f64>| {
+        let along = normal * normal.dot(&x);
+        (along, x - along)
+    };
+    let (height, within) = split(frame.origin - V3::from(target.pose.translation));
+    let linear = height + within * target.tangential;
+    let tilt = normal.cross(&column(&frame.axes, 2));
+    let twist: V3<f64> =
+        (0..2).map(|k| column(&axes, k).cross(&column(&frame.axes, k))).sum::<V3<f64>>() * 0.5;
+    let angular = match kind {
+        ContactKind::Point => V3::zeros(),
+        ContactKind::Surface => tilt + split(twist).0 * target.tangential,
+    };
+    [angular, linear]
+}
+
+/// The largest difference to a dense solution, relative to the largest number.
+fn dense(model: &Model, state: &State, active: &[bool], settings: &Settings) -> Solution {
+    let nv = model.nv();
+    let mut interpreter = Interpreter::new(model.clone());
+    let mut masses = vec![0.0; nv * nv];
+    interpreter.mass_matrix(&state.q, &mut masses).expect("fits");
+    let masses = DMatrix::from_column_slice(nv, nv, &masses);
+    let mut bias = vec![0.0; nv];
+    interpreter.bias_forces(&state.q, &state.qd, &mut bias).expect("fits");
+    let force = DVector::from_column_slice(&state.tau) - DVector::from(bias);
+    let cholesky = masses.clone().cholesky().expect("positive");
+    let free = cholesky.solve(&force);
+    let qd = DVector::from_column_slice(&state.qd);
+
+    // By row: contact, whether it is a rotation, Jacobian in units of length, wanted acceleration.
+    let mut all = Vec::new();
+    for (c, contact) in model.contacts().iter().enumerate().filter(|(c, _)| active[*c]) {
+        let target = &settings.contacts[c];
+        let found = frame(&mut interpreter, state, c);
+        let [angular, linear] = displacement(&found, target, contact.kind);
+        let first = match contact.kind {
+            ContactKind::Point => 3,
+            ContactKind::Surface => 0,
+        };
+        let moving = [target.velocity.angular.0, target.velocity.linear.0].concat();
+        let apart = [angular.as_slice(), linear.as_slice()].concat();
+        for k in first..6 {
+            let row = found.jacobian.row(k);
+            let velocity = (row * &qd)[0] - moving[k];
+            let wanted =
+                -found.bias[k] - 2.0 * target.alpha * velocity - target.beta.powi(2) * apart[k];
+            let length = if k < 3 { model.contact_length(c) } else { 1.0 };
+            all.push((c, k, row * length, wanted * length, length));
+        }
+    }
+    let m = all.len();
+    let mut wrenches = vec![[0.0; 6]; model.contacts().len()];
+    if m == 0 {
+        return Solution { qdd: free.as_slice().into(), wrenches, rank: 0.0 };
+    }
+    let jacobian = DMatrix::from_fn(m, nv, |i, j| all[i].2[j]);
+    let wanted = DVector::from_fn(m, |i, _| all[i].3);
+    let response = cholesky.solve(&jacobian.transpose());
+    let mut delassus = &jacobian * &response;
+    for (i, row) in all.iter().enumerate() {
+        delassus[(i, i)] += settings.contacts[row.0].compliance;
+    }
+    let right = wanted - &jacobian * &free;
+    let values = delassus.clone().svd(true, true);
+    let tolerance = 1e-9 * values.singular_values[0];
+    let multipliers = values.solve(&right, tolerance).expect("solves");
+    let qdd = free + response * &multipliers;
+    for (row, x) in all.iter().zip(&multipliers) {
+        wrenches[row.0][row.1] = x * row.4;
+    }
+    #[allow(clippy::cast_precision_loss)]
+    let rank = values.rank(tolerance) as f64;
+    Solution { qdd: qdd.as_slice().into(), wrenches, rank }
+}
+
+fn assert_same(found: &Solution, expected: &Solution, tolerance: f64) {
+    let numbers = |solution: &Solution| [solution.qdd.clone(), solution.wrenches.concat()];
+    for (found, expected) in numbers(found).iter().zip(&numbers(expected)) {
+        let scale = expected.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+        for (a, b) in found.iter().zip(expected) {
+            assert!((a - b).abs() < tolerance * scale, "{a} instead of {b}, of {scale}");
+        }
+    }
+    assert!(
+        (found.rank - expected.rank).abs() < 0.5,
+        "{} instead of {}",
+        found.rank,
+        expected.rank
+    );
+}
+
+fn masks(model: &Model, random: &mut Random, count: usize) -> Vec<Vec<bool>> {
+    let n = model.contacts().len();
+    let some = (0..count).map(|_| (0..n).map(|_| random.next() > -0.3).collect());
+    some.chain([vec![true; n], vec![false; n]]).collect()
+}
+
+#[test]
+fn a_quadruped_with_any_feet_on_the_ground_is_as_the_dense_solution_says() {
+    let (model, mut random) = (quadruped(), Random(1));
+    for mask in 0..16_u32 {
+        let active: Vec<bool> = (0..4).map(|k| mask & (1 << k) != 0).collect();
+        let state = state(&model, &mut random);
+        for settings in [exact(&model), general(&model, &mut random, 0.0)] {
+            let found = interpreted(&model, &state, &active, &settings);
+            assert_same(&found, &dense(&model, &state, &active, &settings), 1e-9);
+            assert!((found.rank - 3.0 * f64::from(mask.count_ones())).abs() < 0.5);
+            for (wrench, _) in found.wrenches.iter().zip(&active).filter(|(_, active)| !**active) {
+                assert!(wrench.iter().all(|&x| x == 0.0), "{wrench:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn random_trees_with_random_masks_are_as_the_dense_solution_says() {
+    let mut random = Random(2);
+    for (k, joints) in [6, 9, 14].into_iter().cycle().take(12).enumerate() {
+        let base = if k % 3 == 2 { Base::Fixed } else { Base::Floating };
+        let model = random_tree(&mut random, joints, if base == Base::Fixed { 1 } else { 3 }, base);
+        for active in masks(&model, &mut random, 4) {
+            let state = state(&model, &mut random);
+            let settings = general(&model, &mut random, 0.0);
+            let found = interpreted(&model, &state, &active, &settings);
+            assert_same(&found, &dense(&model, &state, &active, &settings), 1e-7);
+        }
+    }
+}
+
+/// Four points of one body, two surfaces of another: more rows than the bodies can move.
+fn redundant(random: &mut Random) -> Model {
+    let model = random_tree(random, 5, 0, Base::Floating);
+    let end =
+        |model: &Model, link: &str, random: &mut Random| modyn_runtime::model::LoopConstraintEnd {
+            frame: model.frame_index(link).expect("a link"),
+            pose: Pose {
+                rotation: rows(&rotation(random.three(3.0))),
+                translation: random.three(0.3),
+            },
+        };
+    let mut contacts: Vec<modyn_runtime::model::Contact> = Vec::new();
+    for (k, (kind, link)) in [
+        (ContactKind::Point, "0"),
+        (ContactKind::Point, "0"),
+        (ContactKind::Point, "0"),
+        (ContactKind::Point, "0"),
+        (ContactKind::Surface, "5"),
+        (ContactKind::Surface, "5"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let end = end(&model, link, random);
+        contacts.push(modyn_runtime::model::Contact { name: format!("c{k}"), kind, end });
+    }
+    model.with_contacts(contacts).expect("good")
+}
+
+#[test]
+fn redundant_contacts_share_their_forces_and_no_mask_makes_a_number_that_is_none() {
+    let mut random = Random(3);
+    let model = redundant(&mut random);
+    for mask in 0..64_u32 {
+        let active: Vec<bool> = (0..6).map(|k| mask & (1 << k) != 0).collect();
+        // Consistent rows: the robot is at rest.
+        let mut state = state(&model, &mut random);
+        state.qd.fill(0.0);
+        for compliance in [0.0, 1e-3] {
+            let mut settings = exact(&model);
+            settings.contacts.iter_mut().for_each(|target| target.compliance = compliance);
+            let found = interpreted(&model, &state, &active, &settings);
+            let all = found.qdd.iter().chain(found.wrenches.iter().flatten());
+            assert!(all.into_iter().all(|x| x.is_finite()), "{found:?}");
+            let expected = dense(&model, &state, &active, &settings);
+            assert_same(&found, &expected, 1e-6);
+            if compliance > 0.0 {
+                continue;
+            }
+            let points = (mask & 15).count_ones();
+            let most = [0, 3, 5, 6, 6][points as usize] + if mask >> 4 == 0 { 0 } else { 6 };
+            assert!(found.rank <= f64::from(most) + 0.5, "{} of {most}", found.rank);
+        }
+    }
+}
+
+#[test]
+fn what_gets_compiled_is_what_the_interpreter_computes() {
+    let mut random = Random(4);
+    let models =
+        [quadruped(), random_tree(&mut random, 7, 2, Base::Floating), redundant(&mut random)];
+    for model in models {
+        let mechanism = Mechanism::new(&model);
+        let tracer = Tracer::new(&mechanism);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
+        let dynamics = optimize(tracer.constrained_forward_dynamics(&layout));
+        let residual = optimize(tracer.constraint_residual(&layout));
+        let projection = optimize(tracer.project_constraints(&layout));
+        println!("{}: {:?}", model.name(), dynamics.count());
+        let mut interpreter = Interpreter::new(model.clone());
+        for active in masks(&model, &mut random, 5) {
+            let state = state(&model, &mut random);
+            let settings = general(&model, &mut random, 0.01);
+            let numbers = numbers(&settings);
+            let switches: Vec<f64> = active.iter().map(|&on| f64::from(u8::from(on))).collect();
+            let found = dynamics
+                .evaluate(&[&*state.q, &state.qd, &state.tau, &switches, &numbers].concat());
+            let expected = interpreted(&model, &state, &active, &settings);
+            let (nv, count) = (model.nv(), model.constraints());
+            let wrenches =
+                found[nv..][..6 * count].chunks(6).map(|w| std::array::from_fn(|k| w[k])).collect();
+            let rank = found[found.len() - 1];
+            assert_same(&Solution { qdd: found[..nv].into(), wrenches, rank }, &expected, 1e-8);
+
+            let twists = || vec![Twist::zero(); count];
+            let (mut apart, mut parting) = (twists(), twists());
+            let into = (&mut *apart, &mut *parting);
+            interpreter.constraint_residual((&state.q, &state.qd), &settings, into).expect("fits");
+            let found = residual.evaluate(&[&*state.q, &state.qd, &numbers].concat());
+            let expected = apart.iter().chain(&parting).flat_map(Twist::components);
+            expected.zip(&found).for_each(|(a, b)| assert!((a - b).abs() < 1e-10));
+            for (c, (own, contact)) in apart.iter().zip(model.contacts()).enumerate() {
+                let frame = frame(&mut interpreter, &state, c);
+                let [a, l] = displacement(&frame, &settings.contacts[c], contact.kind);
+                let expected = [a.as_slice(), l.as_slice()].concat();
+                own.components()
+                    .iter()
+                    .zip(expected)
+                    .for_each(|(x, y)| assert!((x - y).abs() < 1e-12));
+            }
+
+            let (mut dq, mut dqd) = (vec![0.0; nv], vec![0.0; nv]);
+            let into = (&mut *dq, &mut *dqd);
+            let projected =
+                interpreter.project_constraints((&state.q, &state.qd), &active, &settings, into);
+            projected.expect("fits");
+            let found = projection.evaluate(&[&*state.q, &state.qd, &switches, &numbers].concat());
+            let scale = dq.iter().chain(&dqd).fold(1.0_f64, |most, x| most.max(x.abs()));
+            dq.iter()
+                .chain(&dqd)
+                .zip(&found)
+                .for_each(|(a, b)| assert!((a - b).abs() < 1e-8 * scale));
+        }
+    }
+}
+
+fn numbers(settings: &Settings) -> Vec<f64> {
+    let ConstraintSettings { alpha, beta, tolerance, rounding, contacts } = settings;
+    let mut numbers = vec![*alpha, *beta, *tolerance, *rounding];
+    for ContactTarget { pose, velocity, tangential, alpha, beta, compliance } in contacts {
+        numbers.extend(pose.rotation.iter().flatten());
+        numbers.extend(pose.translation);
+        numbers.extend(velocity.components());
+        numbers.extend([tangential, alpha, beta, compliance]);
+    }
+    numbers
+}
+
+#[test]
+fn steps_put_active_contacts_on_their_targets_and_stop_them() {
+    let (model, mut random) = (quadruped(), Random(5));
+    let mut interpreter = Interpreter::new(model.clone());
+    let State { mut q, mut qd, .. } = state(&model, &mut random);
+    q[..3].copy_from_slice(&[0.0, 0.0, 0.4]);
+    let settings = exact(&model);
+    let active = [true, false, true, true];
+    let (mut dq, mut dqd) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+    for _ in 0..30 {
+        let into = (&mut *dq, &mut *dqd);
+        interpreter.project_constraints((&q, &qd), &active, &settings, into).expect("fits");
+        let before = q.clone();
+        interpreter.integrate(&before, &dq, &mut q).expect("fits");
+    }
+    interpreter
+        .project_constraints((&q, &qd), &active, &settings, (&mut dq, &mut dqd))
+        .expect("fits");
+    qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
+    let (mut apart, mut parting) = (vec![Twist::zero(); 4], vec![Twist::zero(); 4]);
+    let into = (&mut *apart, &mut *parting);
+    interpreter.constraint_residual((&q, &qd), &settings, into).expect("fits");
+    for (c, active) in active.into_iter().enumerate() {
+        let linear = [apart[c].linear.0, parting[c].linear.0].concat();
+        let most = linear.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        assert_eq!(most < 1e-12, active, "{c}: {most}");
+    }
+}
+
+#[test]
+fn bad_contacts_are_refused() {
+    let bad = |contact: Contact| {
+        let options = ReadOptions { contacts: vec![contact], ..ReadOptions::default() };
+        read(QUADRUPED, "robot.urdf", &options).expect_err("refused").to_string()
+    };
+    let point =
+        |link: &str, at: [f64; 3]| contact("foot", ContactKind::Point, link, [at, [0.0; 3]]);
+    let said = bad(point("front_left_fot", [0.0; 3]));
+    assert!(said.contains("contact `foot`: link `front_left_fot` does not exist"), "{said}");
+    assert!(said.contains("did you mean `front_left_foot`?"), "{said}");
+    let said = bad(point("trunk", [0.0; 3]));
+    assert!(said.contains("link `trunk` is fixed to the world"), "{said}");
+    let said = bad(point("front_left_foot", [f64::NAN, 0.0, 0.0]));
+    assert!(said.contains("its place is not finite"), "{said}");
+
+    let model = quadruped();
+    let kinds = |change: &dyn Fn(&mut modyn_runtime::model::Contact)| {
+        let mut contacts = model.contacts().to_vec();
+        change(&mut contacts[0]);
+        let errors = model.clone().with_contacts(contacts).expect_err("refused");
+        errors.into_iter().map(|error| error.kind).collect::<Vec<_>>()
+    };
+    assert_eq!(kinds(&|c| c.name = "hind_left".into()), [ModelErrorKind::DuplicateName]);
+    assert_eq!(kinds(&|c| c.end.frame = 99), [ModelErrorKind::ContactLink]);
+    assert_eq!(kinds(&|c| c.end.pose.translation[0] = f64::NAN), [ModelErrorKind::NotFinite]);
+    assert_eq!(kinds(&|c| c.end.pose.rotation[0][0] = 2.0), [ModelErrorKind::Rotation]);
+}

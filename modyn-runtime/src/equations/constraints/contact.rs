@@ -1,0 +1,148 @@
+//! The motion of a contact's frame relative to its target.
+//!
+//! All of it is expressed in the axes of the first body on the way from the world to the frame, the contact's root.
+//! In these axes most of a floating base's columns are constants, and rows do not depend on the axes that they are
+//! along: the rows of a contact are three orthogonal displacements, or these and three orthogonal rotations.
+
+use super::relative_motion::RelativeMotion;
+use crate::Scalar;
+use crate::constraint_settings::ContactTarget;
+use crate::equations::Workspace;
+use crate::equations::kinematics::kinematic_path;
+use crate::equations::kinematics::links::add_columns;
+use crate::mechanism::{BodyFrame, Mechanism};
+use crate::spatial::{Matrix3, Pose, Twist, Vector3};
+
+/// The frame of a contact, seen from the contact's root.
+#[derive(Clone, Debug)]
+pub(super) struct ContactFrame<S> {
+    /// The axes of the body that carries the frame, as columns.
+    body_axes: Matrix3<S>,
+    /// The frame on that body.
+    on_body: BodyFrame<S>,
+    /// The frame's origin.
+    origin: Vector3<S>,
+    /// The root's axes in the world, as columns, and its origin.
+    root_axes: Matrix3<S>,
+    root_origin: Vector3<S>,
+}
+
+impl<S: Scalar> ContactFrame<S> {
+    /// The frame `end` at `q`, and its Jacobian into `columns`, one for each entry of qd.
+    pub(super) fn new(
+        model: &Mechanism<S>,
+        end: BodyFrame<S>,
+        q: &[S],
+        workspace: &mut Workspace<S>,
+        columns: &mut [Twist<S>],
+    ) -> Self {
+        columns.fill(Twist::zero());
+        kinematic_path::from_world(model, end.body, &mut workspace.kinematic_path);
+        let path = core::mem::take(&mut workspace.kinematic_path);
+        let identity = || Matrix3(Pose::identity().rotation);
+        for (k, &i) in path.iter().enumerate() {
+            let body = &model.bodies[i];
+            workspace.motions[i] = body.motion(q);
+            let parent = k.checked_sub(1).map(|before| workspace.axes[path[before]]);
+            workspace.axes[i] = parent.map_or_else(identity, |parent| {
+                workspace.motions[i].turn_axes(&body.placement.turn_axes(&parent))
+            });
+        }
+        let mut frame = Self {
+            body_axes: path.last().map_or_else(identity, |&i| workspace.axes[i]),
+            on_body: end,
+            origin: Vector3(end.pose.translation),
+            root_axes: identity(),
+            root_origin: Vector3::zero(),
+        };
+        for (k, &i) in path.iter().enumerate().rev() {
+            let body = &model.bodies[i];
+            let motion = &workspace.motions[i];
+            let at_joint = motion.point_to_parent(frame.origin);
+            if k == 0 {
+                add_columns(model, i, &identity(), frame.origin, columns);
+                frame.root_axes = motion.turn_axes(&body.placement.turn_axes(&identity()));
+                frame.root_origin =
+                    body.placement.point_to_parent(motion.point_to_parent(Vector3::zero()));
+                break;
+            }
+            // An axis is the same in front of the joint, where the axes have one rotation less.
+            if body.elementary_joint.has_axis() {
+                let axes = body.placement.turn_axes(&workspace.axes[path[k - 1]]);
+                add_columns(model, i, &axes, at_joint, columns);
+            } else {
+                add_columns(model, i, &workspace.axes[i], frame.origin, columns);
+            }
+            frame.origin = body.placement.point_to_parent(at_joint);
+        }
+        workspace.kinematic_path = path;
+        frame
+    }
+
+    /// A vector in world axes, in the root's.
+    pub(super) fn to_root(&self, v: Vector3<S>) -> Vector3<S> {
+        Vector3(core::array::from_fn(|j| self.root_axes.column(j).dot(v)))
+    }
+
+    /// A twist in the root's axes, in world axes.
+    pub(super) fn twist_to_world(&self, t: Twist<S>) -> Twist<S> {
+        let turned = |v| self.root_axes.mul_vector(v);
+        Twist { angular: turned(t.angular), linear: turned(t.linear) }
+    }
+
+    /// The displacement from the target in world axes: of a point its tangential part counts by a share, of a surface
+    /// that of the rotation too.
+    pub(super) fn displacement(&self, target: &ContactTarget<S>, surface: bool) -> Twist<S> {
+        let Pose { rotation, translation } = target.pose;
+        let to_axes = Matrix3(rotation);
+        let normal = to_axes.column(2);
+        let place = self.root_origin + self.root_axes.mul_vector(self.origin);
+        // n (n . d) + share (d - n (n . d))
+        let share = target.tangential;
+        let rest = S::one() - share;
+        let whole = place - Vector3(translation);
+        let linear = whole.scale(share) + normal.scale(rest * normal.dot(whole));
+        let mut angular = Vector3::zero();
+        if surface {
+            let axes = self.body_axes.times(&Matrix3(self.on_body.pose.rotation));
+            let axes = self.root_axes.times(&axes);
+            let cross = |k: usize| to_axes.column(k).cross(axes.column(k));
+            let about = normal.dot(cross(0) + cross(1)) * S::from_f64(0.5);
+            angular = cross(2) + normal.scale(share * about);
+        }
+        Twist { angular, linear }
+    }
+
+    /// The motion relative to the target, in the root's axes. Expects the accelerations of the bodies under gravity
+    /// while the joints do not accelerate (of a floating base: while its origin falls freely), if these are needed.
+    pub(super) fn motion(
+        &self,
+        model: &Mechanism<S>,
+        target: &ContactTarget<S>,
+        surface: bool,
+        (columns, qd): (&[Twist<S>], &[S]),
+        workspace: &Workspace<S>,
+    ) -> RelativeMotion<S> {
+        let moves = columns.iter().zip(qd).map(|(&column, &rate)| column.scale(rate));
+        let velocity = moves.fold(Twist::zero(), |sum, twist| sum + twist);
+        let of_target = target.velocity;
+        let velocity = Twist {
+            angular: velocity.angular - self.to_root(of_target.angular),
+            linear: velocity.linear - self.to_root(of_target.linear),
+        };
+        let displacement = self.displacement(target, surface);
+        let displacement = Twist {
+            angular: self.to_root(displacement.angular),
+            linear: self.to_root(displacement.linear),
+        };
+        let field = self.on_body.body.map(|body| &workspace.fields[body]);
+        let bias_acceleration = field.map_or_else(Twist::zero, |field| {
+            let linear = field.a + field.over_origin(Vector3(self.on_body.pose.translation));
+            Twist {
+                angular: self.body_axes.mul_vector(field.alpha),
+                linear: self.body_axes.mul_vector(linear) + self.to_root(model.gravity),
+            }
+        });
+        RelativeMotion { displacement, velocity, bias_acceleration }
+    }
+}
