@@ -114,6 +114,17 @@ impl Measures {
                     + constraints * (40_000.0 + 10_000.0 * links)
                     + 50_000.0 * constraints.powi(2)
             }
+            Function::ContactImpulse | Function::OperationalInertia => {
+                factors
+                    + constraints * (40_000.0 + 10_000.0 * links)
+                    + 60_000.0 * constraints.powi(2)
+            }
+            Function::ConstrainedInverseDynamics => {
+                6000.0 * carried + constraints * (30_000.0 + 3000.0 * links)
+            }
+            Function::ConstraintJacobian | Function::ConstraintBiasAcceleration => {
+                constraints * (5000.0 + 2000.0 * links)
+            }
             Function::ConstraintResidual => constraints * (5000.0 + 1500.0 * links),
             Function::Regressor => 2200.0 * depths + 120.0 * squares + 60.0 * entries,
             Function::CenterOfMass => 600.0 * links,

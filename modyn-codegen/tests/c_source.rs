@@ -220,7 +220,7 @@ fn contacts_compute_what_rust_does() {
         .contact(point("left", "front_left_foot", [0.0, 0.01, -0.02]))
         .contact(point("right", "hind_right_foot", [0.03, -0.01, 0.02]));
     let (found, _) = builder.generate_c().expect("good");
-    let declared = "const double contacts[2], const double settings[48], double out[43]";
+    let declared = "const double contacts[2], const double settings[52], double out[43]";
     assert!(found.header.contains(declared), "{}", found.header);
     compare("contacts", &builder, FloatType::F64);
 }

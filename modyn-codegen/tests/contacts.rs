@@ -126,7 +126,17 @@ fn general(model: &Model, random: &mut Random, compliance: f64) -> Settings {
             Twist { angular: Vector3(random.three(1.0)), linear: Vector3(random.three(1.0)) };
         let (tangential, alpha, beta) = (random.next().abs(), 3.0, 5.0);
         let compliance = compliance * (1.5 + random.next());
-        *target = ContactTarget { pose, velocity, tangential, alpha, beta, compliance };
+        let (restitution, weight) = (0.0, 1.0);
+        *target = ContactTarget {
+            pose,
+            velocity,
+            tangential,
+            alpha,
+            beta,
+            compliance,
+            restitution,
+            weight,
+        };
     }
     settings
 }
@@ -457,11 +467,13 @@ fn what_gets_compiled_is_what_the_interpreter_computes() {
 fn numbers(settings: &Settings) -> Vec<f64> {
     let ConstraintSettings { alpha, beta, tolerance, rounding, contacts } = settings;
     let mut numbers = vec![*alpha, *beta, *tolerance, *rounding];
-    for ContactTarget { pose, velocity, tangential, alpha, beta, compliance } in contacts {
+    for target in contacts {
+        let ContactTarget { pose, velocity, tangential, alpha, beta, .. } = target;
         numbers.extend(pose.rotation.iter().flatten());
         numbers.extend(pose.translation);
         numbers.extend(velocity.components());
-        numbers.extend([tangential, alpha, beta, compliance]);
+        numbers.extend([tangential, alpha, beta, &target.compliance]);
+        numbers.extend([target.restitution, target.weight]);
     }
     numbers
 }
@@ -522,4 +534,262 @@ fn bad_contacts_are_refused() {
     assert_eq!(kinds(&|c| c.end.frame = 99), [ModelErrorKind::ContactLink]);
     assert_eq!(kinds(&|c| c.end.pose.translation[0] = f64::NAN), [ModelErrorKind::NotFinite]);
     assert_eq!(kinds(&|c| c.end.pose.rotation[0][0] = 2.0), [ModelErrorKind::Rotation]);
+}
+
+/// The Jacobian rows of the active contacts in world axes, in the order of the results; by row its contact, its component
+/// and the factor of its units of length.
+fn dense_rows(
+    model: &Model,
+    interpreter: &mut Interpreter<f64>,
+    state: &State,
+    active: &[bool],
+) -> (DMatrix<f64>, Vec<(usize, usize, f64)>) {
+    let mut rows = Vec::new();
+    let mut kept = Vec::new();
+    for (c, contact) in model.contacts().iter().enumerate() {
+        let found = frame(interpreter, state, c);
+        let first = 6 - contact.kind.rows();
+        for k in first..6 {
+            let length = if k < 3 { model.contact_length(c) } else { 1.0 };
+            let on = if active[c] { 1.0 } else { 0.0 };
+            rows.push(found.jacobian.row(k) * on);
+            kept.push((c, k, length));
+        }
+    }
+    (DMatrix::from_fn(rows.len(), model.nv(), |i, j| rows[i][j]), kept)
+}
+
+fn dense_masses(model: &Model, interpreter: &mut Interpreter<f64>, q: &[f64]) -> DMatrix<f64> {
+    let nv = model.nv();
+    let mut masses = vec![0.0; nv * nv];
+    interpreter.mass_matrix(q, &mut masses).expect("fits");
+    DMatrix::from_column_slice(nv, nv, &masses)
+}
+
+fn scaled(jacobian: &DMatrix<f64>, kept: &[(usize, usize, f64)]) -> DMatrix<f64> {
+    DMatrix::from_fn(jacobian.nrows(), jacobian.ncols(), |i, j| jacobian[(i, j)] * kept[i].2)
+}
+
+fn assert_near(found: &[f64], expected: &[f64], tolerance: f64) {
+    assert_eq!(found.len(), expected.len());
+    let scale = expected.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+    for (a, b) in found.iter().zip(expected) {
+        assert!((a - b).abs() < tolerance * scale, "{a} instead of {b}, of {scale}");
+    }
+}
+
+fn components(wrenches: &[Wrench<f64>]) -> Vec<f64> {
+    wrenches.iter().flat_map(Wrench::components).collect()
+}
+
+fn switches(active: &[bool]) -> Vec<f64> {
+    active.iter().map(|&on| f64::from(u8::from(on))).collect()
+}
+
+/// Robots with random masks.
+fn for_all(seed: u64, mut check: impl FnMut(&Model, &State, &[bool], &Settings)) {
+    let mut random = Random(seed);
+    let fixed = random_tree(&mut random, 8, 1, Base::Fixed);
+    let floating = random_tree(&mut random, 9, 3, Base::Floating);
+    for model in [quadruped(), fixed, floating] {
+        for active in masks(&model, &mut random, 5) {
+            let state = state(&model, &mut random);
+            let mut settings = general(&model, &mut random, 0.0);
+            for target in &mut settings.contacts {
+                (target.restitution, target.weight) = (random.next().abs(), 1.5 + random.next());
+            }
+            check(&model, &state, &active, &settings);
+        }
+    }
+}
+
+#[test]
+fn velocities_after_an_impact_are_as_the_dense_solution_says() {
+    for_all(11, |model, state, active, settings| {
+        let mut interpreter = Interpreter::new(model.clone());
+        let (nv, count) = (model.nv(), model.constraints());
+        let (mut after, mut impulses) = (vec![0.0; nv], vec![Wrench::zero(); count]);
+        let into = (&mut *after, &mut *impulses);
+        let motion = (&*state.q, &*state.qd);
+        interpreter.contact_impulse(motion, active, settings, into).expect("fits");
+
+        let (jacobian, kept) = dense_rows(model, &mut interpreter, state, active);
+        let masses = dense_masses(model, &mut interpreter, &state.q);
+        let qd = DVector::from_column_slice(&state.qd);
+        let velocity = &jacobian * &qd;
+        let mut wanted = DVector::zeros(kept.len());
+        for (i, &(c, k, length)) in kept.iter().enumerate().filter(|(_, row)| active[row.0]) {
+            let target = &settings.contacts[c];
+            let moving = [target.velocity.angular.0, target.velocity.linear.0].concat();
+            let mut own = -(velocity[i] - moving[k]);
+            if k >= 3 {
+                let normal = column(&matrix(target.pose.rotation), 2);
+                let first = i - (k - 3);
+                let speed: f64 =
+                    (0..3).map(|j| normal[j] * (velocity[first + j] - moving[3 + j])).sum();
+                own -= target.restitution * speed * normal[k - 3];
+            }
+            wanted[i] = own * length;
+        }
+        let jacobian = scaled(&jacobian, &kept);
+        let response = masses.cholesky().expect("positive").solve(&jacobian.transpose());
+        let delassus = (&jacobian * &response).svd(true, true);
+        // Nearly singular states have the rank that the tolerances say.
+        let largest = delassus.singular_values[0].max(1.0);
+        if delassus.singular_values.iter().any(|x| (1e-13..1e-7).contains(&(x / largest))) {
+            return;
+        }
+        let multipliers =
+            delassus.solve(&wanted, 1e-9 * delassus.singular_values[0].max(1.0)).expect("solves");
+        assert_near(&after, (qd + response * &multipliers).as_slice(), 1e-7);
+        let mut expected = vec![0.0; 6 * count];
+        for (&(c, k, length), x) in kept.iter().zip(&multipliers) {
+            expected[6 * c + k] = x * length;
+        }
+        assert_near(&components(&impulses), &expected, 1e-7);
+    });
+}
+
+#[test]
+fn jacobians_and_bias_accelerations_are_those_of_the_links() {
+    for_all(12, |model, state, _, _| {
+        let mut interpreter = Interpreter::new(model.clone());
+        let (nv, count) = (model.nv(), model.constraints());
+        let (mut columns, mut bias) = (vec![Twist::zero(); nv * count], vec![Twist::zero(); count]);
+        interpreter.constraint_jacobian(&state.q, &mut columns).expect("fits");
+        let motion = (&*state.q, &*state.qd);
+        interpreter.constraint_bias_acceleration(motion, &mut bias).expect("fits");
+        for (c, contact) in model.contacts().iter().enumerate() {
+            let expected = frame(&mut interpreter, state, c);
+            for k in 0..6 {
+                let held = if k < 6 - contact.kind.rows() { 0.0 } else { 1.0 };
+                for (j, column) in columns[c * nv..][..nv].iter().enumerate() {
+                    let difference = column.components()[k] - held * expected.jacobian[(k, j)];
+                    assert!(difference.abs() < 1e-12);
+                }
+                let difference = bias[c].components()[k] - held * expected.bias[k];
+                assert!(difference.abs() < 1e-9);
+            }
+        }
+    });
+}
+
+#[test]
+fn the_operational_inertia_is_the_inverse_of_what_the_dense_solution_says() {
+    for_all(13, |model, state, active, settings| {
+        let mut interpreter = Interpreter::new(model.clone());
+        let mut settings = settings.clone();
+        settings.contacts.iter_mut().for_each(|target| target.compliance = 0.02);
+        let rows = model.constraint_rows();
+        let (mut inverse, mut inertia) = (vec![0.0; rows * rows], vec![0.0; rows * rows]);
+        let into = (&mut *inverse, &mut *inertia);
+        let rank = interpreter.operational_inertia(&state.q, active, &settings, into);
+        let (jacobian, kept) = dense_rows(model, &mut interpreter, state, active);
+        let masses = dense_masses(model, &mut interpreter, &state.q);
+        let response = masses.cholesky().expect("positive").solve(&jacobian.transpose());
+        let mut expected = &jacobian * response;
+        let on = kept.iter().map(|row| if active[row.0] { 1.0 } else { 0.0 });
+        for (i, on) in on.clone().enumerate() {
+            expected[(i, i)] += 0.02 * on / kept[i].2.powi(2);
+        }
+        assert_near(&inverse, expected.as_slice(), 1e-9);
+        let found = DMatrix::from_column_slice(rows, rows, &inertia) * expected;
+        let identity = DMatrix::from_diagonal(&DVector::from_iterator(rows, on.clone()));
+        assert_near(found.as_slice(), identity.as_slice(), 1e-7);
+        assert!((rank.expect("fits") - on.sum::<f64>()).abs() < 0.5);
+    });
+}
+
+#[test]
+fn contacts_carry_the_base_with_the_smallest_wrenches() {
+    for_all(14, |model, state, active, settings| {
+        let mut interpreter = Interpreter::new(model.clone());
+        let (nv, count) = (model.nv(), model.constraints());
+        let (mut tau, mut wrenches) = (vec![0.0; nv], vec![Wrench::zero(); count]);
+        let into = (&mut *tau, &mut *wrenches);
+        let motion = (&*state.q, &*state.qd, &*state.tau);
+        let rank = interpreter.constrained_inverse_dynamics(motion, active, settings, into);
+        let rank = rank.expect("fits");
+        let mut needed = vec![0.0; nv];
+        interpreter.inverse_dynamics(&state.q, &state.qd, &state.tau, &mut needed).expect("fits");
+        // Whatever the wrenches, the robot moves so.
+        let (jacobian, kept) = dense_rows(model, &mut interpreter, state, active);
+        let found = components(&wrenches);
+        let forces =
+            DVector::from_iterator(kept.len(), kept.iter().map(|&(c, k, _)| found[6 * c + k]));
+        let carried = jacobian.transpose() * &forces;
+        let sum: Vec<f64> = tau.iter().zip(&carried).map(|(a, b)| a + b).collect();
+        assert_near(&sum, &needed, 1e-9);
+        let base = if model.nq() == nv { 0 } else { 6 };
+        // The smallest: J_b W J_b^T by singular values.
+        let scaled = scaled(&jacobian, &kept);
+        let columns = scaled.columns(0, base).transpose();
+        let weights: Vec<f64> = kept.iter().map(|row| settings.contacts[row.0].weight).collect();
+        let weights = DMatrix::from_diagonal(&DVector::from_vec(weights));
+        if base == 0 || !active.contains(&true) {
+            assert!(found.iter().all(|&x| x == 0.0) && rank == 0.0);
+            return;
+        }
+        let gram = (&columns * &weights * columns.transpose()).svd(true, true);
+        let tolerance = 1e-9 * gram.singular_values[0];
+        assert!((rank - gram.rank(tolerance) as f64).abs() < 0.5, "{rank}");
+        if rank < 5.5 {
+            return;
+        }
+        assert!(tau[..base].iter().all(|x| x.abs() < 1e-8), "{tau:?}");
+        let needed = DVector::from_column_slice(&needed[..base]);
+        let expected =
+            weights * columns.transpose() * gram.solve(&needed, tolerance).expect("solves");
+        let own =
+            DVector::from_iterator(kept.len(), kept.iter().zip(&forces).map(|(row, f)| f / row.2));
+        assert_near(own.as_slice(), expected.as_slice(), 1e-7);
+    });
+}
+
+#[test]
+fn what_gets_compiled_of_the_other_functions_is_what_the_interpreter_computes() {
+    for_all(15, |model, state, active, settings| {
+        let mechanism = Mechanism::new(model);
+        let tracer = Tracer::new(&mechanism);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::chains(model));
+        let mut interpreter = Interpreter::new(model.clone());
+        let (nv, count, rows) = (model.nv(), model.constraints(), model.constraint_rows());
+        let (on, numbers) = (switches(active), numbers(settings));
+        let motion = (&*state.q, &*state.qd);
+
+        let (mut qd, mut impulses) = (vec![0.0; nv], vec![Wrench::zero(); count]);
+        let into = (&mut *qd, &mut *impulses);
+        let rank = interpreter.contact_impulse(motion, active, settings, into).expect("fits");
+        let graph = optimize(tracer.contact_impulse(&layout));
+        let found = graph.evaluate(&[&*state.q, &state.qd, &on, &numbers].concat());
+        assert_near(&found, &[qd, components(&impulses), vec![rank]].concat(), 1e-8);
+
+        let (mut tau, mut wrenches) = (vec![0.0; nv], vec![Wrench::zero(); count]);
+        let into = (&mut *tau, &mut *wrenches);
+        let all = (&*state.q, &*state.qd, &*state.tau);
+        let rank = interpreter.constrained_inverse_dynamics(all, active, settings, into);
+        let graph = optimize(tracer.constrained_inverse_dynamics(&layout));
+        let found = graph.evaluate(&[&*state.q, &state.qd, &state.tau, &on, &numbers].concat());
+        let expected = [tau, components(&wrenches), vec![rank.expect("fits")]].concat();
+        assert_near(&found, &expected, 1e-8);
+
+        let mut columns = vec![Twist::zero(); nv * count];
+        interpreter.constraint_jacobian(&state.q, &mut columns).expect("fits");
+        let expected: Vec<f64> = columns.iter().flat_map(Twist::components).collect();
+        let found = optimize(tracer.constraint_jacobian(&layout)).evaluate(&state.q);
+        assert_near(&found, &expected, 1e-12);
+
+        let mut bias = vec![Twist::zero(); count];
+        interpreter.constraint_bias_acceleration(motion, &mut bias).expect("fits");
+        let expected: Vec<f64> = bias.iter().flat_map(Twist::components).collect();
+        let graph = optimize(tracer.constraint_bias_acceleration());
+        assert_near(&graph.evaluate(&[&*state.q, &state.qd].concat()), &expected, 1e-11);
+
+        let (mut inverse, mut inertia) = (vec![0.0; rows * rows], vec![0.0; rows * rows]);
+        let into = (&mut *inverse, &mut *inertia);
+        let rank = interpreter.operational_inertia(&state.q, active, settings, into).expect("fits");
+        let graph = optimize(tracer.operational_inertia(&layout));
+        let found = graph.evaluate(&[&*state.q, &on, &numbers].concat());
+        assert_near(&found, &[inverse, inertia, vec![rank]].concat(), 1e-7);
+    });
 }

@@ -46,12 +46,16 @@ pub struct ContactTarget<T> {
     /// The acceleration that a force in the contact allows, 1/kg (that of a moment: times the square of the
     /// characteristic length); 0 for a rigid contact. With compliance, redundant contacts share their forces by it.
     pub compliance: T,
+    /// The share of the speed along the normal that is left after an impact, in the other direction.
+    pub restitution: T,
+    /// The share of the load that inverse dynamics gives to the contact, relative to other contacts' weights.
+    pub weight: T,
 }
 
 macro_rules! settings {
     ($float:ty, $tolerance:literal, $rounding:literal, $in_words:literal) => {
         impl ContactTarget<$float> {
-            /// The plane z = 0 of the world at rest, rigid, with alpha = beta = 20/s.
+            /// The plane z = 0 of the world at rest, rigid, with alpha = beta = 20/s, no restitution and weight 1.
             pub const GROUND: Self = Self {
                 pose: Pose {
                     rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -62,6 +66,8 @@ macro_rules! settings {
                 alpha: 20.0,
                 beta: 20.0,
                 compliance: 0.0,
+                restitution: 0.0,
+                weight: 1.0,
             };
 
             /// A contact at rest where it is: nothing pulls it anywhere.

@@ -64,9 +64,9 @@ pub use constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 pub use inertial::{Inertial, InertialDefect};
 pub use parameters::ParameterError;
 pub use results::{
-    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual,
-    ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
-    OperationCount,
+    ConstrainedForwardDynamics, ConstrainedInverseDynamics, ConstraintProjection,
+    ConstraintResidual, ContactImpulse, ForwardDynamicsDerivatives, InverseDynamicsDerivatives,
+    JointLimits, KinematicModule, OperationCount, OperationalInertia,
 };
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]

@@ -64,6 +64,42 @@ pub struct ConstrainedForwardDynamics<V, W, R, T> {
     pub rank: T,
 }
 
+/// The velocities after an impact, and the impulses that changed them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactImpulse<V, W, T> {
+    /// The velocities after the impact, rad/s or m/s.
+    pub qd: V,
+    /// By constraint: the impulse on its second link, N m s and N s, where its wrench acts.
+    pub impulses: W,
+    /// The number of independent constraint rows, an integer.
+    pub rank: T,
+}
+
+/// The torques of an acceleration, and the wrenches of contacts that carry the floating bases.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstrainedInverseDynamics<V, W, T> {
+    /// Joint torques or forces, N m or N. Those of a floating base are the force on it that no contact can carry: zero
+    /// but for rounding where the contacts suffice.
+    pub tau: V,
+    /// By constraint: the wrench on the link of a contact at its frame's origin in world axes, N m and N; zero for loop
+    /// constraints.
+    pub wrenches: W,
+    /// The number of independent directions in which the contacts carry the bases, an integer.
+    pub rank: T,
+}
+
+/// The operational-space inertia of the constraints, and its inverse: square matrices by columns, with a row for each
+/// constraint row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OperationalInertia<R, T> {
+    /// J I^-1 J^T with the compliance of contacts, 1/kg (of rotations 1/(kg m^2)).
+    pub inverse: R,
+    /// The pseudo-inverse of that, kg (of rotations kg m^2).
+    pub inertia: R,
+    /// The number of independent constraint rows, an integer.
+    pub rank: T,
+}
+
 /// A step that meets the constraints, and the change of the velocities that keeps them met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintProjection<V, T> {

@@ -354,6 +354,59 @@ functions! {
     )
         .by_default()
         .of_constraints();
+    /// The velocities after an impact.
+    ContactImpulse "contact_impulse" = Row::one(
+        &[Q, QD, CONTACTS, SETTINGS],
+        shapes::contact_impulse,
+        "The velocities after an impact that closes the loops and puts the active contacts at rest relative to\n\
+         their targets at once, with the impulse of each constraint and the number of independent constraint\n\
+         rows. Along its normal, a contact leaves with its share `restitution` of the speed that it arrived\n\
+         with. Stabilization does not matter.",
+        |t, s| t.contact_impulse(s.layout),
+    )
+        .of_constraints();
+    /// Torques and contact wrenches of accelerations.
+    ConstrainedInverseDynamics "constrained_inverse_dynamics" = Row::one(
+        &[Q, QD, QDD, CONTACTS, SETTINGS],
+        shapes::constrained_torques,
+        "The joint torques or forces of the accelerations `qdd`, and the wrenches of the active contacts that\n\
+         carry the floating bases: of all that do, those with the smallest sum of\n\
+         (force^2 + (moment / l)^2) / weight. The torques of a base are the force on it that no contact can\n\
+         carry. Loop constraints carry nothing. The rank is that of the contacts' columns of the bases.",
+        |t, s| t.constrained_inverse_dynamics(s.layout),
+    )
+        .of_constraints();
+    /// The Jacobian of the constraints.
+    ConstraintJacobian "constraint_jacobian" = Row::one(
+        &[Q],
+        shapes::constraint_jacobian,
+        "The Jacobian of the constraints, for each constraint an array of columns: of a loop constraint the\n\
+         constrained part of the twist of its second frame relative to its first, in the first frame's axes;\n\
+         of a contact, active or not, that of its frame in world axes.",
+        |t, s| t.constraint_jacobian(s.layout),
+    )
+        .of_constraints()
+        .without_parameters();
+    /// The time derivative of the Jacobian of the constraints, times the velocities.
+    ConstraintBiasAcceleration "constraint_bias_acceleration" = Row::one(
+        &[Q, QD],
+        shapes::constraint_twists,
+        "The time derivative of `constraint_jacobian`, times `qd`: for each constraint the acceleration of\n\
+         its frames without joint accelerations, in the same axes.",
+        |t, _| t.constraint_bias_acceleration(),
+    )
+        .of_constraints()
+        .without_parameters();
+    /// The operational-space inertia of the constraints.
+    OperationalInertia "operational_inertia" = Row::one(
+        &[Q, CONTACTS, SETTINGS],
+        shapes::operational_inertia,
+        "The operational-space inertia of the constraints and its inverse J I^-1 J^T, arrays of columns with a\n\
+         row for each constraint row: of each constraint the constrained rotations, then displacements, of a\n\
+         contact in world axes. Those of inactive contacts are zero; compliance is part of the inverse.",
+        |t, s| t.operational_inertia(s.layout),
+    )
+        .of_constraints();
     /// The regressor of inverse dynamics.
     Regressor "regressor" = Row::one(
         &[Q, QD, QDD],

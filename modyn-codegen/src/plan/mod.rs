@@ -230,6 +230,7 @@ impl Plan {
             moving: model.links().len(),
             constraints: model.constraints(),
             contacts: model.contacts().len(),
+            constraint_rows: model.constraint_rows(),
             factors: layout.size(),
         };
         let tracing = Tracing {

@@ -130,6 +130,8 @@ pub struct Sizes {
     pub constraints: usize,
     /// Contacts.
     pub contacts: usize,
+    /// Constraint rows, all contacts active.
+    pub constraint_rows: usize,
     /// Numbers of the mass matrix's factors.
     pub factors: usize,
 }
@@ -174,7 +176,7 @@ pub(super) mod shapes {
         };
         let target = [
             vec![("pose", Shape::pose()), ("velocity", Shape::twist())],
-            scalars(&["tangential", "alpha", "beta", "compliance"]),
+            scalars(&["tangential", "alpha", "beta", "compliance", "restitution", "weight"]),
         ];
         let target = Shape::Record(Record::Plain("ContactTarget"), target.concat());
         let mut fields = scalars(&["alpha", "beta", "tolerance", "rounding"]);
@@ -206,6 +208,27 @@ pub(super) mod shapes {
     pub fn constraint_residual(s: &Sizes) -> Shape {
         let twists = || Shape::twist().array(s.constraints);
         several("ConstraintResidual", vec![("displacements", twists()), ("velocities", twists())])
+    }
+
+    pub fn contact_impulse(s: &Sizes) -> Shape {
+        let impulses = Shape::wrench().array(s.constraints);
+        let fields = vec![("qd", velocities(s)), ("impulses", impulses), ("rank", Shape::Scalar)];
+        several("ContactImpulse", fields)
+    }
+
+    pub fn constrained_torques(s: &Sizes) -> Shape {
+        let wrenches = Shape::wrench().array(s.constraints);
+        let fields = vec![("tau", velocities(s)), ("wrenches", wrenches), ("rank", Shape::Scalar)];
+        several("ConstrainedInverseDynamics", fields)
+    }
+
+    pub fn constraint_jacobian(s: &Sizes) -> Shape { twists(s).array(s.constraints) }
+    pub fn constraint_twists(s: &Sizes) -> Shape { Shape::twist().array(s.constraints) }
+
+    pub fn operational_inertia(s: &Sizes) -> Shape {
+        let matrix = || Shape::matrix(s.constraint_rows, s.constraint_rows);
+        let fields = vec![("inverse", matrix()), ("inertia", matrix()), ("rank", Shape::Scalar)];
+        several("OperationalInertia", fields)
     }
 
     pub fn constraint_projection(s: &Sizes) -> Shape {

@@ -1,13 +1,13 @@
 //! Constraints.
 //!
 //! Settings are alpha, beta, tolerance and rounding, then for each contact its target: rotation by rows, translation,
-//! velocity, tangential, alpha, beta, compliance. A twist or a wrench is three angular numbers, then three linear ones.
+//! velocity, tangential, alpha, beta, compliance, restitution, weight. A twist or a wrench is three angular numbers, then three linear ones.
 
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
-use modyn_runtime::{ConstraintSettings, ContactTarget};
+use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
 use super::Tracer;
 use crate::graph::{Expr, Graph};
@@ -75,8 +75,105 @@ impl Tracer<'_> {
     }
 }
 
+impl Tracer<'_> {
+    /// The velocities after an impact, an impulse for each constraint and the rank, from `q`, `qd`, which contacts are
+    /// active, and settings.
+    #[must_use]
+    pub fn contact_impulse(&self, layout: &UduLayout) -> Graph {
+        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
+        let groups = [nq, nv, contacts, settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, qd, active, settings]| {
+            let (mut after, mut impulses) =
+                (self.vector(), vec![Wrench::zero(); model.constraints.len()]);
+            let room = &mut ConstraintWorkspace::new(model, layout);
+            let rank = constraints::contact_impulse(
+                model,
+                layout,
+                (&q, &qd),
+                (&active, &settings_of(&settings)),
+                (&mut Workspace::new(model), room),
+                (&mut after, &mut impulses),
+            );
+            let impulses = impulses.iter().flat_map(Wrench::components);
+            after.into_iter().chain(impulses).chain([rank]).collect()
+        })
+    }
+
+    /// The torques, a wrench for each constraint and the rank, from `q`, `qd`, `qdd`, which contacts are active, and
+    /// settings.
+    #[must_use]
+    pub fn constrained_inverse_dynamics(&self, layout: &UduLayout) -> Graph {
+        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
+        let groups = [nq, nv, nv, contacts, settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, qd, qdd, active, settings]| {
+            let (mut tau, mut wrenches) =
+                (self.vector(), vec![Wrench::zero(); model.constraints.len()]);
+            let room = &mut ConstraintWorkspace::new(model, layout);
+            let rank = constraints::constrained_inverse_dynamics(
+                model,
+                (&q, &qd, &qdd),
+                (&active, &settings_of(&settings)),
+                (&mut Workspace::new(model), room),
+                (&mut tau, &mut wrenches),
+            );
+            let wrenches = wrenches.iter().flat_map(Wrench::components);
+            tau.into_iter().chain(wrenches).chain([rank]).collect()
+        })
+    }
+
+    /// The Jacobian of each constraint by columns, from `q`.
+    #[must_use]
+    pub fn constraint_jacobian(&self, layout: &UduLayout) -> Graph {
+        self.trace(|model, [q]| {
+            let mut columns = vec![Twist::zero(); model.constraints.len() * model.nv];
+            let room = &mut ConstraintWorkspace::new(model, layout);
+            let rooms = (&mut Workspace::new(model), room);
+            constraints::constraint_jacobian(model, &q, rooms, &mut columns);
+            columns.iter().flat_map(Twist::components).collect()
+        })
+    }
+
+    /// The bias acceleration of each constraint, from `q`, `qd`.
+    #[must_use]
+    pub fn constraint_bias_acceleration(&self) -> Graph {
+        self.trace(|model, [q, qd]| {
+            let mut accelerations = vec![Twist::zero(); model.constraints.len()];
+            let workspace = &mut Workspace::new(model);
+            constraints::constraint_bias_acceleration(
+                model,
+                (&q, &qd),
+                workspace,
+                &mut accelerations,
+            );
+            accelerations.iter().flat_map(Twist::components).collect()
+        })
+    }
+
+    /// The inverse operational-space inertia and the inertia by columns, and the rank, from `q`, which contacts are
+    /// active, and settings.
+    #[must_use]
+    pub fn operational_inertia(&self, layout: &UduLayout) -> Graph {
+        let groups = [self.model.nq, self.model.contacts(), settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, active, settings]| {
+            let rows: usize = model.constraints.iter().map(|c| c.rows.len()).sum();
+            let matrix = || vec![Expr::zero(); rows * rows];
+            let (mut inverse, mut inertia) = (matrix(), matrix());
+            let room = &mut ConstraintWorkspace::new(model, layout);
+            let rank = constraints::operational_inertia(
+                model,
+                layout,
+                &q,
+                (&active, &settings_of(&settings)),
+                (&mut Workspace::new(model), room),
+                (&mut inverse, &mut inertia),
+            );
+            [inverse, inertia, vec![rank]].concat()
+        })
+    }
+}
+
 /// The numbers of a contact's target.
-const TARGET: usize = 22;
+const TARGET: usize = 24;
 
 /// The number of settings.
 fn settings_count(model: &Mechanism<f64>) -> usize {
@@ -90,8 +187,9 @@ fn settings_of(numbers: &[Expr]) -> ConstraintSettings<Expr, Vec<ContactTarget<E
         let three = |from: usize| core::array::from_fn(|k| numbers[from + k]);
         let pose = Pose { rotation: [three(0), three(3), three(6)], translation: three(9) };
         let velocity = Twist { angular: Vector3(three(12)), linear: Vector3(three(15)) };
-        let [tangential, alpha, beta, compliance] = core::array::from_fn(|k| numbers[18 + k]);
-        ContactTarget { pose, velocity, tangential, alpha, beta, compliance }
+        let [tangential, alpha, beta, compliance, restitution, weight] =
+            core::array::from_fn(|k| numbers[18 + k]);
+        ContactTarget { pose, velocity, tangential, alpha, beta, compliance, restitution, weight }
     };
     let contacts = targets.chunks(TARGET).map(target).collect();
     ConstraintSettings { alpha, beta, tolerance, rounding, contacts }

@@ -137,4 +137,123 @@ impl<S: Scalar> Interpreter<S> {
         );
         Ok(())
     }
+
+    /// Computes the velocities `after` an impact (rad/s or m/s) that closes the loops and puts the active contacts at rest
+    /// relative to their targets at once, and for each constraint the impulse on its second link (N m s, N s), as
+    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) has its wrench. Along its normal, a contact
+    /// leaves with its share `restitution` of the speed that it arrived with. Returns the number of independent
+    /// constraint rows, an integer. Stabilization does not matter.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn contact_impulse(
+        &mut self,
+        (q, qd): (&[S], &[S]),
+        active: &[bool],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        (after, impulses): (&mut [S], &mut [Wrench<S>]),
+    ) -> Result<S, ShapeError> {
+        let n = self.model.nv();
+        check("q", q, self.model.nq())?;
+        check("qd", qd, n)?;
+        check("after", after, n)?;
+        check("impulses", impulses, self.model.constraints())?;
+        self.set_active(active, settings)?;
+        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let solve = constraints::contact_impulse;
+        Ok(solve(mechanism, layout, (q, qd), (active, settings), rooms, (after, impulses)))
+    }
+
+    /// Computes the joint torques or forces `tau` (N m or N) of the accelerations `qdd`, and the wrenches of the active
+    /// contacts (N m, N, at their frames' origins in world axes; zero for loop constraints) that carry the floating
+    /// bases: of all that do, those with the smallest sum of (force^2 + (moment / l)^2) / weight over the contacts. The
+    /// entries of `tau` of a floating base are the force on it that no contact can carry. Returns the number of
+    /// independent directions in which the contacts carry the bases, an integer.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn constrained_inverse_dynamics(
+        &mut self,
+        (q, qd, qdd): (&[S], &[S], &[S]),
+        active: &[bool],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        (tau, wrenches): (&mut [S], &mut [Wrench<S>]),
+    ) -> Result<S, ShapeError> {
+        let n = self.model.nv();
+        check("q", q, self.model.nq())?;
+        check("qd", qd, n)?;
+        check("qdd", qdd, n)?;
+        check("tau", tau, n)?;
+        check("wrenches", wrenches, self.model.constraints())?;
+        self.set_active(active, settings)?;
+        let Constraints { mechanism, active, rooms, .. } = self.constraints();
+        let solve = constraints::constrained_inverse_dynamics;
+        Ok(solve(mechanism, (q, qd, qdd), (active, settings), rooms, (tau, wrenches)))
+    }
+
+    /// Computes the Jacobian of the constraints into `columns`, for each constraint one for each entry of qd: of a loop
+    /// constraint the constrained part of the twist of its second frame relative to its first, in the first frame's
+    /// axes; of a contact, active or not, that of its frame in world axes.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn constraint_jacobian(
+        &mut self,
+        q: &[S],
+        columns: &mut [Twist<S>],
+    ) -> Result<(), ShapeError> {
+        check("q", q, self.model.nq())?;
+        check("columns", columns, self.model.constraints() * self.model.nv())?;
+        let Constraints { mechanism, rooms, .. } = self.constraints();
+        constraints::constraint_jacobian(mechanism, q, rooms, columns);
+        Ok(())
+    }
+
+    /// Computes the time derivative of [`constraint_jacobian`](Self::constraint_jacobian) times qd: for each constraint
+    /// the acceleration of its frames without joint accelerations (rad/s^2, m/s^2), in the same axes.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn constraint_bias_acceleration(
+        &mut self,
+        (q, qd): (&[S], &[S]),
+        accelerations: &mut [Twist<S>],
+    ) -> Result<(), ShapeError> {
+        check("q", q, self.model.nq())?;
+        check("qd", qd, self.model.nv())?;
+        check("accelerations", accelerations, self.model.constraints())?;
+        let Self { mechanism, workspace, .. } = self;
+        constraints::constraint_bias_acceleration(mechanism, (q, qd), workspace, accelerations);
+        Ok(())
+    }
+
+    /// Computes the inverse operational-space inertia J I^-1 J^T of the constraint rows (1/kg; the Delassus matrix) with
+    /// the compliance of contacts, and its pseudo-inverse (kg), both by columns with a row for each constraint row
+    /// ([`Model::constraint_rows`](crate::model::Model::constraint_rows)): of each constraint the constrained rotations,
+    /// then displacements, of a loop constraint in the first frame's axes, of a contact in world axes. Rows and columns
+    /// of inactive contacts are zero. Returns the number of independent rows, an integer.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn operational_inertia(
+        &mut self,
+        q: &[S],
+        active: &[bool],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        (inverse, inertia): (&mut [S], &mut [S]),
+    ) -> Result<S, ShapeError> {
+        let rows = self.model.constraint_rows();
+        check("q", q, self.model.nq())?;
+        check("inverse", inverse, rows * rows)?;
+        check("inertia", inertia, rows * rows)?;
+        self.set_active(active, settings)?;
+        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let solve = constraints::operational_inertia;
+        Ok(solve(mechanism, layout, q, (active, settings), rooms, (inverse, inertia)))
+    }
 }

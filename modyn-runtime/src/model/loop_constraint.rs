@@ -85,6 +85,16 @@ impl LoopConstraintKind {
         }
     }
 
+    /// The number of constraint rows.
+    #[must_use]
+    pub fn rows(self) -> usize {
+        match self {
+            Self::Point => 3,
+            Self::Rigid => 6,
+            Self::Revolute(_) | Self::Prismatic(_) => 5,
+        }
+    }
+
     /// The constrained and the free directions, unit vectors in the first frame: of each the rotations,
     /// then the displacements.
     pub(crate) fn directions(self) -> (Directions, Directions) {

@@ -231,6 +231,13 @@ impl Model {
         self.loop_constraints.len() + self.contacts.len()
     }
 
+    /// The number of constraint rows, all contacts active.
+    #[must_use]
+    pub fn constraint_rows(&self) -> usize {
+        let loops = self.loop_constraints.iter().map(|constraint| constraint.kind.rows());
+        loops.chain(self.contacts.iter().map(|contact| contact.kind.rows())).sum()
+    }
+
     /// The link of the description of that name, as an index of [`frames`](Self::frames).
     #[must_use]
     pub fn frame_index(&self, name: &str) -> Option<usize> {

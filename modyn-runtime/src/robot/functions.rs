@@ -132,6 +132,50 @@ macro_rules! robot_functions {
                 settings: &Settings<Self, T>
             ) -> ConstraintProjection<Self::V<T>, T>, if ProjectConstraints;
 
+            /// The velocities after an impact that closes the loops and puts the active contacts at rest relative to
+            /// their targets at once, with the impulse of each constraint and the number of independent constraint
+            /// rows. Along its normal, a contact leaves with its share `restitution` of the speed that it arrived with.
+            contact_impulse / contact_impulse_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                contacts: Self::Contacts,
+                settings: &Settings<Self, T>
+            ) -> ContactImpulse<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>, if ContactImpulse;
+
+            /// The joint torques or forces of the accelerations `qdd`, and the wrenches of the active contacts that
+            /// carry the floating bases: of all that do, the smallest by weight. The torques of a base are the force
+            /// on it that no contact can carry.
+            constrained_inverse_dynamics / constrained_inverse_dynamics_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                qdd: &Self::V<T>,
+                contacts: Self::Contacts,
+                settings: &Settings<Self, T>
+            ) -> ConstrainedInverseDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>, if ConstrainedInverseDynamics;
+
+            /// The Jacobian of the constraints, for each constraint an array of columns: of a loop constraint the
+            /// constrained part of the twist of its second frame relative to its first, in the first frame's axes; of a
+            /// contact, active or not, that of its frame in world axes.
+            constraint_jacobian(
+                q: &Self::Q<T>
+            ) -> Self::PerConstraint<Self::PerVelocity<Twist<T>>>, if ConstraintJacobian;
+
+            /// The time derivative of `constraint_jacobian`, times `qd`: for each constraint the acceleration of its
+            /// frames without joint accelerations, in the same axes.
+            constraint_bias_acceleration(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>
+            ) -> Self::PerConstraint<Twist<T>>, if ConstraintBiasAcceleration;
+
+            /// The operational-space inertia of the constraints and its inverse J I^-1 J^T, arrays of columns with a
+            /// row for each constraint row: of each constraint the constrained rotations, then displacements, of a
+            /// contact in world axes. Those of inactive contacts are zero.
+            operational_inertia / operational_inertia_with(
+                q: &Self::Q<T>,
+                contacts: Self::Contacts,
+                settings: &Settings<Self, T>
+            ) -> OperationalInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>, if OperationalInertia;
+
             /// The regressor Y of the inverse dynamics, an array of columns: tau = Y pi (rotors and friction
             /// apart), where pi holds ten numbers a moving link: mass, mass times centre of mass x, y, z, and
             /// Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in its own axes.

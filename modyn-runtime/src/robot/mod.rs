@@ -8,8 +8,9 @@ use crate::Scalar;
 use crate::configuration::{self, ConfigurationError};
 use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 use crate::results::{
-    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual,
-    ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
+    ConstrainedForwardDynamics, ConstrainedInverseDynamics, ConstraintProjection,
+    ConstraintResidual, ContactImpulse, ForwardDynamicsDerivatives, InverseDynamicsDerivatives,
+    JointLimits, KinematicModule, OperationalInertia,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use functions::{declare_functions, missing, robot_functions};
@@ -89,6 +90,8 @@ pub trait Robot {
     /// Something for each constraint: for each joint that closes a loop, in the order of
     /// [`LOOP_CONSTRAINT_NAMES`](Self::LOOP_CONSTRAINT_NAMES), then for each contact.
     type PerConstraint<X: Copy>: Array<X>;
+    /// Something for each constraint row, all contacts active.
+    type PerConstraintRow<X: Copy>: Array<X>;
     /// The regressor's columns.
     type Regressor<T: Scalar>: Array<Self::V<T>>;
     /// The factorization by modules.

@@ -316,9 +316,11 @@ impl Robot<'_> {
              type Contacts = {contacts_type};\n\
              type PerContact<X: ::core::marker::Copy> = [X; {contacts}];\n\
              type PerConstraint<X: ::core::marker::Copy> = [X; {constraints}];\n\
+             type PerConstraintRow<X: ::core::marker::Copy> = [X; {rows}];\n\
              type Regressor<T: __modyn::Scalar> = [[T; {nv}]; {columns}];\n\
              type Brge<T: __modyn::Scalar> = {brge};\n\
              fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| T::from_f64(::core::convert::Into::into(x)))\n}}",
+            rows = self.model.constraint_rows(),
             columns = PARAMETERS_PER_LINK * self.model.links().len(),
         );
         for quantity in quantities {

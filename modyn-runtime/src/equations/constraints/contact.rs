@@ -84,10 +84,14 @@ impl<S: Scalar> ContactFrame<S> {
         Vector3(core::array::from_fn(|j| self.root_axes.column(j).dot(v)))
     }
 
+    /// A vector in the root's axes, in world axes.
+    pub(super) fn to_world(&self, v: Vector3<S>) -> Vector3<S> {
+        self.root_axes.mul_vector(v)
+    }
+
     /// A twist in the root's axes, in world axes.
     pub(super) fn twist_to_world(&self, t: Twist<S>) -> Twist<S> {
-        let turned = |v| self.root_axes.mul_vector(v);
-        Twist { angular: turned(t.angular), linear: turned(t.linear) }
+        Twist { angular: self.to_world(t.angular), linear: self.to_world(t.linear) }
     }
 
     /// The displacement from the target in world axes: of a point its tangential part counts by a share, of a surface

@@ -171,6 +171,16 @@ impl<S: Scalar> RankFactorization<S> {
         }
     }
 
+    /// An entry of the matrix. Expects that it is not factorized.
+    pub(super) fn entry(&self, i: usize, j: usize) -> S {
+        self.matrix[start(i.max(j)) + i.min(j)]
+    }
+
+    /// The sum of the matrix's diagonal. Expects that it is not factorized.
+    pub(super) fn trace(&self) -> S {
+        (0..self.rows).fold(S::zero(), |sum, k| sum + self.entry(k, k))
+    }
+
     /// The number of independent rows.
     pub(super) fn rank(&self) -> S {
         self.independent.iter().fold(S::zero(), |sum, &one| sum + one)

@@ -8,6 +8,10 @@
 //! | `rows` | the Jacobian rows in units of length, and the mobility of each constraint |
 //! | `factorization` | the pseudo-inverse of J I^-1 J^T, and its rank |
 //! | `forward_dynamics` | accelerations and constraint wrenches |
+//! | `impulse` | the velocities after an impact |
+//! | `inverse_dynamics` | the torques of an acceleration, and the wrenches that carry a floating base |
+//! | `jacobian` | the Jacobian, and the bias acceleration |
+//! | `operational_inertia` | J I^-1 J^T and its pseudo-inverse |
 //! | `projection` | steps that meet the constraints |
 //! | `residual` | how far the constraints are from being met |
 //!
@@ -37,12 +41,20 @@
 mod contact;
 mod factorization;
 mod forward_dynamics;
+mod impulse;
+mod inverse_dynamics;
+mod jacobian;
+mod operational_inertia;
 mod projection;
 mod relative_motion;
 mod residual;
 mod rows;
 
 pub use forward_dynamics::constrained_forward_dynamics;
+pub use impulse::contact_impulse;
+pub use inverse_dynamics::constrained_inverse_dynamics;
+pub use jacobian::{constraint_bias_acceleration, constraint_jacobian};
+pub use operational_inertia::operational_inertia;
 pub use projection::project_constraints;
 pub use residual::constraint_residual;
 
@@ -55,9 +67,10 @@ use super::factorization::{solve_lower_factor, solve_upper_factor};
 use crate::Scalar;
 use crate::constraint_settings::{ConstraintSettings, ContactTarget};
 use crate::mechanism::{ConstrainedFrames, Mechanism};
-use crate::spatial::{Twist, Wrench};
+use crate::spatial::{Twist, Vector3, Wrench};
 use contact::ContactFrame;
 use factorization::RankFactorization;
+use inverse_dynamics::Carried;
 
 /// Which contacts are active (1, else 0), and the settings of all constraints.
 pub type Settings<'a, S, C> = (&'a [S], &'a ConstraintSettings<S, C>);
@@ -93,6 +106,8 @@ pub struct ConstraintWorkspace<S> {
     force: Vec<S>,
     /// By entry of qd: the acceleration of floating bases in free fall.
     fall: Vec<S>,
+    /// The velocities of a robot at rest.
+    rest: Vec<S>,
     /// By constraint: the trace of J I^-1 J^T over all six directions.
     mobilities: Vec<S>,
     /// J I^-1 J^T of the constrained rows.
@@ -101,6 +116,8 @@ pub struct ConstraintWorkspace<S> {
     right_hand_sides: [Vec<S>; 2],
     /// By constrained row: the part of the right-hand side that was not met.
     residuals: Vec<S>,
+    /// For inverse dynamics.
+    carried: Carried<S>,
     /// Of the mass matrix.
     factors: Vec<S>,
 }
@@ -128,11 +145,13 @@ impl<S: Scalar> ConstraintWorkspace<S> {
             reduced: numbers((rows + free) * model.nv),
             force: numbers(model.nv),
             fall: numbers(model.nv),
+            rest: numbers(model.nv),
             mobilities: numbers(model.constraints.len()),
             factorization: RankFactorization::new(blocks),
             supports: moving.iter().map(|moving| Support::new(layout, moving)).collect(),
             right_hand_sides: [numbers(rows), numbers(rows)],
             residuals: numbers(rows),
+            carried: Carried::new(model, rows),
             factors: numbers(layout.size()),
         }
     }
@@ -146,9 +165,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         (active, settings): Settings<'_, S, C>,
         complete: impl FnOnce(&mut Self),
     ) {
-        rows::mobilities(model, layout, (active, settings.contacts.as_ref()), self);
-        let (tolerance, rounding) = (settings.tolerance, settings.rounding);
-        self.factorization.factorize(&self.mobilities, tolerance, rounding);
+        self.fill(model, layout, (active, settings));
+        self.factorize_filled(settings);
         complete(self);
         let loops = model.constraints.len() - active.len();
         for side in &mut self.right_hand_sides {
@@ -157,6 +175,48 @@ impl<S: Scalar> ConstraintWorkspace<S> {
                     *b = *b * active[contact];
                 }
             }
+        }
+    }
+
+    /// Computes J I^-1 J^T of the rows at present.
+    fn fill<C: AsRef<[ContactTarget<S>]>>(
+        &mut self,
+        model: &Mechanism<S>,
+        layout: &UduLayout,
+        (active, settings): Settings<'_, S, C>,
+    ) {
+        rows::mobilities(model, layout, (active, settings.contacts.as_ref()), self);
+    }
+
+    fn factorize_filled<C>(&mut self, settings: &ConstraintSettings<S, C>) {
+        let (tolerance, rounding) = (settings.tolerance, settings.rounding);
+        self.factorization.factorize(&self.mobilities, tolerance, rounding);
+    }
+
+    /// The factor of a constrained row's units: the characteristic length of a rotation, else 1.
+    fn row_length(&self, model: &Mechanism<S>, row: usize) -> S {
+        let constraint = self.owner[row];
+        let first = self.owner.iter().position(|&c| c == constraint).unwrap_or(row);
+        let constraint = &model.constraints[constraint];
+        if constraint.rows[row - first].angular { constraint.length } else { S::one() }
+    }
+
+    /// Turns the Jacobian's rows of contacts into world axes.
+    fn turn_contact_rows(&mut self, model: &Mechanism<S>) {
+        let n = model.nv.max(1);
+        let (mut next, mut frames) = (0, self.frames.iter());
+        for constraint in &model.constraints {
+            let count = constraint.rows.len();
+            if let Some(frame) = constraint.contact.then(|| frames.next()).flatten() {
+                for three in self.jacobian[next * n..(next + count) * n].chunks_mut(3 * n) {
+                    for k in 0..n {
+                        let turned =
+                            frame.to_world(Vector3([three[k], three[n + k], three[2 * n + k]]));
+                        (0..3).for_each(|i| three[i * n + k] = turned[i]);
+                    }
+                }
+            }
+            next += count;
         }
     }
 
