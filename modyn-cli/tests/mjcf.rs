@@ -1,5 +1,5 @@
 //! Every command takes `MuJoCo`'s models, too.
-#![cfg(feature = "command")]
+#![cfg(feature = "mjcf")]
 
 mod common;
 

@@ -71,5 +71,5 @@ pub use results::{
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]
 pub use scalar::LaneScalar;
-pub use scalar::{Portable, Scalar};
+pub use scalar::{Portable, SIN_COS_F32, SIN_COS_F64, Scalar, SinCosNumbers};
 pub use spatial::{Momentum, Pose, Twist, Vector3, Wrench};

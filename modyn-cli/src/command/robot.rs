@@ -136,6 +136,7 @@ impl Robot {
         let builder = Builder::new();
         // With its path, a kept file says what a build script's would.
         let builder = match (path, Format::of(text, name)) {
+            #[cfg(feature = "mjcf")]
             (Some(path), Format::Mjcf) => builder.mjcf(path),
             (Some(path), _) => builder.urdf(path),
             (None, _) => builder.text(text, name),

@@ -14,6 +14,8 @@ mod packing;
 pub mod partition;
 mod shape;
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use modyn_runtime::OperationCount;
 use modyn_runtime::equations::ModulePartition;
 use modyn_runtime::equations::brge::UduLayout;
@@ -253,8 +255,10 @@ impl Plan {
                 && (sizes.constraints > 0 || !row.of_constraints)
         };
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
+        let mut graphs = Graphs::new(&selected);
         let planned = |&function: &Function| {
-            Planned::new(function, &tracing, &sizes, parameters.len(), choices.strategy)
+            let known = (&tracing, &sizes, parameters.len());
+            Planned::new(function, known, choices.strategy, &mut graphs)
         };
         let (batches, functions): (Vec<Planned>, Vec<Planned>) =
             selected.iter().map(planned).partition(|planned| planned.row().batch_of.is_some());
@@ -280,13 +284,48 @@ impl Plan {
     }
 }
 
+/// The scalar graphs of selected functions whose batch forms are selected, too: each is traced once for both.
+struct Graphs {
+    /// The functions whose graphs are kept for their batch forms.
+    batched: BTreeSet<Function>,
+    kept: BTreeMap<Function, Graph>,
+}
+
+impl Graphs {
+    fn new(selected: &[Function]) -> Self {
+        let batched = selected.iter().filter_map(|function| function.batched()).collect();
+        Self { batched, kept: BTreeMap::new() }
+    }
+
+    /// Returns the optimized and balanced graph of a function or of its batch form, which is traced at the first call.
+    fn scalar(
+        &mut self,
+        function: Function,
+        trace: fn(&Tracer<'_>, &Tracing<'_>) -> Graph,
+        tracing: &Tracing<'_>,
+    ) -> Graph {
+        let one = function.batched().unwrap_or(function);
+        if let Some(graph) = self.kept.get(&one) {
+            return graph.clone();
+        }
+        let graph = packing::balanced(match one {
+            // The search for its modules has optimized it.
+            Function::ForwardDynamics => tracing.forward_dynamics.clone(),
+            _ => optimize(trace(tracing.tracer, tracing)),
+        });
+        if self.batched.contains(&one) {
+            self.kept.insert(one, graph.clone());
+        }
+        graph
+    }
+}
+
 impl Planned {
     fn new(
         function: Function,
-        tracing: &Tracing<'_>,
-        sizes: &Sizes,
-        parameters: usize,
+        (tracing, sizes, parameters): (&Tracing<'_>, &Sizes, usize),
         strategy: Strategy,
+        graphs: &mut Graphs,
     ) -> Self {
         let row = function.row();
         let arguments: Vec<(&'static str, Shape)> =
@@ -317,11 +356,7 @@ impl Planned {
                 Kernels::One(program(&graph, Target::Scalar))
             }
             Trace::One(trace) => {
-                let graph = packing::balanced(match row.batch_of.unwrap_or(function) {
-                    // The search for its modules has optimised it.
-                    Function::ForwardDynamics => tracing.forward_dynamics.clone(),
-                    _ => optimize(trace(tracing.tracer, tracing)),
-                });
+                let graph = graphs.scalar(function, trace, tracing);
                 match packing::packed(function, tracing, &graph) {
                     _ if row.batch_of.is_some() => Kernels::One(program(&graph, Target::Batch)),
                     None => Kernels::One(program(&graph, Target::Scalar)),

@@ -21,3 +21,4 @@ pub use lane_scalar::LaneScalar;
 pub use portable::Portable;
 pub use real::Scalar;
 pub(crate) use real::epsilon;
+pub use trig::{SIN_COS_F32, SIN_COS_F64, SinCosNumbers};

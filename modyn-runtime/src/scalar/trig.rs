@@ -117,6 +117,71 @@ fn at<S: FlipSign, const M: usize, const N: usize>(
     (sin.flip_sign(turns), cos.flip_sign(turns))
 }
 
+/// The numbers by which sine and cosine are computed in one precision: every back end has them from here.
+#[derive(Clone, Copy, Debug)]
+pub struct SinCosNumbers<const P: usize, const M: usize, const N: usize> {
+    /// Angles of the fast reduction are smaller.
+    pub limit: f64,
+    /// Adding this number rounds to the nearest integer, whose lowest bit is then the lowest bit of the sum.
+    pub round: f64,
+    /// Minus pi in parts. All parts but the last are short enough that their products with a multiple are exact.
+    pub minus_pi: [f64; P],
+    /// The coefficients of (sin r / r - 1) / r^2 in r^2, the highest first.
+    pub sine: [f64; M],
+    /// The coefficients of (cos r - 1 + r^2 / 2) / r^4 in r^2, the highest first.
+    pub cosine: [f64; N],
+}
+
+/// The numbers of double precision. The multiple of pi has at most 17 bits, the first two parts of pi have 36.
+pub const SIN_COS_F64: SinCosNumbers<3, 8, 7> = SinCosNumbers {
+    limit: 262_144.0,
+    round: 6755399441055744.0,
+    minus_pi: [-3.1415926535846666, -5.1266883031679116e-12, -2.1125998133974855e-23],
+    sine: [
+        2.731444766828598e-15,
+        -7.643970296785917e-13,
+        1.6058977312463691e-10,
+        -2.5052107616996175e-08,
+        2.7557319219163234e-06,
+        -0.00019841269841254974,
+        0.008333333333333316,
+        -0.16666666666666666,
+    ],
+    cosine: [
+        4.646435958850054e-14,
+        -1.1466252259700669e-11,
+        2.087668155886695e-09,
+        -2.755731857336617e-07,
+        2.480158729891355e-05,
+        -0.0013888888888884767,
+        0.04166666666666666,
+    ],
+};
+
+/// The numbers of single precision. The multiple of pi has at most 11 bits, the first three parts of pi have 13.
+pub const SIN_COS_F32: SinCosNumbers<4, 4, 4> = SinCosNumbers {
+    limit: 4096.0,
+    round: 12582912.0,
+    minus_pi: [
+        -3.14111328125,
+        -0.0004793405532836914,
+        -3.1781382858753204e-8,
+        -5.126688136514179e-12,
+    ],
+    sine: [
+        2.6347563915750605e-06,
+        -0.00019822739488558033,
+        0.008333242135096397,
+        -0.1666666596382118,
+    ],
+    cosine: [
+        -2.6546065803427757e-07,
+        2.4786082439888205e-05,
+        -0.001388881255124653,
+        0.04166666607830637,
+    ],
+};
+
 impl FlipSign for f64 {
     #[inline(always)]
     fn flip_sign(self, by: Self) -> Self {
@@ -125,20 +190,18 @@ impl FlipSign for f64 {
 }
 
 impl Precision for f64 {
-    /// The multiple of pi has at most 17 bits.
-    const LIMIT: Self = 262_144.0;
+    const LIMIT: Self = SIN_COS_F64.limit;
 
     #[inline(always)]
     fn near<S: FlipSign>(x: S) -> (S, S) {
         let k = S::from_f64;
-        // Adding 1.5 * 2^52 rounds to the nearest integer, whose lowest bit is then the lowest of the sum.
-        let round = k(6755399441055744.0);
+        let round = k(SIN_COS_F64.round);
         let shifted = x.mul_add(k(core::f64::consts::FRAC_1_PI), round);
         let n = shifted - round;
-        // pi in three parts, the first two of 36 bits.
-        let r = n.mul_add(k(-3.1415926535846666), x);
-        let r = n.mul_add(k(-5.1266883031679116e-12), r);
-        (n.mul_add(k(-2.1125998133974855e-23), r), shifted)
+        let [first, second, third] = SIN_COS_F64.minus_pi;
+        let r = n.mul_add(k(first), x);
+        let r = n.mul_add(k(second), r);
+        (n.mul_add(k(third), r), shifted)
     }
 
     #[cold]
@@ -158,28 +221,12 @@ impl Precision for f64 {
 
     #[inline(always)]
     fn polynomials<S: FlipSign>(r: S, turns: S) -> (S, S) {
-        // Each converted where it stands: a loop over them would do it at run time.
+        // Each is converted by name: a loop over them would do it at run time.
         let k = S::from_f64;
-        let sine = [
-            k(2.731444766828598e-15),
-            k(-7.643970296785917e-13),
-            k(1.6058977312463691e-10),
-            k(-2.5052107616996175e-08),
-            k(2.7557319219163234e-06),
-            k(-0.00019841269841254974),
-            k(0.008333333333333316),
-            k(-0.16666666666666666),
-        ];
-        let cosine = [
-            k(4.646435958850054e-14),
-            k(-1.1466252259700669e-11),
-            k(2.087668155886695e-09),
-            k(-2.755731857336617e-07),
-            k(2.480158729891355e-05),
-            k(-0.0013888888888884767),
-            k(0.04166666666666666),
-        ];
-        at(r, turns, sine, cosine)
+        let [a, b, c, d, e, f, g, h] = SIN_COS_F64.sine;
+        let sine = [k(a), k(b), k(c), k(d), k(e), k(f), k(g), k(h)];
+        let [a, b, c, d, e, f, g] = SIN_COS_F64.cosine;
+        at(r, turns, sine, [k(a), k(b), k(c), k(d), k(e), k(f), k(g)])
     }
 }
 
@@ -191,20 +238,19 @@ impl FlipSign for f32 {
 }
 
 impl Precision for f32 {
-    /// The multiple of pi has at most 11 bits.
-    const LIMIT: Self = 4096.0;
+    const LIMIT: Self = SIN_COS_F32.limit as Self;
 
     #[inline(always)]
     fn near<S: FlipSign>(x: S) -> (S, S) {
         let k = S::from_f64;
-        let round = k(12582912.0);
+        let round = k(SIN_COS_F32.round);
         let shifted = x.mul_add(k(core::f32::consts::FRAC_1_PI.into()), round);
         let n = shifted - round;
-        // pi in four parts, the first three of 13 bits.
-        let r = n.mul_add(k(-3.14111328125), x);
-        let r = n.mul_add(k(-0.0004793405532836914), r);
-        let r = n.mul_add(k(-3.1781382858753204e-8), r);
-        (n.mul_add(k(-5.126688136514179e-12), r), shifted)
+        let [first, second, third, fourth] = SIN_COS_F32.minus_pi;
+        let r = n.mul_add(k(first), x);
+        let r = n.mul_add(k(second), r);
+        let r = n.mul_add(k(third), r);
+        (n.mul_add(k(fourth), r), shifted)
     }
 
     #[cold]
@@ -225,21 +271,12 @@ impl Precision for f32 {
 
     #[inline(always)]
     fn polynomials<S: FlipSign>(r: S, turns: S) -> (S, S) {
-        // Each converted where it stands: a loop over them would do it at run time.
+        // Each is converted by name: a loop over them would do it at run time.
         let k = S::from_f64;
-        let sine = [
-            k(2.6347563915750605e-06),
-            k(-0.00019822739488558033),
-            k(0.008333242135096397),
-            k(-0.1666666596382118),
-        ];
-        let cosine = [
-            k(-2.6546065803427757e-07),
-            k(2.4786082439888205e-05),
-            k(-0.001388881255124653),
-            k(0.04166666607830637),
-        ];
-        at(r, turns, sine, cosine)
+        let [a, b, c, d] = SIN_COS_F32.sine;
+        let sine = [k(a), k(b), k(c), k(d)];
+        let [a, b, c, d] = SIN_COS_F32.cosine;
+        at(r, turns, sine, [k(a), k(b), k(c), k(d)])
     }
 }
 

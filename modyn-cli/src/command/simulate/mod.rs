@@ -1,6 +1,10 @@
 //! `modyn simulate`: how a robot moves, in figures, in plots and on a page to watch.
 
 mod motion;
+#[cfg(feature = "plot")]
+mod plot;
+#[cfg(not(feature = "plot"))]
+#[path = "no_plot.rs"]
 mod plot;
 mod skeleton;
 mod table;

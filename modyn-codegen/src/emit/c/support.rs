@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use modyn_runtime::{SIN_COS_F32, SIN_COS_F64, SinCosNumbers};
+
 use super::FloatType;
 use super::literal;
 
@@ -56,7 +58,8 @@ pub(super) fn text(used: &BTreeSet<Support>, float: FloatType) -> String {
     literals(&text, float)
 }
 
-/// The words that depend on the precision. The numbers are those of `scalar/trig.rs` and `scalar/elementary.rs`.
+/// The words that depend on the precision. Those of the arctangent and the logarithm are the numbers of
+/// `scalar/elementary.rs`.
 fn words(float: FloatType) -> BTreeMap<&'static str, String> {
     let series = |count: u32, term: &dyn Fn(f64) -> (f64, f64)| {
         let term = |i: u32| {
@@ -67,10 +70,6 @@ fn words(float: FloatType) -> BTreeMap<&'static str, String> {
     };
     let logarithms = |i: f64| (2.0, 2.0 * i + 3.0);
     let tangents = |i: f64| (if i % 2.0 == 0.0 { -1.0 } else { 1.0 }, 2.0 * i + 3.0);
-    let list = |numbers: &[&str]| {
-        let numbers: Vec<String> = numbers.iter().map(|number| format!("R({number})")).collect();
-        numbers.join(", ")
-    };
     let shared = [
         ("TAN_15", "0.26794919243112270647"),
         ("ROOT_3", "1.73205080756887729353"),
@@ -92,14 +91,6 @@ fn words(float: FloatType) -> BTreeMap<&'static str, String> {
             ("SCALE", "961U"),
             ("ANGLE", "(double)reduced.angle"),
             ("ERROR", "3e-16"),
-            ("LIMIT", "262144.0"),
-            ("ROUND", "6755399441055744.0"),
-            (
-                "REDUCTION",
-                "(n * R(-1.21542010130123852e-10)) + ((n * R(-3.14159265346825122833)) + x)",
-            ),
-            ("SINES", "8"),
-            ("COSINES", "7"),
             ("LN_TERMS", "9"),
             ("ATAN_TERMS", "14"),
             ("MIN_POSITIVE", "2.2250738585072014e-308"),
@@ -123,15 +114,6 @@ fn words(float: FloatType) -> BTreeMap<&'static str, String> {
             ("SCALE", "97U"),
             ("ANGLE", "(float)(unsigned int)(reduced.angle >> 32)"),
             ("ERROR", "1.5e-7"),
-            ("LIMIT", "4096.0"),
-            ("ROUND", "12582912.0"),
-            (
-                "REDUCTION",
-                "(n * R(-6.2783295730096264e-7)) + \
-                 ((n * R(-0.0009670257568359375)) + ((n * R(-3.140625)) + x))",
-            ),
-            ("SINES", "4"),
-            ("COSINES", "4"),
             ("LN_TERMS", "4"),
             ("ATAN_TERMS", "6"),
             ("MIN_POSITIVE", "1.1754943508222875e-38"),
@@ -144,55 +126,36 @@ fn words(float: FloatType) -> BTreeMap<&'static str, String> {
             ("SIXTH_REST", "-1.457046305830545e-08"),
         ],
     };
-    let (sine, cosine, logarithm, arctangent): (&[&str], &[&str], _, _) = match float {
-        FloatType::F64 => (
-            &[
-                "2.731444766828598e-15",
-                "-7.643970296785917e-13",
-                "1.6058977312463691e-10",
-                "-2.5052107616996175e-08",
-                "2.7557319219163234e-06",
-                "-0.00019841269841254974",
-                "0.008333333333333316",
-                "-0.16666666666666666",
-            ],
-            &[
-                "4.646435958850054e-14",
-                "-1.1466252259700669e-11",
-                "2.087668155886695e-09",
-                "-2.755731857336617e-07",
-                "2.480158729891355e-05",
-                "-0.0013888888888884767",
-                "0.04166666666666666",
-            ],
-            9,
-            14,
-        ),
-        FloatType::F32 => (
-            &[
-                "2.6347563915750605e-06",
-                "-0.00019822739488558033",
-                "0.008333242135096397",
-                "-0.1666666596382118",
-            ],
-            &[
-                "-2.6546065803427757e-07",
-                "2.4786082439888205e-05",
-                "-0.001388881255124653",
-                "0.04166666607830637",
-            ],
-            4,
-            6,
-        ),
+    let (sin_cos, logarithm, arctangent) = match float {
+        FloatType::F64 => (sin_cos_words(&SIN_COS_F64), 9, 14),
+        FloatType::F32 => (sin_cos_words(&SIN_COS_F32), 4, 6),
     };
     let computed = [
-        ("SINE_COEFFICIENTS", list(sine)),
-        ("COSINE_COEFFICIENTS", list(cosine)),
         ("LN_SERIES", series(logarithm, &logarithms)),
         ("ATAN_SERIES", series(arctangent, &tangents)),
     ];
     let given = shared.iter().chain(of_precision).map(|(word, text)| (*word, (*text).to_string()));
-    given.chain(computed).collect()
+    given.chain(computed).chain(sin_cos).collect()
+}
+
+/// The words of sine and cosine.
+fn sin_cos_words<const P: usize, const M: usize, const N: usize>(
+    numbers: &SinCosNumbers<P, M, N>,
+) -> [(&'static str, String); 7] {
+    let list = |numbers: &[f64]| {
+        let numbers: Vec<String> = numbers.iter().map(|number| format!("R({number:?})")).collect();
+        numbers.join(", ")
+    };
+    let reduced = |x: String, part: &f64| format!("((n * R({part:?})) + {x})");
+    [
+        ("LIMIT", format!("{:?}", numbers.limit)),
+        ("ROUND", format!("{:?}", numbers.round)),
+        ("REDUCTION", numbers.minus_pi.iter().fold("x".into(), reduced)),
+        ("SINES", M.to_string()),
+        ("COSINES", N.to_string()),
+        ("SINE_COEFFICIENTS", list(&numbers.sine)),
+        ("COSINE_COEFFICIENTS", list(&numbers.cosine)),
+    ]
 }
 
 /// The text with some of its words replaced.
