@@ -114,6 +114,12 @@ impl Measures {
                     + constraints * (40_000.0 + 10_000.0 * links)
                     + 50_000.0 * constraints.powi(2)
             }
+            Function::ConstrainedForwardDynamicsDerivatives => {
+                5000.0 * depths
+                    + 600.0 * squares
+                    + 600.0 * entries
+                    + constraints * (100_000.0 + 60_000.0 * links)
+            }
             Function::ContactImpulse | Function::OperationalInertia => {
                 factors
                     + constraints * (40_000.0 + 10_000.0 * links)
@@ -150,8 +156,7 @@ pub fn estimate(
     functions: &[Function],
 ) -> (f64, Vec<(Function, f64)>) {
     let measures = Measures::new(model, modules);
-    let selected =
-        functions.iter().filter(|f| !f.is_of_constraints() || measures.constraints > 0.0);
+    let selected = functions.iter().filter(|f| f.fits(model.constraints(), model.contacts().len()));
     let mut sizes: Vec<_> = selected.map(|&f| (f, measures.bytes(f))).collect();
     sizes.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     // Enums, names and tables have a line or two for each joint and link.

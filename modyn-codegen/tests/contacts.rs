@@ -8,7 +8,7 @@ use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModelErrorKind, ModuleTree};
 use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
-use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter};
+use modyn_runtime::{ConstrainedDerivatives, ConstraintSettings, ContactTarget, Interpreter};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3 as V3};
 
 const QUADRUPED: &str = include_str!("../../robots/quadruped.urdf");
@@ -791,5 +791,106 @@ fn what_gets_compiled_of_the_other_functions_is_what_the_interpreter_computes() 
         let graph = optimize(tracer.operational_inertia(&layout));
         let found = graph.evaluate(&[&*state.q, &on, &numbers].concat());
         assert_near(&found, &[inverse, inertia, vec![rank]].concat(), 1e-7);
+    });
+}
+
+/// The accelerations, the wrenches and their derivatives, in the order of a graph's results.
+fn derivatives(model: &Model, state: &State, active: &[bool], settings: &Settings) -> Vec<f64> {
+    let mut interpreter = Interpreter::new(model.clone());
+    let (nv, count) = (model.nv(), model.constraints());
+    let (mut qdd, mut wrenches) = (vec![0.0; nv], vec![Wrench::zero(); count]);
+    let mut matrices = [0; 3].map(|_| vec![0.0; nv * nv]);
+    let mut changes = [0; 3].map(|_| vec![Wrench::zero(); nv * count]);
+    let ([dqdd_dq, dqdd_dqd, dqdd_dtau], [dwrenches_dq, dwrenches_dqd, dwrenches_dtau]) =
+        (&mut matrices, &mut changes);
+    let outputs = ConstrainedDerivatives {
+        qdd: &mut qdd,
+        wrenches: &mut wrenches,
+        dqdd_dq,
+        dqdd_dqd,
+        dqdd_dtau,
+        dwrenches_dq,
+        dwrenches_dqd,
+        dwrenches_dtau,
+    };
+    let motion = (&*state.q, &*state.qd, &*state.tau);
+    let rank =
+        interpreter.constrained_forward_dynamics_derivatives(motion, active, settings, outputs);
+    let changes: Vec<f64> = changes.iter().flat_map(|of| components(of)).collect();
+    let rank = vec![rank.expect("fits")];
+    [qdd, components(&wrenches), matrices.concat(), changes, rank].concat()
+}
+
+/// The state with entry `k` of q (in the tangent space), qd or tau moved.
+fn moved(model: &Model, state: &State, variable: usize, k: usize, by: f64) -> State {
+    let State { q, qd, tau } = state;
+    let mut step = vec![0.0; model.nv()];
+    step[k] = by;
+    let mut there = State { q: q.clone(), qd: qd.clone(), tau: tau.clone() };
+    match variable {
+        0 => {
+            Interpreter::<f64>::new(model.clone()).integrate(q, &step, &mut there.q).expect("fits")
+        }
+        1 => there.qd[k] += by,
+        _ => there.tau[k] += by,
+    }
+    there
+}
+
+#[test]
+fn derivatives_are_those_of_differences() {
+    let mut checked = 0;
+    for_all(16, |model, state, active, settings| {
+        let (nv, count) = (model.nv(), model.constraints());
+        let value = |there: &State| {
+            let found = interpreted(model, there, active, settings);
+            ([found.qdd, found.wrenches.concat()].concat(), found.rank)
+        };
+        let (here, rank) = value(state);
+        // Where rows are redundant, wrenches are not smooth.
+        let rows = model.contacts().iter().zip(active).filter(|(_, on)| **on);
+        let rows = rows.map(|(contact, _)| contact.kind.rows()).sum::<usize>();
+        if (rank - rows as f64).abs() > 0.5 {
+            return;
+        }
+        checked += 1;
+        let found = derivatives(model, state, active, settings);
+        assert_near(&found[..nv + 6 * count], &here, 1e-12);
+        let (matrices, changes) = found[nv + 6 * count..].split_at(3 * nv * nv);
+        for variable in 0..3 {
+            for k in 0..nv {
+                let step = 1e-4;
+                let at = |by: f64| value(&moved(model, state, variable, k, by * step)).0;
+                let [a, b, c, d] = [1.0, -1.0, 2.0, -2.0].map(at);
+                let slope: Vec<f64> = (0..nv + 6 * count)
+                    .map(|i| (8.0 * (a[i] - b[i]) - (c[i] - d[i])) / (12.0 * step))
+                    .collect();
+                let column = &matrices[variable * nv * nv + k * nv..][..nv];
+                assert_near(column, &slope[..nv], 1e-6);
+                for c in 0..count {
+                    let own = &changes[6 * (variable * count * nv + c * nv + k)..][..6];
+                    let scale =
+                        here[nv..].iter().chain(&slope).fold(1.0_f64, |m, x| m.max(x.abs()));
+                    for (x, y) in own.iter().zip(&slope[nv + 6 * c..]) {
+                        assert!((x - y).abs() < 1e-6 * scale, "{variable} {k} {c}: {x}, not {y}");
+                    }
+                }
+            }
+        }
+    });
+    assert!(checked > 8, "{checked}");
+}
+
+#[test]
+fn compiled_derivatives_are_the_interpreters() {
+    for_all(17, |model, state, active, settings| {
+        let mechanism = Mechanism::new(model);
+        let layout = UduLayout::new(&mechanism, &ModuleTree::chains(model));
+        let graph =
+            optimize(Tracer::new(&mechanism).constrained_forward_dynamics_derivatives(&layout));
+        println!("{}: {:?}", model.name(), graph.count());
+        let inputs = [&*state.q, &state.qd, &state.tau, &switches(active), &numbers(settings)];
+        let found = graph.evaluate(&inputs.concat());
+        assert_near(&found, &derivatives(model, state, active, settings), 1e-7);
     });
 }

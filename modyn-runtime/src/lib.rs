@@ -52,8 +52,8 @@ pub use ::num_dual;
 pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
-    Brge, DecompositionError, ForwardDerivatives, FrameError, InertialError, Interpreter,
-    ModuleMismatch, ShapeError, UpdateError,
+    Brge, ConstrainedDerivatives, DecompositionError, ForwardDerivatives, FrameError,
+    InertialError, Interpreter, ModuleMismatch, ShapeError, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
@@ -64,9 +64,9 @@ pub use constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 pub use inertial::{Inertial, InertialDefect};
 pub use parameters::ParameterError;
 pub use results::{
-    ConstrainedForwardDynamics, ConstrainedInverseDynamics, ConstraintProjection,
-    ConstraintResidual, ContactImpulse, ForwardDynamicsDerivatives, InverseDynamicsDerivatives,
-    JointLimits, KinematicModule, OperationCount, OperationalInertia,
+    ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
+    ConstraintProjection, ConstraintResidual, ContactImpulse, ForwardDynamicsDerivatives,
+    InverseDynamicsDerivatives, JointLimits, KinematicModule, OperationCount, OperationalInertia,
 };
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]

@@ -100,6 +100,30 @@ pub struct OperationalInertia<R, T> {
     pub rank: T,
 }
 
+/// The accelerations and wrenches of a robot on its contacts, and their derivatives: square matrices by columns, and for
+/// each constraint the derivatives of its wrench, one for each entry of what is derived by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstrainedForwardDynamicsDerivatives<V, W, M, D, T> {
+    /// The accelerations, rad/s^2 or m/s^2.
+    pub qdd: V,
+    /// By constraint: the wrench on the link, in world axes.
+    pub wrenches: W,
+    /// d qdd / d q, in tangent space.
+    pub dq: M,
+    /// d qdd / d qd.
+    pub dqd: M,
+    /// d qdd / d tau: symmetric, of the rank that the constraints leave.
+    pub dtau: M,
+    /// By constraint: d wrench / d q.
+    pub wrenches_dq: D,
+    /// By constraint: d wrench / d qd.
+    pub wrenches_dqd: D,
+    /// By constraint: d wrench / d tau.
+    pub wrenches_dtau: D,
+    /// The number of independent constraint rows, an integer.
+    pub rank: T,
+}
+
 /// A step that meets the constraints, and the change of the velocities that keeps them met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintProjection<V, T> {

@@ -27,6 +27,8 @@ pub struct Row {
     pub default: bool,
     /// Whether only robots with closed loops or contacts have it.
     pub of_constraints: bool,
+    /// Whether only robots without closed loops have it.
+    pub without_loops: bool,
     /// Whether run-time parameters of the robot (gravity, inertia of links) can matter to it.
     pub depends_on_parameters: bool,
     /// Whether it is called so often that it is compiled for several instruction sets.
@@ -87,6 +89,7 @@ impl Row {
             docs,
             default: false,
             of_constraints: false,
+            without_loops: false,
             depends_on_parameters: true,
             hot: false,
             packing: Packing::Never,
@@ -131,6 +134,10 @@ impl Row {
 
     const fn of_constraints(self) -> Self {
         Self { of_constraints: true, ..self }
+    }
+
+    const fn without_loops(self) -> Self {
+        Self { without_loops: true, ..self }
     }
 
     const fn without_parameters(self) -> Self {
@@ -354,6 +361,18 @@ functions! {
     )
         .by_default()
         .of_constraints();
+    /// Derivatives of forward dynamics on contacts.
+    ConstrainedForwardDynamicsDerivatives "constrained_forward_dynamics_derivatives" = Row::one(
+        &[Q, QD, TAU, CONTACTS, SETTINGS],
+        shapes::constrained_derivatives,
+        "The accelerations and the wrenches of `constrained_forward_dynamics` and their derivatives by `q` (in\n\
+         tangent space), `qd` and `tau`, each an array of columns; those of wrenches for each constraint, in\n\
+         world axes. Where rows are redundant, the derivatives of the wrenches are the smallest that the\n\
+         derivatives of the equations allow. For robots with contacts and without loops.",
+        |t, s| t.constrained_forward_dynamics_derivatives(s.layout),
+    )
+        .of_constraints()
+        .without_loops();
     /// The velocities after an impact.
     ContactImpulse "contact_impulse" = Row::one(
         &[Q, QD, CONTACTS, SETTINGS],
@@ -654,6 +673,13 @@ impl Function {
     #[must_use]
     pub const fn is_of_constraints(self) -> bool {
         self.row().of_constraints
+    }
+
+    /// Whether a robot with so many constraints, of which so many are contacts, can have it.
+    #[must_use]
+    pub const fn fits(self, constraints: usize, contacts: usize) -> bool {
+        let row = self.row();
+        (constraints > 0 || !row.of_constraints) && (constraints == contacts || !row.without_loops)
     }
 
     /// Whether run-time parameters (gravity, inertias, payloads) can matter to it.

@@ -252,7 +252,7 @@ impl Plan {
             let row = function.row();
             choices.functions.contains(function)
                 && (choices.batches || row.batch_of.is_none())
-                && (sizes.constraints > 0 || !row.of_constraints)
+                && function.fits(sizes.constraints, sizes.contacts)
         };
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
         let mut graphs = Graphs::new(&selected);

@@ -210,6 +210,15 @@ pub(super) mod shapes {
         several("ConstraintResidual", vec![("displacements", twists()), ("velocities", twists())])
     }
 
+    pub fn constrained_derivatives(s: &Sizes) -> Shape {
+        let matrices = ["dq", "dqd", "dtau"].map(|name| (name, square(s)));
+        let changes = || Shape::wrench().array(s.nv).array(s.constraints);
+        let changes = ["wrenches_dq", "wrenches_dqd", "wrenches_dtau"].map(|name| (name, changes()));
+        let first = [("qdd", velocities(s)), ("wrenches", Shape::wrench().array(s.constraints))];
+        let fields = [&first[..], &matrices, &changes, &[("rank", Shape::Scalar)]].concat();
+        several("ConstrainedForwardDynamicsDerivatives", fields)
+    }
+
     pub fn contact_impulse(s: &Sizes) -> Shape {
         let impulses = Shape::wrench().array(s.constraints);
         let fields = vec![("qd", velocities(s)), ("impulses", impulses), ("rank", Shape::Scalar)];

@@ -99,6 +99,48 @@ impl Tracer<'_> {
         })
     }
 
+    /// The accelerations, the wrenches, the derivatives of the accelerations by q, qd and tau, those of the wrenches, and
+    /// the rank, from `q`, `qd`, `tau`, which contacts are active, and settings.
+    #[must_use]
+    pub fn constrained_forward_dynamics_derivatives(&self, layout: &UduLayout) -> Graph {
+        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
+        let groups = [nq, nv, nv, contacts, settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, qd, tau, active, settings]| {
+            let count = model.constraints.len();
+            let (mut qdd, mut wrenches) = (self.vector(), vec![Wrench::zero(); count]);
+            let mut matrices: [Vec<Expr>; 3] = std::array::from_fn(|_| vec![Expr::zero(); nv * nv]);
+            let mut changes: [Vec<Wrench<Expr>>; 3] =
+                std::array::from_fn(|_| vec![Wrench::zero(); nv * count]);
+            let ([dqdd_dq, dqdd_dqd, dqdd_dtau], [dwrenches_dq, dwrenches_dqd, dwrenches_dtau]) =
+                (&mut matrices, &mut changes);
+            let outputs = constraints::ConstrainedDerivatives {
+                qdd: &mut qdd,
+                wrenches: &mut wrenches,
+                dqdd_dq,
+                dqdd_dqd,
+                dqdd_dtau,
+                dwrenches_dq,
+                dwrenches_dqd,
+                dwrenches_dtau,
+            };
+            let room = &mut ConstraintWorkspace::new(model, layout);
+            let rank = constraints::constrained_forward_dynamics_derivatives(
+                model,
+                layout,
+                (&q, &qd, &tau),
+                (&active, &settings_of(&settings)),
+                (&mut Workspace::new(model), room),
+                outputs,
+            );
+            let wrenches = wrenches.iter().chain(changes.iter().flatten());
+            let (first, rest): (Vec<_>, Vec<_>) = (
+                wrenches.clone().take(count).flat_map(Wrench::components).collect(),
+                wrenches.skip(count).flat_map(Wrench::components).collect(),
+            );
+            [qdd, first, matrices.concat(), rest, vec![rank]].concat()
+        })
+    }
+
     /// The torques, a wrench for each constraint and the rank, from `q`, `qd`, `qdd`, which contacts are active, and
     /// settings.
     #[must_use]

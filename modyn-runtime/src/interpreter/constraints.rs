@@ -5,6 +5,7 @@ use super::errors::{ShapeError, check};
 use crate::Scalar;
 use crate::constraint_settings::{ConstraintSettings, ContactTarget};
 use crate::equations::brge::UduLayout;
+pub use crate::equations::constraints::ConstrainedDerivatives;
 use crate::equations::{ConstraintWorkspace, Workspace, constraints};
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
@@ -255,5 +256,41 @@ impl<S: Scalar> Interpreter<S> {
         let Constraints { mechanism, layout, active, rooms } = self.constraints();
         let solve = constraints::operational_inertia;
         Ok(solve(mechanism, layout, q, (active, settings), rooms, (inverse, inertia)))
+    }
+
+    /// Computes the accelerations and the wrenches of
+    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics), and their derivatives by q (in the tangent
+    /// space), qd and tau: matrices nv x nv by columns, and for each constraint a wrench for each entry, in world axes.
+    /// Where rows are redundant, the derivatives of the wrenches are the smallest that the derivatives of the equations
+    /// allow. Returns the number of independent constraint rows, an integer. The first call allocates its memory.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length, or the model has loop constraints (`loop_constraints`): of these
+    /// there are no derivatives.
+    pub fn constrained_forward_dynamics_derivatives(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        active: &[bool],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        outputs: ConstrainedDerivatives<'_, S>,
+    ) -> Result<S, ShapeError> {
+        let (n, count) = (self.model.nv(), self.model.constraints());
+        check("q", q, self.model.nq())?;
+        check("qd", qd, n)?;
+        check("tau", tau, n)?;
+        check("loop_constraints", self.model.loop_constraints(), 0)?;
+        check("qdd", outputs.qdd, n)?;
+        check("wrenches", outputs.wrenches, count)?;
+        check("dqdd_dq", outputs.dqdd_dq, n * n)?;
+        check("dqdd_dqd", outputs.dqdd_dqd, n * n)?;
+        check("dqdd_dtau", outputs.dqdd_dtau, n * n)?;
+        check("dwrenches_dq", outputs.dwrenches_dq, n * count)?;
+        check("dwrenches_dqd", outputs.dwrenches_dqd, n * count)?;
+        check("dwrenches_dtau", outputs.dwrenches_dtau, n * count)?;
+        self.set_active(active, settings)?;
+        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let derive = constraints::constrained_forward_dynamics_derivatives;
+        Ok(derive(mechanism, layout, (q, qd, tau), (active, settings), rooms, outputs))
     }
 }

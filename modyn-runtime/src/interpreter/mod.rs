@@ -23,6 +23,7 @@ use crate::model::{Model, ModuleTree};
 use crate::spatial::{Pose, Vector3};
 use inertias::Inertias;
 
+pub use constraints::ConstrainedDerivatives;
 pub use derivatives::ForwardDerivatives;
 pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, UpdateError};
 pub use factorization::Brge;

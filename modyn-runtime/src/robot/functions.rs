@@ -132,6 +132,17 @@ macro_rules! robot_functions {
                 settings: &Settings<Self, T>
             ) -> ConstraintProjection<Self::V<T>, T>, if ProjectConstraints;
 
+            /// The accelerations and the wrenches of `constrained_forward_dynamics` and their derivatives by `q` (in
+            /// tangent space), `qd` and `tau`. Where rows are redundant, the derivatives of the wrenches are the
+            /// smallest that the derivatives of the equations allow.
+            constrained_forward_dynamics_derivatives / constrained_forward_dynamics_derivatives_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                tau: &Self::V<T>,
+                contacts: Self::Contacts,
+                settings: &Settings<Self, T>
+            ) -> ConstrainedDerivatives<Self, T>, if ConstrainedForwardDynamicsDerivatives;
+
             /// The velocities after an impact that closes the loops and puts the active contacts at rest relative to
             /// their targets at once, with the impulse of each constraint and the number of independent constraint
             /// rows. Along its normal, a contact leaves with its share `restitution` of the speed that it arrived with.

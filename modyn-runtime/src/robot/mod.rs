@@ -8,9 +8,9 @@ use crate::Scalar;
 use crate::configuration::{self, ConfigurationError};
 use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 use crate::results::{
-    ConstrainedForwardDynamics, ConstrainedInverseDynamics, ConstraintProjection,
-    ConstraintResidual, ContactImpulse, ForwardDynamicsDerivatives, InverseDynamicsDerivatives,
-    JointLimits, KinematicModule, OperationalInertia,
+    ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
+    ConstraintProjection, ConstraintResidual, ContactImpulse, ForwardDynamicsDerivatives,
+    InverseDynamicsDerivatives, JointLimits, KinematicModule, OperationalInertia,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use functions::{declare_functions, missing, robot_functions};
@@ -25,6 +25,15 @@ pub(crate) type Constrained<R, V, T> = ConstrainedForwardDynamics<
     V,
     <R as Robot>::PerConstraint<Wrench<T>>,
     <R as Robot>::PerConstraint<Twist<T>>,
+    T,
+>;
+
+/// The derivatives of constrained forward dynamics for robot `R`.
+pub(crate) type ConstrainedDerivatives<R, T> = ConstrainedForwardDynamicsDerivatives<
+    <R as Robot>::V<T>,
+    <R as Robot>::PerConstraint<Wrench<T>>,
+    <R as Robot>::M<T>,
+    <R as Robot>::PerConstraint<<R as Robot>::PerVelocity<Wrench<T>>>,
     T,
 >;
 

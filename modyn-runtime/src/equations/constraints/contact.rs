@@ -79,6 +79,11 @@ impl<S: Scalar> ContactFrame<S> {
         frame
     }
 
+    /// The frame's axes in the root's, as columns.
+    pub(super) fn axes(&self) -> Matrix3<S> {
+        self.body_axes.times(&Matrix3(self.on_body.pose.rotation))
+    }
+
     /// A vector in world axes, in the root's.
     pub(super) fn to_root(&self, v: Vector3<S>) -> Vector3<S> {
         Vector3(core::array::from_fn(|j| self.root_axes.column(j).dot(v)))
@@ -108,8 +113,7 @@ impl<S: Scalar> ContactFrame<S> {
         let linear = whole.scale(share) + normal.scale(rest * normal.dot(whole));
         let mut angular = Vector3::zero();
         if surface {
-            let axes = self.body_axes.times(&Matrix3(self.on_body.pose.rotation));
-            let axes = self.root_axes.times(&axes);
+            let axes = self.root_axes.times(&self.axes());
             let cross = |k: usize| to_axes.column(k).cross(axes.column(k));
             let about = normal.dot(cross(0) + cross(1)) * S::from_f64(0.5);
             angular = cross(2) + normal.scale(share * about);

@@ -4,6 +4,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `relative_motion` | the motion of a loop constraint's second frame relative to its first |
+//! | `derivatives` | those of forward dynamics on contacts |
 //! | `contact` | the motion of a contact's frame relative to its target |
 //! | `rows` | the Jacobian rows in units of length, and the mobility of each constraint |
 //! | `factorization` | the pseudo-inverse of J I^-1 J^T, and its rank |
@@ -39,6 +40,7 @@
 //! (l angular)^2. Neither depends on how the mechanism is rotated.
 
 mod contact;
+mod derivatives;
 mod factorization;
 mod forward_dynamics;
 mod impulse;
@@ -50,6 +52,7 @@ mod relative_motion;
 mod residual;
 mod rows;
 
+pub use derivatives::{ConstrainedDerivatives, constrained_forward_dynamics_derivatives};
 pub use forward_dynamics::constrained_forward_dynamics;
 pub use impulse::contact_impulse;
 pub use inverse_dynamics::constrained_inverse_dynamics;
@@ -69,6 +72,7 @@ use crate::constraint_settings::{ConstraintSettings, ContactTarget};
 use crate::mechanism::{ConstrainedFrames, Mechanism};
 use crate::spatial::{Twist, Vector3, Wrench};
 use contact::ContactFrame;
+use derivatives::DerivativeWorkspace;
 use factorization::RankFactorization;
 use inverse_dynamics::Carried;
 
@@ -118,6 +122,8 @@ pub struct ConstraintWorkspace<S> {
     residuals: Vec<S>,
     /// For inverse dynamics.
     carried: Carried<S>,
+    /// For derivatives, from their first call on.
+    derivatives: Option<DerivativeWorkspace<S>>,
     /// Of the mass matrix.
     factors: Vec<S>,
 }
@@ -152,6 +158,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
             right_hand_sides: [numbers(rows), numbers(rows)],
             residuals: numbers(rows),
             carried: Carried::new(model, rows),
+            derivatives: None,
             factors: numbers(layout.size()),
         }
     }
