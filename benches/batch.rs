@@ -1,4 +1,4 @@
-//! The table of docs/batch.md: many states at a time, on each level of vector instructions that this machine
+//! The table of docs/batch.md (`tools/record` makes `docs/data/batch.tsv` of it): many states at a time, on each level of vector instructions that this machine
 //! has, beside one state after the other on numbers without vectors; ns a state. The least of many runs, so
 //! that what else the machine does matters little; Criterion's averages would have it in them.
 //!
@@ -166,7 +166,7 @@ fn main() {
     let bench = Bench::new();
     const N: usize = Arm7::NV;
     const ZERO: [[f64; N]; N] = [[0.0; N]; N];
-    const FACTORS: usize = Arm7Brge::<f64>::FACTORS;
+    const FACTORS: usize = Arm7UduFactorization::<f64>::FACTORS;
     row!(bench, "`arm7`, forward dynamics", Arm7 on f64;
         forward_dynamics, forward_dynamics_batch, forward_dynamics_each (q, qd, tau);
         [0.0; N], N, |rest| (vector(rest)));
@@ -181,7 +181,7 @@ fn main() {
         ZERO, N * N, |rest| (matrix(rest)));
     row!(bench, "`arm7`, BRGE", Arm7 on f64;
         brge, brge_batch, brge_each (q);
-        Arm7Brge::from_factors([0.0; FACTORS]), FACTORS, |rest| (vector(rest)));
+        Arm7UduFactorization::from_factors([0.0; FACTORS]), FACTORS, |rest| (vector(rest)));
     row!(bench, "`arm7`, derivatives of inverse dynamics", Arm7 on f64;
         inverse_dynamics_derivatives, inverse_dynamics_derivatives_batch,
         inverse_dynamics_derivatives_each (q, qd, qdd);

@@ -1,4 +1,4 @@
-//! The gripper of the paper (Shah, Saha and Dutt): module tree, inertia matrix, its factorization
+//! The gripper of the paper (Shah, Saha and Dutt): module tree, mass matrix, its factorization
 //! by modules, accelerations, and beside them what the paper prints.
 
 use core::f64::consts::FRAC_PI_2;
@@ -32,7 +32,7 @@ fn main() {
     let rest = [0.0; 4];
 
     compare(
-        "generalized inertia matrix I, times 1e4 (A.19)",
+        "mass matrix I, times 1e4 (A.19)",
         &Gripper::mass_matrix(&q),
         1e4,
         "113.3333  33.3333   9.1667   1.6667\n\

@@ -1,12 +1,16 @@
-//! modyn compiles a robot description (URDF) to specialised rigid-body dynamics: straight-line,
-//! allocation-free, `no_std` Rust for exactly that robot.
+//! modyn compiles a robot description (URDF, MJCF) to specialised rigid-body dynamics: straight-line, allocation-free,
+//! `no_std` Rust for exactly that robot.
 //!
 //! ```
 //! modyn::modyn!("robots/gripper.urdf");
 //!
-//! let qdd = Gripper::forward_dynamics(&[0.0; 4], &[0.0; 4], &[0.0; 4]);
+//! let (q, qd, tau) = (Gripper::NEUTRAL, [0.0; Gripper::NV], [0.0; Gripper::NV]);
+//! let qdd = Gripper::forward_dynamics(&q, &qd, &tau);
 //! assert!(qdd[0] < 0.0);
 //! ```
+//!
+//! The [`modyn!`] macro lists all options. [`Robot`] is the trait of all generated types. [`Interpreter`] computes the same
+//! quantities for a [`model`] that is known at run time only. The [`guides`] explain the use of modyn step by step.
 //!
 //! # Features
 //!
@@ -14,19 +18,31 @@
 //! |---|---|---|
 //! | `std` | yes | implies `alloc` |
 //! | `alloc` | through `std` | the model, the equations and the interpreter |
-//! | `nalgebra` | no | the same calls over `SVector`, `SMatrix`, `Isometry3` |
-//! | `num-dual` | no | the numbers of num-dual as scalars: exact derivatives of everything |
+//! | `mjcf` | no | the macro reads MuJoCo's models |
+//! | `nalgebra` | no | the most used functions over `SVector`, `SMatrix`, `Isometry3` |
+//! | `num-dual` | no | the numbers of num-dual as scalars, for exact derivatives |
 //! | `rayon` | no | batches on all cores |
-//! | `serde` | no | the model (de)serialized |
+//! | `serde` | no | serialization and deserialization of the model |
 //!
-//! Without any, generated code needs `core` and `libm`.
+//! Without features, generated code needs `core` and `libm`.
 #![no_std]
 
 pub use modyn_macro::modyn;
 pub use modyn_runtime::*;
 
-/// Includes what a build script compiled with `modyn_codegen::Builder`: `include_model!(gripper)`
-/// is the robot of `gripper.urdf`.
+/// The guides and reference pages of modyn.
+///
+/// Start with [`start`](guides::start), then read the guide for your use: a controller
+/// ([`tutorial_controller`](guides::tutorial_controller)), firmware ([`tutorial_firmware`](guides::tutorial_firmware)), or
+/// sampling ([`tutorial_sampling`](guides::tutorial_sampling)). [`coming_from`](guides::coming_from) compares modyn with
+/// other libraries, function by function.
+#[cfg(all(doc, not(doctest)))]
+pub mod guides {
+    modyn_macro::guides!();
+}
+
+/// Includes the text that a build script compiled with `modyn_codegen::Builder`: `include_model!(gripper)` is the robot of
+/// `gripper.urdf`.
 #[macro_export]
 macro_rules! include_model {
     ($name:ident) => {

@@ -1,7 +1,9 @@
 """Builds all contenders, measures them, and writes a table and a plot: `run --help`."""
 
 import argparse
+import datetime
 import json
+import subprocess
 import sys
 
 import environment
@@ -63,6 +65,9 @@ def main():
     (output / "results.json").write_text(json.dumps(report, indent=1))
     (output / "table.md").write_text(table.markdown(report))
     (output / "plot.svg").write_text(plot.svg(report))
+    commit = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True, text=True, check=True,
+                            cwd=environment.HERE).stdout.strip()
+    (output / "speed.tsv").write_text(table.data(report, commit, datetime.date.today()))
     print((output / "table.md").read_text())
 
 

@@ -43,6 +43,22 @@ OWN = [name for name, _, _ in modyn.WAYS]
 REFERENCE = "modyn native"
 
 
+def data(report, commit, date):
+    """The file `docs/data/speed.tsv`: of each contender, robot and quantity the fastest program that was right."""
+    versions = ", ".join(f"{name} {version}" for name, version in report["versions"].items())
+    lines = ["# command: benches/peers/run --install --copies 10", f"# date: {date}", f"# commit: {commit}",
+             f"# note: {report['machine']}; best of {report['copies']} copies; {versions}",
+             "quantity\trobot\tprogram\tns\tvariant"]
+    for robot, quantity in cases(report):
+        for contender in contenders(report):
+            row = best(report, contender, robot, quantity)
+            if row:
+                ns = "failed" if row["ns"] is None else number(row["ns"])
+                variant = "" if contender in OWN or row["ns"] is None else row["variant"]
+                lines.append("\t".join([quantity.replace("_", " "), robot, contender, ns, variant]))
+    return "\n".join(lines) + "\n"
+
+
 def markdown(report):
     columns = contenders(report)
     lines = ["# Nanoseconds a call", ""]

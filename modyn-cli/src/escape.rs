@@ -1,6 +1,6 @@
 //! What comes from a description may hold anything: here it is made harmless for where it goes.
 //!
-//! JSON is escaped by serde_json, quotes in CSV by csv, text in plots by plotters; for a terminal there is
+//! JSON is escaped by serde_json, quotes in CSV by csv, text in pictures by [`markup`]; for a terminal there is
 //! `modyn_codegen::diagnostics::sanitize_for_display`.
 
 /// As text or an attribute's value in SVG and HTML.
@@ -28,9 +28,28 @@ pub fn cell(text: &str) -> String {
     if text.starts_with(['=', '+', '-', '@']) { format!("'{text}") } else { text }
 }
 
+/// The text, with its middle left out if it is longer than `most` characters.
+#[cfg(feature = "command")]
+pub fn shortened(text: &str, most: usize) -> String {
+    let characters: Vec<char> = text.chars().collect();
+    if characters.len() <= most {
+        return text.into();
+    }
+    let (head, tail) = (most.saturating_sub(1) / 2, most / 2);
+    let part = |range: &[char]| range.iter().collect::<String>();
+    format!("{}…{}", part(&characters[..head]), part(&characters[characters.len() - tail..]))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    #[cfg(feature = "command")]
+    fn long_names_lose_their_middle() {
+        assert_eq!(shortened("abcdefgh", 5), "ab…gh");
+        assert_eq!(shortened("abc", 5), "abc");
+    }
 
     #[test]
     fn nothing_gets_out_of_where_it_stands() {

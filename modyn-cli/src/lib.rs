@@ -1,16 +1,16 @@
-//! The command `modyn`, and the [`viewer`] that it shows motions with.
+//! The command `modyn`, and the [`viewer`] for motions.
 //!
 //! ```text
-//! robot (description and options) ─┬─ check     what is wrong with it, where
-//!                                  ├─ inspect   what it is, and what its functions cost
-//!                                  ├─ generate  its dynamics as Rust, and functions for C
-//!                                  ├─ simulate  how it moves: figures, plots, a page to watch
-//!                                  └─ compare   its code against the interpreter
+//! robot (description and options) ─┬─ check     reports its faults, with places
+//!                                  ├─ inspect   describes the robot, and the cost of its functions
+//!                                  ├─ generate  writes its dynamics as Rust or C
+//!                                  ├─ simulate  computes its motion: table, plots, animation
+//!                                  └─ compare   compares its code with the interpreter
 //!
-//! explain: what a diagnostic means
+//! explain: the cause of a diagnostic, and its remedy
 //! ```
 //!
-//! Without the feature `command` this is the viewer alone, which depends on nothing.
+//! Without the feature `command` the crate is the viewer only, which has no dependencies.
 
 #[cfg(feature = "command")]
 mod command;

@@ -1,4 +1,4 @@
-//! The command `modyn`; all of it is in the library.
+//! The command `modyn`; its code is in the library.
 
 fn main() -> std::process::ExitCode {
     modyn_cli::run()

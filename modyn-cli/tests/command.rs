@@ -22,7 +22,7 @@ fn help_and_version_are_there() {
 
 #[test]
 fn codes_are_explained() {
-    let one = modyn(&["explain", "no-inertia-felt"]);
+    let one = modyn(&["explain", "singular-joint"]);
     assert_eq!(one.code, 0);
     assert!(one.out.contains("moves nothing that has inertia") && one.out.contains("armature"));
     let all = modyn(&["explain"]);

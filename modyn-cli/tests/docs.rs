@@ -55,6 +55,36 @@ fn commands_in_the_documentation_run() {
     assert!(count >= 15, "only {count} commands were found");
 }
 
+/// The first block of `language` in a page from `start` on.
+fn block<'a>(page: &'a str, start: &str, language: &str) -> &'a str {
+    let (_, rest) = page.split_once(start).unwrap_or_else(|| panic!("no {start:?}"));
+    let (_, rest) = rest.split_once(&format!("```{language}\n")).expect("a block");
+    rest.split_once("```").expect("its end").0
+}
+
+/// The C program of the firmware guide prints what the page says.
+#[test]
+fn the_c_program_runs() {
+    let page = std::fs::read_to_string(root().join("docs/tutorial-firmware.md")).expect("a page");
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(folder.path().join("robots")).expect("a folder");
+    let robot = "robots/arm7.urdf";
+    std::fs::copy(root().join(robot), folder.path().join(robot)).expect("a copy");
+    let generate =
+        block(&page, "## In C", "console").split_whitespace().skip(1).collect::<Vec<_>>();
+    let mut generate = command(&generate);
+    generate.current_dir(folder.path());
+    assert_eq!(run(generate).code, 0);
+    std::fs::write(folder.path().join("main.c"), block(&page, "## In C", "c")).expect("writes");
+    let build = block(&page, "```c\n", "console");
+    let mut build_and_run = std::process::Command::new("sh");
+    build_and_run.args(["-c", &format!("set -e; {build}")]).current_dir(folder.path());
+    let output = build_and_run.output().expect("a shell");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(text(&output.stdout), block(&page, "```c\n", "text"));
+}
+
 /// What stands in backticks.
 fn quoted(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)

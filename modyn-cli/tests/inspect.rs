@@ -15,6 +15,34 @@ fn a_robot_is_shown() {
     assert_snapshot("gripper.txt", &found.out);
 }
 
+/// Whatever the names are, lines fit a terminal; what functions cost is shown to who asks.
+#[test]
+fn lines_fit_a_hundred_columns() {
+    for (robot, base) in [("humanoid", "floating"), ("arm7", "fixed"), ("mimic_gripper", "fixed")] {
+        let path = format!("robots/{robot}.urdf");
+        let plain = modyn(&["inspect", &path, "--base", base, "--friction", "none"]).out;
+        let with = modyn(&[
+            "inspect",
+            &path,
+            "--base",
+            base,
+            "--friction",
+            "none",
+            "--functions",
+            "default",
+        ])
+        .out;
+        assert!(
+            !plain.contains("forward_dynamics") && with.contains("forward_dynamics"),
+            "{plain}"
+        );
+        assert!(plain.starts_with(&format!("{robot}: ")), "{plain}");
+        for line in with.lines() {
+            assert!(line.chars().count() <= 100, "{line}");
+        }
+    }
+}
+
 #[test]
 fn json_has_what_the_terminal_shows() {
     let found = modyn(&["inspect", "--json", "robots/mimic_gripper.urdf"]).json();

@@ -213,6 +213,23 @@ fn the_page_has_the_skeleton_in_motion() {
     {
         assert!(texts.contains(&wanted), "{wanted}: {texts:?}");
     }
+    // A panel for each coordinate and velocity, and one of the energies; each curve ends where its panel does.
+    let number = |text: Option<&str>| text.expect("an attribute").parse::<f64>().expect("a number");
+    let panels =
+        svg.descendants().filter(|node| node.has_tag_name("rect") && node.has_attribute("x"));
+    let right: Vec<f64> =
+        panels.map(|node| number(node.attribute("x")) + number(node.attribute("width"))).collect();
+    assert_eq!(right.len(), 5);
+    let curves: Vec<&str> = svg
+        .descendants()
+        .filter(|node| node.attribute("stroke-width") == Some("2"))
+        .filter_map(|node| node.attribute("d"))
+        .collect();
+    assert_eq!(curves.len(), 4 + 3);
+    for curve in curves {
+        let end = number(curve.rsplit(' ').nth(1));
+        assert!(right.iter().any(|right| (right - end).abs() < 0.1), "{end} of {right:?}");
+    }
     assert_eq!(table(&read("p.csv")).1.len(), 51);
 }
 

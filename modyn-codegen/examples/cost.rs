@@ -8,7 +8,8 @@
 //!
 //! Functions that are named are the only ones; with none, all are measured.
 //!
-//! A table in Markdown, in processor time, so that other work on the machine matters little. Not `--release`: macros
+//! A table in Markdown, from which `tools/record` makes `docs/data/functions.tsv` (operations are in
+//! `docs/data/operations.tsv`). In processor time, so that other work on the machine matters little. Not `--release`: macros
 //! and build scripts, which generate, run unoptimised. The crates are written to and built in the folder
 //! `target/cost`. For Linux, which says how much processor time children took.
 
@@ -32,8 +33,8 @@ fn main() -> Result<()> {
         workspace.join("modyn-runtime")
     );
     std::fs::write(folder.join("Cargo.toml"), manifest)?;
-    println!("| robot | function | operations | generated, s | debug, s | release, s | code, kB |");
-    println!("|---|---|---|---|---|---|---|");
+    println!("| robot | function | generated, s | debug, s | release, s | code, kB |");
+    println!("|---|---|---|---|---|---|");
     let named = |argument: &String| Function::ALL.iter().find(|f| f.name() == argument).copied();
     let (functions, paths): (Vec<_>, Vec<_>) =
         std::env::args().skip(1).partition(|argument| named(argument).is_some());
@@ -55,11 +56,12 @@ fn main() -> Result<()> {
             let taken = processor_time(Whose::Own)? - before;
             let operations = generated.operations.iter().find(|(name, _)| *name == function.name());
             // A robot without loops has no function for them.
-            let Some((_, count)) = operations else { continue };
+            if operations.is_none() {
+                continue;
+            }
             println!(
-                "| {robot} | `{}` | {} | {taken:.2} | {:.2} | {:.2} | {:.1} |",
+                "| {robot} | `{}` | {taken:.2} | {:.2} | {:.2} | {:.1} |",
                 function.name(),
-                count.total(),
                 (debug(&folder, &generated.text)? - debug_alone).max(0.0),
                 (release(&folder, &generated.text)? - release_alone).max(0.0),
                 code(&folder)? as f64 / 1000.0

@@ -1,4 +1,4 @@
-//! The one door behind the three: from a description and options to text.
+//! The builder: from a description and options to text. The macro, build scripts and the command line use it.
 
 mod file;
 
@@ -14,21 +14,21 @@ use crate::description::{Base, Contact, Loop, Mimic, ReadOptions, Rotor};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
 use crate::emit::{CSource, EmitOptions, Emitted, FloatType, emit, emit_c};
 use crate::names;
-use crate::plan::Function;
+use crate::plan::{Function, Plan};
 use crate::read::file::read_first;
 use crate::read::{Format, Reading};
 use crate::size::too_large;
 
-/// Which kinematic modules a robot is divided into; see [`ModuleTree`].
+/// The partition of a robot into kinematic modules; see [`ModuleTree`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ModuleChoice {
     /// Maximal serial chains.
     #[default]
     Chains,
-    /// Every link its own module.
+    /// Modules of one link each.
     Links,
-    /// These, by link names, each from its parent outwards.
+    /// Modules of these links, by name, each from its parent to its tip.
     List(Vec<Vec<String>>),
 }
 
@@ -68,7 +68,7 @@ pub enum ModuleChoice {
 #[derive(Clone, Debug, Default)]
 pub struct Builder {
     source: Source,
-    /// `None` for that of the text.
+    /// `None` detects the format from the text.
     format: Option<Format>,
     read: ReadOptions,
     modules: ModuleChoice,
@@ -80,14 +80,14 @@ pub struct Builder {
     runtime_gravity: bool,
     runtime_inertia: Vec<String>,
     payload: Vec<String>,
-    /// `None` for the default ones.
+    /// `None` selects the default functions.
     functions: Option<Vec<Function>>,
     share: bool,
     self_contained: bool,
     c_prefix: Option<String>,
 }
 
-/// Where the robot comes from.
+/// The source of the robot.
 #[derive(Clone, Debug, Default)]
 enum Source {
     #[default]
@@ -101,47 +101,59 @@ enum Source {
     Unread(Diagnostics),
 }
 
-/// What was compiled.
+/// The result of a compilation.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Generated {
-    /// Rust items: the type named [`type_name`](Self::type_name) and what belongs to it.
+    /// The Rust items: the type named [`type_name`](Self::type_name) and its other items.
     pub text: String,
-    /// The header of the functions for C, if [`Builder::c_functions`] asked for some.
+    /// The header of the functions for C, if [`Builder::c_functions`] was called.
     pub c_header: Option<String>,
     /// The name of the generated type.
     pub type_name: String,
     /// The robot.
     pub model: Model,
-    /// What was found odd, but taken.
+    /// The warnings about the description.
     pub warnings: Vec<Diagnostic>,
-    /// The operations that each function takes.
+    /// The operations of one call of each function.
     pub operations: Vec<(&'static str, OperationCount)>,
-    /// The operations that stand in the text of each function but batches, where [`operations`](Self::operations) has
-    /// those of a call: for a function of a link, those of all links together; equal limbs once if they share their
-    /// code, and if they stand side by side, both that and one after the other.
+    /// The operations in the text of each function of one state; [`operations`](Self::operations) has those of a call.
+    ///
+    /// For a function of one link they include all links. Equal limbs count once if they share their code. If they
+    /// are packed into vectors, the packed code and the scalar code count, both.
     pub static_operations: Vec<(&'static str, OperationCount)>,
-    /// The modules that forward dynamics is eliminated by.
+    /// The modules of forward dynamics.
     pub partition: ModuleTree,
-    /// What each partition that was considered costs, the chosen one first.
+    /// The operations of each partition that was considered; the chosen one is first.
     pub partition_costs: Vec<(&'static str, usize)>,
 }
 
+/// The programs of a robot; see [`Builder::plan`].
+#[non_exhaustive]
+pub struct Planning {
+    /// The programs.
+    pub plan: Plan,
+    /// The robot.
+    pub model: Model,
+    /// What was found odd, but taken.
+    pub warnings: Vec<Diagnostic>,
+}
+
 impl Builder {
-    /// With default options and no robot.
+    /// Returns a builder with default options and without a robot.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The file to read, of whatever format it is ([`Format::of`]); a path as for a [URDF](Self::urdf).
+    /// Sets the file to read, of any format ([`Format::of`]); a relative path as for a [URDF](Self::urdf).
     #[must_use]
     pub fn file(mut self, path: impl Into<PathBuf>) -> Self {
         (self.source, self.format) = (Source::File(path.into()), None);
         self
     }
 
-    /// The text of a description, of whatever format it is ([`Format::of`]), and what to call the file in diagnostics.
+    /// Sets the text of a description, of any format ([`Format::of`]), and the file name for diagnostics.
     #[must_use]
     pub fn text(mut self, text: impl Into<String>, file: impl Into<String>) -> Self {
         self = self.urdf_text(text, file);
@@ -149,14 +161,14 @@ impl Builder {
         self
     }
 
-    /// The URDF file to read; a relative path is one from the folder of the crate's `Cargo.toml`.
+    /// Sets the URDF file to read. A relative path starts at the folder of the crate's `Cargo.toml`.
     #[must_use]
     pub fn urdf(mut self, path: impl Into<PathBuf>) -> Self {
         (self.source, self.format) = (Source::File(path.into()), Some(Format::Urdf));
         self
     }
 
-    /// The text of a URDF, and what to call the file in diagnostics.
+    /// Sets the text of a URDF, and the file name for diagnostics.
     #[must_use]
     pub fn urdf_text(mut self, text: impl Into<String>, file: impl Into<String>) -> Self {
         self.source = Source::Text { text: text.into(), file: file.into() };
@@ -164,7 +176,7 @@ impl Builder {
         self
     }
 
-    /// The `MuJoCo` model to read, [as far as that is supported](crate::read_mjcf); a path as for a
+    /// Sets the `MuJoCo` model to read, [as far as that is supported](crate::read_mjcf); a relative path as for a
     /// [URDF](Self::urdf).
     #[cfg(feature = "mjcf")]
     #[must_use]
@@ -173,7 +185,7 @@ impl Builder {
         self
     }
 
-    /// The text of a `MuJoCo` model, and what to call the file in diagnostics.
+    /// Sets the text of a `MuJoCo` model, and the file name for diagnostics.
     #[cfg(feature = "mjcf")]
     #[must_use]
     pub fn mjcf_text(mut self, text: impl Into<String>, file: impl Into<String>) -> Self {
@@ -182,92 +194,92 @@ impl Builder {
         self
     }
 
-    /// A model that is there already. It is checked as a description is, and has its own gravity
-    /// unless [another](Self::gravity) is given.
+    /// Sets a model as the robot. It is checked as a description is, and keeps its own gravity unless
+    /// [`gravity`](Self::gravity) is called.
     #[must_use]
     pub fn model(mut self, model: Model) -> Self {
         self.source = Source::Model(Box::new(model));
         self
     }
 
-    /// A description that could not be read: `generate` says why, and what else is wrong.
+    /// Sets the errors of a description that could not be read; `generate` returns them with the errors of the options.
     #[doc(hidden)]
     #[must_use]
-    pub fn unread(mut self, why: Diagnostics) -> Self {
+    pub fn failed_to_read(mut self, why: Diagnostics) -> Self {
         self.source = Source::Unread(why);
         self
     }
 
-    /// The name of the generated type, in upper camel case; by default made from the robot's name.
+    /// Sets the name of the generated type, in upper camel case; by default it is derived from the robot's name.
     #[must_use]
     pub fn type_name(mut self, name: impl Into<String>) -> Self {
         self.type_name = Some(name.into());
         self
     }
 
-    /// The visibility of the generated types, as Rust has it (`pub(crate)`; nothing for private);
-    /// `pub` by default.
+    /// Sets the visibility of the generated types in Rust's syntax (`pub(crate)`; empty for private); `pub` by
+    /// default.
     #[must_use]
     pub fn visibility(mut self, visibility: impl Into<String>) -> Self {
         self.visibility = Some(visibility.into());
         self
     }
 
-    /// The path of the crate `modyn` where the text goes; `::modyn` by default.
+    /// Sets the path of the crate `modyn` in the crate that includes the text; `::modyn` by default.
     #[must_use]
     pub fn krate(mut self, path: impl Into<String>) -> Self {
         self.krate = Some(path.into());
         self
     }
 
-    /// The acceleration of free fall in world axes, m/s^2; by default (0, 0, -9.81) for a URDF, its
-    /// own for an MJCF or a [model](Self::model).
+    /// Sets gravity: the acceleration of free fall in world axes, m/s^2. The default is (0, 0, -9.81) for a URDF, and
+    /// the description's own for an MJCF or a [model](Self::model).
     #[must_use]
     pub fn gravity(mut self, gravity: [f64; 3]) -> Self {
         self.read.gravity = Some(gravity);
         self
     }
 
-    /// The kinematic modules; maximal serial chains by default.
+    /// Sets the kinematic modules; maximal serial chains by default.
     #[must_use]
     pub fn modules(mut self, modules: ModuleChoice) -> Self {
         self.modules = modules;
         self
     }
 
-    /// How to take inertias that no rigid body has; as errors by default. A negative mass is
-    /// always an error.
+    /// Sets the severity of inertias that no rigid body has; errors by default. A negative mass is always an
+    /// error.
     #[must_use]
     pub fn unphysical_inertia(mut self, severity: Severity) -> Self {
         self.read.unphysical_inertia = severity;
         self
     }
 
-    /// Whether the robot stands on the ground or floats; by default its root link is the world.
+    /// Sets whether the base is fixed or floats; by default the root link is fixed to the world.
     #[must_use]
     pub fn base(mut self, base: Base) -> Self {
         self.read.base = base;
         self
     }
 
-    /// A drive's rotor: its inertia (kg m^2) and gear ratio, in place of what the description says
-    /// of this joint.
+    /// Sets the rotor of a joint's drive, in place of the description's: its inertia (kg m^2) and the gear
+    /// ratio.
     #[must_use]
     pub fn rotor(mut self, joint: impl Into<String>, inertia: f64, gear_ratio: f64) -> Self {
         self.read.rotors.push(Rotor { joint: joint.into(), inertia, gear_ratio });
         self
     }
 
-    /// How the description's damping and friction act on the joints; not at all by default, with a warning if
-    /// there are some. [`Friction::None`] says that they are not to act, without a warning.
+    /// Sets which of the description's damping and friction act on the joints. By default neither acts, and there is a
+    /// warning if the description has some. [`Friction::None`] has the same effect without a warning.
     #[must_use]
     pub fn friction(mut self, friction: Friction) -> Self {
         self.read.friction = Some(friction);
         self
     }
 
-    /// A joint that closes a loop, besides the `<loop_joint>`s of the description. (A
-    /// [model](Self::model) has its own: [`Model::with_loop_constraints`].)
+    /// Adds a joint that closes a loop, besides the `<loop_joint>`s of the description. ([Models](Self::model) have
+    /// their own: [`Model::with_loop_constraints`].)
     #[must_use]
     pub fn loop_joint(mut self, closing: Loop) -> Self {
         self.read.loops.push(closing);
@@ -281,86 +293,89 @@ impl Builder {
         self
     }
 
-    /// How to take joints that mimic another one; by default they follow it and have no coordinate
-    /// of their own.
+    /// Sets the treatment of mimic joints; by default they follow their leader and have no coordinate of their
+    /// own.
     #[must_use]
     pub fn mimic(mut self, mimic: Mimic) -> Self {
         self.read.mimic = mimic;
         self
     }
 
-    /// The scalar of the type's own functions; `f64` by default.
+    /// Sets the scalar of the type's own functions; `f64` by default.
     #[must_use]
     pub fn float(mut self, float: FloatType) -> Self {
         self.float = float;
         self
     }
 
-    /// Makes gravity an argument, one of the robot's `Params`; its value is then the default.
+    /// Makes gravity a run-time parameter, in the robot's `Params`; the builder's value is the default.
     #[must_use]
     pub fn runtime_gravity(mut self) -> Self {
         self.runtime_gravity = true;
         self
     }
 
-    /// Makes the inertias of these links (of each link alone, without the links that are fixed to it) arguments, among the
-    /// robot's `Params`: each replaces the description's, which is the default.
+    /// Makes the inertias of these links run-time parameters, in the robot's `Params`. Each is the inertia of the link
+    /// alone, without links that are fixed to it, and replaces the description's, which is the default.
     #[must_use]
     pub fn runtime_inertia(mut self, links: impl IntoIterator<Item = impl Into<String>>) -> Self {
         self.runtime_inertia.extend(links.into_iter().map(Into::into));
         self
     }
 
-    /// Adds an inertia to each of these links that is an argument, among the robot's `Params`: the inertia of a load, by
-    /// default none.
+    /// Adds a payload to each of these links: an additional inertia that is a run-time parameter, in the robot's
+    /// `Params`. The default is no inertia.
     #[must_use]
     pub fn payload(mut self, links: impl IntoIterator<Item = impl Into<String>>) -> Self {
         self.payload.extend(links.into_iter().map(Into::into));
         self
     }
 
-    /// The functions that the robot has, in place of [`Function::DEFAULT`]. The dynamics of a large
-    /// robot take seconds to compile; what is left out costs nothing.
+    /// Sets the functions of the robot, in place of [`Function::DEFAULT`]. The dynamics of a large robot take seconds
+    /// to compile; functions that are not selected cost nothing.
     #[must_use]
     pub fn functions(mut self, functions: impl IntoIterator<Item = Function>) -> Self {
         self.functions = Some(functions.into_iter().collect());
         self
     }
 
-    /// Runs equal limbs (legs, arms, fingers) through one function, with a table of constants for each:
-    /// the smallest code. Limbs of which one carries a [`payload`](Self::payload) or a
-    /// [`runtime_inertia`](Self::runtime_inertia) are not equal: such a robot has them one after the other. Without it they run side by side where there are vectors, else one after the
-    /// other.
+    /// Makes equal limbs (legs, arms, fingers) share one function, with a table of constants for each limb: the
+    /// smallest code.
+    ///
+    /// Without this option equal limbs are packed into vectors on processors that have them, and computed one after the
+    /// other elsewhere. A limb with a [`payload`](Self::payload) or a [`runtime_inertia`](Self::runtime_inertia) is not
+    /// equal to others; such limbs are computed one after the other.
     #[must_use]
     pub fn share(mut self) -> Self {
         self.share = true;
         self
     }
 
-    /// Makes text that depends on `core` alone: it carries the part of the runtime that it needs, as a
-    /// module `runtime`. Include it as a module of its own (`mod arm;` beside `arm.rs`). The type
-    /// has its functions, but not the trait `Robot` nor batches.
+    /// Makes the text depend on `core` only: it carries the parts of the runtime that it needs in a module `runtime`.
+    /// Include it as a module of its own (`mod arm;` for a file `arm.rs`). The type has its functions, but neither the
+    /// trait `Robot` nor batches.
     #[must_use]
     pub fn self_contained(mut self) -> Self {
         self.self_contained = true;
         self
     }
 
-    /// Adds functions for C, named `prefix_function`: `extern "C"` over pointers to arrays of fixed
-    /// sizes, without namespaces (`#[unsafe(no_mangle)]`, so not under `forbid(unsafe_code)`: that two
-    /// functions have one name is found by the linker alone). What they are given must be valid and
-    /// aligned, and `out` must overlap nothing, as ever in C. [`Generated::c_header`] is their header.
+    /// Adds functions for C, named `prefix_function`: `extern "C"`, with pointers to arrays of fixed sizes.
+    ///
+    /// Pointers must be valid and aligned, and `out` must not overlap any argument, as usual in C. The functions are
+    /// `#[unsafe(no_mangle)]`, so the crate cannot `forbid(unsafe_code)`, and the linker reports two functions of the
+    /// same name. [`Generated::c_header`] is their header.
     #[must_use]
     pub fn c_functions(mut self, prefix: impl Into<String>) -> Self {
         self.c_prefix = Some(prefix.into());
         self
     }
 
-    /// Compiles to text, without writing anything.
+    /// Returns the generated text, without writing a file.
     ///
     /// # Errors
     ///
-    /// All that is wrong with the description and the options.
+    /// Returns all errors of the description and the options.
     pub fn generate(&self) -> Result<Generated, Diagnostics> {
         let (model, modules, options) = self.compiled()?;
         let Emitted { text, c_header, type_name, operations, static_operations, partition } =
@@ -380,15 +395,34 @@ impl Builder {
         })
     }
 
-    /// Compiles to C99, without writing anything: a header and a source file that need `<math.h>` alone. Options about
-    /// Rust (visibility, crate, [`c_functions`](Self::c_functions)) have no part in it; the names begin with the type's
-    /// name in snake case. Besides it returns the warnings.
+    /// Returns the generated C99 text, a header and a source file that need `<math.h>` only, and the warnings. Writes no
+    /// file.
+    ///
+    /// Names start with the type's name in snake case. Options of Rust (visibility, crate,
+    /// [`c_functions`](Self::c_functions)) have no effect.
+    ///
+    /// # Errors
+    ///
+    /// Returns all errors of the description and the options.
+    pub fn generate_c(&self) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
+        self.c_source(None)
+    }
+
+    /// Returns the programs of the robot's functions with its model and the warnings: what a back end needs that prints no
+    /// text. Functions of many states have no programs of their own: [`Kernels`](crate::plan::Kernels) of one state can
+    /// be run on vectors with a state in each lane. Options about text have no effect.
     ///
     /// # Errors
     ///
     /// All that is wrong with the description and the options.
-    pub fn generate_c(&self) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
-        self.c_source(None)
+    pub fn plan(&self) -> Result<Planning, Diagnostics> {
+        let (model, modules, mut options) = self.compiled()?;
+        for function in &mut options.functions {
+            *function = function.batched().unwrap_or(*function);
+        }
+        (options.share, options.self_contained) = (false, false);
+        let plan = options.plan(&model, &modules);
+        Ok(Planning { plan, model, warnings: options.warnings })
     }
 
     /// The C source whose header file has this name, and the warnings.
@@ -397,7 +431,7 @@ impl Builder {
         Ok((emit_c(&model, &modules, &options, header), options.warnings))
     }
 
-    /// Everything that back ends need: the model, its modules, and the options.
+    /// Returns the inputs of the back ends: the model, its modules, and the options.
     fn compiled(&self) -> Result<(Model, ModuleTree, EmitOptions), Diagnostics> {
         let mut errors = self.option_errors();
         let reading = self.read().map_err(|found| errors.extend(found)).ok();
@@ -423,7 +457,7 @@ impl Builder {
         else {
             return Err(Diagnostics::new(errors));
         };
-        warnings.extend(self.taken_name(&model, &warnings));
+        warnings.extend(self.name_conflict(&model, &warnings));
         if self.float == FloatType::F32 {
             warnings.extend(conditioning_warning(&model));
         }
@@ -445,20 +479,19 @@ impl Builder {
         Ok((model, modules, options))
     }
 
-    /// From a build script: compiles to `OUT_DIR`, for `modyn::include_model!`, and has Cargo run
-    /// the script again when the description changes. Warnings become Cargo's warnings.
+    /// Compiles to `OUT_DIR` from a build script, for `modyn::include_model!`. Cargo runs the script again when the
+    /// description changes, and shows the warnings.
     ///
-    /// What to include is named after the type, if a name was [given](Self::type_name) (`LeftArm`
-    /// is `include_model!(left_arm)`), else after the description's file (`my-robot.urdf` is
-    /// `include_model!(my_robot)`).
+    /// The name for `include_model!` is derived from the type, if a name was [given](Self::type_name) (`LeftArm` is
+    /// `include_model!(left_arm)`), else from the description's file (`my-robot.urdf` is `include_model!(my_robot)`).
     ///
     /// # Errors
     ///
-    /// All that is wrong with the description and the options, or a file that cannot be written.
+    /// Returns all errors of the description and the options, or that a file cannot be written.
     pub fn compile(&self) -> Result<Generated, Diagnostics> {
         if let Source::File(path) = &self.source {
-            // Also when it does not exist: Cargo then looks again.
-            println!("cargo::rerun-if-changed={}", place(path).display());
+            // Also for a missing file: Cargo then checks again.
+            println!("cargo::rerun-if-changed={}", resolve_path(path).display());
         }
         let generated = self.generate()?;
         let error = |message: String, help: &str| {
@@ -473,7 +506,7 @@ impl Builder {
         };
         let name = names::snake(stem.as_deref().unwrap_or(&generated.type_name));
         let file = Path::new(&folder).join(format!("{name}.rs"));
-        // What this process, a build script, has written: one robot must not replace another.
+        // The files that this process, a build script, has written: a robot must not overwrite another.
         static WRITTEN: Mutex<BTreeMap<PathBuf, String>> = Mutex::new(BTreeMap::new());
         let mut written = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
         let text = written.entry(file.clone()).or_insert_with(|| generated.text.clone());
@@ -483,10 +516,10 @@ impl Builder {
         }
         std::fs::write(&file, &generated.text).map_err(|reason| {
             let message = format!("`{}` cannot be written: {reason}", file.display());
-            error(message, "OUT_DIR must be a folder that can be written to")
+            error(message, "OUT_DIR must be a writable folder")
         })?;
         let warnings = generated.warnings.iter().take(Diagnostics::SHOWN);
-        let more = Diagnostics::more(generated.warnings.len());
+        let more = Diagnostics::count_hidden(generated.warnings.len());
         for warning in warnings.map(ToString::to_string).chain(more) {
             println!("cargo::warning={}", warning.replace(char::is_control, " "));
         }
@@ -494,17 +527,17 @@ impl Builder {
     }
 
     fn read(&self) -> Result<Reading, Diagnostics> {
-        // A bad one is among the errors of the options.
+        // An invalid gravity is among the errors of the options.
         let gravity = self.read.gravity.filter(|&gravity| gravity_error(gravity).is_none());
         let options = ReadOptions { gravity, ..self.read.clone() };
         match &self.source {
             Source::None => {
                 let missing =
                     Diagnostic::error(Code::MissingFile, "no robot description was given");
-                Err(missing.with_help("call `Builder::urdf` with the path of one").into())
+                Err(missing.with_help("call `Builder::urdf` with the path of a URDF").into())
             }
             Source::File(path) => {
-                let (_, text) = read_first(path.display(), &[place(path)])?;
+                let (_, text) = read_first(path.display(), &[resolve_path(path)])?;
                 self.read_text(&text, &path.display().to_string(), &options)
             }
             Source::Text { text, file } => self.read_text(text, file, &options),
@@ -535,17 +568,17 @@ impl Builder {
         self.format.unwrap_or_else(|| Format::of(text, file)).read(text, file, options)
     }
 
-    /// Warns of a type `Robot`, which is also what the trait is called that users import.
-    fn taken_name(&self, model: &Model, warnings: &[Diagnostic]) -> Option<Diagnostic> {
+    /// Returns a warning for a type `Robot`, which would collide with the trait that users import.
+    fn name_conflict(&self, model: &Model, warnings: &[Diagnostic]) -> Option<Diagnostic> {
         let name = names::type_name(model.name());
-        // Of a robot without a name this has been said.
+        // A robot without a name already has a warning.
         let said = warnings.iter().any(|w| w.code == Code::MissingAttribute && w.subject.is_none());
         (self.type_name.is_none() && name == "Robot" && !said).then(|| {
             let message = "the type `Robot` will collide with `use modyn::Robot`";
             let help = "name it: `modyn!(pub MyArm = \"...\")`, or `Builder::type_name`";
             let subject = Subject::Robot(model.name().into());
             let warning = Diagnostic::new(Severity::Warning, Code::TypeName, message);
-            warning.about(subject).with_help(help)
+            warning.with_subject(subject).with_help(help)
         })
     }
 
@@ -571,7 +604,7 @@ impl Builder {
         }
     }
 
-    /// What is wrong with the options that become part of the text as they are.
+    /// Returns the errors of options that are copied into the text.
     fn option_errors(&self) -> Vec<Diagnostic> {
         let mut errors = Vec::new();
         let mut error = |code, message: String, help: String| {
@@ -581,43 +614,44 @@ impl Builder {
         {
             error(
                 Code::TypeName,
-                format!("{name:?} is no type's name in upper camel case"),
+                format!("{name:?} is not a type name in upper camel case"),
                 format!("`{}` is one", names::type_name(name)),
             );
         }
         if let Some(visibility) = self.visibility.as_ref().filter(|text| !is_visibility(text)) {
             error(
                 Code::Option,
-                format!("{visibility:?} is no visibility"),
+                format!("{visibility:?} is not a visibility"),
                 "`pub`, `pub(crate)`, `pub(super)`, `pub(in path)`, or nothing for private".into(),
             );
         }
         if let Some(krate) = self.krate.as_ref().filter(|text| !is_path(text)) {
             error(
                 Code::Option,
-                format!("{krate:?} is no path of a crate or module"),
+                format!("{krate:?} is not the path of a crate or module"),
                 "give the path of `modyn`, such as `::modyn` or `crate::robots::modyn`".into(),
             );
         }
         if let Some(prefix) = self.c_prefix.as_ref().filter(|name| !is_c_prefix(name)) {
             error(
                 Code::Option,
-                format!("{prefix:?} cannot begin the names of C functions"),
-                "a letter, then letters, digits and underscores".into(),
+                format!("{prefix:?} is not a prefix of C functions"),
+                "use a letter, then letters, digits and underscores".into(),
             );
         }
         if self.self_contained && self.krate.is_some() {
             error(
                 Code::Option,
-                "a self-contained file has no crate to be told the path of".into(),
-                "leave out `krate`, or `self_contained`".into(),
+                "a self-contained file does not use the crate `modyn`, so `krate` has no effect"
+                    .into(),
+                "remove `krate` or `self_contained`".into(),
             );
         }
         if matches!(self.source, Source::Model(_)) && !self.read.loops.is_empty() {
             error(
                 Code::Option,
-                "a model that is given as one has its own loops".into(),
-                "close them by `Model::with_loop_constraints`".into(),
+                "a `Model` has its own loop constraints".into(),
+                "set them with `Model::with_loop_constraints`".into(),
             );
         }
         if matches!(self.source, Source::Model(_)) && !self.read.contacts.is_empty() {
@@ -638,8 +672,8 @@ impl Builder {
         for (option, _) in given.filter(|_| matches!(self.source, Source::Model(_))) {
             error(
                 Code::Option,
-                format!("`{option}` is about reading a description, and a model is given"),
-                "make the model so: its joints say what they are, `Model::with_friction` what acts"
+                format!("`{option}` is an option for descriptions, but the robot is a `Model`"),
+                "set it in the model: joints have their type and rotor, `Model::with_friction` sets the friction"
                     .into(),
             );
         }
@@ -653,7 +687,7 @@ fn is_c_prefix(name: &str) -> bool {
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-/// The links of this `option`, as indices into the model's frames.
+/// Returns the links of this `option`, as indices into the model's frames.
 fn moving_frames(
     model: &Model,
     option: &str,
@@ -673,15 +707,17 @@ fn moving_frames(
                     Some(meant) => format!("did you mean `{meant}`?"),
                     None => "name a link of the description".into(),
                 };
-                error(format!("`{name}` in `{option}` is no link"), help);
+                error(format!("`{name}` in `{option}` is not a link"), help);
             }
             Some(frame) if model.frames()[frame].link.is_none() => error(
                 format!("link `{name}` in `{option}` does not move"),
-                "leave it out: a link that is fixed to the world has no part in the dynamics"
-                    .into(),
+                "remove it: a link that is fixed to the world has no effect on the dynamics".into(),
             ),
             Some(frame) if frames.contains(&frame) => {
-                error(format!("link `{name}` stands in `{option}` twice"), "name it once".into());
+                error(
+                    format!("link `{name}` is listed in `{option}` twice"),
+                    "name it once".into(),
+                );
             }
             Some(frame) => frames.push(frame),
         }
@@ -689,8 +725,8 @@ fn moving_frames(
     if errors.is_empty() { Ok(frames) } else { Err(Diagnostics::new(errors)) }
 }
 
-/// Where a file is: as given, or from the folder of the crate's `Cargo.toml`.
-fn place(path: &Path) -> PathBuf {
+/// Returns the path of a file: as given, or from the folder of the crate's `Cargo.toml`.
+fn resolve_path(path: &Path) -> PathBuf {
     std::env::var_os("CARGO_MANIFEST_DIR")
         .map_or_else(|| path.into(), |root| Path::new(&root).join(path))
 }
@@ -702,36 +738,36 @@ fn is_visibility(text: &str) -> bool {
     match inside {
         None => rest.is_empty(),
         Some("crate" | "super" | "self") => true,
-        // A visibility ends at a module around the robot.
+        // The path of a visibility must be an enclosing module.
         Some(inside) => inside.strip_prefix("in ").is_some_and(|path| {
             let first = path.trim().split("::").next().unwrap_or_default();
-            is_way(first.trim()) && is_path(&format!("{path}::name"))
+            is_path_keyword(first.trim()) && is_path(&format!("{path}::name"))
         }),
     }
 }
 
-/// Whether a text is the path of a module that `use .. as` takes.
+/// Returns whether a text is the path of a module that `use .. as` accepts.
 fn is_path(text: &str) -> bool {
     let text = text.trim();
     let (global, path) = text.strip_prefix("::").map_or((false, text), |path| (true, path));
     let parts: Vec<&str> = path.split("::").map(str::trim).collect();
-    // `self` and `super` alone are no names to import.
+    // `self` and `super` alone cannot be imported.
     let Some((last, before)) = parts.split_last() else { return false };
-    let mut ways = before.iter().take_while(|part| is_way(part)).count();
+    let mut ways = before.iter().take_while(|part| is_path_keyword(part)).count();
     if *last == "crate" && before.is_empty() {
         ways = 1;
     }
     let (ways, names) = parts.split_at(ways);
     let ways = ways.iter().enumerate().all(|(i, way)| *way == "super" || i == 0);
-    ways && (!global || !is_way(parts[0])) && names.iter().all(|name| is_identifier(name))
+    ways && (!global || !is_path_keyword(parts[0])) && names.iter().all(|name| is_identifier(name))
 }
 
-/// Whether part of a path is a way to a module and not a name.
-fn is_way(part: &str) -> bool {
+/// Returns whether part of a path is a keyword that leads to a module.
+fn is_path_keyword(part: &str) -> bool {
     matches!(part, "crate" | "self" | "super")
 }
 
-/// Whether a text is an identifier in every edition, perhaps a raw one.
+/// Returns whether a text is an identifier in every edition, possibly a raw one.
 fn is_identifier(text: &str) -> bool {
     let name = text.strip_prefix("r#").unwrap_or(text);
     let mut letters = name.chars();
@@ -764,7 +800,7 @@ mod tests {
         }
     }
 
-    /// What is taken compiles as an import, and what does not compile is refused.
+    /// Accepted paths compile as imports, and paths that do not compile are rejected.
     #[test]
     fn paths_are_those_that_can_be_imported() {
         let good = [
@@ -842,11 +878,11 @@ mod tests {
         let errors = refused(comb(1, 1000), ModuleChoice::Chains);
         assert!(errors.starts_with("error[too-large]: code for 1000 moving joints"), "{errors}");
         assert!(errors.contains("1000 links, from `1` to `1000`"), "{errors}");
-        // Links as modules would not help here.
+        // Modules of one link would not help here.
         assert!(!errors.contains("modules = links"), "{errors}");
         let errors = refused(comb(1, 66), ModuleChoice::Chains);
         assert!(errors.contains("`brge` 2") && errors.contains("modules = links"), "{errors}");
-        // What takes most is named, and what would do without it.
+        // The most expensive function is named, and a set of functions without it.
         let errors = refused(comb(600, 1), ModuleChoice::Links);
         assert!(errors.contains("`jacobian` 5"), "{errors}");
         assert!(errors.contains("leave `jacobian` out of the option `functions`"), "{errors}");
@@ -869,11 +905,11 @@ mod tests {
             let default = Function::DEFAULT;
             assert_eq!(refused(&model, &by_chains, default), chains, "{}", model.nv());
             assert_eq!(refused(&model, &by_links, default), links, "{}", model.nv());
-            // One function that takes linear time is small.
+            // A single function with linear code size is small.
             let one = [Function::ForwardDynamics];
             assert!(!refused(&model, &by_links, &one), "{}", model.nv());
         }
-        // Derivatives of a chain take the cube of its length, and twice that with those of batches.
+        // Derivatives of a chain grow with the cube of its length, and twice as fast with batches.
         let model = comb(1, 45);
         let links = ModuleTree::links(&model);
         let mut functions = vec![Function::ForwardDynamicsDerivatives];
@@ -882,7 +918,7 @@ mod tests {
         assert!(refused(&model, &links, &functions));
     }
 
-    /// So many chains of so many links.
+    /// Returns a model of this number of chains with this number of links.
     fn comb(chains: usize, length: usize) -> Model {
         let mut urdf = String::from("<robot name='comb'><link name='0'/>");
         for i in 1..=chains * length {
@@ -897,7 +933,7 @@ mod tests {
         read.expect("a good robot").model
     }
 
-    /// The model with its last link changed.
+    /// Returns the model with its last link changed.
     fn changed(model: &Model, change: impl Fn(&mut modyn_runtime::model::Link)) -> Model {
         let mut links = model.links().to_vec();
         links.iter_mut().next_back().into_iter().for_each(change);
@@ -924,7 +960,7 @@ mod tests {
         let large = changed(&good, |link| link.inertial.center_of_mass[0] = 1e100);
         for severity in [Severity::Error, Severity::Warning] {
             assert_eq!(codes(good.clone(), severity), []);
-            assert_eq!(codes(massless.clone(), severity), [Code::NoInertiaFelt]);
+            assert_eq!(codes(massless.clone(), severity), [Code::SingularJoint]);
             assert_eq!(codes(negative.clone(), severity), [Code::NegativeMass]);
             assert_eq!(codes(unphysical.clone(), severity), [Code::TriangleInequality]);
             assert_eq!(codes(large.clone(), severity), [Code::NotFinite]);

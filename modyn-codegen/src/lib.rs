@@ -4,12 +4,12 @@
 //! text ─ read ─▶ Description ─ assemble, check ─▶ Model ─ modules ─▶ equations on Expr (trace) ─▶ Graph ─ passes, plan ─▶ Program ─ emit ─▶ Rust, C
 //! ```
 //!
-//! The macro `modyn::modyn!`, build scripts and anyone who wants the text all come in through
-//! [`Builder`]; [`read`](read()) gives the model alone.
+//! The macro `modyn::modyn!`, build scripts and the command line use [`Builder`]. [`read`](read()) returns the model
+//! only.
 //!
-//! Stable are [`Builder`] with its options and result, [`read`](read()) with its own, [`diagnostics`] and [`names`]. The
-//! other modules (`emit`, `graph`, `passes`, `plan`, `program`, `read::file`, `trace`) are public for tests and
-//! measurements, and may change in any release.
+//! Stable are [`Builder`] with its options and result, [`read`](read()) with its options and result, [`diagnostics`] and
+//! [`names`]. The other modules (`emit`, `graph`, `passes`, `plan`, `program`, `read::file`, `trace`) are public for tests
+//! and measurements, and may change in any release.
 
 mod assemble;
 mod builder;
@@ -26,7 +26,7 @@ pub mod read;
 mod size;
 pub mod trace;
 
-pub use builder::{Builder, Generated, ModuleChoice};
+pub use builder::{Builder, Generated, ModuleChoice, Planning};
 pub use check::{CARRIED_BY_F32, condition_number};
 pub use description::{Base, Contact, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
 pub use emit::{CSource, FloatType};

@@ -1,24 +1,22 @@
-//! How URDF names become Rust identifiers.
+//! The conversion of names in the description to Rust identifiers.
 //!
 //! URDF allows any text as a name; names with dots, dashes and slashes are common.
 //!
-//! 1. A name is split into words wherever a character is no ASCII letter or digit.
-//! 2. A type or an enum variant ([`type_name`], [`variants`]) is its words, each with its first
-//!    letter made upper case and the rest left alone: `my-robot 2` is `MyRobot2`, `fr3_linkA` is
-//!    `Fr3LinkA`. A digit next to a digit of the next word keeps an underscore between them:
-//!    `joint_1_2` is `Joint1_2`, not `Joint12`.
-//! 3. A function or a variable ([`snake`]) is its words in lower case with underscores between
-//!    them; a new word also begins at an upper-case letter after a lower-case letter or a digit:
-//!    `linkA.2` is `link_a_2`.
-//! 4. An identifier that would begin with a digit gets `N` (`n_` in snake case) before it; one
-//!    without any word is `Unnamed` (`unnamed`); a keyword gets an underscore after it, and so does
-//!    a variant `ALL`, since the generated enums have a constant of that name.
-//! 5. Among [`variants`], a name whose identifier is taken gets `_2`, `_3` and so on: the first
-//!    that no other name has by itself, in the order of the names.
+//! 1. A name is split into words at every character that is not an ASCII letter or digit.
+//! 2. A type or an enum variant ([`type_name`], [`variants`]) is the words in upper camel case. Only the first letter of
+//!    each word is changed: `my-robot 2` is `MyRobot2`, `fr3_linkA` is `Fr3LinkA`. Between a digit and a digit of the
+//!    next word an underscore remains: `joint_1_2` is `Joint1_2`, not `Joint12`.
+//! 3. A function or a variable ([`snake`]) is the words in lower case, separated by underscores. An upper-case letter
+//!    after a lower-case letter or a digit starts a new word: `linkA.2` is `link_a_2`.
+//! 4. An identifier that would start with a digit is prefixed with `N` (`n_` in snake case). A name without words is
+//!    `Unnamed` (`unnamed`). A keyword gets a trailing underscore; so does a variant `ALL`, since the generated enums
+//!    have a constant of that name.
+//! 5. Among [`variants`], a name whose identifier is taken gets `_2`, `_3` and so on: the first identifier that no other
+//!    name has by rules 1 to 4. Names are handled in order.
 
 use std::collections::HashSet;
 
-/// The name of a type, in upper camel case.
+/// Returns the name of a type, in upper camel case.
 #[must_use]
 pub fn type_name(name: &str) -> String {
     let mut result = String::with_capacity(name.len());
@@ -36,13 +34,13 @@ pub fn type_name(name: &str) -> String {
     identifier(result, "N", "Unnamed")
 }
 
-/// The name of a type that only the generated text itself uses. No robot's type can have it: [`type_name`] never
-/// begins with an underscore.
+/// Returns the name of a type that only the generated text uses. No robot's type can have it: [`type_name`] never starts
+/// with an underscore.
 pub(crate) fn helper_type(name: &str) -> String {
     format!("__{}", type_name(name))
 }
 
-/// The variants of an enum that has one for each name, in their order; no two are equal.
+/// Returns the variants of an enum with one variant for each name, in order; all are different.
 #[must_use]
 pub fn variants(names: &[&str]) -> Vec<String> {
     let variant = |name: &&str| match type_name(name) {
@@ -50,10 +48,10 @@ pub fn variants(names: &[&str]) -> Vec<String> {
         other => other,
     };
     let plain: Vec<String> = names.iter().map(variant).collect();
-    // What names are called by themselves is never given to another as its numbered name.
+    // An identifier that a name has by itself is never used as the numbered identifier of another name.
     let reserved: HashSet<&str> = plain.iter().map(String::as_str).collect();
     let mut taken: HashSet<String> = HashSet::new();
-    // Where to go on counting: a thousand equal names take a thousand steps, not a million.
+    // The next number for each name, so that a thousand equal names take a thousand steps, not a million.
     let mut next: std::collections::HashMap<&str, usize> = std::collections::HashMap::new();
     let mut variants = Vec::with_capacity(names.len());
     for name in &plain {
@@ -61,7 +59,7 @@ pub fn variants(names: &[&str]) -> Vec<String> {
         if taken.contains(name) {
             let number = next.entry(name).or_insert(2);
             loop {
-                // `Self_` is numbered `Self_2`, not `Self__2`, which is no camel case.
+                // `Self_` is numbered `Self_2`, not `Self__2`, which is not camel case.
                 variant = format!("{}_{number}", name.trim_end_matches('_'));
                 *number += 1;
                 if !reserved.contains(variant.as_str()) && !taken.contains(&variant) {
@@ -75,7 +73,7 @@ pub fn variants(names: &[&str]) -> Vec<String> {
     variants
 }
 
-/// The names of fields, in snake case, in the order of `names`; no two are equal, none `reserved`.
+/// Returns the names of fields in snake case, in the order of `names`; all are different, and none is `reserved`.
 #[must_use]
 pub fn fields(names: &[&str], reserved: &[&str]) -> Vec<String> {
     let mut taken: HashSet<String> = reserved.iter().map(|&name| name.into()).collect();
@@ -90,7 +88,7 @@ pub fn fields(names: &[&str], reserved: &[&str]) -> Vec<String> {
     names.iter().map(&mut field).collect()
 }
 
-/// The name of a function or a variable, in snake case.
+/// Returns the name of a function or a variable, in snake case.
 #[must_use]
 pub fn snake(name: &str) -> String {
     let mut result = String::with_capacity(name.len() + 4);
@@ -125,7 +123,7 @@ fn words(name: &str) -> impl Iterator<Item = &str> {
     name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty())
 }
 
-/// Makes ASCII letters, digits and underscores an identifier.
+/// Returns an identifier for a text of ASCII letters, digits and underscores.
 fn identifier(mut text: String, before_digit: &str, unnamed: &str) -> String {
     if text.is_empty() {
         text.push_str(unnamed);
@@ -207,7 +205,7 @@ mod tests {
     #[test]
     fn variants_are_unique_and_in_order() {
         assert_eq!(variants(&["a b", "a_b", "AB", "ab"]), ["AB", "AB_2", "AB_3", "Ab"]);
-        // `a_2` is not `A_2`, but a name may well be called like a numbered one.
+        // `a_2` is not `A_2`, but a name may equal a numbered identifier.
         assert_eq!(variants(&["x 1", "x_1", "x1_2"]), ["X1", "X1_3", "X1_2"]);
         assert_eq!(variants(&["x1_2", "x 1", "x_1"]), ["X1_2", "X1", "X1_3"]);
         assert_eq!(variants(&["self", "self"]), ["Self_", "Self_2"]);

@@ -1,37 +1,37 @@
-//! How much text a robot's code will be, estimated before any of it is made.
+//! The estimated size of a robot's text, computed before the text is made.
 
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::diagnostics::{Code, Diagnostic};
 use crate::plan::{Function, MAX_OWN_FUNCTIONS};
 
-/// Most bytes of generated text, by [`estimate`].
+/// The largest number of bytes of generated text, by [`estimate`].
 pub const MAX_BYTES: f64 = 32e6;
 
-/// What of a robot the sizes of its functions depend on. A joint of several degrees of freedom counts as
-/// several in part.
+/// The properties of a robot that the sizes of its functions depend on. A joint of several degrees of freedom counts as
+/// several joints in part.
 struct Measures {
-    /// Moving links.
+    /// The number of moving links.
     links: f64,
-    /// Moving links on other moving links: one on the world has next to no dynamics.
+    /// The number of moving links with a moving parent. Links on the world have hardly any dynamics.
     carried: f64,
-    /// The sum over the moving links of the links on their way to the root.
+    /// The sum over the moving links of their numbers of ancestors.
     depths: f64,
-    /// The sum of the squares of these numbers of links.
+    /// The sum of the squares of these numbers.
     squares: f64,
-    /// The entries of the mass matrix.
+    /// The number of entries of the mass matrix.
     entries: f64,
     /// The sum over the modules of the cubes of their degrees of freedom.
     pivots: f64,
-    /// Links of the description.
+    /// The number of links of the description.
     frames: f64,
-    /// Functions of a link: those that one link has, and those that several share.
+    /// The number of functions of one link: own functions, and functions that links share.
     kernels: f64,
-    /// The sum over these functions of the links on their way to the root.
+    /// The sum over these functions of the link's number of ancestors.
     chains: f64,
-    /// Links that share a function.
+    /// The number of links that share a function.
     rows: f64,
-    /// Degrees of freedom.
+    /// The number of degrees of freedom.
     nv: f64,
     /// Constraints.
     constraints: f64,
@@ -82,13 +82,13 @@ impl Measures {
         }
     }
 
-    /// About how many bytes a function takes. The factors are those of chains and of trees of 6 to 48 joints
-    /// in general position.
+    /// Returns the estimated size of a function in bytes. The factors were fitted to chains and trees of 6 to 48 joints in
+    /// general position.
     fn bytes(&self, function: Function) -> f64 {
         let &Self { links, carried, depths, squares, entries, pivots, nv, constraints, .. } = self;
         let &Self { frames, kernels, chains, rows, .. } = self;
         let factors = 1000.0 * depths + 130.0 * squares + 40.0 * entries + 25.0 * pivots;
-        // A function of a link: by its operations, its results and the calls for links that share it.
+        // A function of one link: its operations, its results, and the calls for links that share it.
         let of_link = |step: f64, results: f64| step * chains + results * kernels + 250.0 * rows;
         let wrenches = 1500.0 * frames;
         match function.batched().unwrap_or(function) {
@@ -142,14 +142,14 @@ impl Measures {
             Function::LinkVelocity | Function::LocalLinkVelocity => of_link(1300.0, 300.0),
             Function::LinkAcceleration | Function::LocalLinkAcceleration => of_link(2100.0, 300.0),
             Function::Jacobian | Function::LocalJacobian => of_link(1600.0, 150.0 * nv),
-            Function::JacobianRate | Function::LocalJacobianRate => of_link(1900.0, 300.0),
+            Function::BiasAcceleration | Function::LocalBiasAcceleration => of_link(1900.0, 300.0),
             Function::Random => 200.0 * links,
             _ => 100.0 * links,
         }
     }
 }
 
-/// About how many bytes of text the code of a robot will be, and of these the functions', the largest first.
+/// Returns the estimated size of a robot's text in bytes, and the sizes of its functions, the largest first.
 pub fn estimate(
     model: &Model,
     modules: &ModuleTree,
@@ -164,7 +164,7 @@ pub fn estimate(
     (tables + sizes.iter().map(|(_, bytes)| bytes).sum::<f64>(), sizes)
 }
 
-/// Says so if code for this robot would be endless.
+/// Returns an error if the text of this robot would be too large.
 pub fn too_large(
     model: &Model,
     modules: &ModuleTree,
@@ -193,7 +193,7 @@ pub fn too_large(
         model.links()[longest.end - 1].name,
     );
     let by_links = ModuleTree::links(model);
-    // As few as will do, the largest first.
+    // As few functions as necessary, the largest first.
     let mut rest = bytes;
     let dropped = sizes.iter().take_while(|(_, bytes)| {
         let needed = rest > MAX_BYTES;
@@ -222,7 +222,7 @@ mod tests {
     use super::*;
     use crate::Builder;
 
-    /// A chain of joints in general position with so many links fixed to each.
+    /// Returns a chain of joints in general position with this number of links fixed to each link.
     fn chain(joints: usize, fixed: usize) -> String {
         let origin = "<origin xyz='0.1 0.2 0.3' rpy='0.3 0.2 -0.4'/>";
         let mut urdf = String::from("<robot name='chain'><link name='0'/>");
@@ -243,8 +243,8 @@ mod tests {
         urdf + "</robot>"
     }
 
-    /// What is refused is what would be large: the estimate is that of what is written, never less than half of
-    /// it, and of robots with simple axes not more than six times as much.
+    /// The estimate is never less than half of the size of the text. For robots with simple axes it is at most six times
+    /// the size.
     #[test]
     fn the_estimate_is_of_what_is_written() {
         let robot = |name: &str| {

@@ -296,11 +296,11 @@ const LIMBS: [Function; 21] = [
     Function::LinkPose,
     Function::LinkVelocity,
     Function::Jacobian,
-    Function::JacobianRate,
+    Function::BiasAcceleration,
     Function::LocalJacobian,
     Function::Integrate,
     Function::Difference,
-    Function::CoordinateRates,
+    Function::VelocityToQdot,
     Function::Normalize,
 ];
 

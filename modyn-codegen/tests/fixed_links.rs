@@ -16,8 +16,8 @@ const OF_LINKS: [Function; 9] = [
     Function::LocalLinkAcceleration,
     Function::Jacobian,
     Function::LocalJacobian,
-    Function::JacobianRate,
-    Function::LocalJacobianRate,
+    Function::BiasAcceleration,
+    Function::LocalBiasAcceleration,
 ];
 
 /// A chain of joints in general position, with so many links fixed to the world and to each moving link.
@@ -96,8 +96,8 @@ fn main_of(scalar: &str) -> String {
              twist(Comb::local_link_acceleration(&q, &qd, &qdd, link));
              Comb::jacobian(&q, link).into_iter().for_each(twist);
              Comb::local_jacobian(&q, link).into_iter().for_each(twist);
-             twist(Comb::jacobian_rate(&q, &qd, link));
-             twist(Comb::local_jacobian_rate(&q, &qd, link));
+             twist(Comb::bias_acceleration(&q, &qd, link));
+             twist(Comb::local_bias_acceleration(&q, &qd, link));
          }}"
     )
 }
@@ -130,8 +130,8 @@ fn interpreted(urdf: &str) -> Vec<f64> {
         robot.local_jacobian(&Q, link, &mut columns).expect("fits");
         all.extend(twists(&columns));
         all.extend(twists(&[
-            robot.jacobian_rate(&Q, &QD, link).expect("fits"),
-            robot.local_jacobian_rate(&Q, &QD, link).expect("fits"),
+            robot.bias_acceleration(&Q, &QD, link).expect("fits"),
+            robot.local_bias_acceleration(&Q, &QD, link).expect("fits"),
         ]));
     }
     all

@@ -154,3 +154,21 @@ fn a_batch_has_its_functions_arguments() {
         assert!(!function.row().default);
     }
 }
+
+/// The page for users of other libraries names functions that there are.
+#[test]
+fn other_libraries_functions_have_these_counterparts() {
+    let page = file("docs/coming-from.md");
+    let names: BTreeSet<&str> = page
+        .split("`R::")
+        .skip(1)
+        .map(|rest| {
+            rest.split(|c: char| !c.is_ascii_lowercase() && c != '_').next().unwrap_or_default()
+        })
+        .filter(|name| !name.is_empty())
+        .collect();
+    let all = named(Function::ALL);
+    let unknown: Vec<&&str> = names.difference(&all).collect();
+    assert!(unknown.is_empty(), "{unknown:?}");
+    assert!(names.len() > 30, "{names:?}");
+}

@@ -159,7 +159,7 @@ fn no_helper_is_called_as_a_robot_can_be() {
             assert_ne!(names::type_name(helper), *helper);
         }
         let kind = |end: &str| found.iter().filter(|helper| helper.contains(end)).count();
-        let counts = ["Kernel", "Abreast", "Part", "_TABLE_"].map(kind);
+        let counts = ["Kernel", "SimdTask", "Chunk", "_TABLE_"].map(kind);
         kinds.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
     }
     assert!(kinds.iter().all(|&count| count > 0), "{kinds:?}");

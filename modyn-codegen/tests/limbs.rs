@@ -75,19 +75,19 @@ fn robots() -> Vec<(&'static str, Model, bool)> {
 }
 
 /// The same outputs; returns the operations of both.
-fn compare(name: &str, quantity: &str, alone: Graph, abreast: Graph) -> [usize; 2] {
-    let (alone, abreast) = (optimize(alone), optimize(abreast));
+fn compare(name: &str, quantity: &str, alone: Graph, packed: Graph) -> [usize; 2] {
+    let (alone, packed) = (optimize(alone), optimize(packed));
     for seed in 0..3 {
         let inputs: Vec<f64> =
             (0..200).map(|i| libm::sin(f64::from(i) * 0.7 + f64::from(seed))).collect();
-        let (expected, found) = (alone.evaluate(&inputs), abreast.evaluate(&inputs));
+        let (expected, found) = (alone.evaluate(&inputs), packed.evaluate(&inputs));
         assert_eq!(expected.len(), found.len());
         for (expected, found) in expected.iter().zip(&found) {
             let error = (expected - found).abs() / expected.abs().max(1.0);
             assert!(error < 1e-9, "{quantity} of the {name}: {found} for {expected}");
         }
     }
-    [&alone, &abreast].map(|graph| graph.count().total())
+    [&alone, &packed].map(|graph| graph.count().total())
 }
 
 #[test]
@@ -98,7 +98,7 @@ fn equal_limbs_side_by_side_give_the_same() {
         assert_eq!(limbs.independent(&mechanism), independent, "{name}");
         let gravity = Tracer::with_parameters(&mechanism, Parameters::new(&model, true, &[], &[]));
         for alone in [Tracer::new(&mechanism), gravity] {
-            let abreast = alone.packed(&limbs);
+            let packed = alone.packed(&limbs);
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
                 let partition = ModulePartition::new(&mechanism, &modules);
                 let merged = Elimination::Recursive(limbs.partition(&partition));
@@ -106,18 +106,18 @@ fn equal_limbs_side_by_side_give_the_same() {
                     name,
                     "forward dynamics",
                     alone.forward_dynamics(&Elimination::Recursive(partition)),
-                    abreast.forward_dynamics(&merged),
+                    packed.forward_dynamics(&merged),
                 );
                 assert!(after * 5 < before * 4, "{name}: {before} to {after}");
             }
             let pairs = [
-                ("inverse dynamics", alone.inverse_dynamics(), abreast.inverse_dynamics()),
-                ("bias forces", alone.bias_forces(), abreast.bias_forces()),
-                ("gravity torques", alone.gravity_torques(), abreast.gravity_torques()),
-                ("the mass matrix", alone.mass_matrix(), abreast.mass_matrix()),
+                ("inverse dynamics", alone.inverse_dynamics(), packed.inverse_dynamics()),
+                ("bias forces", alone.bias_forces(), packed.bias_forces()),
+                ("gravity torques", alone.gravity_torques(), packed.gravity_torques()),
+                ("the mass matrix", alone.mass_matrix(), packed.mass_matrix()),
             ];
-            for (quantity, alone, abreast) in pairs {
-                let [before, after] = compare(name, quantity, alone, abreast);
+            for (quantity, alone, packed) in pairs {
+                let [before, after] = compare(name, quantity, alone, packed);
                 assert!(after < before, "{quantity} of the {name}: {before} to {after}");
             }
             let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
@@ -125,16 +125,16 @@ fn equal_limbs_side_by_side_give_the_same() {
                 (
                     "inverse dynamics' derivatives",
                     alone.inverse_dynamics_derivatives(),
-                    abreast.inverse_dynamics_derivatives(),
+                    packed.inverse_dynamics_derivatives(),
                 ),
                 (
                     "forward dynamics' derivatives",
                     alone.forward_dynamics_derivatives(&layout),
-                    abreast.forward_dynamics_derivatives(&layout),
+                    packed.forward_dynamics_derivatives(&layout),
                 ),
             ];
-            for (quantity, alone, abreast) in pairs {
-                let [before, after] = compare(name, quantity, alone, abreast);
+            for (quantity, alone, packed) in pairs {
+                let [before, after] = compare(name, quantity, alone, packed);
                 assert!(after < before, "{quantity} of the {name}: {before} to {after}");
             }
         }
@@ -227,7 +227,7 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
             let mechanism = Mechanism::new(&model);
             let joined = LimbPacking::joined(&mechanism).expect("limbs that can join");
             let alone = Tracer::new(&mechanism);
-            let abreast = alone.packed(&joined);
+            let packed = alone.packed(&joined);
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
                 let partition = ModulePartition::new(&mechanism, &modules);
                 let merged = Elimination::Recursive(joined.partition(&partition));
@@ -236,28 +236,28 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
                     &name,
                     "forward dynamics",
                     alone.forward_dynamics(&Elimination::Recursive(partition)),
-                    abreast.forward_dynamics(&merged),
+                    packed.forward_dynamics(&merged),
                 );
                 let layout = UduLayout::new(&mechanism, &modules);
                 compare(
                     &name,
                     "forward dynamics' derivatives",
                     alone.forward_dynamics_derivatives(&layout),
-                    abreast.forward_dynamics_derivatives(&layout),
+                    packed.forward_dynamics_derivatives(&layout),
                 );
             }
             assert!(joined.share_root_path(&mechanism));
-            for (quantity, alone, abreast) in [
-                ("torques", alone.inverse_dynamics(), abreast.inverse_dynamics()),
-                ("gravity", alone.gravity_torques(), abreast.gravity_torques()),
-                ("the mass matrix", alone.mass_matrix(), abreast.mass_matrix()),
+            for (quantity, alone, packed) in [
+                ("torques", alone.inverse_dynamics(), packed.inverse_dynamics()),
+                ("gravity", alone.gravity_torques(), packed.gravity_torques()),
+                ("the mass matrix", alone.mass_matrix(), packed.mass_matrix()),
                 (
                     "inverse dynamics' derivatives",
                     alone.inverse_dynamics_derivatives(),
-                    abreast.inverse_dynamics_derivatives(),
+                    packed.inverse_dynamics_derivatives(),
                 ),
             ] {
-                compare("upright", quantity, alone, abreast);
+                compare("upright", quantity, alone, packed);
             }
         }
     }

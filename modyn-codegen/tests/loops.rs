@@ -144,7 +144,7 @@ impl Linkage {
         points.chain(self.q(theta)).collect()
     }
 
-    /// The inertia matrix in the driving angles.
+    /// The mass matrix in the driving angles.
     fn inertia(&self, theta: &[f64]) -> Vec<f64> {
         let slopes: Vec<Vec<f64>> =
             (0..theta.len()).map(|k| slope(&|x| self.points(x), theta, k, 1e-3)).collect();

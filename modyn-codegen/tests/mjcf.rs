@@ -226,7 +226,7 @@ fn what_would_go_unread_is_refused() {
         (r#"<joint/><body><joint/><geom size="0"/></body>"#, Code::MissingElement),
         (r#"<joint/><body quat="1e200 1e200 0 0"/>"#, Code::NotFinite),
         (r#"<joint/><geom size="1" shellinertia="true"/>"#, Code::NotRead),
-        (r#"<joint/><body><joint name="k"/></body>"#, Code::NoInertiaFelt),
+        (r#"<joint/><body><joint name="k"/></body>"#, Code::SingularJoint),
         (r#"<joint name="k"/><joint name="k" axis="1 0 0"/>"#, Code::DuplicateJoint),
     ] {
         let before = format!("<worldbody><body name=\"a\">{inertial}");
@@ -259,7 +259,7 @@ fn a_bad_number_hides_nothing_else() {
     let expected = [
         (Code::BadNumber, Some((2, 54))),
         (Code::BadNumber, Some((2, 86))),
-        (Code::NoInertiaFelt, Some((3, 24))),
+        (Code::SingularJoint, Some((3, 24))),
         (Code::BadNumber, Some((4, 33))),
     ];
     assert_eq!(places, expected, "{found:#?}");

@@ -273,9 +273,12 @@ fn bad_options_are_errors_without_a_place() {
     for (bad, text) in [
         (
             rotor("jj", 1.0, 1.0),
-            "joint `jj`: a rotor is given to it, but it does not exist\n  help: did you mean `j`?",
+            "joint `jj`: the options give it a rotor, but it does not exist\n  help: did you mean `j`?",
         ),
-        (rotor("weld", 1.0, 1.0), "joint `weld`: a rotor is given to it, but it does not move"),
+        (
+            rotor("weld", 1.0, 1.0),
+            "joint `weld`: the options give it a rotor, but it does not move",
+        ),
         (rotor("j", -1.0, 1.0), "joint `j`: no rotor has inertia -1"),
         (rotor("j", f64::NAN, 1.0), "inertia NaN"),
         (rotor("j", 0.0, f64::INFINITY), "gear ratio inf"),

@@ -1,4 +1,4 @@
-//! What stands in the macro: `[[visibility] Name =] "path" [, option = value]*`.
+//! The input of the macro: `[[visibility] Name =] "path" [, option = value]*`.
 
 use modyn_codegen::diagnostics::{Severity, suggest};
 use modyn_codegen::{
@@ -15,7 +15,7 @@ use syn::{Error, Ident, Lit, LitBool, LitStr, Path, Result, Token, Visibility};
 /// The macro's input.
 pub(crate) struct Input {
     pub path: String,
-    /// Where errors are shown.
+    /// The place of errors.
     pub span: Span,
     pub builder: Builder,
 }
@@ -49,7 +49,7 @@ impl Parse for Input {
                         Some(errors) => errors.combine(error),
                         None => errors = Some(error),
                     }
-                    // On to the next option, to report all errors at once.
+                    // Skips to the next option, to report all errors at once.
                     while !input.is_empty() && !input.peek(Token![,]) {
                         input.parse::<TokenTree>()?;
                     }
@@ -82,7 +82,7 @@ const OPTIONS: [&str; 15] = [
     "crate",
 ];
 
-/// One `, name = value`, or a last comma.
+/// Parses one `, name = value`, or a trailing comma.
 fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> Result<Builder> {
     input.parse::<Token![,]>()?;
     if input.is_empty() {
@@ -142,7 +142,7 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
     }
 }
 
-/// One of these words.
+/// Parses one of these words.
 fn choice<T: Copy>(input: ParseStream<'_>, choices: &[(&str, T)]) -> Result<T> {
     let span = input.span();
     let word = input.call(Ident::parse_any).ok();
@@ -153,7 +153,7 @@ fn choice<T: Copy>(input: ParseStream<'_>, choices: &[(&str, T)]) -> Result<T> {
     })
 }
 
-/// `none`, `viscous`, `coulomb` or `smooth(0.01)`
+/// Parses `none`, `viscous`, `coulomb` or `smooth(0.01)`.
 fn friction(input: ParseStream<'_>) -> Result<Friction> {
     let choices = [
         ("none", Friction::None),
@@ -173,7 +173,7 @@ fn friction(input: ParseStream<'_>) -> Result<Friction> {
     Ok(Friction::Smooth(number(&content)?))
 }
 
-/// `["joint": (inertia, gear_ratio), ...]`
+/// Parses `["joint": (inertia, gear_ratio), ...]`.
 fn rotors(builder: Builder, input: ParseStream<'_>) -> Result<Builder> {
     let content;
     syn::bracketed!(content in input);
@@ -192,8 +192,8 @@ fn rotors(builder: Builder, input: ParseStream<'_>) -> Result<Builder> {
     }))
 }
 
-/// `["name": type("link", [x, y, z], "link", [x, y, z], axis = [x, y, z]), ...]`; behind each place
-/// may stand roll, pitch and yaw.
+/// Parses `["name": type("link", [x, y, z], "link", [x, y, z], axis = [x, y, z]), ...]`; roll, pitch and yaw may follow
+/// each position.
 fn loops(builder: Builder, input: ParseStream<'_>) -> Result<Builder> {
     let content;
     syn::bracketed!(content in input);
@@ -262,7 +262,7 @@ fn contact(input: ParseStream<'_>) -> Result<Contact> {
     Ok(Contact { name: name.value(), kind, end: LoopEnd { link: link.value(), xyz, rpy } })
 }
 
-/// `"link", [x, y, z]` or `"link", [x, y, z], [roll, pitch, yaw]`
+/// Parses `"link", [x, y, z]` or `"link", [x, y, z], [roll, pitch, yaw]`.
 fn loop_end(input: ParseStream<'_>) -> Result<LoopEnd> {
     let link: LitStr = input.parse()?;
     input.parse::<Token![,]>()?;
@@ -275,7 +275,7 @@ fn loop_end(input: ParseStream<'_>) -> Result<LoopEnd> {
     Ok(LoopEnd { link: link.value(), xyz, rpy })
 }
 
-/// `["a", "b"]`
+/// Parses `["a", "b"]`.
 fn strings(input: ParseStream<'_>) -> Result<Vec<String>> {
     let content;
     syn::bracketed!(content in input);
@@ -283,7 +283,7 @@ fn strings(input: ParseStream<'_>) -> Result<Vec<String>> {
     Ok(strings.iter().map(LitStr::value).collect())
 }
 
-/// `all`, `default`, or a list of functions' names in which these may stand too.
+/// Parses `all`, `default`, or a list of names of functions that may contain these two.
 fn functions(input: ParseStream<'_>) -> Result<Vec<Function>> {
     if !input.peek(syn::token::Bracket) {
         return function(input);
@@ -307,7 +307,7 @@ fn function(input: ParseStream<'_>) -> Result<Vec<Function>> {
     }
 }
 
-/// `[x, y, z]`
+/// Parses `[x, y, z]`.
 fn vector(input: ParseStream<'_>) -> Result<[f64; 3]> {
     let span = input.span();
     let content;
@@ -320,7 +320,7 @@ fn vector(input: ParseStream<'_>) -> Result<[f64; 3]> {
         .map_err(|_| Error::new(span, format!("expected three numbers, there are {count}")))
 }
 
-/// A number, perhaps with a sign.
+/// Parses a number with an optional sign.
 fn number(input: ParseStream<'_>) -> Result<f64> {
     let span = input.span();
     let sign = if input.parse::<Option<Token![-]>>()?.is_some() { -1.0 } else { 1.0 };
@@ -335,7 +335,7 @@ fn number(input: ParseStream<'_>) -> Result<f64> {
     Ok(sign * magnitude)
 }
 
-/// `chains`, `links` or `[["link", ...], ...]`
+/// Parses `chains`, `links` or `[["link", ...], ...]`.
 fn modules(input: ParseStream<'_>) -> Result<ModuleChoice> {
     if input.peek(Ident) {
         let (chains, links) = (&ModuleChoice::Chains, &ModuleChoice::Links);

@@ -1,5 +1,6 @@
 //! The macro of modyn; use it through the crate `modyn`.
 
+mod guides;
 mod input;
 mod locate;
 
@@ -12,45 +13,55 @@ use syn::{Error, Result};
 
 use input::Input;
 
-/// Compiles a robot description to a type, here.
+/// Compiles a robot description to a type in this place.
 ///
 /// ```ignore
 /// modyn::modyn!("robots/gripper.urdf");
 /// modyn::modyn! { pub(crate) Arm = "robots/arm7.urdf", gravity = [0.0, 0.0, 0.0] }
 /// ```
 ///
-/// The path is relative to this source file or, if it is not there, to the folder of the crate's
-/// `Cargo.toml`. It is a URDF or, with the feature `mjcf`, a `MuJoCo` model; the file's first element says which. Without a
-/// name, the type is `pub` and named after the robot. What is odd in the
-/// description, but no error, is printed during the build and stands in the type's documentation.
+/// The path is relative to this source file, or else to the folder of the crate's `Cargo.toml`. The file is a URDF or,
+/// with the feature `mjcf`, a `MuJoCo` model; its first element decides. Without a name, the type is `pub` and named after
+/// the robot. Errors are compile errors. Warnings about the description are printed during the build, and are part of
+/// the type's documentation.
 ///
 /// | option | values | default |
 /// |---|---|---|
-/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: one of the type's `Params` | `[0.0, 0.0, -9.81]` |
-/// | `runtime_inertia` | names of links whose own inertia can be replaced at run time, in `Params` | `[]` |
-/// | `payload` | names of links to which an inertia can be added at run time, in `Params`; by default none is | `[]` |
-/// | `functions` | a list of functions' names, in which `default` may stand; `all` | `default` |
-/// | `modules` | `chains`, `links`, or a list of lists of link names, each from its parent outwards | `chains` |
-/// | `scalar` | `f64`, `f32`: of the type's own functions | `f64` |
+/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: a run-time parameter in the type's `Params` | `[0.0, 0.0, -9.81]` |
+/// | `runtime_inertia` | names of links whose own inertia is a run-time parameter in `Params` | `[]` |
+/// | `payload` | names of links with a payload, an additional inertia that is a run-time parameter in `Params`; by default zero | `[]` |
+/// | `functions` | a list of names of functions, which may contain `default`; or `all` | `default` |
+/// | `modules` | `chains`, `links`, or a list of lists of link names, each from the parent to the tip | `chains` |
+/// | `scalar` | `f64`, `f32`: the scalar of the type's own functions | `f64` |
 /// | `base` | `fixed`, `floating` | `fixed` |
-/// | `mimic` | `follow`, `independent`, `refuse`: joints that mimic another one | `follow` |
+/// | `mimic` | `follow`, `independent`, `refuse`: the treatment of mimic joints | `follow` |
 /// | `rotors` | `["joint": (inertia, gear_ratio), ...]`, kg m^2 | the description's |
-/// | `friction` | `none`, `viscous`, `coulomb`, `smooth(velocity)`: which of the description's damping and friction acts | `none`, with a warning if there are some |
+/// | `friction` | `none`, `viscous`, `coulomb`, `smooth(velocity)`: the part of the description's damping and friction that acts | `none`, with a warning if the description has any |
 /// | `loops` | `["name": spherical("link", [x, y, z], "link", [x, y, z]), ...]`, or `fixed`, `revolute`, `continuous`, `prismatic`: loop joints | the description's |
 /// | `contacts` | `["name": point("link"), "name": surface("link", [x, y, z], [roll, pitch, yaw]), ...]`: frames of links that may touch the world | none |
-/// | `share` | `true`, `false`: equal limbs through one function | `false` |
-/// | `unphysical_inertia` | `error`, `warn` | `error` |
-/// | `crate` | the path of `modyn`, where it was renamed | `::modyn` |
+/// | `share` | `true`, `false`: whether equal limbs share one function | `false` |
+/// | `unphysical_inertia` | `error`, `warn`: the severity of inertias that no rigid body has | `error` |
+/// | `crate` | the path of `modyn`, if it is not `::modyn` | `::modyn` |
 ///
-/// Names of the description become identifiers word by word, words being runs of ASCII letters and
-/// digits: `my-robot 2` is the type `MyRobot2`, the joint `arm/left.wrist` the variant
-/// `ArmLeftWrist`. An underscore stays between two digits (`Joint1_2`), `N` comes before a leading
-/// digit, an underscore behind a keyword (`Self_`), and a variant that is taken gets `_2`, `_3` and so
-/// on, in the order of the joints or links. A type `Robot` collides with `use modyn::Robot`: give it
-/// a name then.
+/// Names of the description become identifiers word by word; a word consists of ASCII letters and digits. `my-robot 2`
+/// becomes the type `MyRobot2`, the joint `arm/left.wrist` the variant `ArmLeftWrist`. An underscore remains between two
+/// digits (`Joint1_2`), a leading digit is prefixed with `N`, and a keyword gets a trailing underscore (`Self_`). A variant
+/// that is taken gets `_2`, `_3` and so on, in the order of the joints or links. A type named `Robot` collides with
+/// `use modyn::Robot`: give such a robot another name.
 #[proc_macro]
 pub fn modyn(input: TokenStream) -> TokenStream {
     syn::parse(input).and_then(compile).unwrap_or_else(|error| error.into_compile_error().into())
+}
+
+/// Modules for the pages of `docs/`, for the documentation of the crate `modyn`.
+#[doc(hidden)]
+#[proc_macro]
+pub fn guides(_: TokenStream) -> TokenStream {
+    let root = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default();
+    let modules = guides::modules(&std::path::Path::new(&root).join("docs"));
+    let modules =
+        modules.unwrap_or_else(|error| format!("compile_error!({:?});", error.to_string()));
+    modules.parse().unwrap_or_default()
 }
 
 fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
@@ -60,7 +71,7 @@ fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
         let (errors, warnings): (Vec<_>, Vec<_>) =
             found.into_iter().partition(|one| one.severity == Severity::Error);
         warn(warnings);
-        // Rustc writes `error: ` before each, and an editor lists each.
+        // Rustc writes `error: ` before each error, and an editor lists each.
         let mut errors = errors.iter().map(|one| error(&one.without_severity()));
         let first = errors.next().unwrap_or_else(|| bug("refused a description without a reason"));
         errors.take(Diagnostics::SHOWN - 1).fold(first, |mut all, one| {
@@ -71,20 +82,19 @@ fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
     let compiled = catch_unwind(AssertUnwindSafe(|| {
         let (builder, tracking) = match locate::locate(&path, span) {
             Ok(found) => (builder.text(found.text, &path), found.tracking),
-            // What is wrong with the options is said along with it.
-            Err(why) => (builder.unread(why), String::new()),
+            // The errors of the options are reported, too.
+            Err(why) => (builder.failed_to_read(why), String::new()),
         };
         Ok((builder.generate()?, tracking))
     }));
     let (generated, tracking) = compiled.map_err(|_| bug("panicked"))?.map_err(refused)?;
     warn(generated.warnings);
-    // The compiler's own lexer is much faster than building tokens one by one in a macro, which
-    // runs unoptimised.
+    // rustc's lexer is much faster than building tokens one by one in a macro, which runs unoptimised.
     let text = generated.text + &tracking;
     text.parse().map_err(|_| bug("wrote what is no Rust"))
 }
 
-/// Prints warnings: all that a macro can do on stable Rust. Cargo repeats them, as it does rustc's.
+/// Prints warnings to standard error, since macros cannot emit warnings on stable Rust. Cargo repeats them.
 fn warn(warnings: Vec<Diagnostic>) {
     if !warnings.is_empty() {
         eprintln!("{}", Diagnostics::new(warnings));

@@ -1,12 +1,12 @@
-//! Many states at a time, side by side in vector instructions, on the best that the processor has.
+//! Batches: many states at a time in the lanes of vector instructions, on the best that the processor has.
 //!
-//! Generated robots have functions for it (`forward_dynamics_batch`, ...), which call this. The
-//! states are a structure of arrays: for each coordinate a slice with its values, one for each state.
+//! Generated robots have batch functions (`forward_dynamics_batch`, ...), which call this module. States are a
+//! structure of arrays: for each coordinate a slice with its values, one for each state.
 //!
-//! Unsafe code: [`Inputs`] and [`Outputs`] read and write without a check of bounds each time. They are
-//! made here only, in `Blocks`, from slices that all hold the states of its range, for an `at` in it with
-//! `at + LANES` not beyond; which of the slices is checked at compile time. Threads share `Columns`, but
-//! each has a range of its own, so that no two write in one place.
+//! Unsafe code: [`Inputs`] and [`Outputs`] read and write without bounds checks. Only `Blocks` creates them, from
+//! slices that hold all states of its range. Their `at` is in that range, and `at + LANES` does not exceed its
+//! end. The index of the slice is checked at compile time. Threads share `Columns`, but each has a range of its
+//! own, so that no two threads write to one place.
 #![allow(unsafe_code)]
 
 use core::fmt;
@@ -15,20 +15,20 @@ use core::ops::Range;
 
 #[doc(hidden)]
 pub use crate::lanes::force_level;
-pub use crate::lanes::{Float, Lanes, Part, SimdLevel, level};
-use crate::lanes::{MOST_LANES, Work};
+use crate::lanes::{BatchTask, MAX_LANES};
+pub use crate::lanes::{Chunk, Float, Lanes, SimdLevel, level};
 #[doc(hidden)]
-pub use crate::scalar::abreast::{Abreast, Beside, Vectors};
+pub use crate::scalar::simd::{Pack, SimdBackend, SimdTask};
 
-/// What is computed of each state: `O` numbers of `I`, on any lanes.
+/// The computation for one state: `O` outputs from `I` inputs, on any vectors.
 ///
-/// `run` must be `#[inline(always)]`, and all that it calls.
+/// `run` and everything that it calls must be `#[inline(always)]`.
 pub trait Kernel<F: Float, const I: usize, const O: usize>: Sync {
-    /// Computes some states, one in each lane.
+    /// Computes as many states as there are lanes.
     fn run<L: Lanes<Lane = F>>(&self, inputs: Inputs<'_, L, I>, outputs: Outputs<'_, L, O>);
 }
 
-/// The numbers that some states are given by.
+/// The inputs of as many states as there are lanes.
 #[derive(Clone, Copy)]
 pub struct Inputs<'a, L: Lanes, const I: usize> {
     columns: &'a [*const L::Lane; I],
@@ -36,7 +36,7 @@ pub struct Inputs<'a, L: Lanes, const I: usize> {
 }
 
 impl<L: Lanes, const I: usize> Inputs<'_, L, I> {
-    /// Number `J` of each state.
+    /// Returns input `J` of each state.
     #[inline(always)]
     #[must_use]
     pub fn get<const J: usize>(&self) -> L {
@@ -46,14 +46,14 @@ impl<L: Lanes, const I: usize> Inputs<'_, L, I> {
     }
 }
 
-/// Where the results of some states go.
+/// The outputs of as many states as there are lanes.
 pub struct Outputs<'a, L: Lanes, const O: usize> {
     columns: &'a [*mut L::Lane; O],
     at: usize,
 }
 
 impl<L: Lanes, const O: usize> Outputs<'_, L, O> {
-    /// Puts number `J` of each state.
+    /// Stores output `J` of each state.
     #[inline(always)]
     pub fn set<const J: usize>(&self, value: L) {
         const { assert!(J < O, "there are not so many outputs") }
@@ -62,7 +62,7 @@ impl<L: Lanes, const O: usize> Outputs<'_, L, O> {
     }
 }
 
-/// Where the slices for each number of a state begin.
+/// The starts of the slices of all inputs and outputs.
 struct Columns<'a, F, const I: usize, const O: usize> {
     inputs: [*const F; I],
     outputs: [*mut F; O],
@@ -82,15 +82,15 @@ impl<'a, F, const I: usize, const O: usize> Columns<'a, F, I, O> {
 // SAFETY: see the header.
 unsafe impl<F: Float, const I: usize, const O: usize> Sync for Columns<'_, F, I, O> {}
 
-/// Some states, to be done block by block.
+/// A range of states, computed block by block.
 struct Blocks<'a, F: Float, K, const I: usize, const O: usize> {
     kernel: &'a K,
     columns: &'a Columns<'a, F, I, O>,
-    /// At least as many as any vector has lanes.
+    /// At least as many states as any vector has lanes.
     states: Range<usize>,
 }
 
-impl<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize> Work<F>
+impl<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize> BatchTask<F>
     for Blocks<'_, F, K, I, O>
 {
     #[inline(always)]
@@ -99,7 +99,7 @@ impl<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize> Work<F>
         loop {
             let inputs = Inputs { columns: &columns.inputs, at };
             kernel.run::<L>(inputs, Outputs { columns: &columns.outputs, at });
-            // The last block may do some states again: the same numbers come out.
+            // The last block may overlap the previous one; the states in both get the same results.
             let last = end - L::LANES;
             if at == last {
                 break;
@@ -109,21 +109,21 @@ impl<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize> Work<F>
     }
 }
 
-/// Computes `outputs` of `inputs`, which all hold `states` numbers: [`states`] has checked it.
+/// Computes `outputs` from `inputs`. All slices must hold `states` numbers, which [`states`] checks.
 fn compute<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize>(
     kernel: &K,
     inputs: [&[F]; I],
     mut outputs: [&mut [F]; O],
     states: usize,
 ) {
-    if states < MOST_LANES {
+    if states < MAX_LANES {
         return padded(kernel, inputs, outputs, states);
     }
     let columns = &Columns::new(&inputs, &mut outputs);
     F::dispatch(Blocks { kernel, columns, states: 0..states });
 }
 
-/// The same for fewer states than lanes: the last one fills them up.
+/// Computes fewer states than lanes; copies of the last state fill the lanes.
 #[cold]
 fn padded<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize>(
     kernel: &K,
@@ -146,25 +146,24 @@ fn padded<F: Float, K: Kernel<F, I, O>, const I: usize, const O: usize>(
 
 /// As many states as the widest vectors have lanes.
 struct Tile<F, const I: usize, const O: usize> {
-    inputs: [[F; MOST_LANES]; I],
-    outputs: [[F; MOST_LANES]; O],
+    inputs: [[F; MAX_LANES]; I],
+    outputs: [[F; MAX_LANES]; O],
 }
 
 impl<F: Float, const I: usize, const O: usize> Tile<F, I, O> {
     fn new() -> Self {
-        Self { inputs: [[F::zero(); MOST_LANES]; I], outputs: [[F::zero(); MOST_LANES]; O] }
+        Self { inputs: [[F::zero(); MAX_LANES]; I], outputs: [[F::zero(); MAX_LANES]; O] }
     }
 
     fn compute<K: Kernel<F, I, O>>(&mut self, kernel: &K) {
         let inputs = self.inputs.each_ref().map(|column| &column[..]);
         let mut outputs = self.outputs.each_mut().map(|column| &mut column[..]);
         let columns = &Columns::new(&inputs, &mut outputs);
-        F::dispatch(Blocks { kernel, columns, states: 0..MOST_LANES });
+        F::dispatch(Blocks { kernel, columns, states: 0..MAX_LANES });
     }
 }
 
-/// An argument of a function for batches: what it is called, how many numbers of a state it holds, and
-/// what they belong to.
+/// An argument of a batch function: its name, its number of entries for each state, and their names.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
 pub struct Argument {
@@ -173,7 +172,7 @@ pub struct Argument {
     pub coordinates: &'static [&'static str],
 }
 
-/// The number of states; an error if some slice holds another number than the first one.
+/// Returns the number of states. Errors if a slice holds another number of states than the first slice.
 fn states<F>(
     arguments: &'static [Argument],
     inputs: &[&[F]],
@@ -187,7 +186,7 @@ fn states<F>(
     }
 }
 
-/// Computes all states: `inputs` and `outputs` are the slices of all arguments one after the other.
+/// Computes all states. `inputs` and `outputs` are the slices of all arguments, concatenated.
 #[doc(hidden)]
 pub fn run<F: Float, const I: usize, const O: usize>(
     kernel: &impl Kernel<F, I, O>,
@@ -200,8 +199,8 @@ pub fn run<F: Float, const I: usize, const O: usize>(
     Ok(())
 }
 
-/// The same on all cores, some states at a time: some microseconds of work, in which handing it over is
-/// lost.
+/// Computes all states on all cores. A task has some microseconds of work, so that the cost of scheduling is
+/// negligible.
 #[cfg(feature = "rayon")]
 #[doc(hidden)]
 pub fn run_parallel<F: Float, const I: usize, const O: usize>(
@@ -212,25 +211,24 @@ pub fn run_parallel<F: Float, const I: usize, const O: usize>(
 ) -> Result<(), BatchError> {
     use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-    /// A multiple of the lanes, so that the last range alone does states again.
-    const SOME: usize = 16 * MOST_LANES;
+    /// A multiple of the number of lanes, so that only the last range overlaps.
+    const STATES_PER_TASK: usize = 16 * MAX_LANES;
     let states = states(arguments, &inputs, &outputs)?;
-    if states < 2 * SOME {
+    if states < 2 * STATES_PER_TASK {
         compute(kernel, inputs, outputs, states);
         return Ok(());
     }
     let columns = &Columns::new(&inputs, &mut outputs);
-    let ranges = states / SOME;
+    let ranges = states / STATES_PER_TASK;
     (0..ranges).into_par_iter().for_each(|i| {
-        let end = if i + 1 == ranges { states } else { (i + 1) * SOME };
-        F::dispatch(Blocks { kernel, columns, states: i * SOME..end });
+        let end = if i + 1 == ranges { states } else { (i + 1) * STATES_PER_TASK };
+        F::dispatch(Blocks { kernel, columns, states: i * STATES_PER_TASK..end });
     });
     Ok(())
 }
 
-/// Computes all states, each of which stands together: `inputs` are the arguments, each with all its
-/// numbers, state by state; a result has its numbers in `parts`. The last one of `arguments` stands for
-/// the results.
+/// Computes all states, each stored contiguously. `inputs` are the arguments with all their entries, state by
+/// state. A result has its entries in `parts`. The last of `arguments` describes the results.
 #[doc(hidden)]
 pub fn run_each<F: Float, R, const A: usize, const I: usize, const O: usize, const P: usize>(
     kernel: &impl Kernel<F, I, O>,
@@ -243,31 +241,31 @@ pub fn run_each<F: Float, R, const A: usize, const I: usize, const O: usize, con
     let mut at = 0;
     let mut tile = Tile::<F, I, O>::new();
     while at < states {
-        let some = (states - at).min(MOST_LANES);
+        let count = (states - at).min(MAX_LANES);
         let mut first = 0;
         for (flat, argument) in inputs.iter().zip(arguments) {
             let numbers = argument.numbers;
             let columns = &mut tile.inputs[first..first + numbers];
-            gather(&flat[at * numbers..(at + some) * numbers], columns);
+            transpose(&flat[at * numbers..(at + count) * numbers], columns);
             first += numbers;
         }
         tile.compute(kernel);
-        for (state, result) in results[at..at + some].iter_mut().enumerate() {
+        for (state, result) in results[at..at + count].iter_mut().enumerate() {
             let mut columns = tile.outputs.iter();
             for part in parts(result) {
-                // The columns second: one is taken for each number only.
+                // The columns are the second operand of `zip`, which takes a column for each entry only.
                 for (x, column) in part.iter_mut().zip(&mut columns) {
                     *x = column[state];
                 }
             }
         }
-        at += some;
+        at += count;
     }
     Ok(())
 }
 
-/// The number of states; an error if some argument holds another number than the first one. What has no
-/// numbers holds any.
+/// Returns the number of states. Errors if an argument holds another number of states than the first argument. An
+/// argument without entries fits any number.
 fn states_each<F, const A: usize>(
     arguments: &'static [Argument],
     inputs: [&[F]; A],
@@ -287,10 +285,10 @@ fn states_each<F, const A: usize>(
     Ok(expected.unwrap_or(0))
 }
 
-/// Transposes states into columns, the last one into what is left of them.
-fn gather<F: Float>(states: &[F], columns: &mut [[F; MOST_LANES]]) {
+/// Transposes states into columns; copies of the last state fill the remaining lanes.
+fn transpose<F: Float>(states: &[F], columns: &mut [[F; MAX_LANES]]) {
     let numbers = columns.len();
-    if states.len() == MOST_LANES * numbers {
+    if states.len() == MAX_LANES * numbers {
         for (j, column) in columns.iter_mut().enumerate() {
             for (x, state) in column.iter_mut().zip(states.chunks_exact(numbers)) {
                 *x = state[j];
@@ -306,27 +304,27 @@ fn gather<F: Float>(states: &[F], columns: &mut [[F; MOST_LANES]]) {
     }
 }
 
-/// An argument holds another number of states than the first one.
+/// An argument holds another number of states than the first argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct BatchError {
-    /// The argument.
+    /// The name of the argument.
     pub argument: &'static str,
-    /// The place of the slice in it, and the name of its coordinate (empty if it belongs to none); `None`
-    /// if a state stands together.
+    /// The index of the slice in the argument, and the name of its coordinate (empty if it has none); `None` if
+    /// states are stored contiguously.
     pub coordinate: Option<(usize, &'static str)>,
-    /// How many states it holds.
+    /// The number of states in the argument.
     pub states: usize,
-    /// How many the first argument holds.
+    /// The number of states in the first argument.
     pub expected: usize,
-    /// The first argument, and where in it, if it has places.
+    /// The name of the first argument, and the index of its first slice, if it has slices.
     first: (&'static str, &'static str),
-    /// Rows of the matrix that the argument is.
+    /// The number of rows, if the argument is a matrix.
     rows: usize,
 }
 
 impl BatchError {
-    /// For slice `place` of all.
+    /// Returns the error of slice `place` of all slices.
     #[cold]
     fn new(arguments: &'static [Argument], place: usize, states: usize, expected: usize) -> Self {
         let mut place = place;
@@ -341,7 +339,7 @@ impl BatchError {
         Self { coordinate: name.map(|name| (place, name)), first: (error.first.0, "[0]"), ..error }
     }
 
-    /// For an argument.
+    /// Returns the error of argument `place`, whose states are stored contiguously.
     #[cold]
     fn whole(arguments: &'static [Argument], place: usize, states: usize, expected: usize) -> Self {
         let Argument { name, coordinates, .. } = arguments[place];
@@ -375,7 +373,7 @@ impl fmt::Display for BatchError {
 
 impl core::error::Error for BatchError {}
 
-/// Keeps what needs feature `rayon`.
+/// Keeps items that need feature `rayon`.
 #[cfg(feature = "rayon")]
 #[doc(hidden)]
 #[macro_export]
@@ -383,7 +381,7 @@ macro_rules! __with_rayon {
     ($($item:tt)*) => { $($item)* };
 }
 
-/// Leaves out what needs feature `rayon`.
+/// Omits items that need feature `rayon`.
 #[cfg(not(feature = "rayon"))]
 #[doc(hidden)]
 #[macro_export]

@@ -1,11 +1,11 @@
-//! Whether numbers are the coordinates of a configuration.
+//! The check that coordinates are a valid configuration.
 
 use core::fmt;
 
 use crate::Scalar;
 use crate::scalar::epsilon;
 
-/// Why coordinates `q` are not those of a configuration.
+/// The reason why coordinates `q` are not a valid configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ConfigurationError<S = f64, Name = &'static str> {
@@ -16,11 +16,11 @@ pub enum ConfigurationError<S = f64, Name = &'static str> {
         /// The length of its quaternion.
         length: S,
     },
-    /// `q` holds another number of coordinates than the model has.
+    /// `q` does not have the model's length.
     Shape {
-        /// How many numbers `q` must hold.
+        /// The required number of entries.
         expected: usize,
-        /// How many it holds.
+        /// The number of entries that were given.
         found: usize,
     },
 }
@@ -44,12 +44,12 @@ impl<S: fmt::Debug + fmt::Display, Name: fmt::Debug + fmt::Display> core::error:
 {
 }
 
-/// Checks that each of the `quaternions` (the name of its joint, and where it begins in `q`) has length 1, to half of the
-/// scalar's digits: to 1.5e-8 in `f64`, to 3.5e-4 in `f32`.
+/// Checks that each of the `quaternions` (the name of its joint, and its index in `q`) has length 1. The tolerance is
+/// half of the scalar's digits: 1.5e-8 in `f64`, 3.5e-4 in `f32`.
 ///
 /// # Errors
 ///
-/// The first one that has another length.
+/// Returns the first quaternion that does not have length 1.
 #[doc(hidden)]
 pub fn check<S: Scalar + PartialOrd, Name>(
     quaternions: impl Iterator<Item = (Name, usize)>,

@@ -1,4 +1,4 @@
-//! The inertia of a rigid link, as a description states it.
+//! The inertia of a rigid link.
 
 use core::{fmt, iter};
 
@@ -6,47 +6,58 @@ use crate::Scalar;
 use crate::scalar::epsilon;
 use crate::spatial::Pose;
 
-/// Mass, centre of mass and rotational inertia of a rigid link.
+/// The mass, centre of mass and rotational inertia of a rigid link.
+///
+/// ```
+/// use modyn_runtime::Inertial;
+///
+/// // A ball of 1 kg with a radius of 0.1 m.
+/// let moment = 0.4 * 0.1 * 0.1;
+/// let ball = Inertial { mass: 1.0, center_of_mass: [0.0; 3], inertia: [moment, 0.0, 0.0, moment, 0.0, moment] };
+/// assert_eq!(ball.defect(), None);
+/// assert!(Inertial { mass: -1.0, ..ball }.defect().is_some());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Inertial<S = f64> {
-    /// Mass, kg.
+    /// The mass, kg.
     pub mass: S,
-    /// Centre of mass in the link's frame, m.
+    /// The centre of mass in the link's frame, m.
     pub center_of_mass: [S; 3],
-    /// Rotational inertia about the centre of mass in the link's axes, kg m^2:
+    /// The rotational inertia about the centre of mass in the link's axes, kg m^2:
     /// `[ixx, ixy, ixz, iyy, iyz, izz]`.
     pub inertia: [S; 6],
 }
 
-/// No mass and no rotational inertia.
+/// The inertia of no mass.
 impl<S: Scalar> Default for Inertial<S> {
     fn default() -> Self {
         Self { mass: S::zero(), center_of_mass: [S::zero(); 3], inertia: [S::zero(); 6] }
     }
 }
 
-/// How many numbers the inertia of a rigid link is.
+/// The number of inertial parameters of a rigid link.
 pub const PARAMETERS_PER_LINK: usize = 10;
 
 /// The names of the [parameters](Inertial::parameters) of a link.
-#[allow(dead_code)] // For the model, which needs a heap.
+#[allow(dead_code)] // Used by the model, which needs a heap.
 pub const INERTIAL_PARAMETERS: [&str; PARAMETERS_PER_LINK] =
     ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"];
 
-/// Why no rigid body has an inertia.
+/// The reason why no rigid body has an inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum InertialDefect<S = f64> {
     /// A number is NaN or infinite.
     NotFinite,
-    /// The mass is negative; the mass, kg.
+    /// The mass is negative, kg.
     NegativeMass(S),
-    /// There is rotational inertia but no mass.
+    /// The rotational inertia is not zero, but the mass is.
     InertiaWithoutMass,
-    /// The rotational inertia is not positive semidefinite; its principal moments, ascending.
+    /// The rotational inertia is not positive semidefinite. The principal moments in ascending order, kg m^2.
     NotPositiveSemidefinite([S; 3]),
-    /// The largest principal moment exceeds the sum of the two others; ascending.
+    /// The largest principal moment exceeds the sum of the other two. The principal moments in ascending order,
+    /// kg m^2.
     TriangleInequality([S; 3]),
 }
 
@@ -73,21 +84,20 @@ impl<S: fmt::Display + fmt::LowerExp> fmt::Display for InertialDefect<S> {
 
 impl<S: fmt::Debug + fmt::Display + fmt::LowerExp> core::error::Error for InertialDefect<S> {}
 
-/// Relative slack of the tests for being physical: numbers in descriptions are rounded.
-const SLACK: f64 = 1e-6;
+/// The relative tolerance of the physical bounds, since numbers in descriptions are rounded.
+const TRIANGLE_TOLERANCE: f64 = 1e-6;
 
-/// Slack in units of the scalar's precision, relative to the mass times the squared distance of its centre:
-/// tools compute the inertia about the centre of mass as a difference of two numbers that are at least as
-/// large, and a point mass then keeps their rounding. An inertia as small as that does not change any robot.
+/// The tolerance of the physical bounds in units of the scalar's precision, relative to the mass times the squared
+/// distance of the centre of mass. Tools compute the inertia about the centre of mass as a difference of two numbers
+/// that are at least as large, and a point mass keeps their rounding. An inertia this small has no effect on a robot.
 const ROUNDING: f64 = 8.0;
 
 impl<S: Scalar> Inertial<S> {
-    /// Returns why this is no rigid body's inertia; `None` if it is one.
+    /// Returns the reason why no rigid body has this inertia; `None` if it is physical.
     ///
-    /// The bounds are those of Traversaro et al. 2016, "Identification of fully physical
-    /// consistent inertial parameters", with a slack of 1e-6 of the largest principal moment, and of
-    /// 8 units of the scalar's precision (2e-15 for `f64`) of m c^2 for the rounding of a centre of mass that is c from the
-    /// link's origin.
+    /// The bounds are those of Traversaro et al. 2016, "Identification of fully physical consistent inertial
+    /// parameters". The tolerance is 1e-6 of the largest principal moment plus 8 units of the scalar's precision
+    /// (2e-15 for `f64`) of m c^2, for the rounding of a centre of mass at distance c from the link's origin.
     #[must_use]
     pub fn defect(&self) -> Option<InertialDefect<S>>
     where
@@ -109,7 +119,7 @@ impl<S: Scalar> Inertial<S> {
         let moments = self.principal_moments();
         let [x, y, z] = self.center_of_mass;
         let epsilon = S::from_f64(ROUNDING) * epsilon();
-        let relative = S::from_f64(SLACK) + epsilon;
+        let relative = S::from_f64(TRIANGLE_TOLERANCE) + epsilon;
         let slack = relative * moments[2].abs().max(moments[0].abs())
             + epsilon * self.mass * (x * x + y * y + z * z);
         if moments[0] < -slack {
@@ -121,7 +131,7 @@ impl<S: Scalar> Inertial<S> {
         }
     }
 
-    /// The principal moments of inertia about the centre of mass, kg m^2, ascending.
+    /// Returns the principal moments of inertia about the centre of mass, kg m^2, in ascending order.
     #[must_use]
     pub fn principal_moments(&self) -> [S; 3]
     where
@@ -137,7 +147,7 @@ impl<S: Scalar> Inertial<S> {
         [a, b, c]
     }
 
-    /// Each number through `f`.
+    /// Returns the inertia with `f` applied to its numbers.
     pub fn map<T>(&self, mut f: impl FnMut(S) -> T) -> Inertial<T> {
         Inertial {
             mass: f(self.mass),
@@ -146,9 +156,9 @@ impl<S: Scalar> Inertial<S> {
         }
     }
 
-    /// The parameters that the dynamics are linear in: `[m, m cx, m cy, m cz, Ixx, Ixy, Ixz, Iyy,
-    /// Iyz, Izz]`, in kg, kg m and kg m^2. The first moment and the rotational inertia are about the
-    /// link's origin (not the centre of mass), in its axes.
+    /// Returns the inertial parameters, in which the dynamics are linear: `[m, m cx, m cy, m cz, Ixx, Ixy, Ixz,
+    /// Iyy, Iyz, Izz]`, in kg, kg m and kg m^2. First moment and rotational inertia are about the link's origin
+    /// (not the centre of mass), in the link's axes.
     #[must_use]
     pub fn parameters(&self) -> [S; PARAMETERS_PER_LINK] {
         let m = self.mass;
@@ -168,7 +178,7 @@ impl<S: Scalar> Inertial<S> {
         ]
     }
 
-    /// The same body seen from a frame in which this body's frame has the pose `pose`.
+    /// Returns the inertia in a frame in which this inertia's frame has the pose `pose`.
     #[must_use]
     pub fn transformed(&self, pose: &Pose<S>) -> Self {
         let r = &pose.rotation;
@@ -190,7 +200,7 @@ impl<S: Scalar> Inertial<S> {
         }
     }
 
-    /// The two bodies, in the same frame, as one.
+    /// Returns the inertia of both bodies together; both are in the same frame.
     #[must_use]
     pub fn merged(&self, other: &Self) -> Self
     where

@@ -2,14 +2,14 @@
 
 use crate::Scalar;
 
-/// Sweeps over all off-diagonal entries. Convergence is quadratic once it sets in: 6 to 10 sweeps
-/// make matrices of the orders met in robots' modules diagonal to machine precision.
+/// The number of sweeps over all off-diagonal entries. Convergence is eventually quadratic: 6 to 10 sweeps
+/// diagonalize matrices of the sizes of robots' modules to machine precision.
 const SWEEPS: usize = 10;
 
-/// Makes the symmetric matrix `a` (n times n) diagonal by cyclic Jacobi rotations (Golub and Van
-/// Loan, sect. 8.5): its diagonal then holds the eigenvalues.
+/// Diagonalizes the symmetric matrix `a` (n x n) by cyclic Jacobi rotations (Golub and Van Loan, sect. 8.5). Its
+/// diagonal then holds the eigenvalues.
 ///
-/// Neither the steps nor their number depend on the values; no access can panic.
+/// Neither the steps nor their number depend on the values, and no access can panic.
 pub fn diagonalize<S: Scalar>(a: &mut [S], n: usize) {
     for _ in 0..SWEEPS {
         for p in 0..n {
@@ -20,7 +20,7 @@ pub fn diagonalize<S: Scalar>(a: &mut [S], n: usize) {
     }
 }
 
-/// The rotation that makes entry (p, q) zero.
+/// Applies the rotation that makes entry (p, q) zero.
 fn rotate<S: Scalar>(a: &mut [S], n: usize, p: usize, q: usize) {
     let at = |a: &[S], i: usize, j: usize| a.get(i * n + j).copied().unwrap_or_else(S::zero);
     let set = |a: &mut [S], i: usize, j: usize, value: S| {
@@ -29,8 +29,8 @@ fn rotate<S: Scalar>(a: &mut [S], n: usize, p: usize, q: usize) {
         }
     };
     let (pp, qq, pq) = (at(a, p, p), at(a, q, q), at(a, p, q));
-    // t = tan of the angle, the smaller root of t^2 + t (qq - pp) / pq - 1 = 0, in a form that
-    // divides by zero nowhere.
+    // t is the tangent of the angle, the smaller root of t^2 + t (qq - pp) / pq - 1 = 0, in a form that never
+    // divides by zero.
     let (difference, twice) = (qq - pp, pq + pq);
     let root = (difference * difference + twice * twice).sqrt();
     let size = (difference.abs() + root).max(S::from_f64(f64::from(f32::MIN_POSITIVE)));
@@ -45,23 +45,23 @@ fn rotate<S: Scalar>(a: &mut [S], n: usize, p: usize, q: usize) {
         set(a, k, q, new_q);
         set(a, q, k, new_q);
     }
-    // The four entries of p and q themselves have a form of their own, which is exact about zero.
+    // The entries of p and q have formulas of their own, which make (p, q) exactly zero.
     set(a, p, p, pp - t * pq);
     set(a, q, q, qq + t * pq);
     set(a, p, q, S::zero());
     set(a, q, p, S::zero());
 }
 
-/// The condition number (in the 2-norm) of the symmetric positive definite matrix `a` (n times
-/// n), which is overwritten: its largest over its smallest eigenvalue.
+/// Returns the condition number (2-norm) of the symmetric positive definite matrix `a` (n x n): its largest divided
+/// by its smallest eigenvalue. `a` is overwritten.
 ///
-/// Infinite where the smallest eigenvalue is zero or, by rounding, negative: where the condition
-/// number is beyond what the scalar can tell; 1 of a matrix without entries.
+/// The result is infinite if the smallest eigenvalue is zero or, by rounding, negative: the condition number then
+/// exceeds what the scalar can represent. It is 1 for a matrix without entries.
 pub fn condition_number<S: Scalar>(a: &mut [S], n: usize) -> S {
     if n == 0 {
         return S::one();
     }
-    // Scaled to its largest entry, so that no square overflows or vanishes.
+    // Scaled by its largest entry, so that no square overflows or underflows.
     let largest = a.iter().fold(S::zero(), |largest, x| largest.max(x.abs()));
     let scale = largest.recip();
     a.iter_mut().for_each(|x| *x = *x * scale);

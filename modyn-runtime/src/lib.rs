@@ -1,10 +1,13 @@
-//! What modyn's generated code needs at run time, and the equations of motion behind it.
+//! The runtime of modyn's generated code, and the equations of motion.
 //!
-//! Without features this crate is what generated code needs, on `core` alone (and `libm` for square roots):
-//! [`Scalar`], [`Pose`], the [`Robot`] trait with its [`functions`], [`conventions`]. Feature `alloc` adds the
-//! [`model`], the [`equations`] and the [`Interpreter`] that runs them for any model at run time;
-//! `nalgebra` the same calls over nalgebra's types; `rayon` batches on all cores;
-//! `num-dual` its numbers as scalars, for exact derivatives; `serde` (de)serialization of the model.
+//! Without features, this crate has what generated code needs, on `core` alone (and `libm` for square roots):
+//! [`Scalar`], [`Pose`], the [`Robot`] trait with its [`functions`], and [`conventions`]. Features add:
+//!
+//! - `alloc`: the [`model`], the [`equations`], and the [`Interpreter`] for models that are known at run time only
+//! - `nalgebra`: the most used functions over nalgebra's types
+//! - `num-dual`: the numbers of num-dual as scalars, for exact derivatives
+//! - `rayon`: batches on all cores
+//! - `serde`: serialization and deserialization of the model
 #![no_std]
 
 #[cfg(feature = "alloc")]
@@ -42,18 +45,18 @@ pub mod simulate;
 pub mod sources;
 pub mod spatial;
 
-/// nalgebra, in the version whose types [`Nalgebra`] has.
+/// nalgebra, in the version of the types of [`Nalgebra`].
 #[cfg(feature = "nalgebra")]
 pub use ::nalgebra as na;
-/// num-dual, in the version whose numbers are scalars.
+/// num-dual, in the version whose numbers implement [`Scalar`].
 #[cfg(feature = "num-dual")]
 pub use ::num_dual;
 #[cfg(feature = "alloc")]
 pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
-    Brge, ConstrainedDerivatives, DecompositionError, ForwardDerivatives, FrameError,
-    InertialError, Interpreter, ModuleMismatch, ShapeError, UpdateError,
+    ConstrainedDerivatives, DecompositionError, ForwardDerivatives, FrameError, InertialError,
+    Interpreter, ModuleMismatch, ShapeError, UduFactorization, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
@@ -71,5 +74,8 @@ pub use results::{
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]
 pub use scalar::LaneScalar;
+#[cfg(feature = "std")]
+#[doc(hidden)]
+pub use scalar::steps;
 pub use scalar::{Portable, SIN_COS_F32, SIN_COS_F64, Scalar, SinCosNumbers};
 pub use spatial::{Momentum, Pose, Twist, Vector3, Wrench};

@@ -1,6 +1,6 @@
-//! The calls that controllers and estimators make most, over nalgebra's types (feature `nalgebra`).
+//! The functions that controllers and estimators use most, over nalgebra's types (feature `nalgebra`).
 //!
-//! A selection: nalgebra's vectors convert to arrays and back with `.into()`, for all others.
+//! For all other functions, nalgebra's vectors convert to arrays and back with `.into()`.
 
 use core::marker::PhantomData;
 
@@ -16,10 +16,10 @@ use crate::robot::{Constrained, Factorization, Robot, Settings};
 use crate::spatial::{Pose, Twist, Vector3};
 use crate::{Scalar, functions};
 
-/// A generated robot's most used functions over `SVector`, `SMatrix` and `Isometry3`:
+/// The most used functions of a generated robot over `SVector`, `SMatrix` and `Isometry3`:
 /// `Nalgebra::<Gripper>::forward_dynamics(&q, &qd, &tau)`.
 ///
-/// In `f64` unless said otherwise: `Nalgebra::<Gripper, f32>`.
+/// The scalar is `f64` by default: `Nalgebra::<Gripper, f32>` uses `f32`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Nalgebra<R, T = f64>(PhantomData<(R, T)>);
 
@@ -29,7 +29,7 @@ fn array<T, const N: usize>(vector: &SVector<T, N>) -> &[T; N] {
 }
 
 impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
-    /// Joint accelerations under the joint torques `tau`.
+    /// Returns the joint accelerations under the joint forces `tau`.
     #[must_use]
     pub fn forward_dynamics<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
@@ -42,7 +42,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::forward_dynamics::<T>(array(q), array(qd), array(tau)).into()
     }
 
-    /// Joint torques of the accelerations `qdd`.
+    /// Returns the joint forces of the accelerations `qdd`.
     #[must_use]
     pub fn inverse_dynamics<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
@@ -55,7 +55,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::inverse_dynamics::<T>(array(q), array(qd), array(qdd)).into()
     }
 
-    /// Coriolis, centrifugal and gravity torques.
+    /// Returns the bias forces: Coriolis, centrifugal and gravity forces.
     #[must_use]
     pub fn bias_forces<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
@@ -67,7 +67,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::bias_forces::<T>(array(q), array(qd)).into()
     }
 
-    /// Joint torques that hold the robot still.
+    /// Returns the joint forces that balance gravity.
     #[must_use]
     pub fn gravity_torques<const NQ: usize, const NV: usize>(q: &SVector<T, NQ>) -> SVector<T, NV>
     where
@@ -76,7 +76,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::gravity_torques::<T>(array(q)).into()
     }
 
-    /// The mass matrix.
+    /// Returns the mass matrix.
     #[must_use]
     pub fn mass_matrix<const NQ: usize, const NV: usize>(q: &SVector<T, NQ>) -> SMatrix<T, NV, NV>
     where
@@ -85,16 +85,16 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::mass_matrix::<T>(array(q)).into()
     }
 
-    /// The mass matrix as U D U^T by modules; its matrices convert with `.into()`.
+    /// Returns the factorization U D U^T of the mass matrix by modules; its matrices convert with `.into()`.
     #[must_use]
-    pub fn brge<const NQ: usize>(q: &SVector<T, NQ>) -> R::Brge<T>
+    pub fn brge<const NQ: usize>(q: &SVector<T, NQ>) -> R::UduFactorization<T>
     where
         R: Robot<Q<T> = [T; NQ]> + functions::Brge,
     {
         R::brge::<T>(array(q))
     }
 
-    /// The x with I(q) x = `rhs`.
+    /// Returns the solution x of I(q) x = `rhs`.
     #[must_use]
     pub fn solve<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
@@ -106,7 +106,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::brge::<T>(array(q)).solve(array(rhs)).into()
     }
 
-    /// Kinetic energy, J.
+    /// Returns the kinetic energy, J.
     #[must_use]
     pub fn kinetic_energy<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
@@ -118,7 +118,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::kinetic_energy::<T>(array(q), array(qd))
     }
 
-    /// Potential energy under gravity, J.
+    /// Returns the potential energy under gravity, J.
     #[must_use]
     pub fn potential_energy<const NQ: usize>(q: &SVector<T, NQ>) -> T
     where
@@ -127,7 +127,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::potential_energy::<T>(array(q))
     }
 
-    /// The poses of all links in the world.
+    /// Returns the poses of all links in the world.
     #[must_use]
     pub fn link_poses<const NQ: usize, const LINKS: usize>(
         q: &SVector<T, NQ>,
@@ -138,7 +138,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::link_poses::<T>(array(q)).map(Isometry3::from)
     }
 
-    /// The derivatives of the inverse dynamics by `q` (in tangent space) and `qd`.
+    /// Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) and `qd`.
     #[must_use]
     pub fn inverse_dynamics_derivatives<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
@@ -153,7 +153,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         InverseDynamicsDerivatives { dq: found.dq.into(), dqd: found.dqd.into() }
     }
 
-    /// The derivatives of the forward dynamics by `q` (in tangent space), `qd` and `tau`.
+    /// Returns the derivatives of forward dynamics with respect to `q` (in tangent space), `qd` and `tau`.
     #[must_use]
     pub fn forward_dynamics_derivatives<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
@@ -192,7 +192,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         ConstrainedForwardDynamics { qdd: qdd.into(), wrenches, residuals, rank }
     }
 
-    /// The displacement and the relative velocity of each loop constraint.
+    /// Returns the displacement and the relative velocity of each loop constraint.
     #[must_use]
     pub fn constraint_residual<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
@@ -205,7 +205,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::constraint_residual::<T>(array(q), array(qd), settings)
     }
 
-    /// The step that closes the loops, the change of velocities that keeps them closed, and the rank.
+    /// Returns the step that closes the loops, the change of velocities that keeps them closed, and the rank.
     #[must_use]
     pub fn project_constraints<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
@@ -220,7 +220,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         ConstraintProjection { dq: found.dq.into(), dqd: found.dqd.into(), rank: found.rank }
     }
 
-    /// The pose of a link in the world.
+    /// Returns the pose of a link in the world.
     #[must_use]
     pub fn link_pose<const NQ: usize>(q: &SVector<T, NQ>, link: R::Link) -> Isometry3<T>
     where
@@ -229,8 +229,8 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::link_pose::<T>(array(q), link).into()
     }
 
-    /// A link's Jacobian at its origin in world axes: six rows, linear before angular as nalgebra's
-    /// users have it from other libraries.
+    /// Returns a link's Jacobian at its origin in world axes: six rows, linear before angular, as in most libraries
+    /// that use nalgebra.
     #[must_use]
     pub fn jacobian<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
@@ -245,7 +245,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         }))
     }
 
-    /// The centre of mass of the moving links in the world, m.
+    /// Returns the centre of mass of the moving links in world axes, m.
     #[must_use]
     pub fn center_of_mass<const NQ: usize>(q: &SVector<T, NQ>) -> SVector<T, 3>
     where
@@ -254,7 +254,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::center_of_mass::<T>(array(q)).into()
     }
 
-    /// The coordinates behind a displacement `v` from `q`.
+    /// Returns the coordinates after the displacement `v` from `q`.
     #[must_use]
     pub fn integrate<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
@@ -266,7 +266,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::integrate::<T>(array(q), array(v)).into()
     }
 
-    /// The displacement from one to the other.
+    /// Returns the displacement that leads from one configuration to the other.
     #[must_use]
     pub fn difference<const NQ: usize, const NV: usize>(
         from: &SVector<T, NQ>,

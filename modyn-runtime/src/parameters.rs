@@ -1,4 +1,4 @@
-//! The inertias among the run-time parameters of a generated robot.
+//! Inertias and payloads among the run-time parameters of a generated robot.
 
 use core::cmp::Ordering;
 use core::{fmt, iter};
@@ -7,13 +7,13 @@ use crate::Scalar;
 use crate::inertial::{Inertial, InertialDefect, PARAMETERS_PER_LINK};
 use crate::scalar::epsilon;
 
-/// Why a robot cannot be given a run-time inertia or a payload.
+/// The reason why a robot cannot have a run-time inertia or a payload.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ParameterError<S = f64> {
     /// No rigid body has this inertia.
     Defect(InertialDefect<S>),
-    /// A joint would move no inertia, so that its acceleration would be infinite.
+    /// A joint would move no inertia, so its acceleration would be infinite.
     NoInertia {
         /// The name of the joint.
         joint: &'static str,
@@ -44,7 +44,7 @@ impl<S: fmt::Debug + fmt::Display + fmt::LowerExp + 'static> core::error::Error
     }
 }
 
-/// The inertia whose ten numbers begin at entry `at` of `numbers`.
+/// Returns the inertia whose ten numbers start at entry `at` of `numbers`.
 #[doc(hidden)]
 #[must_use]
 pub fn inertial<S: Scalar, const N: usize>(numbers: &[S; N], at: usize) -> Inertial<S> {
@@ -56,7 +56,7 @@ pub fn inertial<S: Scalar, const N: usize>(numbers: &[S; N], at: usize) -> Inert
     }
 }
 
-/// `numbers` with those of `inertial` from entry `at` on.
+/// Returns `numbers` with the ten numbers of `inertial` from entry `at` on.
 ///
 /// # Errors
 ///
@@ -79,12 +79,12 @@ pub fn with_inertial<S: Scalar + PartialOrd, const N: usize>(
     Ok(changed)
 }
 
-/// Checks that each of the `joints` feels inertia: its number among the `pivots`, which are given the scalar's
-/// precision.
+/// Checks that each of the `joints` moves inertia: its entry of `pivots` must not be zero. `pivots` receives the
+/// scalar's precision.
 ///
 /// # Errors
 ///
-/// The last of the joints that feels none.
+/// Names the last of the joints that moves no inertia.
 #[doc(hidden)]
 pub fn check_pivots<S: Scalar + PartialOrd, const N: usize>(
     pivots: impl FnOnce(S) -> [S; N],

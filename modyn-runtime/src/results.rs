@@ -1,28 +1,27 @@
-//! What generated robots say of themselves, and results that have parts.
+//! The results with several parts, and the descriptions of generated robots.
 
 use core::fmt;
 
-/// A kinematic module of a generated robot: links in a row.
+/// A kinematic module of a generated robot: a serial chain of links.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KinematicModule {
-    /// The module whose last link it leaves, as an index; `None` for the base.
+    /// The index of the parent module, whose last link carries this module; `None` for the base.
     pub parent: Option<usize>,
-    /// The modules that leave its last link.
+    /// The indices of the modules that this module's last link carries.
     pub children: &'static [usize],
-    /// Its links from the inside out.
+    /// The names of the module's links, from the parent to the tip.
     pub links: &'static [&'static str],
-    /// Their joints, in the same order.
+    /// The names of the links' joints, in the same order.
     pub joints: &'static [&'static str],
-    /// Where its first entry stands in velocity vectors; the others follow.
+    /// The module's first entry in velocity vectors; its other entries follow.
     pub first: usize,
-    /// How many entries it has there.
+    /// The number of the module's entries in velocity vectors.
     pub dofs: usize,
 }
 
-/// The derivatives of the inverse dynamics: square matrices by columns, a column for each entry
-/// of what is derived by.
+/// The derivatives of inverse dynamics: square matrices by columns, a column for each variable.
 ///
-/// The derivative by the accelerations is the mass matrix.
+/// The derivative with respect to the accelerations is the mass matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseDynamicsDerivatives<M> {
     /// d tau / d q, in tangent space.
@@ -31,10 +30,10 @@ pub struct InverseDynamicsDerivatives<M> {
     pub dqd: M,
 }
 
-/// The derivatives of the forward dynamics, and the accelerations at which they are taken.
+/// The accelerations of forward dynamics and their derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForwardDynamicsDerivatives<V, M> {
-    /// The accelerations.
+    /// The joint accelerations.
     pub qdd: V,
     /// d qdd / d q, in tangent space.
     pub dq: M,
@@ -50,7 +49,7 @@ pub struct ForwardDynamicsDerivatives<V, M> {
 /// origin in its first frame's axes, then for each contact at its frame's origin in world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedForwardDynamics<V, W, R, T> {
-    /// The accelerations, rad/s^2 or m/s^2.
+    /// The joint accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
     /// The wrench on the constraint's second link, N m and N; the first link feels the opposite. Of a contact the
     /// wrench on the link, zero where the contact is not active. Where rows are redundant, the wrenches with the smallest sum of force^2 + (moment / l)^2 over all
@@ -124,10 +123,10 @@ pub struct ConstrainedForwardDynamicsDerivatives<V, W, M, D, T> {
     pub rank: T,
 }
 
-/// A step that meets the constraints, and the change of the velocities that keeps them met.
+/// A step that satisfies the constraints, and the change of the velocities that keeps them satisfied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintProjection<V, T> {
-    /// The displacement, in tangent space, from coordinates that nearly meet the constraints.
+    /// The displacement, in tangent space, from coordinates that nearly satisfy the constraints.
     pub dq: V,
     /// The change of the velocities.
     pub dqd: V,
@@ -140,42 +139,49 @@ pub struct ConstraintProjection<V, T> {
 /// its frame relative to its target, in world axes, the rotations of a point left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintResidual<D> {
-    /// Displacements, m; rotations by their axes times the sines of their angles.
+    /// The displacements, m; a rotation is its axis times the sine of its angle.
     pub displacements: D,
-    /// Velocities, m/s and rad/s.
+    /// The velocities, m/s and rad/s.
     pub velocities: D,
 }
 
-/// The limits of a robot's joints, infinite where the description states none.
+/// The limits of a robot's joints; infinite without a limit in the description.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits<'a> {
-    /// Smallest coordinates, rad or m; one for each entry of `q`.
+    /// The lower position limits, rad or m, one for each entry of `q`.
     pub lower: &'a [f64],
-    /// Largest coordinates, rad or m.
+    /// The upper position limits, rad or m, one for each entry of `q`.
     pub upper: &'a [f64],
-    /// Largest speeds, rad/s or m/s; one for each entry of `qd`.
+    /// The velocity limits, rad/s or m/s, one for each entry of `qd`.
     pub velocity: &'a [f64],
-    /// Largest efforts, N m or N.
+    /// The effort limits, N m or N, one for each entry of `qd`.
     pub effort: &'a [f64],
 }
 
-/// How many operations a function takes; changes of sign are free.
+/// The number of operations of a function. Changes of sign are not counted.
+///
+/// ```
+/// use modyn_runtime::OperationCount;
+///
+/// let count = OperationCount { multiplications: 3, additions: 2, ..OperationCount::default() };
+/// assert_eq!((count + count).total(), 10);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OperationCount {
-    /// Multiplications.
+    /// The number of multiplications.
     pub multiplications: usize,
-    /// Additions and subtractions.
+    /// The number of additions and subtractions.
     pub additions: usize,
-    /// Divisions.
+    /// The number of divisions.
     pub divisions: usize,
-    /// Angles whose sine, cosine or both are taken.
+    /// The number of angles whose sine, cosine or both are computed.
     pub sin_cos: usize,
-    /// Square roots and logarithms, absolute values, maxima and selections.
+    /// The number of square roots, logarithms, absolute values, maxima and selections.
     pub others: usize,
 }
 
 impl OperationCount {
-    /// Multiplications, additions and divisions together.
+    /// Returns the number of multiplications, additions and divisions together.
     #[must_use]
     pub const fn total(&self) -> usize {
         self.multiplications + self.additions + self.divisions

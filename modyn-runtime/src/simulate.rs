@@ -1,4 +1,4 @@
-//! Simulation and control, written once for any robot.
+//! Simulation and control, for any robot.
 //!
 //! ```no_run
 //! use modyn_runtime::simulate::{Gains, Reference, State};
@@ -6,7 +6,7 @@
 //!
 //! /// A second of computed torque towards `goal`.
 //! fn steer<R: Robot + functions::Defaults>(mut state: State<R>, goal: R::Q<f64>) -> State<R> {
-//!     let reference = Reference::<R>::standing(goal);
+//!     let reference = Reference::<R>::at_rest(goal);
 //!     for _ in 0..1000 {
 //!         state = state.runge_kutta_4(0.001, |state| {
 //!             let gains = Gains { stiffness: 225.0, damping: 30.0 };
@@ -18,42 +18,42 @@
 //! }
 //! ```
 //!
-//! Nothing here allocates. Accelerations come from a function of the state, so that external
-//! forces, contacts, changed payloads or another integrator's input are the caller's to add.
+//! Nothing here allocates. The caller computes the accelerations in a function of the state, and can add external
+//! forces, contacts and payloads there.
 
 use core::fmt;
 
 use crate::{Array, Robot, Scalar, functions};
 
-/// Where a robot is and how it moves.
+/// The coordinates and velocities of a robot.
 pub struct State<R: Robot, T: Scalar = f64> {
-    /// Coordinates.
+    /// The coordinates.
     pub q: R::Q<T>,
-    /// Velocities.
+    /// The velocities.
     pub qd: R::V<T>,
 }
 
-/// What a robot is to do at an instant.
+/// The desired motion of a robot at an instant.
 pub struct Reference<R: Robot, T: Scalar = f64> {
-    /// Coordinates.
+    /// The desired coordinates.
     pub q: R::Q<T>,
-    /// Velocities.
+    /// The desired velocities.
     pub qd: R::V<T>,
-    /// Accelerations.
+    /// The desired accelerations.
     pub qdd: R::V<T>,
 }
 
-/// The gains of a proportional and derivative controller, of accelerations.
+/// The gains of a proportional-derivative controller, from errors to accelerations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gains<T = f64> {
-    /// Acceleration for a displacement, 1/s^2.
+    /// The acceleration per displacement, 1/s^2.
     pub stiffness: T,
-    /// Acceleration for a velocity, 1/s.
+    /// The acceleration per velocity error, 1/s.
     pub damping: T,
 }
 
-/// a + factor b, entry by entry.
-fn plus<T: Scalar, V: Array<T>>(a: &V, factor: T, b: &V) -> V {
+/// Returns a + factor b, entry by entry.
+fn add_scaled<T: Scalar, V: Array<T>>(a: &V, factor: T, b: &V) -> V {
     let mut sum = *a;
     for (sum, &b) in sum.as_mut().iter_mut().zip(b.as_ref()) {
         *sum = *sum + factor * b;
@@ -61,63 +61,73 @@ fn plus<T: Scalar, V: Array<T>>(a: &V, factor: T, b: &V) -> V {
     sum
 }
 
-/// a + (b + 2 c + 2 d + e) factor.
-fn weighted<T: Scalar, V: Array<T>>(a: &V, factor: T, [b, c, d, e]: [&V; 4]) -> V {
+/// Returns a + (b + 2 c + 2 d + e) factor.
+fn add_weighted<T: Scalar, V: Array<T>>(a: &V, factor: T, [b, c, d, e]: [&V; 4]) -> V {
     let twice = factor + factor;
-    let sum = plus(&plus(a, factor, b), twice, c);
-    plus(&plus(&sum, twice, d), factor, e)
+    let sum = add_scaled(&add_scaled(a, factor, b), twice, c);
+    add_scaled(&add_scaled(&sum, twice, d), factor, e)
 }
 
 impl<R: Robot, T: Scalar> State<R, T> {
-    /// Standing still.
+    /// Returns the state at rest at the coordinates `q`.
     #[must_use]
     pub fn at_rest(q: R::Q<T>) -> Self {
         Self { q, qd: R::V::<T>::from_fn(|_| T::zero()) }
     }
 
-    /// The state a time `dt` (s) later, by the semi-implicit Euler method, which is of first order: the new
-    /// velocities move the robot. One evaluation of `accelerations` (rad/s^2, m/s^2) a step.
+    /// Returns the state after the time `dt` (s), by the semi-implicit Euler method of first order: the new
+    /// velocities move the robot. `accelerations` (rad/s^2, m/s^2) is evaluated once.
     ///
-    /// The energy error of an undamped oscillation of angular frequency w stays bounded if w `dt` is below 2;
-    /// a stiffer spring makes the motion diverge, as with any explicit method.
+    /// The energy error of an undamped oscillation of angular frequency w stays bounded if w `dt` is below 2.
+    /// With a stiffer spring the motion diverges, as with any explicit method.
+    ///
+    /// ```
+    /// use modyn_runtime::simulate::State;
+    /// use modyn_runtime::{Robot, functions};
+    ///
+    /// /// A millisecond of free fall.
+    /// fn fall<R: Robot + functions::Defaults>(state: &State<R>, tau: &R::V<f64>) -> State<R> {
+    ///     state.semi_implicit_euler(0.001, |state| R::forward_dynamics(&state.q, &state.qd, tau))
+    /// }
+    /// ```
     #[must_use]
     pub fn semi_implicit_euler(&self, dt: T, accelerations: impl FnOnce(&Self) -> R::V<T>) -> Self
     where
         R: functions::Integrate,
     {
-        let qd = plus(&self.qd, dt, &accelerations(self));
+        let qd = add_scaled(&self.qd, dt, &accelerations(self));
         let zero = R::V::<T>::from_fn(|_| T::zero());
-        Self { q: R::integrate(&self.q, &plus(&zero, dt, &qd)), qd }
+        Self { q: R::integrate(&self.q, &add_scaled(&zero, dt, &qd)), qd }
     }
 
-    /// The state a time `dt` (s) later, by the classical Runge-Kutta method of fourth order.
+    /// Returns the state after the time `dt` (s), by the classical Runge-Kutta method of fourth order.
     ///
-    /// Four evaluations of `accelerations` (rad/s^2, m/s^2) a step. Quaternions are integrated as
-    /// four numbers and brought back to unit length at the end of the step, which keeps the order.
+    /// `accelerations` (rad/s^2, m/s^2) is evaluated four times. Quaternions are integrated as four numbers and
+    /// scaled to length 1 at the end of the step, which keeps the order.
     #[must_use]
     pub fn runge_kutta_4(&self, dt: T, mut accelerations: impl FnMut(&Self) -> R::V<T>) -> Self
     where
-        R: functions::CoordinateRates + functions::Normalize,
+        R: functions::VelocityToQdot + functions::Normalize,
     {
         let half = dt * T::from_f64(0.5);
         let mut rates =
-            |state: &Self| (R::coordinate_rates(&state.q, &state.qd), accelerations(state));
+            |state: &Self| (R::velocity_to_qdot(&state.q, &state.qd), accelerations(state));
         let moved = |time: T, (q, qd): &(R::Q<T>, R::V<T>)| Self {
-            q: plus(&self.q, time, q),
-            qd: plus(&self.qd, time, qd),
+            q: add_scaled(&self.q, time, q),
+            qd: add_scaled(&self.qd, time, qd),
         };
         let first = rates(self);
         let second = rates(&moved(half, &first));
         let third = rates(&moved(half, &second));
         let last = rates(&moved(dt, &third));
         let sixth = dt * T::from_f64(1.0 / 6.0);
-        let q = weighted(&self.q, sixth, [&first.0, &second.0, &third.0, &last.0]);
-        let qd = weighted(&self.qd, sixth, [&first.1, &second.1, &third.1, &last.1]);
+        let q = add_weighted(&self.q, sixth, [&first.0, &second.0, &third.0, &last.0]);
+        let qd = add_weighted(&self.qd, sixth, [&first.1, &second.1, &third.1, &last.1]);
         Self { q: R::normalize(&q), qd }
     }
 
-    /// The joint torques that make the robot follow `reference`: inverse dynamics of the
-    /// reference's acceleration and the errors' share of it (computed torque control).
+    /// Returns the joint forces that make the robot follow `reference`: inverse dynamics of the reference's
+    /// acceleration plus the feedback of the errors (computed torque control).
     #[must_use]
     pub fn computed_torque(&self, reference: &Reference<R, T>, gains: Gains<T>) -> R::V<T>
     where
@@ -126,7 +136,7 @@ impl<R: Robot, T: Scalar> State<R, T> {
         self.computed_torque_with(&R::Params::<T>::default(), reference, gains)
     }
 
-    /// The same with a robot's run-time parameters.
+    /// Returns the joint forces of computed torque control, with a robot's run-time parameters.
     #[must_use]
     pub fn computed_torque_with(
         &self,
@@ -138,17 +148,17 @@ impl<R: Robot, T: Scalar> State<R, T> {
         R: functions::Difference + functions::InverseDynamics,
     {
         let displacement = R::difference(&self.q, &reference.q);
-        let velocity = plus(&reference.qd, -T::one(), &self.qd);
-        let qdd = plus(&reference.qdd, gains.stiffness, &displacement);
-        let qdd = plus(&qdd, gains.damping, &velocity);
+        let velocity = add_scaled(&reference.qd, -T::one(), &self.qd);
+        let qdd = add_scaled(&reference.qdd, gains.stiffness, &displacement);
+        let qdd = add_scaled(&qdd, gains.damping, &velocity);
         R::inverse_dynamics_with(params, &self.q, &self.qd, &qdd)
     }
 }
 
 impl<R: Robot, T: Scalar> Reference<R, T> {
-    /// To stand there.
+    /// Returns the reference to stand still at the coordinates `q`.
     #[must_use]
-    pub fn standing(q: R::Q<T>) -> Self {
+    pub fn at_rest(q: R::Q<T>) -> Self {
         let zero = R::V::<T>::from_fn(|_| T::zero());
         Self { q, qd: zero, qdd: zero }
     }

@@ -1,12 +1,12 @@
-//! The parts of this crate that generated files can carry with them, as text.
+//! The parts of this crate that self-contained generated files carry, as text.
 #![doc(hidden)]
 
-/// A module of the carried runtime: its path, and the text behind it.
+/// A module of the carried runtime: its path and its text.
 #[derive(Clone, Copy, Debug)]
 pub struct Source {
-    /// Where it stands: `spatial/pose`.
+    /// The path, such as `spatial/pose`.
     pub path: &'static str,
-    /// Its text, with tests, and with `crate` for the carried runtime.
+    /// The text, including tests; `crate` is the carried runtime.
     pub text: &'static str,
 }
 
@@ -16,9 +16,9 @@ macro_rules! sources {
     };
 }
 
-/// All, by their paths.
+/// All modules, by their paths.
 pub const SOURCES: &[Source] = sources!(
     "configuration" "constraint_settings" "inertial" "jacobi" "parameters" "results"
-    "scalar/abreast" "scalar/elementary" "scalar/float" "scalar/real" "scalar/root" "scalar/trig"
+    "scalar/elementary" "scalar/float" "scalar/real" "scalar/root" "scalar/simd" "scalar/trig"
     "spatial/pose" "spatial/vector" "spatial/wrench"
 );

@@ -231,14 +231,14 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         r.local_link_acceleration(&q, &qd, &qdd, frame).ok();
         r.jacobian(&q, frame, &mut twists).ok();
         r.local_jacobian(&q, frame, &mut twists).ok();
-        r.jacobian_rate(&q, &qd, frame).ok();
-        r.local_jacobian_rate(&q, &qd, frame).ok();
+        r.bias_acceleration(&q, &qd, frame).ok();
+        r.local_bias_acceleration(&q, &qd, frame).ok();
         r.center_of_mass(&q).ok();
         r.center_of_mass_jacobian(&q, &mut points).ok();
         r.centroidal_momentum(&q, &qd).ok();
         r.integrate(&q, &qd, &mut moved).ok();
         r.difference(&q, &other, &mut a).ok();
-        r.coordinate_rates(&q, &qd, &mut moved).ok();
+        r.velocity_to_qdot(&q, &qd, &mut moved).ok();
         r.normalize(&mut moved).ok();
         r.neutral(&mut moved).ok();
         r.random(|| 0.7, &mut moved).ok();

@@ -27,7 +27,7 @@ pub struct Counts {
     pub by_links: usize,
     /// The recursion, every chain a module.
     pub by_chains: usize,
-    /// GIM from composite inertias and bias forces, eliminated as one matrix.
+    /// mass matrix from composite inertias and bias forces, eliminated as one matrix.
     pub by_matrix: usize,
     /// The recursion by the modules that the compiler's search finds.
     pub searched: usize,

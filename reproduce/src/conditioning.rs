@@ -1,5 +1,5 @@
 //! Monitoring by module (Sect. 2): condition numbers of the modules' pivot blocks along a motion, against
-//! that of the whole GIM.
+//! that of the whole mass matrix.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
@@ -9,11 +9,11 @@ use crate::plot::{Axis, Chart, Line};
 use crate::report::{Failure, Report, fixed};
 use crate::{dense, gait, robots};
 
-/// The condition numbers at a posture: of the GIM, then of each module's pivot block I_hat.
+/// The condition numbers at a posture: of the mass matrix, then of each module's pivot block I_hat.
 #[derive(Clone, Debug)]
 pub struct Conditions {
     /// Of the whole matrix.
-    pub gim: f64,
+    pub mass_matrix: f64,
     /// Of the blocks.
     pub modules: Vec<f64>,
 }
@@ -29,12 +29,12 @@ pub fn along(model: &Model, modules: &ModuleTree, motion: &[Vec<f64>]) -> Vec<Co
     let mut interpreter =
         Interpreter::<f64>::with_modules(model.clone(), modules.clone()).expect("its own modules");
     let at = |q: &Vec<f64>| {
-        let mut gim = vec![0.0; n * n];
-        interpreter.mass_matrix(q, &mut gim).expect("lengths");
+        let mut mass_matrix = vec![0.0; n * n];
+        interpreter.mass_matrix(q, &mut mass_matrix).expect("lengths");
         let brge = interpreter.brge(q).expect("lengths");
         let modules =
             (0..modules.modules().len()).filter_map(|m| brge.condition_number(m)).collect();
-        Conditions { gim: dense::condition_number(&gim), modules }
+        Conditions { mass_matrix: dense::condition_number(&mass_matrix), modules }
     };
     motion.iter().map(at).collect()
 }
@@ -54,9 +54,9 @@ pub fn stretching_arm(times: &[f64]) -> Vec<Vec<f64>> {
 pub fn report(report: &mut Report) -> Result<(), Failure> {
     report.heading("Monitoring by module");
     report.text(
-        "Condition numbers (2-norm) of the modules' pivot blocks and of the whole GIM along a motion: the biped on \
+        "Condition numbers (2-norm) of the modules' pivot blocks and of the whole mass matrix along a motion: the biped on \
          its step by the paper's modules, and a 7-joint arm (as modules of three and four links) whose elbow goes \
-         through its straight posture at half time, where the hand loses a direction. A GIM is positive definite \
+         through its straight posture at half time, where the hand loses a direction. A mass matrix is positive definite \
          in a kinematic singularity too; what shows is how badly it is scaled.",
     );
     let times = instants(1.0, 101);
@@ -74,7 +74,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
         let over = |f: &dyn Fn(&Conditions) -> f64| -> Vec<(f64, f64)> {
             times.iter().copied().zip(conditions.iter().map(f)).collect()
         };
-        let mut lines = vec![Line::new("whole GIM", over(&|c| c.gim))];
+        let mut lines = vec![Line::new("whole mass matrix", over(&|c| c.mass_matrix))];
         let count = modules.modules().len();
         lines.extend(
             (0..count).map(|m| Line::new(format!("module {}", m + 1), over(&|c| c.modules[m]))),
@@ -92,9 +92,9 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
             let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
             format!("{} to {}", fixed(low, 1), fixed(high, 1))
         };
-        let mut row = vec![name.to_owned(), range(&|c| c.gim)];
+        let mut row = vec![name.to_owned(), range(&|c| c.mass_matrix)];
         row.extend((0..count).map(|m| range(&|c| c.modules[m])));
-        report.table(&["motion", "whole GIM", "module 1", "module 2"], vec![row]);
+        report.table(&["motion", "whole mass matrix", "module 1", "module 2"], vec![row]);
     }
     Ok(())
 }
@@ -116,7 +116,10 @@ mod tests {
         for conditions in along(&biped, &robots::biped_modules(&biped), &motion) {
             assert_eq!(conditions.modules.len(), 2);
             assert!(
-                conditions.modules.iter().all(|&c| c > 1.0 && c <= conditions.gim * (1.0 + 1e-6))
+                conditions
+                    .modules
+                    .iter()
+                    .all(|&c| c > 1.0 && c <= conditions.mass_matrix * (1.0 + 1e-6))
             );
         }
         let arm = robots::arm7();
@@ -124,7 +127,7 @@ mod tests {
             along(&arm, &ModuleTree::chains(&arm), &stretching_arm(&instants(1.0, 11)))
         {
             assert!(
-                (conditions.modules[0] / conditions.gim - 1.0).abs() < 1e-6,
+                (conditions.modules[0] / conditions.mass_matrix - 1.0).abs() < 1e-6,
                 "one module is all"
             );
         }

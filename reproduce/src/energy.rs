@@ -67,12 +67,12 @@ impl Fall {
             if solver == 2 {
                 interpreter.forward_dynamics(&q, &qd, &zero, &mut qdd).expect("lengths");
             } else {
-                let mut gim = vec![S::zero(); n * n];
-                interpreter.mass_matrix(&q, &mut gim).expect("lengths");
+                let mut mass_matrix = vec![S::zero(); n * n];
+                interpreter.mass_matrix(&q, &mut mass_matrix).expect("lengths");
                 interpreter.bias_forces(&q, &qd, &mut qdd).expect("lengths");
                 let phi: Vec<S> = qdd.iter().map(|&x| -x).collect();
                 let solve = [dense::gaussian, dense::reverse_gaussian][solver];
-                qdd = solve(&gim, &phi);
+                qdd = solve(&mass_matrix, &phi);
             }
             doubles(&qdd)
         };

@@ -17,7 +17,7 @@ pub const PRINTED: [f64; 4] = [-145.6931, 268.0752, -163.1762, 145.6931];
 #[derive(Clone, Debug)]
 pub struct Gripper {
     /// (A.19).
-    pub gim: Vec<f64>,
+    pub mass_matrix: Vec<f64>,
     /// phi(0) of Table 3.
     pub phi: Vec<f64>,
     /// The accelerations of Table 3.
@@ -42,16 +42,16 @@ pub struct Gripper {
 #[must_use]
 pub fn gripper() -> Gripper {
     let mut interpreter = Interpreter::<f64>::new(robots::gripper());
-    let (mut gim, mut phi, mut qdd) = (vec![0.0; 16], vec![0.0; 4], vec![0.0; 4]);
+    let (mut mass_matrix, mut phi, mut qdd) = (vec![0.0; 16], vec![0.0; 4], vec![0.0; 4]);
     let rest = [0.0; 4];
-    interpreter.mass_matrix(&POSTURE, &mut gim).expect("lengths");
+    interpreter.mass_matrix(&POSTURE, &mut mass_matrix).expect("lengths");
     interpreter.gravity_torques(&POSTURE, &mut phi).expect("lengths");
     phi.iter_mut().for_each(|x| *x = -*x);
     interpreter.forward_dynamics(&POSTURE, &rest, &rest, &mut qdd).expect("lengths");
     let brge = interpreter.brge(&POSTURE).expect("lengths");
     let (u, d, inverse) = (brge.u(), brge.d(), brge.inverse());
     let (u_inverse, d_inverse) = (brge.u_inverse(), brge.d_inverse());
-    Gripper { gim, phi, qdd, u, d, u_inverse, d_inverse, inverse }
+    Gripper { mass_matrix, phi, qdd, u, d, u_inverse, d_inverse, inverse }
 }
 
 /// The section of the page.
@@ -82,7 +82,7 @@ pub fn report(report: &mut Report) {
     let named = [
         (
             "I * 1e4, (A.19)",
-            matrix(&found.gim, 1e-4, 4),
+            matrix(&found.mass_matrix, 1e-4, 4),
             ["113.3333  33.3333  9.1667  1.6667", "sym  13.3333  4.1667  0", "1.6667  0", "1.6667"],
         ),
         (
@@ -140,7 +140,7 @@ pub fn report(report: &mut Report) {
         &["i", "phi(0), ours (N m)", "paper", "qdd(0), ours (rad/s^2)", "paper"],
         rows.collect(),
     );
-    let condition = dense::condition_number(&found.gim);
+    let condition = dense::condition_number(&found.mass_matrix);
     report.text(format!("Condition number of I(0): {condition:.3} (paper: 482)."));
 }
 
@@ -163,14 +163,14 @@ mod tests {
 
     #[test]
     fn printed_digits_are_found() {
-        let Gripper { gim, phi, qdd, u_inverse, inverse, .. } = gripper();
+        let Gripper { mass_matrix, phi, qdd, u_inverse, inverse, .. } = gripper();
         let a19 = [
             [113.3333, 33.3333, 9.1667, 1.6667],
             [33.3333, 13.3333, 4.1667, 0.0],
             [9.1667, 4.1667, 1.6667, 0.0],
             [1.6667, 0.0, 0.0, 1.6667],
         ];
-        assert_prints(&gim, 1e-4, a19);
+        assert_prints(&mass_matrix, 1e-4, a19);
         let rest = [[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
         assert_prints(&u_inverse, 1.0, [[1.0, -3.5714, 3.4286, -1.0], rest[0], rest[1], rest[2]]);
         let a22 = [
@@ -186,6 +186,6 @@ mod tests {
         for (found, exact) in phi.iter().zip([-0.8829, -0.1962, -0.04905, 0.0]) {
             assert!((found - exact).abs() < 1e-15);
         }
-        assert!((condition_number(&gim) - 481.933).abs() < 5e-4);
+        assert!((condition_number(&mass_matrix) - 481.933).abs() < 5e-4);
     }
 }

@@ -54,7 +54,7 @@ pub fn integrate(
     let mut slope = |t: f64, y: &[f64]| {
         let state = split(y, nq);
         let mut rates = vec![0.0; nq];
-        geometry.coordinate_rates(&state.q, &state.qd, &mut rates).expect("lengths");
+        geometry.velocity_to_qdot(&state.q, &state.qd, &mut rates).expect("lengths");
         rates.extend(accelerations(t, &state));
         rates
     };

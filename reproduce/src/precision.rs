@@ -57,8 +57,8 @@ pub fn chain(links: usize) -> Subject {
 
 /// How accelerations are solved for.
 #[derive(Clone, Debug)]
-pub enum Way {
-    /// GIM and bias forces, then Gaussian elimination.
+pub enum Solver {
+    /// mass matrix and bias forces, then Gaussian elimination.
     Gaussian,
     /// The same from the last column on.
     ReverseGaussian,
@@ -72,12 +72,12 @@ pub enum Way {
 ///
 /// If modules are those of another robot.
 #[must_use]
-pub fn errors<S: Number>(subject: &Subject, way: &Way) -> Vec<f64> {
+pub fn errors<S: Number>(subject: &Subject, way: &Solver) -> Vec<f64> {
     let Subject { model, states, .. } = subject;
     let n = model.nv();
     let mut exact = Interpreter::<Exact<S>>::new(model.clone());
     let mut rounded = Interpreter::<S>::new(model.clone());
-    if let Way::Modules(modules) = way {
+    if let Solver::Modules(modules) = way {
         rounded = rounded.eliminating_by(modules).expect("its own modules");
     }
     let accelerations = |(q, qd): &(Vec<f64>, Vec<f64>)| {
@@ -87,16 +87,20 @@ pub fn errors<S: Number>(subject: &Subject, way: &Way) -> Vec<f64> {
         let (q, qd) = (scalars::<S>(q), scalars::<S>(qd));
         let mut qdd = vec![S::zero(); n];
         match way {
-            Way::Modules(_) => {
+            Solver::Modules(_) => {
                 rounded.forward_dynamics(&q, &qd, &vec![S::zero(); n], &mut qdd).expect("lengths");
             }
-            Way::Gaussian | Way::ReverseGaussian => {
-                let mut gim = vec![S::zero(); n * n];
-                rounded.mass_matrix(&q, &mut gim).expect("lengths");
+            Solver::Gaussian | Solver::ReverseGaussian => {
+                let mut mass_matrix = vec![S::zero(); n * n];
+                rounded.mass_matrix(&q, &mut mass_matrix).expect("lengths");
                 rounded.bias_forces(&q, &qd, &mut qdd).expect("lengths");
                 let phi: Vec<S> = qdd.iter().map(|&x| -x).collect();
-                let forwards = matches!(way, Way::Gaussian);
-                qdd = if forwards { gaussian(&gim, &phi) } else { reverse_gaussian(&gim, &phi) };
+                let forwards = matches!(way, Solver::Gaussian);
+                qdd = if forwards {
+                    gaussian(&mass_matrix, &phi)
+                } else {
+                    reverse_gaussian(&mass_matrix, &phi)
+                };
             }
         }
         let expected: Vec<f64> = expected.iter().map(|x| x.to_f64()).collect();
@@ -113,35 +117,35 @@ pub fn median(mut errors: Vec<f64>) -> f64 {
     errors.get(errors.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The robot in a unit of mass in which the largest entry of its GIM is about 64, for Q16.16: in
+/// The robot in a unit of mass in which the largest entry of its mass matrix is about 64, for Q16.16: in
 /// kilograms the gripper's inertias would be a few units of the last place.
 #[must_use]
 pub fn for_fixed_point(subject: Subject) -> Subject {
     with_largest(subject, 64.0)
 }
 
-/// The robot in a unit of mass, a power of two in kilograms, in which the largest entry of its GIM is
+/// The robot in a unit of mass, a power of two in kilograms, in which the largest entry of its mass matrix is
 /// about `size`.
 #[must_use]
 pub fn with_largest(subject: Subject, size: f64) -> Subject {
     let mut interpreter = Interpreter::<f64>::new(subject.model.clone());
     let n = subject.model.nv();
-    let mut gim = vec![0.0; n * n];
+    let mut mass_matrix = vec![0.0; n * n];
     let mut largest: f64 = 0.0;
     for (q, _) in &subject.states {
-        interpreter.mass_matrix(q, &mut gim).expect("lengths");
-        largest = gim.iter().fold(largest, |largest, x| largest.max(x.abs()));
+        interpreter.mass_matrix(q, &mut mass_matrix).expect("lengths");
+        largest = mass_matrix.iter().fold(largest, |largest, x| largest.max(x.abs()));
     }
     let unit = (size / largest).log2().round().exp2();
     Subject { model: robots::in_mass_unit(&subject.model, unit), ..subject }
 }
 
 /// The ways of the tables.
-fn ways(model: &Model) -> Vec<(String, Way)> {
-    let by = |name: &str, modules| (name.to_owned(), Way::Modules(modules));
+fn ways(model: &Model) -> Vec<(String, Solver)> {
+    let by = |name: &str, modules| (name.to_owned(), Solver::Modules(modules));
     let mut ways = vec![
-        ("GE on the GIM".to_owned(), Way::Gaussian),
-        ("RGE on the GIM".to_owned(), Way::ReverseGaussian),
+        ("GE on the mass matrix".to_owned(), Solver::Gaussian),
+        ("RGE on the mass matrix".to_owned(), Solver::ReverseGaussian),
         by("BRGE by links", ModuleTree::links(model)),
         by("BRGE by pairs", robots::pieces(model, 2)),
         by("BRGE by whole chains", ModuleTree::chains(model)),
@@ -172,7 +176,7 @@ pub fn against_length<S: Number>(lengths: &[usize], adjust: fn(Subject) -> Subje
 pub fn against_pieces<S: Number>(subject: &Subject) -> Line {
     let longest = subject.model.links().len();
     let points = (1..=longest).map(|length| {
-        let way = Way::Modules(robots::pieces(&subject.model, length));
+        let way = Solver::Modules(robots::pieces(&subject.model, length));
         (length as f64, median(errors::<S>(subject, &way)))
     });
     Line::new(subject.name.clone(), points)
@@ -199,14 +203,14 @@ pub fn by_cuts<S: Number>(subject: &Subject) -> Vec<(Vec<usize>, f64)> {
             }
             let lengths = modules.iter().map(Vec::len).collect();
             let modules = ModuleTree::from_names(&subject.model, &modules).expect("one chain");
-            (lengths, median(errors::<S>(subject, &Way::Modules(modules))))
+            (lengths, median(errors::<S>(subject, &Solver::Modules(modules))))
         })
         .collect();
     cuts.sort_by(|a, b| a.1.total_cmp(&b.1));
     cuts
 }
 
-/// Median errors in Q16.16 against the unit of mass, said by the largest entry of the GIM.
+/// Median errors in Q16.16 against the unit of mass, said by the largest entry of the mass matrix.
 #[must_use]
 pub fn against_unit(subject: fn() -> Subject) -> Vec<Line> {
     let names = ways(&subject().model);
@@ -274,7 +278,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
         "stability-fixed.svg",
         &chart("Q16.16: error against the length of a chain", links, lines),
     )?;
-    let unit = Axis::logarithmic("largest entry of the GIM in the unit of mass chosen");
+    let unit = Axis::logarithmic("largest entry of the mass matrix in the unit of mass chosen");
     let lines = against_unit(|| subjects().remove(2));
     report.plot(
         "stability-unit.svg",
@@ -294,13 +298,13 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
 mod tests {
     use modyn_runtime::model::ModuleTree;
 
-    use super::{Way, chain, errors, for_fixed_point, median, subjects};
+    use super::{Solver, chain, errors, for_fixed_point, median, subjects};
     use crate::scalar::Fixed;
 
     #[test]
     fn single_precision_loses_no_more_than_it_must() {
         for subject in subjects() {
-            let way = Way::Modules(ModuleTree::links(&subject.model));
+            let way = Solver::Modules(ModuleTree::links(&subject.model));
             let error = median(errors::<f32>(&subject, &way));
             assert!(error > 1e-9 && error < 2e-5, "{}: {error}", subject.name);
             assert!(median(errors::<f64>(&subject, &way)) < 1e-13);
@@ -310,16 +314,16 @@ mod tests {
     #[test]
     fn the_recursion_beats_the_matrix_on_long_chains() {
         let subject = chain(32);
-        let links = Way::Modules(ModuleTree::links(&subject.model));
+        let links = Solver::Modules(ModuleTree::links(&subject.model));
         let [links, gaussian] =
-            [links, Way::Gaussian].map(|way| median(errors::<f32>(&subject, &way)));
+            [links, Solver::Gaussian].map(|way| median(errors::<f32>(&subject, &way)));
         assert!(10.0 * links < gaussian, "{links}, {gaussian}");
     }
 
     #[test]
     fn fixed_point_carries_the_gripper_in_a_fitting_unit() {
         let subject = for_fixed_point(subjects().remove(0));
-        let way = Way::Modules(ModuleTree::links(&subject.model));
+        let way = Solver::Modules(ModuleTree::links(&subject.model));
         let error = median(errors::<Fixed>(&subject, &way));
         assert!(error < 1e-2, "{error}");
     }

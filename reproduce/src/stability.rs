@@ -16,7 +16,7 @@ pub struct Problem {
     modules: ModuleTree,
     q: Vec<f64>,
     /// By columns.
-    pub gim: Vec<f64>,
+    pub mass_matrix: Vec<f64>,
     phi: Vec<f64>,
     /// The accelerations that others are held against.
     pub qdd: Vec<f64>,
@@ -27,12 +27,12 @@ impl Problem {
     fn new(model: Model, modules: ModuleTree, q: &[f64], qd: &[f64]) -> Self {
         let n = model.nv();
         let mut interpreter = Interpreter::<f64>::new(model.clone());
-        let (mut gim, mut phi) = (vec![0.0; n * n], vec![0.0; n]);
-        interpreter.mass_matrix(q, &mut gim).expect("lengths");
+        let (mut mass_matrix, mut phi) = (vec![0.0; n * n], vec![0.0; n]);
+        interpreter.mass_matrix(q, &mut mass_matrix).expect("lengths");
         interpreter.bias_forces(q, qd, &mut phi).expect("lengths");
         phi.iter_mut().for_each(|x| *x = -*x);
         let qdd = interpreter.brge(q).and_then(|brge| brge.solve(&phi)).expect("lengths");
-        Self { model, modules, q: q.to_vec(), gim, phi, qdd }
+        Self { model, modules, q: q.to_vec(), mass_matrix, phi, qdd }
     }
 
     /// The gripper of Table 3.
@@ -71,16 +71,16 @@ impl Problem {
     /// GE-N on scalar `S`: matrix and right-hand side are rounded, then each operation.
     #[must_use]
     pub fn gaussian<S: Number>(&self) -> Vec<f64> {
-        doubles(&dense::gaussian(&scalars::<S>(&self.gim), &scalars(&self.phi)))
+        doubles(&dense::gaussian(&scalars::<S>(&self.mass_matrix), &scalars(&self.phi)))
     }
 
     /// RGE-N.
     #[must_use]
     pub fn reverse_gaussian<S: Number>(&self) -> Vec<f64> {
-        doubles(&dense::reverse_gaussian(&scalars::<S>(&self.gim), &scalars(&self.phi)))
+        doubles(&dense::reverse_gaussian(&scalars::<S>(&self.mass_matrix), &scalars(&self.phi)))
     }
 
-    /// BRGE-A by Table 6 as printed: from the robot's figures, not from its GIM.
+    /// BRGE-A by Table 6 as printed: from the robot's figures, not from its mass matrix.
     #[must_use]
     pub fn table_6<S: Number>(&self) -> Vec<f64> {
         doubles(&Table6::<S>::new(&self.model).solve(&scalars(&self.q), &scalars(&self.phi)))
@@ -213,7 +213,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     let head = [&["accuracy"][..], &SOLVERS, &["BRGE-A, paper"]].concat();
     report.table(&head, lines);
     for (k, (name, problem)) in ["gripper", "biped"].iter().zip(&problems).enumerate() {
-        let condition = dense::condition_number(&problem.gim);
+        let condition = dense::condition_number(&problem.mass_matrix);
         let paper = [482.0, 42941.0][k];
         report.text(format!(
             "Table 5, {name}: norm of the errors in percent (condition number {condition:.0}, in the paper {paper}):"
@@ -250,18 +250,20 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
          length, which had to be chosen (1e-4 kg m^2): with 1.41e-4 it is {:.0} at the start.",
         biped_conditions().fold(f64::INFINITY, f64::min),
         biped_conditions().fold(0.0, f64::max),
-        dense::condition_number(&Problem::biped_with_foot(1.41e-4).gim),
+        dense::condition_number(&Problem::biped_with_foot(1.41e-4).mass_matrix),
     ));
     Ok(())
 }
 
-/// The condition number of the biped's GIM over its step.
+/// The condition number of the biped's mass matrix over its step.
 pub fn biped_conditions() -> impl Iterator<Item = f64> {
     let mut interpreter = Interpreter::<f64>::new(robots::biped());
     (0..=50).map(move |k| {
-        let mut gim = vec![0.0; 144];
-        interpreter.mass_matrix(&gait::desired(f64::from(k) / 50.0).q, &mut gim).expect("lengths");
-        dense::condition_number(&gim)
+        let mut mass_matrix = vec![0.0; 144];
+        interpreter
+            .mass_matrix(&gait::desired(f64::from(k) / 50.0).q, &mut mass_matrix)
+            .expect("lengths");
+        dense::condition_number(&mass_matrix)
     })
 }
 
@@ -326,7 +328,7 @@ mod tests {
         // The paper's is 42941, in a posture and a chart of its hips that it does not state, and with a foot
         // whose inertia about its length is not known: the condition number is inverse to that.
         assert!(super::biped_conditions().all(|condition| (5e4..8e4).contains(&condition)));
-        let condition = |foot: f64| condition_number(&Problem::biped_with_foot(foot).gim);
+        let condition = |foot: f64| condition_number(&Problem::biped_with_foot(foot).mass_matrix);
         assert!((condition(2e-4) / condition(1e-4) - 0.5).abs() < 0.01);
         assert!((condition(1.41e-4) - 42941.0).abs() < 200.0, "{}", condition(1.41e-4));
     }
@@ -335,7 +337,7 @@ mod tests {
     fn errors_of_the_forces_grow_by_the_condition_number_at_most() {
         // (65)-(67).
         for problem in [Problem::gripper(), Problem::biped()] {
-            let condition = condition_number(&problem.gim);
+            let condition = condition_number(&problem.mass_matrix);
             let mut grown: f64 = 0.0;
             for seed in 0..200 {
                 let small = crate::robots::spread(seed).map(|x| 1e-6 * x);

@@ -146,12 +146,12 @@ fn propagations_follow_each_other() {
         let d = &case.decomposition;
         for (j, i) in blocks(d) {
             for h in 0..d.modules() {
-                if d.originates(j, h) && d.originates(h, i) {
+                if d.descends_from(j, h) && d.descends_from(h, i) {
                     let through = d.propagation(j, h).times(&d.propagation(h, i));
                     assert_same("A_j,i = A_j,h A_h,i", &case, &through, &d.propagation(j, i));
                 }
             }
-            if !d.originates(j, i) && i != j {
+            if !d.descends_from(j, i) && i != j {
                 assert_eq!(largest(&d.propagation(j, i)), 0.0, "(4)");
             }
         }
@@ -163,12 +163,12 @@ fn composite_modules_make_the_mass_matrix() {
     for mut case in cases() {
         let Case { decomposition: d, interpreter, q, .. } = &mut case;
         let n = interpreter.model().nv();
-        let mut gim = vec![0.0; n * n];
-        interpreter.mass_matrix(q, &mut gim).expect("lengths");
+        let mut mass_matrix = vec![0.0; n * n];
+        interpreter.mass_matrix(q, &mut mass_matrix).expect("lengths");
         let (n_l, n_d) = (d.propagations(), d.all_joints());
         // (5b), (6): its blocks are M_tilde_i A_i,j.
         let composites = d.masses().congruence(&n_l);
-        let mut rotors = columns(&gim).minus(&composites.congruence(&n_d));
+        let mut rotors = columns(&mass_matrix).minus(&composites.congruence(&n_d));
         for i in 0..n {
             let rotor = interpreter_rotor(interpreter.model(), i);
             rotors.entries[i * n + i] -= rotor;
@@ -190,12 +190,12 @@ fn composite_modules_make_the_mass_matrix() {
             assert_same("(6)", case, &found, &d.composite(i).times(&d.propagation(i, j)));
         }
         for i in 0..d.modules() {
-            let all = (0..d.modules()).filter(|&j| d.originates(j, i));
+            let all = (0..d.modules()).filter(|&j| d.descends_from(j, i));
             let sum =
                 all.fold(d.mass(i), |sum, j| sum.plus(&d.mass(j).congruence(&d.propagation(j, i))));
             assert_same("(7) is (8)", case, &d.composite(i), &sum);
         }
-        assert_same("(9), (10)", case, &d.mass_matrix(), &columns(&gim));
+        assert_same("(9), (10)", case, &d.mass_matrix(), &columns(&mass_matrix));
     }
 }
 
@@ -222,7 +222,7 @@ fn elementary_matrices_annihilate_block_columns() {
             let before = d.eliminated(j + 1);
             let pivot = before.block(d.entries(j), d.entries(j));
             assert_same("pivot, (46)", &case, d.pivot(j), &pivot);
-            for i in (0..j).filter(|&i| d.originates(j, i)) {
+            for i in (0..j).filter(|&i| d.descends_from(j, i)) {
                 let entry = before.block(d.entries(i), d.entries(j));
                 assert_same("U_i,j I_hat_j", &case, &d.u_block(i, j).times(d.pivot(j)), &entry);
             }
@@ -234,7 +234,7 @@ fn elementary_matrices_annihilate_block_columns() {
             assert_same("(41)", &case, &product, &sum);
             // (51): without the inverses one product is left.
             let (before, column) = (d.u_column(j - 1), d.u_column(j));
-            let left = if d.originates(j, j - 1) {
+            let left = if d.descends_from(j, j - 1) {
                 column.minus(&before.times(&d.u_block(j - 1, j)))
             } else {
                 column
@@ -274,14 +274,14 @@ fn the_inverse_is_that_of_the_blocks() {
         let chain = product(n, (1..s).map(|j| d.ebutm(j)));
         assert_same("(52)", &case, &chain, &inverse);
         assert_same("D D^-1", &case, &d.d().times(&d.d_inverse()), &Dense::identity(n));
-        let gim_inverse = inverse.transposed().times(&d.d_inverse()).times(&inverse);
-        let unity = d.mass_matrix().times(&gim_inverse);
+        let mass_matrix_inverse = inverse.transposed().times(&d.d_inverse()).times(&inverse);
+        let unity = d.mass_matrix().times(&mass_matrix_inverse);
         let difference = largest(&unity.minus(&Dense::identity(n)));
         let condition = dense::condition_number(&d.mass_matrix().entries);
         assert!(difference < 1e-12 * condition, "(50): {difference:e} in {}", case.name);
         // (53), with signs that agree with (52): column j is -(U'_j + sum of column h times U_h,j).
         for j in 0..s {
-            let before = (0..j).filter(|&h| d.originates(j, h)).fold(d.u_column(j), |sum, h| {
+            let before = (0..j).filter(|&h| d.descends_from(j, h)).fold(d.u_column(j), |sum, h| {
                 let mut column = inverse.block(0..n, d.entries(h));
                 for (k, row) in d.entries(h).enumerate() {
                     column.entries[row * column.columns + k] = 0.0;
@@ -301,11 +301,11 @@ fn articulated_propagation_passes_what_lies_between() {
     let mut between = 0;
     for case in cases() {
         let d = &case.decomposition;
-        for (j, i) in blocks(d).filter(|&(j, i)| d.originates(j, i)) {
+        for (j, i) in blocks(d).filter(|&(j, i)| d.descends_from(j, i)) {
             if d.parent(j) == Some(i) {
                 assert_same("(57)", &case, &d.articulated_propagation(j, i), &d.propagation(j, i));
             }
-            for h in (0..d.modules()).filter(|&h| d.originates(j, h) && d.originates(h, i)) {
+            for h in (0..d.modules()).filter(|&h| d.descends_from(j, h) && d.descends_from(h, i)) {
                 // (56), by any module between.
                 let through = d.articulated_propagation(j, h).times(&d.phi(h).transposed());
                 let found = through.times(&d.articulated_propagation(h, i));
@@ -471,13 +471,13 @@ fn the_gripper_is_eliminated_in_two_stages() {
     let decomposition = interpreter.decomposition(&q).expect("lengths");
     let case = Case { interpreter, decomposition, q, name: "gripper".into() };
     let d = &case.decomposition;
-    let (gim, third, second) = (d.mass_matrix(), d.eliminated(2), d.eliminated(1));
+    let (mass_matrix, third, second) = (d.mass_matrix(), d.eliminated(2), d.eliminated(1));
     let block = |matrix: &Matrix, i: usize, j: usize| matrix.block(d.entries(i), d.entries(j));
     // (11), (12): blocks of the modules' own matrices.
     for (i, j) in [(0, 0), (1, 0), (1, 1), (2, 0), (2, 2)] {
         let wrench = d.composite(i).times(&d.propagation(i, j)).times(&d.joints(j));
         let expected = d.joints(i).transposed().times(&wrench);
-        assert_same("(11)", &case, &block(&gim, i, j), &expected);
+        assert_same("(11)", &case, &block(&mass_matrix, i, j), &expected);
     }
     for (module, single) in [(0, true), (1, false), (2, true)] {
         let (within, alone) = (d.propagation_within(module), d.joints_alone(module));
@@ -497,15 +497,15 @@ fn the_gripper_is_eliminated_in_two_stages() {
         .fold(d.mass(0), |sum, &j| sum.plus(&d.mass(j).congruence(&d.propagation(j, 0))));
     assert_same("(13)", &case, &d.composite(0), &sum);
     // (15), (18)-(22): module 3 leaves module 2 as it is.
-    assert_eq!(largest(&block(&gim, 1, 2)), 0.0, "(11)");
-    assert_same("(19)", &case, &block(&third, 1, 1), &block(&gim, 1, 1));
+    assert_eq!(largest(&block(&mass_matrix, 1, 2)), 0.0, "(11)");
+    assert_same("(19)", &case, &block(&third, 1, 1), &block(&mass_matrix, 1, 1));
     assert_same(
         "(20)",
         &case,
         &block(&third, 1, 0),
         &d.psi(1).transposed().times(&d.propagation(1, 0)).times(&d.joints(0)),
     );
-    assert_same("(21)", &case, &block(&third, 0, 1), &block(&gim, 0, 1));
+    assert_same("(21)", &case, &block(&third, 0, 1), &block(&mass_matrix, 0, 1));
     let left = d.mass(0).plus(&d.mass(1).congruence(&d.propagation(1, 0)));
     let left = left.plus(&d.phi(2).times(&d.mass(2)).congruence(&d.propagation(2, 0)));
     assert_same("(23)", &case, &block(&third, 0, 0), &left.congruence(&d.joints(0)));
@@ -515,13 +515,13 @@ fn the_gripper_is_eliminated_in_two_stages() {
         assert!(largest(&block(&second, i, j)) < 1e-17, "(29)");
     }
     let upper = |i: usize, j: usize| d.u_block(i, j);
-    assert_same("(17), (25)", &case, &d.ebutm(1).times(&d.ebutm(2)).times(&gim), &second);
-    assert_same("(18)", &case, &upper(0, 2).times(d.pivot(2)), &block(&gim, 0, 2));
+    assert_same("(17), (25)", &case, &d.ebutm(1).times(&d.ebutm(2)).times(&mass_matrix), &second);
+    assert_same("(18)", &case, &upper(0, 2).times(d.pivot(2)), &block(&mass_matrix, 0, 2));
     assert_same(
         "(22)",
         &case,
         &block(&third, 0, 0),
-        &block(&gim, 0, 0).minus(&upper(0, 2).times(&block(&gim, 2, 0))),
+        &block(&mass_matrix, 0, 0).minus(&upper(0, 2).times(&block(&mass_matrix, 2, 0))),
     );
     assert_same("(26)", &case, &upper(0, 1).times(&block(&third, 1, 1)), &block(&third, 0, 1));
     let taken = d.psi(2).times(&d.joints(2).transposed());
@@ -538,9 +538,9 @@ fn the_gripper_is_eliminated_in_two_stages() {
     });
     assert_same("(28)", &case, d.articulated(0), &sum);
     let inverses = d.ebutm_inverse(2).times(&d.ebutm_inverse(1));
-    assert_same("(31), (32)", &case, &inverses.times(&second), &gim);
-    assert_same("(33)", &case, &d.u().times(&second), &gim);
-    assert_same("(34)", &case, &d.d().congruence(&d.u().transposed()), &gim);
+    assert_same("(31), (32)", &case, &inverses.times(&second), &mass_matrix);
+    assert_same("(33)", &case, &d.u().times(&second), &mass_matrix);
+    assert_same("(34)", &case, &d.d().congruence(&d.u().transposed()), &mass_matrix);
     for j in [1, 2] {
         assert_same("(30)", &case, &d.articulated(j).congruence(&d.joints(j)), d.pivot(j));
         let zero = Dense::zero(1, d.entries(j).len());

@@ -218,7 +218,7 @@ impl<'a> Naive<'a> {
         frames.collect()
     }
 
-    /// The GIM, as the sum of J^T M J over the links, and the rotors.
+    /// The mass matrix, as the sum of J^T M J over the links, and the rotors.
     #[must_use]
     pub fn mass_matrix(&self) -> DMatrix<f64> {
         let mut sum = self.rotors();
@@ -230,7 +230,7 @@ impl<'a> Naive<'a> {
         sum
     }
 
-    /// What the rotors add to the GIM.
+    /// What the rotors add to the mass matrix.
     #[must_use]
     pub fn rotors(&self) -> DMatrix<f64> {
         let mut sum = DMatrix::zeros(self.model.nv(), self.model.nv());
@@ -263,7 +263,7 @@ impl<'a> Naive<'a> {
 
     /// The torques that damping and friction take.
     #[must_use]
-    pub fn resistance(&self, qd: &[f64]) -> Vec<f64> {
+    pub fn dissipation(&self, qd: &[f64]) -> Vec<f64> {
         let mut tau = vec![0.0; qd.len()];
         for (link, motions) in self.model.links().iter().zip(&self.motions) {
             let drive = &link.joint.drive;
@@ -309,7 +309,7 @@ impl<'a> Naive<'a> {
     #[must_use]
     pub fn inverse_dynamics(&self, qd: &[f64], qdd: &[f64]) -> Vec<f64> {
         let gravity = Vector3::from(self.model.gravity());
-        let mut tau = DVector::from_vec(self.resistance(qd));
+        let mut tau = DVector::from_vec(self.dissipation(qd));
         tau += self.rotors() * DVector::from_column_slice(qdd);
         // Angular velocity, angular acceleration, acceleration of the origin.
         let mut motions: Vec<[Vector3<f64>; 3]> = Vec::new();

@@ -1,7 +1,7 @@
 //! An interpreter's quantities as values, for tests that do not mind allocating.
 
 use modyn_runtime::spatial::Pose;
-use modyn_runtime::{Brge, Forces, Interpreter, Scalar};
+use modyn_runtime::{Forces, Interpreter, Scalar, UduFactorization};
 
 /// The interpreter's calls, returning what they fill in; each panics if a length is wrong.
 #[allow(missing_docs)]
@@ -13,11 +13,11 @@ pub trait Quantities<S> {
     fn bias(&mut self, q: &[S], qd: &[S]) -> Vec<S>;
     fn gravity(&mut self, q: &[S]) -> Vec<S>;
     /// By columns.
-    fn gim(&mut self, q: &[S]) -> Vec<S>;
+    fn dense_mass_matrix(&mut self, q: &[S]) -> Vec<S>;
     fn kinetic(&mut self, q: &[S], qd: &[S]) -> S;
     fn potential(&mut self, q: &[S]) -> S;
     fn poses(&mut self, q: &[S]) -> Vec<Pose<S>>;
-    fn factors(&self, q: &[S]) -> Brge<S>;
+    fn factors(&self, q: &[S]) -> UduFactorization<S>;
 }
 
 const LENGTHS: &str = "the lengths are right";
@@ -59,7 +59,7 @@ impl<S: Scalar> Quantities<S> for Interpreter<S> {
         tau
     }
 
-    fn gim(&mut self, q: &[S]) -> Vec<S> {
+    fn dense_mass_matrix(&mut self, q: &[S]) -> Vec<S> {
         let mut columns = vec![S::zero(); self.model().nv() * self.model().nv()];
         self.mass_matrix(q, &mut columns).expect(LENGTHS);
         columns
@@ -79,7 +79,7 @@ impl<S: Scalar> Quantities<S> for Interpreter<S> {
         poses
     }
 
-    fn factors(&self, q: &[S]) -> Brge<S> {
+    fn factors(&self, q: &[S]) -> UduFactorization<S> {
         self.brge(q).expect(LENGTHS)
     }
 }

@@ -230,7 +230,7 @@ macro_rules! default_quantities {
             ),
             ("integrate", list(&$robot::integrate(q, qd))),
             ("difference", list(&$robot::difference(q, &random))),
-            ("coordinate_rates", list(&$robot::coordinate_rates(q, qd))),
+            ("velocity_to_qdot", list(&$robot::velocity_to_qdot(q, qd))),
             ("normalize", list(&$robot::normalize(&given.long))),
             ("random", list(&random)),
         ]
@@ -301,12 +301,15 @@ macro_rules! other_quantities {
                 links.iter().flat_map(|&l| each(&$robot::local_jacobian(q, l), twist)).collect(),
             ),
             (
-                "jacobian_rate",
-                links.iter().flat_map(|&l| twist(&$robot::jacobian_rate(q, qd, l))).collect(),
+                "bias_acceleration",
+                links.iter().flat_map(|&l| twist(&$robot::bias_acceleration(q, qd, l))).collect(),
             ),
             (
-                "local_jacobian_rate",
-                links.iter().flat_map(|&l| twist(&$robot::local_jacobian_rate(q, qd, l))).collect(),
+                "local_bias_acceleration",
+                links
+                    .iter()
+                    .flat_map(|&l| twist(&$robot::local_bias_acceleration(q, qd, l)))
+                    .collect(),
             ),
         ]
     }};
@@ -324,7 +327,7 @@ pub type GivenTo<R, T> =
 pub fn generated<R: Robot + functions::Defaults, T: Scalar>(
     inputs: &Inputs<T>,
     links: &[R::Link],
-    pivot_blocks: impl FnOnce(&R::Brge<T>) -> Vec<Vec<T>>,
+    pivot_blocks: impl FnOnce(&R::UduFactorization<T>) -> Vec<Vec<T>>,
 ) -> Values<T> {
     let given = GivenTo::<R, T>::new(inputs);
     let Given { q, qd, qdd, tau, .. } = &given;
@@ -403,7 +406,7 @@ pub fn interpreted<T: Scalar>(
         inverse_dynamics: interpreter.tau(q, qd, qdd),
         bias_forces: interpreter.bias(q, qd),
         gravity_torques: interpreter.gravity(q),
-        mass_matrix: interpreter.gim(q),
+        mass_matrix: interpreter.dense_mass_matrix(q),
         kinetic_energy: interpreter.kinetic(q, qd),
         potential_energy: interpreter.potential(q),
         link_poses: interpreter.poses(q).iter().flat_map(numbers).collect(),
@@ -434,7 +437,7 @@ fn interpreted_defaults<T: Scalar>(
     interpreter.integrate(q, qd, &mut moved).expect(LENGTHS);
     interpreter.random(uniform(), &mut random).expect(LENGTHS);
     interpreter.difference(q, &random, &mut difference).expect(LENGTHS);
-    interpreter.coordinate_rates(q, qd, &mut rates).expect(LENGTHS);
+    interpreter.velocity_to_qdot(q, qd, &mut rates).expect(LENGTHS);
     interpreter.normalize(&mut unit).expect(LENGTHS);
     vec![
         ("center_of_mass", interpreter.center_of_mass(q).expect(LENGTHS).to_vec()),
@@ -448,7 +451,7 @@ fn interpreted_defaults<T: Scalar>(
         ),
         ("integrate", moved),
         ("difference", difference),
-        ("coordinate_rates", rates),
+        ("velocity_to_qdot", rates),
         ("normalize", unit),
         ("random", random),
     ]
@@ -493,8 +496,8 @@ fn interpreted_others<T: Scalar>(
         ("local_link_velocity", each(&|i, l| i.local_link_velocity(q, qd, l))),
         ("link_acceleration", each(&|i, l| i.link_acceleration(q, qd, qdd, l))),
         ("local_link_acceleration", each(&|i, l| i.local_link_acceleration(q, qd, qdd, l))),
-        ("jacobian_rate", each(&|i, l| i.jacobian_rate(q, qd, l))),
-        ("local_jacobian_rate", each(&|i, l| i.local_jacobian_rate(q, qd, l))),
+        ("bias_acceleration", each(&|i, l| i.bias_acceleration(q, qd, l))),
+        ("local_bias_acceleration", each(&|i, l| i.local_bias_acceleration(q, qd, l))),
     ];
     let mut named = vec![
         ("forward_dynamics_external", interpreter.qdd_under(q, qd, tau, local)),

@@ -272,7 +272,7 @@ fn matrices<T: Copy, const N: usize, const NN: usize>(
 macro_rules! several {
     ($Robot:ident, $T:ty) => {{
         type Name = several::$Robot;
-        type Factors = <Name as Robot>::Brge<$T>;
+        type Factors = <Name as Robot>::UduFactorization<$T>;
         const NV: usize = Name::NV;
         const NN: usize = NV * NV;
         const ZERO: [[$T; NV]; NV] = [[0.0; NV]; NV];
@@ -569,8 +569,8 @@ fn wrong_lengths() {
 
 #[test]
 fn wrong_lengths_of_several_arrays() {
-    use several::{Arm, ArmBrge};
-    const FACTORS: usize = ArmBrge::<f64>::FACTORS;
+    use several::{Arm, ArmUduFactorization};
+    const FACTORS: usize = ArmUduFactorization::<f64>::FACTORS;
     let good = [0.0; 6];
     let q = [&good[..]; 7];
     let mut dq: [[Vec<f64>; 7]; 7] = std::array::from_fn(|_| std::array::from_fn(|_| vec![1.0; 6]));
@@ -595,7 +595,7 @@ fn wrong_lengths_of_several_arrays() {
     let error =
         Arm::inverse_dynamics_derivatives_each(&six, &six, &six, &mut five).expect_err("a length");
     assert_eq!(error.to_string(), "`derivatives` holds 5 states, `q` holds 6");
-    let mut seven = [ArmBrge::from_factors([0.0; FACTORS]); 7];
+    let mut seven = [ArmUduFactorization::from_factors([0.0; FACTORS]); 7];
     let error = Arm::brge_each(&six, &mut seven).expect_err("a length");
     assert_eq!(error.to_string(), "`brge` holds 7 states, `q` holds 6");
 }
@@ -615,7 +615,7 @@ fn in_parallel() {
         Arm::forward_dynamics_batch_par(q, qd, tau, slices_mut(all)).expect("sizes");
         assert!(one == all, "{states} states");
 
-        let mut found: [[Vec<f64>; several::ArmBrge::<f64>::FACTORS]; 2] =
+        let mut found: [[Vec<f64>; several::ArmUduFactorization::<f64>::FACTORS]; 2] =
             std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; states]));
         let [one, all] = &mut found;
         several::Arm::brge_batch(q, slices_mut(one)).expect("sizes");

@@ -20,13 +20,13 @@ fn assert_same(changed: &mut Interpreter<f64>, fresh: &mut Interpreter<f64>, sta
     close("torques", &changed.tau(q, qd, qdd), &fresh.tau(q, qd, qdd));
     close("bias forces", &changed.bias(q, qd), &fresh.bias(q, qd));
     close("gravity", &changed.gravity(q), &fresh.gravity(q));
-    close("GIM", &changed.gim(q), &fresh.gim(q));
+    close("mass matrix", &changed.dense_mass_matrix(q), &fresh.dense_mass_matrix(q));
     close("T", &[changed.kinetic(q, qd)], &[fresh.kinetic(q, qd)]);
     close("V", &[changed.potential(q)], &[fresh.potential(q)]);
     let [found, expected] = [&mut *changed, &mut *fresh].map(|i| i.denoc(q).expect("lengths"));
     close("masses", &found.mass.entries, &expected.mass.entries);
     let (found, expected) = (changed.qdd(q, qd, tau), fresh.qdd(q, qd, tau));
-    let condition = square(&fresh.gim(q)).amax();
+    let condition = square(&fresh.dense_mass_matrix(q)).amax();
     assert_close("accelerations", &found, &expected, 1e-10 * condition.max(1.0));
     let back = fresh.tau(q, qd, &found);
     let scale = found.iter().fold(condition, |scale: f64, x| scale.max(x.abs() * condition));

@@ -7,7 +7,7 @@ use modyn_codegen::graph::Graph;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
-use modyn_runtime::mechanism::coordinates::Space;
+use modyn_runtime::mechanism::coordinates::CoordinateSpace;
 use modyn_runtime::model::{DEFAULT_GRAVITY, Frame, Inertial, Joint, Limits, Link, Mimic, Model};
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Interpreter, Scalar, ShapeError};
@@ -69,7 +69,7 @@ fn between<S: Scalar>(robot: &Interpreter<S>, from: &[S], to: &[S]) -> Vec<S> {
 
 fn rates(robot: &Interpreter<f64>, q: &[f64], qd: &[f64]) -> Vec<f64> {
     let mut rates = vec![0.0; q.len()];
-    robot.coordinate_rates(q, qd, &mut rates).expect(LENGTHS);
+    robot.velocity_to_qdot(q, qd, &mut rates).expect(LENGTHS);
     rates
 }
 
@@ -88,9 +88,9 @@ fn rotations(model: &Model) -> Vec<(usize, usize)> {
     let blocks = Mechanism::new(model).coordinates;
     let place = |block: &modyn_runtime::mechanism::coordinates::Coordinates<f64>| match block.space
     {
-        Space::Line { .. } => None,
-        Space::Rotation => Some((block.q, block.v)),
-        Space::Pose => Some((block.q + 3, block.v + 3)),
+        CoordinateSpace::Line { .. } => None,
+        CoordinateSpace::Rotation => Some((block.q, block.v)),
+        CoordinateSpace::Pose => Some((block.q + 3, block.v + 3)),
     };
     blocks.iter().filter_map(place).collect()
 }
@@ -256,7 +256,7 @@ fn random_coordinates_are_within_limits_and_evenly_spread() {
     let lines: Vec<(usize, f64, f64)> = blocks
         .iter()
         .filter_map(|block| match block.space {
-            Space::Line { low, high } => Some((block.q, low, high)),
+            CoordinateSpace::Line { low, high } => Some((block.q, low, high)),
             _ => None,
         })
         .collect();
@@ -338,7 +338,7 @@ fn limits_on_one_side_leave_a_range_on_the_other() {
         let links = vec![Link { name, parent: None, joint, inertial: Inertial::default() }];
         let model = Model::new("one", DEFAULT_GRAVITY, links, vec![]).expect("a valid model");
         match Mechanism::new(&model).coordinates[0].space {
-            Space::Line { low, high } => (low, high),
+            CoordinateSpace::Line { low, high } => (low, high),
             other => panic!("{other:?}"),
         }
     };
@@ -384,7 +384,7 @@ fn graphs_compute_the_same() {
     };
     same("integrate", &tracer.integrate(), &[&q, &v], &moved(&robot, &q, &v));
     same("difference", &tracer.difference(), &[&q, &to], &between(&robot, &q, &to));
-    same("rates", &tracer.coordinate_rates(), &[&q, &v], &rates(&robot, &q, &v));
+    same("rates", &tracer.velocity_to_qdot(), &[&q, &v], &rates(&robot, &q, &v));
     let long: Vec<f64> = q.iter().map(|x| 3.0 * x).collect();
     let mut normalized = long.clone();
     robot.normalize(&mut normalized).expect(LENGTHS);
@@ -408,9 +408,9 @@ fn lengths_are_checked() {
     assert_eq!(robot.difference(&short, &q, &mut to_v), error("from", nq));
     assert_eq!(robot.difference(&q, &short, &mut to_v), error("to", nq));
     assert_eq!(robot.difference(&q, &q, &mut [0.0]), error("v", nv));
-    assert_eq!(robot.coordinate_rates(&short, &v, &mut to_q), error("q", nq));
-    assert_eq!(robot.coordinate_rates(&q, &short, &mut to_q), error("qd", nv));
-    assert_eq!(robot.coordinate_rates(&q, &v, &mut [0.0]), error("rates", nq));
+    assert_eq!(robot.velocity_to_qdot(&short, &v, &mut to_q), error("q", nq));
+    assert_eq!(robot.velocity_to_qdot(&q, &short, &mut to_q), error("qd", nv));
+    assert_eq!(robot.velocity_to_qdot(&q, &v, &mut [0.0]), error("rates", nq));
     assert_eq!(robot.normalize(&mut [0.0]), error("q", nq));
     assert_eq!(robot.neutral(&mut [0.0]), error("q", nq));
     assert_eq!(robot.random(|| 0.5, &mut [0.0]), error("q", nq));

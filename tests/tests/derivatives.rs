@@ -135,7 +135,7 @@ fn traced_derivatives_are_the_interpreters() {
 }
 
 /// Operations of the derivatives of inverse dynamics, and of forward dynamics with its
-/// accelerations and the inverse of the GIM.
+/// accelerations and the inverse of the mass matrix.
 #[derive(Debug, PartialEq, Eq)]
 struct Counts {
     robot: &'static str,

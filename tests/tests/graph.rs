@@ -44,7 +44,7 @@ proptest! {
         check("bias forces", &tracer.bias_forces(), &[q, qd], &expected);
         let expected = interpreter.gravity(q);
         check("gravity torques", &tracer.gravity_torques(), &[q], &expected);
-        let expected = interpreter.gim(q);
+        let expected = interpreter.dense_mass_matrix(q);
         check("mass matrix", &tracer.mass_matrix(), &[q], &expected);
         let expected = interpreter.kinetic(q, qd);
         check("kinetic energy", &tracer.kinetic_energy(), &[q, qd], &[expected]);

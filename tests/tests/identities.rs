@@ -74,9 +74,9 @@ proptest! {
     #[test]
     fn mass_matrix_is_symmetric_positive_definite(robot in robots(30)) {
         let (mut interpreter, state) = set_up(robot);
-        let gim = square(&interpreter.gim(&state.q));
-        prop_assert_eq!(&gim, &gim.transpose());
-        prop_assert!(gim.cholesky().is_some());
+        let mass_matrix = square(&interpreter.dense_mass_matrix(&state.q));
+        prop_assert_eq!(&mass_matrix, &mass_matrix.transpose());
+        prop_assert!(mass_matrix.cholesky().is_some());
     }
 
     #[test]
@@ -92,7 +92,7 @@ proptest! {
                 *entry = energy(&plus(&a, 1.0, &b)) - energy(&a) - energy(&b);
             }
         }
-        assert_close("second differences", &columns, &interpreter.gim(&q), 1e-12);
+        assert_close("second differences", &columns, &interpreter.dense_mass_matrix(&q), 1e-12);
     }
 
     #[test]
@@ -101,10 +101,10 @@ proptest! {
         let model = interpreter.model().clone();
         for modules in partitions(robot.seed(), &model) {
             let mut interpreter = Interpreter::with_modules(model.clone(), modules).expect("its own modules");
-            let (gim, brge) = (interpreter.gim(&q), interpreter.factors(&q));
+            let (mass_matrix, brge) = (interpreter.dense_mass_matrix(&q), interpreter.factors(&q));
             let (u, d) = (square(&brge.u()), square(&brge.d()));
             let product = &u * &d * u.transpose();
-            assert_close("U D U^T", product.as_slice(), &gim, 1e-11);
+            assert_close("U D U^T", product.as_slice(), &mass_matrix, 1e-11);
 
             let unity = identity(model.nv());
             let product = &u * square(&brge.u_inverse());
@@ -157,19 +157,19 @@ proptest! {
         let model = interpreter.model().clone();
         for modules in partitions(robot.seed(), &model) {
             let mut interpreter = Interpreter::with_modules(model.clone(), modules).expect("its own modules");
-            let (gim, brge) = (interpreter.gim(&q), interpreter.factors(&q));
+            let (mass_matrix, brge) = (interpreter.dense_mass_matrix(&q), interpreter.factors(&q));
             let x = brge.solve(&tau).expect("the length is right");
             // Backward: what is left of the equations, against the terms in them.
-            let left = plus(&times(&gim, &x), -1.0, &tau);
-            let scale = square(&gim).amax() * x.iter().fold(1.0, |a: f64, x| a.max(x.abs()));
+            let left = plus(&times(&mass_matrix, &x), -1.0, &tau);
+            let scale = square(&mass_matrix).amax() * x.iter().fold(1.0, |a: f64, x| a.max(x.abs()));
             assert_close("solve", &left, &vec![0.0; tau.len()], 1e-12 * scale.max(1.0));
 
             let inverse = square(&brge.inverse());
             prop_assert_eq!(&inverse, &inverse.transpose(), "symmetric to the last bit");
             let blocks = square(&brge.d_inverse());
             prop_assert_eq!(&blocks, &blocks.transpose(), "symmetric to the last bit");
-            let expected = square(&gim).cholesky().expect("positive definite").inverse();
-            let condition = square(&gim).norm() * expected.norm();
+            let expected = square(&mass_matrix).cholesky().expect("positive definite").inverse();
+            let condition = square(&mass_matrix).norm() * expected.norm();
             let tolerance = 1e-14 * condition + 1e-12;
             assert_close("inverse", inverse.as_slice(), expected.as_slice(), tolerance);
             let product = square(&brge.u_inverse()).transpose() * square(&brge.d_inverse())
@@ -195,7 +195,7 @@ proptest! {
         let model = interpreter.model().clone();
         for modules in partitions(robot.seed(), &model) {
             let mut interpreter = Interpreter::with_modules(model.clone(), modules).expect("its own modules");
-            let lower = square(&interpreter.gim(&q)).cholesky().expect("positive definite").l();
+            let lower = square(&interpreter.dense_mass_matrix(&q)).cholesky().expect("positive definite").l();
             let expected: f64 = lower.diagonal().iter().map(|x| 2.0 * x.ln()).sum();
             let found = interpreter.factors(&q).log_determinant();
             assert_close("log-determinant", &[found], &[expected], 1e-9);
@@ -249,7 +249,7 @@ proptest! {
     #[test]
     fn inverse_dynamics_is_linear_in_the_accelerations(robot in robots(30)) {
         let (mut interpreter, State { q, qd, qdd, .. }) = set_up(robot);
-        let inertial = times(&interpreter.gim(&q), &qdd);
+        let inertial = times(&interpreter.dense_mass_matrix(&q), &qdd);
         let expected = plus(&inertial, 1.0, &interpreter.bias(&q, &qd));
         assert_close("M qdd + h", &interpreter.tau(&q, &qd, &qdd), &expected, 1e-12);
     }
@@ -299,8 +299,8 @@ proptest! {
             let q = along(&model, &q, h, &qd);
             interpreter.kinetic(&q, &qd) + interpreter.potential(&q)
         });
-        let sped_up = dot(&qd, &times(&interpreter.gim(&q), &qdd));
-        let lost = dot(&qd, &Naive::new(&model, &q).resistance(&qd));
+        let sped_up = dot(&qd, &times(&interpreter.dense_mass_matrix(&q), &qdd));
+        let lost = dot(&qd, &Naive::new(&model, &q).dissipation(&qd));
         let (change, power) = (stored + sped_up, dot(&qd, &tau) - lost);
         let scale = power.abs() + stored.abs() + sped_up.abs() + interpreter.kinetic(&q, &qd);
         assert_close("d(T + V)/dt", &[change / scale], &[power / scale], 1e-7);
@@ -353,10 +353,10 @@ proptest! {
         let joints = dense(&denoc.joints);
         let n = propagation * joints;
         let rotors = Naive::new(interpreter.model(), &q).rotors();
-        let gim = square(&interpreter.gim(&q)) - &rotors;
+        let mass_matrix = square(&interpreter.dense_mass_matrix(&q)) - &rotors;
         let product = n.transpose() * &mass * &n;
-        assert_close("(N_l N_d)^T M (N_l N_d)", product.as_slice(), gim.as_slice(), 1e-12);
-        assert_close("the same in the interpreter", &denoc.mass_matrix().entries, gim.as_slice(), 1e-12);
+        assert_close("(N_l N_d)^T M (N_l N_d)", product.as_slice(), mass_matrix.as_slice(), 1e-12);
+        assert_close("the same in the interpreter", &denoc.mass_matrix().entries, mass_matrix.as_slice(), 1e-12);
         // The paper's twist t = N qd, with its kinetic energy.
         let qd = DVector::from_vec(qd);
         let twist = n * &qd;
@@ -406,7 +406,7 @@ proptest! {
         };
         close("torques", &coarse.tau(&q, &qd, &qdd), &interpreter.tau(&dq, &dqd, &dqdd));
         close("gravity", &coarse.gravity(&q), &interpreter.gravity(&dq));
-        close("GIM", &coarse.gim(&q), &interpreter.gim(&dq));
+        close("mass matrix", &coarse.dense_mass_matrix(&q), &interpreter.dense_mass_matrix(&dq));
         close("T", &[coarse.kinetic(&q, &qd)], &[interpreter.kinetic(&dq, &dqd)]);
         close("V", &[coarse.potential(&q)], &[interpreter.potential(&dq)]);
         for (found, expected) in zip(coarse.poses(&q), interpreter.poses(&dq)) {
@@ -415,7 +415,7 @@ proptest! {
         // Accelerations by what they leave of the equations, against the terms in them.
         let found = double(&coarse.qdd(&q, &qd, &tau));
         let back = interpreter.tau(&dq, &dqd, &found);
-        let scale = square(&interpreter.gim(&dq)).amax()
+        let scale = square(&interpreter.dense_mass_matrix(&dq)).amax()
             * found.iter().fold(1.0, |a: f64, x| a.max(x.abs()));
         prop_assert!(difference(&back, &dtau) < 1e-4 * scale.max(1.0), "accelerations");
     }
@@ -431,7 +431,7 @@ proptest! {
         let close = |what, found: &[f64], expected: &[f64]| {
             assert_close(what, found, expected, SNAPPED);
         };
-        close("GIM", &interpreter.gim(&q), naive.mass_matrix().as_slice());
+        close("mass matrix", &interpreter.dense_mass_matrix(&q), naive.mass_matrix().as_slice());
         close("torques", &interpreter.tau(&q, &qd, &qdd), &naive.inverse_dynamics(&qd, &qdd));
         let rest = vec![0.0; model.nv()];
         close("bias forces", &interpreter.bias(&q, &qd), &naive.inverse_dynamics(&qd, &rest));
@@ -502,14 +502,14 @@ proptest! {
         let mut fresh = used.clone();
         let expected = fresh.qdd(&q, &qd, &tau);
         used.qdd(&other, &tau, &qd);
-        used.gim(&other);
+        used.dense_mass_matrix(&other);
         used.potential(&other);
         used.poses(&other);
         prop_assert_eq!(used.qdd(&q, &qd, &tau), expected);
         used.qdd_under(&other, &tau, &qd, Forces::InWorldAxes(&wrenches));
         used.kinetic(&other, &qdd);
         used.bias(&other, &qdd);
-        prop_assert_eq!(used.gim(&q), set_up(robot).0.gim(&q));
+        prop_assert_eq!(used.dense_mass_matrix(&q), set_up(robot).0.dense_mass_matrix(&q));
         prop_assert_eq!(used.gravity(&q), set_up(robot).0.gravity(&q));
     }
 }

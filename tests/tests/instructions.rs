@@ -110,7 +110,7 @@ fn functions<'a>(lines: &'a [&'a str], mangled: &str) -> Vec<(&'a str, Counts)> 
 fn limbs_and_columns_are_packed() {
     let text = assembly();
     let lines: Vec<&str> = text.lines().collect();
-    let mut found = functions(&lines, "5lanes4avx211abreast_f64");
+    let mut found = functions(&lines, "5lanes4avx212run_simd_f64");
     found.sort_by_key(|(_, counts)| counts.scalar);
     let [legs, arm] = &found[..] else { panic!("{found:?}") };
     for (symbol, counts) in [legs, arm] {
@@ -133,7 +133,7 @@ fn packed_and_of_full_width() {
     for (level, name, width) in [(0, "sse2", 128), (1, "avx2", 256), (2, "avx512", 512)] {
         let mangled = format!("5lanes{}{name}", name.len());
         for (symbol, counts) in functions(&lines, &mangled) {
-            if symbol.contains("abreast") {
+            if symbol.contains("run_simd") {
                 continue;
             }
             let all: usize = counts.packed.iter().map(|(_, n)| n).sum();

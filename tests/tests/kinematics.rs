@@ -371,7 +371,7 @@ fn accelerations_are_the_velocities_rates_and_the_jacobians_products() {
             });
             assert_close("acceleration", &acceleration.components(), &expected, DIFFERENCES);
 
-            let rate = interpreter.jacobian_rate(q, qd, frame).expect(FINE);
+            let rate = interpreter.bias_acceleration(q, qd, frame).expect(FINE);
             let columns = jacobian(interpreter, q, frame, Axes::World);
             let sum = plus(&product(&columns, qdd), 1.0, &rate.components());
             assert_close("J qdd + J' qd", &sum, &acceleration.components(), EXACT);
@@ -382,7 +382,7 @@ fn accelerations_are_the_velocities_rates_and_the_jacobians_products() {
             assert_close("in link axes", &local.components(), &expected, EXACT);
 
             let coasting = State { q: q.clone(), qd: qd.clone(), qdd: vec![0.0; qd.len()] };
-            let rate = interpreter.local_jacobian_rate(q, qd, frame).expect(FINE);
+            let rate = interpreter.local_bias_acceleration(q, qd, frame).expect(FINE);
             let expected = derivative(|time| {
                 let State { q, qd, .. } = coasting.after(&model, time);
                 product(&jacobian(interpreter, &q, frame, Axes::Link), &qd)
@@ -404,8 +404,8 @@ fn links_on_the_ground_do_not_move() {
             assert_eq!(interpreter.local_link_velocity(q, qd, frame), still);
             assert_eq!(interpreter.link_acceleration(q, qd, qdd, frame), still);
             assert_eq!(interpreter.local_link_acceleration(q, qd, qdd, frame), still);
-            assert_eq!(interpreter.jacobian_rate(q, qd, frame), still);
-            assert_eq!(interpreter.local_jacobian_rate(q, qd, frame), still);
+            assert_eq!(interpreter.bias_acceleration(q, qd, frame), still);
+            assert_eq!(interpreter.local_bias_acceleration(q, qd, frame), still);
             for axes in [Axes::World, Axes::Link] {
                 let columns = jacobian(interpreter, q, frame, axes);
                 assert!(columns.iter().all(|column| *column == Twist::zero()));
@@ -570,7 +570,7 @@ fn a_link_that_is_not_there_is_an_error() {
     assert_eq!(interpreter.link_velocity(&q, &q, frames), Err(missing));
     assert_eq!(interpreter.link_acceleration(&q, &q, &q, frames), Err(missing));
     assert_eq!(interpreter.jacobian(&q, frames, &mut [Twist::zero(); 4]), Err(missing));
-    assert_eq!(interpreter.jacobian_rate(&q, &q, frames), Err(missing));
+    assert_eq!(interpreter.bias_acceleration(&q, &q, frames), Err(missing));
     let message = format!("there is no link {frames}; the description has {frames}");
     assert_eq!(missing.to_string(), message);
 
@@ -600,8 +600,8 @@ fn calls_allocate_nothing() {
                 interpreter.local_link_acceleration(q, qd, qdd, frame)?;
                 interpreter.jacobian(q, frame, &mut twists)?;
                 interpreter.local_jacobian(q, frame, &mut twists)?;
-                interpreter.jacobian_rate(q, qd, frame)?;
-                interpreter.local_jacobian_rate(q, qd, frame)?;
+                interpreter.bias_acceleration(q, qd, frame)?;
+                interpreter.local_bias_acceleration(q, qd, frame)?;
             }
             interpreter.center_of_mass(q)?;
             interpreter.center_of_mass_jacobian(q, &mut vectors)?;
@@ -636,18 +636,18 @@ fn traces_are_what_is_interpreted() {
                 Axes::World => [
                     interpreter.link_velocity(q, qd, frame),
                     interpreter.link_acceleration(q, qd, qdd, frame),
-                    interpreter.jacobian_rate(q, qd, frame),
+                    interpreter.bias_acceleration(q, qd, frame),
                 ],
                 Axes::Link => [
                     interpreter.local_link_velocity(q, qd, frame),
                     interpreter.local_link_acceleration(q, qd, qdd, frame),
-                    interpreter.local_jacobian_rate(q, qd, frame),
+                    interpreter.local_bias_acceleration(q, qd, frame),
                 ],
             }
             .map(|twist| twist.expect(FINE).components());
             check("velocity", tracer.link_velocity(frame, axes), &velocity);
             check("acceleration", tracer.link_acceleration(frame, axes), &acceleration);
-            check("J' qd", tracer.jacobian_rate(frame, axes), &rate);
+            check("J' qd", tracer.bias_acceleration(frame, axes), &rate);
         }
         let center = interpreter.center_of_mass(q).expect(FINE);
         check("centre of mass", tracer.center_of_mass(), &center);
@@ -685,7 +685,7 @@ fn a_link_depends_on_its_chain_alone() {
         graphs.push(("J", tracer.jacobian(frame, axes), jacobian));
         graphs.push(("velocity", tracer.link_velocity(frame, axes), velocity));
         graphs.push(("acceleration", tracer.link_acceleration(frame, axes), acceleration));
-        graphs.push(("J' qd", tracer.jacobian_rate(frame, axes), rate));
+        graphs.push(("J' qd", tracer.bias_acceleration(frame, axes), rate));
     }
     for (what, graph, most) in graphs {
         // Not even in nodes that nothing needs: other branches are not visited.

@@ -86,13 +86,13 @@ fn nor_do_those_of_all_functions() {
             black_box(JointZoo::link_acceleration(&q, &v, &v, link));
             black_box(JointZoo::local_link_acceleration(&q, &v, &v, link));
             black_box((JointZoo::jacobian(&q, link), JointZoo::local_jacobian(&q, link)));
-            black_box(JointZoo::jacobian_rate(&q, &v, link));
-            black_box(JointZoo::local_jacobian_rate(&q, &v, link));
+            black_box(JointZoo::bias_acceleration(&q, &v, link));
+            black_box(JointZoo::local_bias_acceleration(&q, &v, link));
         }
         let moved = black_box(JointZoo::integrate(&q, &v));
-        black_box((JointZoo::difference(&q, &moved), JointZoo::coordinate_rates(&q, &v)));
+        black_box((JointZoo::difference(&q, &moved), JointZoo::velocity_to_qdot(&q, &v)));
         black_box((JointZoo::normalize(&moved), JointZoo::random(|| 0.5)));
-        let goal = Reference::<JointZoo>::standing(moved);
+        let goal = Reference::<JointZoo>::at_rest(moved);
         let gains = Gains { stiffness: 1.0, damping: 2.0 };
         let next = State::<JointZoo>::at_rest(q).runge_kutta_4(0.01, |state| {
             let tau = state.computed_torque(&goal, gains);

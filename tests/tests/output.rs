@@ -255,7 +255,10 @@ fn a_robot_has_the_functions_that_were_asked_for() {
             let constant = format!("pub const {}_OPERATIONS:", name.to_uppercase());
             assert_eq!(generated.text.contains(&constant), expected, "{name}");
         }
-        assert_eq!(generated.text.contains("GripperBrge<"), asked.contains(&Function::Brge));
+        assert_eq!(
+            generated.text.contains("GripperUduFactorization<"),
+            asked.contains(&Function::Brge)
+        );
         let announced = generated.operations.iter().map(|(name, _)| *name);
         let expected = all.iter().filter(|f| asked.contains(f) && !f.is_of_constraints());
         let expected = expected.map(|f| f.name());

@@ -103,3 +103,18 @@ fn the_readme_is_short() {
     let readme = fs::read_to_string(root().join("README.md")).expect("the README");
     assert!(readme.lines().count() <= 150);
 }
+
+/// The version of the crates is the one to cite, and the changelog has a section for it with the same date.
+#[test]
+fn the_version_is_described() {
+    let read = |name: &str| fs::read_to_string(root().join(name)).expect("a file");
+    let value = |text: &str, start: &str| {
+        let line = text.lines().find_map(|line| line.strip_prefix(start));
+        line.unwrap_or_else(|| panic!("no {start:?}")).trim().trim_matches('"').to_owned()
+    };
+    let version = value(&read("Cargo.toml"), "version =");
+    let citation = read("CITATION.cff");
+    assert_eq!(value(&citation, "version:"), version);
+    let section = format!("## [{version}] - {}", value(&citation, "date-released:"));
+    assert!(read("CHANGELOG.md").lines().any(|line| line == section), "no {section:?}");
+}

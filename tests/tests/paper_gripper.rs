@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use modyn_runtime::model::{Model, ModuleTree};
-use modyn_runtime::{Brge, Interpreter};
+use modyn_runtime::{Interpreter, UduFactorization};
 use modyn_tests::close::assert_close;
 use modyn_tests::dense::square;
 use modyn_tests::golden;
@@ -18,7 +18,7 @@ fn gripper() -> Model {
     golden::model(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots/gripper.urdf"))
 }
 
-fn factorized() -> Brge {
+fn factorized() -> UduFactorization {
     Interpreter::new(gripper()).factors(&Q)
 }
 
@@ -72,20 +72,20 @@ fn modules_are_those_of_figure_1() {
 }
 
 #[test]
-fn gim_is_a19_and_table_3() {
-    let gim = Interpreter::new(gripper()).gim(&Q);
+fn mass_matrix_is_a19_and_table_3() {
+    let mass_matrix = Interpreter::new(gripper()).dense_mass_matrix(&Q);
     let printed = [
         "113.3333 33.3333 9.1667 1.6667",
         "33.3333 13.3333 4.1667 0",
         "9.1667 4.1667 1.6667 0",
         "1.6667 0 0 1.6667",
     ];
-    assert_prints(&gim, 1e-4, Cut::Rounded, printed);
+    assert_prints(&mass_matrix, 1e-4, Cut::Rounded, printed);
     let [a, b, c, d] = [340.0 / 3.0, 100.0 / 3.0, 55.0 / 6.0, 5.0 / 3.0];
     let (e, f) = (40.0 / 3.0, 25.0 / 6.0);
     let exact = [a, b, c, d, b, e, f, 0.0, c, f, d, 0.0, d, 0.0, 0.0, d];
-    assert_close("GIM * 1e4", &gim.map_to(1e4), &exact, 1e-14);
-    let eigenvalues = square(&gim).symmetric_eigenvalues();
+    assert_close("mass matrix * 1e4", &mass_matrix.map_to(1e4), &exact, 1e-14);
+    let eigenvalues = square(&mass_matrix).symmetric_eigenvalues();
     let condition = eigenvalues.max() / eigenvalues.min();
     assert_number(condition, Cut::Rounded, "482");
     assert_number(condition, Cut::Rounded, "481.933");
@@ -205,7 +205,11 @@ fn the_compiled_gripper_has_the_same_numbers() {
         }
     };
     let mut interpreter = Interpreter::new(gripper());
-    near("GIM", Compiled::mass_matrix(&Q).as_flattened(), &interpreter.gim(&Q));
+    near(
+        "mass matrix",
+        Compiled::mass_matrix(&Q).as_flattened(),
+        &interpreter.dense_mass_matrix(&Q),
+    );
     near("U", compiled.u().as_flattened(), &interpreted.u());
     near("D", compiled.d().as_flattened(), &interpreted.d());
     near("U^-1", compiled.u_inverse().as_flattened(), &interpreted.u_inverse());

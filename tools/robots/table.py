@@ -11,7 +11,7 @@ import modyn
 REASONS = {
     "indefinite-inertia": "no rigid body has such an inertia",
     "triangle-inequality": "no rigid body has such an inertia",
-    "no-inertia-felt": "a joint moves nothing that has inertia: any torque would accelerate it without bound",
+    "singular-joint": "a joint moves nothing that has inertia: any torque would accelerate it without bound",
     "no-moving-joint": "nothing moves, unless the base floats",
     "mimic-target": "a joint mimics one that is not in the file: what it follows is unknown",
     "no-link": "there is nothing in the file",

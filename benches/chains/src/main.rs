@@ -1,5 +1,6 @@
 //! Time of forward dynamics against the length of a chain, generated (4 to 112 joints) and interpreted
-//! (to 100,000 links), as a table and a plot:
+//! (to 100,000 links), as a table (`tools/record` makes
+//! `docs/data/chains.tsv` of it) and a plot:
 //!
 //! `RUSTFLAGS="-C target-cpu=native" cargo run --release --manifest-path benches/chains/Cargo.toml -- FOLDER`
 

@@ -1,4 +1,4 @@
-//! `modyn check`: what is wrong with descriptions, and where.
+//! `modyn check`: reports the faults of descriptions, with their places.
 
 use std::path::PathBuf;
 
@@ -12,45 +12,45 @@ use crate::command::diagnostics;
 use crate::command::outcome::{Failure, to_stdout};
 use crate::command::robot::{Description, Options};
 
-/// Say all that is wrong with descriptions
+/// Report the faults of descriptions
 ///
-/// Exit code 0 if all are usable, 1 if one is refused, 2 if one cannot be read.
+/// The exit code is 0 if all descriptions are valid, 1 if one is rejected, 2 if a file cannot be read.
 #[derive(Args)]
 pub struct Arguments {
     /// The descriptions (URDF or MJCF); `-` for standard input
     #[arg(value_name = "ROBOT.urdf", required = true)]
     paths: Vec<PathBuf>,
-    /// Refuse what there are warnings about, too
+    /// Reject descriptions with warnings, too
     #[arg(long)]
     deny_warnings: bool,
-    /// Print JSON: for each file its name, whether it is usable, and the diagnostics
+    /// Print JSON: for each file its name, whether it is valid, and the diagnostics
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     options: Options,
 }
 
-/// One file's answer.
-struct Answer {
+/// The result of one file.
+struct Outcome {
     name: String,
     text: Option<String>,
     found: Diagnostics,
     usable: bool,
 }
 
-/// Answers for all files, in their order.
+/// Checks all files, in order.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = arguments.options.read_options();
     let mut answers = Vec::new();
     let mut unread = false;
     for path in &arguments.paths {
         match Description::open(path) {
-            Ok(description) => answers.push(answer(description, &options, arguments)),
+            Ok(description) => answers.push(check_one(description, &options, arguments)),
             Err(found) => {
                 let refused = found.iter().any(|one| one.position.is_some());
                 unread |= !refused;
                 let name = path.display().to_string();
-                answers.push(Answer { name, text: None, found, usable: false });
+                answers.push(Outcome { name, text: None, found, usable: false });
             }
         }
     }
@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if answers.iter().all(|answer| answer.usable) { Ok(()) } else { Err(Failure::Said) }
 }
 
-fn answer(description: Description, options: &ReadOptions, arguments: &Arguments) -> Answer {
+fn check_one(description: Description, options: &ReadOptions, arguments: &Arguments) -> Outcome {
     let (found, usable) = match description.read(options) {
         Ok(reading) => {
             let usable = !arguments.deny_warnings || reading.warnings.is_empty();
@@ -70,12 +70,12 @@ fn answer(description: Description, options: &ReadOptions, arguments: &Arguments
         Err(found) => (found, false),
     };
     let Description { name, text, .. } = description;
-    Answer { name, text: Some(text), found, usable }
+    Outcome { name, text: Some(text), found, usable }
 }
 
-fn as_text(answers: &[Answer]) -> String {
+fn as_text(answers: &[Outcome]) -> String {
     let mut out = String::new();
-    for Answer { name, text, found, usable } in answers {
+    for Outcome { name, text, found, usable } in answers {
         out += &diagnostics::render(found.as_slice(), text.as_deref());
         let count = |severity, what: &str| {
             let count = found.iter().filter(|one| one.severity == severity).count();
@@ -93,7 +93,7 @@ fn as_text(answers: &[Answer]) -> String {
     out
 }
 
-fn as_json(answers: &[Answer]) -> String {
+fn as_json(answers: &[Outcome]) -> String {
     let all: Vec<_> = answers
         .iter()
         .map(|answer| {

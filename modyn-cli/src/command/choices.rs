@@ -1,4 +1,4 @@
-//! Options that choose among functions and modules.
+//! Options that select functions and modules.
 
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::{Function, ModuleChoice};
@@ -6,11 +6,11 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::command::outcome::Failure;
 
-/// Clap takes a `Vec` for an option that is given several times.
+/// The value of `--functions`. (For clap a plain `Vec` is an option that can be repeated.)
 #[derive(Clone)]
 pub struct Functions(pub Vec<Function>);
 
-/// `default,regressor`
+/// Parses `default,regressor`.
 pub fn functions(text: &str) -> Result<Functions, String> {
     let mut functions = Vec::new();
     for name in text.split(',').map(str::trim) {
@@ -25,7 +25,7 @@ pub fn functions(text: &str) -> Result<Functions, String> {
     Ok(Functions(functions))
 }
 
-/// `chains`, `links` or `[["link", ...], ...]`
+/// Parses `chains`, `links` or `[["link", ...], ...]`.
 pub fn modules(text: &str) -> Result<ModuleChoice, String> {
     match text {
         "chains" => Ok(ModuleChoice::Chains),
@@ -37,7 +37,7 @@ pub fn modules(text: &str) -> Result<ModuleChoice, String> {
     }
 }
 
-/// The modules of a robot that are chosen, by default its chains.
+/// Returns the selected modules of a robot; by default its chains.
 pub fn module_tree(model: &Model, choice: Option<&ModuleChoice>) -> Result<ModuleTree, Failure> {
     match choice {
         Some(ModuleChoice::Links) => Ok(ModuleTree::links(model)),

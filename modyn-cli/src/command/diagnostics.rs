@@ -1,14 +1,14 @@
-//! Diagnostics for people, with the line that is wrong, and for programs.
+//! Prints diagnostics: for people, with the line of the fault, and for programs.
 
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::diagnostics::{Diagnostic, Diagnostics, Position, Severity, Subject};
 use serde_json::{Value, json};
 
-/// The longest line that is shown: a file may be one line of a million characters.
-const LONGEST_LINE: usize = 10_000;
+/// The longest line that is shown; a file may be one line of a million characters.
+const MAX_LINE_LENGTH: usize = 10_000;
 
-/// As compilers show them, one below the other. `text` is the description.
+/// Returns diagnostics as compilers show them, one below the other. `text` is the description.
 pub fn render(found: &[Diagnostic], text: Option<&str>) -> String {
     let lines: Vec<&str> = text.map(|text| text.lines().collect()).unwrap_or_default();
     let renderer = Renderer::styled();
@@ -37,10 +37,10 @@ fn group<'a>(diagnostic: &Diagnostic, lines: &[&str]) -> Group<'a> {
     );
     let file = sanitize_for_display(diagnostic.file.as_deref().unwrap_or_default());
     let line = diagnostic.position.and_then(|at| Some((at, *lines.get(at.line.checked_sub(1)?)?)));
-    match (line.filter(|(_, line)| line.len() <= LONGEST_LINE), diagnostic.position) {
+    match (line.filter(|(_, line)| line.len() <= MAX_LINE_LENGTH), diagnostic.position) {
         (Some((at, line)), _) => {
-            let line = tame_line(line);
-            let span = AnnotationKind::Primary.span(marked(&line, at));
+            let line = sanitize_line(line);
+            let span = AnnotationKind::Primary.span(marked_range(&line, at));
             let snippet = Snippet::source(line).line_start(at.line).path(file);
             group = group.element(snippet.annotation(span));
         }
@@ -56,14 +56,13 @@ fn group<'a>(diagnostic: &Diagnostic, lines: &[&str]) -> Group<'a> {
     }
 }
 
-/// Character for character, so that columns stay; tabs may stay too.
-fn tame_line(line: &str) -> String {
+/// Returns a line safe to display. Characters are replaced one by one, so that columns do not change; tabs stay.
+fn sanitize_line(line: &str) -> String {
     line.split('\t').map(sanitize_for_display).collect::<Vec<_>>().join("\t")
 }
 
-/// The bytes of a line that a mark belongs under: the tag, the attribute or the value that begins at the
-/// position.
-fn marked(line: &str, at: Position) -> std::ops::Range<usize> {
+/// Returns the bytes of a line to mark: the tag, the attribute or the value that starts at the position.
+fn marked_range(line: &str, at: Position) -> std::ops::Range<usize> {
     let start = line.char_indices().nth(at.column - 1).map_or(line.len(), |(i, _)| i);
     let rest = &line[start..];
     let name = rest.find(|c: char| !c.is_alphanumeric() && !"_:-.".contains(c));
@@ -84,7 +83,7 @@ fn marked(line: &str, at: Position) -> std::ops::Range<usize> {
     start..start + length.max(one)
 }
 
-/// For programs: what [`Diagnostic`] has, by the same names.
+/// Returns diagnostics for programs, with the field names of [`Diagnostic`].
 pub fn to_json(found: &[Diagnostic]) -> Value {
     found.iter().map(one_to_json).collect()
 }
@@ -120,7 +119,7 @@ mod tests {
     #[test]
     fn a_mark_covers_what_begins_where_it_stands() {
         let line = "  <mass value=\"-1\"/><é a='x'/>";
-        let mark = |column| &line[marked(line, Position { line: 1, column })];
+        let mark = |column| &line[marked_range(line, Position { line: 1, column })];
         assert_eq!(mark(3), "<mass value=\"-1\"/>");
         assert_eq!(mark(9), "value=\"-1\"");
         assert_eq!(mark(16), "-1");
@@ -129,6 +128,6 @@ mod tests {
         assert_eq!(mark(2), " ");
         assert_eq!(mark(1000), "");
         let open = "<mass value=\"-1  ";
-        assert_eq!(&open[marked(open, Position { line: 1, column: 7 })], "value=\"-1");
+        assert_eq!(&open[marked_range(open, Position { line: 1, column: 7 })], "value=\"-1");
     }
 }

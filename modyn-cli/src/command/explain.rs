@@ -1,4 +1,4 @@
-//! `modyn explain`: what a diagnostic means, and what to do about it.
+//! `modyn explain`: prints the cause of a diagnostic and its remedy.
 
 use clap::Args;
 use modyn_codegen::diagnostics::Code;
@@ -6,16 +6,16 @@ use modyn_codegen::diagnostics::sanitize_for_display;
 
 use crate::command::outcome::{Failure, to_stdout};
 
-/// Say what a diagnostic means and what to do about it
+/// Print the cause of a diagnostic and its remedy
 ///
-/// Exit code 0, or 2 for a code that there is not.
+/// The exit code is 0, or 2 for an unknown code.
 #[derive(Args)]
 pub struct Arguments {
-    /// The code that stands in brackets, such as `no-inertia-felt`; all of them without it
+    /// The code that stands in brackets, such as `singular-joint`; all of them without it
     code: Option<String>,
 }
 
-/// Says it.
+/// Prints the explanation.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Some(name) = &arguments.code else {
         let line = |code: &Code| format!("{code}: {}\n", code.cause());

@@ -1,4 +1,4 @@
-//! `modyn generate`: a robot's dynamics as Rust or C, in files that are kept, and a header for Rust's functions for C.
+//! `modyn generate`: writes a robot's dynamics as Rust or C, and a header for Rust functions that C calls.
 
 use std::path::{Path, PathBuf};
 
@@ -14,26 +14,26 @@ use crate::command::robot::{Description, Robot};
 
 /// Compile a description to Rust or C
 ///
-/// Exit code 0 when it is written (or, with `--check`, as it should be), 1 when the description is
-/// refused (or the file stale), 2 when an option or a file is not what it may be.
+/// The exit code is 0 if the file was written (with `--check`, if it is up to date), 1 if the description is rejected
+/// (with `--check`, if the file is stale), 2 if an option or a file is invalid.
 #[derive(Args)]
 pub struct Arguments {
     /// The file to write; standard output without it
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write nothing, but say whether FILE (and the header) is what would be written: 0 if so, 1 if stale
+    /// Write nothing, but report whether FILE (and the header) is up to date: exit code 0, or 1 if it is stale
     #[arg(long, requires = "output")]
     check: bool,
-    /// The language: Rust, or C99 that needs `<math.h>` alone, FILE.c with its header FILE.h
+    /// The language: Rust; or C99 that needs `<math.h>` only, FILE.c with its header FILE.h
     #[arg(long, value_enum, default_value_t)]
     target: Target,
-    /// Make a file that depends on `core` alone, not on modyn
+    /// Generate a file that depends on `core` only, not on modyn
     #[arg(long)]
     self_contained: bool,
-    /// Run equal limbs (legs, arms, fingers) through one function: the smallest code
+    /// Make equal limbs (legs, arms, fingers) share one function: the smallest code
     #[arg(long)]
     share: bool,
-    /// The functions that the robot has: their names with commas, `default`, `all`
+    /// The functions of the robot: names separated by commas, `default`, `all`
     #[arg(long, value_name = "NAMES", value_parser = functions)]
     functions: Option<Functions>,
     /// The scalar of the type's own functions
@@ -42,22 +42,22 @@ pub struct Arguments {
     /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
     #[arg(long, value_name = "MODULES", value_parser = modules)]
     modules: Option<ModuleChoice>,
-    /// A link whose own inertia becomes an argument, which replaces the description's
+    /// A link whose own inertia becomes a run-time parameter, which replaces the description's
     #[arg(long, value_name = "LINK")]
     runtime_inertia: Vec<String>,
-    /// A link to which an inertia is added that is an argument
+    /// A link with a payload: an additional inertia that is a run-time parameter
     #[arg(long, value_name = "LINK")]
     payload: Vec<String>,
-    /// Make gravity an argument
+    /// Make gravity a run-time parameter
     #[arg(long)]
     runtime_gravity: bool,
-    /// The name of the generated type [default: from the robot's name]
+    /// The name of the generated type [default: derived from the robot's name]
     #[arg(long, value_name = "NAME")]
     type_name: Option<String>,
     /// The visibility of the generated types, such as `pub(crate)` [default: pub]
     #[arg(long)]
     visibility: Option<String>,
-    /// The path of the crate `modyn` where the file goes [default: ::modyn]
+    /// The path of the crate `modyn` in the crate of the file [default: ::modyn]
     #[arg(long = "crate", value_name = "PATH", conflicts_with = "self_contained")]
     krate: Option<String>,
     /// Add functions for C with this prefix: `prefix_forward_dynamics` and so on
@@ -84,7 +84,7 @@ enum Scalar {
     F32,
 }
 
-/// Writes, or compares.
+/// Writes the file, or checks it.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
     let builder = arguments.builder(&description)?;
@@ -124,7 +124,7 @@ fn write(
     Ok(())
 }
 
-/// Writes C, or compares it.
+/// Writes the C files, or checks them.
 fn c_source(
     arguments: &Arguments,
     builder: &Builder,
@@ -219,7 +219,7 @@ impl Arguments {
         Ok(builder)
     }
 
-    /// What the names of functions for C begin with.
+    /// Returns the prefix of functions for C.
     fn prefix(&self, description: &Description) -> Result<String, Failure> {
         if let Some(prefix) = &self.c_functions {
             return Ok(prefix.clone());

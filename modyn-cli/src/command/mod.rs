@@ -1,13 +1,13 @@
-//! What can be typed, and what the exit code says.
+//! The command line: subcommands and exit codes.
 
 mod check;
 mod choices;
 mod compare;
 mod diagnostics;
 mod explain;
-mod figure;
 mod generate;
 mod inspect;
+mod numbers;
 mod outcome;
 mod progress;
 mod random;
@@ -21,8 +21,8 @@ use clap::{Parser, Subcommand};
 
 /// Rigid-body dynamics from a robot description (URDF or MJCF).
 ///
-/// Exit codes: 0 where all is well; 1 where the answer is no (a description is refused, a file is
-/// stale, results differ); 2 where the command cannot be carried out as it was given.
+/// Exit codes: 0 for success; 1 for a negative result (a description is rejected, a file is stale, results differ); 2
+/// if the command line or a file is invalid.
 #[derive(Parser)]
 #[command(name = "modyn", version, max_term_width = 100)]
 struct Arguments {
@@ -40,7 +40,7 @@ enum Command {
     Explain(explain::Arguments),
 }
 
-/// Carries out what stands on the command line.
+/// Runs the command line.
 #[must_use]
 pub fn run() -> ExitCode {
     let result = match Arguments::parse().command {

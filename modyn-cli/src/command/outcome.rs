@@ -1,4 +1,4 @@
-//! How a command ends, and how it writes.
+//! The outcome of a command, and its output.
 
 use std::fmt;
 use std::io::{ErrorKind, Write};
@@ -10,26 +10,26 @@ use modyn_codegen::diagnostics::{Code, Diagnostics};
 
 use crate::command::diagnostics;
 
-/// Why a command did not do what it was to do.
+/// The reason why a command failed.
 #[derive(Debug)]
 pub enum Failure {
-    /// What the compiler says of a description (whose text is the second) or of the options.
+    /// Diagnostics of the compiler about a description, with its text, or about the options.
     Diagnostics(Diagnostics, Option<String>),
-    /// The answer is no.
+    /// A negative result.
     No(String),
-    /// The command cannot be carried out as it was given.
+    /// The command line or a file is invalid.
     Usage(String),
-    /// The answer is no, and has been given.
+    /// A negative result that was printed already.
     Said,
 }
 
 impl Failure {
-    /// A command that cannot be carried out.
+    /// Returns the failure of an invalid command line or file.
     pub fn usage(message: impl fmt::Display) -> Self {
         Self::Usage(message.to_string())
     }
 
-    /// Tells the user, and the script that ran us.
+    /// Prints the failure, and returns the exit code.
     pub fn report(&self) -> ExitCode {
         let text = match self {
             Self::Diagnostics(found, text) => {
@@ -63,7 +63,7 @@ impl Failure {
     }
 }
 
-/// Writes to standard output, with colours if it is a terminal. Who stops reading has read enough.
+/// Writes to standard output, with colours on terminals. A broken pipe is not an error.
 pub fn to_stdout(text: &str) -> Result<(), Failure> {
     let mut out = anstream::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -74,9 +74,9 @@ pub fn to_stdout(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Writes to standard error, with colours if it is a terminal.
+/// Writes to standard error, with colours on terminals.
 pub fn to_stderr(text: &str) {
-    // There is nobody else to tell.
+    // There is no other place to report an error.
     let _ = anstream::stderr().lock().write_all(text.as_bytes());
 }
 

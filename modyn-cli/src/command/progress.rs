@@ -1,16 +1,16 @@
-//! A sign of life in a terminal while something takes long.
+//! The progress display of long operations.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::{JoinHandle, spawn};
 use std::time::{Duration, Instant};
 
-/// A line on standard error with what is going on and for how long, until it is stopped or dropped; nothing if standard
-/// error is no terminal.
+/// A line on standard error with the current operation and its duration, until it is stopped or dropped. Nothing is
+/// shown if standard error is not a terminal.
 pub struct Progress(Option<Shown>);
 
 struct Shown {
-    /// What is shown now; the line goes when this does.
+    /// Changes the operation; the display ends when this is dropped.
     messages: Sender<&'static str>,
     thread: JoinHandle<()>,
 }
@@ -19,7 +19,7 @@ const PERIOD: Duration = Duration::from_millis(200);
 const FRAMES: [&str; 4] = ["-", "\\", "|", "/"];
 
 impl Progress {
-    /// Says what is going on, and for how long.
+    /// Starts the display with an operation.
     pub fn start(what: &'static str) -> Self {
         if !std::io::stderr().is_terminal() {
             return Self(None);
@@ -45,15 +45,15 @@ impl Progress {
         Self(Some(Shown { messages, thread }))
     }
 
-    /// Says what is going on now.
-    pub fn then(&self, what: &'static str) {
+    /// Changes the operation.
+    pub fn show(&self, what: &'static str) {
         if let Some(shown) = &self.0 {
-            // The thread ends after the last sender only.
+            // A send fails only after the thread has ended, when nothing can be shown.
             let _ = shown.messages.send(what);
         }
     }
 
-    /// Leaves no trace.
+    /// Ends the display, and erases the line.
     pub fn stop(&mut self) {
         if let Some(Shown { messages, thread }) = self.0.take() {
             drop(messages);

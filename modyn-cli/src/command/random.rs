@@ -1,15 +1,15 @@
-//! Random numbers that are the same for the same seed, on every machine.
+//! Random numbers: the same for the same seed, on every machine.
 
 /// `SplitMix64` (Steele, Lea and Flood 2014).
 pub struct Random(u64);
 
 impl Random {
-    /// From a seed.
+    /// Returns the generator with this seed.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// Evenly spread in 0..1.
+    /// Returns a number uniformly distributed in 0..1.
     pub fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.0;
@@ -20,8 +20,8 @@ impl Random {
         (bits >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Evenly spread around 0, up to `most`.
-    pub fn within(&mut self, most: f64) -> f64 {
+    /// Returns a number uniformly distributed in -`most`..`most`.
+    pub fn symmetric(&mut self, most: f64) -> f64 {
         most * (2.0 * self.uniform() - 1.0)
     }
 }
@@ -36,7 +36,7 @@ mod tests {
         let first = (0xe220_a839_7b1d_cdaf_u64 >> 11) as f64 / (1_u64 << 53) as f64;
         assert!((Random::new(0).uniform() - first).abs() < 1e-16);
         let mut random = Random::new(7);
-        let mean = (0..10_000).map(|_| random.within(1.0)).sum::<f64>() / 10_000.0;
+        let mean = (0..10_000).map(|_| random.symmetric(1.0)).sum::<f64>() / 10_000.0;
         assert!(mean.abs() < 0.03, "{mean}");
     }
 }

@@ -1,4 +1,4 @@
-//! The robot that a command is about: where its description is, and how it is to be read.
+//! The robot of a command: its description, and the options of reading.
 
 use std::path::{Path, PathBuf};
 
@@ -12,10 +12,10 @@ use modyn_codegen::{
 };
 
 use crate::command::diagnostics;
-use crate::command::figure::{number, numbers};
+use crate::command::numbers::{number, numbers};
 use crate::command::outcome::{Failure, to_stderr};
 
-/// A description, and how to read it.
+/// A description, and the options of reading it.
 #[derive(Args)]
 pub struct Robot {
     /// The description (URDF or MJCF); `-` for standard input
@@ -25,34 +25,34 @@ pub struct Robot {
     pub options: Options,
 }
 
-/// How to read a description.
+/// The options of reading a description.
 #[derive(Args)]
 #[command(next_help_heading = "Reading the description")]
 pub struct Options {
-    /// What the root link stands on
+    /// Whether the root link is fixed to the world or floats
     #[arg(long, value_enum, default_value_t)]
     base: Base,
-    /// How to take joints that mimic another one
+    /// The treatment of mimic joints
     #[arg(long, value_enum, default_value_t)]
     mimic: Mimic,
-    /// A drive's rotor: inertia (kg m^2) and gear ratio, in place of what the description says
+    /// The rotor of a joint's drive, in place of the description's: inertia (kg m^2) and gear ratio
     #[arg(long = "rotor", value_name = "JOINT=INERTIA,RATIO", value_parser = rotor)]
     rotors: Vec<Rotor>,
     /// A joint that closes a loop, besides the description's: NAME=TYPE:LINK:X,Y,Z:LINK:X,Y,Z[:AXIS], of type spherical,
-    /// fixed, revolute or prismatic; behind each X,Y,Z may stand roll, pitch and yaw
+    /// fixed, revolute or prismatic; roll, pitch and yaw may follow each X,Y,Z
     #[arg(long = "loop", value_name = "JOINT", value_parser = loop_joint)]
     loops: Vec<Loop>,
     /// A frame of a link that may touch the world: NAME=point:LINK[:X,Y,Z] or NAME=surface:LINK[:X,Y,Z[,ROLL,PITCH,YAW]]
     #[arg(long = "contact", value_name = "CONTACT", value_parser = contact)]
     contacts: Vec<Contact>,
-    /// Which of the description's damping and friction acts: none, viscous, coulomb, smooth=VELOCITY [default: none,
-    /// with a warning if there are some]
+    /// The damping and friction of the description that act: none, viscous, coulomb, smooth=VELOCITY [default: none, with a
+    /// warning if the description has any]
     #[arg(long, value_name = "KIND", value_parser = friction)]
     friction: Option<Friction>,
-    /// The acceleration of free fall in world axes, m/s^2 [default: 0,0,-9.81, or what an MJCF says]
+    /// The acceleration of free fall in world axes, m/s^2 [default: 0,0,-9.81, or that of an MJCF]
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     gravity: Option<[f64; 3]>,
-    /// How to take inertias that no rigid body has
+    /// The severity of inertias that no rigid body has
     #[arg(long, value_enum, default_value_t)]
     unphysical_inertia: Unphysical,
 }
@@ -79,18 +79,18 @@ enum Unphysical {
     Warn,
 }
 
-/// A description that was found.
+/// A description.
 pub struct Description {
-    /// What the user calls it.
+    /// The name, as the user wrote it.
     pub name: String,
-    /// What stands in it.
+    /// The text.
     pub text: String,
-    /// Where it is, unless it came through standard input.
+    /// The path; `None` for standard input.
     path: Option<PathBuf>,
 }
 
 impl Description {
-    /// Finds the description that the user means.
+    /// Reads the text of the description.
     pub fn open(path: &Path) -> Result<Self, Diagnostics> {
         let name = path.display().to_string();
         if path == Path::new("-") {
@@ -108,33 +108,33 @@ impl Description {
         Ok(Self { name, text, path: Some(path) })
     }
 
-    /// Reads it.
+    /// Reads the robot.
     pub fn read(&self, options: &ReadOptions) -> Result<Reading, Diagnostics> {
         read(&self.text, &self.name, options)
     }
 
-    /// Tells the user what is odd in it.
+    /// Prints the warnings.
     pub fn warn(&self, warnings: Diagnostics) {
         to_stderr(&diagnostics::render(warnings.as_slice(), Some(&self.text)));
     }
 
-    /// What went wrong with it, for the user.
+    /// Returns the failure of a description with these diagnostics.
     pub fn failure(&self, found: Diagnostics) -> Failure {
         Failure::Diagnostics(found, Some(self.text.clone()))
     }
 }
 
 impl Robot {
-    /// Finds the description.
+    /// Reads the text of the description.
     pub fn open(&self) -> Result<Description, Failure> {
         Description::open(&self.path).map_err(|found| Failure::Diagnostics(found, None))
     }
 
-    /// The compiler with these options, for this description.
+    /// Returns the builder with these options, for this description.
     pub fn builder(&self, description: &Description) -> Builder {
         let Description { name, text, path } = description;
         let builder = Builder::new();
-        // With its path, a kept file says what a build script's would.
+        // The path makes the comment of a generated file the same as that of a build script.
         let builder = match (path, Format::of(text, name)) {
             #[cfg(feature = "mjcf")]
             (Some(path), Format::Mjcf) => builder.mjcf(path),
@@ -146,7 +146,7 @@ impl Robot {
 }
 
 impl Robot {
-    /// The same, with the description called as the user calls it: compilers are given its full path.
+    /// Returns the diagnostics with the file's name as the user wrote it; the builder receives the full path.
     pub fn named(&self, found: Diagnostics) -> Diagnostics {
         let name = self.path.display().to_string();
         let mut found = found.into_vec();
@@ -159,7 +159,7 @@ impl Robot {
 }
 
 impl Options {
-    /// For the reader alone.
+    /// Returns the options of reading only.
     pub fn read_options(&self) -> ReadOptions {
         ReadOptions {
             gravity: self.gravity,
@@ -216,7 +216,7 @@ impl From<Unphysical> for Severity {
     }
 }
 
-/// `elbow=0.0001,100`
+/// Parses `elbow=0.0001,100`.
 fn rotor(text: &str) -> Result<Rotor, String> {
     let expected = || "expected JOINT=INERTIA,RATIO, such as elbow=0.0001,100".to_string();
     let (joint, figures) = text.rsplit_once('=').ok_or_else(expected)?;
@@ -224,7 +224,7 @@ fn rotor(text: &str) -> Result<Rotor, String> {
     Ok(Rotor { joint: joint.into(), inertia: number(inertia)?, gear_ratio: number(ratio)? })
 }
 
-/// `pin=revolute:coupler:0.5,0,0:rocker:0.4,0,0:0,1,0`
+/// Parses `pin=revolute:coupler:0.5,0,0:rocker:0.4,0,0:0,1,0`.
 fn loop_joint(text: &str) -> Result<Loop, String> {
     let expected = || {
         "expected NAME=TYPE:LINK:X,Y,Z:LINK:X,Y,Z[:AXIS], such as pin=spherical:coupler:0.5,0,0:rocker:0.4,0,0"
@@ -272,7 +272,7 @@ fn contact(text: &str) -> Result<Contact, String> {
     Ok(Contact { name: name.into(), kind, end: frame(link, place)? })
 }
 
-/// `none`, `viscous`, `coulomb` or `smooth=0.01`
+/// Parses `none`, `viscous`, `coulomb` or `smooth=0.01`.
 fn friction(text: &str) -> Result<Friction, String> {
     match (text, text.strip_prefix("smooth=")) {
         ("none", _) => Ok(Friction::None),
@@ -283,7 +283,7 @@ fn friction(text: &str) -> Result<Friction, String> {
     }
 }
 
-/// `0,0,-9.81`
+/// Parses `0,0,-9.81`.
 fn vector(text: &str) -> Result<[f64; 3], String> {
     let numbers = numbers(text)?;
     let count = numbers.len();

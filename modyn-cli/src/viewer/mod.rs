@@ -1,9 +1,9 @@
-//! A page that shows the motion of a stick figure in a browser, from one file and without a network.
+//! Makes a page that animates a stick figure in a browser: one file, without network access.
 //!
 //! ```
 //! use modyn_cli::viewer::{Frame, page};
 //!
-//! // A rod that turns about the origin.
+//! // A rod that rotates about the origin.
 //! let frames: Vec<Frame> = (0..50)
 //!     .map(|i| {
 //!         let time = 0.02 * f64::from(i);
@@ -18,20 +18,20 @@ use std::fmt::Write as _;
 
 use crate::escape::markup;
 
-/// The page, but for its title and what moves.
+/// The page, without its title and the motion.
 const PAGE: &str = include_str!("page.html");
 
-/// Where the points of a figure are at an instant.
+/// The positions of the points at an instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// When, s.
+    /// The time, s.
     pub time: f64,
-    /// Where in the world, m; z points upwards. One that is not finite is not drawn.
+    /// The positions in the world, m; z points upwards. A point that is not finite is not drawn.
     pub points: Vec<[f64; 3]>,
 }
 
-/// A page called `title` in which the lines `edges`, between points by their indices, move as in `frames`,
-/// whose times ascend. It can be played, stopped, wound, and looked at from all sides.
+/// Returns a page titled `title` that animates the lines `edges`, pairs of indices of points, over `frames`, whose
+/// times must ascend. The animation can be played, paused, moved in time, and viewed from all sides.
 #[must_use]
 pub fn page(title: &str, edges: &[(usize, usize)], frames: &[Frame]) -> String {
     let decimals = decimals(frames);
@@ -48,7 +48,7 @@ pub fn page(title: &str, edges: &[(usize, usize)], frames: &[Frame]) -> String {
         out.push_str("]\n");
     });
     data += "]}";
-    // The title last: nothing is looked for in it.
+    // The title is inserted last, so that marks in it are not replaced.
     PAGE.replace("__MOTION__", &data).replace("__TITLE__", &markup(title))
 }
 
@@ -61,7 +61,7 @@ fn list<T>(out: &mut String, items: &[T], mut write: impl FnMut(&mut String, &T)
     }
 }
 
-/// A JSON number with so many decimals, none of them a trailing zero.
+/// Writes a JSON number with at most this number of decimals, without trailing zeros.
 fn number(out: &mut String, x: f64, decimals: usize) {
     if !x.is_finite() {
         out.push_str("null");
@@ -72,7 +72,7 @@ fn number(out: &mut String, x: f64, decimals: usize) {
     out.push_str(if text == "-0" { "0" } else { text });
 }
 
-/// So many that a ten-thousandth of the figure can be told.
+/// Returns the number of decimals that resolves a ten-thousandth of the figure's size.
 fn decimals(frames: &[Frame]) -> usize {
     let numbers = frames.iter().flat_map(|frame| frame.points.as_flattened());
     let finite = numbers.filter(|x| x.is_finite());

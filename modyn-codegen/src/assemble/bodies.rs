@@ -1,4 +1,4 @@
-//! From a tree of links and joints to the links that move: links that fixed joints connect become one body.
+//! From the tree of links and joints to moving bodies: links that fixed joints connect are merged.
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{self, Inertial, Joint, Link};
@@ -9,21 +9,21 @@ use crate::check::{self, InertialView, JointView, LinkView};
 use crate::description::{Base, Description, JointRecord, Kind, LinkRecord, MimicRecord};
 use crate::diagnostics::Report;
 
-/// A moving body: a link that a joint moves, and all that is fixed to it.
+/// A moving body: a link with a moving joint, and all links that are fixed to it.
 pub struct MergedBody {
-    /// The moving link, then those fixed to it, as indices into the description.
+    /// The moving link, then the links that are fixed to it, as indices into the description.
     pub links: Vec<usize>,
-    /// The joint; `None` for a base that floats.
+    /// The joint; `None` for a floating base.
     pub joint: Option<usize>,
-    /// Whether its inertia and its joint are known, so that its motion can be judged.
+    /// Whether its inertia and its joint could be read, so that its motion can be checked.
     pub known: bool,
 }
 
-/// The bodies while they are put together.
+/// The bodies assembled so far.
 pub struct Assembly {
     pub links: Vec<Link>,
     pub bodies: Vec<MergedBody>,
-    /// By link of the description: the moving link that carries it, and its pose there.
+    /// For each link of the description, the moving link that carries it, and its pose on that link.
     pub place: Vec<(Option<usize>, Pose<f64>)>,
 }
 
@@ -41,8 +41,8 @@ pub fn merge(
         if let Some(j) = tree.joint[link] {
             let joint = &description.joints[j];
             let above = tree.parent[j].map_or((None, Pose::identity()), |p| assembly.place[p]);
-            let origin = placed(joint, &above.1, report);
-            assembly.place[link] = match moving(joint, origin) {
+            let origin = joint_origin(joint, &above.1, report);
+            assembly.place[link] = match moving_joint(joint, origin) {
                 None => (above.0, origin),
                 Some(moved) => {
                     let known = joint.sound && joint.kind != Kind::Unknown;
@@ -58,13 +58,13 @@ pub fn merge(
                 Joint::new(base_name(description), JointType::Floating, up, Pose::identity());
             assembly.place[link] = assembly.push(part, None, joint, None, true);
         }
-        assembly.carry(link, part);
+        assembly.add_inertia(link, part);
     }
     assembly
 }
 
 impl Assembly {
-    /// Takes a link that moves; its place is itself.
+    /// Adds a moving link, which carries itself.
     fn push(
         &mut self,
         part: &LinkRecord,
@@ -80,8 +80,8 @@ impl Assembly {
     }
 
     /// Adds the inertia of a link of the description to the moving link that carries it.
-    fn carry(&mut self, link: usize, part: &LinkRecord) {
-        // What is fixed to the world moves nothing.
+    fn add_inertia(&mut self, link: usize, part: &LinkRecord) {
+        // Links that are fixed to the world have no effect on the dynamics.
         let (Some(carrier), pose) = self.place[link] else { return };
         let body = &mut self.bodies[carrier];
         body.links.push(link);
@@ -91,8 +91,13 @@ impl Assembly {
         }
     }
 
-    /// Has joints follow their leaders, which may stand anywhere in the tree.
-    pub fn follow(&mut self, description: &Description, leaders: &[Option<usize>], follows: bool) {
+    /// Sets the leaders of mimic joints, which may be anywhere in the tree.
+    pub fn resolve_mimics(
+        &mut self,
+        description: &Description,
+        leaders: &[Option<usize>],
+        follows: bool,
+    ) {
         let mut moved_by = vec![None; description.joints.len()];
         for (i, body) in self.bodies.iter().enumerate() {
             if let Some(joint) = body.joint {
@@ -112,19 +117,19 @@ impl Assembly {
     }
 }
 
-/// A joint's frame in that of the body that carries it, where its parent stands at `above`.
-fn placed(joint: &JointRecord, above: &Pose<f64>, report: &mut Report<'_>) -> Pose<f64> {
+/// Returns a joint's frame in the frame of its carrying body; the joint's parent has the pose `above` there.
+fn joint_origin(joint: &JointRecord, above: &Pose<f64>, report: &mut Report<'_>) -> Pose<f64> {
     let origin = above.compose(&joint.origin);
     let near = check::is_near(&origin, Some(joint.name.at), &joint.subject(), report);
     if near { origin } else { Pose::identity() }
 }
 
-/// The joint, if it moves.
-fn moving(part: &JointRecord, origin: Pose<f64>) -> Option<Joint> {
+/// Returns the joint; `None` for a fixed joint.
+fn moving_joint(part: &JointRecord, origin: Pose<f64>) -> Option<Joint> {
     let joint_type = match part.kind {
         Kind::Fixed => return None,
         Kind::Moving(joint_type) => joint_type,
-        // It is an error already; the rest can be checked all the same.
+        // An unknown type is already an error; with a stand-in the rest can be checked.
         Kind::Unknown => JointType::Revolute,
     };
     Some(Joint {
@@ -135,7 +140,7 @@ fn moving(part: &JointRecord, origin: Pose<f64>) -> Option<Joint> {
     })
 }
 
-/// What the joint is called that the base floats by: a name that no other joint has.
+/// Returns the name of a floating base's joint: one that no other joint has.
 fn base_name(description: &Description) -> String {
     let taken = description.joints_by_name();
     let numbered = (1..).map(|n| format!("floating_base_{n}"));
@@ -144,7 +149,7 @@ fn base_name(description: &Description) -> String {
 }
 
 impl MergedBody {
-    /// The body as it is checked.
+    /// Returns the body in the form of the checks.
     pub fn view<'d>(&self, description: &'d Description) -> check::Body<'d> {
         let joint = self.joint.map(|joint| {
             let record = &description.joints[joint];

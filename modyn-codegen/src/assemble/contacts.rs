@@ -4,7 +4,7 @@ use modyn_runtime::model::{Contact, LoopConstraintEnd};
 use modyn_runtime::spatial::Pose;
 use rustc_hash::FxHashSet;
 
-use crate::description::{self, Description, LARGEST, roll_pitch_yaw};
+use crate::description::{self, Description, MAX_NUMBER, roll_pitch_yaw};
 use crate::diagnostics::{Code, Diagnostic, Report, suggest};
 
 /// The contacts, with errors in the report; `carriers` has by link of the description the moving link that carries it.
@@ -43,7 +43,7 @@ pub fn contacts(
             Some(Some(_)) => {}
         }
         let numbers = option.end.xyz.iter().chain(&option.end.rpy);
-        if !numbers.into_iter().all(|x| x.abs() < LARGEST) {
+        if !numbers.into_iter().all(|x| x.abs() < MAX_NUMBER) {
             error("its place is not finite".into(), "write `xyz` in m and `rpy` in rad");
         }
         let rotation = roll_pitch_yaw(option.end.rpy);

@@ -1,9 +1,9 @@
 //! The cycles of a function from indices to indices.
 
-/// Every cycle, in the order of the walk, beginning with its smallest index. Each place is left
-/// once, so it takes linear time.
+/// Returns all cycles, in the order of the walk; each starts with its smallest index. Takes linear time: each index is
+/// left once.
 pub fn cycles(next: &[Option<usize>]) -> Vec<Vec<usize>> {
-    // By place: the walk that came here first. Every walk goes on until known ground.
+    // For each index, the walk that reached it first. A walk ends at an index that was reached before.
     let mut walked = vec![usize::MAX; next.len()];
     let mut cycles = Vec::new();
     for start in 0..next.len() {
@@ -15,7 +15,7 @@ pub fn cycles(next: &[Option<usize>]) -> Vec<Vec<usize>> {
             path.push(at);
             at = next;
         }
-        // On a cycle if this very walk has been here, and gone on.
+        // An index that this walk itself has reached before is on a cycle.
         if let Some(begin) = path.iter().position(|&place| place == at) {
             let mut cycle = path.split_off(begin);
             let first = (0..cycle.len()).min_by_key(|&i| cycle[i]).unwrap_or(0);

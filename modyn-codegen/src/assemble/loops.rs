@@ -1,22 +1,22 @@
-//! Loop joints of the description and of the options: two frames of links that are held together.
+//! Loop joints of the description and of the options: constraints between two frames of links.
 
 use modyn_runtime::model::{LoopConstraint, LoopConstraintEnd, LoopConstraintKind};
 use modyn_runtime::spatial::Pose;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::description::{
-    Description, EndRecord, LARGEST, Loop, LoopEnd, LoopRecord, normalized, roll_pitch_yaw,
+    Description, EndRecord, Loop, LoopEnd, LoopRecord, MAX_NUMBER, normalized, roll_pitch_yaw,
 };
 use crate::diagnostics::{Code, Diagnostic, Report, Suggestions};
 
-/// An option's; with errors in the report.
-pub fn of_option(option: &Loop, report: &mut Report<'_>) -> LoopRecord {
+/// Returns the record of a loop joint of the options; its errors are in the report.
+pub fn from_option(option: &Loop, report: &mut Report<'_>) -> LoopRecord {
     let ends = option.ends.each_ref().map(|LoopEnd { link, xyz, rpy }| {
         let pose = Pose { rotation: roll_pitch_yaw(*rpy), translation: *xyz };
         EndRecord { link: Some(link.clone()), at: None, pose }
     });
     let unit = |axis: [f64; 3]| {
-        let finite = axis.iter().all(|x| x.abs() < LARGEST);
+        let finite = axis.iter().all(|x| x.abs() < MAX_NUMBER);
         normalized(axis).filter(|_| finite).map(|(unit, _)| unit)
     };
     let kind = match option.kind {
@@ -26,14 +26,14 @@ pub fn of_option(option: &Loop, report: &mut Report<'_>) -> LoopRecord {
     };
     let part = LoopRecord { name: option.name.clone(), at: None, kind, ends };
     if let (Some(axis), None) = (option.kind.axis(), kind) {
-        let message = format!("{axis:?} is no axis");
-        let error = Diagnostic::error(Code::Option, message).about(part.subject());
+        let message = format!("{axis:?} is not a direction");
+        let error = Diagnostic::error(Code::Option, message).with_subject(part.subject());
         report.push(error.with_help("give a direction, such as [0.0, 0.0, 1.0]"));
     }
     part
 }
 
-/// The loop constraints; `carriers` has by link of the description the moving link that carries it.
+/// Returns the loop constraints. `carriers` has, for each link of the description, the moving link that carries it.
 pub fn loop_constraints(
     description: &Description,
     carriers: &[Option<usize>],
@@ -52,13 +52,13 @@ pub fn loop_constraints(
 struct Search<'p> {
     description: &'p Description,
     links: FxHashMap<&'p str, usize>,
-    /// Of the joints so far.
+    /// The names of the joints so far.
     names: FxHashSet<&'p str>,
     near: Suggestions,
 }
 
 impl<'p> Search<'p> {
-    /// `None` with an error in the report.
+    /// Returns the constraint of a record; `None` with an error in the report.
     fn constraint(
         &mut self,
         part: &'p LoopRecord,
@@ -69,21 +69,21 @@ impl<'p> Search<'p> {
         let mut error = |code, at: Option<usize>, message: String, help: &str| {
             report.error(code, at, Some(&part.subject()), message, help);
         };
-        // A name that is missing is an error already.
+        // A missing name is already an error.
         if !part.name.is_empty() && !self.names.insert(&part.name) {
             let message = "another joint has the same name";
             error(Code::DuplicateJoint, part.at, message.into(), "give one of them another name");
         }
         let ends = part.ends.each_ref().map(|end| {
             let figures = end.pose.rotation.iter().flatten().chain(&end.pose.translation);
-            if !figures.into_iter().all(|x| x.abs() < LARGEST) {
-                let message = "its place is too far away to compute with";
+            if !figures.into_iter().all(|x| x.abs() < MAX_NUMBER) {
+                let message = "its origin is too far away to compute with";
                 error(Code::NotFinite, end.at.or(part.at), message.into(), "write `xyz` in m");
             }
             let link = end.link.as_deref()?;
             let found = self.links.get(link).copied();
             if found.is_none() {
-                let message = format!("it holds link `{link}`, which does not exist");
+                let message = format!("it refers to link `{link}`, which does not exist");
                 let names = self.description.link_names();
                 let help = self.near.suggest(link, names).map_or_else(
                     || "name a link of the description".into(),
@@ -98,11 +98,13 @@ impl<'p> Search<'p> {
         {
             let [a, b] = [a, b].map(|end| self.description.links[end.frame].name.text.as_str());
             let message = if a == b {
-                format!("it holds link `{a}` to itself")
+                format!("it connects link `{a}` to itself")
             } else {
-                format!("it holds links `{a}` and `{b}`, which cannot move against each other")
+                format!(
+                    "it connects links `{a}` and `{b}`, which cannot move relative to each other"
+                )
             };
-            let help = "name two links with a joint that moves between them";
+            let help = "name two links with a moving joint between them";
             error(Code::LoopEnds, part.ends[1].at, message, help);
         }
         if report.errors() > errors {

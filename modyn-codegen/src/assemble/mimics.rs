@@ -1,4 +1,4 @@
-//! Which joint follows which.
+//! The leaders of mimic joints.
 
 use rustc_hash::FxHashMap;
 
@@ -6,7 +6,7 @@ use super::cycles::cycles;
 use crate::description::{Description, JointRecord, Kind, Mimic, MimicRecord};
 use crate::diagnostics::{Code, Report, Severity, Suggestions};
 
-/// By joint: the joint, as an index, that it follows.
+/// Returns the leader of each joint, as an index; `None` for joints that are no mimic joints.
 pub fn leaders(
     description: &Description,
     option: Mimic,
@@ -20,7 +20,7 @@ pub fn leaders(
         match option {
             Mimic::Follow => *leader = search.leader(joint, mimic, report),
             Mimic::Independent => search.independent(joint, mimic, report),
-            // Every one is an error already.
+            // Each mimic joint is already an error.
             Mimic::Refuse => {}
         }
     }
@@ -37,7 +37,7 @@ struct Search<'p> {
 }
 
 impl Search<'_> {
-    /// The leader of a joint; `None` with an error in the report.
+    /// Returns the leader of a joint; `None` with an error in the report.
     fn leader(
         &mut self,
         follower: &JointRecord,
@@ -77,7 +77,7 @@ impl Search<'_> {
         single.then_some(leader)
     }
 
-    /// A joint that is independent anyway may name whatever it likes, but it is worth a word.
+    /// Warns of a missing leader: a joint that the options make independent may name any leader.
     fn independent(&self, joint: &JointRecord, mimic: &MimicRecord, report: &mut Report<'_>) {
         if self.names.contains_key(mimic.leader.text.as_str()) {
             return;
@@ -90,9 +90,9 @@ impl Search<'_> {
 }
 
 const ONE_COORDINATE: &str =
-    "mimics are between joints of the types `revolute`, `continuous` and `prismatic`";
+    "only `revolute`, `continuous` and `prismatic` joints can mimic and be mimicked";
 
-/// A kind that could not be read is an error already.
+/// Returns whether joints of this kind have one coordinate. An unreadable kind is already an error, so it passes.
 fn has_one_coordinate(kind: Kind) -> bool {
     !matches!(kind, Kind::Moving(joint_type) if joint_type.nq() > 1)
 }
@@ -105,9 +105,9 @@ fn report_cycle(description: &Description, cycle: &[usize], report: &mut Report<
     } else {
         let names = cycle.iter().map(|&j| format!("`{}`", description.joints[j].name.text));
         let names: Vec<String> = names.collect();
-        format!("joints mimic each other in a circle: {}", names.join(", "))
+        format!("mimic joints form a cycle: {}", names.join(", "))
     };
     let at = joint.mimic.as_ref().map_or(joint.name.at, |mimic| mimic.leader.at);
-    let help = "let one of them move by itself: remove its `<mimic>`";
+    let help = "make one of them independent: remove its `<mimic>`";
     report.error(Code::MimicCycle, at, Some(&joint.subject()), message, help);
 }

@@ -1,11 +1,11 @@
-//! From a description to a model: the tree, merging of fixed joints, mimics, loops, rotors.
+//! From a description to a model: the tree, merging of fixed joints, mimic joints, loops, rotors.
 //!
 //! ```text
 //! Description ─ rotors, loops of the options ─ mimics ─▶ leaders ─┐
 //!              └ tree ─▶ order ─ bodies ─▶ moving links ─ check ──┴▶ Model
 //! ```
 //!
-//! Each step reports all that is wrong with it and goes on as far as it can.
+//! Each step reports all its errors and continues as far as possible.
 
 mod bodies;
 mod contacts;
@@ -22,7 +22,7 @@ use crate::description::{Description, Kind, Mimic, ReadOptions};
 use crate::diagnostics::{Code, Report, Subject};
 use bodies::Assembly;
 
-/// The model; `None` with errors in the report.
+/// Returns the model; `None` with errors in the report.
 pub fn assemble(
     mut description: Description,
     options: &ReadOptions,
@@ -30,20 +30,20 @@ pub fn assemble(
 ) -> Option<Model> {
     rotors::apply(&mut description, &options.rotors, report);
     let loops: Vec<_> =
-        options.loops.iter().map(|option| loops::of_option(option, report)).collect();
+        options.loops.iter().map(|option| loops::from_option(option, report)).collect();
     description.loops.extend(loops);
     let description = &description;
     for joint in description.joints.iter().filter(|joint| joint.kind != Kind::Fixed) {
-        check::motion::drive(&joint.drive, Some(joint.drive_at), &joint.subject(), report);
+        check::motion::check_dynamics(&joint.drive, Some(joint.drive_at), &joint.subject(), report);
     }
     let leaders = mimics::leaders(description, options.mimic, report);
-    let tree = tree::grow(description, report)?;
+    let tree = tree::build_tree(description, report)?;
     let mut assembly = bodies::merge(description, &tree, options.base, report);
-    assembly.follow(description, &leaders, options.mimic != Mimic::Independent);
+    assembly.resolve_mimics(description, &leaders, options.mimic != Mimic::Independent);
     model(description, assembly, options, report)
 }
 
-/// Checks the parts and the whole.
+/// Checks the bodies, and returns the model.
 fn model(
     description: &Description,
     assembly: Assembly,
@@ -53,13 +53,13 @@ fn model(
     let Assembly { mut links, bodies, place } = assembly;
     if links.is_empty() {
         let help = "make a joint `revolute`, `continuous` or `prismatic`, or let the base float";
-        let message = "no joint of the robot moves";
+        let message = "the robot has no moving joint";
         report.error(Code::NoMovingJoint, description.at, None, message, help);
     }
     let mut bodies: Vec<Body> = bodies.iter().map(|body| body.view(description)).collect();
     for (link, body) in links.iter_mut().zip(&mut bodies) {
         if !check::inertia::check(body, &link.inertial, options.unphysical_inertia, report) {
-            // Its error is reported; with this, the motions of the other bodies can be judged.
+            // The error is reported. With a stand-in, the motions of the other bodies can be checked.
             body.known = false;
             link.inertial = STAND_IN;
         }
@@ -85,10 +85,10 @@ fn model(
         .and_then(|model| if errors > 0 { Ok(model) } else { model.with_contacts(contacts) });
     let model = match model {
         Ok(model) => model,
-        // One of the errors above.
+        // Caused by an error that is already reported.
         Err(_) if errors > 0 => return None,
         Err(errors) => {
-            // All of this has been checked. Should a check be missing, the user hears of it here.
+            // All of this was checked before. If a check is missing, the user is told here.
             for error in errors {
                 let subject = Subject::Robot(description.name.clone());
                 let (at, message) = (description.at, error.to_string());

@@ -1,9 +1,9 @@
-//! The rotors that the options give to joints.
+//! The rotors in the options.
 
-use crate::description::{Description, Kind, LARGEST, Rotor};
+use crate::description::{Description, Kind, MAX_NUMBER, Rotor};
 use crate::diagnostics::{Code, Diagnostic, Report, Subject, Suggestions};
 
-/// Sets the armatures; what is wrong with an option has no place in the file.
+/// Sets the armatures of joints. Errors of an option have no place in the file.
 pub fn apply(description: &mut Description, rotors: &[Rotor], report: &mut Report<'_>) {
     let mut armatures = Vec::new();
     let names = description.joints_by_name();
@@ -12,13 +12,13 @@ pub fn apply(description: &mut Description, rotors: &[Rotor], report: &mut Repor
     for rotor in rotors {
         let mut error = |message: String, help: &str| {
             let found = Diagnostic::error(Code::Option, message).with_help(help);
-            report.push(found.about(Subject::Joint(rotor.joint.clone())));
+            report.push(found.with_subject(Subject::Joint(rotor.joint.clone())));
         };
         let armature = rotor.gear_ratio * rotor.gear_ratio * rotor.inertia;
-        let good = rotor.inertia >= 0.0 && armature < LARGEST;
+        let good = rotor.inertia >= 0.0 && armature < MAX_NUMBER;
         if !good {
             let message = format!(
-                "no rotor has inertia {} and gear ratio {}",
+                "inertia {} and gear ratio {} are no valid rotor",
                 rotor.inertia, rotor.gear_ratio
             );
             error(message, "give kg m^2 (or kg) of at least 0, and a finite ratio");
@@ -29,15 +29,18 @@ pub fn apply(description: &mut Description, rotors: &[Rotor], report: &mut Repor
                 || "name a joint of the description that moves".into(),
                 |name| format!("did you mean `{name}`?"),
             );
-            error("a rotor is given to it, but it does not exist".into(), &help);
+            error("the options give it a rotor, but it does not exist".into(), &help);
             continue;
         };
         if description.joints[j].kind == Kind::Fixed {
             let help = "name a joint that moves, or remove the rotor";
-            error("a rotor is given to it, but it does not move".into(), help);
+            error("the options give it a rotor, but it does not move".into(), help);
         }
         if std::mem::replace(&mut given[j], true) {
-            error("two rotors are given to it".into(), "leave one, with the sum of the inertias");
+            error(
+                "the options give it two rotors".into(),
+                "keep one, with the sum of the inertias",
+            );
         }
         if good {
             armatures.push((j, armature));

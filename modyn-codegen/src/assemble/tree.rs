@@ -1,4 +1,4 @@
-//! The tree that joints make of links: its root, its order, and whether it is one.
+//! The tree of links: its root, its order, and the errors of joints that form no tree.
 
 use rustc_hash::FxHashMap;
 
@@ -6,34 +6,34 @@ use super::cycles::cycles;
 use crate::description::{Description, Located};
 use crate::diagnostics::{Code, Report, Subject, Suggestions};
 
-/// A tree, depth first; a link's children stand in the order of their joints in the file.
+/// A tree in depth-first order; a link's children are in the order of their joints in the file.
 pub struct Tree {
-    /// The links (as indices into the description), parents before children.
+    /// The links, as indices into the description, parents before children.
     pub order: Vec<usize>,
-    /// By link: the joint (as an index) whose child it is; `None` for the root.
+    /// For each link, the joint (as an index) towards its parent; `None` for the root.
     pub joint: Vec<Option<usize>>,
-    /// By joint: the link that is its parent.
+    /// For each joint, its parent link.
     pub parent: Vec<Option<usize>>,
 }
 
-/// The tree; `None` with errors in the report.
-pub fn grow(description: &Description, report: &mut Report<'_>) -> Option<Tree> {
+/// Returns the tree; `None` with errors in the report.
+pub fn build_tree(description: &Description, report: &mut Report<'_>) -> Option<Tree> {
     let errors = report.errors();
     let links =
         index(description.links.iter().map(|l| &l.name), Code::DuplicateLink, "link", report);
     index(description.joints.iter().map(|j| &j.name), Code::DuplicateJoint, "joint", report);
     if description.links.is_empty() {
-        let help = "write at least two `<link>` and a `<joint>` that moves one against the other";
+        let help = "write at least two `<link>` and a moving `<joint>` between them";
         report.error(Code::NoLink, description.at, None, "the robot has no link", help);
         return None;
     }
     let Ends { joint, parent, complete } = ends(description, &links, report);
     report_cycles(description, &joint, &parent, report);
-    // A child that is misspelt leaves a link behind that only looks like another root.
+    // A misspelt child leaves a link without a joint, which would be reported as another root.
     if complete {
         roots(description, &links, &joint, report);
     }
-    // An end that is missing altogether was reported before.
+    // A joint without a parent or child was reported before.
     if report.errors() > errors || !complete || parent.contains(&None) {
         return None;
     }
@@ -55,7 +55,7 @@ pub fn grow(description: &Description, report: &mut Report<'_>) -> Option<Tree> 
     Some(Tree { order, joint, parent })
 }
 
-/// Names to indices. The first of a name counts; the next are errors.
+/// Returns the index of each name. The first of equal names counts; the others are errors.
 fn index<'a>(
     names: impl Iterator<Item = &'a Located>,
     code: Code,
@@ -66,7 +66,7 @@ fn index<'a>(
     let mut places = Vec::new();
     for (i, name) in names.enumerate() {
         places.push(name.at);
-        // A name that is missing has been reported.
+        // A missing name was reported before.
         if name.text.is_empty() {
             continue;
         }
@@ -84,13 +84,13 @@ fn index<'a>(
     indices
 }
 
-/// The ends of the joints.
+/// The parent and child links of the joints.
 struct Ends {
-    /// By link: the joint whose child it is.
+    /// For each link, the joint whose child it is.
     joint: Vec<Option<usize>>,
-    /// By joint: the parent.
+    /// For each joint, its parent link.
     parent: Vec<Option<usize>>,
-    /// Whether every child was found.
+    /// Whether all children were found.
     complete: bool,
 }
 
@@ -134,7 +134,7 @@ fn ends(
                     first.name.text,
                     report.position(first.child.as_ref().map_or(first.name.at, |end| end.at)),
                 );
-                let help = "a link hangs on one joint; to close a loop, make one joint of it a `<loop_joint>`";
+                let help = "a link has one parent; to describe a closed loop, make one joint of the loop a `<loop_joint>`";
                 report.error(
                     Code::SeveralParents,
                     at,
@@ -148,14 +148,14 @@ fn ends(
     Ends { joint: joint_of, parent: parents, complete }
 }
 
-/// Reports every cycle, with the names of all joints on it.
+/// Reports all cycles, with the names of all joints of a cycle.
 fn report_cycles(
     description: &Description,
     joint: &[Option<usize>],
     parent: &[Option<usize>],
     report: &mut Report<'_>,
 ) {
-    // By joint: the one above it.
+    // For each joint, the joint of its parent link.
     let above: Vec<Option<usize>> =
         parent.iter().map(|parent| parent.and_then(|link| joint[link])).collect();
     for mut on_cycle in cycles(&above) {
@@ -165,7 +165,7 @@ fn report_cycles(
             on_cycle.iter().map(|&j| format!("`{}`", description.joints[j].name.text)).collect();
         let joint = &description.joints[on_cycle[0]];
         let message = format!("joints form a cycle: {}", names.join(", "));
-        let help = "a robot is a tree: let one link be the child of no joint";
+        let help = "a robot is a tree: one link must not be the child of any joint";
         report.error(Code::Cycle, joint.name.at, Some(&joint.subject()), message, help);
     }
 }
@@ -176,7 +176,7 @@ fn roots(
     joint: &[Option<usize>],
     report: &mut Report<'_>,
 ) {
-    // A second link of one name cannot be any joint's child; its name is the error.
+    // The second of two links with one name cannot be the child of a joint; its name is the error.
     let first_of_its_name =
         |link: usize| links.get(description.links[link].name.text.as_str()) == Some(&link);
     let roots: Vec<usize> =
@@ -187,7 +187,7 @@ fn roots(
     let more = if roots.len() > names.len() { ", ..." } else { "" };
     let link = &description.links[second];
     let message =
-        format!("{} links are the child of no joint: {}{more}", roots.len(), names.join(", "));
-    let help = "a robot has one root: join the others to it, with a fixed joint if need be";
+        format!("{} links are not the child of any joint: {}{more}", roots.len(), names.join(", "));
+    let help = "a robot has one root: connect the others to it, for example by fixed joints";
     report.error(Code::SeveralRoots, link.name.at, Some(&link.subject()), message, help);
 }

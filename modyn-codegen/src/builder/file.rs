@@ -1,9 +1,9 @@
-//! Files that are kept: written with a comment that says how they came to be, and checked later.
+//! Generated files in the source tree: written with a comment about their origin, and checked later.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::{Builder, Generated, ModuleChoice, Source, place};
+use super::{Builder, Generated, ModuleChoice, Source, resolve_path};
 use crate::FloatType;
 use crate::description::{Base, Mimic};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
@@ -11,75 +11,76 @@ use crate::read::Format;
 
 /// The files of a C source.
 struct CFiles {
-    /// The source file and its header, with their texts.
+    /// The paths and texts of the source file and its header.
     files: [(PathBuf, String); 2],
     warnings: Vec<Diagnostic>,
 }
 
 impl Builder {
-    /// Compiles to the file `path`, to be kept beside the sources: its first lines say which modyn made
-    /// it from which description with which options, and how to make it again. Nothing in it depends
-    /// on the machine or the day. A file that is as it should be is left alone.
+    /// Compiles to the file `path`, to be kept in the source tree.
+    ///
+    /// Its first lines name the version of modyn, the description and the options, and say how to generate it again.
+    /// The text does not depend on the machine or the date. An up-to-date file is not written.
     ///
     /// # Errors
     ///
-    /// All that is wrong with the description and the options, or a file that cannot be written.
+    /// Returns all errors of the description and the options, or that a file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<Generated, Diagnostics> {
         let path = path.as_ref();
         let generated = self.generate()?;
         let text = self.file_text(&generated);
-        if !holds(path, &text) {
-            std::fs::write(path, text).map_err(|reason| unwritten(path, &reason))?;
+        if !file_has_text(path, &text) {
+            std::fs::write(path, text).map_err(|reason| write_error(path, &reason))?;
         }
         Ok(generated)
     }
 
-    /// Whether the file `path` is not (any more) what [`write`](Self::write) would make it: the
-    /// description, the options or modyn have changed, or somebody edited it.
+    /// Returns whether the file `path` differs from the text that [`write`](Self::write) would write: the description,
+    /// the options or modyn have changed, or the file was edited.
     ///
     /// # Errors
     ///
-    /// All that is wrong with the description and the options.
+    /// Returns all errors of the description and the options.
     pub fn is_stale(&self, path: impl AsRef<Path>) -> Result<bool, Diagnostics> {
         let generated = self.generate()?;
-        Ok(!holds(path.as_ref(), &self.file_text(&generated)))
+        Ok(!file_has_text(path.as_ref(), &self.file_text(&generated)))
     }
 
-    /// Compiles to the C source file `path` and the header beside it, `path` with `.h`. Files that are as they should
-    /// be are left alone. Returns the warnings.
+    /// Compiles to the C source file `path` and a header of the same name with `.h`. Returns the warnings. Up-to-date
+    /// files are not written.
     ///
     /// # Errors
     ///
-    /// All that is wrong with the description and the options, or a file that cannot be written.
+    /// Returns all errors of the description and the options, or that a file cannot be written.
     pub fn write_c(&self, path: impl AsRef<Path>) -> Result<Vec<Diagnostic>, Diagnostics> {
         let CFiles { files, warnings } = self.c_files(path.as_ref())?;
         for (path, text) in files {
-            if !holds(&path, &text) {
-                std::fs::write(&path, text).map_err(|reason| unwritten(&path, &reason))?;
+            if !file_has_text(&path, &text) {
+                std::fs::write(&path, text).map_err(|reason| write_error(&path, &reason))?;
             }
         }
         Ok(warnings)
     }
 
-    /// Whether the files are not (any more) what [`write_c`](Self::write_c) would make them.
+    /// Returns whether the files differ from the texts that [`write_c`](Self::write_c) would write.
     ///
     /// # Errors
     ///
-    /// All that is wrong with the description and the options.
+    /// Returns all errors of the description and the options.
     pub fn is_stale_c(&self, path: impl AsRef<Path>) -> Result<bool, Diagnostics> {
         let CFiles { files, .. } = self.c_files(path.as_ref())?;
-        Ok(!files.iter().all(|(path, text)| holds(path, text)))
+        Ok(!files.iter().all(|(path, text)| file_has_text(path, text)))
     }
 
-    /// The source file and its header, with their texts, and the warnings.
+    /// Returns the paths and texts of the source file and its header, and the warnings.
     fn c_files(&self, path: &Path) -> Result<CFiles, Diagnostics> {
         let header = path.with_extension("h");
         let name = header.file_name().and_then(|name| name.to_str()).unwrap_or_default();
         let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
         let is_source = path.extension().is_some_and(|extension| extension == "c");
         if !is_source || !name.chars().all(plain) {
-            let message = format!("`{}` is no name of a C source file", path.display());
-            let help = "ASCII letters, digits, dashes and underscores, then `.c`";
+            let message = format!("`{}` is not the name of a C source file", path.display());
+            let help = "use ASCII letters, digits, dashes and underscores, then `.c`";
             return Err(Diagnostic::error(Code::Output, message).with_help(help).into());
         }
         let (found, warnings) = self.c_source(Some(name))?;
@@ -93,7 +94,7 @@ impl Builder {
         Ok(CFiles { files, warnings })
     }
 
-    /// The whole file.
+    /// Returns the text of the file, with its comment.
     fn file_text(&self, generated: &Generated) -> String {
         let mut text = format!(
             "// Generated by modyn {} from the robot description {:?} (FNV-1a {:016x}). Do not edit.\n\
@@ -109,12 +110,12 @@ impl Builder {
         text + &generated.text
     }
 
-    /// The calls that set the options which are not as they are by default.
+    /// Returns the calls of the builder that set options other than the defaults.
     fn calls(&self) -> Vec<String> {
         let mut calls = Vec::new();
         let mut call = |text: String| calls.push(text);
         match &self.source {
-            // Where a file stands is no matter of the text, which is the same on every host.
+            // The text must not depend on the folder of the file.
             Source::File(path) => {
                 let name = if path.is_absolute() {
                     path.file_name().unwrap_or_default().to_string_lossy()
@@ -193,33 +194,33 @@ impl Builder {
         if let Some(prefix) = &self.c_prefix {
             call(format!("c_functions({prefix:?})"));
         }
-        // A name with a line break must not end the comment.
+        // A line break in a name must not end the comment.
         calls.iter().map(|text| text.replace(char::is_control, " ")).collect()
     }
 
-    /// A figure that is another one when the description is.
+    /// Returns a hash of the description.
     fn description_hash(&self) -> u64 {
         let text = match &self.source {
-            Source::File(path) => std::fs::read_to_string(place(path)).unwrap_or_default(),
+            Source::File(path) => std::fs::read_to_string(resolve_path(path)).unwrap_or_default(),
             Source::Text { text, .. } => text.clone(),
             Source::Model(model) => format!("{model:?}"),
             Source::None | Source::Unread(_) => String::new(),
         };
-        // How lines end is a matter of the checkout.
+        // Line endings depend on the checkout.
         text.bytes().filter(|&byte| byte != b'\r').fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
         })
     }
 }
 
-/// The error for a file that cannot be written.
-fn unwritten(path: &Path, reason: &std::io::Error) -> Diagnostics {
+/// Returns the error of a file that cannot be written.
+fn write_error(path: &Path, reason: &std::io::Error) -> Diagnostics {
     let message = format!("`{}` cannot be written: {reason}", path.display());
     let help = "give a path in a folder that exists and can be written to";
     Diagnostic::error(Code::Output, message).with_help(help).into()
 }
 
-/// Whether a file holds this text, however its lines end.
-fn holds(path: &Path, text: &str) -> bool {
+/// Returns whether a file holds this text; line endings may differ.
+fn file_has_text(path: &Path, text: &str) -> bool {
     std::fs::read_to_string(path).is_ok_and(|found| found.replace("\r\n", "\n") == text)
 }

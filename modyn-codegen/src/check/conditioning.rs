@@ -1,4 +1,4 @@
-//! Whether single precision carries a robot's dynamics.
+//! Checks whether single precision suffices for a robot's dynamics.
 
 use modyn_runtime::equations::kinematics::coordinates;
 use modyn_runtime::mechanism::Mechanism;
@@ -7,29 +7,29 @@ use modyn_runtime::{Interpreter, Portable, Scalar as _, jacobi};
 
 use crate::diagnostics::{Code, Diagnostic, Severity, Subject};
 
-/// At how many states it is looked.
+/// The number of states at which the condition number is computed.
 const STATES: u32 = 8;
 
-/// Largest robot that it is found for: the eigenvalues take the cube of its size.
-const MOST_VELOCITIES: usize = 100;
+/// The largest number of velocities: the eigenvalues take time cubic in it.
+const MAX_VELOCITIES: usize = 100;
 
-/// The largest condition number for which single precision, with its 24 bits, is sure to be left two
-/// digits.
+/// The largest condition number at which single precision, with its 24 bits, is certain to keep two digits.
 pub const CARRIED_BY_F32: f64 = 1e5;
 
-/// The largest condition number (2-norm) of the mass matrix at a few states spread over the
-/// joints' ranges, its rows and columns scaled to a diagonal of ones: elimination does not see the
-/// units of the joints, nor that a shoulder moves more than a wrist, so this and not the matrix's own
-/// number bounds what it loses (Higham 2002, "Accuracy and Stability of Numerical Algorithms",
-/// sect. 10.1). `None` for a robot that is too large.
+/// Returns the largest condition number (2-norm) of the mass matrix at a few states spread over the joints' ranges. The
+/// matrix is scaled to a diagonal of ones. `None` for a robot that is too large.
+///
+/// Elimination does not depend on the units of the joints, nor on the ratio of a shoulder's and a wrist's inertia. The
+/// scaled matrix therefore bounds its errors, not the matrix itself (Higham 2002, "Accuracy and Stability of Numerical
+/// Algorithms", sect. 10.1).
 #[must_use]
 pub fn condition_number(model: &Model) -> Option<f64> {
     let nv = model.nv();
-    if nv > MOST_VELOCITIES {
+    if nv > MAX_VELOCITIES {
         return None;
     }
     let mechanism = Mechanism::new(model);
-    // The warning is part of the generated text, which is the same on every host.
+    // The warning is part of the generated text, which must be the same on every host.
     let mechanism = mechanism.cast::<Portable>();
     let mut interpreter = Interpreter::<Portable>::new(model.clone());
     let mut q = vec![Portable(0.0); model.nq()];
@@ -37,7 +37,7 @@ pub fn condition_number(model: &Model) -> Option<f64> {
     let mut worst = 1.0_f64;
     let mut number = 0.0_f64;
     let mut uniform = || {
-        // Steps of the golden ratio are spread evenly.
+        // Multiples of the golden ratio are evenly distributed.
         number = (number + 0.618_033_988_749_894_9).fract();
         Portable(number)
     };
@@ -53,7 +53,7 @@ pub fn condition_number(model: &Model) -> Option<f64> {
     Some(worst)
 }
 
-/// Warns of a robot whose dynamics single precision does not carry.
+/// Returns a warning if single precision may not suffice for the robot's dynamics.
 pub(crate) fn warning(model: &Model) -> Option<Diagnostic> {
     let number = condition_number(model).filter(|&number| number > CARRIED_BY_F32)?;
     let message = format!(
@@ -63,5 +63,5 @@ pub(crate) fn warning(model: &Model) -> Option<Diagnostic> {
     let help = "use f64, or compare with it at states that matter: the number bounds what is lost, \
                 which can be far less; often a link is very light beside what hangs on it";
     let warning = Diagnostic::new(Severity::Warning, Code::IllConditioned, message);
-    Some(warning.about(Subject::Robot(model.name().into())).with_help(help))
+    Some(warning.with_subject(Subject::Robot(model.name().into())).with_help(help))
 }

@@ -1,20 +1,20 @@
-//! Whether bodies can have their masses and inertias.
+//! Checks whether the masses and inertias of bodies are physical.
 
 use modyn_runtime::model::{Inertial, InertialDefect};
 
 use super::{Body, LinkView};
-use crate::description::LARGEST;
+use crate::description::MAX_NUMBER;
 use crate::diagnostics::{Code, Place, Report, Severity};
 
-/// Checks whether a body with this inertia as a whole can exist; `false` with an error in the report.
+/// Checks whether the inertia of a body as a whole is physical; `false` with an error in the report.
 pub fn check(body: &Body, whole: &Inertial, unphysical: Severity, report: &mut Report<'_>) -> bool {
     let negative = check_masses(body, report);
     let sound = body.inertials().all(|(_, own)| own.sound);
     sound && check_whole(body, whole, negative, unphysical, report) && !negative
 }
 
-/// Whether a link of the body has a mass below 0. That is wrong wherever it hangs: in a sum it would go
-/// unseen. No option lets it through, since the equations have no meaning with it.
+/// Returns whether a link of the body has a negative mass. It is an error on any link, since a sum could hide it. No
+/// option accepts it: the equations have no meaning with it.
 fn check_masses(body: &Body, report: &mut Report<'_>) -> bool {
     let errors = report.errors();
     for (link, own) in body.inertials().filter(|(_, own)| own.inertial.mass < 0.0) {
@@ -35,14 +35,14 @@ fn check_whole(
     let Some((moving, fixed)) = body.links.split_first() else { return true };
     let at = body.inertials().next().map_or(moving.at, |(_, own)| own.at);
     let figures = [whole.mass].into_iter().chain(whole.center_of_mass).chain(whole.inertia);
-    if !figures.into_iter().all(|x| x.abs() < LARGEST) {
-        let message = "the figures of the inertia are too large to compute with";
+    if !figures.into_iter().all(|x| x.abs() < MAX_NUMBER) {
+        let message = "the inertia is too large to compute with";
         let help = "write kg, m and kg m^2";
         report.error(Code::NotFinite, at, Some(&moving.subject()), message, help);
         return false;
     }
     if negative {
-        // The sum says nothing then; the parts that are to be repaired say for themselves.
+        // The sum has no meaning then; each link that is too large is reported.
         for (link, own) in body.inertials() {
             let Inertial { mass, .. } = own.inertial;
             let repaired = Inertial { mass: mass.abs(), ..own.inertial };
@@ -60,7 +60,7 @@ fn check_whole(
     true
 }
 
-/// The kind of a defect, and what to do about it.
+/// Returns the code of a defect, and the advice.
 fn advice(defect: &InertialDefect) -> (Code, String) {
     let (code, help) = match defect {
         InertialDefect::NegativeMass(_) => {
@@ -78,7 +78,7 @@ fn advice(defect: &InertialDefect) -> (Code, String) {
             "check ixx, iyy, izz and whether the inertia is about the centre of mass",
         ),
     };
-    (code, format!("{help}; or take it as it is with the option `unphysical_inertia = warn`"))
+    (code, format!("{help}; or accept it with the option `unphysical_inertia = warn`"))
 }
 
 fn fixed_names(fixed: &[LinkView]) -> String {
@@ -89,11 +89,11 @@ fn fixed_names(fixed: &[LinkView]) -> String {
     if names.is_empty() {
         String::new()
     } else {
-        format!(" (together with what is fixed to it: {}{more})", names.join(", "))
+        format!(" (together with the links that are fixed to it: {}{more})", names.join(", "))
     }
 }
 
-/// Warns of links whose mass is impossibly large for their inertia.
+/// Warns of links whose mass is too large for their inertia.
 pub fn densities(bodies: &[Body], report: &mut Report<'_>) {
     let mut places: Vec<Place> = Vec::new();
     let mut message = String::new();
@@ -109,20 +109,20 @@ pub fn densities(bodies: &[Body], report: &mut Report<'_>) {
     report.warn_once(Code::ImplausibleMass, &places, &message, help);
 }
 
-/// Denser than any material (osmium has 22,600), kg/m^3.
-const DENSEST: f64 = 30_000.0;
+/// A density above that of any material (osmium has 22,600), kg/m^3.
+const MAX_DENSITY: f64 = 30_000.0;
 
-/// A smaller radius of gyration is that of a point mass after rounding, m.
+/// The radius of gyration below which a link counts as a point mass with rounding errors, m.
 const POINT: f64 = 1e-6;
 
-/// Returns a message if no body can have this mass and inertia at once. Among all bodies of one volume and mass, a
-/// ball has the least inertia, so a body is at least as dense as the ball of its mass and inertia.
+/// Returns a message if no body can have this mass and inertia. Among all bodies of one volume and mass, a ball has the
+/// smallest inertia. A body is therefore at least as dense as the ball of its mass and inertia.
 fn implausible(inertial: &Inertial) -> Option<String> {
     let Inertial { mass, inertia: [xx, _, _, yy, _, zz], .. } = *inertial;
     // A ball of radius r has the moment 2/5 m r^2 about each axis.
     let radius = libm::sqrt((xx + yy + zz) / 3.0 / (0.4 * mass));
     let density = mass / (4.0 / 3.0 * core::f64::consts::PI * radius * radius * radius);
-    (radius > POINT && density > DENSEST).then(|| {
+    (radius > POINT && density > MAX_DENSITY).then(|| {
         format!(
             "its mass of {mass} kg is too large for its inertia: even a ball with both, of radius {:.3} mm, has \
              {density:.1e} kg/m^3, and no material has more than 2.3e4",
@@ -131,9 +131,9 @@ fn implausible(inertial: &Inertial) -> Option<String> {
     })
 }
 
-/// Warns of links that move, but have no inertia, nor has a link that is fixed to them; but for `refused` bodies, of
-/// which an error says so.
-pub fn missing(bodies: &[Body], refused: &[usize], report: &mut Report<'_>) {
+/// Warns of moving links without `<inertial>`, if no link that is fixed to them has one either. Bodies in `refused` have an
+/// error instead.
+pub fn warn_of_missing(bodies: &[Body], refused: &[usize], report: &mut Report<'_>) {
     let mut said = vec![false; bodies.len()];
     refused.iter().for_each(|&i| said[i] = true);
     let places: Vec<Place> = bodies

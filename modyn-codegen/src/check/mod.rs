@@ -1,5 +1,5 @@
-//! What a model must satisfy: inertias that bodies can have, joints that feel inertia, numbers that one can compute
-//! with. The checks are the same for a description and for a model that is given as one, which has no places.
+//! The checks of a model: physical inertias, joints that move inertia, numbers in a range that can be computed with. The
+//! checks are the same for a description and for a model that was built in code, which has no places.
 
 mod conditioning;
 pub mod inertia;
@@ -13,21 +13,21 @@ use modyn_runtime::model::{Inertial, JointDynamics, Model};
 use modyn_runtime::spatial::Pose;
 pub(crate) use options::{friction_error, gravity_error};
 
-use crate::description::LARGEST;
+use crate::description::MAX_NUMBER;
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Report, Severity, Subject};
 
-/// A moving body as it is checked, with its places in a description.
+/// A moving body, with its places in a description.
 pub struct Body<'d> {
     /// The joint that moves it; `None` for a base that floats.
     pub joint: Option<JointView<'d>>,
-    /// The moving link, then those fixed to it.
+    /// The moving link, then the links that are fixed to it.
     pub links: Vec<LinkView<'d>>,
-    /// Whether its inertia and its joint are known, so that its motion can be judged.
+    /// Whether its inertia and its joint could be read, so that its motion can be checked.
     pub known: bool,
 }
 
 impl<'d> Body<'d> {
-    /// Its links with their inertias, where these are written.
+    /// Returns the links that have an inertia, with their inertias.
     fn inertials(&self) -> impl Iterator<Item = (&LinkView<'d>, &InertialView)> {
         self.links.iter().filter_map(|link| Some((link, link.inertial.as_ref()?)))
     }
@@ -52,9 +52,9 @@ impl JointView<'_> {
 pub struct LinkView<'d> {
     pub name: &'d str,
     pub at: Option<usize>,
-    /// `None` where none is written.
+    /// The inertia; `None` if the description has none.
     pub inertial: Option<InertialView>,
-    /// Whether it is massless on purpose.
+    /// Whether the link was added by the reader, and is massless on purpose.
     pub auxiliary: bool,
 }
 
@@ -69,26 +69,26 @@ pub struct InertialView {
     pub inertial: Inertial,
     pub at: Option<usize>,
     pub mass_at: Option<usize>,
-    /// Whether all of it could be read.
+    /// Whether all its numbers could be read.
     pub sound: bool,
 }
 
-/// Checks where a joint's frame is; `false` with an error in the report.
+/// Checks that a joint's frame is not too far away; `false` with an error in the report.
 pub fn is_near(
     origin: &Pose<f64>,
     at: Option<usize>,
     joint: &Subject,
     report: &mut Report<'_>,
 ) -> bool {
-    let near = origin.translation.iter().all(|x| x.abs() < LARGEST);
+    let near = origin.translation.iter().all(|x| x.abs() < MAX_NUMBER);
     if !near {
-        let message = "its place is too far away to compute with";
+        let message = "its origin is too far away to compute with";
         report.error(Code::NotFinite, at, Some(joint), message, "write `xyz` in m");
     }
     near
 }
 
-/// Checks a model that was made by hand, or by other means, for what a description is checked for; the warnings.
+/// Checks a model that was built in code as a description is checked, and returns the warnings.
 pub fn check_model(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic>, Diagnostics> {
     let mut report = Report::without_file();
     let bodies: Vec<Body> = model
@@ -116,11 +116,11 @@ pub fn check_model(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic
     for (link, body) in model.links().iter().zip(&bodies) {
         let joint = Subject::Joint(link.joint.name.clone());
         is_near(&link.joint.origin, None, &joint, &mut report);
-        motion::drive(&link.joint.drive, None, &joint, &mut report);
+        motion::check_dynamics(&link.joint.drive, None, &joint, &mut report);
         inertia::check(body, &link.inertial, unphysical, &mut report);
     }
     inertia::densities(&bodies, &mut report);
-    // In a model that is broken otherwise, pivots say nothing.
+    // With other errors the pivots have no meaning.
     if report.errors() == 0 {
         motion::check(&bodies, model, &mut report);
     }
@@ -137,7 +137,7 @@ mod tests {
 
     use super::*;
 
-    /// Two bodies on the world, the first changed.
+    /// Returns the codes of two bodies on the world, the first changed by `change`.
     fn codes(change: impl Fn(&mut Link)) -> Vec<Code> {
         let body =
             Inertial { mass: 1.0, inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0], ..Inertial::default() };
@@ -174,7 +174,7 @@ mod tests {
             codes(|link| (link.inertial, link.joint.joint_type) = (Inertial::default(), joint_type))
         };
         for joint_type in [JointType::Universal, JointType::Planar, JointType::Spherical] {
-            assert_eq!(tip(joint_type), [Code::NoInertiaFelt]);
+            assert_eq!(tip(joint_type), [Code::SingularJoint]);
         }
     }
 }

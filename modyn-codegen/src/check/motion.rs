@@ -1,15 +1,20 @@
-//! Whether joints can move: drives, ratios of mimics, and inertia that each joint feels.
+//! Checks whether joints can move: armatures, damping, ratios of mimic joints, and the inertia that each joint moves.
 
 use modyn_runtime::model::{Friction, JointDynamics, Model};
 
 use super::{Body, inertia, singular};
-use crate::description::LARGEST;
+use crate::description::MAX_NUMBER;
 use crate::diagnostics::{Code, Place, Report, Subject};
 
-/// Reports a drive that one cannot compute with.
-pub fn drive(drive: &JointDynamics, at: Option<usize>, joint: &Subject, report: &mut Report<'_>) {
-    if ![drive.armature, drive.damping, drive.friction].iter().all(|x| x.abs() < LARGEST) {
-        let message = "the figures of its drive are too large to compute with";
+/// Reports armature, damping or friction that is too large to compute with.
+pub fn check_dynamics(
+    drive: &JointDynamics,
+    at: Option<usize>,
+    joint: &Subject,
+    report: &mut Report<'_>,
+) {
+    if ![drive.armature, drive.damping, drive.friction].iter().all(|x| x.abs() < MAX_NUMBER) {
+        let message = "its armature, damping or friction is too large to compute with";
         let help = "write kg m^2 (or kg), N m s/rad (or N s/m) and N m (or N)";
         report.error(Code::NotFinite, at, Some(joint), message, help);
     }
@@ -32,24 +37,23 @@ pub fn inactive_friction(bodies: &[Body], chosen: Option<Friction>, report: &mut
         (false, _) => "its friction does not act",
         (true, true) => "its damping and friction do not act",
     };
-    let help = "set the option `friction` to `viscous`, `coulomb` or `smooth` if they are to act, to `none` if not";
+    let help = "set the option `friction` to `viscous`, `coulomb` or `smooth` if they are to act, else to `none`";
     report.warn_once(Code::InactiveFriction, &places, message, help);
 }
 
-/// Reports joints that feel no inertia, or that follow in a ratio that one cannot compute with, and warns of moving
-/// links without inertia. The bodies are those of the model's links; what depends on a body that is not known is not
-/// judged.
+/// Reports joints that move no inertia, and mimic joints whose ratio is too large to compute with; warns of moving links
+/// without inertia. The bodies are those of the model's links. Joints that depend on an unreadable body are not checked.
 pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
     for joint in too_large(model).filter_map(|i| bodies[i].joint.as_ref()) {
         let message = "its coordinate is too large a multiple of its leader's to compute with";
         let help = "write `multiplier` as a ratio, and `offset` in rad or m";
         report.error(Code::NotFinite, joint.mimic_at, Some(&joint.subject()), message, help);
     }
-    let judged = judged(bodies, model);
+    let judged = is_determined(bodies, model);
     let mut singular = singular::singular_joints(model);
     singular.retain(|&i| judged[i]);
-    inertia::missing(bodies, &singular, report);
-    let code = Code::NoInertiaFelt;
+    inertia::warn_of_missing(bodies, &singular, report);
+    let code = Code::SingularJoint;
     for body in singular.into_iter().map(|i| &bodies[i]) {
         let Some(link) = body.links.first() else { continue };
         if let Some(joint) = &body.joint {
@@ -70,9 +74,9 @@ pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
     }
 }
 
-/// Which joints' motions depend on known figures alone: of the bodies that they carry, and of all
-/// that follow them.
-fn judged(bodies: &[Body], model: &Model) -> Vec<bool> {
+/// Returns the joints whose motion depends on readable numbers only: those of the bodies that they carry, and of all
+/// joints that follow them.
+fn is_determined(bodies: &[Body], model: &Model) -> Vec<bool> {
     let mut judged: Vec<bool> = bodies.iter().map(|body| body.known).collect();
     if judged.iter().all(|&known| known) {
         return judged;
@@ -89,12 +93,12 @@ fn judged(bodies: &[Body], model: &Model) -> Vec<bool> {
     judged
 }
 
-/// The links, as indices, whose joints follow in a ratio that one cannot compute with; along a chain
-/// of mimics ratios multiply.
+/// Returns the links, as indices, whose mimic joints have a ratio that is too large to compute with. The ratios of a chain
+/// of mimic joints are multiplied.
 fn too_large(model: &Model) -> impl Iterator<Item = usize> {
     let large = |i: &usize| {
         let mimic = model.mimic(*i);
-        mimic.is_some_and(|m| !(m.multiplier.abs() < LARGEST && m.offset.abs() < LARGEST))
+        mimic.is_some_and(|m| !(m.multiplier.abs() < MAX_NUMBER && m.offset.abs() < MAX_NUMBER))
     };
     (0..model.links().len()).filter(large)
 }

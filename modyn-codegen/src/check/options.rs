@@ -1,11 +1,11 @@
-//! Whether one can compute with the numbers of options.
+//! Checks the numbers in options.
 
 use modyn_runtime::model::Friction;
 
-use crate::description::LARGEST;
+use crate::description::MAX_NUMBER;
 use crate::diagnostics::{Code, Diagnostic};
 
-/// What is wrong with a gravity.
+/// Returns the error of an invalid gravity.
 pub fn gravity_error(gravity: [f64; 3]) -> Option<Diagnostic> {
     let what = if gravity.iter().all(|x| x.is_finite()) {
         "too large to compute with"
@@ -14,15 +14,15 @@ pub fn gravity_error(gravity: [f64; 3]) -> Option<Diagnostic> {
     };
     let message = format!("the gravity {gravity:?} is {what}");
     let help = "give three finite numbers in m/s^2, such as [0.0, 0.0, -9.81]";
-    let good = gravity.iter().all(|x| x.abs() < LARGEST);
+    let good = gravity.iter().all(|x| x.abs() < MAX_NUMBER);
     (!good).then(|| Diagnostic::error(Code::Gravity, message).with_help(help))
 }
 
-/// What is wrong with a friction.
+/// Returns the error of an invalid friction.
 pub fn friction_error(friction: Friction) -> Option<Diagnostic> {
     let Friction::Smooth(width) = friction else { return None };
-    let message = format!("{width} is no velocity to smooth friction by");
+    let message = format!("{width} is not a valid transition velocity of smooth friction");
     let help = "give a finite velocity above 0 in rad/s or m/s, such as 0.01";
-    let good = width > 0.0 && width < LARGEST;
+    let good = width > 0.0 && width < MAX_NUMBER;
     (!good).then(|| Diagnostic::error(Code::Option, message).with_help(help))
 }

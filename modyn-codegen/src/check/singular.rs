@@ -1,20 +1,18 @@
-//! Finds joints whose pivot in the elimination of the mass matrix is zero: they feel no inertia.
+//! Finds joints that move no inertia: their pivot in the elimination of the mass matrix is zero.
 //!
-//! Forward dynamics divides by the inertia that each joint feels when all joints behind it give
-//! way: the pivot of the articulated-body elimination (Featherstone 1987). Where a pivot is
-//! zero, the mass matrix is singular: a massless link at the end of a chain, but also a massless
-//! link between two joints about one line. A massless link between joints about different lines
-//! is fine. So the elimination is run here, with inertia alone, at fixed generic configurations: a
-//! pivot that is zero in all of them is zero for the robot, not for the configuration. It is a
-//! loop over the links, not over pairs, so a chain of 100,000 joints takes no time to speak of.
+//! Forward dynamics divides by the inertia at each joint while all joints of its descendants are free: the pivot of the
+//! articulated-body elimination (Featherstone 1987). If a pivot is zero, the mass matrix is singular. Examples are a
+//! massless link at the end of a chain, and a massless link between two joints about the same line. A massless link
+//! between joints about different lines is valid. The elimination is therefore run here, on inertias only, at fixed
+//! generic configurations. A pivot that is zero at all of them is zero for the robot, not for the configuration. It is a
+//! loop over the links, not over pairs, so a chain of 100,000 joints takes little time.
 //!
-//! A joint of several degrees of freedom is eliminated one unit motion after another on its body.
-//! A rotor is inertia that its joint alone feels.
+//! A joint of several degrees of freedom is eliminated one unit motion at a time. A rotor is inertia at its own joint
+//! only.
 //!
-//! A joint that follows another one is held, since its motion is the leader's, and what it would
-//! feel by itself is a rotor to the leader. So a leader is refused only if neither it nor any joint
-//! that follows it feels anything. That is simpler than the mass matrix of the coupled joints: motions
-//! that would cancel in just the ratio of a mimic go unseen.
+//! A mimic joint is held, since its motion is the leader's, and its inertia is added to the leader as a rotor. A leader is
+//! therefore rejected only if neither it nor a mimic joint that follows it moves inertia. This is simpler than the mass
+//! matrix of the coupled joints: motions that cancel exactly in the ratio of a mimic joint are not found.
 
 use modyn_runtime::joint::{JointType, planar};
 use modyn_runtime::model::{Inertial, Joint, Model};
@@ -24,19 +22,19 @@ use modyn_runtime::spatial::{
 
 type Vec3 = [f64; 3];
 
-/// A pivot below this part of the terms that cancelled in it is rounding.
+/// A pivot below this fraction of the terms that cancelled in it is rounding noise.
 const CANCELLED: f64 = 1e-12;
-/// A pivot below this part of the whole inertia is rounding of the rotations.
+/// A pivot below this fraction of the whole inertia is rounding noise of the rotations.
 const ROTATED: f64 = 1e-14;
-/// How many configurations are tried.
+/// The number of configurations that are tried.
 const CONFIGURATIONS: usize = 3;
 
-/// Returns the joints, as indices, that feel no inertia in any configuration; of those that move by themselves.
+/// Returns the joints, as indices, that move no inertia in any configuration; mimic joints are not among them.
 pub fn singular_joints(model: &Model) -> Vec<usize> {
     let own = |i: &usize| model.mimic(*i).is_none();
     let mut joints: Vec<usize> = (0..model.links().len()).filter(own).collect();
     for configuration in 0..CONFIGURATIONS {
-        // Nearly always done after the first.
+        // Nearly always the case after the first configuration.
         if joints.is_empty() {
             break;
         }
@@ -46,7 +44,7 @@ pub fn singular_joints(model: &Model) -> Vec<usize> {
     joints
 }
 
-/// By joint: whether one of its pivots is zero in this configuration.
+/// Returns, for each joint, whether one of its pivots is zero in this configuration.
 fn singular_pivots(model: &Model, configuration: usize) -> Vec<bool> {
     let mut rotors: Vec<f64> = model.links().iter().map(|link| link.joint.drive.armature).collect();
     if model.has_mimics() {
@@ -61,8 +59,8 @@ fn singular_pivots(model: &Model, configuration: usize) -> Vec<bool> {
     pivots.into_iter().map(|pivot| pivot == 0.0).collect()
 }
 
-/// By joint: the smallest of its pivots in this configuration, with the rotor's inertia; zero for
-/// what is rounding.
+/// Returns, for each joint, the smallest of its pivots in this configuration, with the rotor's inertia; zero for rounding
+/// noise.
 fn least_pivots(model: &Model, configuration: usize, rotors: &[f64]) -> Vec<f64> {
     let links = model.links();
     let mut bodies: Vec<ArticulatedState> =
@@ -73,15 +71,17 @@ fn least_pivots(model: &Model, configuration: usize, rotors: &[f64]) -> Vec<f64>
         let body = bodies[i];
         let mut subtree = body.articulated;
         let mut held = body.articulated;
-        while let Some(k) = clearest(&motions, |axis| pivot(&subtree, axis) / body.rounding(axis)) {
+        while let Some(k) =
+            largest_pivot(&motions, |axis| pivot(&subtree, axis) / body.rounding(axis))
+        {
             let axis = motions.swap_remove(k);
             let mut pivot = pivot(&subtree, &axis);
             if pivot.abs() > body.rounding(&axis) {
                 pivot += rotors[i];
                 subtree = eliminate(&subtree, &axis, pivot);
             } else {
-                // Where the pivot is zero, so is the momentum: there is nothing to eliminate. The rest of
-                // the inertia along the axis is rounding, and known as such by the terms that cancelled.
+                // Where the pivot is zero, so is the momentum: there is nothing to eliminate. The remaining inertia along
+                // the axis is rounding noise, which the terms that cancelled reveal.
                 pivot = rotors[i];
                 held = body.before;
             }
@@ -102,15 +102,15 @@ fn least_pivots(model: &Model, configuration: usize, rotors: &[f64]) -> Vec<f64>
     least
 }
 
-/// The motion to be eliminated next: the order is free, and the clearest pivot keeps most digits.
-fn clearest(motions: &[Twist<f64>], pivot: impl Fn(&Twist<f64>) -> f64) -> Option<usize> {
+/// Returns the motion to eliminate next: the one with the largest pivot, which keeps most digits. The order is free.
+fn largest_pivot(motions: &[Twist<f64>], pivot: impl Fn(&Twist<f64>) -> f64) -> Option<usize> {
     let clear = |&k: &usize| pivot(&motions[k]).abs();
     (0..motions.len()).max_by(|a, b| clear(a).total_cmp(&clear(b)))
 }
 
-/// The unit motions that a joint allows its link, in the link's axes, and the link's pose in the
-/// joint's frame at these coordinates. What a set of motions spans is all that counts, so those of a
-/// universal or planar joint may be seen from any frame that the joint leads through.
+/// Returns the unit motions that a joint allows its link, in the link's axes, and the link's pose in the joint's frame at
+/// these coordinates. Only the span of the motions counts, so those of a universal or planar joint may be in any
+/// intermediate frame of the joint.
 fn motions(joint: &Joint, q: &[f64; 6]) -> (Vec<Twist<f64>>, Pose<f64>) {
     let axis = joint.axis;
     let turn = |rotation| Pose { rotation, translation: [0.0; 3] };
@@ -128,7 +128,7 @@ fn motions(joint: &Joint, q: &[f64; 6]) -> (Vec<Twist<f64>>, Pose<f64>) {
             (vec![rotation_about(second), rotation_about(first)], pose)
         }
         JointType::Planar => {
-            // The plane stays when the link turns in it.
+            // The plane is invariant when the link rotates in it.
             let [x, y, normal] = Matrix3(planar::plane(axis)).transposed().0;
             let translation = core::array::from_fn(|i| x[i] * q[0] + y[i] * q[1]);
             let pose = Pose { rotation: rotation(normal, q[2]).0, translation };
@@ -145,7 +145,7 @@ fn motions(joint: &Joint, q: &[f64; 6]) -> (Vec<Twist<f64>>, Pose<f64>) {
             };
             (motions.collect(), pose)
         }
-        // The enum may grow; such a joint must not pass for one that is fixed.
+        // The enum may grow; a new type must not be treated as fixed.
         other => unreachable!("joints of type `{}` are not known here", other.name()),
     }
 }
@@ -153,14 +153,13 @@ fn motions(joint: &Joint, q: &[f64; 6]) -> (Vec<Twist<f64>>, Pose<f64>) {
 /// The axes of a frame.
 const UNITS: [Vec3; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// A rotation of no special kind.
+/// Returns a rotation in general position.
 fn any_rotation(angles: Vec3) -> [Vec3; 3] {
     let [x, y, z]: [Matrix3<f64>; 3] = core::array::from_fn(|i| rotation(UNITS[i], angles[i]));
     x.times(&y).times(&z).0
 }
 
-/// Coordinates of no special kind, one for each degree of freedom; in the ratio of its mimic for a
-/// joint that follows.
+/// Returns coordinates in general position, one for each degree of freedom; a mimic joint's follow its ratio.
 fn coordinates(model: &Model, link: usize, configuration: usize) -> [f64; 6] {
     let start = model.v_range(link).start;
     let own: [f64; 6] = core::array::from_fn(|k| coordinate(start + k, configuration));
@@ -170,7 +169,7 @@ fn coordinates(model: &Model, link: usize, configuration: usize) -> [f64; 6] {
     }
 }
 
-/// Irregular, between 0.3 and 6.3, and the same on every host.
+/// Returns an irregular number between 0.3 and 6.3, the same on every host.
 fn coordinate(freedom: usize, configuration: usize) -> f64 {
     #[allow(clippy::cast_precision_loss)] // Precise up to 2^52 of them.
     let n = (freedom * CONFIGURATIONS + configuration) as f64;
@@ -178,34 +177,34 @@ fn coordinate(freedom: usize, configuration: usize) -> f64 {
     0.3 + 6.0 * (golden - libm::floor(golden))
 }
 
-/// The rotation by an angle about a unit vector.
+/// Returns the rotation by an angle about a unit vector.
 fn rotation(axis: Vec3, angle: f64) -> Matrix3<f64> {
     Quaternion::exp(Vector3(axis).scale(angle)).matrix()
 }
 
-/// The unit rotation about this axis through the origin.
+/// Returns the unit rotation about this axis through the origin.
 fn rotation_about(axis: Vec3) -> Twist<f64> {
     Twist { angular: Vector3(axis), linear: Vector3::zero() }
 }
 
-/// The unit translation along this axis.
+/// Returns the unit translation along this axis.
 fn translation_along(axis: Vec3) -> Twist<f64> {
     Twist { angular: Vector3::zero(), linear: Vector3(axis) }
 }
 
-/// The inertia of a link with its subtree during the elimination, and the size of the rounding in it.
+/// The inertia of a link with its descendants during the elimination, and the magnitude of its rounding errors.
 #[derive(Clone, Copy)]
 struct ArticulatedState {
-    /// With the joints of the subtree eliminated.
+    /// The inertia with the joints of all descendants eliminated.
     articulated: ArticulatedInertia<f64>,
-    /// With the joints next to the link held: the terms that cancelled in `articulated`.
+    /// The inertia with the child joints held: the terms that cancelled in `articulated`.
     before: ArticulatedInertia<f64>,
-    /// The size of the terms that moments of inertia are made of.
+    /// The magnitude of the terms in moments of inertia.
     rounding: f64,
 }
 
 impl ArticulatedState {
-    /// That of a rigid body alone.
+    /// Returns the state of a rigid body without children.
     fn of_body(inertial: &Inertial) -> Self {
         let rigid = articulated(inertial);
         let [x, y, z] = inertial.center_of_mass;
@@ -213,7 +212,7 @@ impl ArticulatedState {
         Self { articulated: rigid, before: rigid, rounding }
     }
 
-    /// A pivot along this motion that is not above this is rounding.
+    /// Returns the bound below which a pivot along this motion is rounding noise.
     fn rounding(&self, axis: &Twist<f64>) -> f64 {
         let rotates = axis.linear == Vector3::zero();
         let scale = if rotates { self.rounding } else { trace(&self.before.translational) };
@@ -221,20 +220,20 @@ impl ArticulatedState {
     }
 }
 
-/// The inertia of a rigid body about its link's origin.
+/// Returns the inertia of a rigid body about its link's origin.
 fn articulated(inertial: &Inertial) -> ArticulatedInertia<f64> {
     let Inertial { mass, center_of_mass, inertia: [xx, xy, xz, yy, yz, zz] } = *inertial;
     let about_center = Symmetric3 { xx, xy, xz, yy, yz, zz };
     RigidInertia::new(mass, Vector3(center_of_mass), &about_center).articulated()
 }
 
-/// The inertia along a motion.
+/// Returns the inertia along a motion.
 fn pivot(inertia: &ArticulatedInertia<f64>, axis: &Twist<f64>) -> f64 {
     let momentum = inertia.times(axis);
     axis.angular.dot(momentum.moment) + axis.linear.dot(momentum.force)
 }
 
-/// The inertia with the joint along `axis`, of this pivot, free to move.
+/// Returns the inertia with the joint along `axis`, of this pivot, free to move.
 fn eliminate(
     inertia: &ArticulatedInertia<f64>,
     axis: &Twist<f64>,
@@ -244,7 +243,7 @@ fn eliminate(
     ArticulatedInertia::from_fn(|i, j| inertia.entry(i, j) - momentum[i] * momentum[j] / pivot)
 }
 
-/// The inertia about the origin of the parent's frame, in which the link is at `pose`.
+/// Returns the inertia about the origin of the parent's frame, in which the link has this pose.
 fn to_parent(inertia: &ArticulatedInertia<f64>, pose: &Pose<f64>) -> ArticulatedInertia<f64> {
     inertia.rotated(&Matrix3(pose.rotation)).shifted(Vector3(pose.translation))
 }
@@ -268,7 +267,7 @@ mod tests {
         JointType::Floating,
     ];
 
-    /// Small numbers that look random.
+    /// A generator of small pseudo-random numbers.
     struct Dice(u64);
 
     impl Dice {
@@ -277,7 +276,7 @@ mod tests {
             usize::try_from(self.0 >> 40).unwrap_or(0) % n
         }
 
-        /// One of few directions, so that some axes are parallel.
+        /// Returns one of few directions, so that some axes are parallel.
         fn axis(&mut self) -> Vec3 {
             [UNITS[0], UNITS[1], UNITS[2], [0.6, 0.0, -0.8]][self.below(4)]
         }
@@ -310,17 +309,17 @@ mod tests {
             Link { name: format!("l{i}"), parent, joint, inertial }
         }
 
-        /// A chain of up to four links.
+        /// Returns a chain of up to four links.
         fn model(&mut self) -> Model {
             let links = (0..=self.below(4)).map(|i| self.link(i)).collect();
             Model::new("r", DEFAULT_GRAVITY, links, Vec::new()).expect("valid")
         }
     }
 
-    /// The mass matrix of a chain, of the bodies' Jacobians.
+    /// Returns the mass matrix of a chain, from the bodies' Jacobians.
     fn mass_matrix(model: &Model, configuration: usize) -> Vec<Vec<f64>> {
         let mut matrix = vec![vec![0.0; model.nv()]; model.nv()];
-        // The unit motions of all joints so far, seen from the link.
+        // The unit motions of all joints so far, in the link's frame.
         let mut jacobian: Vec<Twist<f64>> = Vec::new();
         for (i, link) in model.links().iter().enumerate() {
             let (own, pose) = motions(&link.joint, &coordinates(model, i, configuration));
@@ -347,7 +346,7 @@ mod tests {
         matrix
     }
 
-    /// Of elimination with the largest pivot next.
+    /// Returns the pivots of an elimination that takes the largest pivot next.
     fn pivots(mut m: Vec<Vec<f64>>) -> Vec<f64> {
         let mut left: Vec<usize> = (0..m.len()).collect();
         let mut pivots = Vec::new();
@@ -376,14 +375,14 @@ mod tests {
             let model = dice.model();
             let pivots: Vec<f64> =
                 (0..CONFIGURATIONS).flat_map(|c| pivots(mass_matrix(&model, c))).collect();
-            // Configurations that are nearly singular tell nothing.
+            // Nearly singular configurations decide nothing.
             if pivots.iter().any(|&pivot| pivot > 1e-13 && pivot < 1e-3) {
                 continue;
             }
             let singular = pivots.iter().any(|&pivot| pivot <= 1e-13);
             let found = !singular_joints(&model).is_empty();
             assert!(singular || !found, "{:#?}", model.links());
-            // Through several massless links in a row, rounding can grow beyond what is known of it.
+            // Through several consecutive massless links, rounding errors can exceed their estimate.
             let massless = |link: &Link| link.inertial.mass == 0.0;
             if model.links().windows(2).all(|pair| !pair.iter().all(massless)) {
                 assert_eq!(singular, found, "{:#?}", model.links());
@@ -393,7 +392,7 @@ mod tests {
         assert!(count.iter().all(|&n| n > 500), "{count:?}");
     }
 
-    /// The motions of a joint span what its pose can change by.
+    /// The motions of a joint span the possible changes of its pose.
     #[test]
     fn motions_are_the_changes_of_the_pose() {
         for joint_type in TYPES {
@@ -426,7 +425,7 @@ mod tests {
         }
     }
 
-    /// What of a motion is none of these.
+    /// Returns the component of a motion outside of the span of `allowed`.
     fn left_over(allowed: &[Twist<f64>], mut motion: [f64; 6]) -> [f64; 6] {
         let dot = |a: &[f64; 6], b: &[f64; 6]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let mut basis: Vec<[f64; 6]> = Vec::new();
@@ -468,8 +467,7 @@ mod tests {
         assert_eq!(singular([none, body], 0.0), [0]);
         assert_eq!(singular([none, none], 1.0), [0]);
 
-        // A massless link before a joint about the same line: that one does not give way alone if
-        // it is followed.
+        // A massless link before a joint about the same line: a mimic joint does not move without its leader.
         let mimic = Mimic { leader: 1, multiplier: 0.5, offset: 0.0 };
         for (follows, expected) in [(None, vec![0]), (Some(mimic), vec![])] {
             let mut links = vec![link(0, none, None), link(1, body, None), link(2, body, follows)];

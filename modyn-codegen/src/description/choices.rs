@@ -1,27 +1,27 @@
-//! What a user may choose about a description, and what may be added to it.
+//! The options of reading a description, and joints that options add.
 
 use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 
 use crate::diagnostics::Severity;
 
-/// What a user may choose about reading.
+/// The options of reading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOptions {
-    /// The acceleration of free fall in world axes, m/s^2; by default what the description says,
-    /// if its format can, else [`DEFAULT_GRAVITY`](modyn_runtime::model::DEFAULT_GRAVITY).
+    /// The acceleration of free fall in world axes, m/s^2. `None` takes the description's, if its format has it, else
+    /// [`DEFAULT_GRAVITY`](modyn_runtime::model::DEFAULT_GRAVITY).
     pub gravity: Option<[f64; 3]>,
-    /// How to take inertias that no rigid body has.
+    /// The severity of inertias that no rigid body has.
     pub unphysical_inertia: Severity,
-    /// How to take joints that mimic another one.
+    /// The treatment of mimic joints.
     pub mimic: Mimic,
-    /// What the root link stands on.
+    /// Whether the root link is fixed or floats.
     pub base: Base,
-    /// The rotors of joints; each replaces what the description says about its joint's.
+    /// The rotors of joints; each replaces the armature in the description.
     pub rotors: Vec<Rotor>,
-    /// Which torques damping and friction exert; `None` (not chosen) is as [`Friction::None`], with a
-    /// warning if the description has damping or friction.
+    /// The part of damping and friction that acts. `None` is [`Friction::None`], with a warning if the description has
+    /// damping or friction.
     pub friction: Option<Friction>,
-    /// What closes loops, besides what the description says.
+    /// The joints that close loops, besides those of the description.
     pub loops: Vec<Loop>,
     /// The frames of links that may touch the world.
     pub contacts: Vec<Contact>,
@@ -42,48 +42,47 @@ impl Default for ReadOptions {
     }
 }
 
-/// How to take joints that mimic another one.
+/// The treatment of mimic joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Mimic {
-    /// As it is written: the joint follows, and has no coordinate of its own.
+    /// The joint follows its leader, and has no coordinate of its own.
     #[default]
     Follow,
-    /// As if the joint did not mimic: it has a coordinate of its own.
+    /// The joint is independent: it has a coordinate of its own.
     Independent,
-    /// As an error.
+    /// A mimic joint is an error.
     Refuse,
 }
 
-/// What the root link stands on.
+/// The base of the robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Base {
-    /// It is fixed to the world.
+    /// The root link is fixed to the world.
     #[default]
     Fixed,
-    /// Nothing: a joint of type floating, called `floating_base`, is between it and the world.
+    /// The root link floats: a joint of type floating, named `floating_base`, connects it to the world.
     Floating,
 }
 
-/// The rotor that drives a joint.
+/// The rotor of a joint's drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rotor {
     /// The joint's name.
     pub joint: String,
-    /// Its inertia about its own axis, kg m^2 (or kg, for a joint that slides).
+    /// The rotor's inertia about its own axis, kg m^2 (or kg for a prismatic joint).
     pub inertia: f64,
-    /// How many times faster it turns than the joint; the joint feels the square of that times the
-    /// inertia.
+    /// The gear ratio: the rotor's velocity divided by the joint's. The armature is its square times the inertia.
     pub gear_ratio: f64,
 }
 
-/// A joint that closes a loop of joints, as `<loop_joint>` does: two frames that are held together.
+/// A joint that closes a loop, as `<loop_joint>` does: a constraint between two frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loop {
-    /// Its name, which no other joint has.
+    /// The name, which no other joint has.
     pub name: String,
-    /// What it holds; an axis may be of any length.
+    /// The relative motion that is allowed; an axis may have any length.
     pub kind: LoopConstraintKind,
     /// The two frames.
     pub ends: [LoopEnd; 2],
@@ -94,9 +93,9 @@ pub struct Loop {
 pub struct LoopEnd {
     /// The link's name.
     pub link: String,
-    /// Where the frame's origin stands on it, m.
+    /// The position of the frame's origin in the link's frame, m.
     pub xyz: [f64; 3],
-    /// How it is turned: roll, pitch and yaw, rad.
+    /// The rotation of the frame: roll, pitch and yaw, rad.
     pub rpy: [f64; 3],
 }
 

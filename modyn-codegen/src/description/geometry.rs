@@ -1,9 +1,9 @@
-//! Rotations and directions as descriptions write them.
+//! Rotations and directions in descriptions.
 
-/// Numbers of this size and above are refused: products of them could overflow.
-pub const LARGEST: f64 = 1e60;
+/// The smallest magnitude that is rejected: products of such numbers could overflow.
+pub const MAX_NUMBER: f64 = 1e60;
 
-/// `Rz(yaw) Ry(pitch) Rx(roll)`. Sines are libm's, so that every host has the same figures.
+/// Returns `Rz(yaw) Ry(pitch) Rx(roll)`. Sines are libm's, so that every host computes the same numbers.
 pub fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
     let (sr, cr) = libm::sincos(roll);
     let (sp, cp) = libm::sincos(pitch);
@@ -15,9 +15,9 @@ pub fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
     ]
 }
 
-/// A direction of unit length, and how long it was; `None` for zero.
+/// Returns the direction scaled to unit length, and its length; `None` for zero.
 pub fn normalized(axis: [f64; 3]) -> Option<([f64; 3], f64)> {
-    // Scaled first, so that no square overflows or vanishes.
+    // Scaled first, so that no square overflows or underflows.
     let largest = axis.iter().fold(0.0, |max: f64, x| max.max(x.abs()));
     if largest == 0.0 {
         return None;

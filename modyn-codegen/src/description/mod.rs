@@ -1,13 +1,13 @@
-//! A robot as a description has it: owned records with their places in the text, in the form of no format.
+//! The description of a robot: owned records with their places in the text, independent of the format.
 //!
-//! What could not be read stands in as its default, so that assembling can go on and find the next error; the report
-//! holds the reason, and no model is made of it.
+//! A value that could not be read is replaced by its default, so that assembling can continue and find the next error. The
+//! report has the reason, and no model is made of the description.
 
 mod choices;
 mod geometry;
 
 pub use choices::{Base, Contact, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
-pub use geometry::{LARGEST, normalized, roll_pitch_yaw};
+pub use geometry::{MAX_NUMBER, normalized, roll_pitch_yaw};
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Inertial, JointDynamics, Limits, LoopConstraintKind};
@@ -16,13 +16,13 @@ use rustc_hash::FxHashMap;
 
 use crate::diagnostics::Subject;
 
-/// A robot in parts.
+/// A robot as a collection of records.
 pub struct Description {
     /// The robot's name.
     pub name: String,
-    /// Where the robot begins, a byte offset.
+    /// The byte offset of the robot's element.
     pub at: usize,
-    /// The acceleration of free fall in world axes, m/s^2, if the format can say so.
+    /// The acceleration of free fall in world axes, m/s^2; `None` if the format has no gravity.
     pub gravity: Option<[f64; 3]>,
     /// The links, in the order of the text.
     pub links: Vec<LinkRecord>,
@@ -33,7 +33,7 @@ pub struct Description {
 }
 
 impl Description {
-    /// The joints' indices by their names; the first of a name counts.
+    /// Returns the joints' indices by their names; the first of equal names counts.
     pub fn joints_by_name(&self) -> FxHashMap<&str, usize> {
         let mut indices = FxHashMap::default();
         for (i, joint) in self.joints.iter().enumerate() {
@@ -42,18 +42,18 @@ impl Description {
         indices
     }
 
-    /// The names of all joints.
+    /// Returns the names of all joints.
     pub fn joint_names(&self) -> impl Iterator<Item = &str> {
         self.joints.iter().map(|joint| joint.name.text.as_str())
     }
 
-    /// The names of all links.
+    /// Returns the names of all links.
     pub fn link_names(&self) -> impl Iterator<Item = &str> {
         self.links.iter().map(|link| link.name.text.as_str())
     }
 }
 
-/// A text and the byte offset where it stands.
+/// A text and its byte offset.
 #[derive(Clone)]
 pub struct Located {
     pub text: String,
@@ -64,12 +64,12 @@ pub struct Located {
 pub struct LinkRecord {
     pub name: Located,
     pub inertial: Option<InertialRecord>,
-    /// Whether the text does not have it: it stands between two joints of one body, and is massless.
+    /// Whether the reader added the link between two joints of one body; it is massless.
     pub auxiliary: bool,
 }
 
 impl LinkRecord {
-    /// The link, for a diagnostic.
+    /// Returns the link as the subject of a diagnostic.
     pub fn subject(&self) -> Subject {
         Subject::Link(self.name.text.clone())
     }
@@ -78,11 +78,11 @@ impl LinkRecord {
 /// The inertia of a link, in the link's frame.
 pub struct InertialRecord {
     pub inertial: Inertial,
-    /// Where it stands.
+    /// The byte offset of the inertia.
     pub at: usize,
-    /// Where the mass stands.
+    /// The byte offset of the mass.
     pub mass_at: usize,
-    /// Whether all of it could be read.
+    /// Whether all its numbers could be read.
     pub sound: bool,
 }
 
@@ -90,44 +90,44 @@ pub struct InertialRecord {
 pub struct JointRecord {
     pub name: Located,
     pub kind: Kind,
-    /// The parent link; `None` where it is missing.
+    /// The parent link; `None` if it is missing.
     pub parent: Option<Located>,
-    /// The child link; `None` where it is missing.
+    /// The child link; `None` if it is missing.
     pub child: Option<Located>,
-    /// The joint's frame in that of the parent.
+    /// The joint's frame in the parent's frame.
     pub origin: Pose<f64>,
-    /// Of unit length.
+    /// The axis, of unit length.
     pub axis: [f64; 3],
-    /// A universal joint's; of unit length.
+    /// The second axis of a universal joint, of unit length.
     pub second_axis: [f64; 3],
     pub limits: Option<Limits>,
     pub mimic: Option<MimicRecord>,
     pub drive: JointDynamics,
-    /// Where the drive stands.
+    /// The byte offset of armature, damping and friction.
     pub drive_at: usize,
-    /// Whether all of it could be read.
+    /// Whether all its numbers could be read.
     pub sound: bool,
 }
 
 impl JointRecord {
-    /// The joint, for a diagnostic.
+    /// Returns the joint as the subject of a diagnostic.
     pub fn subject(&self) -> Subject {
         Subject::Joint(self.name.text.clone())
     }
 }
 
-/// What a joint does.
+/// The kind of a joint.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Kind {
     Fixed,
     Moving(JointType),
-    /// It could not be read.
+    /// A kind that could not be read.
     Unknown,
 }
 
-/// That a joint follows another one.
+/// The mimic relation of a joint.
 pub struct MimicRecord {
-    /// The joint that is followed.
+    /// The name of the leader.
     pub leader: Located,
     pub multiplier: f64,
     pub offset: f64,
@@ -136,23 +136,23 @@ pub struct MimicRecord {
 /// A joint that closes a loop, from the text or the options.
 pub struct LoopRecord {
     pub name: String,
-    /// Where it stands; `None` for an option's.
+    /// The byte offset; `None` for a joint of the options.
     pub at: Option<usize>,
-    /// `None` where it could not be read.
+    /// The relative motion that is allowed; `None` if it could not be read.
     pub kind: Option<LoopConstraintKind>,
     pub ends: [EndRecord; 2],
 }
 
 impl LoopRecord {
-    /// The joint, for a diagnostic.
+    /// Returns the joint as the subject of a diagnostic.
     pub fn subject(&self) -> Subject {
         Subject::Joint(self.name.clone())
     }
 }
 
-/// One of the two frames that a loop joint holds.
+/// One of the two frames of a loop joint.
 pub struct EndRecord {
-    /// The link's name; `None` where it is missing.
+    /// The link's name; `None` if it is missing.
     pub link: Option<String>,
     pub at: Option<usize>,
     pub pose: Pose<f64>,

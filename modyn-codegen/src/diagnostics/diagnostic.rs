@@ -1,20 +1,20 @@
-//! One diagnostic, and all of a run: severity, place, subject, message and help, and how they are shown.
+//! A diagnostic, and the diagnostics of a run: severity, place, subject, message and help, and their display.
 
 use std::fmt;
 
 use super::code::Code;
 use super::display::sanitize_for_display;
 
-/// How serious a diagnostic is.
+/// The severity of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
-    /// Nothing is compiled.
+    /// An error: nothing is compiled.
     Error,
-    /// The result stands, but probably is not what was meant.
+    /// A warning: the result is usable, but probably not what was intended.
     Warning,
 }
 
-/// A place in a text: both count from 1, columns count characters.
+/// A place in a text. Lines and columns count from 1; columns count characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Position {
     /// The line.
@@ -29,7 +29,7 @@ impl fmt::Display for Position {
     }
 }
 
-/// What a diagnostic is about.
+/// The part of the robot that a diagnostic is about.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Subject {
@@ -51,19 +51,19 @@ impl fmt::Display for Subject {
     }
 }
 
-/// One thing that is wrong, where, and what would be right.
+/// A fault: what is wrong, where, and what would be right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Diagnostic {
-    /// Whether it stops the compiler.
+    /// The severity.
     pub severity: Severity,
-    /// Its kind.
+    /// The code.
     pub code: Code,
-    /// The file, as the caller called it.
+    /// The file's name, as the caller gave it.
     pub file: Option<String>,
-    /// Where in the file.
+    /// The place in the file.
     pub position: Option<Position>,
-    /// The joint or link concerned.
+    /// The joint, link or robot.
     pub subject: Option<Subject>,
     /// What is wrong.
     pub message: String,
@@ -72,19 +72,19 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
-    /// A diagnostic without a place.
+    /// Returns a diagnostic without a place.
     pub fn new(severity: Severity, code: Code, message: impl Into<String>) -> Self {
         let (file, position, subject, help) = (None, None, None, None);
         Self { severity, code, file, position, subject, message: message.into(), help }
     }
 
-    /// An error without a place.
+    /// Returns an error without a place.
     pub fn error(code: Code, message: impl Into<String>) -> Self {
         Self::new(Severity::Error, code, message)
     }
 
-    /// The file `wanted` is at none of the places that were `tried`: that of the source file and
-    /// that of `Cargo.toml`, or the latter alone.
+    /// Returns the error that the file `wanted` does not exist at any of the places that were `tried`: the folder of the
+    /// source file and that of `Cargo.toml`, or the latter only.
     pub fn missing_file<T: fmt::Display>(wanted: impl fmt::Display, tried: &[T]) -> Self {
         use fmt::Write;
         let mut message = format!("`{wanted}` does not exist");
@@ -100,28 +100,28 @@ impl Diagnostic {
         })
     }
 
-    /// The same, in this file.
+    /// Returns the diagnostic with the name of its file.
     #[must_use]
     pub fn in_file(mut self, file: impl Into<String>) -> Self {
         self.file = Some(file.into());
         self
     }
 
-    /// The same, at this place in its file.
+    /// Returns the diagnostic with its place in the file.
     #[must_use]
     pub fn at(mut self, position: Position) -> Self {
         self.position = Some(position);
         self
     }
 
-    /// The same, about this joint or link.
+    /// Returns the diagnostic with its joint, link or robot.
     #[must_use]
-    pub fn about(mut self, subject: Subject) -> Self {
+    pub fn with_subject(mut self, subject: Subject) -> Self {
         self.subject = Some(subject);
         self
     }
 
-    /// The same, with advice.
+    /// Returns the diagnostic with advice.
     #[must_use]
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
@@ -129,9 +129,8 @@ impl Diagnostic {
     }
 }
 
-/// `robots/foo.urdf:12:7: error[negative-mass]: link `arm`: the mass is -1 kg`, then the help.
-/// In one line, and one for the help: names in it may hold line breaks, which would command a terminal or
-/// end a comment.
+/// Writes `robots/foo.urdf:12:7: error[negative-mass]: link `arm`: the mass is -1 kg`, then the help on a line of its own.
+/// Line breaks and control characters in names are replaced: they could command a terminal or end a comment.
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.write_place(f)?;
@@ -149,8 +148,8 @@ impl fmt::Display for Diagnostic {
 }
 
 impl Diagnostic {
-    /// Its text for a tool that writes `error: ` itself, such as rustc: `robots/foo.urdf:12:7: link `arm`: the mass is
-    /// -1 kg [negative-mass]`, then the help.
+    /// Returns the text for a tool that writes `error: ` itself, such as rustc: `robots/foo.urdf:12:7: link `arm`: the mass
+    /// is -1 kg [negative-mass]`, then the help.
     #[must_use]
     pub fn without_severity(&self) -> impl fmt::Display + '_ {
         WithoutSeverity(self)
@@ -191,54 +190,54 @@ impl fmt::Display for WithoutSeverity<'_> {
 
 impl std::error::Error for Diagnostic {}
 
-/// All that is wrong, errors before warnings, each in the order of their positions.
+/// The diagnostics of a run: errors before warnings, each in the order of their places.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct Diagnostics(Vec<Diagnostic>);
 
 impl Diagnostics {
-    /// These, put in order.
+    /// Returns these diagnostics in order.
     #[must_use]
     pub fn new(mut diagnostics: Vec<Diagnostic>) -> Self {
         diagnostics.sort_by_key(|d| (d.severity, d.position));
         Self(diagnostics)
     }
 
-    /// The most that are shown to a user.
+    /// The largest number that is shown to a user.
     pub const SHOWN: usize = 100;
 
-    /// What stands for those that are not shown, of so many.
+    /// Returns the line that replaces the diagnostics that are not shown, of `count` in total.
     #[must_use]
-    pub(crate) fn more(count: usize) -> Option<String> {
+    pub(crate) fn count_hidden(count: usize) -> Option<String> {
         let more = count.checked_sub(Self::SHOWN).filter(|&more| more > 0)?;
         Some(format!("... and {more} more"))
     }
 
-    /// Whether there is an error among them.
+    /// Returns whether there is an error.
     #[must_use]
     pub fn has_errors(&self) -> bool {
         self.0.first().is_some_and(|d| d.severity == Severity::Error)
     }
 
-    /// All of them.
+    /// Returns all diagnostics, in order.
     #[must_use]
     pub fn as_slice(&self) -> &[Diagnostic] {
         &self.0
     }
 
-    /// All of them, in order.
+    /// Returns an iterator over all diagnostics, in order.
     pub fn iter(&self) -> std::slice::Iter<'_, Diagnostic> {
         self.0.iter()
     }
 
-    /// All of them, by value.
+    /// Returns all diagnostics by value.
     #[must_use]
     pub fn into_vec(self) -> Vec<Diagnostic> {
         self.0
     }
 }
 
-/// As for a user: a build script whose `main` returns diagnostics prints this after `Error: `. So their number comes
-/// first, in a line of its own.
+/// Writes the diagnostics for a user: a build script whose `main` returns them prints this text after `Error: `. Their
+/// number therefore comes first, on a line of its own.
 impl fmt::Debug for Diagnostics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let count = |severity, one: &str| {
@@ -277,7 +276,7 @@ impl<'a> IntoIterator for &'a Diagnostics {
     }
 }
 
-/// The first [`Diagnostics::SHOWN`] of them, and how many more there are.
+/// Writes the first [`Diagnostics::SHOWN`] diagnostics, and the number of the others.
 impl fmt::Display for Diagnostics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, diagnostic) in self.0.iter().take(Self::SHOWN).enumerate() {
@@ -286,7 +285,7 @@ impl fmt::Display for Diagnostics {
             }
             write!(f, "{diagnostic}")?;
         }
-        if let Some(more) = Self::more(self.0.len()) {
+        if let Some(more) = Self::count_hidden(self.0.len()) {
             write!(f, "\n{more}")?;
         }
         Ok(())
@@ -304,7 +303,7 @@ mod tests {
         let diagnostic = Diagnostic::error(Code::NegativeMass, "the mass is -1 kg")
             .in_file("robots/foo.urdf")
             .at(Position { line: 12, column: 7 })
-            .about(Subject::Link("arm".into()))
+            .with_subject(Subject::Link("arm".into()))
             .with_help("write a mass of at least 0");
         assert_eq!(
             diagnostic.to_string(),
@@ -315,7 +314,7 @@ mod tests {
             "error[missing-file]: `a.urdf` does not exist; tried `src/a.urdf`, `a.urdf`\n"
         ));
         assert!(missing.contains("source file"), "{missing}");
-        // A build script has no place but one.
+        // A build script has a single place to look.
         let missing = Diagnostic::missing_file("a.urdf", &["a.urdf"]).to_string();
         assert!(!missing.contains("source file") && missing.contains("Cargo.toml"), "{missing}");
     }
@@ -326,7 +325,7 @@ mod tests {
         let diagnostic = Diagnostic::error(Code::NegativeMass, "the mass is -1 kg")
             .in_file("robots/foo.urdf")
             .at(Position { line: 12, column: 7 })
-            .about(Subject::Link("arm".into()))
+            .with_subject(Subject::Link("arm".into()))
             .with_help("write a mass of at least 0");
         assert_eq!(
             diagnostic.without_severity().to_string(),

@@ -1,13 +1,13 @@
-//! Text of a description where others read it: names may hold anything.
+//! Makes names of a description safe to display; they may contain any character.
 
-/// `text` in one line, and as it looks: a line break would end a comment, a control character command
-/// a terminal, and rustc denies characters that change the direction of what follows them.
+/// Returns `text` on one line, with invisible characters replaced. A line break would end a comment, a control character
+/// could command a terminal, and rustc rejects characters that change the direction of text.
 #[must_use]
 pub fn sanitize_for_display(text: &str) -> String {
     text.replace(|c: char| c.is_control() || is_invisible(c), "\u{fffd}")
 }
 
-/// Characters that show nothing themselves: marks of direction, joiners, separators of lines.
+/// Returns whether a character is invisible: marks of direction, joiners, separators of lines.
 fn is_invisible(c: char) -> bool {
     matches!(c,
         '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'

@@ -1,11 +1,10 @@
-//! Where something stands: byte offsets to lines and columns.
+//! The conversion of byte offsets to lines and columns.
 
 use super::diagnostic::Position;
 
 /// The lines of a text.
 ///
-/// A file may be one line of a million characters, so both line and column are looked up in
-/// sorted tables instead of counted.
+/// A file may be one line of a million characters, so line and column are found by binary search.
 pub struct LineIndex {
     /// Where each line begins.
     starts: Vec<usize>,
@@ -14,7 +13,7 @@ pub struct LineIndex {
 }
 
 impl LineIndex {
-    /// Those of this text.
+    /// Returns the lines of this text.
     pub fn of(text: &str) -> Self {
         let mut starts = vec![0];
         let mut continuations = Vec::new();
@@ -28,7 +27,7 @@ impl LineIndex {
         Self { starts, continuations }
     }
 
-    /// Line and column of the character at this byte.
+    /// Returns line and column of the character at this byte.
     pub fn position(&self, offset: usize) -> Position {
         let line = self.starts.partition_point(|&start| start <= offset);
         let start = self.starts[line - 1];

@@ -1,16 +1,16 @@
-//! Collects what is wrong while reading goes on.
+//! The report: diagnostics that are collected while reading continues.
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Position, Severity, Subject};
 use super::line_index::LineIndex;
 
-/// A byte offset in the text, if there is a text, and the joint or link that is there.
+/// A byte offset in the text, if there is a text, and the joint or link at it.
 pub type Place = (Option<usize>, Option<Subject>);
 
-/// How many of the other places a warning about many names.
+/// The number of other places that a warning about several places names.
 const SHOWN_PLACES: usize = 3;
 
-/// The diagnostics of one file, or of a model that was not read from one.
+/// The diagnostics of one file, or of a model without a file.
 pub struct Report<'a> {
     file: Option<&'a str>,
     lines: LineIndex,
@@ -19,23 +19,23 @@ pub struct Report<'a> {
 }
 
 impl<'a> Report<'a> {
-    /// None yet.
+    /// Returns an empty report about a file.
     pub fn new(text: &str, file: &'a str) -> Self {
         let lines = LineIndex::of(text);
         Self { file: Some(file), lines, diagnostics: Vec::new(), errors: 0 }
     }
 
-    /// None yet, and no file that they could be in.
+    /// Returns an empty report about a model without a file.
     pub fn without_file() -> Self {
         Self { file: None, lines: LineIndex::of(""), diagnostics: Vec::new(), errors: 0 }
     }
 
-    /// Where the byte at this offset stands.
+    /// Returns the position of the byte at this offset.
     pub fn position(&self, offset: usize) -> Position {
         self.lines.position(offset)
     }
 
-    /// Takes an error at this byte; without a place, it is about an option or a model.
+    /// Adds an error at this byte; without a place, it is about an option or a model.
     pub fn error(
         &mut self,
         code: Code,
@@ -47,7 +47,7 @@ impl<'a> Report<'a> {
         self.add(Severity::Error, code, offset, subject, message, help);
     }
 
-    /// Takes a diagnostic at this byte.
+    /// Adds a diagnostic at this byte.
     pub fn add(
         &mut self,
         severity: Severity,
@@ -63,8 +63,8 @@ impl<'a> Report<'a> {
         self.push(diagnostic);
     }
 
-    /// Takes one warning for all these places, which a real file may have by the dozen: at the first
-    /// place, with the number of the others and the lines of some. None for no places.
+    /// Adds one warning for all these places, of which a real file may have dozens: at the first place, with the number of
+    /// the others and the lines of some. Adds nothing if there are no places.
     pub fn warn_once(&mut self, code: Code, places: &[Place], message: &str, help: &str) {
         let Some(((at, subject), others)) = places.split_first() else { return };
         let shown: Vec<String> = others
@@ -90,7 +90,7 @@ impl<'a> Report<'a> {
         self.add(Severity::Warning, code, *at, subject.as_ref(), message, help);
     }
 
-    /// Takes a diagnostic of this file.
+    /// Adds a diagnostic of this file.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         self.errors += usize::from(diagnostic.severity == Severity::Error);
         self.diagnostics.push(match self.file {
@@ -99,12 +99,12 @@ impl<'a> Report<'a> {
         });
     }
 
-    /// How many errors there are.
+    /// Returns the number of errors.
     pub fn errors(&self) -> usize {
         self.errors
     }
 
-    /// All diagnostics.
+    /// Returns all diagnostics.
     pub fn finish(self) -> Vec<Diagnostic> {
         self.diagnostics
     }

@@ -1,6 +1,6 @@
-//! What a misspelt name probably meant.
+//! Suggestions for misspelt names.
 
-/// The candidate that differs from `name` by a letter or two; the first of equally near ones.
+/// Returns the candidate that differs from `name` by one or two letters; the first of equally close ones.
 pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let name: Vec<char> = name.chars().flat_map(char::to_lowercase).take(80).collect();
     let allowed = if name.len() < 4 { 1 } else { 2 };
@@ -18,8 +18,7 @@ pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     best.map(|(_, candidate)| candidate)
 }
 
-/// What the first misspelt names of a file meant; each is a search through all names, so there is
-/// an end to it.
+/// Suggestions for the first misspelt names of a file. Each is a search through all names, so their number is limited.
 pub struct Suggestions(usize);
 
 impl Suggestions {
@@ -27,7 +26,7 @@ impl Suggestions {
         Self(20)
     }
 
-    /// The same as [`suggest`], or nothing once there were enough.
+    /// Returns the same as [`suggest`]; `None` after the limit.
     pub fn suggest<'a>(
         &mut self,
         name: &str,
@@ -38,7 +37,7 @@ impl Suggestions {
     }
 }
 
-/// How many letters have to be put in, taken out or changed.
+/// Returns the number of letters to insert, delete or replace.
 fn distance(a: &[char], b: &[char]) -> usize {
     let mut row: Vec<usize> = (0..=b.len()).collect();
     for (i, x) in a.iter().enumerate() {

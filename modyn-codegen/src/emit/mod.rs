@@ -1,4 +1,4 @@
-//! Back ends: from a [`Plan`] to text. Each language has a folder, which decides nothing.
+//! Back ends: from a [`Plan`] to text, one folder for each language. Back ends make no decisions.
 
 mod c;
 mod rust;
@@ -12,7 +12,7 @@ use crate::diagnostics::Diagnostic;
 use crate::names;
 use crate::plan::{Choices, Function, Plan, Planned, Strategy};
 
-/// The scalar that generated functions are concrete in.
+/// The scalar of the generated type's own functions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FloatType {
     /// Double precision.
@@ -23,7 +23,7 @@ pub enum FloatType {
 }
 
 impl FloatType {
-    /// Its name in Rust.
+    /// Returns the scalar's name in Rust.
     fn name(self) -> &'static str {
         match self {
             Self::F64 => "f64",
@@ -32,33 +32,33 @@ impl FloatType {
     }
 }
 
-/// The options that the text depends on besides the model.
+/// The options that the text depends on, besides the model.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct EmitOptions {
-    /// The name of the type; made from the model's name if `None`.
+    /// The name of the type; `None` derives it from the model's name.
     pub type_name: Option<String>,
-    /// Its visibility: `pub`, `pub(crate)` or nothing.
+    /// The visibility of the type: `pub`, `pub(crate)` or nothing.
     pub visibility: String,
     /// The path of the crate `modyn`.
     pub krate: String,
     /// The scalar of the type's own functions.
     pub float: FloatType,
-    /// Whether the text carries the part of the runtime that it needs, and depends on `core` alone.
+    /// Whether the text carries the parts of the runtime that it needs, and depends on `core` only.
     pub self_contained: bool,
-    /// The prefix of functions that C can call; there are none if `None`.
+    /// The prefix of functions for C; `None` for no such functions.
     pub c_prefix: Option<String>,
-    /// The functions that it has.
+    /// The selected functions.
     pub functions: Vec<Function>,
     /// Whether gravity is an argument.
     pub runtime_gravity: bool,
-    /// Whether equal limbs run through one function.
+    /// Whether equal limbs share one function.
     pub share: bool,
-    /// The links, as indices into the model's frames, whose own inertia is an argument.
+    /// The links whose own inertia is an argument, as indices into the model's frames.
     pub runtime_inertia: Vec<usize>,
-    /// The links, as indices into the model's frames, to which an inertia is added that is an argument.
+    /// The links with a payload that is an argument, as indices into the model's frames.
     pub payload: Vec<usize>,
-    /// Warnings about the description, for the documentation.
+    /// The warnings about the description, for the documentation.
     pub warnings: Vec<Diagnostic>,
 }
 
@@ -82,8 +82,8 @@ impl Default for EmitOptions {
 }
 
 impl EmitOptions {
-    /// The plan for these options. A file of its own has neither vectors nor batches, which are the runtime's.
-    fn plan(&self, model: &Model, modules: &ModuleTree) -> Plan {
+    /// Returns the plan for these options. Self-contained files have neither vectors nor batches, which need the runtime.
+    pub(crate) fn plan(&self, model: &Model, modules: &ModuleTree) -> Plan {
         let strategy = match (self.share, self.self_contained) {
             (true, _) => Strategy::Routines,
             (false, true) => Strategy::Scalar,
@@ -100,30 +100,30 @@ impl EmitOptions {
         Plan::new(model, modules, &choices)
     }
 
-    /// The type's name.
+    /// Returns the type's name.
     fn type_name(&self, model: &Model) -> String {
         self.type_name.clone().unwrap_or_else(|| names::type_name(model.name()))
     }
 }
 
-/// The text, and what is worth reporting about it.
+/// The generated text, and information about it.
 #[non_exhaustive]
 pub struct Emitted {
     /// Rust items.
     pub text: String,
-    /// The header of the functions for C, if there are some.
+    /// The header of the functions for C; `None` without such functions.
     pub c_header: Option<String>,
     /// The name of the type.
     pub type_name: String,
-    /// The operations of a call of each function, by name.
+    /// The operations of one call of each function, by name.
     pub operations: Vec<(&'static str, OperationCount)>,
-    /// The operations in the text of each function of one state, by name: all that it may call.
+    /// The operations in the text of each function of one state, by name.
     pub static_operations: Vec<(&'static str, OperationCount)>,
-    /// The modules of the forward recursion, and the operations of each candidate.
+    /// The modules of forward dynamics, and the operations of each candidate.
     pub partition: (ModuleTree, Vec<(&'static str, usize)>),
 }
 
-/// Compiles `model` to Rust.
+/// Returns the Rust text of `model`.
 #[must_use]
 pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitted {
     let (plan, type_name) = (options.plan(model, modules), options.type_name(model));
@@ -136,8 +136,8 @@ pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitt
     Emitted { text, c_header, type_name, operations, static_operations, partition }
 }
 
-/// Compiles `model` to C99: a header and a source file. Equal limbs run through one function if `options` say so. The
-/// header file is called `header`; by default after the robot's type.
+/// Returns the C99 text of `model`: a header and a source file. `header` is the name of the header's file; by default it
+/// is derived from the type's name. Equal limbs share one function if `options` select it.
 #[must_use]
 pub fn emit_c(
     model: &Model,

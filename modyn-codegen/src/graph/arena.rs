@@ -1,16 +1,16 @@
-//! The arena of nodes, and the rewrites made while it grows.
+//! The arena of nodes, and the rewrites that are made while it grows.
 
 use super::table::Table;
 
-/// Index of a node in its graph; operands always stand before their users.
+/// The index of a node in its graph; operands come before their users.
 pub type Id = u32;
 
-/// An operation on nodes that stand before it.
+/// An operation on earlier nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Node {
-    /// A constant, by its bits: equal bits are the same node.
+    /// A constant, by its bits: constants with equal bits are the same node.
     Constant(u64),
-    /// The input of that number.
+    /// The input with this number.
     Input(u32),
     /// -a
     Neg(Id),
@@ -28,25 +28,24 @@ pub enum Node {
     Cos(Id),
     /// The angle from the x axis to the point (b, a).
     Atan2(Id, Id),
-    /// Square root of a.
+    /// The square root of a.
     Sqrt(Id),
-    /// Natural logarithm of a.
+    /// The natural logarithm of a.
     Ln(Id),
     /// |a|
     Abs(Id),
     /// The larger of a and b.
     Max(Id, Id),
-    /// b where a >= 0, else c.
+    /// b if a >= 0, else c.
     Select(Id, Id, Id),
-    /// The lanes of a, then those of b: so many together, half of them each (one number stands for
-    /// all of its half).
+    /// A pack of this many lanes: the first half are the lanes of a, the second half those of b. A scalar fills its half.
     Pack(Id, Id, u8),
-    /// The number in that lane of a.
+    /// This lane of a.
     ExtractLane(Id, u8),
 }
 
 impl Node {
-    /// The same operation on other nodes.
+    /// Returns the same operation on other nodes.
     #[must_use]
     pub fn map(self, f: impl Fn(Id) -> Id) -> Self {
         match self {
@@ -69,7 +68,7 @@ impl Node {
         }
     }
 
-    /// The nodes it is made of.
+    /// Returns the operands.
     pub fn operands(self) -> impl Iterator<Item = Id> {
         let (ids, count) = match self {
             Self::Constant(_) | Self::Input(_) => ([0; 3], 0),
@@ -93,7 +92,7 @@ impl Node {
     }
 }
 
-/// The operands of a node, from the first to the last.
+/// The operands of a node, in order.
 struct Operands {
     ids: [Id; 3],
     next: usize,
@@ -114,40 +113,40 @@ impl Iterator for Operands {
 
 /// Expressions over numbered inputs, with some of them as outputs.
 ///
-/// A node is a number, or several side by side: lanes, which an operation treats alike. A number
-/// among lanes stands for all of them.
+/// A node is a scalar or a pack of lanes. An operation acts on each lane. A scalar operand of an operation on packs is
+/// broadcast to all lanes.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
-    /// By node: how many lanes it has; 1 for a number.
+    /// The number of lanes of each node; 1 for a scalar.
     widths: Vec<u8>,
     known: Table,
-    /// Whether some node has several lanes.
+    /// Whether any node has several lanes.
     has_lanes: bool,
-    /// The nodes that are wanted.
+    /// The nodes of the results.
     pub outputs: Vec<Id>,
 }
 
 impl Graph {
-    /// All nodes, operands before users.
+    /// Returns all nodes, operands before users.
     #[must_use]
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
     }
 
-    /// The node `id`.
+    /// Returns the node `id`.
     #[must_use]
     pub fn node(&self, id: Id) -> Node {
         self.nodes[id as usize]
     }
 
-    /// How many lanes a node has; 1 for a number.
+    /// Returns the number of lanes of a node; 1 for a scalar.
     #[must_use]
     pub fn width(&self, id: Id) -> u8 {
         self.widths[id as usize]
     }
 
-    /// Which nodes the outputs need.
+    /// Returns, for each node, whether the outputs need it.
     #[must_use]
     pub fn live(&self) -> Vec<bool> {
         let mut live = vec![false; self.nodes.len()];
@@ -162,7 +161,7 @@ impl Graph {
         live
     }
 
-    /// How often each node is used by live nodes and outputs.
+    /// Returns, for each node, the number of uses by live nodes and outputs.
     #[must_use]
     pub fn uses(&self) -> Vec<u32> {
         let live = self.live();
@@ -176,7 +175,7 @@ impl Graph {
         uses
     }
 
-    /// The value of a constant node.
+    /// Returns the value of a constant node; `None` for other nodes.
     #[must_use]
     pub fn value(&self, id: Id) -> Option<f64> {
         match self.node(id) {
@@ -185,7 +184,7 @@ impl Graph {
         }
     }
 
-    /// The node, if the graph has it.
+    /// Returns the node's index, if the graph has it.
     #[must_use]
     pub fn find(&self, node: Node) -> Option<Id> {
         self.known.find(node, &self.nodes)
@@ -213,12 +212,12 @@ impl Graph {
         (self.nodes.len() - 1) as Id
     }
 
-    /// The lanes of the operand that has most; 1 without operands.
+    /// Returns the largest number of lanes of an operand; 1 without operands.
     fn widest_operand(&self, node: Node) -> u8 {
         node.operands().map(|operand| self.width(operand)).max().unwrap_or(1)
     }
 
-    /// Makes `node`, whose operands are nodes of this graph, or finds what it equals.
+    /// Returns the index of `node`, whose operands are nodes of this graph; creates it unless the graph has an equal node.
     pub fn make(&mut self, node: Node) -> Id {
         if let Some(folded) = self.fold_lanes(node) {
             return folded;
@@ -244,7 +243,7 @@ impl Graph {
         }
     }
 
-    /// What an operation on constants comes to, lane by lane, where some are lanes of constants.
+    /// Returns an operation on constants, folded lane by lane, if some operands are packs of constants.
     fn fold_lanes(&mut self, node: Node) -> Option<Id> {
         if !self.has_lanes
             || matches!(
@@ -270,7 +269,7 @@ impl Graph {
         Some(self.pack_all(&lanes))
     }
 
-    /// Whether it is a constant, or lanes of constants.
+    /// Returns whether the node is a constant or a pack of constants.
     #[must_use]
     pub fn is_constant(&self, id: Id) -> bool {
         match self.node(id) {
@@ -280,7 +279,7 @@ impl Graph {
         }
     }
 
-    /// The number that was put into a lane; the node itself if it is not made so.
+    /// Returns the node that was packed into a lane; the node itself if it is no pack.
     #[must_use]
     pub fn packed_at(&self, id: Id, lane: u8) -> Id {
         match self.node(id) {
@@ -290,7 +289,7 @@ impl Graph {
         }
     }
 
-    /// Numbers side by side, a power of two of them.
+    /// Returns the pack of these nodes, whose number is a power of two.
     fn pack_all(&mut self, numbers: &[Id]) -> Id {
         let [number] = numbers else {
             let (a, b) = numbers.split_at(numbers.len() / 2);
@@ -316,7 +315,7 @@ impl Graph {
         }
     }
 
-    /// A constant; the two zeros are one.
+    /// Returns the node of a constant; the two zeros are the same node.
     pub fn constant(&mut self, value: f64) -> Id {
         self.insert(Node::Constant((value + 0.0).to_bits()))
     }

@@ -1,4 +1,4 @@
-//! Counting operations.
+//! The number of operations of a graph.
 
 use std::collections::BTreeSet;
 
@@ -7,8 +7,8 @@ use modyn_runtime::OperationCount;
 use super::{Graph, Node};
 
 impl Graph {
-    /// The operations that the outputs need; one on lanes counts once, putting them together and
-    /// apart does not.
+    /// Returns the operations that the outputs need. An operation on lanes counts once; packing and extracting lanes do not
+    /// count.
     #[must_use]
     pub fn count(&self) -> OperationCount {
         let mut count = OperationCount::default();

@@ -1,19 +1,19 @@
-//! Evaluating a graph on numbers.
+//! The evaluation of a graph on numbers.
 
 use modyn_runtime::Scalar;
 
 use super::{Graph, Id, Node};
 
 impl Graph {
-    /// The outputs for these inputs.
+    /// Returns the outputs for these inputs.
     ///
     /// # Panics
     ///
-    /// If an input that the outputs need is not there.
+    /// If an input that the outputs need is missing.
     #[must_use]
     pub fn evaluate<S: Scalar>(&self, inputs: &[S]) -> Vec<S> {
         let live = self.live();
-        // By node, its lanes.
+        // For each node, its lanes.
         let mut values: Vec<Vec<S>> = Vec::with_capacity(self.nodes().len());
         for (i, node) in self.nodes().iter().enumerate() {
             let lanes = if live[i] { usize::from(self.width(i as Id)) } else { 0 };
@@ -24,9 +24,9 @@ impl Graph {
         self.outputs.iter().map(|&id| values[id as usize][0]).collect()
     }
 
-    /// One lane of a node.
+    /// Returns one lane of a node.
     fn lane_of<S: Scalar>(&self, node: Node, lane: usize, values: &[Vec<S>], inputs: &[S]) -> S {
-        // A number stands for all lanes.
+        // A scalar has the same value in all lanes.
         let of = |id: Id, lane: usize| match &*values[id as usize] {
             [number] => *number,
             lanes => lanes[lane],

@@ -12,7 +12,7 @@ use super::{Graph, Id, Node};
 /// The graph that a thread is tracing.
 #[derive(Default)]
 struct Trace {
-    /// Which trace it is; 0 outside of any.
+    /// The number of the trace; 0 outside of any trace.
     number: u32,
     graph: Graph,
     /// Whether an expression of another trace was used.
@@ -23,13 +23,13 @@ thread_local! {
     static TRACED: RefCell<Trace> = RefCell::default();
 }
 
-/// The number of the next trace, of any thread: expressions may be sent to others.
+/// The number of the next trace of any thread, since expressions may be sent to other threads.
 static NEXT: AtomicU32 = AtomicU32::new(1);
 
-/// A number that is not known yet: a node of the graph being traced.
+/// A symbolic number: a node of the graph that is being traced.
 ///
-/// An expression belongs to the trace in which it was made. What is computed from an expression of another
-/// trace has no meaning; [`Graph::try_trace`] then returns an error.
+/// An expression belongs to the trace in which it was created. Expressions of another trace have no meaning;
+/// [`Graph::try_trace`] returns an error if one is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Expr {
     id: Id,
@@ -43,7 +43,7 @@ pub struct ForeignExpr;
 impl fmt::Display for ForeignExpr {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(
-            "an expression was used in another trace than its own: make inputs and constants in the \
+            "an expression of another trace was used: create inputs and constants in the \
              function that `Graph::trace` runs, and return the outputs from there",
         )
     }
@@ -52,15 +52,13 @@ impl fmt::Display for ForeignExpr {
 impl std::error::Error for ForeignExpr {}
 
 impl Graph {
-    /// Runs `equations` on expressions; `equations` makes its inputs with [`Expr::input`] and
-    /// returns its outputs.
+    /// Returns the graph of `equations`, which create their inputs with [`Expr::input`] and return their outputs.
     ///
-    /// A trace inside a trace starts afresh; the outer one then goes on where it was.
+    /// A trace inside a trace starts a graph of its own; the outer trace continues afterwards.
     ///
     /// # Errors
     ///
-    /// If `equations` uses or returns an expression of another trace: it would silently name another
-    /// node of this graph.
+    /// If `equations` use or return an expression of another trace, which would refer to an unrelated node of this graph.
     pub fn try_trace(equations: impl FnOnce() -> Vec<Expr>) -> Result<Self, ForeignExpr> {
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
         let outer = TRACED.replace(Trace { number, ..Trace::default() });
@@ -71,29 +69,29 @@ impl Graph {
         if foreign { Err(ForeignExpr) } else { Ok(graph) }
     }
 
-    /// The same for equations that are known to keep to their own expressions, as all of modyn's are.
+    /// Returns the graph of `equations` that use their own expressions only, as all equations of modyn do.
     ///
     /// # Panics
     ///
-    /// Where [`try_trace`](Self::try_trace) returns an error.
+    /// If [`try_trace`](Self::try_trace) returns an error.
     pub fn trace(equations: impl FnOnce() -> Vec<Expr>) -> Self {
         Self::try_trace(equations).unwrap_or_else(|error| panic!("{error}"))
     }
 }
 
 impl Expr {
-    /// The input of that number.
+    /// Returns the input with this number.
     #[must_use]
     pub fn input(number: usize) -> Self {
         let number = u32::try_from(number).expect("fewer than 2^32 inputs");
         Self::make([], |[]| Node::Input(number))
     }
 
-    /// Numbers side by side; the last one fills them up to a power of two.
+    /// Returns the pack of these numbers; copies of the last one fill it up to a power of two.
     ///
     /// # Panics
     ///
-    /// If there are none, or more than 128.
+    /// If `numbers` is empty, or has more than 128 entries.
     #[must_use]
     pub fn pack(numbers: &[Self]) -> Self {
         fn filled(numbers: &[Expr], lanes: usize) -> Expr {
@@ -110,21 +108,21 @@ impl Expr {
         filled(numbers, numbers.len().next_power_of_two())
     }
 
-    /// The number in a lane.
+    /// Returns one lane of a pack.
     #[must_use]
     pub fn extract_lane(self, lane: usize) -> Self {
         let lane = u8::try_from(lane).expect("few lanes");
         Self::make([self], |[a]| Node::ExtractLane(a, lane))
     }
 
-    /// The node of these operands.
+    /// Returns the node of these operands.
     fn make<const N: usize>(operands: [Self; N], node: impl FnOnce([Id; N]) -> Node) -> Self {
         TRACED.with_borrow_mut(|Trace { number, graph, foreign }| {
             let ids = operands.map(|operand| {
                 if operand.trace == *number {
                     return operand.id;
                 }
-                // A node of this graph, whichever: the trace has failed.
+                // Any node of this graph will do: the trace has failed.
                 *foreign = true;
                 graph.make(Node::Constant(0))
             });
@@ -154,7 +152,7 @@ impl Mul for Expr {
     }
 }
 
-/// By the reciprocal, which the graph has once for all that is divided by the same.
+/// Division multiplies by the reciprocal, which the graph has once for all divisions by the same number.
 impl Div for Expr {
     type Output = Self;
     #[allow(clippy::suspicious_arithmetic_impl)]
@@ -218,7 +216,7 @@ impl LaneScalar for Expr {
     }
 
     fn sum_lanes(self, lanes: Range<usize>) -> Self {
-        // In pairs: as few additions one behind the other as can be.
+        // Pairwise, so that the chain of dependent additions is short.
         fn sum(x: Expr, lanes: Range<usize>) -> Expr {
             if lanes.len() == 1 {
                 return x.extract_lane(lanes.start);

@@ -1,14 +1,14 @@
-//! Finding a node in a graph: a hash table with open addressing.
+//! The lookup of nodes in a graph: a hash table with open addressing.
 //!
-//! The compiler runs unoptimised in macros and build scripts. There the standard library's table takes several times as
-//! long as these few lines without generics, and most of the time of tracing was its own.
+//! The compiler runs unoptimised in macros and build scripts. There the standard library's hash table takes several times
+//! as long as this one without generics, and dominated the time of tracing.
 
 use super::{Id, Node};
 
-/// The nodes of a graph by what they are. The graph keeps the nodes themselves.
+/// The nodes of a graph by their content. The graph stores the nodes themselves.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Table {
-    /// A power of two of places, at most half of them full: the upper half of a node's hash, then its index plus one.
+    /// A power of two of slots, at most half of them full: the upper half of a node's hash, then its index plus one.
     places: Vec<u64>,
     full: usize,
 }
@@ -16,7 +16,7 @@ pub(super) struct Table {
 const INDEX: u64 = u32::MAX as u64;
 
 impl Table {
-    /// The index of `node`, if it is among `nodes`, which were all inserted.
+    /// Returns the index of `node`, if it is among `nodes`, all of which were inserted.
     pub fn find(&self, node: Node, nodes: &[Node]) -> Option<Id> {
         if self.places.is_empty() {
             return None;
@@ -39,7 +39,7 @@ impl Table {
         }
     }
 
-    /// Adds the last of `nodes`, which is not among the others.
+    /// Inserts the last of `nodes`, which must differ from the others.
     pub fn insert_last(&mut self, nodes: &[Node]) {
         if 2 * (self.full + 1) > self.places.len() {
             self.places = vec![0; (4 * (self.full + 1)).next_power_of_two().max(64)];
@@ -64,7 +64,7 @@ impl Table {
     }
 }
 
-/// A hash whose lower and upper bits are good.
+/// Returns a hash whose lower and upper bits are well distributed.
 fn hash(node: Node) -> u64 {
     let (kind, a, b) = match node {
         Node::Constant(bits) => (1, bits, 0),
@@ -94,7 +94,7 @@ fn hash(node: Node) -> u64 {
 mod tests {
     use super::*;
 
-    /// All kinds of nodes, on small and large operands, are found where they are and nowhere else.
+    /// Nodes of all kinds, on small and large operands, are found at their index and nowhere else.
     #[test]
     fn every_node_is_found_by_itself_alone() {
         let mut nodes = Vec::new();
@@ -117,7 +117,7 @@ mod tests {
                 nodes.extend([Node::Select(a, b, 0), Node::Select(a, b, 7)]);
             }
         }
-        // A constant of the bits 0 came twice.
+        // The constant with bits 0 was listed twice.
         nodes.dedup();
         let mut table = Table::default();
         for known in 0..nodes.len() {
@@ -130,7 +130,7 @@ mod tests {
         assert_eq!(table.find(Node::Neg(77), &nodes), None);
     }
 
-    /// Operands that follow each other, as they do in a graph, are spread over the table.
+    /// Consecutive operands, as in a graph, are spread over the table.
     #[test]
     fn neighbours_are_spread() {
         let count = 1 << 12;
@@ -138,7 +138,7 @@ mod tests {
         for a in 0..64 {
             places.extend((0..64).map(|b| hash(Node::Mul(a, 1000 + b)) as usize & (2 * count - 1)));
         }
-        // At random a fifth of them would share a place with an earlier one.
+        // With random places a fifth of them would coincide with an earlier one.
         assert!(places.len() > count * 3 / 4, "{}", places.len());
     }
 }

@@ -1,14 +1,13 @@
-//! Sums of several terms in the order in which these are known, and in pairs where the result waits for
-//! them.
+//! Balances sums of several terms: terms are added in the order in which they are ready, and in pairs where the result is
+//! on the critical path.
 //!
-//! Straight-line code of a few hundred operations takes as long as the longest way through it. A sum of
-//! n terms takes n - 1 additions in any order; products in it are fused, but for one in each part that is
-//! summed up by itself. So parts are made only where the longest ways go.
+//! The run time of straight-line code of a few hundred operations is its critical path. A sum of n terms needs n - 1
+//! additions in any order. Products are fused into additions, except one in each partial sum. Partial sums are therefore
+//! made only on critical paths.
 
 use crate::graph::{Graph, Id, Node};
 
-/// Cycles until a result can be used: of today's processors, to which a cycle more or less makes no
-/// difference here.
+/// Cycles until a result can be used, on current processors. A difference of a cycle does not matter here.
 mod latency {
     pub const FUSED: u32 = 4;
     pub const SUM: u32 = 3;
@@ -19,17 +18,17 @@ mod latency {
     pub const OTHER: u32 = 20;
 }
 
-/// A sum is on a long way if the way through it lacks no more than one part in so many of the longest.
+/// A sum is critical if the path through it is shorter than the critical path by at most this fraction (1/6).
 const NEAR: u32 = 6;
 
-/// Rewrites sums.
+/// Returns the graph with balanced sums.
 #[must_use]
 pub fn balance(graph: &Graph) -> Graph {
     let (live, uses) = (graph.live(), graph.uses());
-    let ready_at = arrivals(graph, &uses);
+    let ready_at = ready_times(graph, &uses);
     let tail_latency = tail_latency(graph, &live, &ready_at);
     let critical_path = ready_at.iter().zip(&tail_latency).map(|(a, b)| a + b).max().unwrap_or(0);
-    let is_part = parts(graph, &live, &uses);
+    let is_part = nested_sums(graph, &live, &uses);
     let mut rewritten = Rewritten { graph: Graph::default(), ready_at: Vec::new() };
     let mut ids: Vec<Id> = Vec::with_capacity(graph.nodes().len());
     for (i, &node) in graph.nodes().iter().enumerate() {
@@ -59,8 +58,8 @@ pub fn balance(graph: &Graph) -> Graph {
     rewritten.graph
 }
 
-/// Sums that are terms of another one, and used there only.
-fn parts(graph: &Graph, live: &[bool], uses: &[u32]) -> Vec<bool> {
+/// Returns, for each node, whether it is a sum that is only used as a term of another sum.
+fn nested_sums(graph: &Graph, live: &[bool], uses: &[u32]) -> Vec<bool> {
     let mut is_part = vec![false; graph.nodes().len()];
     for (i, node) in graph.nodes().iter().enumerate() {
         if !live[i] || !matches!(node, Node::Add(..) | Node::Sub(..)) {
@@ -75,7 +74,7 @@ fn parts(graph: &Graph, live: &[bool], uses: &[u32]) -> Vec<bool> {
     is_part
 }
 
-/// The terms of a sum.
+/// Collects the terms of a sum.
 fn collect(graph: &Graph, is_part: &[bool], id: Id, negative: bool, terms: &mut Vec<(bool, Id)>) {
     let (a, b, minus) = match graph.node(id) {
         Node::Add(a, b) => (a, b, false),
@@ -95,24 +94,24 @@ fn is_product(graph: &Graph, id: Id) -> bool {
     matches!(graph.node(id), Node::Mul(..))
 }
 
-/// When each node is known.
-fn arrivals(graph: &Graph, uses: &[u32]) -> Vec<u32> {
+/// Returns the time at which each node is ready.
+fn ready_times(graph: &Graph, uses: &[u32]) -> Vec<u32> {
     let mut ready_at: Vec<u32> = Vec::with_capacity(graph.nodes().len());
     for &node in graph.nodes() {
-        ready_at.push(arrival(graph, node, &ready_at, |id| uses[id as usize] == 1));
+        ready_at.push(ready_time(graph, node, &ready_at, |id| uses[id as usize] == 1));
     }
     ready_at
 }
 
-/// When `node` is known if its operands are; a product that is used `once` is fused.
-fn arrival(graph: &Graph, node: Node, ready_at: &[u32], once: impl Fn(Id) -> bool) -> u32 {
+/// Returns the time at which `node` is ready, given its operands. A product that is used `once` is fused.
+fn ready_time(graph: &Graph, node: Node, ready_at: &[u32], once: impl Fn(Id) -> bool) -> u32 {
     let at = |id: Id| ready_at[id as usize];
     let last = node.operands().map(at).max().unwrap_or(0);
     match node {
         Node::Constant(_) | Node::Input(_) => 0,
         Node::Neg(_) => last,
         Node::Add(a, b) | Node::Sub(a, b) => {
-            // The later one of two products is fused.
+            // The later of two products is fused.
             let factors = |id: Id| graph.node(id).operands().map(at).max().unwrap_or(0);
             let fused = |product: Id, other: Id| {
                 (is_product(graph, product) && once(product))
@@ -129,7 +128,7 @@ fn arrival(graph: &Graph, node: Node, ready_at: &[u32], once: impl Fn(Id) -> boo
     }
 }
 
-/// How long it takes from each node to the last output.
+/// Returns the time from each node to the last output.
 fn tail_latency(graph: &Graph, live: &[bool], ready_at: &[u32]) -> Vec<u32> {
     let mut tail_latency = vec![0; graph.nodes().len()];
     for (i, node) in graph.nodes().iter().enumerate().rev() {
@@ -154,7 +153,7 @@ fn tail_latency(graph: &Graph, live: &[bool], ready_at: &[u32]) -> Vec<u32> {
 struct Term {
     negative: bool,
     id: Id,
-    /// When it can take part: a product that is fused, when its factors are known.
+    /// The time at which the term can be added; for a fused product, the time at which its factors are ready.
     ready: u32,
 }
 
@@ -167,13 +166,13 @@ impl Rewritten {
     fn make(&mut self, node: Node) -> Id {
         let id = self.graph.make(node);
         for i in self.ready_at.len()..self.graph.nodes().len() {
-            let ready_at = arrival(&self.graph, self.graph.nodes()[i], &self.ready_at, |_| true);
+            let ready_at = ready_time(&self.graph, self.graph.nodes()[i], &self.ready_at, |_| true);
             self.ready_at.push(ready_at);
         }
         id
     }
 
-    /// A term; a `product` that is its only use is fused.
+    /// Returns a term. A `product` that is used only here is fused.
     fn term(&self, negative: bool, id: Id, product: bool) -> Term {
         let ready_at = |id: Id| self.ready_at[id as usize];
         let factors = self.graph.node(id).operands().map(ready_at).max();
@@ -181,7 +180,7 @@ impl Rewritten {
         Term { negative, id, ready: fused.unwrap_or(ready_at(id)) }
     }
 
-    /// The sum of some terms: from the earliest on, one after the other or in pairs.
+    /// Returns the sum of terms, the earliest first: one after the other, or in pairs.
     fn sum(&mut self, mut terms: Vec<Term>, in_pairs: bool) -> Id {
         let latest_first = |terms: &mut Vec<Term>| {
             terms.sort_by_key(|term| std::cmp::Reverse((term.ready, term.negative)));
@@ -223,7 +222,7 @@ mod tests {
     use crate::passes::optimize;
     use crate::trace::Tracer;
 
-    /// The outputs stay, and so do the operations.
+    /// Returns the balanced graph, after checking that its outputs and its operations are unchanged.
     fn same(graph: &Graph) -> Graph {
         let balanced = balance(graph);
         let inputs: Vec<f64> = (0..20).map(|i| libm::sin(f64::from(i) + 0.5)).collect();
@@ -235,7 +234,7 @@ mod tests {
     }
 
     fn critical_path(graph: &Graph) -> u32 {
-        let ready_at = arrivals(graph, &graph.uses());
+        let ready_at = ready_times(graph, &graph.uses());
         graph.outputs.iter().map(|&id| ready_at[id as usize]).max().expect("outputs")
     }
 
@@ -246,7 +245,7 @@ mod tests {
             let late = (x[0] * x[1] + x[2]) * x[3] + x[4];
             vec![late + x[5] - x[6] - x[7] + x[8]]
         });
-        // Two fused products and one sum behind them.
+        // Two fused products, followed by one sum.
         assert_eq!(critical_path(&graph), 2 * latency::FUSED + 4 * latency::SUM);
         assert_eq!(critical_path(&same(&graph)), 2 * latency::FUSED + latency::SUM);
     }
@@ -261,8 +260,8 @@ mod tests {
         }));
     }
 
-    /// Forward dynamics of robots, each link a module: the longest way in cycles and the operations, as traced and
-    /// with sums balanced.
+    /// Forward dynamics of robots with modules of one link: the critical path in cycles and the operations, as traced and
+    /// with balanced sums.
     #[test]
     fn forward_dynamics_waits_less() {
         let frozen = [

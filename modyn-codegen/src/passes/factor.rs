@@ -1,8 +1,8 @@
-//! a b + a c becomes a (b + c), where the products are used nowhere else.
+//! Factors out: a b + a c becomes a (b + c) if the products have no other use.
 
 use crate::graph::{Graph, Id, Node};
 
-/// Rounds after which to stop even if there is more to factor.
+/// The largest number of rounds.
 const ROUNDS: usize = 6;
 
 pub(super) fn factor(graph: &Graph) -> Graph {
@@ -44,7 +44,7 @@ fn round(graph: &Graph) -> (Graph, bool) {
     (rewritten, changed)
 }
 
-/// a, b and c of a sum or difference of products a b and a c that is their only use.
+/// Returns a, b and c of a sum or difference of products a b and a c that are not used elsewhere.
 fn common_factor(graph: &Graph, uses: &[u32], node: Node) -> Option<(Id, Id, Id)> {
     let (Node::Add(x, y) | Node::Sub(x, y)) = node else { return None };
     let (Node::Mul(a, b), Node::Mul(c, d)) = (graph.node(x), graph.node(y)) else { return None };

@@ -1,4 +1,4 @@
-//! Rewrites of whole graphs, one file each. Their order is this list.
+//! The passes: rewrites of whole graphs, one file for each, in the order of this list.
 
 mod balance;
 mod factor;
@@ -6,13 +6,13 @@ mod factor;
 use crate::graph::Graph;
 pub use balance::balance;
 
-/// A rewrite: the same outputs by other operations.
+/// A rewrite that keeps the outputs.
 type Pass = fn(&Graph) -> Graph;
 
 /// All passes, in the order in which they run.
 pub const PASSES: &[(&str, Pass)] = &[("factor", factor::factor)];
 
-/// The graph after all passes.
+/// Returns the graph after all passes.
 #[must_use]
 pub fn optimize(graph: Graph) -> Graph {
     PASSES.iter().fold(graph, |graph, (_, pass)| pass(&graph))

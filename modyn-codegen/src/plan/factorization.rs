@@ -10,19 +10,19 @@ use crate::trace::Tracer;
 
 /// A function of the factors.
 pub struct FactorFunction {
-    /// Its name.
+    /// The name.
     pub name: &'static str,
-    /// Its documentation.
+    /// The documentation.
     pub docs: &'static str,
-    /// Its arguments: the factors, and a right-hand side if it solves for one.
+    /// The arguments: the factors, and the right-hand side of `solve`.
     pub arguments: Vec<(&'static str, Shape)>,
-    /// Its result.
+    /// The layout of the result.
     pub result: Shape,
-    /// Its program.
+    /// The program.
     pub program: Program,
 }
 
-/// All of them.
+/// Returns all functions of the factors.
 pub(super) fn plan(tracer: &Tracer<'_>, layout: &UduLayout, sizes: &Sizes) -> Vec<FactorFunction> {
     let square = || Shape::matrix(sizes.nv, sizes.nv);
     let factors = || ("factors", Shape::vector(layout.size()));
@@ -37,43 +37,43 @@ pub(super) fn plan(tracer: &Tracer<'_>, layout: &UduLayout, sizes: &Sizes) -> Ve
     vec![
         of_factors(
             "u",
-            "The block upper triangular U, (43), an array of columns.",
+            "Returns the block upper triangular U, (43), an array of columns.",
             square(),
             tracer.u(layout),
         ),
         of_factors(
             "d",
-            "The block diagonal D, (45), an array of columns.",
+            "Returns the block diagonal D, (45), an array of columns.",
             square(),
             tracer.d(layout),
         ),
         of_factors(
             "u_inverse",
-            "U^-1, (54), an array of columns.",
+            "Returns U^-1, (54), an array of columns.",
             square(),
             tracer.u_inverse(layout),
         ),
         of_factors(
             "d_inverse",
-            "D^-1, (54), an array of columns.",
+            "Returns D^-1, (54), an array of columns.",
             square(),
             tracer.d_inverse(layout),
         ),
         of_factors(
             "inverse",
-            "The inverse, (50), an array of columns.",
+            "Returns the inverse of the mass matrix, (50), an array of columns.",
             square(),
             tracer.inverse(layout),
         ),
         of_factors(
             "log_determinant",
-            "The natural logarithm of the determinant.",
+            "Returns the natural logarithm of the mass matrix's determinant.",
             Shape::Scalar,
             tracer.log_determinant(layout),
         ),
         function(
             "solve",
-            "The x with I x = `rhs`, by the three steps of (60).",
+            "Returns the solution x of I x = `rhs`, by the three steps of (60).",
             vec![factors(), rhs],
             Shape::vector(sizes.nv),
             tracer.solve(layout),

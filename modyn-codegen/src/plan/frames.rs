@@ -1,8 +1,8 @@
-//! Links that are fixed to one body share the code of their functions.
+//! Links on the same body share the code of their functions.
 //!
-//! The first few links of a body have programs of their own, in which their placements are folded. All others of the
-//! body share one program, to which their placement on the body is an argument: a row of a table. So the code grows by
-//! a row and a call for each further link, whatever the functions compute.
+//! The first links of a body have programs of their own, into which their poses on the body are folded as constants.
+//! All further links of the body share one program, with the pose on the body as an argument: a row of a table. Each
+//! further link therefore adds a row and a call, whatever the function computes.
 
 use modyn_runtime::mechanism::{BodyFrame, Mechanism};
 use modyn_runtime::spatial::Pose;
@@ -11,30 +11,30 @@ use super::Shape;
 use crate::graph::Graph;
 use crate::trace::{LinkFrame, Tracer};
 
-/// Most links of one body that have programs of their own.
+/// The largest number of links of one body that have programs of their own.
 pub(crate) const MAX_OWN_FUNCTIONS: usize = 8;
 
-/// The program of a link among those of a function of a link.
+/// The program that a link has for a function of one link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkCode {
-    /// A program of its own.
+    /// A program of the link's own.
     Own,
-    /// The program of all further links on its body.
+    /// The program that all further links of the body share.
     Shared {
-        /// The index of the body among those that have such a program.
+        /// The index of the body among the bodies with a shared program.
         body: usize,
         /// The row of the table of placements.
         row: usize,
     },
 }
 
-/// The links of a robot, by the programs that they have.
+/// The links of a robot, grouped by their programs.
 pub struct Frames {
-    /// The robot without its links, to which the one of a program is added.
+    /// The robot without its links; a program's link is added to it.
     bare: Mechanism<f64>,
     frames: Vec<BodyFrame<f64>>,
     codes: Vec<LinkCode>,
-    /// The bodies with links that share a program.
+    /// The bodies with a shared program.
     shared: Vec<Option<usize>>,
 }
 
@@ -43,7 +43,7 @@ impl Frames {
     pub const PLACEMENT: usize = 12;
 
     pub(super) fn new(mechanism: &Mechanism<f64>) -> Self {
-        // By body, the world first.
+        // For each body, the world first.
         let mut counts = vec![0; mechanism.bodies.len() + 1];
         let (mut codes, mut shared, mut rows) = (Vec::new(), Vec::new(), 0);
         for frame in &mechanism.frames {
@@ -64,35 +64,35 @@ impl Frames {
         Self { bare, frames: mechanism.frames.clone(), codes, shared }
     }
 
-    /// The robot without its links.
-    pub(super) fn bare(&self) -> &Mechanism<f64> {
+    /// Returns the robot without its links.
+    pub(super) fn mechanism_without_links(&self) -> &Mechanism<f64> {
         &self.bare
     }
 
-    /// For each link of the description which program it has.
+    /// Returns the program of each link of the description.
     #[must_use]
     pub fn codes(&self) -> &[LinkCode] {
         &self.codes
     }
 
-    /// Whether links share programs.
+    /// Returns whether any links share a program.
     #[must_use]
     pub fn any_shared(&self) -> bool {
         !self.shared.is_empty()
     }
 
-    /// The links with programs of their own, each by its index.
-    pub fn own(&self) -> impl Iterator<Item = usize> {
+    /// Returns the indices of the links with programs of their own.
+    pub fn links_with_own_program(&self) -> impl Iterator<Item = usize> {
         (0..self.codes.len()).filter(|&link| self.codes[link] == LinkCode::Own)
     }
 
-    /// The number of links that share a program.
+    /// Returns the number of links that share a program with others.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.codes.iter().filter(|code| **code != LinkCode::Own).count()
     }
 
-    /// The table of placements: the pose on its body of each link that shares a program.
+    /// Returns the table of placements: the pose on its body of each link with a shared program.
     pub fn placements(&self) -> impl Iterator<Item = [f64; Self::PLACEMENT]> {
         let shared =
             self.frames.iter().zip(&self.codes).filter(|(_, code)| **code != LinkCode::Own);
@@ -102,23 +102,23 @@ impl Frames {
         })
     }
 
-    /// The layout of the poses that `poses` traces first.
+    /// Returns the layout of the results of the first program of [`poses`](Self::poses).
     #[must_use]
     pub fn poses_of_bodies(&self) -> Shape {
         Shape::pose().array(self.codes.len() - self.rows() + self.shared.len())
     }
 
-    /// The graphs of `trace` on tracers that have one link: first those of single links, then those that links share.
+    /// Returns the graphs of `trace` on tracers with one link: first for links of their own, then for shared ones.
     pub(super) fn kernels(&self, trace: impl Fn(&Tracer<'_>) -> Graph) -> Vec<Graph> {
-        let own = self.own().map(|link| LinkFrame::Known(self.frames[link]));
+        let own = self.links_with_own_program().map(|link| LinkFrame::Known(self.frames[link]));
         let all = own.chain(self.shared.iter().copied().map(LinkFrame::On));
         all.map(|frame| trace(&Tracer::with_link(&self.bare, frame))).collect()
     }
 
-    /// The poses of the links with programs of their own and of the bodies with links that share one, and the pose of
-    /// such a link from that of its body.
+    /// Returns two graphs: the poses of links with programs of their own and of bodies with a shared program; and the
+    /// pose of a link with a shared program, from the pose of its body.
     pub(super) fn poses(&self) -> [Graph; 2] {
-        let own = self.own().map(|link| self.frames[link]);
+        let own = self.links_with_own_program().map(|link| self.frames[link]);
         let bodies = self.shared.iter().map(|&body| BodyFrame { body, pose: Pose::identity() });
         let model = Mechanism { frames: own.chain(bodies).collect(), ..self.bare.clone() };
         [Tracer::new(&model).link_poses(), Tracer::placed_pose()]

@@ -4,8 +4,8 @@
 //! functions (the table) ─ trace ─▶ graphs ─ passes ─▶ packing: the cheapest ─ program ─▶ Plan ─▶ printers
 //! ```
 //!
-//! Whatever is a matter of profit is decided here: the partition into modules ([`partition`]), the packing of limbs and
-//! columns, the balancing of sums (`packing`). A back end is given a [`Plan`] and prints it.
+//! All decisions about profit are made here: the partition into modules ([`partition`]), the packing of limbs and
+//! columns, and the balancing of sums (`packing`). A back end receives a [`Plan`] and prints it.
 
 mod factorization;
 mod frames;
@@ -36,31 +36,31 @@ use crate::program::{Program, Target};
 use crate::trace::{LimbPacking, Parameters, Tracer};
 use partition::Choice;
 
-/// How equal limbs and columns of one state are computed.
+/// The way equal limbs and columns of one state are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Strategy {
-    /// One after another.
+    /// One after the other.
     Scalar,
-    /// Through one routine, with a table of constants for each.
+    /// By one routine, with a table of constants for each limb.
     Routines,
-    /// Packed into vectors, where the processor has them.
+    /// Packed into vectors, on processors that have them.
     Vectors,
 }
 
 /// The choices of a user that a plan depends on.
 #[derive(Clone, Debug)]
 pub struct Choices<'a> {
-    /// The functions.
+    /// The selected functions.
     pub functions: &'a [Function],
-    /// How equal limbs and columns are computed.
+    /// The way equal limbs and columns are computed.
     pub strategy: Strategy,
-    /// Whether there are functions of many states.
+    /// Whether functions of many states are generated.
     pub batches: bool,
     /// Whether gravity is an argument.
     pub runtime_gravity: bool,
-    /// The links, as indices into the model's frames, whose own inertia is an argument.
+    /// The links whose own inertia is an argument, as indices into the model's frames.
     pub runtime_inertia: &'a [usize],
-    /// The links, as indices into the model's frames, to which an inertia is added that is an argument.
+    /// The links with a payload that is an argument, as indices into the model's frames.
     pub payload: &'a [usize],
 }
 
@@ -70,72 +70,73 @@ pub struct Plan {
     pub functions: Vec<Planned>,
     /// The functions of many states, in this order.
     pub batches: Vec<Planned>,
-    /// The functions of the mass matrix's factors; none unless a function returns these.
+    /// The functions of the mass matrix's factors; empty unless a function returns the factors.
     pub factorization: Vec<FactorFunction>,
     /// The layout of the factors.
     pub layout: UduLayout,
     /// The sizes of the robot.
     pub sizes: Sizes,
-    /// The parameters that are known at run time only.
+    /// The run-time parameters.
     pub parameters: Parameters,
-    /// The entries of `qd` that would feel no inertia if all run-time inertias were zero, and the program of the inertia
-    /// that each of them feels, from the scalar's precision and the parameters; `None` if there are no such entries.
+    /// The entries of `qd` that would move no inertia if all run-time inertias were zero; and the program that computes
+    /// the inertia at each of them, from the scalar's precision and the parameters. `None` if there are no such entries.
     pub inertia_pivots: Option<(Vec<usize>, Program)>,
-    /// The links, by the programs that functions of a link have.
+    /// The links, grouped by their programs.
     pub frames: Frames,
-    /// The modules that forward dynamics is eliminated by.
+    /// The modules of forward dynamics.
     pub eliminated: ModuleTree,
-    /// The partitions that were considered with their operations, the chosen one first.
+    /// The partitions that were considered, with their operations; the chosen one is first.
     pub candidates: Vec<(&'static str, usize)>,
 }
 
-/// A function as it is planned for a robot.
+/// A function planned for a robot.
 pub struct Planned {
     /// The function.
     pub function: Function,
-    /// Its arguments, by name.
+    /// The arguments, with their names.
     pub arguments: Vec<(&'static str, Shape)>,
-    /// The number of run-time parameters, which are the last argument; none if they do not matter to it.
+    /// The number of run-time parameters, which are the last argument; zero if the function does not depend on them.
     pub parameters: usize,
-    /// Its result.
+    /// The layout of the result.
     pub result: Shape,
-    /// Its programs.
+    /// The programs.
     pub kernels: Kernels,
 }
 
 /// The programs of a function.
 pub enum Kernels {
-    /// One.
+    /// One program.
     One(Program),
-    /// One on scalars and one on vectors: the processor decides.
+    /// A program on scalars and a program on vectors; the processor's features decide at run time.
     Dispatched {
         /// The program on scalars.
         scalar: Program,
         /// The program on vectors.
         simd: Program,
     },
-    /// Those of a link: one for each link with a program of its own, in the order of [`Frames::own`], then one for each
-    /// body with links that share one. The latter have the placement of the link as a further argument.
+    /// The programs of a function of one link: one for each link with a program of its own, in the order of
+    /// [`Frames::links_with_own_program`], then one for each body with a shared program. Shared programs have the link's placement as a
+    /// further argument.
     ByLink(Vec<Program>),
-    /// Those of the poses of all links, where some share a program.
+    /// The programs of the poses of all links, if some links share a program.
     Poses {
-        /// The poses in the order of [`Frames::own`], then of the bodies with links that share a program.
+        /// The poses in the order of [`Frames::links_with_own_program`], then of the bodies with a shared program.
         bodies: Program,
-        /// The pose of such a link, from the pose of its body and the placement of the link.
+        /// The pose of a link with a shared program, from the pose of its body and the link's placement.
         placed: Program,
-        /// The number of such links.
+        /// The number of links with a shared program.
         rows: usize,
     },
 }
 
 impl Planned {
-    /// Its row of the table.
+    /// Returns the function's row of the table.
     #[must_use]
     pub fn row(&self) -> Row {
         self.function.row()
     }
 
-    /// The operations of one call on scalars; those of the most expensive link.
+    /// Returns the operations of one call on scalars; for a function of one link, those of the most expensive link.
     #[must_use]
     pub fn operations_per_call(&self) -> OperationCount {
         match &self.kernels {
@@ -153,7 +154,7 @@ impl Planned {
         }
     }
 
-    /// The operations of all its programs.
+    /// Returns the operations of all programs.
     #[must_use]
     pub fn static_operations(&self) -> OperationCount {
         match &self.kernels {
@@ -169,34 +170,34 @@ impl Planned {
     }
 }
 
-/// Everything that graphs are traced from.
+/// The inputs of tracing.
 pub struct Tracing<'a> {
     /// The robot on expressions.
     pub tracer: &'a Tracer<'a>,
-    /// The same for functions of all links together: `tracer` has none unless some are known at run time only.
+    /// The robot on expressions, with all its links. `tracer` has links only if some are run-time parameters.
     pub all_links: &'a Tracer<'a>,
-    /// The links, by the programs that functions of a link have.
+    /// The links, grouped by their programs.
     pub frames: &'a Frames,
-    /// The elimination of forward dynamics.
+    /// The solver of forward dynamics.
     pub elimination: &'a Elimination,
-    /// The factorization that users are given.
+    /// The layout of the factorization that users receive.
     pub layout: &'a UduLayout,
-    /// The factorization that derivatives are solved by.
+    /// The layout of the factorization that derivatives use.
     pub for_derivatives: &'a UduLayout,
-    /// The ways to pack limbs.
+    /// The candidates for packing limbs.
     limbs: &'a [LimbPacking],
-    /// The partitions by which forward dynamics with packed limbs can be eliminated.
+    /// The partitions of forward dynamics to try with packed limbs.
     partitions: &'a [ModulePartition],
-    /// Whether no limb moves another.
+    /// Whether no limb moves another limb.
     independent: bool,
-    /// Whether the language has vectors.
+    /// Whether the target language has vectors.
     vectors: bool,
-    /// Forward dynamics, which the search for the cheapest partition has traced.
+    /// The graph of forward dynamics, from the search for the cheapest partition.
     forward_dynamics: &'a Graph,
 }
 
 impl Plan {
-    /// Plans the functions of `model`, which users divide into `modules`.
+    /// Returns the plan of `model`'s functions; `modules` is the user's partition.
     #[must_use]
     pub fn new(model: &Model, modules: &ModuleTree, choices: &Choices<'_>) -> Self {
         let mechanism = Mechanism::new(model);
@@ -205,19 +206,19 @@ impl Plan {
         let parameters = Parameters::new(model, choices.runtime_gravity, inertias, payloads);
         let frames = Frames::new(&mechanism);
         let all_links = Tracer::with_parameters(&mechanism, parameters.clone());
-        // Nearly no function is about links, of which there may be very many; but their inertia may be an argument.
+        // Few functions need links, of which there may be very many. But a link's inertia may be an argument.
         let tracer = match described {
-            true => Tracer::with_parameters(frames.bare(), parameters.clone()),
+            true => Tracer::with_parameters(frames.mechanism_without_links(), parameters.clone()),
             false => all_links.clone(),
         };
         let Choice { modules: eliminated, graph: forward_dynamics, candidates } =
             partition::choose(model, &mechanism, &tracer);
         let layout = UduLayout::new(&mechanism, modules);
-        // A link that is given at run time has no equal.
+        // Limbs with run-time inertias are never equal.
         let packs = choices.strategy != Strategy::Scalar && described;
         let joins = choices.strategy == Strategy::Vectors;
         let limbs = if packs { LimbPacking::candidates(&mechanism, joins) } else { Vec::new() };
-        // The partition that is cheapest limb by limb need not be so for packed limbs.
+        // The cheapest partition on scalars may not be the cheapest for packed limbs.
         let uniform = [ModuleTree::links(model), partition::whole_chains(model)];
         let others = uniform.iter().filter(|modules| !limbs.is_empty() && **modules != eliminated);
         let partitions: Vec<ModulePartition> = [&eliminated]
@@ -336,7 +337,8 @@ impl Planned {
         let kernels = match row.trace {
             Trace::ByLink(trace) => {
                 let graphs = tracing.frames.kernels(|tracer| optimize(trace(tracer)));
-                let (own, shared) = graphs.split_at(tracing.frames.own().count());
+                let (own, shared) =
+                    graphs.split_at(tracing.frames.links_with_own_program().count());
                 let own = own.iter().map(|graph| program(graph, Target::Scalar));
                 let placed = scalars + Frames::PLACEMENT;
                 let shared = shared.iter().map(|graph| Program::new(graph, placed, Target::Scalar));

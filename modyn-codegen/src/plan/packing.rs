@@ -1,4 +1,4 @@
-//! Functions on vectors within one state: which limbs or columns are packed, and when that is profitable.
+//! Packing within one state: which limbs or columns are packed into vectors, and when that is profitable.
 
 use modyn_runtime::equations::dynamics::Elimination;
 
@@ -8,43 +8,43 @@ use crate::graph::Graph;
 use crate::passes::{balance, optimize};
 use crate::trace::{LimbPacking, Tracer};
 
-/// How a function can be packed.
+/// The way a function can be packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Packing {
-    /// Not at all.
+    /// No packing.
     Never,
     /// Equal limbs.
     Limbs,
-    /// Equal limbs, eliminated by each of several partitions into modules.
+    /// Equal limbs, with each of several partitions into modules.
     ByModules,
-    /// Equal limbs whose parents are on one path to the root: their composites are carried on together.
+    /// Equal limbs whose parents are on one path to the root. Their composites are transformed together.
     OnRootPath,
-    /// Derivatives: such limbs, or several columns.
+    /// Derivatives: equal limbs whose parents are on one path to the root, or several columns.
     Derivatives,
 }
 
-/// Most operations of a function on scalars for which sums are balanced along its critical path. A longer function
-/// keeps all units of a processor busy anyhow.
+/// The largest number of operations on scalars for which sums are balanced along the critical path. A longer function
+/// keeps all units of a processor busy without balancing.
 const MAX_BALANCED: usize = 2000;
 
-/// Most operations of derivatives on scalars that are compiled with several columns in lanes, too.
+/// The largest number of operations on scalars for which derivatives are also compiled with columns in lanes.
 const MAX_COLUMNS: usize = 20_000;
 
-/// Operations of functions that are compiled for several instruction sets even if nothing is packed: fewer take no
-/// longer than the dispatch, more cost the compiler more than they gain.
+/// The number of operations of functions that are compiled for several instruction sets without packing. Shorter
+/// functions take no longer than the dispatch; longer functions cost more compile time than they gain.
 const DISPATCHED: std::ops::Range<usize> = 100..5000;
 
-/// A packed function is profitable if it takes fewer than so many fifths of the operations on scalars.
+/// A packed function is profitable if it needs fewer than this many fifths of the operations on scalars.
 const MAX_FIFTHS: usize = 4;
 
-/// The graph with sums balanced along its critical path, where that is profitable.
+/// Returns the graph with sums balanced along its critical path, if that is profitable.
 pub(super) fn balanced(graph: Graph) -> Graph {
     if graph.count().total() <= MAX_BALANCED { balance(&graph) } else { graph }
 }
 
-/// The packed graph of a function, if it is profitable compared with `scalar`. A hot function that is not packed is
-/// compiled for vectors as it is: products are fused with sums there where the processor can and the program does not
-/// count on it.
+/// Returns the packed graph of a function; `None` if it is not profitable compared with `scalar`. A hot function that is
+/// not packed is compiled for vector instruction sets unchanged: products are fused into sums there, even if the program
+/// is compiled for processors without fused multiply-add.
 pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) -> Option<Graph> {
     let row = function.row();
     let Trace::One(trace) = row.trace else { return None };
@@ -66,7 +66,7 @@ pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) 
     dispatched.then(|| scalar.clone())
 }
 
-/// The graphs with these limbs packed; the cheapest is taken.
+/// Returns the graphs with packed limbs; the cheapest is taken.
 fn candidates(
     packing: Packing,
     trace: fn(&Tracer<'_>, &Tracing<'_>) -> Graph,
@@ -83,7 +83,7 @@ fn candidates(
         Packing::OnRootPath | Packing::Derivatives if !limbs.share_root_path(tracer.model()) => {
             return Vec::new();
         }
-        // Where limbs move each other, derivatives are written on vectors alone.
+        // Where limbs move each other, packed derivatives are profitable on vectors only.
         Packing::Derivatives if !(tracing.vectors || tracing.independent) => return Vec::new(),
         Packing::OnRootPath | Packing::Derivatives => {}
         Packing::Never => return Vec::new(),

@@ -1,9 +1,9 @@
-//! Which modules the forward recursion of a robot is eliminated by.
+//! The search for the modules of forward dynamics.
 //!
-//! The result does not depend on it, the cost does; so candidates are traced, their operations are
-//! counted, and the cheapest is taken. Every link its own module and every chain one module are
-//! the uniform choices; from the better one the search goes chain by chain, trying other pieces.
-//! Chains of one architecture (the same joint types in a row: legs, arms) are cut alike.
+//! The accelerations do not depend on the partition, but the cost does. Candidates are traced, their operations are
+//! counted, and the cheapest is taken. The uniform candidates are modules of one link, and one module for each chain.
+//! From the cheaper of the two the search varies one group of chains at a time. Chains with the same sequence of
+//! joint types (legs, arms) are cut alike.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -19,26 +19,24 @@ use crate::trace::Tracer;
 
 /// Forward dynamics by the cheapest partition.
 pub struct Choice {
-    /// The modules chosen.
+    /// The chosen modules.
     pub modules: ModuleTree,
-    /// The graph, after all passes.
+    /// The graph after all passes.
     pub graph: Graph,
-    /// What the uniform choices and what was chosen cost, before the passes; the chosen one first.
+    /// The operations of the uniform candidates and of the chosen one, before the passes; the chosen one is first.
     pub candidates: Vec<(&'static str, usize)>,
 }
 
 /// The longest chain that is considered as one module.
 const MAX_MODULE: usize = 70;
 
-/// Most operations that are traced to search: a tenth of a second in a macro, which runs
-/// unoptimised.
+/// The largest number of operations that the search traces: a tenth of a second in a macro, which runs unoptimised.
 const MAX_TRACED: usize = 80_000;
 
-/// Every chain a module, or every link if one of them is too long.
+/// Returns the partition with a module for each chain, or with modules of one link if a chain is too long.
 ///
-/// The pivot block of a long chain takes the cube of its length to write out, only to lose. Solving
-/// for the columns of derivatives costs the same by links and by chains, or less by chains: the test
-/// `derivatives` of `modyn-tests` counts both.
+/// The pivot block of a long chain takes operations cubic in its length, and is never the cheapest. For the columns of
+/// derivatives, chains cost the same as links or less: the test `derivatives` of `modyn-tests` counts both.
 #[must_use]
 pub fn whole_chains(model: &Model) -> ModuleTree {
     let chains = ModuleTree::chains(model);
@@ -46,7 +44,7 @@ pub fn whole_chains(model: &Model) -> ModuleTree {
     if longest <= Some(MAX_MODULE) { chains } else { ModuleTree::links(model) }
 }
 
-/// Traces and counts candidates, and takes the cheapest.
+/// Returns the cheapest partition, after tracing and counting the candidates.
 #[must_use]
 pub fn choose(model: &Model, mechanism: &Mechanism<f64>, tracer: &Tracer<'_>) -> Choice {
     let trace =
@@ -54,7 +52,7 @@ pub fn choose(model: &Model, mechanism: &Mechanism<f64>, tracer: &Tracer<'_>) ->
     let mut search = Search::new(model);
     let mut best: Option<(usize, Graph, ModuleTree)> = None;
     let mut traced = 0;
-    // Whether the candidate is the cheapest so far, and its cost.
+    // Returns the cost of a candidate, and records it if it is the cheapest so far.
     let mut consider = |modules: ModuleTree| {
         let graph = trace(&modules);
         let cost = graph.count().total();
@@ -66,10 +64,10 @@ pub fn choose(model: &Model, mechanism: &Mechanism<f64>, tracer: &Tracer<'_>) ->
         (better, cost, traced > MAX_TRACED)
     };
     let (_, by_links, _) = consider(ModuleTree::links(model));
-    let mut candidates = vec![("every link its own module", by_links)];
+    let mut candidates = vec![("one module for each link", by_links)];
     if whole_chains(model) != ModuleTree::links(model) {
         let (better, by_chains, mut over_budget) = consider(whole_chains(model));
-        candidates.push(("every chain one module", by_chains));
+        candidates.push(("one module for each chain", by_chains));
         search.start(!better);
         for (group, cut) in search.alternatives() {
             if over_budget {
@@ -85,17 +83,17 @@ pub fn choose(model: &Model, mechanism: &Mechanism<f64>, tracer: &Tracer<'_>) ->
     }
     let (cost, graph, modules) = best.expect("one candidate at least");
     if candidates.iter().all(|(_, other)| cost < *other) {
-        candidates.push(("the modules that were found", cost));
+        candidates.push(("the modules found by the search", cost));
     }
     candidates.sort_by_key(|(_, cost)| *cost);
     Choice { modules, graph: optimize(graph), candidates }
 }
 
-/// The chains of a robot, in groups of one architecture, and how each group is cut.
+/// The chains of a robot, in groups with the same joint types, and the cut of each group.
 struct Search {
-    /// The links of the chains, group by group.
+    /// The links of the chains, for each group.
     groups: Vec<Vec<Range<usize>>>,
-    /// For each group the lengths of the pieces.
+    /// The lengths of the modules, for each group.
     cuts: Vec<Vec<usize>>,
 }
 
@@ -108,14 +106,14 @@ impl Search {
             groups.entry(types).or_default().push(module.links.clone());
         }
         let mut groups: Vec<_> = groups.into_values().collect();
-        // Those first of which there is most.
+        // The group with the most links comes first.
         groups.sort_by_key(|chains| {
             (core::cmp::Reverse(chains.len() * chains[0].len()), chains[0].start)
         });
         Self { cuts: groups.iter().map(|chains| vec![1; chains[0].len()]).collect(), groups }
     }
 
-    /// Begins with every link its own module, or with every chain one.
+    /// Starts with modules of one link, or with a module for each chain.
     fn start(&mut self, by_links: bool) {
         for (cut, chains) in self.cuts.iter_mut().zip(&self.groups) {
             let length = chains[0].len();
@@ -123,8 +121,8 @@ impl Search {
         }
     }
 
-    /// Cuts to try, of one group each: first the uniform ones of every group, then a module at the
-    /// root with single links behind it, then two modules.
+    /// Returns the cuts to try, each of one group: first the uniform cuts of every group, then a module at the root
+    /// followed by single links, then two modules.
     fn alternatives(&self) -> Vec<(usize, Vec<usize>)> {
         let lengths: Vec<usize> = self.groups.iter().map(|chains| chains[0].len()).collect();
         let each = |cuts: &dyn Fn(usize) -> Vec<Vec<usize>>| {
@@ -141,7 +139,7 @@ impl Search {
         all.into_iter().filter(|(group, _)| (2..=MAX_MODULE).contains(&lengths[*group])).collect()
     }
 
-    /// The modules with `group` cut so, and the others as they are; `None` if it is cut so now.
+    /// Returns the modules with this cut of `group`; `None` if that is the current cut.
     fn modules(&self, model: &Model, group: usize, cut: &[usize]) -> Option<ModuleTree> {
         if self.cuts[group] == cut {
             return None;
@@ -179,7 +177,7 @@ mod tests {
         let mechanism = Mechanism::new(&model);
         let Choice { modules, graph, candidates } =
             choose(&model, &mechanism, &Tracer::new(&mechanism));
-        assert_eq!(candidates[0].0, "the modules that were found");
+        assert_eq!(candidates[0].0, "the modules found by the search");
         assert!(candidates.iter().all(|(_, cost)| *cost >= candidates[0].1));
         assert!(graph.count().total() <= candidates[0].1);
         assert!(modules.fits(&model) && modules.modules().len() > 1);

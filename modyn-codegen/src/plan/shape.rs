@@ -1,20 +1,20 @@
-//! The layout of arguments and results: scalars in a row, and how they are grouped. No language has a part in it.
+//! The layout of arguments and results: a sequence of scalars and its grouping, independent of any language.
 
 /// A layout of scalars.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// One scalar.
     Scalar,
-    /// That many of the same, one after another.
+    /// A number of equal layouts, one after the other.
     Array(Box<Shape>, usize),
-    /// Named fields, one after another.
+    /// Named fields, one after the other.
     Record(Record, Vec<(&'static str, Shape)>),
 }
 
-/// A group of fields that has a name.
+/// A named group of fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Record {
-    /// A quantity of the spatial algebra, by its name.
+    /// A spatial quantity, by its name.
     Spatial(&'static str),
     /// A quantity of the runtime's root that is generic over the scalar alone, by its name.
     Plain(&'static str),
@@ -22,66 +22,66 @@ pub enum Record {
     Factorization,
     /// Which contacts are active: a number for each, 1 if it is, else 0.
     Contacts,
-    /// The results of a function that has several, or its settings, by name.
+    /// The results of a function with several results, or its settings, by name.
     Several(&'static str),
 }
 
 impl Shape {
-    /// `n` of these.
+    /// Returns the layout of `n` of these.
     #[must_use]
     pub fn array(self, n: usize) -> Self {
         Self::Array(Box::new(self), n)
     }
 
-    /// `n` scalars.
+    /// Returns the layout of `n` scalars.
     #[must_use]
     pub fn vector(n: usize) -> Self {
         Self::Scalar.array(n)
     }
 
-    /// A matrix by columns.
+    /// Returns the layout of a matrix by columns.
     #[must_use]
     pub fn matrix(columns: usize, rows: usize) -> Self {
         Self::vector(rows).array(columns)
     }
 
-    /// Three components.
+    /// Returns the layout of three components.
     #[must_use]
     pub fn vector3() -> Self {
         Self::Record(Record::Spatial("Vector3"), vec![("", Self::vector(3))])
     }
 
-    /// A rotation by rows, then a translation.
+    /// Returns the layout of a pose: a rotation by rows, then a translation.
     #[must_use]
     pub fn pose() -> Self {
         let fields = vec![("rotation", Self::matrix(3, 3)), ("translation", Self::vector(3))];
         Self::Record(Record::Spatial("Pose"), fields)
     }
 
-    /// Angular, then linear components.
+    /// Returns the layout of a twist: angular, then linear components.
     #[must_use]
     pub fn twist() -> Self {
-        Self::two("Twist", "angular", "linear")
+        Self::pair_of_vectors("Twist", "angular", "linear")
     }
 
-    /// Angular, then linear components.
+    /// Returns the layout of a momentum: angular, then linear components.
     #[must_use]
     pub fn momentum() -> Self {
-        Self::two("Momentum", "angular", "linear")
+        Self::pair_of_vectors("Momentum", "angular", "linear")
     }
 
-    /// Moment, then force.
+    /// Returns the layout of a wrench: moment, then force.
     #[must_use]
     pub fn wrench() -> Self {
-        Self::two("Wrench", "moment", "force")
+        Self::pair_of_vectors("Wrench", "moment", "force")
     }
 
-    fn two(name: &'static str, first: &'static str, second: &'static str) -> Self {
+    fn pair_of_vectors(name: &'static str, first: &'static str, second: &'static str) -> Self {
         let fields = vec![(first, Self::vector3()), (second, Self::vector3())];
         Self::Record(Record::Spatial(name), fields)
     }
 
-    /// The number of scalars.
+    /// Returns the number of scalars.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
@@ -91,13 +91,13 @@ impl Shape {
         }
     }
 
-    /// Whether there is no scalar.
+    /// Returns whether the layout has no scalar.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The order of the scalars in words.
+    /// Returns the order of the scalars in words.
     #[must_use]
     pub fn in_words(&self) -> String {
         match self {
@@ -115,16 +115,16 @@ impl Shape {
     }
 }
 
-/// The sizes of a robot, on which layouts depend.
+/// The sizes of a robot, which layouts depend on.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sizes {
-    /// Coordinates.
+    /// The number of coordinates.
     pub nq: usize,
-    /// Degrees of freedom.
+    /// The number of degrees of freedom.
     pub nv: usize,
-    /// Links of the description.
+    /// The number of links of the description.
     pub links: usize,
-    /// Links that move.
+    /// The number of moving links.
     pub moving: usize,
     /// Constraints: closed loops, then contacts.
     pub constraints: usize,
@@ -136,7 +136,7 @@ pub struct Sizes {
     pub factors: usize,
 }
 
-/// The layouts that the table of functions names.
+/// The layouts in the table of functions.
 #[rustfmt::skip]
 pub(super) mod shapes {
     use modyn_runtime::model::PARAMETERS_PER_LINK;
@@ -158,7 +158,7 @@ pub(super) mod shapes {
     pub fn momenta(s: &Sizes) -> Shape { Shape::momentum().array(s.nv) }
     pub fn wrenches(s: &Sizes) -> Shape { Shape::wrench().array(s.links) }
 
-    fn several(name: &'static str, fields: Vec<(&'static str, Shape)>) -> Shape {
+    fn named_fields(name: &'static str, fields: Vec<(&'static str, Shape)>) -> Shape {
         Shape::Record(Record::Several(name), fields)
     }
 
@@ -181,16 +181,16 @@ pub(super) mod shapes {
         let target = Shape::Record(Record::Plain("ContactTarget"), target.concat());
         let mut fields = scalars(&["alpha", "beta", "tolerance", "rounding"]);
         fields.push(("contacts", target.array(s.contacts)));
-        several("ConstraintSettings", fields)
+        named_fields("ConstraintSettings", fields)
     }
 
     pub fn inverse_derivatives(s: &Sizes) -> Shape {
-        several("InverseDynamicsDerivatives", vec![("dq", square(s)), ("dqd", square(s))])
+        named_fields("InverseDynamicsDerivatives", vec![("dq", square(s)), ("dqd", square(s))])
     }
 
     pub fn forward_derivatives(s: &Sizes) -> Shape {
         let matrices = ["dq", "dqd", "dtau"].map(|name| (name, square(s)));
-        several("ForwardDynamicsDerivatives", [vec![("qdd", velocities(s))], matrices.into()].concat())
+        named_fields("ForwardDynamicsDerivatives", [vec![("qdd", velocities(s))], matrices.into()].concat())
     }
 
     pub fn constrained(s: &Sizes) -> Shape {
@@ -202,12 +202,12 @@ pub(super) mod shapes {
             ("residuals", residuals),
             ("rank", Shape::Scalar),
         ];
-        several("ConstrainedForwardDynamics", fields)
+        named_fields("ConstrainedForwardDynamics", fields)
     }
 
     pub fn constraint_residual(s: &Sizes) -> Shape {
         let twists = || Shape::twist().array(s.constraints);
-        several("ConstraintResidual", vec![("displacements", twists()), ("velocities", twists())])
+        named_fields("ConstraintResidual", vec![("displacements", twists()), ("velocities", twists())])
     }
 
     pub fn constrained_derivatives(s: &Sizes) -> Shape {
@@ -216,19 +216,19 @@ pub(super) mod shapes {
         let changes = ["wrenches_dq", "wrenches_dqd", "wrenches_dtau"].map(|name| (name, changes()));
         let first = [("qdd", velocities(s)), ("wrenches", Shape::wrench().array(s.constraints))];
         let fields = [&first[..], &matrices, &changes, &[("rank", Shape::Scalar)]].concat();
-        several("ConstrainedForwardDynamicsDerivatives", fields)
+        named_fields("ConstrainedForwardDynamicsDerivatives", fields)
     }
 
     pub fn contact_impulse(s: &Sizes) -> Shape {
         let impulses = Shape::wrench().array(s.constraints);
         let fields = vec![("qd", velocities(s)), ("impulses", impulses), ("rank", Shape::Scalar)];
-        several("ContactImpulse", fields)
+        named_fields("ContactImpulse", fields)
     }
 
     pub fn constrained_torques(s: &Sizes) -> Shape {
         let wrenches = Shape::wrench().array(s.constraints);
         let fields = vec![("tau", velocities(s)), ("wrenches", wrenches), ("rank", Shape::Scalar)];
-        several("ConstrainedInverseDynamics", fields)
+        named_fields("ConstrainedInverseDynamics", fields)
     }
 
     pub fn constraint_jacobian(s: &Sizes) -> Shape { twists(s).array(s.constraints) }
@@ -237,11 +237,11 @@ pub(super) mod shapes {
     pub fn operational_inertia(s: &Sizes) -> Shape {
         let matrix = || Shape::matrix(s.constraint_rows, s.constraint_rows);
         let fields = vec![("inverse", matrix()), ("inertia", matrix()), ("rank", Shape::Scalar)];
-        several("OperationalInertia", fields)
+        named_fields("OperationalInertia", fields)
     }
 
     pub fn constraint_projection(s: &Sizes) -> Shape {
         let fields = vec![("dq", velocities(s)), ("dqd", velocities(s)), ("rank", Shape::Scalar)];
-        several("ConstraintProjection", fields)
+        named_fields("ConstraintProjection", fields)
     }
 }

@@ -1,18 +1,18 @@
-//! A program run on numbers: the oracle of printers and machine code.
+//! The evaluation of a program on numbers: the reference for printers and back ends.
 
 use modyn_runtime::Scalar;
 
 use super::{Addend, MultiplyAdd, Operand, Operation, Program, Source};
 
 impl Program {
-    /// The results for these arguments, by [`Scalar`]'s operations.
+    /// Returns the results for these arguments, by the operations of [`Scalar`].
     ///
     /// # Panics
     ///
-    /// If an argument that is read is not there.
+    /// If an argument that is read is missing.
     #[must_use]
     pub fn evaluate<S: Scalar>(&self, arguments: &[S]) -> Vec<S> {
-        // By statement and place, the lanes.
+        // For each statement and each of its results, the lanes.
         let mut values: Vec<Vec<Vec<S>>> = Vec::with_capacity(self.statements.len());
         for statement in &self.statements {
             let lanes = 0..usize::from(statement.lanes);
@@ -70,7 +70,7 @@ impl Program {
     }
 }
 
-/// One lane of an operand.
+/// Returns one lane of an operand.
 fn lane_of<S: Scalar>(
     operand: &Operand,
     lane: usize,

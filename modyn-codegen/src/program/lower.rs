@@ -1,4 +1,4 @@
-//! From a graph to statements: order, fusing, signs, and angles that are evaluated together.
+//! Lowering of a graph to statements: order, fused products, signs, and angles that are evaluated together.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use super::{
 use crate::graph::{Graph, Id, Node};
 
 impl Program {
-    /// The program of a graph over so many scalar `arguments`.
+    /// Returns the program of a graph over `arguments` scalars.
     #[must_use]
     pub fn new(graph: &Graph, arguments: usize, target: Target) -> Self {
         let lowering = Lowering::new(graph);
@@ -27,7 +27,7 @@ impl Program {
         program
     }
 
-    /// Finds where values are used last, and cuts the statements into chunks.
+    /// Computes the last use of each value, and cuts the statements into chunks.
     pub(super) fn finish(&mut self) {
         if self.target == Target::Batch {
             for result in 0..self.results.len() {
@@ -52,7 +52,7 @@ impl Program {
     }
 }
 
-/// What one statement computes.
+/// The content of one statement.
 enum Item {
     /// A node, or all lanes of a vector that are read.
     Node(Id),
@@ -63,10 +63,10 @@ enum Item {
 struct Lowering<'a> {
     graph: &'a Graph,
     live: Vec<bool>,
-    /// What is computed, statement by statement.
+    /// The statements, in order.
     order: Vec<Item>,
-    /// For each node the statement that computes it; `None` for operands, and for products and packs that are part of
-    /// the operation that reads them.
+    /// For each node, the statement that computes it. `None` for operands, and for products and packs that are part of the
+    /// operation that reads them.
     statement_of: Vec<Option<usize>>,
 }
 
@@ -74,8 +74,8 @@ impl<'a> Lowering<'a> {
     fn new(graph: &'a Graph) -> Self {
         let (live, uses) = (graph.live(), graph.uses());
         let nodes = graph.nodes();
-        // A product that is used once, in a sum, is fused into the sum; a pack that is used once, in a wider pack, is
-        // part of that.
+        // A product that is used once, in a sum, is fused into the sum. A pack that is used once, in a wider pack, is part of
+        // that pack.
         let mut fused = vec![false; nodes.len()];
         for (i, (node, _)) in nodes.iter().zip(&live).enumerate().filter(|(_, (_, live))| **live) {
             let width = graph.width(i as Id);
@@ -93,8 +93,8 @@ impl<'a> Lowering<'a> {
         lowering
     }
 
-    /// Orders the statements: as the nodes were made, except that sines and cosines of angles that are known at once
-    /// come first, together. They share vector instructions, and the rest need not wait for them one by one.
+    /// Orders the statements as their nodes. Sines and cosines of angles that are known from the start come first,
+    /// together: they share vector instructions, and no other operation waits for them one by one.
     fn schedule(&mut self, fused: &[bool]) {
         let graph = self.graph;
         let early = early_angles(graph, &self.live);
@@ -140,7 +140,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Adds a statement at the end.
+    /// Appends a statement, and returns its index.
     fn push(&mut self, item: Item) -> usize {
         self.order.push(item);
         self.order.len() - 1
@@ -173,7 +173,7 @@ impl<'a> Lowering<'a> {
         self.graph.find(node).is_some_and(|id| self.live[id as usize])
     }
 
-    /// The operation of a node that has a statement of its own.
+    /// Returns the operation of a node with a statement of its own.
     fn operation(&self, id: Id) -> Operation {
         let width = self.graph.width(id);
         let at = |id| self.operand(id, width);
@@ -211,7 +211,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// A product fused with a sum. Signs that cancel are left out.
+    /// Returns a product fused with a sum. Signs that cancel are omitted.
     fn multiply_add(
         &self,
         [mut a, b]: [Operand; 2],
@@ -241,7 +241,7 @@ impl<'a> Lowering<'a> {
         })
     }
 
-    /// The factors of a product that is part of the sum that reads it.
+    /// Returns the factors of a product that is part of the sum that reads it.
     fn product(&self, id: Id) -> Option<[Operand; 2]> {
         match (self.statement_of[id as usize], self.graph.node(id)) {
             (None, Node::Mul(a, b)) => {
@@ -252,7 +252,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// A node as an operation on so many lanes reads it.
+    /// Returns a node as the operand of an operation on `lanes` lanes.
     fn operand(&self, id: Id, lanes: u8) -> Operand {
         let operand = |source| Operand { source, negated: false, lanes };
         let node = self.graph.node(id);
@@ -273,7 +273,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Which result of its statement a node is.
+    /// Returns the index of a node among its statement's results.
     fn place(&self, statement: usize, node: Node) -> usize {
         let of = |angle: Id| match &self.order[statement] {
             Item::Angles(angles) => 2 * angles.iter().position(|&a| a == angle).unwrap_or(0),
@@ -288,7 +288,7 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// The angles that are arguments, or arguments plus a constant, by their lanes; none where there is a single one.
+/// Returns the angles that are arguments, or arguments plus a constant, grouped by lanes; groups of one are omitted.
 fn early_angles(graph: &Graph, live: &[bool]) -> Vec<Vec<Id>> {
     let mut angles: BTreeMap<u8, Vec<Id>> = BTreeMap::new();
     for (node, _) in graph.nodes().iter().zip(live).filter(|&(_, &live)| live) {
@@ -305,7 +305,7 @@ fn early_angles(graph: &Graph, live: &[bool]) -> Vec<Vec<Id>> {
     angles.into_values().filter(|same| same.len() > 1).collect()
 }
 
-/// Whether a node is an argument or a constant, or a pack of such.
+/// Returns whether a node is an argument, a constant, or a pack of these.
 fn is_known(graph: &Graph, id: Id) -> bool {
     match graph.node(id) {
         Node::Input(_) | Node::Constant(_) => true,

@@ -1,16 +1,16 @@
-//! A straight-line program: what a graph becomes before any language prints it.
+//! Programs: straight-line code between the graph and the printers of languages.
 //!
 //! ```text
 //! Graph ─ lower ─▶ statements in order ─ outline ─▶ chunks and scopes ─ validate ─▶ Program ─▶ printers
 //! ```
 //!
-//! All decisions are made here: the order of operations, which products are fused into sums, which signs are folded
-//! into operands, which angles share one evaluation of sine and cosine, where a long function is cut, and which values
-//! cross a cut. A printer only gives names, types, literals and calls.
+//! All decisions are made here: the order of operations; which products are fused into sums; which signs are folded into
+//! operands; which angles share one evaluation of sine and cosine; where a long function is cut; and which values cross
+//! a cut. A printer chooses names, types, literals and calls only.
 //!
-//! Every value is an operand of the form *constant*, *argument* or *result of a statement*, with a sign, copied to as
-//! many lanes as its use has. So a printer needs no expression trees, and machine code can be made from a program
-//! directly: it is one basic block whose last uses are known ([`Statement::last_use`]).
+//! An operand is a constant, an argument or a result of a statement. It has a sign, and scalars are broadcast to as
+//! many lanes as the operation has. A printer therefore needs no expression trees. Machine code can be made from a
+//! program directly: it is one basic block with known last uses ([`Statement::last_use`]).
 
 mod evaluate;
 mod lower;
@@ -28,47 +28,47 @@ pub use validate::Fault;
 /// The kind of numbers that a program runs on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// Numbers of one state.
+    /// Scalars of one state.
     Scalar,
-    /// Vectors with a state in each lane; results are stored as soon as they are known.
+    /// Vectors with a state in each lane; results are stored as soon as they are computed.
     Batch,
-    /// Numbers of one state, some of them packed into vectors.
+    /// Scalars of one state, some of them packed into vectors.
     Simd,
 }
 
-/// A program: scalars in, scalars out.
+/// A program from scalars to scalars.
 #[derive(Clone, Debug)]
 pub struct Program {
     /// The kind of numbers.
     pub target: Target,
-    /// The number of scalars that the program is given.
+    /// The number of scalar arguments.
     pub arguments: usize,
     /// The operations, each after the operations that it reads.
     pub statements: Vec<Statement>,
     /// The results.
     pub results: Vec<Operand>,
-    /// The results that need no statement: they can be stored at once. Empty unless results are stored as soon as
-    /// they are known.
+    /// The results that need no statement, and can be stored at once. Empty unless results are stored as soon as they are
+    /// computed.
     pub first_stores: Vec<usize>,
-    /// The statements cut into chunks. The last chunk calls the others, in their order, and has the results.
+    /// The statements, cut into chunks. The last chunk calls the others in their order, and returns the results.
     pub chunks: Vec<Chunk>,
-    /// Programs that statements call.
+    /// The programs that statements call.
     pub routines: Vec<Routine>,
 }
 
-/// An operation at its place in the program.
+/// An operation in its place in the program.
 #[derive(Clone, Debug)]
 pub struct Statement {
     /// The operation.
     pub operation: Operation,
     /// The number of lanes of each result; 1 for a scalar.
     pub lanes: u8,
-    /// For each result whether anything reads it.
+    /// For each result, whether it is read.
     pub used: Vec<bool>,
-    /// The last statement that reads one of the results; `usize::MAX` where a result is one of the program's.
+    /// The last statement that reads one of the results; `usize::MAX` if a result is a result of the program.
     pub last_use: usize,
-    /// The program's results that can be stored after this statement. Empty unless results are stored as soon as
-    /// they are known.
+    /// The program's results that can be stored after this statement. Empty unless results are stored as soon as they are
+    /// computed.
     pub stores: Vec<usize>,
 }
 
@@ -81,29 +81,29 @@ pub enum Operation {
     Subtract(Operand, Operand),
     /// a b
     Multiply(Operand, Operand),
-    /// A product and a sum, rounded once where the target can.
+    /// A product plus or minus an addend, rounded once if the target has an instruction for it.
     MultiplyAdd(MultiplyAdd),
     /// 1 / a
     Reciprocal(Operand),
-    /// The sine and the cosine of each angle, in this order: two results an angle.
+    /// The sine and the cosine of each angle, in this order: two results for each angle.
     SinCos(Vec<Operand>),
     /// The angle from the x axis to the point (second operand, first operand).
     Atan2(Operand, Operand),
-    /// Square root.
+    /// The square root.
     SquareRoot(Operand),
-    /// Natural logarithm.
+    /// The natural logarithm.
     Logarithm(Operand),
-    /// Absolute value.
+    /// The absolute value.
     Absolute(Operand),
-    /// The larger of two numbers; the other one where one is NaN.
+    /// The larger of two numbers; if one is NaN, the other.
     Maximum(Operand, Operand),
-    /// The second operand where the first is at least zero, else the third.
+    /// The second operand if the first is at least zero, else the third.
     Select(Operand, Operand, Operand),
-    /// Scalars as the lanes of one vector.
+    /// A vector with these scalars as its lanes.
     Pack(Vec<Operand>),
-    /// Constants as the lanes of one vector.
+    /// A vector with these constants as its lanes.
     Constants(Vec<f64>),
-    /// The lanes of a vector as scalars: one result a lane.
+    /// The lanes of a vector as scalars: one result for each lane.
     Unpack(Operand),
     /// A call of a routine.
     Call(Call),
@@ -122,7 +122,7 @@ pub struct MultiplyAdd {
     pub addend: Addend,
 }
 
-/// The number that is added to a product.
+/// The addend of a product.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Addend {
     /// A value.
@@ -131,14 +131,14 @@ pub enum Addend {
     Product(Operand, Operand),
 }
 
-/// A value as an operation reads it.
+/// A value, as an operation reads it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Operand {
     /// The value.
     pub source: Source,
-    /// Whether it is negated.
+    /// Whether the value is negated.
     pub negated: bool,
-    /// The number of lanes; a scalar is copied to all of them.
+    /// The number of lanes; a scalar is broadcast to all of them.
     pub lanes: u8,
 }
 
@@ -147,7 +147,7 @@ pub struct Operand {
 pub enum Source {
     /// A constant.
     Constant(f64),
-    /// The scalar argument of that number.
+    /// The scalar argument with this index.
     Argument(usize),
     /// A result of a statement.
     Result(Value),
@@ -156,13 +156,13 @@ pub enum Source {
 /// A result of a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Value {
-    /// The statement.
+    /// The index of the statement.
     pub statement: usize,
-    /// Which of its results.
+    /// The index of the result among the statement's results.
     pub place: usize,
 }
 
-/// Statements that become one function where a language has functions.
+/// Statements that become one function in languages with functions.
 #[derive(Clone, Debug)]
 pub struct Chunk {
     /// The statements.
@@ -171,11 +171,11 @@ pub struct Chunk {
     pub live_in: Vec<usize>,
     /// The values that later chunks read, scalars first, then by lanes.
     pub live_out: Vec<Value>,
-    /// The statements in scopes of bounded length.
+    /// The statements, in scopes of bounded length.
     pub scopes: Vec<Scope>,
 }
 
-/// Statements whose values are forgotten at the end, but for some.
+/// Statements in a scope: only the `live_out` values are visible afterwards.
 #[derive(Clone, Debug)]
 pub struct Scope {
     /// The statements.
@@ -184,35 +184,35 @@ pub struct Scope {
     pub live_out: Vec<Value>,
 }
 
-/// A program that is called several times, each time with constants of its own. Its arguments are the constants of one
-/// repetition, then the operands of the repetition, then operands that all repetitions have in common.
+/// A program that is called several times, each time with other constants. Its arguments are the constants of one
+/// repetition, then the repetition's own operands, then operands that all repetitions share.
 #[derive(Clone, Debug)]
 pub struct Routine {
     /// The program.
     pub program: Program,
-    /// For each repetition its constants, the same number of them.
+    /// The constants of each repetition; all tables have the same length.
     pub tables: Vec<Vec<f64>>,
-    /// The number of operands that each repetition has.
+    /// The number of operands that belong to one repetition.
     pub own: usize,
-    /// The number of operands that all repetitions have in common.
+    /// The number of operands that all repetitions share.
     pub common: usize,
 }
 
-/// One repetition of a routine; its results are the routine's.
+/// A call of a routine; its results are the routine's results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Call {
-    /// The routine.
+    /// The index of the routine.
     pub routine: usize,
-    /// Which of its repetitions, and so which table of constants.
+    /// The index of the repetition, and of its table of constants.
     pub repetition: usize,
     /// The operands of this repetition.
     pub own: Vec<Operand>,
-    /// The operands that all repetitions have in common.
+    /// The operands that all repetitions share.
     pub common: Vec<Operand>,
 }
 
 impl Operation {
-    /// The operands, in their order.
+    /// Returns the operands, in order.
     #[must_use]
     pub fn operands(&self) -> Vec<Operand> {
         match self {
@@ -239,7 +239,7 @@ impl Operation {
 }
 
 impl Operand {
-    /// The value, if a statement computes it.
+    /// Returns the value, if a statement computes it.
     #[must_use]
     pub fn value(&self) -> Option<Value> {
         match self.source {
@@ -250,13 +250,13 @@ impl Operand {
 }
 
 impl Program {
-    /// The numbers of lanes that statements have, 1 among them.
+    /// Returns the numbers of lanes of the statements; 1 is always among them.
     #[must_use]
     pub fn widths(&self) -> BTreeSet<u8> {
         self.statements.iter().map(|statement| statement.lanes).chain([1]).collect()
     }
 
-    /// The statements whose results statement `s` reads, and its stores read.
+    /// Returns the statements whose results are read by statement `s` or its stores.
     pub fn reads(&self, s: usize) -> impl Iterator<Item = usize> {
         let Statement { operation, stores, .. } = &self.statements[s];
         let stored = stores.iter().map(|&result| self.results[result]);
@@ -264,7 +264,7 @@ impl Program {
         operands.filter_map(|operand| operand.value()).map(|value| value.statement)
     }
 
-    /// The number of lanes of a value before it is copied to more.
+    /// Returns the number of lanes of a value before it is broadcast.
     #[must_use]
     pub fn lanes_of(&self, source: Source) -> u8 {
         match source {
@@ -273,7 +273,7 @@ impl Program {
         }
     }
 
-    /// The operations of one call; those of routines as often as these are called.
+    /// Returns the operations of one call; those of routines count as often as they are called.
     #[must_use]
     pub fn operations_per_call(&self) -> OperationCount {
         let calls = |routine: &Routine| {
@@ -283,14 +283,15 @@ impl Program {
         self.own_operations() + self.routines.iter().map(calls).sum()
     }
 
-    /// The operations in the program's text, those of routines once.
+    /// Returns the operations in the program's text; those of routines count once.
     #[must_use]
     pub fn static_operations(&self) -> OperationCount {
         let routines = self.routines.iter().map(|routine| routine.program.static_operations());
         self.own_operations() + routines.sum()
     }
 
-    /// The operations of the program's own statements; an operation on lanes counts once, packing and unpacking do not.
+    /// Returns the operations of the program's own statements. An operation on lanes counts once; packs and unpacks do not
+    /// count.
     fn own_operations(&self) -> OperationCount {
         let mut count = OperationCount::default();
         for Statement { operation, .. } in &self.statements {

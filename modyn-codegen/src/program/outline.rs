@@ -1,37 +1,37 @@
-//! Where statements are cut: into chunks, which become functions, and inside these into scopes.
+//! Cuts statements into chunks, which become functions, and chunks into scopes.
 //!
-//! Compilers take more than linear time for long functions, and rustc has crashed on thousands of `let`s in one scope
-//! with debug information. A chunk returns the values that others need, and these read them from there where they use
-//! them: values that chunks copied to hand them on would be half of a long function's work.
+//! Compilers take more than linear time for long functions, and rustc with debug information has crashed on thousands of
+//! `let`s in one scope. A chunk returns the values that later chunks need, and these read the values from its result.
+//! Chunks that copied values in order to pass them on would double the work of a long function.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::{Chunk, Program, Scope, Target, Value};
 
-/// Most statements in one scope.
+/// The largest number of statements in one scope.
 const MAX_SCOPE: usize = 250;
 
 /// The lengths of functions, in statements.
 struct Limits {
-    /// A program that is no longer stays one chunk.
+    /// A program up to this length stays one chunk.
     whole: usize,
-    /// Most statements in a chunk of a longer one.
+    /// The largest number of statements in a chunk of a longer program.
     chunk: usize,
 }
 
-/// For many states: the compiler works on lanes in memory at first, in more than linear time.
+/// For many states. The compiler initially keeps lanes in memory, and takes more than linear time.
 const BATCH: Limits = Limits { whole: 500, chunk: 500 };
 
-/// For one state in scalars alone: short chunks fit registers better, and take the compiler less time.
+/// For one state on scalars. Short chunks fit registers better, and take less compile time.
 const SCALAR: Limits = Limits { whole: 1500, chunk: 500 };
 
-/// With vectors: a humanoid's forward dynamics (1,600 statements) takes a fifth less time as one function where there
-/// are 32 registers, as long where there are 16, and a tenth more of rustc's. Its derivatives would gain as much, but
-/// take rustc twice as long; chunks of 800 are as fast as longer ones that are not all.
+/// For one state with vectors. A humanoid's forward dynamics (1,600 statements) as one function takes a fifth less time
+/// with 32 registers, the same time with 16 registers, and a tenth more compile time. Its derivatives would gain as much,
+/// but take rustc twice as long. Chunks of 800 are as fast as any longer chunks.
 const PACKED: Limits = Limits { whole: 3000, chunk: 800 };
 
-/// The statements of a program in chunks of about equal length.
+/// Returns the statements of a program in chunks of about equal length.
 pub(super) fn chunks(program: &Program) -> Vec<Chunk> {
     let count = program.statements.len();
     let Limits { whole, chunk } = match program.target {
@@ -56,7 +56,7 @@ pub(super) fn chunks(program: &Program) -> Vec<Chunk> {
     ranges.iter().map(chunk).collect()
 }
 
-/// The scopes of a chunk, each as long as it may be.
+/// Returns the scopes of a chunk, each of maximal length.
 fn scopes(program: &Program, chunk: &Range<usize>) -> Vec<Scope> {
     chunk
         .clone()
@@ -68,7 +68,7 @@ fn scopes(program: &Program, chunk: &Range<usize>) -> Vec<Scope> {
         .collect()
 }
 
-/// The values that these statements compute and later ones read.
+/// Returns the values that these statements compute and later statements read.
 fn live_out(program: &Program, range: &Range<usize>) -> Vec<Value> {
     let statements = range.clone().filter(|&s| program.statements[s].last_use >= range.end);
     let mut values: Vec<Value> = statements

@@ -1,8 +1,8 @@
-//! Equal limbs through one routine, with a table of constants for each limb.
+//! Equal limbs by one routine, with a table of constants for each limb.
 //!
-//! A graph in which limbs are packed falls into pieces: scalars, then limbs that need them, then scalars that need
-//! those, and so on. Each piece becomes a routine over the values that it is given, a limb's with one lane in place of
-//! all; a limb's routine is called once for each lane.
+//! A graph with packed limbs is split into pieces: scalars, then limbs that need them, then scalars that need the limbs,
+//! and so on. Each piece becomes a routine over its inputs. In a limb's routine a value has one lane instead of all
+//! lanes, and the routine is called once for each lane.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,7 +10,7 @@ use super::{Call, Operand, Operation, Program, Routine, Source, Statement, Targe
 use crate::graph::{Graph, Id, Node};
 
 impl Program {
-    /// The program of a graph with packed limbs over so many scalar `arguments`, on scalars alone.
+    /// Returns the program, on scalars only, of a graph with packed limbs over `arguments` scalars.
     #[must_use]
     pub fn repeated(graph: &Graph, arguments: usize) -> Self {
         let pieces = pieces(graph);
@@ -59,14 +59,14 @@ impl Program {
     }
 }
 
-/// A value that a piece is given.
+/// An input of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Given {
-    /// Constants, one a lane.
+    /// Constants, one for each lane.
     Table(Id),
-    /// A number of each lane.
+    /// A value that differs from lane to lane.
     Own(Id),
-    /// A number that is the same for all lanes.
+    /// A value that is the same for all lanes.
     Common(Id),
 }
 
@@ -77,21 +77,21 @@ impl Given {
     }
 }
 
-/// Nodes that are computed by one routine.
+/// Nodes that one routine computes.
 struct Piece {
-    /// The number of lanes that they have; 1 for scalars.
+    /// The number of lanes of the nodes; 1 for scalars.
     width: u8,
     /// The number of calls: the lanes that are used.
     calls: u8,
-    /// The first call among all calls.
+    /// The index of the first call among all calls.
     first: usize,
     given: Vec<Given>,
-    /// The nodes that others need.
+    /// The nodes that other pieces need.
     outputs: Vec<Id>,
     graph: Graph,
 }
 
-/// One lane of a value as a call reads it.
+/// Returns one lane of a value, as a call reads it.
 fn operand(graph: &Graph, pieces: &[Piece], id: Id, lane: u8) -> Operand {
     let scalar = |source| Operand { source, negated: false, lanes: 1 };
     match graph.node(id) {
@@ -110,12 +110,12 @@ fn operand(graph: &Graph, pieces: &[Piece], id: Id, lane: u8) -> Operand {
     }
 }
 
-/// Whether a node needs no operation: arguments, constants, packs and lanes of these.
+/// Returns whether a node needs no operation: arguments, constants, packs and lanes of these.
 fn is_known(node: Node) -> bool {
     matches!(node, Node::Constant(_) | Node::Input(_) | Node::Pack(..) | Node::ExtractLane(..))
 }
 
-/// The pieces of a graph, in an order in which each needs earlier ones only.
+/// Returns the pieces of a graph, each after the pieces that it needs.
 fn pieces(graph: &Graph) -> Vec<Piece> {
     let (nodes, live) = (graph.nodes(), graph.live());
     let mut members: BTreeMap<(usize, u8), Vec<Id>> = BTreeMap::new();
@@ -151,7 +151,7 @@ fn pieces(graph: &Graph) -> Vec<Piece> {
     pieces
 }
 
-/// By node: how often it changes from scalars to lanes and back on the path there. Even for scalars, odd for lanes.
+/// Returns, for each node, how often the path to it changes between scalars and lanes: even for scalars, odd for lanes.
 fn levels(graph: &Graph) -> Vec<usize> {
     let mut levels: Vec<usize> = Vec::with_capacity(graph.nodes().len());
     for (i, node) in graph.nodes().iter().enumerate() {
@@ -204,7 +204,7 @@ impl Piece {
         Self { width, calls, first, given: all, outputs, graph: made }
     }
 
-    /// The values that it is given: constants, numbers of each lane, numbers that are the same for all.
+    /// Returns the inputs of the piece: constants, values of each lane, values that are the same for all lanes.
     fn kinds(&self) -> [Vec<Id>; 3] {
         [Given::Table, Given::Own, Given::Common].map(|kind: fn(Id) -> Given| {
             let ids = self.given.iter().map(|given| given.id());

@@ -1,25 +1,25 @@
-//! What every program satisfies, checked once before any printer sees it.
+//! The rules that every program satisfies, checked once before it is printed.
 
 use std::collections::BTreeSet;
 
 use super::{Call, Chunk, Operand, Operation, Program, Routine, Source, Target, Value};
 
-/// A rule that a program breaks.
+/// A violation of a rule.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// The statement at which it does; `None` where it is none's.
+    /// The statement that breaks the rule; `None` for the program as a whole.
     pub statement: Option<usize>,
     /// The rule.
     pub rule: &'static str,
 }
 
 impl Program {
-    /// Checks that operands are computed before they are read, that lanes fit, that chunks and scopes cover all
-    /// statements, and that no value crosses a cut without being named there.
+    /// Checks that operands are computed before they are read, that lanes fit, that chunks and scopes cover all statements,
+    /// and that every value that crosses a cut is declared there.
     ///
     /// # Errors
     ///
-    /// The first rule that is broken.
+    /// Returns the first violation.
     pub fn validate(&self) -> Result<(), Fault> {
         for s in 0..self.statements.len() {
             self.statement_fault(s)
@@ -37,7 +37,7 @@ impl Program {
         self.routines.iter().try_for_each(|routine| routine.program.validate())
     }
 
-    /// The rule that statement `s` breaks.
+    /// Returns the rule that statement `s` breaks.
     fn statement_fault(&self, s: usize) -> Option<&'static str> {
         let statement = &self.statements[s];
         let operands = statement.operation.operands();
@@ -65,7 +65,7 @@ impl Program {
         (self.target != Target::Simd && statement.lanes != 1).then_some("the target has no lanes")
     }
 
-    /// The rule that an operand of statement `s` breaks.
+    /// Returns the rule that an operand of statement `s` breaks.
     fn operand_fault(&self, operand: &Operand, s: usize) -> Option<&'static str> {
         match operand.source {
             Source::Constant(_) => {}
@@ -88,7 +88,7 @@ impl Program {
         (own != 1 && own != operand.lanes).then_some("only scalars are copied to lanes")
     }
 
-    /// The number of results of a call; `None` where it names no routine.
+    /// Returns the number of results of a call; `None` if the routine does not exist.
     fn call_results(&self, call: &Call) -> Option<usize> {
         let routine = self.routines.get(call.routine)?;
         let fits = call.repetition < routine.tables.len()
@@ -97,7 +97,7 @@ impl Program {
         fits.then_some(routine.program.results.len())
     }
 
-    /// Where results are stored as soon as they are known, each is stored once.
+    /// Returns the rule that the stores of results break.
     fn store_fault(&self) -> Option<&'static str> {
         let stored = self.statements.iter().flat_map(|statement| &statement.stores);
         let mut stored: Vec<usize> = stored.chain(&self.first_stores).copied().collect();
@@ -106,7 +106,7 @@ impl Program {
         (!stored.iter().copied().eq(0..all)).then_some("each result is stored once")
     }
 
-    /// The rule that chunks or scopes break.
+    /// Returns the rule that chunks or scopes break.
     fn cut_fault(&self) -> Option<&'static str> {
         let covers = |ranges: &[(usize, usize)], (start, end): (usize, usize)| {
             let starts = ranges.iter().map(|range| range.0);

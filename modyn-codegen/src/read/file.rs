@@ -1,19 +1,18 @@
-//! Reading the file of a description, for all doors.
+//! Reads the file of a description, for the macro, build scripts and the command line.
 
 use std::fmt::Display;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::xml::limits::MOST_BYTES;
+use super::xml::limits::MAX_BYTES;
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Position};
 
-/// Reads the first of `places` that exists: where it was, and its text. `wanted` is what
-/// diagnostics call it.
+/// Returns the path and the text of the first of `places` that exists. Diagnostics name the file `wanted`.
 ///
 /// # Errors
 ///
-/// None exists, or what is there cannot be read as text.
+/// If no place exists, or if the file cannot be read as text.
 pub fn read_first(
     wanted: impl Display,
     places: &[PathBuf],
@@ -25,32 +24,31 @@ pub fn read_first(
     };
     let unreadable = |reason: &dyn Display| {
         let message = format!("`{}` cannot be read: {reason}", relative(place));
-        let help = "give the path of a URDF file that may be read";
+        let help = "give the path of a readable URDF file";
         Diagnostics::from(Diagnostic::error(Code::MissingFile, message).with_help(help))
     };
-    // A device or a pipe might never end.
+    // A device or a pipe might have no end.
     if !place.is_file() {
-        return Err(unreadable(&"it is no file"));
+        return Err(unreadable(&"it is not a file"));
     }
     let file = File::open(place).map_err(|error| unreadable(&error))?;
     let length = file.metadata().map_err(|error| unreadable(&error))?.len();
-    if length > MOST_BYTES as u64 {
-        let message = format!("`{}` has {length} bytes, more than {MOST_BYTES}", relative(place));
-        let help = "give the path of a URDF file; none is of this size";
+    if length > MAX_BYTES as u64 {
+        let message = format!("`{}` has {length} bytes, more than {MAX_BYTES}", relative(place));
+        let help = "give the path of a URDF file; none is this large";
         return Err(Diagnostic::error(Code::Excessive, message).with_help(help).into());
     }
-    // It may have grown since.
+    // The file may have grown since.
     Ok((place, read_text(wanted, file)?))
 }
 
-/// The text that a stream gives until its end, such as standard input's. `wanted` is what diagnostics call
-/// it.
+/// Returns the text of a stream, such as standard input. Diagnostics name it `wanted`.
 ///
 /// # Errors
 ///
-/// The stream cannot be read, is no UTF-8, or goes on beyond the size of any description.
+/// If the stream cannot be read, is not UTF-8, or is longer than any description.
 pub fn read_text(wanted: impl Display, stream: impl Read) -> Result<String, Diagnostics> {
-    read_at_most(MOST_BYTES, wanted, stream)
+    read_at_most(MAX_BYTES, wanted, stream)
 }
 
 fn read_at_most(
@@ -66,13 +64,13 @@ fn read_at_most(
     })?;
     if bytes.len() > limit {
         let message = format!("{wanted} has more than {limit} bytes");
-        let help = "give a URDF file; none is of this size";
+        let help = "give a URDF file; none is this large";
         return Err(Diagnostic::error(Code::Excessive, message).with_help(help).into());
     }
     String::from_utf8(bytes).map_err(|error| not_text(wanted, &error))
 }
 
-/// Where and why a file is no UTF-8.
+/// Returns the error that a file is not UTF-8, with its place.
 fn not_text(wanted: impl Display, error: &std::string::FromUtf8Error) -> Diagnostics {
     let (good, rest) = error.as_bytes().split_at(error.utf8_error().valid_up_to());
     let line = String::from_utf8_lossy(good.rsplit(|&b| b == b'\n').next().unwrap_or_default());
@@ -81,14 +79,14 @@ fn not_text(wanted: impl Display, error: &std::string::FromUtf8Error) -> Diagnos
         column: 1 + line.chars().count(),
     };
     let byte = rest.first().copied().unwrap_or_default();
-    Diagnostic::error(Code::NotUrdf, format!("this is no UTF-8 text: byte 0x{byte:02x}"))
+    Diagnostic::error(Code::NotUrdf, format!("this is not UTF-8 text: byte 0x{byte:02x}"))
         .in_file(wanted.to_string())
         .at(position)
         .with_help("save the file as UTF-8; a URDF is a text file")
         .into()
 }
 
-/// A path as seen from the folder of `Cargo.toml`, where it is in there.
+/// Returns a path relative to the folder of `Cargo.toml`, if it is inside.
 fn relative(place: &Path) -> String {
     let root = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default();
     let absolute = std::path::absolute(place).unwrap_or_else(|_| place.into());
@@ -113,15 +111,15 @@ mod tests {
 
     #[test]
     fn a_folder_is_no_file() {
-        assert!(refused(&["no/such", "src"]).contains("`src` cannot be read: it is no file"));
+        assert!(refused(&["no/such", "src"]).contains("`src` cannot be read: it is not a file"));
     }
 
     #[test]
     fn a_file_without_end_is_not_read() {
         let path = std::env::temp_dir().join(format!("modyn-{}.urdf", std::process::id()));
-        // A hole: it takes no room.
+        // A sparse file takes no space.
         let file = std::fs::File::create(&path).expect("a file");
-        file.set_len(MOST_BYTES as u64 + 1).expect("a hole");
+        file.set_len(MAX_BYTES as u64 + 1).expect("a hole");
         let message = refused(&[&path.to_string_lossy()]);
         let _ = std::fs::remove_file(&path);
         assert!(
@@ -130,7 +128,7 @@ mod tests {
         );
     }
 
-    /// Standard input may go on for ever: not more is read than a description can have.
+    /// Standard input may have no end: at most the size of a description is read.
     #[test]
     fn a_stream_without_end_is_not_read() {
         let found =
@@ -150,7 +148,7 @@ mod tests {
         let error = String::from_utf8(b"<robot>\n\xc3\xa9\xff".to_vec()).expect_err("0xff");
         assert_eq!(
             not_text("a.urdf", &error).to_string().lines().next(),
-            Some("a.urdf:2:2: error[not-urdf]: this is no UTF-8 text: byte 0xff")
+            Some("a.urdf:2:2: error[not-urdf]: this is not UTF-8 text: byte 0xff")
         );
     }
 }

@@ -1,11 +1,11 @@
-//! From a text to a [`Reading`]: a model, and what probably is not as it was meant.
+//! From a text to a [`Reading`]: a model and its warnings.
 //!
 //! ```text
 //! text ─ xml ─▶ XML ─ urdf, mjcf ─▶ Description ─ assemble, check ─▶ Model
 //! ```
 //!
-//! A format is a folder: it makes a description, and knows nothing of models. Which format a text has is decided here
-//! alone ([`Format::of`]).
+//! Each format has a folder, which produces a description and does not know the model. Only [`Format::of`] decides which
+//! format a text has.
 
 pub mod file;
 #[cfg(feature = "mjcf")]
@@ -26,7 +26,7 @@ use crate::diagnostics::{Diagnostic, Diagnostics, Report};
 pub struct Reading {
     /// The robot.
     pub model: Model,
-    /// What probably is not as it was meant, in the order of the file.
+    /// The warnings, in the order of the file.
     pub warnings: Vec<Diagnostic>,
 }
 
@@ -43,8 +43,8 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format of a text: that of its first element, or of its file's extension where it has no element. What is
-    /// neither is read as a URDF, whose reader says what is wrong.
+    /// Returns the format of a text, by its first element, or by the file's extension if it has no element. Unknown
+    /// formats are read as URDF, whose reader reports what is wrong.
     #[must_use]
     pub fn of(text: &str, file: &str) -> Self {
         let extension = file.rsplit_once('.').map(|(_, extension)| extension);
@@ -59,7 +59,7 @@ impl Format {
         }
     }
 
-    /// Its name in lower case.
+    /// Returns the format's name in lower case.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -69,11 +69,11 @@ impl Format {
         }
     }
 
-    /// Reads a text of this format; `file` is what diagnostics call it.
+    /// Reads a text of this format. Diagnostics name the file `file`.
     ///
     /// # Errors
     ///
-    /// All that is wrong with the text, with the warnings.
+    /// Returns all errors of the text, and its warnings.
     pub fn read(
         self,
         text: &str,
@@ -84,7 +84,7 @@ impl Format {
         let mut options = options.clone();
         let gravity = options.gravity.and_then(gravity_error);
         let friction = options.friction.and_then(friction_error);
-        // To find what else is wrong.
+        // Reading continues without it, to find other errors.
         if gravity.is_some() {
             options.gravity = None;
         }
@@ -108,7 +108,7 @@ impl Format {
         options: &ReadOptions,
         report: &mut Report<'_>,
     ) -> Option<Description> {
-        let text = xml::document::bounded(text, report)?;
+        let text = xml::document::within_limits(text, report)?;
         match self {
             Self::Urdf => urdf::describe(&text, options, report),
             #[cfg(feature = "mjcf")]
@@ -117,37 +117,37 @@ impl Format {
     }
 }
 
-/// Reads a description of any format that is known; `file` is what diagnostics call it. No other file is read.
+/// Reads a description of any supported format. Diagnostics name the file `file`. No other file is read.
 ///
 /// # Errors
 ///
-/// All that is wrong with the text, with the warnings.
+/// Returns all errors of the text, and its warnings.
 pub fn read(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
     Format::of(text, file).read(text, file, options)
 }
 
-/// Reads a URDF; `file` is what diagnostics call it.
+/// Reads a URDF. Diagnostics name the file `file`.
 ///
 /// # Errors
 ///
-/// All that is wrong with the text, with the warnings.
+/// Returns all errors of the text, and its warnings.
 pub fn read_urdf(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
     Format::Urdf.read(text, file, options)
 }
 
-/// Reads a `MuJoCo` model (MJCF); `file` is what diagnostics call it. No other file is read.
+/// Reads a `MuJoCo` model (MJCF). Diagnostics name the file `file`. No other file is read.
 ///
-/// - Bodies are links, in a world that is the root link `world`; several joints of one body have links without mass
-///   between them. A body's frame is its link's. Coordinates are those of `docs/conventions.md`, not `MuJoCo`'s:
-///   `modyn::conventions::mujoco` has the conversions.
-/// - Where no inertia is written (`<inertial>`), it is that of the geoms, unless these are meshes.
-/// - Gravity is that of `<option>`, unless the options give another one.
-/// - Contacts, actuators, sensors and what is only to be seen do not matter. Damping and friction act if the
-///   options say so, as for a URDF.
+/// - Bodies become links of a tree whose root link is `world`. If a body has several joints, there are massless links
+///   between them. A body's frame is its link's frame. Coordinates are those of `docs/conventions.md`, not `MuJoCo`'s;
+///   `modyn::conventions::mujoco` converts them.
+/// - A body without `<inertial>` has the inertia of its geoms, unless these are meshes.
+/// - Gravity is that of `<option>`, unless the options set another one.
+/// - Contacts, actuators, sensors and visual elements are ignored. Damping and friction act if the options say so, as
+///   in a URDF.
 ///
 /// # Errors
 ///
-/// What is wrong with the text, or not supported, with the warnings.
+/// Returns all errors and unsupported elements of the text, and its warnings.
 #[cfg(feature = "mjcf")]
 pub fn read_mjcf(text: &str, file: &str, options: &ReadOptions) -> Result<Reading, Diagnostics> {
     Format::Mjcf.read(text, file, options)

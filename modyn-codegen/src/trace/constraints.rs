@@ -1,4 +1,4 @@
-//! Constraints.
+//! The graphs of loop constraints.
 //!
 //! Settings are alpha, beta, tolerance and rounding, then for each contact its target: rotation by rows, translation,
 //! velocity, tangential, alpha, beta, compliance, restitution, weight. A twist or a wrench is three angular numbers, then three linear ones.

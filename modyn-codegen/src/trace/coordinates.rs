@@ -1,5 +1,4 @@
-//! Moving in the space of the coordinates, as graphs. Neutral coordinates are constants:
-//! [`coordinates::neutral`] on numbers.
+//! The graphs of the configuration space. Neutral coordinates are constants: [`coordinates::neutral`] on numbers.
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::kinematics::coordinates;
@@ -8,7 +7,7 @@ use super::Tracer;
 use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
-    /// The coordinates `q` moved, from `q` and tangent vector `v`.
+    /// Returns the graph of the moved coordinates. Inputs: `q` and the tangent vector `v`.
     #[must_use]
     pub fn integrate(&self) -> Graph {
         self.trace(|model, [q, v]| {
@@ -18,7 +17,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// The tangent vector from coordinates `from` and `to`.
+    /// Returns the graph of the tangent vector between coordinates. Inputs: `from` and `to`.
     #[must_use]
     pub fn difference(&self) -> Graph {
         self.trace_groups([self.model.nq; 2], |model, [from, to]| {
@@ -28,17 +27,17 @@ impl Tracer<'_> {
         })
     }
 
-    /// The rates of the coordinates from `q`, `qd`.
+    /// Returns the graph of the rates of the coordinates. Inputs: `q`, `qd`.
     #[must_use]
-    pub fn coordinate_rates(&self) -> Graph {
+    pub fn velocity_to_qdot(&self) -> Graph {
         self.trace(|model, [q, qd]| {
             let mut rates = self.coordinates();
-            coordinates::coordinate_rates(model, (&q, &qd), &mut rates);
+            coordinates::velocity_to_qdot(model, (&q, &qd), &mut rates);
             rates
         })
     }
 
-    /// Coordinates with quaternions of length 1 from `q`.
+    /// Returns the graph of coordinates with quaternions of length 1. Inputs: `q`.
     #[must_use]
     pub fn normalize(&self) -> Graph {
         self.trace(|model, [mut q]| {
@@ -47,7 +46,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// Random coordinates from [`uniforms`](Self::uniforms) numbers in 0..1.
+    /// Returns the graph of random coordinates. Inputs: [`uniforms`](Self::uniforms) numbers in 0..1.
     #[must_use]
     pub fn random(&self) -> Graph {
         self.trace_groups([self.uniforms()], |model, [uniforms]| {
@@ -59,7 +58,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// How many numbers [`random`](Self::random) takes: one a degree of freedom.
+    /// Returns the number of inputs of [`random`](Self::random): one for each degree of freedom.
     #[must_use]
     pub fn uniforms(&self) -> usize {
         self.model.nv

@@ -1,4 +1,4 @@
-//! Derivatives of inverse and forward dynamics.
+//! The graphs of the derivatives of inverse and forward dynamics.
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::Workspace;
@@ -11,7 +11,7 @@ use super::Tracer;
 use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
-    /// The derivatives of the torques from `q`, `qd`, `qdd`: by q, then by qd, column by column.
+    /// Returns the graph of the derivatives of the joint forces: by q, then by qd, by columns. Inputs: `q`, `qd`, `qdd`.
     #[must_use]
     pub fn inverse_dynamics_derivatives(&self) -> Graph {
         self.trace_joints(0, |model, [q, qd, qdd]| {
@@ -23,8 +23,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// The accelerations from `q`, `qd`, `tau` and their derivatives by q, qd and tau, column by
-    /// column, through the factors of the GIM in this layout.
+    /// Returns the graph of the accelerations and their derivatives by q, qd and tau, by columns. Inputs: `q`, `qd`,
+    /// `tau`. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn forward_dynamics_derivatives(&self, layout: &UduLayout) -> Graph {
         let Some(limbs) = self.limbs else {
@@ -49,7 +49,7 @@ impl Tracer<'_> {
     }
 }
 
-/// The accelerations from `q`, `qd`, `tau` and their derivatives by these.
+/// Returns the accelerations and their derivatives from `q`, `qd`, `tau`.
 fn derive(
     model: &MergedMechanism<Expr>,
     layout: &MergedUduLayout,
@@ -69,7 +69,7 @@ fn derive(
     [qdd, dq, dqd, dtau]
 }
 
-/// Room for a matrix of nv x nv numbers.
+/// Returns memory for an nv x nv matrix.
 fn square(model: &MergedMechanism<Expr>) -> Vec<Expr> {
     vec![Expr::zero(); model.nv() * model.nv()]
 }

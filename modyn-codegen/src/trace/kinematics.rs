@@ -1,7 +1,7 @@
-//! Kinematic quantities: of one link, `frame` its index in the model's frames, and of all together.
+//! The graphs of kinematic quantities: of one link (`frame` is its index in the model's frames), and of all links.
 //!
-//! A pose is nine numbers of the rotation by rows, then three of the translation; a twist or a
-//! momentum is three angular numbers, then three linear ones; columns stand one after another.
+//! A pose is nine numbers of the rotation by rows, then three of the translation. A twist or a momentum is three
+//! angular, then three linear components. Columns follow each other.
 
 use modyn_runtime::equations::kinematics::{self, Axes};
 use modyn_runtime::equations::{Workspace, dynamics};
@@ -10,12 +10,12 @@ use modyn_runtime::spatial::{Momentum, Pose, Twist, Vector3};
 use super::Tracer;
 use crate::graph::{Expr, Graph};
 
-/// The twelve numbers of a pose.
+/// Returns the twelve numbers of a pose.
 pub(super) fn numbers(pose: &Pose<Expr>) -> Vec<Expr> {
     [pose.rotation.concat(), pose.translation.to_vec()].concat()
 }
 
-/// The pose of which the next twelve inputs are the numbers.
+/// Returns the pose whose numbers are the next twelve inputs.
 pub(super) fn pose_input(next: &mut usize) -> Pose<Expr> {
     let mut input = || {
         *next += 1;
@@ -26,7 +26,7 @@ pub(super) fn pose_input(next: &mut usize) -> Pose<Expr> {
 }
 
 impl Tracer<'_> {
-    /// The pose in the world of a link from that of its body and its own on the body.
+    /// Returns the graph of a link's pose in the world. Inputs: the pose of its body, and the link's pose on the body.
     #[must_use]
     pub fn placed_pose() -> Graph {
         Graph::trace(|| {
@@ -36,13 +36,13 @@ impl Tracer<'_> {
         })
     }
 
-    /// The pose of a link from `q`.
+    /// Returns the graph of a link's pose. Inputs: `q`.
     #[must_use]
     pub fn link_pose(&self, frame: usize) -> Graph {
         self.trace(|model, [q]| numbers(&kinematics::link_pose(model, frame, &q)))
     }
 
-    /// The velocity of a link from `q`, `qd`.
+    /// Returns the graph of a link's velocity. Inputs: `q`, `qd`.
     #[must_use]
     pub fn link_velocity(&self, frame: usize, axes: Axes) -> Graph {
         self.trace(|model, [q, qd]| {
@@ -52,7 +52,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// The acceleration of a link from `q`, `qd`, `qdd`.
+    /// Returns the graph of a link's acceleration. Inputs: `q`, `qd`, `qdd`.
     #[must_use]
     pub fn link_acceleration(&self, frame: usize, axes: Axes) -> Graph {
         self.trace(|model, [q, qd, qdd]| {
@@ -62,7 +62,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// The Jacobian of a link from `q`.
+    /// Returns the graph of a link's Jacobian. Inputs: `q`.
     #[must_use]
     pub fn jacobian(&self, frame: usize, axes: Axes) -> Graph {
         self.trace(|model, [q]| {
@@ -73,17 +73,17 @@ impl Tracer<'_> {
         })
     }
 
-    /// The rate of a link's Jacobian times `qd`, from `q`, `qd`.
+    /// Returns the graph of a link's bias acceleration. Inputs: `q`, `qd`.
     #[must_use]
-    pub fn jacobian_rate(&self, frame: usize, axes: Axes) -> Graph {
+    pub fn bias_acceleration(&self, frame: usize, axes: Axes) -> Graph {
         self.trace(|model, [q, qd]| {
             let workspace = &mut Workspace::new(model);
-            let rate = kinematics::jacobian_rate(model, frame, (&q, &qd), axes, workspace);
+            let rate = kinematics::bias_acceleration(model, frame, (&q, &qd), axes, workspace);
             rate.components().to_vec()
         })
     }
 
-    /// The centre of mass from `q`.
+    /// Returns the graph of the centre of mass. Inputs: `q`.
     #[must_use]
     pub fn center_of_mass(&self) -> Graph {
         self.trace(|model, [q]| {
@@ -92,7 +92,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// The Jacobian of the centre of mass from `q`.
+    /// Returns the graph of the Jacobian of the centre of mass. Inputs: `q`.
     #[must_use]
     pub fn center_of_mass_jacobian(&self) -> Graph {
         self.trace(|model, [q]| {
@@ -103,7 +103,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// The centroidal momentum matrix from `q`.
+    /// Returns the graph of the centroidal momentum matrix. Inputs: `q`.
     #[must_use]
     pub fn centroidal_momentum_matrix(&self) -> Graph {
         self.trace(|model, [q]| {
@@ -114,7 +114,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// The momentum about the centre of mass from `q`, `qd`.
+    /// Returns the graph of the momentum about the centre of mass. Inputs: `q`, `qd`.
     #[must_use]
     pub fn centroidal_momentum(&self) -> Graph {
         self.trace(|model, [q, qd]| {

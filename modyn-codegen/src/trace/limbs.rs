@@ -1,12 +1,12 @@
-//! Equal limbs as one limb of lanes: legs on a trunk, arms on a torso, fingers on a palm.
+//! Limb packing: equal limbs as one limb of lanes, such as legs on a trunk, arms on a torso, fingers on a palm.
 //!
-//! Limbs are equal if they have the same joint types in the same tree; their numbers may differ. They
-//! are put side by side, a limb a lane: one body stands for one of each, its numbers are lanes of
-//! theirs, and the same equations run on it. What such limbs leave on the body that they hang on adds up
-//! over the lanes ([`MergedMechanism`]); what they get from there is the same for all.
+//! Limbs are equal if they have the same joint types in the same tree; their numbers may differ. They are packed into one
+//! limb with a lane for each: a body of the merged limb represents one body of each limb, and its numbers have a lane for
+//! each. The same equations run on it. The forces of merged limbs on their parent are summed over the lanes
+//! ([`MergedMechanism`]); the parent's motion is broadcast to them.
 //!
-//! Chains that hang on different bodies can join (legs and arms): each lane then gets what its own body
-//! does, and leaves there what is its own. The shorter ones end in joints that move nothing.
+//! Chains on different bodies can be merged, too (legs and arms). Each lane then has its own parent. Shorter chains are
+//! extended by joints that move nothing.
 
 mod coupled;
 
@@ -21,52 +21,52 @@ use modyn_runtime::spatial::{AxisRotation, Pose, RigidInertia, Vector3};
 
 use crate::graph::Expr;
 
-/// Most limbs that are put side by side: the lanes of the longest vectors.
+/// The largest number of limbs that are merged: the lanes of the longest vectors.
 const MAX_PACKED: usize = 8;
 
-/// Most limbs that hang on different bodies: the lanes of a vector on most processors.
+/// The largest number of limbs on different bodies that are merged: the lanes of a vector on most processors.
 const MAX_JOINED: usize = 4;
 
-/// How many joints a chain may lack to join a longer one.
+/// The largest number of joints by which a chain may be shorter than a chain that it is merged with.
 const MAX_MISSING: usize = 2;
 
-/// Which limbs of a robot are computed as one.
+/// The limbs of a robot that are merged.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LimbPacking {
-    /// By body of the robot that has one limb in place of several.
+    /// The bodies of the merged robot.
     bodies: Vec<Merged>,
-    /// By its degrees of freedom: the entries of the robot's joint vectors, one a lane, and the limbs
-    /// that it belongs to.
+    /// For each degree of freedom of the merged robot: the entry of the robot's joint vectors in each lane, and the group of
+    /// limbs that it belongs to.
     velocities: Vec<(Lanes, Option<usize>)>,
-    /// By the same: the bodies on the world that each lane hangs on.
+    /// For each degree of freedom of the merged robot: the root body of the tree in each lane.
     roots: Vec<Lanes>,
-    /// By its coordinates: the robot's.
+    /// For each coordinate of the merged robot: the robot's coordinate in each lane.
     coordinates: Vec<Lanes>,
 }
 
-/// What stands in each lane; nothing behind the end of a limb that is shorter than others.
+/// The index in each lane; `None` after the end of a shorter limb.
 type Lanes = Vec<Option<usize>>;
 
-/// What a body stands for.
+/// A body of the merged robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Merged {
-    /// Bodies of the robot.
+    /// The bodies of the robot that it represents.
     of: Lanes,
-    /// The one whose structure they all have.
+    /// The body with the structure of all of them.
     representative: usize,
-    /// Whether they are the first ones of limbs.
+    /// Whether the bodies are the first bodies of limbs.
     first: bool,
 }
 
 impl LimbPacking {
-    /// Finds equal limbs on one body; `None` if there are none.
+    /// Returns the equal limbs on one body; `None` if there are none.
     #[must_use]
     pub fn find(model: &Mechanism<f64>) -> Option<Self> {
         let groups = groups(model);
         (!groups.is_empty()).then(|| Self::new(model, &groups))
     }
 
-    /// The same with those joined that hang on different bodies; `None` if none can be.
+    /// Returns the equal limbs, also of chains on different bodies; `None` if no such chains are equal.
     #[must_use]
     pub fn joined(model: &Mechanism<f64>) -> Option<Self> {
         let equal = groups(model);
@@ -74,15 +74,15 @@ impl LimbPacking {
         (joined.len() < equal.len()).then(|| Self::new(model, &joined))
     }
 
-    /// The ways there are, equal limbs on one body first; those on different bodies join if they may.
+    /// Returns the candidates, equal limbs on one body first; with `join`, chains on different bodies are merged, too.
     #[must_use]
     pub fn candidates(model: &Mechanism<f64>, join: bool) -> Vec<Self> {
         let joined = join.then(|| Self::joined(model)).flatten();
         Self::find(model).into_iter().chain(joined).collect()
     }
 
-    /// Whether the bodies that limbs hang on are one behind the other: what they leave can then be carried
-    /// on together.
+    /// Returns whether the parents of limbs are on one path to the root, so that the limbs' quantities can be transformed
+    /// together.
     #[must_use]
     pub fn share_root_path(&self, model: &Mechanism<f64>) -> bool {
         let ways = |of: &Lanes| {
@@ -121,7 +121,7 @@ impl LimbPacking {
                 add(Merged { of: vec![Some(i)], representative: i, first: false }, None);
                 continue;
             };
-            // They stand where the last limb does: behind all that they hang on.
+            // The merged limb takes the place of the last limb, after all parents.
             let limbs = &groups[g];
             if limbs.iter().map(|limb| limb.start).max() != Some(i) {
                 continue;
@@ -138,7 +138,7 @@ impl LimbPacking {
         Self { bodies, velocities, roots, coordinates }
     }
 
-    /// Whether no limb moves another: all hang on the world.
+    /// Returns whether no limb moves another: all are attached to the world.
     #[must_use]
     pub fn independent(&self, model: &Mechanism<f64>) -> bool {
         let first = self.bodies.iter().filter(|merged| merged.first);
@@ -147,7 +147,7 @@ impl LimbPacking {
             .all(|&b| model.bodies[b].parent.is_none())
     }
 
-    /// The robot with one limb in place of several.
+    /// Returns the robot with merged limbs.
     pub(super) fn merged(
         &self,
         model: &Mechanism<f64>,
@@ -167,7 +167,7 @@ impl LimbPacking {
             let start = dofs.len();
             for k in 0..representative.dofs.len() {
                 let representative = &model.dofs[representative.dofs.start + k];
-                // A rotor alone, which has no part in anything else's motion.
+                // A joint with a rotor only, which has no effect on other joints.
                 let missing =
                     Dof { armature: Some(1.0), damping: None, friction: None, ..*representative };
                 let dof = |b: usize| &model.dofs[model.bodies[b].dofs.start + k];
@@ -182,7 +182,7 @@ impl LimbPacking {
                     friction: optional(&each, |dof| dof.friction),
                 });
             }
-            let mut body = abreast(&each, start..dofs.len(), q);
+            let mut body = packed_body(&each, start..dofs.len(), q);
             q += body.elementary_joint.nq();
             body.parent = representative.parent.and_then(new);
             roots.push(first.then(|| {
@@ -201,8 +201,8 @@ impl LimbPacking {
         MergedMechanism::new(merged, roots)
     }
 
-    /// Modules of the robot as those of it with one limb in place of several; modules do not reach
-    /// from a body into limbs. The longest limb's count.
+    /// Returns a partition of the robot as a partition of the merged robot. The longest limb's modules are taken. Modules
+    /// must not extend from the trunk into limbs.
     #[must_use]
     pub fn partition(&self, of: &ModulePartition) -> ModulePartition {
         let mut blocks: Vec<ModuleBlock> = of
@@ -225,33 +225,33 @@ impl LimbPacking {
         ModulePartition { blocks, pivots }
     }
 
-    /// Coordinates, lane by lane.
+    /// Returns the coordinates of the merged robot.
     pub(super) fn coordinates(&self, q: &[Expr]) -> Vec<Expr> {
         self.coordinates.iter().map(|of| lanes_of(of, q)).collect()
     }
 
-    /// A joint vector, lane by lane.
+    /// Returns a joint vector of the merged robot.
     pub(super) fn vector(&self, x: &[Expr]) -> Vec<Expr> {
         self.velocities.iter().map(|(of, _)| lanes_of(of, x)).collect()
     }
 
-    /// The robot's joint vector from lanes.
+    /// Returns the robot's joint vector, from a joint vector of the merged robot.
     pub(super) fn unpack_vector(&self, x: &[Expr], nv: usize) -> Vec<Expr> {
-        let mut apart = vec![constant(0.0); nv];
+        let mut unpacked = vec![constant(0.0); nv];
         for (&x, (of, _)) in x.iter().zip(&self.velocities) {
             for (lane, i) in of.iter().enumerate() {
                 if let Some(i) = *i {
-                    apart[i] = x.extract_lane(lane);
+                    unpacked[i] = x.extract_lane(lane);
                 }
             }
         }
-        apart
+        unpacked
     }
 
-    /// The robot's matrix by columns from lanes; entries of two different limbs are zero.
+    /// Returns the robot's matrix by columns, from a matrix of the merged robot. Entries between different limbs are zero.
     pub(super) fn unpack_matrix(&self, columns: &[Expr], nv: usize) -> Vec<Expr> {
         let n = self.velocities.len();
-        let mut apart = vec![constant(0.0); nv * nv];
+        let mut unpacked = vec![constant(0.0); nv * nv];
         for (c, (column, of)) in self.velocities.iter().enumerate() {
             for (r, (row, other)) in self.velocities.iter().enumerate() {
                 if of.is_some() && other.is_some() && of != other {
@@ -259,27 +259,27 @@ impl LimbPacking {
                 }
                 for lane in 0..column.len().max(row.len()) {
                     let at = |of: &Lanes| of[lane.min(of.len() - 1)];
-                    // What hangs on the world by another body has no part in it.
+                    // Trees with different root bodies do not couple.
                     if at(&self.roots[c]) != at(&self.roots[r]) {
                         continue;
                     }
                     if let (Some(column), Some(row)) = (at(column), at(row)) {
-                        apart[column * nv + row] = columns[c * n + r].extract_lane(lane);
+                        unpacked[column * nv + row] = columns[c * n + r].extract_lane(lane);
                     }
                 }
             }
         }
-        apart
+        unpacked
     }
 }
 
-/// The first of the longest limbs.
+/// Returns the first of the longest limbs.
 fn longest(limbs: &[Range<usize>]) -> &Range<usize> {
     let most = limbs.iter().map(ExactSizeIterator::len).max();
     limbs.iter().find(|limb| Some(limb.len()) == most).expect("some limbs")
 }
 
-/// Groups of equal limbs on one body each.
+/// Returns groups of equal limbs, each group on one body.
 fn groups(model: &Mechanism<f64>) -> Vec<Vec<Range<usize>>> {
     let mut groups = Vec::new();
     if !model.has_mimics() {
@@ -289,11 +289,11 @@ fn groups(model: &Mechanism<f64>) -> Vec<Vec<Range<usize>>> {
     groups
 }
 
-/// Joins groups of chains that go on alike for as long as both do.
+/// Merges groups of chains whose joint types agree up to the end of the shorter chain.
 fn join(model: &Mechanism<f64>, groups: &[Vec<Range<usize>>]) -> Vec<Vec<Range<usize>>> {
     let mut joined: Vec<Vec<Range<usize>>> = Vec::new();
     let fits = |one: &[Range<usize>], other: &[Range<usize>]| {
-        let (a, b) = (chain(model, longest(one)), chain(model, longest(other)));
+        let (a, b) = (chain_joints(model, longest(one)), chain_joints(model, longest(other)));
         let (Some(a), Some(b)) = (a, b) else { return false };
         one.len() + other.len() <= MAX_JOINED
             && a.len().abs_diff(b.len()) <= MAX_MISSING
@@ -308,19 +308,19 @@ fn join(model: &Mechanism<f64>, groups: &[Vec<Range<usize>>]) -> Vec<Vec<Range<u
     joined
 }
 
-/// The joint types of a limb, if it is a chain.
-fn chain(model: &Mechanism<f64>, limb: &Range<usize>) -> Option<Vec<ElementaryJoint>> {
+/// Returns the joint types of a limb; `None` if it is no chain.
+fn chain_joints(model: &Mechanism<f64>, limb: &Range<usize>) -> Option<Vec<ElementaryJoint>> {
     let follows = |i: usize| model.bodies[i].parent == Some(i - 1);
     let is_chain = limb.clone().skip(1).all(follows);
     is_chain.then(|| limb.clone().map(|i| model.bodies[i].elementary_joint).collect())
 }
 
-/// The bodies that hang on the world, each with all behind it.
+/// Returns the bodies on the world, each with its descendants.
 fn roots(model: &Mechanism<f64>) -> Vec<Range<usize>> {
     children(model, None, 0..model.bodies.len())
 }
 
-/// The bodies among `range` that hang on `parent`, each with all behind it.
+/// Returns the children of `parent` among `range`, each with its descendants.
 fn children(
     model: &Mechanism<f64>,
     parent: Option<usize>,
@@ -331,7 +331,7 @@ fn children(
     starts.iter().zip(ends).map(|(&start, end)| start..end).collect()
 }
 
-/// Groups equal limbs among `limbs`, which hang on one body, and goes on inside the others.
+/// Groups equal limbs among `limbs`, which have one parent, and continues inside the others.
 fn find_among(model: &Mechanism<f64>, limbs: &[Range<usize>], groups: &mut Vec<Vec<Range<usize>>>) {
     let mut rest = limbs.to_vec();
     while !rest.is_empty() {
@@ -349,13 +349,12 @@ fn find_among(model: &Mechanism<f64>, limbs: &[Range<usize>], groups: &mut Vec<V
             continue;
         }
         let all = [vec![limb], equal].concat();
-        // One that is left over stays alone.
+        // A remaining single limb is not merged.
         groups.extend(all.chunks(MAX_PACKED).filter(|some| some.len() > 1).map(<[_]>::to_vec));
     }
 }
 
-/// The joint types of a limb, and on which of its bodies each hangs (0 for the first one, whatever it
-/// hangs on).
+/// Returns the joint types of a limb, and for each body the index of its parent in the limb (0 for the first body).
 fn shape(model: &Mechanism<f64>, limb: &Range<usize>) -> Vec<(ElementaryJoint, usize)> {
     let of = |i: usize| {
         let parent = model.bodies[i].parent.and_then(|parent| parent.checked_sub(limb.start));
@@ -368,16 +367,16 @@ fn constant(value: f64) -> Expr {
     <Expr as modyn_runtime::Scalar>::from_f64(value)
 }
 
-/// The numbers that lanes have of `x`.
+/// Returns the pack of the entries of `x` that belong to these lanes.
 fn lanes_of(lanes: &Lanes, x: &[Expr]) -> Expr {
-    beside(lanes.iter().map(|i| i.map_or(constant(0.0), |i| x[i])))
+    pack(lanes.iter().map(|i| i.map_or(constant(0.0), |i| x[i])))
 }
 
-fn beside(numbers: impl Iterator<Item = Expr>) -> Expr {
+fn pack(numbers: impl Iterator<Item = Expr>) -> Expr {
     Expr::pack(&numbers.collect::<Vec<_>>())
 }
 
-/// Constants side by side, as `each` lists them for the items.
+/// Returns packs of constants; `each` lists the constants of an item.
 fn numbers<T>(items: &[&T], each: impl Fn(&T, &mut dyn FnMut(f64))) -> impl Iterator<Item = Expr> {
     let lists: Vec<Vec<f64>> = items
         .iter()
@@ -387,20 +386,20 @@ fn numbers<T>(items: &[&T], each: impl Fn(&T, &mut dyn FnMut(f64))) -> impl Iter
             list
         })
         .collect();
-    (0..lists[0].len()).map(move |n| beside(lists.iter().map(|list| constant(list[n]))))
+    (0..lists[0].len()).map(move |n| pack(lists.iter().map(|list| constant(list[n]))))
 }
 
-/// A number that not all have: zero for those.
+/// Returns the pack of a number that some items lack; their lanes are zero.
 fn optional(dofs: &[&Dof<f64>], of: impl Fn(&Dof<f64>) -> Option<f64>) -> Option<Expr> {
     let has = dofs.iter().any(|dof| of(dof).is_some());
-    has.then(|| beside(dofs.iter().map(|dof| constant(of(dof).unwrap_or(0.0)))))
+    has.then(|| pack(dofs.iter().map(|dof| constant(of(dof).unwrap_or(0.0)))))
 }
 
-/// Bodies as one.
-fn abreast(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> {
+/// Returns bodies as one body of lanes.
+fn packed_body(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> {
     let first = each[0];
     let turns = |of: fn(&Body<f64>) -> AxisRotation<f64>| {
-        turn(&each.iter().map(|body| of(body)).collect::<Vec<_>>())
+        packed_rotation(&each.iter().map(|body| of(body)).collect::<Vec<_>>())
     };
     let mut translations = numbers(each, |b, f| b.placement.translation.0.into_iter().for_each(f));
     let mut inertias = numbers(each, |b, f| _ = b.inertia.map(f));
@@ -412,7 +411,7 @@ fn abreast(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> {
         q,
         mimic: None,
         dofs,
-        zero: zero(&each.iter().map(|body| body.zero).collect::<Vec<_>>()),
+        zero: packed_offset(&each.iter().map(|body| body.zero).collect::<Vec<_>>()),
         placement: modyn_runtime::spatial::DhTransform {
             azimuth: turns(|body| body.placement.azimuth),
             translation: modyn_runtime::spatial::Vector3(
@@ -426,8 +425,8 @@ fn abreast(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> {
     }
 }
 
-/// Turns as one: free where all are the same quarter turn.
-fn turn(turns: &[AxisRotation<f64>]) -> AxisRotation<Expr> {
+/// Returns rotations as one rotation of lanes; free of operations if all are the same quarter turn.
+fn packed_rotation(turns: &[AxisRotation<f64>]) -> AxisRotation<Expr> {
     if let (AxisRotation::Quarters(n), true) =
         (turns[0], turns.iter().all(|turn| *turn == turns[0]))
     {
@@ -440,13 +439,13 @@ fn turn(turns: &[AxisRotation<f64>]) -> AxisRotation<Expr> {
         }
     };
     AxisRotation::Angle {
-        cos: beside(turns.iter().map(|turn| constant(direction(turn).0))),
-        sin: beside(turns.iter().map(|turn| constant(direction(turn).1))),
+        cos: pack(turns.iter().map(|turn| constant(direction(turn).0))),
+        sin: pack(turns.iter().map(|turn| constant(direction(turn).1))),
     }
 }
 
-/// Zeros as one.
-fn zero(zeros: &[JointOffset<f64>]) -> JointOffset<Expr> {
+/// Returns offsets as one offset of lanes.
+fn packed_offset(zeros: &[JointOffset<f64>]) -> JointOffset<Expr> {
     if let (JointOffset::Quarters(n), true) = (zeros[0], zeros.iter().all(|zero| *zero == zeros[0]))
     {
         return JointOffset::Quarters(n);
@@ -455,5 +454,5 @@ fn zero(zeros: &[JointOffset<f64>]) -> JointOffset<Expr> {
         JointOffset::Angle(angle) => angle,
         JointOffset::Quarters(n) => f64::from(n) * std::f64::consts::FRAC_PI_2,
     };
-    JointOffset::Angle(beside(zeros.iter().map(|zero| constant(angle(zero)))))
+    JointOffset::Angle(pack(zeros.iter().map(|zero| constant(angle(zero)))))
 }

@@ -1,4 +1,4 @@
-//! The equations run on expressions: one graph a quantity.
+//! Tracing: the equations run on expressions, one graph for each quantity.
 
 mod constraints;
 mod coordinates;
@@ -31,33 +31,33 @@ fn in_axes(forces: &[Wrench<Expr>], axes: Axes) -> Forces<'_, Expr> {
     }
 }
 
-/// A robot on expressions, ready to be traced.
+/// A robot on expressions, whose equations can be traced.
 ///
-/// Each quantity's inputs are numbered group by group in the order of its parameters.
+/// The inputs of a graph are numbered in the order of the quantity's parameters.
 #[derive(Clone)]
 pub struct Tracer<'a> {
     model: &'a Mechanism<f64>,
     parameters: Parameters,
-    /// Equal limbs that are computed side by side.
+    /// The limbs to merge.
     limbs: Option<&'a LimbPacking>,
-    /// How many columns of derivatives are.
+    /// The number of derivative columns that are computed at a time.
     columns: usize,
-    /// The one link of a model that has none.
+    /// The single link that replaces the model's links.
     link: Option<LinkFrame>,
 }
 
-/// A link that is fixed to a body.
+/// A link on a body.
 #[derive(Clone, Copy, Debug)]
 pub enum LinkFrame {
-    /// Where it is known.
+    /// A link with a constant pose.
     Known(BodyFrame<f64>),
-    /// On this body, or on the world; its pose there is twelve further inputs: nine numbers of the rotation
-    /// by rows, then three of the translation.
+    /// A link on this body (or on the world) whose pose there is twelve further inputs: nine numbers of the rotation by
+    /// rows, then three of the translation.
     On(Option<usize>),
 }
 
 impl LinkFrame {
-    /// The link, with inputs from `next` on, of which it takes those that it needs.
+    /// Returns the link; takes the inputs from `next` on that it needs.
     fn enter(self, next: &mut usize) -> BodyFrame<Expr> {
         match self {
             Self::Known(BodyFrame { body, pose }) => {
@@ -69,49 +69,49 @@ impl LinkFrame {
 }
 
 impl<'a> Tracer<'a> {
-    /// Traces equations of `model`, of which everything is known.
+    /// Returns the tracer of `model`, without run-time parameters.
     #[must_use]
     pub fn new(model: &'a Mechanism<f64>) -> Self {
         Self::with_parameters(model, Parameters::default())
     }
 
-    /// Traces equations of `model`; `parameters` are further inputs, behind all others.
+    /// Returns the tracer of `model`; `parameters` are further inputs, after all others.
     #[must_use]
     pub fn with_parameters(model: &'a Mechanism<f64>, parameters: Parameters) -> Self {
         Self { model, parameters, limbs: None, columns: 1, link: None }
     }
 
-    /// Traces equations of `model`, which has no links, with this one in their place.
+    /// Returns the tracer of `model`, which must have no links, with `link` as its single link.
     #[must_use]
     pub fn with_link(model: &'a Mechanism<f64>, link: LinkFrame) -> Self {
         Self { link: Some(link), ..Self::new(model) }
     }
 
-    /// The same with equal limbs side by side. What is known of single links at run time only can't be.
+    /// Returns the tracer with merged limbs. Links with run-time inertias cannot be merged.
     #[must_use]
     pub fn packed(&self, limbs: &'a LimbPacking) -> Self {
         let parameters = self.parameters.without_inertias();
         Self { model: self.model, parameters, limbs: Some(limbs), columns: 1, link: None }
     }
 
-    /// The same with columns of derivatives side by side, of joints one behind the other.
+    /// Returns the tracer with derivative columns of consecutive joints in lanes.
     #[must_use]
     pub fn column_lanes(&self) -> Self {
         Self { parameters: self.parameters.clone(), columns: 4, ..Self::new(self.model) }
     }
 
-    /// The robot.
+    /// Returns the robot.
     pub(crate) fn model(&self) -> &Mechanism<f64> {
         self.model
     }
 
-    /// What of the model is an input.
+    /// Returns the run-time parameters.
     #[must_use]
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
-    /// `groups` are the lengths of the inputs.
+    /// Traces `equations`; `groups` are the lengths of the groups of inputs.
     fn trace_groups<const G: usize>(
         &self,
         lengths: [usize; G],
@@ -131,7 +131,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// The inputs are coordinates, then vectors of velocities or the like.
+    /// Traces equations whose inputs are coordinates, then joint vectors.
     pub(super) fn trace<const G: usize>(
         &self,
         equations: impl FnOnce(&Mechanism<Expr>, [Vec<Expr>; G]) -> Vec<Expr>,
@@ -145,7 +145,7 @@ impl<'a> Tracer<'a> {
         vec![Expr::zero(); self.model.nv]
     }
 
-    /// The same, for what equal limbs can be computed side by side: so many joint vectors, then matrices.
+    /// Traces equations that support merged limbs. The outputs are `vectors` joint vectors, then matrices.
     fn trace_joints<const G: usize>(
         &self,
         vectors: usize,
@@ -165,12 +165,12 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// The robot with its limbs as they are.
+    /// Returns the robot with unmerged limbs.
     fn with_column_lanes(&self, model: &Mechanism<Expr>) -> MergedMechanism<Expr> {
         MergedMechanism::with_column_lanes(model.clone(), self.columns)
     }
 
-    /// The same, for equations of equal limbs side by side that take their lanes apart.
+    /// Traces equations that support merged limbs and unpack their lanes themselves.
     fn trace_lanes<const G: usize>(
         &self,
         limbs: &LimbPacking,
@@ -187,7 +187,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// Accelerations from `q`, `qd`, `tau`, eliminated by these modules.
+    /// Returns the graph of the accelerations, with this solver. Inputs: `q`, `qd`, `tau`.
     #[must_use]
     pub fn forward_dynamics(&self, elimination: &Elimination) -> Graph {
         let Elimination::Recursive(partition) = elimination else {
@@ -206,7 +206,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// Torques from `q`, `qd`, `qdd`.
+    /// Returns the graph of the joint forces. Inputs: `q`, `qd`, `qdd`.
     #[must_use]
     pub fn inverse_dynamics(&self) -> Graph {
         self.trace_joints(1, |model, [q, qd, qdd]| {
@@ -217,8 +217,8 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// Accelerations from `q`, `qd`, `tau` and six numbers (moment, force) a link of the
-    /// description.
+    /// Returns the graph of the accelerations under external wrenches. Inputs: `q`, `qd`, `tau`, and six numbers (moment,
+    /// force) for each link of the description.
     #[must_use]
     pub fn forward_dynamics_external(&self, elimination: &Elimination, axes: Axes) -> Graph {
         self.with_forces(|model, [q, qd, tau], forces| {
@@ -230,7 +230,8 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// Torques from `q`, `qd`, `qdd` and six numbers a link of the description.
+    /// Returns the graph of the joint forces under external wrenches. Inputs: `q`, `qd`, `qdd`, and six numbers for each
+    /// link of the description.
     #[must_use]
     pub fn inverse_dynamics_external(&self, axes: Axes) -> Graph {
         self.with_forces(|model, [q, qd, qdd], forces| {
@@ -254,7 +255,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// Bias forces from `q`, `qd`.
+    /// Returns the graph of the bias forces. Inputs: `q`, `qd`.
     #[must_use]
     pub fn bias_forces(&self) -> Graph {
         self.trace_joints(1, |model, [q, qd]| {
@@ -265,7 +266,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// Gravity torques from `q`.
+    /// Returns the graph of the gravity torques. Inputs: `q`.
     #[must_use]
     pub fn gravity_torques(&self) -> Graph {
         self.trace_joints(1, |model, [q]| {
@@ -275,7 +276,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// The mass matrix from `q`, column by column.
+    /// Returns the graph of the mass matrix by columns. Inputs: `q`.
     #[must_use]
     pub fn mass_matrix(&self) -> Graph {
         self.trace_joints(0, |model, [q]| {
@@ -286,8 +287,8 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// The poses of all frames from `q`: each nine numbers of the rotation by rows, then three of
-    /// the translation.
+    /// Returns the graph of the poses of all frames: each nine numbers of the rotation by rows, then three of the
+    /// translation. Inputs: `q`.
     #[must_use]
     pub fn link_poses(&self) -> Graph {
         self.trace(|model, [q]| {
@@ -299,7 +300,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// Kinetic energy from `q`, `qd`.
+    /// Returns the graph of the kinetic energy. Inputs: `q`, `qd`.
     #[must_use]
     pub fn kinetic_energy(&self) -> Graph {
         self.trace(|model, [q, qd]| {
@@ -308,13 +309,13 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// Potential energy from `q`.
+    /// Returns the graph of the potential energy. Inputs: `q`.
     #[must_use]
     pub fn potential_energy(&self) -> Graph {
         self.trace(|model, [q]| vec![potential_energy(model, &q, &mut Workspace::new(model))])
     }
 
-    /// The packed factors of U D U^T from `q`.
+    /// Returns the graph of the packed factors of U D U^T. Inputs: `q`.
     #[must_use]
     pub fn brge(&self, layout: &UduLayout) -> Graph {
         self.trace(|model, [q]| {
@@ -325,7 +326,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// A full matrix, column by column, from the packed factors of U D U^T.
+    /// Returns the graph of a full matrix by columns. Inputs: the packed factors.
     fn matrix(&self, layout: &UduLayout, fill: impl FnOnce(&[Expr], &mut [Expr])) -> Graph {
         let n = self.model.nv;
         self.trace_groups([layout.size()], |_, [factors]| {
@@ -335,19 +336,19 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// U from the packed factors.
+    /// Returns the graph of U. Inputs: the packed factors.
     #[must_use]
     pub fn u(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| brge::upper(layout, &factors[layout.u()], columns))
     }
 
-    /// D from the packed factors.
+    /// Returns the graph of D. Inputs: the packed factors.
     #[must_use]
     pub fn d(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| brge::diagonal(layout, factors, columns))
     }
 
-    /// U^-1 from the packed factors.
+    /// Returns the graph of U^-1. Inputs: the packed factors.
     #[must_use]
     pub fn u_inverse(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| {
@@ -355,19 +356,19 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// D^-1 from the packed factors.
+    /// Returns the graph of D^-1. Inputs: the packed factors.
     #[must_use]
     pub fn d_inverse(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| brge::diagonal_inverse(layout, factors, columns))
     }
 
-    /// The inverse from the packed factors.
+    /// Returns the graph of the inverse of the mass matrix. Inputs: the packed factors.
     #[must_use]
     pub fn inverse(&self, layout: &UduLayout) -> Graph {
         self.matrix(layout, |factors, columns| brge::inverse(layout, factors, columns))
     }
 
-    /// The solution from the packed factors and `rhs`.
+    /// Returns the graph of the solution. Inputs: the packed factors and `rhs`.
     #[must_use]
     pub fn solve(&self, layout: &UduLayout) -> Graph {
         self.trace_groups([layout.size(), self.model.nv], |_, [factors, mut x]| {
@@ -376,7 +377,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// The logarithm of the determinant from the packed factors.
+    /// Returns the graph of the logarithm of the determinant. Inputs: the packed factors.
     #[must_use]
     pub fn log_determinant(&self, layout: &UduLayout) -> Graph {
         self.trace_groups([layout.size()], |_, [factors]| {

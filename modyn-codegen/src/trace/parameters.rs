@@ -1,4 +1,4 @@
-//! The parts of a robot that are arguments of its functions.
+//! The run-time parameters of a robot: gravity, inertias and payloads as arguments of functions.
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::singular::{self, PivotWorkspace};
@@ -9,22 +9,22 @@ use modyn_runtime::spatial::{RigidInertia, Vector3};
 use super::Tracer;
 use crate::graph::{Expr, Graph};
 
-/// The parts of a robot that are known at run time only.
+/// The run-time parameters of a robot.
 #[derive(Clone, Debug, Default)]
 pub struct Parameters {
-    /// Whether gravity is.
+    /// Whether gravity is a parameter.
     pub gravity: bool,
-    /// The links, as indices into [`Model::frames`], whose own inertia is, with their own inertias in the description.
+    /// The links whose own inertia is a parameter, as indices into [`Model::frames`], with their described inertia.
     pub inertias: Vec<(usize, Inertial)>,
-    /// The links, as indices into [`Model::frames`], to which an inertia is added.
+    /// The links with a payload, as indices into [`Model::frames`].
     pub payloads: Vec<usize>,
     /// The moving links that carry one of the `inertias`, with their inertia without these, about their origin.
     rest: Vec<(usize, RigidInertia<f64>)>,
 }
 
 impl Parameters {
-    /// Those of a model: gravity, and links as indices into its frames whose own inertia is an argument, or to which an
-    /// inertia is added.
+    /// Returns the parameters of a model: gravity, the links whose own inertia is a parameter, and the links with a payload,
+    /// as indices into its frames.
     #[must_use]
     pub fn new(model: &Model, gravity: bool, inertias: &[usize], payloads: &[usize]) -> Self {
         let mut carrying: Vec<usize> =
@@ -41,19 +41,19 @@ impl Parameters {
         }
     }
 
-    /// Gravity alone.
+    /// Returns the parameters without inertias and payloads.
     pub(super) fn without_inertias(&self) -> Self {
         Self { gravity: self.gravity, ..Self::default() }
     }
 
-    /// How many numbers they are: gravity's three, then for each run-time inertia and for each payload its mass, centre
-    /// of mass and inertia about that, as [`Inertial`] has them.
+    /// Returns the number of scalars: three of gravity, then for each run-time inertia and each payload the mass, the centre
+    /// of mass and the inertia about it, in the order of [`Inertial`].
     #[must_use]
     pub fn len(&self) -> usize {
         self.inertial(self.inertias.len() + self.payloads.len())
     }
 
-    /// The numbers as the description has them: this gravity, the links' own inertias, and no payloads.
+    /// Returns the default values: `gravity`, the links' described inertias, and no payloads.
     #[must_use]
     pub fn described(&self, gravity: [f64; 3]) -> Vec<f64> {
         let mut numbers = Vec::with_capacity(self.len());
@@ -69,19 +69,19 @@ impl Parameters {
         numbers
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no parameters.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Where the ten numbers of run-time inertia `k` begin; those of payloads follow.
+    /// Returns the index of the ten numbers of run-time inertia `k`; those of payloads follow.
     #[must_use]
     pub fn inertial(&self, k: usize) -> usize {
         k * PARAMETERS_PER_LINK + if self.gravity { 3 } else { 0 }
     }
 
-    /// Puts the inputs from number `next` on where they belong.
+    /// Inserts the inputs from number `next` on into the model.
     pub(super) fn enter(&self, next: usize, model: &mut Mechanism<Expr>) {
         let mut inputs = (next..).map(Expr::input);
         let mut input = || inputs.next().expect("endless");
@@ -100,7 +100,7 @@ impl Parameters {
         }
     }
 
-    /// Takes the described inertias of the links away that have others at run time.
+    /// Subtracts the described inertias of links with run-time inertias.
     fn remove<S: Scalar>(&self, model: &mut Mechanism<S>) {
         if self.rest.is_empty() {
             return;
@@ -115,11 +115,12 @@ impl Parameters {
 }
 
 impl Tracer<'_> {
-    /// The entries of qd that feel no inertia if all run-time inertias are zero, with the graph of the inertia that each
-    /// of them feels: of the scalar's precision, then the parameters. `None` if there is no such entry: then any
-    /// inertias will do, since more inertia never makes a mass matrix singular.
+    /// Returns the entries of qd that move no inertia if all run-time inertias are zero, with the graph of the inertia at
+    /// each of them. Inputs: the scalar's precision, then the parameters. Returns `None` if there is no such entry: any
+    /// inertias are then valid, since more inertia never makes a mass matrix singular.
     ///
-    /// An entry that feels none with some run-time inertias feels none without them, so that no other need be
+    /// An entry that moves no inertia with some run-time inertias moves none without them. No other entry has to be
+    /// checked.
     /// looked at.
     #[must_use]
     pub fn inertia_pivots(&self) -> Option<(Vec<usize>, Graph)> {

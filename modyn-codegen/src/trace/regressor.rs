@@ -1,4 +1,4 @@
-//! The regressor as a graph.
+//! The graph of the regressor.
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::{Workspace, identification::regressor};
@@ -8,8 +8,7 @@ use super::Tracer;
 use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
-    /// The regressor of the inertial parameters from `q`, `qd`, `qdd`, column by column: ten for
-    /// each moving link.
+    /// Returns the graph of the regressor by columns, ten for each moving link. Inputs: `q`, `qd`, `qdd`.
     #[must_use]
     pub fn regressor(&self) -> Graph {
         self.trace(|model, [q, qd, qdd]| {

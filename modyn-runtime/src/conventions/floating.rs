@@ -1,14 +1,14 @@
-//! The numbers of modyn's floating joint, taken apart.
+//! The components of modyn's floating joint.
 
 use crate::Scalar;
 use crate::spatial::{Quaternion, Vector3};
 
-/// The rotation of modyn's coordinates: from the link's axes to the joint's.
-pub(super) fn attitude<T: Scalar>(q: [T; 7]) -> Quaternion<T> {
+/// Returns the rotation of modyn's coordinates: from the link's axes to the joint's axes.
+pub(super) fn joint_rotation<T: Scalar>(q: [T; 7]) -> Quaternion<T> {
     Quaternion::from_components(quaternion(q))
 }
 
-/// The quaternion of modyn's coordinates.
+/// Returns the quaternion of modyn's coordinates.
 pub(super) fn quaternion<T>([_, _, _, x, y, z, w]: [T; 7]) -> [T; 4] {
     [x, y, z, w]
 }
@@ -17,6 +17,9 @@ pub(super) fn halves<T>([a, b, c, d, e, f]: [T; 6]) -> [Vector3<T>; 2] {
     [Vector3([a, b, c]), Vector3([d, e, f])]
 }
 
-pub(super) fn joined<T>(Vector3([a, b, c]): Vector3<T>, Vector3([d, e, f]): Vector3<T>) -> [T; 6] {
+pub(super) fn concatenate<T>(
+    Vector3([a, b, c]): Vector3<T>,
+    Vector3([d, e, f]): Vector3<T>,
+) -> [T; 6] {
     [a, b, c, d, e, f]
 }

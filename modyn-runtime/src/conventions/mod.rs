@@ -1,24 +1,24 @@
-//! States to and from other libraries.
+//! Conversions of states to and from other libraries.
 //!
-//! Everything is in SI units and radians. The same throughout: angles and displacements of revolute
-//! and prismatic joints, and the torques and forces along them. What differs is where rotations are
-//! involved, and above all the floating joint, whose numbers here are
+//! All quantities are in SI units and radians. Angles and displacements of revolute and prismatic joints,
+//! and the torques and forces along them, are the same in all libraries. Joints with rotations differ, above
+//! all the floating joint. modyn's floating joint has
 //!
-//! - coordinates `[x, y, z, qx, qy, qz, qw]`: position of the link's origin in the joint's frame (of
-//!   a floating base: the world) and unit quaternion from the link to it,
-//! - velocities `[vx, vy, vz, wx, wy, wz]`: linear one of the link's origin and angular one, both in
-//!   the link's own axes,
-//! - accelerations: the rates of these numbers,
-//! - forces `[fx, fy, fz, mx, my, mz]`: such that force times velocity is power.
+//! - coordinates `[x, y, z, qx, qy, qz, qw]`: the position of the link's origin in the joint's frame (for a
+//!   floating base: the world), and the unit quaternion that rotates the link's axes into the joint's axes,
+//! - velocities `[vx, vy, vz, wx, wy, wz]`: the linear velocity of the link's origin, then the angular
+//!   velocity, both in the link's own axes,
+//! - accelerations: the time derivatives of these velocities,
+//! - forces `[fx, fy, fz, mx, my, mz]`: their scalar product with the velocities is the power.
 //!
-//! There is a module for each library, with functions that are called after the library's own names:
-//! `to_...` from modyn's numbers to the library's, `from_...` back. All are generic over [`Scalar`](crate::Scalar),
-//! so that they can be compiled and differentiated as well. Quaternions must have length one.
+//! There is a module for each library. Its functions are named after the library's own vectors: `to_...`
+//! returns the library's vector, `from_...` returns modyn's. All functions are generic over
+//! [`Scalar`](crate::Scalar), so that they can be differentiated. Quaternions must have length 1.
 //!
 //! ```
 //! use modyn_runtime::conventions::mujoco;
 //!
-//! // Upside down (half a turn about x), the base moves along its own z axis: downwards.
+//! // The base is upside down (half a turn about x). It moves along its own z axis: downwards.
 //! let q = [0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0];
 //! let qd = [0.0, 0.0, 2.0, 0.0, 0.0, 0.0];
 //! assert_eq!(mujoco::to_qpos(q), [0.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.0]);

@@ -1,6 +1,7 @@
-//! Pinocchio: the free-flyer is the same as modyn's floating joint, number by number, so is the
-//! spherical joint; what differs is the unbounded revolute joint (a continuous one in URDF) and the
-//! planar one.
+//! Pinocchio: conversions for the unbounded revolute joint (URDF: continuous).
+//!
+//! Pinocchio's free-flyer and spherical joint have the same coordinates and velocities as modyn's floating and
+//! spherical joint. The unbounded revolute joint and the planar joint differ.
 //!
 //! Source: [the free-flyer's documentation](https://docs.ros.org/en/jazzy/p/pinocchio/generated/function_namespacepinocchio_1aa5005bfe0ffbbdc62952c3c432e4eab7.html):
 //! coordinates translation and quaternion x, y, z, w from child to parent; velocities linear and
@@ -8,14 +9,14 @@
 
 use crate::Scalar;
 
-/// The two coordinates of an unbounded revolute joint, (cos, sin), from the angle in rad.
+/// Returns Pinocchio's two coordinates of an unbounded revolute joint, (cos, sin), from the angle in rad.
 #[must_use]
 pub fn cos_sin_from_angle<T: Scalar>(angle: T) -> [T; 2] {
     let (sin, cos) = angle.sin_cos();
     [cos, sin]
 }
 
-/// The angle in rad, in [-pi, pi], from the two coordinates of an unbounded revolute joint.
+/// Returns the angle in rad, in [-pi, pi], from Pinocchio's two coordinates of an unbounded revolute joint.
 ///
 /// ```
 /// use modyn_runtime::conventions::pinocchio::{angle_from_cos_sin, cos_sin_from_angle};

@@ -3,7 +3,7 @@
 use crate::Scalar;
 use crate::spatial::Quaternion;
 
-/// A quaternion that ends with its real part, from one that starts with it.
+/// Returns the quaternion x, y, z, w, from w, x, y, z.
 ///
 /// ```
 /// assert_eq!(modyn_runtime::conventions::xyzw_from_wxyz([1.0, 2.0, 3.0, 4.0]), [2.0, 3.0, 4.0, 1.0]);
@@ -13,7 +13,7 @@ pub fn xyzw_from_wxyz<T>([w, x, y, z]: [T; 4]) -> [T; 4] {
     [x, y, z, w]
 }
 
-/// A quaternion that starts with its real part, from one that ends with it.
+/// Returns the quaternion w, x, y, z, from x, y, z, w.
 ///
 /// ```
 /// assert_eq!(modyn_runtime::conventions::wxyz_from_xyzw([1.0, 2.0, 3.0, 4.0]), [4.0, 1.0, 2.0, 3.0]);
@@ -23,8 +23,7 @@ pub fn wxyz_from_xyzw<T>([x, y, z, w]: [T; 4]) -> [T; 4] {
     [w, x, y, z]
 }
 
-/// The rotation matrix, by rows, of a unit quaternion `[x, y, z, w]`: what the quaternion turns
-/// vectors by.
+/// Returns the rotation matrix, by rows, of a unit quaternion `[x, y, z, w]`.
 ///
 /// ```
 /// use modyn_runtime::conventions::rotation_from_quaternion;
@@ -37,9 +36,9 @@ pub fn rotation_from_quaternion<T: Scalar>(quaternion: [T; 4]) -> [[T; 3]; 3] {
     Quaternion::from_components(quaternion).matrix().0
 }
 
-/// The unit quaternion `[x, y, z, w]`, w >= 0, of a rotation matrix by rows.
+/// Returns the unit quaternion `[x, y, z, w]`, w >= 0, of a rotation matrix by rows.
 ///
-/// Exact to rounding for every rotation: the largest of the four numbers is found first.
+/// It is accurate to rounding for every rotation, since it divides by the largest of the four components.
 ///
 /// ```
 /// use modyn_runtime::conventions::quaternion_from_rotation;
@@ -53,7 +52,7 @@ pub fn quaternion_from_rotation<T: Scalar>(rotation: [[T; 3]; 3]) -> [T; 4] {
     let one = T::one();
     let (sxy, sxz, syz) = (xy + yx, xz + zx, yz + zy);
     let (dx, dy, dz) = (zy - yz, xz - zx, yx - xy);
-    // The quaternion times four times its first, second, third, fourth number.
+    // The quaternion times four times its first, second, third, fourth component.
     let by_x = [one + xx - yy - zz, sxy, sxz, dx];
     let by_y = [sxy, one - xx + yy - zz, syz, dy];
     let by_z = [sxz, syz, one - xx - yy + zz, dz];

@@ -1,8 +1,8 @@
-//! Conversions against rates of a motion, and back.
+//! Conversions against numerical derivatives of a motion, and round trips.
 
 use core::f64::consts::PI;
 
-use super::floating::{attitude, halves, joined, quaternion};
+use super::floating::{concatenate, halves, joint_rotation, quaternion};
 use super::*;
 use crate::Scalar;
 use crate::spatial::{Quaternion, Vector3};
@@ -17,7 +17,7 @@ fn dot(a: [f64; 6], b: [f64; 6]) -> f64 {
     core::array::from_fn::<f64, 6, _>(|i| a[i] * b[i]).iter().sum()
 }
 
-/// A smooth motion in the joint's frame, which is the world: the coordinates at time `t`.
+/// Returns the coordinates at time `t` of a smooth motion; the joint's frame is the world.
 fn motion(t: f64) -> [f64; 7] {
     let (s, c) = t.sin_cos();
     let [x, y, z, w] = [0.4 * s, 0.3 + 0.2 * c, 0.5 * t, 0.8 - 0.3 * s];
@@ -26,14 +26,14 @@ fn motion(t: f64) -> [f64; 7] {
     [s + t, 2.0 * c, t * t - s, x, y, z, w]
 }
 
-/// The rate of something at `t`.
+/// Returns the time derivative of `of` at `t`.
 fn rate<const N: usize>(t: f64, of: impl Fn(f64) -> [f64; N]) -> [f64; N] {
     let h = 1e-4;
     let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|k| of(t + k * h));
     core::array::from_fn(|i| (8.0 * (c[i] - b[i]) - (d[i] - a[i])) / (12.0 * h))
 }
 
-/// The angular velocity in world axes by the rotation matrix alone: R' = [omega x] R.
+/// Returns the angular velocity in world axes, from the rotation matrix alone: R' = [omega x] R.
 fn angular(t: f64) -> [f64; 3] {
     let rotation = |t| rotation_from_quaternion(quaternion(motion(t)));
     let r = rotation(t);
@@ -42,16 +42,17 @@ fn angular(t: f64) -> [f64; 3] {
     [entry(2, 1), entry(0, 2), entry(1, 0)]
 }
 
-/// Linear and angular velocity in world axes.
+/// Returns the linear and the angular velocity in world axes.
 fn velocities(t: f64) -> [Vector3<f64>; 2] {
     let [x, y, z, ..] = rate(t, motion);
     [Vector3([x, y, z]), Vector3(angular(t))]
 }
 
-/// modyn's velocities.
+/// Returns modyn's velocities.
 fn qd(t: f64) -> [f64; 6] {
-    let [linear, angular] = velocities(t).map(|part| attitude(motion(t)).conjugate().rotate(part));
-    joined(linear, angular)
+    let [linear, angular] =
+        velocities(t).map(|part| joint_rotation(motion(t)).conjugate().rotate(part));
+    concatenate(linear, angular)
 }
 
 #[test]
@@ -59,15 +60,15 @@ fn velocities_and_accelerations_are_rates() {
     for t in [-1.0, 0.2, 1.7] {
         let (q, qd, qdd) = (motion(t), qd(t), rate(t, qd));
         let [linear, turning] = velocities(t);
-        close(drake::to_v(q, qd), joined(turning, linear), 1e-10);
+        close(drake::to_v(q, qd), concatenate(turning, linear), 1e-10);
         close(drake::to_vdot(q, qd, qdd), rate(t, |t| drake::to_v(motion(t), self::qd(t))), 1e-6);
-        close(mujoco::to_qvel(q, qd), joined(linear, halves(qd)[1]), 1e-10);
+        close(mujoco::to_qvel(q, qd), concatenate(linear, halves(qd)[1]), 1e-10);
         let along = |t| mujoco::to_qvel(motion(t), self::qd(t));
         close(mujoco::to_qacc(q, qd, qdd), rate(t, along), 1e-6);
-        close(rbdl::to_qdot(q, qd), joined(linear, halves(qd)[1]), 1e-10);
+        close(rbdl::to_qdot(q, qd), concatenate(linear, halves(qd)[1]), 1e-10);
         let along = |t| rbdl::to_qdot(motion(t), self::qd(t));
         close(rbdl::to_qddot(q, qd, qdd), rate(t, along), 1e-6);
-        // The body's angular velocity by the quaternion's rate: 2 conj(q) q'.
+        // The body's angular velocity, from the quaternion's derivative: 2 conj(q) q'.
         let ([x, y, z, w], [_, _, _, dx, dy, dz, dw]) = (quaternion(q), rate(t, motion));
         let omega = [
             w * dx - x * dw - (y * dz - z * dy),
@@ -118,7 +119,7 @@ fn power_is_the_same() {
     }
 }
 
-/// Each number in each place.
+/// Each component must be in its place.
 #[test]
 fn orders() {
     let q = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];

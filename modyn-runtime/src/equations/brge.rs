@@ -1,8 +1,9 @@
-//! `brge`, block reverse Gaussian elimination of the mass matrix: I = U D U^T by modules, (35)-(57) of
-//! the paper.
+//! Block reverse Gaussian elimination (BRGE) of the mass matrix: I = U D U^T by modules, equations
+//! (35)-(57) of the paper.
 //!
-//! All factors are kept packed, without the zeros of other branches: see [`UduLayout`]. They come from
-//! the recursion over the tree, or, where joints mimic others, from the mass matrix itself.
+//! All factors are packed: entries that couple two branches are zero and are not stored
+//! ([`UduLayout`]). The factors come from the recursion over the tree. In a robot with mimic joints
+//! they come from the mass matrix.
 
 use super::Workspace;
 use super::dynamics::mass_matrix;
@@ -15,7 +16,8 @@ pub use super::factorization::{
     log_determinant, solve, solve_column, upper, upper_inverse,
 };
 
-/// Fills `factors` with D, its factors and U at `q`, laid out by `layout`.
+/// Fills `factors` with the U D U^T factorization of the mass matrix at `q`: D, the factors of its
+/// blocks, and U, stored as `layout` says.
 pub fn factorize<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,
@@ -24,7 +26,7 @@ pub fn factorize<S: Scalar>(
     factors: &mut [S],
 ) {
     if model.has_mimics() {
-        workspace.make_room(layout.pivots(), model.nv * model.nv, 0);
+        workspace.reserve(layout.pivots(), model.nv * model.nv, 0);
         let mut matrix = core::mem::take(&mut workspace.matrix);
         mass_matrix(model, q, workspace, &mut matrix);
         factorize_matrix(layout, &mut matrix, &mut workspace.pivots, factors);

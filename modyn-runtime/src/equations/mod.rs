@@ -1,33 +1,33 @@
 //! The equations of motion, each written once, generic over [`Scalar`](crate::Scalar).
 //!
-//! Run on `f64` they are the interpreter; run on the compiler's expressions they are what gets
-//! compiled. They take their structure from the model (joint types, the tree, the modules), never
-//! from values. Slices must have the model's sizes, which the [`Interpreter`](crate::Interpreter)
-//! checks and the compiler provides.
+//! Run on `f64`, the equations are the interpreter. Run on the compiler's expressions, they are traced and
+//! compiled. Their structure depends on the model (joint types, tree, modules), never on values. Slices
+//! must have the model's sizes: the [`Interpreter`](crate::Interpreter) checks them, and the compiler
+//! provides them.
 //!
 //! | file | quantity | source |
 //! |---|---|---|
 //! | `kinematics/links` | poses and motion of the links, Jacobians | A.1 of the paper |
 //! | `kinematics/center_of_mass` | centre of mass, its Jacobian | |
-//! | `kinematics/coordinates` | steps, differences, rates and random values of the coordinates | Murray, Li and Sastry 1994 |
-//! | `dynamics/newton_euler` | wrenches of the links' motion | Newton and Euler; Luh, Walker and Paul 1980 |
-//! | `dynamics/external` | wrenches on links from outside | |
-//! | `dynamics/inverse_dynamics` | joint torques, bias forces | (5a) |
+//! | `kinematics/coordinates` | integration, differences, rates and random values of coordinates | Murray, Li and Sastry 1994 |
+//! | `dynamics/newton_euler` | the wrenches of the bodies' motion | Newton and Euler; Luh, Walker and Paul 1980 |
+//! | `dynamics/external` | external wrenches on links | |
+//! | `dynamics/inverse_dynamics` | joint forces, bias forces | (5a) |
 //! | `dynamics/forward_dynamics` | accelerations by inter- and intra-modular recursion | (60), Table 6 |
 //! | `dynamics/mass_matrix` | the mass matrix from composite modules | (7)-(10) |
 //! | `dynamics/gravity` | gravity torques, potential energy | |
 //! | `dynamics/kinetic_energy` | kinetic energy | |
 //! | `dynamics/centroidal` | momentum about the centre of mass, its matrix | Orin, Goswami and Lee 2013 |
 //! | `factorization/recursive` | a module's pivot block and the articulated inertia at its parent | (35)-(49) |
-//! | `factorization/matrix` | U D U^T from the mass matrix itself, for mimics and derivatives | (16)-(45) |
+//! | `factorization/matrix` | U D U^T from the entries of the mass matrix, for mimic joints and derivatives | (16)-(45) |
 //! | `factorization/solve` | solving, the inverse, the factors as full matrices | (50)-(60) |
-//! | `factorization/limb_coupling` | the entries of the inverse between merged limbs | (60) |
+//! | `factorization/limb_coupling` | the entries of the inverse that couple merged limbs | (60) |
 //! | `brge` | the public entry of the factorization | (35)-(57) |
 //! | `derivatives` | derivatives of inverse and forward dynamics | Singh, Russell and Wensing 2022 |
-//! | `identification/regressor` | inverse dynamics as linear in the inertias | Atkeson, An and Hollerbach 1986 |
-//! | `identification/base_parameters` | the combinations of inertial parameters that torques depend on | Gautier 1991 |
-//! | `singular` | the inertia that each joint feels, to find joints without any | Featherstone 1987 |
-//! | `constraints` | forward dynamics of closed loops, their wrenches, rank and residuals; projection | Featherstone 2008, Baumgarte 1972, Courrieu 2005 |
+//! | `identification/regressor` | inverse dynamics as a linear function of the inertial parameters | Atkeson, An and Hollerbach 1986 |
+//! | `identification/base_parameters` | the combinations of inertial parameters that joint forces depend on | Gautier 1991 |
+//! | `singular` | the inertia at each joint, to find joints without inertia | Featherstone 1987 |
+//! | `constraints` | forward dynamics of closed loops, constraint wrenches, rank and residuals; projection | Featherstone 2008, Baumgarte 1972, Courrieu 2005 |
 //! | `paper/denoc` | the DeNOC matrices, dense, link by link | (1)-(5), A.1, A.2 |
 //! | `paper/decomposition` | composite and articulated modules, EBUTMs, U, D and their inverses, dense | (1)-(57) |
 

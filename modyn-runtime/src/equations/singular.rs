@@ -1,23 +1,26 @@
-//! The inertia that each joint feels while the joints after it are free: the pivots of the articulated-body
-//! elimination (Featherstone 1987), at one configuration in general position. A pivot of zero there is zero in
-//! nearly every configuration: the mass matrix is singular, and forward dynamics divides by zero.
+//! Finds joints without inertia: the pivots of the articulated-body elimination (Featherstone 1987).
 //!
-//! It is used where inertias change at run time; a description is checked by the compiler's reader.
+//! A pivot is the inertia at a joint while the joints of its descendants are free. The pivots are computed at
+//! one configuration in general position. A pivot that is zero there is zero in nearly every configuration.
+//! The mass matrix is then singular, and forward dynamics divides by zero.
 //!
-//! A joint that follows another one is held, and the inertia that it feels counts as a rotor of its leader's.
+//! The check runs when inertias change at run time. The compiler checks descriptions by itself.
+//!
+//! A mimic joint is held, and its inertia is added to its leader's as a rotor.
 
 use alloc::{vec, vec::Vec};
 
 use crate::Scalar;
 use crate::joint::JointTransform;
-use crate::mechanism::coordinates::Space;
+use crate::mechanism::coordinates::CoordinateSpace;
 use crate::mechanism::{Dof, Mechanism};
 use crate::spatial::ArticulatedInertia;
 
-/// A pivot is rounding below so many units of the scalar's precision of the inertia about the same axis with the
-/// next joints held,
+/// A pivot counts as zero below this many units of the scalar's precision, relative to the inertia about the
+/// same axis with the child joints held.
 const CANCELLED: f64 = 256.0;
-/// or of the inertia about all axes together, of which a rotation of the axes may leave some.
+/// A pivot counts as zero below this many units of the scalar's precision, relative to the inertia about all
+/// axes together: a rotation of the axes leaves that much rounding.
 const ROTATED: f64 = 32.0;
 
 /// The memory of [`pivots`].
@@ -26,18 +29,18 @@ pub struct PivotWorkspace<S> {
     /// Coordinates in general position.
     q: Vec<S>,
     motions: Vec<JointTransform<S>>,
-    /// By body: the inertia of its children, with their joints free; and with them held.
+    /// For each body, the inertia of its descendants: with their joints free, and with their joints held.
     free: Vec<ArticulatedInertia<S>>,
     held: Vec<ArticulatedInertia<S>>,
-    /// By entry of qd: the inertia that joints which follow this one add.
+    /// For each entry of qd, the inertia that its mimic joints add.
     followers: Vec<S>,
 }
 
 impl<S: Scalar> PivotWorkspace<S> {
-    /// Memory for `model`.
+    /// Returns the memory for `model`.
     #[must_use]
     pub fn new(model: &Mechanism<S>) -> Self {
-        let none = vec![nothing(); model.bodies.len()];
+        let none = vec![zero_inertia(); model.bodies.len()];
         Self {
             q: configuration(model),
             motions: Vec::with_capacity(model.bodies.len()),
@@ -48,12 +51,12 @@ impl<S: Scalar> PivotWorkspace<S> {
     }
 }
 
-fn nothing<S: Scalar>() -> ArticulatedInertia<S> {
+fn zero_inertia<S: Scalar>() -> ArticulatedInertia<S> {
     ArticulatedInertia::from_fn(|_, _| S::zero())
 }
 
-/// Coordinates of no special kind, the same on every host: angles and displacements between 0.3 and 6.3, and
-/// rotations by large angles about oblique axes.
+/// Returns coordinates in general position, the same on every host. Angles and displacements are between
+/// 0.3 and 6.3; rotations have large angles and oblique axes.
 fn configuration<S: Scalar>(model: &Mechanism<S>) -> Vec<S> {
     let spread = |entry: usize| {
         #[allow(clippy::cast_precision_loss)] // Precise up to 2^52 entries.
@@ -64,9 +67,9 @@ fn configuration<S: Scalar>(model: &Mechanism<S>) -> Vec<S> {
     for coordinates in &model.coordinates {
         let at = coordinates.q;
         let (numbers, rotation) = match coordinates.space {
-            Space::Line { .. } => (at..at + 1, None),
-            Space::Rotation => (at..at, Some(at)),
-            Space::Pose => (at..at + 3, Some(at + 3)),
+            CoordinateSpace::Line { .. } => (at..at + 1, None),
+            CoordinateSpace::Rotation => (at..at, Some(at)),
+            CoordinateSpace::Pose => (at..at + 3, Some(at + 3)),
         };
         for entry in numbers {
             q[entry] = 0.3 + 6.0 * spread(entry);
@@ -82,9 +85,11 @@ fn configuration<S: Scalar>(model: &Mechanism<S>) -> Vec<S> {
     q.into_iter().map(S::from_f64).collect()
 }
 
-/// By entry of qd, into `pivots`: the inertia that this motion feels while the joints after it are free, in kg or
-/// kg m^2; exactly zero where it is not above the rounding of a scalar of precision `epsilon` (the
-/// distance from 1 to the next number), or NaN.
+/// Computes the pivot of each entry of qd into `pivots`: the inertia at this joint while the joints of its
+/// descendants are free, kg or kg m^2.
+///
+/// A pivot within the rounding of a scalar of precision `epsilon` is exactly zero, or NaN. `epsilon` is the
+/// distance from 1 to the next number.
 pub fn pivots<S: Scalar>(
     model: &Mechanism<S>,
     epsilon: S,
@@ -113,7 +118,7 @@ pub fn pivots<S: Scalar>(
     workspace.followers = followers;
 }
 
-/// Eliminates the joints from the leaves to the root and gives the pivot of each degree of freedom to `give`.
+/// Eliminates the joints from the leaves to the root, and passes the pivot of each degree of freedom to `give`.
 fn sweep<S: Scalar>(
     model: &Mechanism<S>,
     epsilon: S,
@@ -122,8 +127,8 @@ fn sweep<S: Scalar>(
     mut give: impl FnMut(&Dof<S>, S),
 ) {
     let PivotWorkspace { motions, free, held, .. } = workspace;
-    free.fill(nothing());
-    held.fill(nothing());
+    free.fill(zero_inertia());
+    held.fill(zero_inertia());
     let units = |n: f64| epsilon * S::from_f64(n);
     for (i, body) in model.bodies.iter().enumerate().rev() {
         let own = body.inertia.articulated();
@@ -149,7 +154,7 @@ fn sweep<S: Scalar>(
             if dof.multiplier.is_some() {
                 continue;
             }
-            // A pivot of zero is left alone: the joints before it are judged as if it were held.
+            // A joint with a zero pivot counts as held for the joints of its ancestors.
             let reciprocal = (-pivot).select_nonnegative(S::zero(), pivot.recip());
             left = ArticulatedInertia::from_fn(|row, other| {
                 left.entry(row, other) - column[row] * column[other] * reciprocal

@@ -1,4 +1,4 @@
-//! The memory of the recursions, one entry a body: allocated once, used by every call.
+//! The memory of the recursions, allocated once and used by every call.
 
 use alloc::{vec, vec::Vec};
 
@@ -10,45 +10,45 @@ use crate::spatial::{
     VelocityMoments, Wrench,
 };
 
-/// Memory of the recursions, one entry a body or degree of freedom; linear in their number, but
-/// for the pivot blocks, which are quadratic in the length of a module.
+/// The memory of the recursions: an entry for each body or degree of freedom, and pivot blocks, whose size is
+/// quadratic in the length of a module.
 #[derive(Clone, Debug)]
 pub struct Workspace<S> {
     pub(super) motions: Vec<JointTransform<S>>,
-    /// A link's bodies, from the world to it.
+    /// The bodies of a link's kinematic path, from the world to the link.
     pub(super) kinematic_path: Vec<usize>,
-    /// A point, seen from each body.
+    /// The position of one point, as seen from each body.
     pub(super) points: Vec<Vector3<S>>,
     pub(super) fields: Vec<Field<S>>,
     pub(super) twists: Vec<Twist<S>>,
     pub(super) wrenches: Vec<Wrench<S>>,
-    /// Of the bodies, as columns, seen from the world.
+    /// The axes of each body in the world, as columns.
     pub(super) axes: Vec<Matrix3<S>>,
     pub(super) composite: Vec<RigidInertia<S>>,
-    /// The moments of the composites' velocities against their bodies' frames.
+    /// The velocity moments of the composites relative to their bodies' frames.
     pub(super) velocities: Vec<VelocityMoments<S>>,
-    /// Twice the velocity of each body's origin over its parent's, in the parent's axes.
+    /// Twice the velocity of each body's origin relative to its parent's origin, in the parent's axes.
     pub(super) levers: Vec<Vector3<S>>,
-    /// For each degree of freedom: how it changes the accelerations of the bodies after it.
+    /// For each degree of freedom, the change of the accelerations of its body and the body's descendants.
     pub(super) perturbations: Vec<AccelerationPerturbation<S>>,
-    /// By body: the articulated inertia of the eliminated modules that hang on it; `None` where none does.
+    /// For each body, the articulated inertia of its eliminated child modules; `None` without child modules.
     pub(super) articulated: Vec<Option<ArticulatedInertia<S>>>,
-    /// By component, for each degree of freedom: the wrench at its module's first body (Psi),
-    /// reduced by the pivot's factor; and that over the pivot.
+    /// For each component and degree of freedom: the wrench at its module's first body (Psi), reduced by the
+    /// pivot's factor V (`columns`), and divided by the pivot (`gains`).
     pub(super) columns: [Vec<S>; 6],
     pub(super) gains: [Vec<S>; 6],
-    /// For each degree of freedom: reciprocal of its scalar pivot within the block.
+    /// For each degree of freedom, the reciprocal of its scalar pivot within the block.
     pub(super) reciprocals: Vec<S>,
     pub(super) torques: Vec<S>,
-    /// Each module's block, then its unit triangular factor.
+    /// Each module's pivot block, then its unit triangular factor.
     pub(super) pivots: Vec<S>,
-    /// A mass matrix by columns and its packed factors, where it is needed as such.
+    /// The mass matrix by columns and its packed factors, for equations that need them.
     pub(super) matrix: Vec<S>,
     pub(super) factors: Vec<S>,
 }
 
 impl<S: Scalar> Workspace<S> {
-    /// Room for a model.
+    /// Returns the memory for a mechanism.
     #[must_use]
     pub fn new<T: BodyTree<S>>(tree: &T) -> Self {
         let model = tree.mechanism();
@@ -77,8 +77,8 @@ impl<S: Scalar> Workspace<S> {
         }
     }
 
-    /// Room for that many numbers; allocates where there is none yet.
-    pub(super) fn make_room(&mut self, pivots: usize, matrix: usize, factors: usize) {
+    /// Makes room for this many entries. Allocates only if there is less room.
+    pub(super) fn reserve(&mut self, pivots: usize, matrix: usize, factors: usize) {
         for (numbers, size) in
             [(&mut self.pivots, pivots), (&mut self.matrix, matrix), (&mut self.factors, factors)]
         {
@@ -88,7 +88,7 @@ impl<S: Scalar> Workspace<S> {
         }
     }
 
-    /// The joints at `q`.
+    /// Computes the joint transforms at `q`.
     pub(super) fn move_to(&mut self, model: &Mechanism<S>, q: &[S]) {
         for (motion, body) in self.motions.iter_mut().zip(&model.bodies) {
             *motion = body.motion(q);

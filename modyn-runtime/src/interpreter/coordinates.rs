@@ -1,4 +1,4 @@
-//! Moving in the space of the coordinates.
+//! The configuration space: integration, differences, rates, checks and random coordinates.
 
 use alloc::string::String;
 
@@ -8,11 +8,24 @@ use crate::equations::kinematics::coordinates;
 use crate::{ConfigurationError, Scalar, configuration};
 
 impl<S: Scalar> Interpreter<S> {
-    /// Where the constant velocities `v` lead from `q` in a unit of time, q (+) v, into `moved`: so
-    /// one step of time dt is with `v` = qd dt.
+    /// Computes the coordinates after unit time at the constant velocities `v` from `q`: q (+) v, nq entries. For
+    /// a time step dt use `v` = qd dt.
     ///
-    /// Plain coordinates add; rotations and poses follow the exponential map in their own axes
-    /// (those of qd), and their quaternions stay of length 1.
+    /// Coordinates of revolute and prismatic joints are added. Rotations and poses follow the exponential map in
+    /// their own axes, which are the axes of qd; quaternions keep length 1.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let pendulum = Interpreter::<f64>::new(model);
+    /// let (qd, dt) = (2.0, 0.01);
+    /// let mut q = [0.0];
+    /// pendulum.integrate(&[1.0], &[qd * dt], &mut q)?;
+    /// assert!((q[0] - 1.02).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -26,8 +39,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// The velocities that lead from one place to another in a unit of time, into `v`: the inverse
-    /// of [`integrate`](Self::integrate), by the shortest rotations. Angles are not wrapped.
+    /// Computes the velocities `v` that lead from `from` to `to` in unit time, nv entries: the inverse of
+    /// [`integrate`](Self::integrate). Rotations are the shortest ones; joint angles are not wrapped.
     ///
     /// # Errors
     ///
@@ -41,27 +54,29 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// The rates dq/dt of the coordinates at velocities `qd`, into `rates` (as many as q has).
+    /// Computes dq/dt, the rates of the coordinates `q` at the velocities `qd`, nq entries.
     ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
-    pub fn coordinate_rates(&self, q: &[S], qd: &[S], rates: &mut [S]) -> Result<(), ShapeError> {
+    pub fn velocity_to_qdot(&self, q: &[S], qd: &[S], rates: &mut [S]) -> Result<(), ShapeError> {
         let (nq, nv) = (self.model.nq(), self.model.nv());
         check("q", q, nq)?;
         check("qd", qd, nv)?;
         check("rates", rates, nq)?;
-        coordinates::coordinate_rates(&self.mechanism, (q, qd), rates);
+        coordinates::velocity_to_qdot(&self.mechanism, (q, qd), rates);
         Ok(())
     }
 
-    /// Checks that the quaternions of spherical and floating joints in `q` have length 1, to half of the scalar's digits:
-    /// to 1.5e-8 in `f64`, to 3.5e-4 in `f32`. No other function checks it: with a quaternion of length 1.1, accelerations
-    /// are wrong by a part in a thousand or more.
+    /// Checks that the quaternions of spherical and floating joints in `q` have length 1.
+    ///
+    /// The tolerance is half of the scalar's digits: 1.5e-8 in `f64`, 3.5e-4 in `f32`. No other function checks
+    /// quaternions. With a quaternion of length 1.1, accelerations are wrong by a part in a thousand or more.
     ///
     /// # Errors
     ///
-    /// If `q` does not have the model's length, or the first joint whose quaternion has another length than 1.
+    /// If `q` does not have the model's length. Otherwise names the first joint whose quaternion does not have
+    /// length 1.
     pub fn check_configuration(&self, q: &[S]) -> Result<(), ConfigurationError<S, String>>
     where
         S: PartialOrd,
@@ -74,7 +89,7 @@ impl<S: Scalar> Interpreter<S> {
         configuration::check(quaternions.map(|(joint, at)| (joint.into(), at)), q)
     }
 
-    /// Brings the quaternions in `q` to length 1; one of length 0 becomes the identity.
+    /// Scales the quaternions in `q` to length 1. A quaternion of length 0 becomes the identity.
     ///
     /// # Errors
     ///
@@ -85,7 +100,19 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// The coordinates zero, with identity quaternions, into `q`.
+    /// Sets all coordinates in `q` to zero, and quaternions to the identity.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let pendulum = Interpreter::<f64>::new(model);
+    /// let mut q = [1.0];
+    /// pendulum.neutral(&mut q)?;
+    /// assert_eq!(q, [0.0]);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -96,10 +123,10 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Random coordinates into `q`, evenly spread within the joints' limits; without limits, angles
-    /// in half a turn both ways, displacements in 1 m both ways, and rotations everywhere.
+    /// Computes random coordinates, uniformly distributed within the joint limits. Without limits, angles are
+    /// within -pi..pi, displacements within -1 m..1 m, and rotations uniformly distributed over SO(3).
     ///
-    /// `uniform` gives independent numbers evenly spread in 0..1; it is called nv times.
+    /// `uniform` returns independent numbers, uniformly distributed in 0..1. It is called nv times.
     ///
     /// # Errors
     ///

@@ -9,11 +9,11 @@ pub use crate::equations::derivatives::ForwardDerivatives;
 use crate::model::ModuleTree;
 
 impl<S: Scalar> Interpreter<S> {
-    /// The derivatives of the joint torques of a motion by q (in the tangent space: for spherical
-    /// and floating joints, by displacements in the link's own axes) and by qd, nv x nv by columns.
+    /// Computes the derivatives d tau / d q and d tau / d qd of inverse dynamics, nv x nv matrices by columns.
     ///
-    /// That by qdd is the [`mass_matrix`](Self::mass_matrix). Where friction jumps its slope counts
-    /// as 0.
+    /// The derivative with respect to q is in the tangent space: for spherical and floating joints, with respect
+    /// to displacements in the link's own axes. d tau / d qdd is the [`mass_matrix`](Self::mass_matrix). The
+    /// derivative of Coulomb friction is taken as 0, also at its jump.
     ///
     /// # Errors
     ///
@@ -38,9 +38,29 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// The joint accelerations under the torques `tau` and their derivatives by q (in the tangent
-    /// space), qd and tau, nv x nv by columns. That by tau is the inverse of the mass matrix, exactly
-    /// symmetric. The first call allocates what it works in.
+    /// Computes the joint accelerations under the joint forces `tau`, and their derivatives with respect to q (in
+    /// the tangent space), qd and tau, nv x nv matrices by columns.
+    ///
+    /// The derivative with respect to tau is the inverse of the mass matrix, exactly symmetric. The first call
+    /// allocates memory.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let (mut qdd, mut dq, mut dqd, mut dtau) = ([0.0], [0.0], [0.0], [0.0]);
+    /// let outputs = modyn_runtime::ForwardDerivatives {
+    ///     qdd: &mut qdd,
+    ///     dqdd_dq: &mut dq,
+    ///     dqdd_dqd: &mut dqd,
+    ///     dqdd_dtau: &mut dtau,
+    /// };
+    /// pendulum.forward_dynamics_derivatives(&[0.0], &[0.0], &[0.0], outputs)?;
+    /// assert!((dq[0] + 9.81 / 0.5).abs() < 1e-12 && (dtau[0] - 2.0).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///

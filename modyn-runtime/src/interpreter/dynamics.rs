@@ -10,8 +10,20 @@ use crate::equations::dynamics::{
 };
 
 impl<S: Scalar> Interpreter<S> {
-    /// The joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint torques or forces `tau`:
-    /// the inter- and intra-modular recursion, (60).
+    /// Computes the joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint forces `tau`, by the inter- and
+    /// intra-modular recursion (60) of the paper.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let mut qdd = [0.0];
+    /// pendulum.forward_dynamics(&[1.0], &[0.0], &[0.0], &mut qdd)?;
+    /// assert!((qdd[0] + 9.81 / 0.5 * 1.0_f64.sin()).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -26,8 +38,9 @@ impl<S: Scalar> Interpreter<S> {
         self.accelerate((q, qd, tau), None, qdd)
     }
 
-    /// The same under `forces` from outside: one wrench for each link of the description, fixed
-    /// ones too, in the order of [`Model::frames`](crate::model::Model::frames).
+    /// Computes the joint accelerations `qdd` under the joint forces `tau` and external wrenches `forces`: one
+    /// wrench for each link of the description, fixed links included, in the order of
+    /// [`Model::frames`](crate::model::Model::frames).
     ///
     /// # Errors
     ///
@@ -66,7 +79,20 @@ impl<S: Scalar> Interpreter<S> {
             .map_or(Ok(()), |forces| check("forces", forces.wrenches(), self.model.frames().len()))
     }
 
-    /// The joint torques or forces `tau` (N m or N) of a motion: recursive Newton-Euler.
+    /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, by the recursive Newton-Euler
+    /// algorithm (Featherstone 2008, chapter 5).
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let mut tau = [0.0];
+    /// pendulum.inverse_dynamics(&[0.0], &[0.0], &[1.0], &mut tau)?;
+    /// assert!((tau[0] - 2.0 * 0.5 * 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -78,11 +104,12 @@ impl<S: Scalar> Interpreter<S> {
         qdd: &[S],
         tau: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.act((q, qd, Some(qdd)), None, tau)
+        self.required_torques((q, qd, Some(qdd)), None, tau)
     }
 
-    /// The same under `forces` from outside, which take their share off the joints: one wrench for
-    /// each link of the description, fixed ones too, in the order of [`Model::frames`](crate::model::Model::frames).
+    /// Computes the joint forces `tau` of the accelerations `qdd` under external wrenches `forces`: one wrench for
+    /// each link of the description, fixed links included, in the order of
+    /// [`Model::frames`](crate::model::Model::frames).
     ///
     /// # Errors
     ///
@@ -95,10 +122,10 @@ impl<S: Scalar> Interpreter<S> {
         forces: Forces<'_, S>,
         tau: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.act((q, qd, Some(qdd)), Some(forces), tau)
+        self.required_torques((q, qd, Some(qdd)), Some(forces), tau)
     }
 
-    fn act(
+    fn required_torques(
         &mut self,
         (q, qd, qdd): (&[S], &[S], Option<&[S]>),
         forces: Option<Forces<'_, S>>,
@@ -115,16 +142,40 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// The bias forces h(q, qd) into `tau`: inverse dynamics without acceleration.
+    /// Computes the bias forces h(q, qd): the joint forces at zero acceleration.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let mut tau = [0.0];
+    /// pendulum.bias_forces(&[1.0], &[3.0], &mut tau)?;
+    /// assert!((tau[0] - 2.0 * 9.81 * 0.5 * 1.0_f64.sin()).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
     pub fn bias_forces(&mut self, q: &[S], qd: &[S], tau: &mut [S]) -> Result<(), ShapeError> {
-        self.act((q, qd, None), None, tau)
+        self.required_torques((q, qd, None), None, tau)
     }
 
-    /// The joint torques that hold the robot still, into `tau`.
+    /// Computes the joint forces that balance gravity at zero velocity.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let mut tau = [0.0];
+    /// pendulum.gravity_torques(&[1.0], &mut tau)?;
+    /// assert!((tau[0] - 2.0 * 9.81 * 0.5 * 1.0_f64.sin()).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -137,7 +188,19 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// The mass matrix by columns into `columns` (nv times nv), (7)-(10).
+    /// Computes the mass matrix, nv x nv, into `columns`, column by column: (7)-(10) of the paper.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let mut columns = [0.0];
+    /// pendulum.mass_matrix(&[1.0], &mut columns)?;
+    /// assert!((columns[0] - 2.0 * 0.5 * 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -150,7 +213,17 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Kinetic energy of the moving links, J.
+    /// Returns the kinetic energy of the moving links and the rotors, J.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// assert!((pendulum.kinetic_energy(&[1.0], &[2.0])? - 1.0).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -162,7 +235,17 @@ impl<S: Scalar> Interpreter<S> {
         Ok(kinetic_energy(&self.mechanism, q, qd, &mut self.workspace))
     }
 
-    /// Potential energy of the moving links under gravity, J; zero at the world's origin.
+    /// Returns the potential energy of the moving links under gravity, J; zero for mass at the world's origin.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// assert!((pendulum.potential_energy(&[0.0])? + 2.0 * 9.81 * 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///

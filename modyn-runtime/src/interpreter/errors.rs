@@ -1,21 +1,21 @@
-//! Why a quantity cannot be computed.
+//! The errors of the interpreter.
 
 use core::fmt;
 
-/// A vector or matrix that was given has the wrong length.
+/// A vector or matrix argument has the wrong length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ShapeError {
-    /// The parameter.
+    /// The name of the parameter.
     pub parameter: &'static str,
-    /// How many numbers it must hold.
+    /// The required number of entries.
     pub expected: usize,
-    /// How many it holds.
+    /// The number of entries that were given.
     pub found: usize,
 }
 
 impl ShapeError {
-    /// The error that `parameter` holds `found` numbers instead of `expected`.
+    /// Returns the error of a `parameter` with `found` entries instead of `expected`.
     #[must_use]
     pub const fn new(parameter: &'static str, expected: usize, found: usize) -> Self {
         Self { parameter, expected, found }
@@ -40,7 +40,7 @@ pub(super) fn check<T>(
     if found == expected { Ok(()) } else { Err(ShapeError::new(parameter, expected, found)) }
 }
 
-/// The modules, or the factorization, are those of another model.
+/// The modules, or the factorization, belong to another model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ModuleMismatch {}
@@ -49,22 +49,22 @@ impl fmt::Display for ModuleMismatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the modules or the factorization are those of another model; make them from this one"
+            "the modules or the factorization belong to another model; create them from this model"
         )
     }
 }
 
 impl core::error::Error for ModuleMismatch {}
 
-/// Why a quantity of one link cannot be computed.
+/// An error of a function for one link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FrameError {
-    /// There is no link of that index.
+    /// There is no link with this index.
     NoFrame {
         /// The index.
         frame: usize,
-        /// How many links the description has.
+        /// The number of links of the description.
         count: usize,
     },
     /// A slice has the wrong length.
@@ -97,13 +97,13 @@ impl From<ShapeError> for FrameError {
     }
 }
 
-/// Why a model has no block decomposition in the paper's matrices.
+/// The reason why there is no block decomposition in the paper's matrices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum DecompositionError {
     /// `q` has the wrong length.
     Shape(ShapeError),
-    /// Joints mimic others, which couples modules across the tree.
+    /// The robot has mimic joints, which couple modules across the tree.
     Mimics,
 }
 
@@ -113,7 +113,7 @@ impl fmt::Display for DecompositionError {
             Self::Shape(error) => error.fmt(f),
             Self::Mimics => write!(
                 f,
-                "joints mimic others, which couples modules across the tree; `brge` factorizes such models"
+                "the robot has mimic joints, which couple modules across the tree; `brge` factorizes such models"
             ),
         }
     }
@@ -128,11 +128,11 @@ impl core::error::Error for DecompositionError {
     }
 }
 
-/// Why a factorization cannot be updated.
+/// The reason why a factorization cannot be updated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum UpdateError {
-    /// It is that of another model or by other modules.
+    /// The factorization belongs to another model or to other modules.
     Modules(ModuleMismatch),
     /// `q` has the wrong length.
     Shape(ShapeError),

@@ -11,13 +11,25 @@ use crate::mechanism::BodyStructure;
 use crate::model::ModuleTree;
 
 impl<S: Scalar> Interpreter<S> {
-    /// The factorization I = U D U^T by modules at `q`, (35)-(49). Allocates its result; to use
-    /// the memory of an earlier one again, see [`Brge::update`].
+    /// Returns the factorization I = U D U^T of the mass matrix by modules at `q`, (35)-(49) of the paper.
+    /// Allocates the result; [`Brge::update`] uses the memory of an earlier one.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let pendulum = Interpreter::<f64>::new(model);
+    /// let factors = pendulum.brge(&[1.0])?;
+    /// // A force of 1 N m accelerates an inertia of 0.5 kg m^2 by 2 rad/s^2.
+    /// assert!((factors.solve(&[1.0])?[0] - 2.0).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///
     /// If `q` does not have the model's length.
-    pub fn brge(&self, q: &[S]) -> Result<Brge<S>, ShapeError> {
+    pub fn brge(&self, q: &[S]) -> Result<UduFactorization<S>, ShapeError> {
         check("q", q, self.model.nq())?;
         let layout = UduLayout::new(&self.mechanism, &self.modules);
         let factors = vec![S::zero(); layout.size()];
@@ -25,36 +37,35 @@ impl<S: Scalar> Interpreter<S> {
         let modules = self.modules.clone();
         let structure = self.mechanism.structure().collect();
         let (nq, n) = (self.model.nq(), self.model.nv());
-        let mut brge = Brge { modules, layout, factors, workspace, structure, nq, n };
+        let mut brge = UduFactorization { modules, layout, factors, workspace, structure, nq, n };
         brge.factorize(self, q);
         Ok(brge)
     }
 }
 
-/// The factorization I = U D U^T of the mass matrix by modules. Matrices are given by columns.
+/// The factorization I = U D U^T of the mass matrix by modules. Matrices are returned by columns.
 ///
-/// [`update`](Self::update) and [`solve_in_place`](Self::solve_in_place) allocate nothing; what
-/// returns a vector or matrix allocates it, and [`condition_number`](Self::condition_number) a
-/// copy of its block.
+/// [`update`](Self::update) and [`solve_in_place`](Self::solve_in_place) do not allocate. Methods that return a
+/// vector or matrix allocate it; [`condition_number`](Self::condition_number) allocates a copy of its block.
 #[derive(Clone, Debug)]
-pub struct Brge<S = f64> {
+pub struct UduFactorization<S = f64> {
     modules: ModuleTree,
     layout: UduLayout,
     factors: Vec<S>,
     workspace: Workspace<S>,
-    /// By body: the properties that its layout and its memory depend on besides the modules.
+    /// For each body, the properties that layout and memory depend on, besides the modules.
     structure: Vec<BodyStructure>,
     nq: usize,
     n: usize,
 }
 
-impl<S: Scalar> Brge<S> {
-    /// Factorizes anew at another `q`, in the memory that is there.
+impl<S: Scalar> UduFactorization<S> {
+    /// Recomputes the factorization at another `q` without allocation.
     ///
     /// # Errors
     ///
-    /// If this is the factorization of a model with other joints or by other modules, or if `q` does
-    /// not have the model's length. (Models that differ in their numbers alone may share one.)
+    /// If the factorization belongs to a model with other joints or to other modules, or if `q` does not have
+    /// the model's length. (Models that differ in their numbers only may share a factorization.)
     pub fn update(&mut self, interpreter: &Interpreter<S>, q: &[S]) -> Result<(), UpdateError> {
         let structure = interpreter.mechanism.structure();
         if self.modules != interpreter.modules || !structure.eq(self.structure.iter().copied()) {
@@ -76,38 +87,38 @@ impl<S: Scalar> Brge<S> {
         columns
     }
 
-    /// The block upper triangular U, (43).
+    /// Returns the block upper triangular U, (43), nv x nv by columns.
     #[must_use]
     pub fn u(&self) -> Vec<S> {
         self.matrix(|columns| brge::upper(&self.layout, &self.factors[self.layout.u()], columns))
     }
 
-    /// The block diagonal D, (45).
+    /// Returns the block diagonal D, (45), nv x nv by columns.
     #[must_use]
     pub fn d(&self) -> Vec<S> {
         self.matrix(|columns| brge::diagonal(&self.layout, &self.factors, columns))
     }
 
-    /// U^-1, (54).
+    /// Returns U^-1, (54), nv x nv by columns.
     #[must_use]
     pub fn u_inverse(&self) -> Vec<S> {
         let u = &self.factors[self.layout.u()];
         self.matrix(|columns| brge::upper_inverse(&self.layout, u, columns))
     }
 
-    /// D^-1, (54).
+    /// Returns D^-1, (54), nv x nv by columns.
     #[must_use]
     pub fn d_inverse(&self) -> Vec<S> {
         self.matrix(|columns| brge::diagonal_inverse(&self.layout, &self.factors, columns))
     }
 
-    /// The inverse of the mass matrix, (50).
+    /// Returns the inverse of the mass matrix, (50), nv x nv by columns.
     #[must_use]
     pub fn inverse(&self) -> Vec<S> {
         self.matrix(|columns| brge::inverse(&self.layout, &self.factors, columns))
     }
 
-    /// The x with I x = `rhs`, by the three steps of (60).
+    /// Returns the solution x of I x = `rhs`, by the three steps of (60).
     ///
     /// # Errors
     ///
@@ -119,7 +130,7 @@ impl<S: Scalar> Brge<S> {
         Ok(x)
     }
 
-    /// The same in place: `x` is the right-hand side, then the solution.
+    /// Replaces the right-hand side `x` by the solution of I x = rhs.
     ///
     /// # Errors
     ///
@@ -130,20 +141,21 @@ impl<S: Scalar> Brge<S> {
         Ok(())
     }
 
-    /// The natural logarithm of the mass matrix's determinant.
+    /// Returns the natural logarithm of the mass matrix's determinant.
     #[must_use]
     pub fn log_determinant(&self) -> S {
         brge::log_determinant(&self.layout, &self.factors)
     }
 
-    /// Module `module`'s pivot block I_hat, (46), by columns; `None` if there is no such module.
+    /// Returns module `module`'s pivot block I_hat, (46), by columns; `None` if there is no such module.
     #[must_use]
     pub fn pivot_block(&self, module: usize) -> Option<Vec<S>> {
         let exists = module < self.layout.blocks().len();
         exists.then(|| self.factors[self.layout.d(module)].to_vec())
     }
 
-    /// The condition number (2-norm) of that block, by a fixed number of Jacobi sweeps.
+    /// Returns the condition number (2-norm) of module `module`'s pivot block, by a fixed number of Jacobi
+    /// sweeps; `None` if there is no such module.
     #[must_use]
     pub fn condition_number(&self, module: usize) -> Option<S> {
         let exists = module < self.layout.blocks().len();

@@ -1,4 +1,4 @@
-//! Inertias that change at run time: a link's own, and payloads.
+//! Inertias that change at run time: the links' own inertias, and payloads.
 
 use alloc::{string::String, vec, vec::Vec};
 use core::cmp::Ordering;
@@ -12,20 +12,20 @@ use crate::model::{Inertial, InertialDefect, Model};
 use crate::scalar::epsilon;
 use crate::spatial::RigidInertia;
 
-/// Why a link cannot be given an inertia or a payload.
+/// The reason why a link cannot have an inertia or a payload.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum InertialError<S = f64> {
-    /// There is no link of that index.
+    /// There is no link with this index.
     NoFrame {
         /// The index.
         frame: usize,
-        /// How many links the description has.
+        /// The number of links of the description.
         count: usize,
     },
     /// No rigid body has this inertia.
     Defect(InertialDefect<S>),
-    /// A joint would move no inertia, so that its acceleration would be infinite.
+    /// A joint would move no inertia, so its acceleration would be infinite.
     NoInertia {
         /// The name of the joint.
         joint: String,
@@ -59,37 +59,37 @@ impl<S: fmt::Debug + fmt::Display + fmt::LowerExp + 'static> core::error::Error
     }
 }
 
-/// The two inertias that a link has at run time.
+/// The two inertias of a link at run time.
 #[derive(Clone, Copy, Debug)]
-enum Part {
-    /// Its own.
+enum InertialKind {
+    /// The link's own inertia.
     Own,
-    /// The one added to it.
+    /// The payload, which is added to the link's own inertia.
     Payload,
 }
 
-/// The inertias at present, and the parts that the bodies' inertias are always summed from anew, so that
-/// rounding does not accumulate from change to change.
+/// The present inertias. The bodies' inertias are always summed from the described parts, so that rounding does not
+/// accumulate from change to change.
 #[derive(Clone, Debug)]
 pub(super) struct Inertias<S> {
-    /// By body, as the model was rewritten: the inertia, and the same in base parameters.
+    /// For each body of the mechanism in the description, its inertia and its base inertia.
     described: Vec<(RigidInertia<S>, RigidInertia<S>)>,
-    /// The same of the inertia that does not move.
+    /// The static inertia in the description.
     static_inertia: RigidInertia<S>,
-    /// By body: its inertia without the own inertias of its links.
+    /// For each body, its inertia without the own inertias of its links.
     rest: Vec<RigidInertia<S>>,
-    /// By link of the description: its own inertia in the description, its own now, and its payload.
+    /// For each link of the description: its own inertia in the description, its present own inertia, its payload.
     links: Vec<[Inertial<S>; 3]>,
-    /// By body: whether the inertia of one of its links has changed.
+    /// For each body, whether the inertia of one of its links has changed.
     changed: Vec<bool>,
-    /// By entry of qd: whether it feels inertia in the description.
+    /// For each entry of qd, whether it moves inertia in the description.
     felt: Vec<bool>,
     pivots: Vec<S>,
     workspace: PivotWorkspace<S>,
 }
 
 impl<S: Scalar + PartialOrd> Inertias<S> {
-    /// Of `mechanism`, which is `model` unchanged.
+    /// Returns the inertias of `mechanism`, which must be `model` unchanged.
     fn new(model: &Model, mechanism: &Mechanism<S>) -> Self {
         let exact = Mechanism::new(model);
         let mut rest = vec![RigidInertia::zero(); mechanism.bodies.len()];
@@ -120,8 +120,8 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
         }
     }
 
-    /// Sums up the inertias of the bodies.
-    fn enter(&mut self, mechanism: &mut Mechanism<S>) {
+    /// Sums the inertias of the bodies into `mechanism`.
+    fn update_bodies(&mut self, mechanism: &mut Mechanism<S>) {
         for (body, (inertia, base_inertia)) in mechanism.bodies.iter_mut().zip(&self.described) {
             (body.inertia, body.base_inertia) = (*inertia, *base_inertia);
         }
@@ -146,8 +146,8 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
         mechanism.minimize();
     }
 
-    /// The first entry of qd, from the leaves, that feels no inertia any more.
-    fn unfelt(&mut self, mechanism: &Mechanism<S>) -> Option<usize> {
+    /// Returns the first entry of qd, from the leaves, that no longer moves inertia.
+    fn first_singular(&mut self, mechanism: &Mechanism<S>) -> Option<usize> {
         let Self { felt, pivots, workspace, .. } = self;
         singular::pivots(mechanism, epsilon(), workspace, pivots);
         let positive = |v: usize| pivots[v].partial_cmp(&S::zero()) == Some(Ordering::Greater);
@@ -156,27 +156,42 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
 }
 
 impl<S: Scalar + PartialOrd> Interpreter<S> {
-    /// Gives link `frame` of the description (an index into [`Model::frames`]) another inertia of its own, in its own
-    /// frame, in place of the described one. Links that are fixed to the link keep theirs, and so does the
-    /// [payload](Self::set_payload).
+    /// Replaces the own inertia of link `frame` of the description (an index into [`Model::frames`]). `inertial` is in
+    /// the link's frame.
     ///
-    /// All inertias are summed up anew from the description: after any number of changes, the robot is the same as
-    /// after the last ones alone. A call takes time linear in the number of links; the first one allocates.
+    /// Links that are fixed to the link keep their inertia, and the link keeps its [payload](Self::set_payload). All
+    /// inertias are summed from the description: after any number of changes, the robot is the same as after the
+    /// last change of each link alone. A call takes time linear in the number of links; the first call allocates.
     ///
     /// # Errors
     ///
-    /// If there is no such link, if no rigid body has this inertia, or if a joint that feels inertia in the description
-    /// would feel none; nothing has changed then.
+    /// If there is no such link, if no rigid body has this inertia, or if a joint that moves inertia in the
+    /// description would move none. After an error nothing has changed.
     pub fn set_inertial(
         &mut self,
         frame: usize,
         inertial: &Inertial<S>,
     ) -> Result<(), InertialError<S>> {
-        self.set_part(frame, Part::Own, inertial)
+        self.set_inertial_of_kind(frame, InertialKind::Own, inertial)
     }
 
-    /// Adds an inertia to link `frame` of the description (an index into [`Model::frames`]), in the link's frame, in place
-    /// of the payload that it had; [`Inertial::default`] is none.
+    /// Sets the payload of link `frame` of the description (an index into [`Model::frames`]): an inertia in the link's
+    /// frame that is added to the link's own. [`Inertial::default`] removes the payload.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::{Inertial, Interpreter};
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let bob = pendulum.model().frame_index("bob").expect("a link");
+    /// let load = Inertial { mass: 2.0, ..Inertial::default() };
+    /// pendulum.set_payload(bob, &load).expect("a physical inertia");
+    /// let mut columns = [0.0];
+    /// pendulum.mass_matrix(&[0.0], &mut columns)?;
+    /// assert!((columns[0] - 4.0 * 0.5 * 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -186,13 +201,13 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         frame: usize,
         payload: &Inertial<S>,
     ) -> Result<(), InertialError<S>> {
-        self.set_part(frame, Part::Payload, payload)
+        self.set_inertial_of_kind(frame, InertialKind::Payload, payload)
     }
 
-    fn set_part(
+    fn set_inertial_of_kind(
         &mut self,
         frame: usize,
-        part: Part,
+        part: InertialKind,
         inertial: &Inertial<S>,
     ) -> Result<(), InertialError<S>> {
         let count = self.model.frames().len();
@@ -205,14 +220,14 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
         let Self { model, mechanism, inertias, .. } = self;
         let inertias = inertias.get_or_insert_with(|| Inertias::new(model, mechanism));
         let at = match part {
-            Part::Own => 1,
-            Part::Payload => 2,
+            InertialKind::Own => 1,
+            InertialKind::Payload => 2,
         };
         let before = core::mem::replace(&mut inertias.links[frame][at], *inertial);
-        inertias.enter(mechanism);
-        let Some(v) = inertias.unfelt(mechanism) else { return Ok(()) };
+        inertias.update_bodies(mechanism);
+        let Some(v) = inertias.first_singular(mechanism) else { return Ok(()) };
         inertias.links[frame][at] = before;
-        inertias.enter(mechanism);
+        inertias.update_bodies(mechanism);
         let moves =
             |link: &usize| model.mimic(*link).is_none() && model.v_range(*link).contains(&v);
         let link = (0..model.links().len()).find(moves);

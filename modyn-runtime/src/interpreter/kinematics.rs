@@ -6,10 +6,10 @@ use crate::Scalar;
 use crate::equations::kinematics::{self, Axes};
 use crate::spatial::{Pose, Twist};
 
-/// Quantities of one link: `frame` is its index in [`Model::frames`](crate::model::Model::frames),
-/// fixed ones too, which [`Model::frame_index`](crate::model::Model::frame_index) finds by name.
-/// Each takes time linear in the depth of the link (but for the columns that it does not move).
-/// Motion is that of the link's origin; a link that is fixed to the world does not move.
+/// Functions of one link. `frame` is the link's index in [`Model::frames`](crate::model::Model::frames), which
+/// [`Model::frame_index`](crate::model::Model::frame_index) finds by name; fixed links have one, too. Motion is
+/// that of the link's origin; a link that is fixed to the world does not move. A call takes time linear in the
+/// depth of the link, apart from zero columns.
 impl<S: Scalar> Interpreter<S> {
     fn check_frame(&self, frame: usize) -> Result<(), FrameError> {
         let count = self.model.frames().len();
@@ -22,7 +22,19 @@ impl<S: Scalar> Interpreter<S> {
         Ok(check("qd", qd, self.model.nv())?)
     }
 
-    /// The pose of a link in the world.
+    /// Returns the pose of a link in the world.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let pendulum = Interpreter::<f64>::new(model);
+    /// let bob = pendulum.model().frame_index("bob").expect("a link");
+    /// let pose = pendulum.link_pose(&[0.0], bob)?;
+    /// assert!((pose.translation[2] + 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::FrameError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -33,7 +45,19 @@ impl<S: Scalar> Interpreter<S> {
         Ok(kinematics::link_pose(&self.mechanism, frame, q))
     }
 
-    /// The velocity of a link, in world axes.
+    /// Returns the velocity of a link relative to the world, at the link's origin in world axes, rad/s and m/s.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let bob = pendulum.model().frame_index("bob").expect("a link");
+    /// let twist = pendulum.link_velocity(&[0.0], &[2.0], bob)?;
+    /// assert!((twist.angular[1] - 2.0).abs() < 1e-12 && (twist.linear[0] + 1.0).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::FrameError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -47,7 +71,8 @@ impl<S: Scalar> Interpreter<S> {
         self.velocity(q, qd, frame, Axes::World)
     }
 
-    /// The velocity of a link, in its own axes.
+    /// Returns the velocity of a link relative to the world, at the link's origin in the link's own axes, rad/s
+    /// and m/s.
     ///
     /// # Errors
     ///
@@ -73,8 +98,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(kinematics::link_velocity(mechanism, frame, (q, qd), axes, workspace))
     }
 
-    /// The angular acceleration of a link and the classical one of its origin, in world axes;
-    /// gravity has no part in it.
+    /// Returns the angular acceleration of a link, rad/s^2, and the classical acceleration of its origin, m/s^2,
+    /// in world axes. Gravity is not included.
     ///
     /// # Errors
     ///
@@ -89,7 +114,8 @@ impl<S: Scalar> Interpreter<S> {
         self.acceleration((q, qd, qdd), frame, Axes::World)
     }
 
-    /// The same in the link's own axes.
+    /// Returns the angular acceleration of a link and the classical acceleration of its origin, in the link's own
+    /// axes. Gravity is not included.
     ///
     /// # Errors
     ///
@@ -116,8 +142,21 @@ impl<S: Scalar> Interpreter<S> {
         Ok(kinematics::link_acceleration(mechanism, frame, (q, qd, qdd), axes, workspace))
     }
 
-    /// The Jacobian J of a link into `columns` (nv), in world axes at its origin (Pinocchio's
-    /// `LOCAL_WORLD_ALIGNED`): its velocity is J qd.
+    /// Computes the Jacobian J of a link into `columns` (nv), at the link's origin in world axes (Pinocchio's
+    /// `LOCAL_WORLD_ALIGNED`). J qd is the link's [velocity](Self::link_velocity).
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let bob = pendulum.model().frame_index("bob").expect("a link");
+    /// let mut columns = [modyn_runtime::Twist::zero()];
+    /// pendulum.jacobian(&[0.0], bob, &mut columns)?;
+    /// assert!((columns[0].angular[1] - 1.0).abs() < 1e-12 && (columns[0].linear[0] + 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::FrameError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -131,7 +170,8 @@ impl<S: Scalar> Interpreter<S> {
         self.jacobian_in(q, frame, Axes::World, columns)
     }
 
-    /// The Jacobian of a link into `columns` (nv), in its own axes (Pinocchio's `LOCAL`).
+    /// Computes the Jacobian J of a link into `columns` (nv), at the link's origin in the link's own axes
+    /// (Pinocchio's `LOCAL`). J qd is the link's [velocity](Self::local_link_velocity).
     ///
     /// # Errors
     ///
@@ -160,39 +200,40 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// The time derivative of [`jacobian`](Self::jacobian) times qd: the link's
-    /// [acceleration](Self::link_acceleration) while qd does not change.
+    /// Returns the bias acceleration dJ/dt qd of a link in world axes: its
+    /// [acceleration](Self::link_acceleration) at zero joint accelerations.
     ///
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
-    pub fn jacobian_rate(
+    pub fn bias_acceleration(
         &mut self,
         q: &[S],
         qd: &[S],
         frame: usize,
     ) -> Result<Twist<S>, FrameError> {
-        self.jacobian_rate_in(q, qd, frame, Axes::World)
+        self.bias_acceleration_in(q, qd, frame, Axes::World)
     }
 
-    /// The time derivative of [`local_jacobian`](Self::local_jacobian) times qd: the rate at which
-    /// the velocity's numbers in the link's own axes change while qd does not. Its linear part is
-    /// the classical acceleration in these axes less the angular velocity times (as vectors) the
-    /// linear one.
+    /// Returns the bias acceleration dJ/dt qd of a link in its own axes: the time derivative of the components of
+    /// [`local_link_velocity`](Self::local_link_velocity) at constant qd.
+    ///
+    /// Its linear part is the classical acceleration in these axes minus the cross product of the angular and the
+    /// linear velocity.
     ///
     /// # Errors
     ///
     /// If there is no such link, or if a slice does not have the model's length.
-    pub fn local_jacobian_rate(
+    pub fn local_bias_acceleration(
         &mut self,
         q: &[S],
         qd: &[S],
         frame: usize,
     ) -> Result<Twist<S>, FrameError> {
-        self.jacobian_rate_in(q, qd, frame, Axes::Link)
+        self.bias_acceleration_in(q, qd, frame, Axes::Link)
     }
 
-    fn jacobian_rate_in(
+    fn bias_acceleration_in(
         &mut self,
         q: &[S],
         qd: &[S],
@@ -201,14 +242,26 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<Twist<S>, FrameError> {
         self.check_motion(frame, q, qd)?;
         let Self { mechanism, workspace, .. } = self;
-        Ok(kinematics::jacobian_rate(mechanism, frame, (q, qd), axes, workspace))
+        Ok(kinematics::bias_acceleration(mechanism, frame, (q, qd), axes, workspace))
     }
 }
 
-/// All links at once.
+/// Functions of all links at once.
 impl<S: Scalar> Interpreter<S> {
-    /// The poses in the world of all links of the description, fixed ones too, in the order of
+    /// Computes the poses in the world of all links of the description, fixed links included, in the order of
     /// [`Model::frames`](crate::model::Model::frames).
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let mut poses = [modyn_runtime::Pose::identity(); 2];
+    /// pendulum.link_poses(&[0.0], &mut poses)?;
+    /// assert!((poses[1].translation[2] + 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! The equations run on numbers, for any model at run time.
+//! The interpreter: the equations run on numbers, for any model at run time.
 
 mod constraints;
 mod coordinates;
@@ -26,20 +26,38 @@ use inertias::Inertias;
 pub use constraints::ConstrainedDerivatives;
 pub use derivatives::ForwardDerivatives;
 pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, UpdateError};
-pub use factorization::Brge;
+pub use factorization::UduFactorization;
 pub use inertias::InertialError;
 
-/// Dynamics of a model that is only known at run time.
+/// The dynamics of a model that is known at run time only.
 ///
-/// Calls work in memory that was allocated once (but for [`brge`](Self::brge), [`denoc`](Self::denoc)
-/// and [`decomposition`](Self::decomposition), which return new objects, and the first call of
-/// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives), of
-/// [`set_inertial`](Self::set_inertial) or [`set_payload`](Self::set_payload), and of either of
-/// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) and
-/// [`project_constraints`](Self::project_constraints)), in time and memory linear in the number of
-/// links (but for dense results); nothing recurses on the call stack. Vectors stand in the order of
-/// [`Model::links`]; matrices are given by columns. Quaternions in `q` must have length 1, which
-/// [`check_configuration`](Self::check_configuration) alone checks.
+/// Joint vectors have the order of [`Model::links`]; matrices are stored by columns. Units are SI units and
+/// radians. Quaternions in `q` must have length 1; only [`check_configuration`](Self::check_configuration)
+/// checks them.
+///
+/// Methods take time and memory linear in the number of links, apart from dense results. Nothing recurses on the
+/// call stack. Memory is allocated once, with three exceptions: [`brge`](Self::brge), [`denoc`](Self::denoc) and
+/// [`decomposition`](Self::decomposition) return new objects;
+/// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives), [`set_inertial`](Self::set_inertial) and
+/// [`set_payload`](Self::set_payload) allocate at their first call; and so does the first call of
+/// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) or
+/// [`project_constraints`](Self::project_constraints).
+///
+/// ```
+/// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+/// use modyn_runtime::Interpreter;
+///
+/// // A pendulum: 2 kg, 0.5 m below its joint.
+/// let mut pendulum = Interpreter::<f64>::new(model);
+/// let (mut q, mut qd, mut qdd) = ([0.1], [0.0], [0.0]);
+/// for _ in 0..1000 {
+///     pendulum.forward_dynamics(&q, &qd, &[0.0], &mut qdd)?;
+///     qd[0] += 0.001 * qdd[0];
+///     q[0] += 0.001 * qd[0];
+/// }
+/// assert!(q[0].abs() <= 0.1001);
+/// # Ok::<(), modyn_runtime::ShapeError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Interpreter<S = f64> {
     model: Model,
@@ -48,40 +66,44 @@ pub struct Interpreter<S = f64> {
     elimination: Elimination,
     workspace: Workspace<S>,
     body_poses: Vec<Pose<S>>,
-    /// Made when an inertia is first changed.
+    /// Created when an inertia is first changed.
     inertias: Option<Inertias<S>>,
-    /// By links, made when derivatives are first asked for.
+    /// The layout with modules of one link, created when derivatives are first computed.
     links: Option<UduLayout>,
-    /// Made when loops are first closed.
+    /// Created when constrained dynamics is first computed.
     constraints: Option<ConstraintWorkspace<S>>,
     /// By contact: 1 if it is active, else 0.
     active: Vec<S>,
 }
 
 impl<S: Scalar> Interpreter<S> {
-    /// For a model whose modules (for [`brge`](Self::brge)) are its maximal serial chains.
+    /// Returns the interpreter of `model`. The modules of [`brge`](Self::brge) are its maximal serial chains.
     ///
-    /// Forward dynamics works link by link: a long chain must not make a large dense pivot.
+    /// Forward dynamics eliminates link by link, so that a long chain does not need a large dense pivot block.
     #[must_use]
     pub fn new(model: Model) -> Self {
         let modules = ModuleTree::chains(&model);
-        Self::made(model, modules)
+        Self::from_parts(model, modules)
     }
 
-    /// For a model with modules of the user's choice.
+    /// Returns the interpreter of `model`, with `modules` as the modules of [`brge`](Self::brge).
     ///
     /// # Errors
     ///
-    /// If the modules are those of another model.
+    /// If the modules belong to another model.
     pub fn with_modules(model: Model, modules: ModuleTree) -> Result<Self, ModuleMismatch> {
-        if modules.fits(&model) { Ok(Self::made(model, modules)) } else { Err(ModuleMismatch {}) }
+        if modules.fits(&model) {
+            Ok(Self::from_parts(model, modules))
+        } else {
+            Err(ModuleMismatch {})
+        }
     }
 
-    fn made(model: Model, modules: ModuleTree) -> Self {
+    fn from_parts(model: Model, modules: ModuleTree) -> Self {
         let mechanism = Mechanism::new(&model).cast();
         let elimination = Elimination::new(&mechanism, &ModuleTree::links(&model));
         let mut workspace = Workspace::new(&mechanism);
-        elimination.make_room(&mechanism, &mut workspace);
+        elimination.reserve(&mechanism, &mut workspace);
         let body_poses = vec![Pose::identity(); mechanism.bodies.len()];
         let (inertias, links, constraints) = (None, None, None);
         let active = vec![S::zero(); model.contacts().len()];
@@ -99,35 +121,35 @@ impl<S: Scalar> Interpreter<S> {
         }
     }
 
-    /// The same, with forward dynamics by these modules as well.
+    /// Returns the interpreter with forward dynamics by these modules.
     ///
-    /// The results are the same up to rounding, whatever the modules.
+    /// The accelerations are the same up to rounding for any modules.
     ///
     /// # Errors
     ///
-    /// If the modules are those of another model.
+    /// If the modules belong to another model.
     pub fn eliminating_by(mut self, modules: &ModuleTree) -> Result<Self, ModuleMismatch> {
         if !modules.fits(&self.model) {
             return Err(ModuleMismatch {});
         }
         self.elimination = Elimination::new(&self.mechanism, modules);
-        self.elimination.make_room(&self.mechanism, &mut self.workspace);
+        self.elimination.reserve(&self.mechanism, &mut self.workspace);
         Ok(self)
     }
 
-    /// The model that it was made for; [`set_gravity`](Self::set_gravity) and
-    /// [`set_inertial`](Self::set_inertial) leave it as it was.
+    /// Returns the model that the interpreter was created for. [`set_gravity`](Self::set_gravity) and
+    /// [`set_inertial`](Self::set_inertial) do not change it.
     #[must_use]
     pub fn model(&self) -> &Model {
         &self.model
     }
 
-    /// Sets the acceleration of free fall in world axes, m/s^2. Allocates nothing.
+    /// Sets gravity: the acceleration of free fall in world axes, m/s^2. Does not allocate.
     pub fn set_gravity(&mut self, gravity: [S; 3]) {
         self.mechanism.gravity = Vector3(gravity);
     }
 
-    /// The modules that [`brge`](Self::brge) works by.
+    /// Returns the modules of [`brge`](Self::brge).
     #[must_use]
     pub fn modules(&self) -> &ModuleTree {
         &self.modules

@@ -7,9 +7,19 @@ use crate::equations::dynamics::{centroidal_momentum, centroidal_momentum_matrix
 use crate::equations::kinematics::{center_of_mass, center_of_mass_jacobian};
 use crate::spatial::{Momentum, Vector3};
 
-/// Quantities of the moving links as a whole, in world axes.
+/// Functions of all moving links together, in world axes.
 impl<S: Scalar> Interpreter<S> {
-    /// The centre of mass, m; not a number where there is no mass.
+    /// Returns the centre of mass of the moving links in world axes, m; NaN if their mass is zero.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// assert!((pendulum.center_of_mass(&[0.0])?[2] + 0.5).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -19,7 +29,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(center_of_mass(&self.mechanism, q, &mut self.workspace).0)
     }
 
-    /// The Jacobian of the centre of mass into `columns` (nv): its velocity is their sum times qd.
+    /// Computes the Jacobian of the centre of mass into `columns` (nv), world axes. Its product with qd is the
+    /// velocity of the centre of mass.
     ///
     /// # Errors
     ///
@@ -35,8 +46,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// The centroidal momentum matrix A into `columns` (nv): the momentum about the centre of mass
-    /// is A qd.
+    /// Computes the centroidal momentum matrix A into `columns` (nv), world axes: A qd is the momentum about the
+    /// centre of mass (Orin, Goswami and Lee 2013).
     ///
     /// # Errors
     ///
@@ -52,7 +63,7 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// The momentum about the centre of mass.
+    /// Returns the momentum about the centre of mass in world axes, kg m^2/s and kg m/s.
     ///
     /// # Errors
     ///

@@ -6,7 +6,7 @@ use crate::Scalar;
 use crate::equations::paper::{DeNoc, Decomposition, denoc};
 
 impl<S: Scalar> Interpreter<S> {
-    /// The dense DeNOC matrices at `q`, (1)-(5), with the links' inertias as the model has them.
+    /// Returns the dense DeNOC matrices at `q`, (1)-(5) of the paper, with the inertias of the model.
     ///
     /// # Errors
     ///
@@ -16,12 +16,12 @@ impl<S: Scalar> Interpreter<S> {
         Ok(denoc(&self.mechanism, q, &mut self.workspace))
     }
 
-    /// The paper's dense matrices of the block decomposition at `q`, (1)-(57), by the modules of
-    /// [`brge`](Self::brge), with the links' inertias as the model has them.
+    /// Returns the paper's dense matrices of the block decomposition at `q`, (1)-(57), by the modules of
+    /// [`brge`](Self::brge), with the inertias of the model.
     ///
     /// # Errors
     ///
-    /// If `q` does not have the model's length, or if joints mimic others.
+    /// If `q` does not have the model's length, or if the robot has mimic joints.
     pub fn decomposition(&mut self, q: &[S]) -> Result<Decomposition<S>, DecompositionError> {
         check("q", q, self.model.nq()).map_err(DecompositionError::Shape)?;
         let Self { mechanism, modules, workspace, .. } = self;

@@ -7,13 +7,27 @@ use crate::equations::identification::regressor;
 use crate::model::PARAMETERS_PER_LINK;
 
 impl<S: Scalar> Interpreter<S> {
-    /// The regressor Y of the motion by columns into `columns` (nv times 10 a moving link): tau =
-    /// Y pi, gravity included, with the [parameters](crate::model::Model::inertial_parameters) of
-    /// all moving links one after the other as pi.
+    /// Computes the regressor Y into `columns`: nv rows, 10 columns for each moving link, by columns. tau = Y pi,
+    /// gravity included; pi is the concatenation of all moving links'
+    /// [parameters](crate::model::Model::inertial_parameters).
     ///
-    /// The torques that rotors, damping and friction take are not part of Y pi. The columns do not
-    /// depend on the model's inertias, and not all of them are independent: see
-    /// [`BaseParameters`](crate::equations::identification::BaseParameters).
+    /// Y pi excludes the forces of rotors, damping and friction. The columns do not depend on the model's inertias.
+    /// Not all columns are independent: see [`BaseParameters`](crate::equations::identification::BaseParameters).
+    /// Source: Atkeson, An and Hollerbach 1986.
+    ///
+    /// ```
+    /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+    /// use modyn_runtime::Interpreter;
+    ///
+    /// // A pendulum: 2 kg, 0.5 m below its joint.
+    /// let mut pendulum = Interpreter::<f64>::new(model);
+    /// let mut columns = [0.0; 10];
+    /// pendulum.regressor(&[1.0], &[0.0], &[0.0], &mut columns)?;
+    /// let parameters = pendulum.model().inertial_parameters(0).expect("a link");
+    /// let tau: f64 = columns.iter().zip(parameters).map(|(y, pi)| y * pi).sum();
+    /// assert!((tau - 2.0 * 9.81 * 0.5 * 1.0_f64.sin()).abs() < 1e-12);
+    /// # Ok::<(), modyn_runtime::ShapeError>(())
+    /// ```
     ///
     /// # Errors
     ///

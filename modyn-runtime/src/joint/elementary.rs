@@ -1,6 +1,7 @@
-//! The joints that the equations know.
+//! The elementary joints: the joint types of the equations.
 
-/// An elementary joint: the motion that it allows, in the frame behind it. All other joints are made of these.
+/// An elementary joint: the motion that it allows, in its child frame. All other joint types are composed of
+/// elementary joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ElementaryJoint {
     /// Rotation about z.
@@ -14,7 +15,7 @@ pub enum ElementaryJoint {
 }
 
 impl ElementaryJoint {
-    /// How many coordinates it takes.
+    /// Returns the number of coordinates.
     #[must_use]
     pub fn nq(self) -> usize {
         match self {
@@ -24,15 +25,15 @@ impl ElementaryJoint {
         }
     }
 
-    /// Whether it moves along an axis, z: the same one seen from in front of the joint and from
-    /// behind it, so that its degree of freedom may be described in either frame.
+    /// Returns whether the joint moves along or about an axis, z. The axis is the same in the parent frame and in
+    /// the child frame, so that its degree of freedom may be described in either frame.
     #[must_use]
     pub fn has_axis(self) -> bool {
         matches!(self, Self::Revolute | Self::Prismatic)
     }
 
-    /// Which of the six components (angular x, y, z, linear x, y, z) its degrees of freedom move,
-    /// one each: where the paper's joint-motion propagation vectors p are not zero.
+    /// Returns the components of the twist (angular x, y, z, linear x, y, z) that the degrees of freedom move, one
+    /// for each: the nonzero entries of the paper's joint-motion propagation vectors p.
     #[must_use]
     pub fn components(self) -> &'static [usize] {
         match self {

@@ -1,23 +1,23 @@
-//! Floating joints: any motion, by a position in front of the joint, a unit quaternion, and the
-//! velocities behind the joint, linear before angular.
+//! Floating joints: any motion. The coordinates are a position in the parent frame and a unit quaternion. The
+//! velocities are in the child frame, linear before angular.
 
-use super::{Carried, spherical};
+use super::{ParentMotion, spherical};
 use crate::Scalar;
 use crate::spatial::{Field, Vector3};
 
-/// `displacement` is the joint's, in the axes behind it.
+/// Returns the motion of the child frame. `displacement` is the joint's, in the child's axes.
 pub(super) fn accelerate<S: Scalar>(
     displacement: Vector3<S>,
-    carried: Carried<S>,
+    carried: ParentMotion<S>,
     rates: &[S],
     accelerations: Option<&[S]>,
 ) -> Field<S> {
-    let in_front = Field::turning(carried.omega, carried.alpha);
+    let in_front = Field::rotating(carried.omega, carried.alpha);
     let field = spherical::accelerate(carried, &rates[3..], accelerations.map(|own| &own[3..]));
-    // The rates are in axes that turn with field.omega, of a motion relative to axes that turn
-    // with carried.omega.
+    // The rates are in axes that rotate with field.omega. They are relative to axes that rotate with
+    // carried.omega.
     let velocity = Vector3([rates[0], rates[1], rates[2]]);
-    let mut a = carried.a + in_front.over_origin(displacement);
+    let mut a = carried.a + in_front.relative_acceleration(displacement);
     a += (carried.omega + field.omega).cross(velocity);
     if let Some(own) = accelerations {
         a += Vector3([own[0], own[1], own[2]]);

@@ -1,16 +1,16 @@
-//! Joints: what each type contributes to the equations, one file a type.
+//! Joints: what each joint type contributes to the equations, one file for each type.
 //!
-//! The equations see every joint along the z axis of its link's frame (`mechanism` turns the
-//! frames), so a joint type is described by what it does to spatial quantities about z.
+//! In the equations every joint axis is the z axis of its link's frame (`mechanism` rotates the frames). A
+//! joint type is therefore described by its effect on spatial quantities about z.
 
-#[cfg(feature = "alloc")]
-mod carried;
 #[cfg(feature = "alloc")]
 mod elementary;
 #[cfg(feature = "alloc")]
 mod floating;
 #[cfg(feature = "alloc")]
 mod offset;
+#[cfg(feature = "alloc")]
+mod parent_motion;
 pub mod planar;
 #[cfg(feature = "alloc")]
 mod prismatic;
@@ -25,10 +25,11 @@ mod transform;
 
 #[cfg(feature = "alloc")]
 pub use {
-    carried::Carried, elementary::ElementaryJoint, offset::JointOffset, transform::JointTransform,
+    elementary::ElementaryJoint, offset::JointOffset, parent_motion::ParentMotion,
+    transform::JointTransform,
 };
 
-/// What motion a joint allows.
+/// The type of a joint: the motion that it allows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -39,25 +40,25 @@ pub enum JointType {
     Continuous,
     /// Translation along the axis; the coordinate is the displacement in m.
     Prismatic,
-    /// Rotation about the axis, then about the second axis, which turns along; the coordinates are
+    /// Rotation about the axis, then about the second axis, which rotates with the first. The coordinates are
     /// the two angles in rad, the velocities their rates.
     Universal,
-    /// Translation along x and y of the plane that the axis is normal to, then rotation about the
-    /// axis. Coordinates x, y (m) and the angle (rad), velocities their rates; x and y are the
-    /// joint's axes turned by the smallest rotation from z to the axis.
+    /// Translation along x and y of the plane normal to the axis, then rotation about the axis. The
+    /// coordinates are x, y (m) and the angle (rad), the velocities their rates. x and y are the joint
+    /// frame's axes, rotated by the smallest rotation from z to the axis.
     Planar,
-    /// Any rotation. The coordinates are a unit quaternion x, y, z, w from the link to the joint's
-    /// frame, the velocities the angular velocity in the link's own axes (rad/s).
+    /// Any rotation. The coordinates are a unit quaternion x, y, z, w, which rotates vectors from the link's
+    /// frame into the joint's frame. The velocity is the angular velocity in the link's own axes (rad/s).
     Spherical,
-    /// Any motion. The coordinates are the position x, y, z in the joint's frame (m) and a unit
-    /// quaternion x, y, z, w; the velocities the linear one of the link's origin (m/s), then the
-    /// angular one (rad/s), both in the link's own axes; accelerations are the rates of these
-    /// numbers (the spatial acceleration, not the classical one).
+    /// Any motion. The coordinates are the position x, y, z in the joint's frame (m) and a unit quaternion
+    /// x, y, z, w. The velocities are the linear velocity of the link's origin (m/s), then the angular
+    /// velocity (rad/s), both in the link's own axes. The accelerations are the time derivatives of these six
+    /// components: the spatial acceleration, not the classical one.
     Floating,
 }
 
 impl JointType {
-    /// The name that URDF has for it.
+    /// Returns the type's name in URDF.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -71,19 +72,19 @@ impl JointType {
         }
     }
 
-    /// How many coordinates it has.
+    /// Returns the number of coordinates.
     #[must_use]
     pub fn nq(self) -> usize {
         self.coordinates().len()
     }
 
-    /// How many degrees of freedom it has.
+    /// Returns the number of degrees of freedom.
     #[must_use]
     pub fn nv(self) -> usize {
         self.velocities().len()
     }
 
-    /// What its coordinates are called; nothing where there is one alone.
+    /// Returns the names of the coordinates; empty for a single coordinate.
     #[must_use]
     pub fn coordinates(self) -> &'static [&'static str] {
         match self {
@@ -95,7 +96,7 @@ impl JointType {
         }
     }
 
-    /// What its velocities are called; nothing where there is one alone.
+    /// Returns the names of the velocities; empty for a single velocity.
     #[must_use]
     pub fn velocities(self) -> &'static [&'static str] {
         match self {

@@ -1,19 +1,19 @@
-//! The zero of a joint's turned frame.
+//! The offset between a joint's coordinate and the angle in its rotated frame.
 
 use crate::Scalar;
 use crate::spatial::AxisRotation;
 
-/// Where a revolute joint's turned frame has its zero, against the coordinate.
+/// The angle of a joint's rotated frame at coordinate zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum JointOffset<S> {
-    /// That many quarter turns ahead.
+    /// This many quarter turns.
     Quarters(u8),
-    /// So many rad ahead.
+    /// This angle, rad.
     Angle(S),
 }
 
 impl<S: Scalar> JointOffset<S> {
-    /// The turn by it.
+    /// Returns the rotation by the offset.
     #[must_use]
     pub fn turn(self) -> AxisRotation<S> {
         match self {
@@ -25,7 +25,7 @@ impl<S: Scalar> JointOffset<S> {
         }
     }
 
-    /// Each number through `f`.
+    /// Returns the offset with `f` applied to its numbers.
     pub fn map<T>(self, f: impl FnOnce(S) -> T) -> JointOffset<T> {
         match self {
             Self::Quarters(n) => JointOffset::Quarters(n),

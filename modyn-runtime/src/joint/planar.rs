@@ -1,8 +1,9 @@
 //! Planar joints.
 
-/// The frame of a plane with this unit normal: x and y of the joint's frame turned by the smallest
-/// rotation that takes z to the axis, and the axis, as the columns of a rotation matrix. Half a turn
-/// about x where the axis is -z.
+/// Returns the frame of a plane with the unit normal `axis`, as the columns of a rotation matrix.
+///
+/// Its x and y are those of the joint's frame, rotated by the smallest rotation that takes z to the axis; its
+/// z is the axis. If the axis is -z, the rotation is half a turn about x.
 #[must_use]
 pub fn plane(axis: [f64; 3]) -> [[f64; 3]; 3] {
     let [x, y, z] = axis;
@@ -10,12 +11,12 @@ pub fn plane(axis: [f64; 3]) -> [[f64; 3]; 3] {
     if z < 0.0 && across < ON_Z {
         return [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
     }
-    // 1 / (1 + z), which cancels where z is near -1.
+    // 1 / (1 + z), which cancels near z = -1.
     let by = if z < 0.0 { (1.0 - z) / across } else { 1.0 / (1.0 + z) };
     [[1.0 - x * x * by, -x * y * by, x], [-x * y * by, 1.0 - y * y * by, y], [-x, -y, z]]
 }
 
-/// Squared sine below which the direction of an axis across z is rounding.
+/// The squared sine below which the direction of an axis perpendicular to z is rounding noise.
 const ON_Z: f64 = 1e-24;
 
 #[cfg(test)]
@@ -29,12 +30,12 @@ mod tests {
         let half = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
         assert_eq!(plane([0.0, 0.0, -1.0]), half);
         assert_eq!(plane([1e-17, 0.0, -1.0]), half);
-        // A quarter about y, and about -x.
+        // A quarter turn about y, and about -x.
         assert_eq!(plane([1.0, 0.0, 0.0]), [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]);
         assert_eq!(plane([0.0, 1.0, 0.0]), [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]);
     }
 
-    /// A rotation about a line across z: it takes z to the axis, and nothing turns less.
+    /// The rotation is about a line perpendicular to z and takes z to the axis, so no smaller rotation does.
     #[test]
     fn it_is_the_smallest_rotation() {
         for (x, y, z) in [
@@ -55,7 +56,7 @@ mod tests {
                     assert!((dot - unit).abs() < 1e-14, "{r:?}");
                 }
             }
-            // The line z x axis stays: (-y, x, 0).
+            // The line along z x axis is invariant: (-y, x, 0).
             let line = [-axis[1], axis[0], 0.0];
             let size = libm::hypot(axis[0], axis[1]);
             for i in 0..3 {

@@ -1,6 +1,6 @@
 //! Prismatic joints: translation along z.
 
-use super::Carried;
+use super::ParentMotion;
 use crate::Scalar;
 use crate::spatial::{ArticulatedInertia, Field, RigidInertia, Twist, Vector3, Wrench};
 
@@ -26,13 +26,13 @@ pub(super) fn articulated_to_parent<S: Scalar>(
 
 pub(super) fn accelerate<S: Scalar>(
     q: S,
-    Carried { omega, alpha, a }: Carried<S>,
+    ParentMotion { omega, alpha, a }: ParentMotion<S>,
     rate: S,
     acceleration: Option<S>,
 ) -> Field<S> {
-    let field = Field::turning(omega, alpha);
+    let field = Field::rotating(omega, alpha);
     // The Coriolis acceleration is 2 omega x rate z.
-    let mut a = a + field.over_origin_along_z(q) + omega.cross_z(rate + rate);
+    let mut a = a + field.relative_acceleration_along_z(q) + omega.cross_z(rate + rate);
     if let Some(acceleration) = acceleration {
         a[2] = a[2] + acceleration;
     }

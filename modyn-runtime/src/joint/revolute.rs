@@ -1,12 +1,12 @@
 //! Revolute and continuous joints: rotation about z.
 
-use super::{Carried, JointOffset};
+use super::{JointOffset, ParentMotion};
 use crate::Scalar;
 use crate::spatial::{
     ArticulatedInertia, Axis, AxisRotation, Field, RigidInertia, Twist, Vector3, Wrench,
 };
 
-/// The rotation at angle `q`.
+/// Returns the rotation at angle `q`.
 pub(super) fn turn<S: Scalar>(zero: JointOffset<S>, q: S) -> AxisRotation<S> {
     match zero {
         JointOffset::Quarters(n) => {
@@ -50,11 +50,11 @@ pub(super) fn articulated_to_parent<S: Scalar>(
     turn: AxisRotation<S>,
     i: &ArticulatedInertia<S>,
 ) -> ArticulatedInertia<S> {
-    i.turned(turn, Axis::Z)
+    i.rotated_about(turn, Axis::Z)
 }
 
 pub(super) fn accelerate<S: Scalar>(
-    Carried { omega, mut alpha, a }: Carried<S>,
+    ParentMotion { omega, mut alpha, a }: ParentMotion<S>,
     rate: S,
     acceleration: Option<S>,
 ) -> Field<S> {
@@ -62,5 +62,5 @@ pub(super) fn accelerate<S: Scalar>(
     if let Some(acceleration) = acceleration {
         alpha[2] = alpha[2] + acceleration;
     }
-    Field { a, ..Field::turning(omega + Vector3::along_z(rate), alpha) }
+    Field { a, ..Field::rotating(omega + Vector3::along_z(rate), alpha) }
 }

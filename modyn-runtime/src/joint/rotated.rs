@@ -1,4 +1,4 @@
-//! What joints do that turn by a general rotation.
+//! Transforms of joints with a general rotation.
 
 use crate::Scalar;
 use crate::spatial::{Matrix3, Twist, Wrench};

@@ -1,11 +1,12 @@
-//! Spherical joints: any rotation, by a unit quaternion and the angular velocity behind the joint.
+//! Spherical joints: any rotation. The coordinates are a unit quaternion, the velocity is the angular velocity
+//! in the child frame.
 
-use super::{Carried, JointOffset};
+use super::{JointOffset, ParentMotion};
 use crate::Scalar;
 use crate::spatial::{Axis, Field, Matrix3, Quaternion, Vector3};
 
-/// The axes behind the joint, seen from in front of it: those of the unit quaternion x, y, z, w,
-/// turned by the frame's own zero.
+/// Returns the child's axes in the parent frame: those of the unit quaternion x, y, z, w, rotated by the
+/// frame's offset.
 pub(super) fn rotation<S: Scalar>(zero: JointOffset<S>, quaternion: [S; 4]) -> Matrix3<S> {
     let (columns, turn) =
         (Quaternion::from_components(quaternion).matrix().transposed().0, zero.turn());
@@ -13,7 +14,7 @@ pub(super) fn rotation<S: Scalar>(zero: JointOffset<S>, quaternion: [S; 4]) -> M
 }
 
 pub(super) fn accelerate<S: Scalar>(
-    Carried { omega, alpha, a }: Carried<S>,
+    ParentMotion { omega, alpha, a }: ParentMotion<S>,
     rates: &[S],
     accelerations: Option<&[S]>,
 ) -> Field<S> {
@@ -22,5 +23,5 @@ pub(super) fn accelerate<S: Scalar>(
     if let Some(own) = accelerations {
         alpha += Vector3([own[0], own[1], own[2]]);
     }
-    Field { a, ..Field::turning(omega + rate, alpha) }
+    Field { a, ..Field::rotating(omega + rate, alpha) }
 }

@@ -1,9 +1,9 @@
-//! A joint at values of its coordinates: the one place where the equations meet joint types.
+//! The transform of a joint at given coordinates: the one place where the equations depend on joint types.
 //!
-//! The equations know four primitives. A universal joint is two revolute ones with nothing between
-//! them, a planar joint two prismatic ones and a revolute one (`mechanism::elementary` takes them apart).
+//! The equations have four elementary joints. A universal joint is two revolute joints with a massless body
+//! between them, a planar joint two prismatic joints and a revolute joint (`mechanism::elementary`).
 
-use super::carried::Carried;
+use super::parent_motion::ParentMotion;
 use super::{ElementaryJoint, JointOffset, floating, prismatic, revolute, rotated, spherical};
 use crate::Scalar;
 use crate::spatial::{
@@ -11,26 +11,26 @@ use crate::spatial::{
     VelocityMoments, Wrench,
 };
 
-/// The motion of a joint, at values of its coordinates.
+/// The transform across a joint at given coordinates.
 #[derive(Clone, Copy, Debug)]
 pub enum JointTransform<S> {
-    /// Turned about z.
+    /// A rotation about z.
     Revolute(AxisRotation<S>),
-    /// Shifted along z by so much.
+    /// A translation along z by this distance, m.
     Prismatic(S),
-    /// Turned by this matrix, whose columns are the axes behind the joint.
+    /// A rotation by this matrix, whose columns are the child's axes.
     Spherical(Matrix3<S>),
-    /// Shifted and turned.
+    /// A translation and a rotation.
     Floating {
-        /// The axes behind the joint.
+        /// The child's axes in the parent frame, as columns.
         rotation: Matrix3<S>,
-        /// Where the frame behind the joint stands, in the axes in front of it.
+        /// The child's origin in the parent frame, m.
         position: Vector3<S>,
     },
 }
 
 impl<S: Scalar> JointTransform<S> {
-    /// The joint at coordinates `q`, where the frame's own zero stands at `zero`.
+    /// Returns the transform of `joint` at the coordinates `q`; `zero` is the frame's offset.
     #[must_use]
     pub fn new(joint: ElementaryJoint, zero: JointOffset<S>, q: &[S]) -> Self {
         match (joint, q) {
@@ -46,8 +46,8 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// Where the joint has carried its frame's origin, in the axes in front of the joint; `None`
-    /// where it stays.
+    /// Returns the displacement of the child's origin in the parent's axes; `None` for joints that only
+    /// rotate.
     #[must_use]
     pub fn displacement(&self) -> Option<Vector3<S>> {
         match self {
@@ -57,12 +57,12 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// The motion behind the joint, from what is carried across it and the joint's own rates and
-    /// accelerations; `None` where it has no acceleration.
+    /// Returns the motion of the child frame, from the motion of the parent frame and the joint's rates and
+    /// accelerations (`None` for zero).
     #[must_use]
     pub fn accelerate(
         &self,
-        carried: Carried<S>,
+        carried: ParentMotion<S>,
         rates: &[S],
         accelerations: Option<&[S]>,
     ) -> Field<S> {
@@ -81,7 +81,7 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// A direction in front of the joint, seen from behind it.
+    /// Returns a direction in the child's axes, from the parent's axes.
     #[must_use]
     pub fn to_child(&self, v: Vector3<S>) -> Vector3<S> {
         match self {
@@ -93,7 +93,7 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// A direction behind the joint, seen from in front of it.
+    /// Returns a direction in the parent's axes, from the child's axes.
     #[must_use]
     pub fn to_parent(&self, v: Vector3<S>) -> Vector3<S> {
         match self {
@@ -103,22 +103,22 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// A point in front of the joint, seen from behind it.
+    /// Returns a point in the child frame, from the parent frame.
     #[must_use]
     pub fn point_to_child(&self, point: Vector3<S>) -> Vector3<S> {
         self.to_child(self.displacement().map_or(point, |displacement| point - displacement))
     }
 
-    /// A point behind the joint, seen from in front of it.
+    /// Returns a point in the parent frame, from the child frame.
     #[must_use]
     pub fn point_to_parent(&self, point: Vector3<S>) -> Vector3<S> {
         let turned = self.to_parent(point);
         self.displacement().map_or(turned, |displacement| turned + displacement)
     }
 
-    /// The axes in front of the joint (as columns, in some third frame), turned behind it.
+    /// Returns the child's axes, from the parent's axes; both as columns, in some third frame.
     #[must_use]
-    pub fn turn_axes(&self, axes: &Matrix3<S>) -> Matrix3<S> {
+    pub fn rotate_axes(&self, axes: &Matrix3<S>) -> Matrix3<S> {
         match self {
             Self::Revolute(turn) => turn.columns(Axis::Z, axes),
             Self::Prismatic(_) => *axes,
@@ -126,7 +126,8 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// A twist (or deviation of acceleration) carried rigidly across the joint, twist propagation.
+    /// Returns the twist of the child if it moved rigidly with the parent (twist propagation). It transforms
+    /// perturbations of accelerations, too.
     #[must_use]
     pub fn twist_to_child(&self, t: Twist<S>) -> Twist<S> {
         match self {
@@ -140,7 +141,7 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// A wrench behind the joint, carried in front of it.
+    /// Returns a wrench in the parent frame, from the child frame.
     #[must_use]
     pub fn wrench_to_parent(&self, w: Wrench<S>) -> Wrench<S> {
         match self {
@@ -154,7 +155,7 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// A rigid inertia behind the joint, carried in front of it.
+    /// Returns a rigid inertia in the parent frame, from the child frame.
     #[must_use]
     pub fn rigid_to_parent(&self, i: &RigidInertia<S>) -> RigidInertia<S> {
         match self {
@@ -165,8 +166,8 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// The moments of the velocities that the points behind the joint, of inertia `body`, have
-    /// against the frame in front of it, there; `velocities` are against the frame behind it.
+    /// Returns the velocity moments of the child's points relative to the parent frame, in the parent frame.
+    /// `velocities` are relative to the child frame; `body` is the points' inertia.
     #[must_use]
     pub fn velocities_to_parent(
         &self,
@@ -179,32 +180,32 @@ impl<S: Scalar> JointTransform<S> {
             Self::Revolute(turn) => {
                 let turned = self.rigid_to_parent(body);
                 let spin = Vector3::along_z(rates[0] + rates[0]);
-                velocities.turned(*turn, Axis::Z).spun(spin, &turned)
+                velocities.rotated_about(*turn, Axis::Z).with_angular_velocity(spin, &turned)
             }
             Self::Prismatic(q) => {
                 let slide = Vector3::along_z(rates[0] + rates[0]);
-                velocities.slid(slide, body).shifted(Vector3::along_z(*q))
+                velocities.with_linear_velocity(slide, body).shifted(Vector3::along_z(*q))
             }
             Self::Spherical(rotation) => {
                 let spin = rotation.mul_vector(twice(rates));
-                velocities.rotated(rotation).spun(spin, &body.rotated(rotation))
+                velocities.rotated(rotation).with_angular_velocity(spin, &body.rotated(rotation))
             }
             Self::Floating { rotation, position } => {
                 let (slide, spin) = (twice(rates), twice(&rates[3..]));
                 let turned = body.rotated(rotation);
                 velocities
                     .rotated(rotation)
-                    .spun(rotation.mul_vector(spin), &turned)
-                    .slid(rotation.mul_vector(slide), &turned)
+                    .with_angular_velocity(rotation.mul_vector(spin), &turned)
+                    .with_linear_velocity(rotation.mul_vector(slide), &turned)
                     .shifted(*position)
             }
         }
     }
 
-    /// The velocity of the frame's origin behind the joint against the frame in front of it, there;
-    /// `None` where it stays.
+    /// Returns the velocity of the child's origin relative to the parent frame, in the parent's axes; `None`
+    /// for joints that only rotate.
     #[must_use]
-    pub fn drift(&self, rates: &[S]) -> Option<Vector3<S>> {
+    pub fn origin_velocity(&self, rates: &[S]) -> Option<Vector3<S>> {
         match self {
             Self::Revolute(_) | Self::Spherical(_) => None,
             Self::Prismatic(_) => Some(Vector3::along_z(rates[0])),
@@ -214,7 +215,7 @@ impl<S: Scalar> JointTransform<S> {
         }
     }
 
-    /// An articulated inertia behind the joint, carried in front of it.
+    /// Returns an articulated inertia in the parent frame, from the child frame.
     #[must_use]
     pub fn articulated_to_parent(&self, i: &ArticulatedInertia<S>) -> ArticulatedInertia<S> {
         match self {

@@ -1,9 +1,9 @@
-//! AVX-512 (F and VL): 8 `f64` or 16 `f32`, products fused into sums.
+//! AVX-512 (F and VL): 8 `f64` or 16 `f32`, with fused multiply-add.
 //!
-//! Unsafe code: these instructions may only run on a processor that has them, and the compiler can't
-//! see that it does. It does wherever these types exist: they can't be named outside of `lanes`, and
-//! inside only the two functions for work mention them, which `dispatch` calls for `SimdLevel::Avx512`
-//! alone. (A generic function that has one as its type parameter has it from there.)
+//! Unsafe code: these instructions may only run on a processor that has them, which the compiler cannot check.
+//! The processor has them wherever values of these types exist. The types cannot be named outside of `lanes`.
+//! Inside, only the two functions that `work!` defines here use them, which `dispatch` calls for
+//! `SimdLevel::Avx512` only. (Generic functions receive the types from these two functions.)
 #![allow(unsafe_code)]
 
 use core::arch::x86_64::*;
@@ -15,7 +15,7 @@ vector! {
     _mm512_set1_pd _mm512_loadu_pd _mm512_storeu_pd _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd
     _mm512_sqrt_pd _mm512_abs_pd;
     mul_add(a, b, c) _mm512_fmadd_pd(a, b, c);
-    // Of two the instruction takes the second if one is no number.
+    // If one operand is NaN, the instruction returns the second one.
     max(a, b) _mm512_mask_blend_pd(_mm512_cmp_pd_mask::<_CMP_UNORD_Q>(b, b), _mm512_max_pd(a, b), a);
     select(x, then, otherwise) _mm512_mask_blend_pd(
         _mm512_cmp_pd_mask::<_CMP_GE_OQ>(x, _mm512_setzero_pd()), otherwise, then

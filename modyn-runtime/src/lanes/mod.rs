@@ -1,55 +1,54 @@
-//! Several numbers side by side in one register, as a scalar: a lane is a state.
+//! SIMD vectors as scalars: several values in one register, usually a state in each lane.
 //!
-//! Each instruction set has a file of its own with its vectors, and one function that is compiled for
-//! it. The vectors can't be named from outside: they reach generic code as the type parameter of
-//! [`Work::run`] only, which is called only where the processor has what they need, so that their
-//! operations need no proof each time. All of it is inlined into that one function: what were
-//! not would lose the instruction set, and with it the speed. (A function that has the instruction set itself,
-//! as `fused` has, loses nothing but the call.)
+//! Each instruction set has a file with its vector types, and one function that is compiled for it. The vector
+//! types cannot be named from outside. Generic code receives them as the type parameter of [`BatchTask::run`], which
+//! is called only where the processor has the instructions, so that single operations need no check. All generic
+//! code is inlined into that one function: code that is not inlined would be compiled without the instruction set,
+//! and be slow. (A function that enables the instruction set itself, as in `fused`, costs only the call.)
 
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-mod abreast;
 #[cfg(target_arch = "x86_64")]
-#[allow(dead_code)] // Left out where the program counts on more.
+#[allow(dead_code)] // Unused in programs compiled for a higher level.
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod level;
 #[cfg(target_arch = "aarch64")]
-#[allow(dead_code)] // Left out where the target lacks it.
+#[allow(dead_code)] // Unused on targets without NEON.
 mod neon;
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod pair;
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+mod simd;
 mod single;
 #[cfg(target_arch = "x86_64")]
-#[allow(dead_code)] // Left out where the program counts on more.
+#[allow(dead_code)] // Unused in programs compiled for a higher level.
 mod sse2;
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod vector;
 
 use crate::Scalar;
-use crate::scalar::abreast::Abreast;
-pub use crate::scalar::abreast::Part;
+pub use crate::scalar::simd::Chunk;
+use crate::scalar::simd::SimdTask;
 use crate::scalar::trig::Precision;
 pub use level::{SimdLevel, force_level, level};
 
-/// Numbers side by side, which the same operations are applied to.
+/// A vector type: the same operation applies to all its lanes.
 pub trait Lanes: Scalar {
-    /// Each of them.
+    /// The type of a lane.
     type Lane: Float;
 
-    /// How many.
+    /// The number of lanes.
     const LANES: usize;
 
-    /// The same number in all lanes.
+    /// Returns the vector with `number` in all lanes.
     #[must_use]
     fn splat(number: Self::Lane) -> Self;
 
-    /// Does part of the work in a function of its own, compiled for the same instructions: what is too
-    /// long for one takes the compiler more than linear time.
-    fn outlined<P: Part>(part: P) -> P::Output;
+    /// Runs part of the work in a function of its own, compiled for the same instructions. rustc takes more than
+    /// linear time for long functions.
+    fn outlined<P: Chunk>(part: P) -> P::Output;
 
-    /// The numbers from `from` on.
+    /// Returns the vector of the numbers from `from` on.
     ///
     /// # Safety
     ///
@@ -59,7 +58,7 @@ pub trait Lanes: Scalar {
     #[must_use]
     unsafe fn load(from: *const Self::Lane) -> Self;
 
-    /// Puts the numbers from `to` on.
+    /// Stores the lanes from `to` on.
     ///
     /// # Safety
     ///
@@ -69,52 +68,51 @@ pub trait Lanes: Scalar {
     unsafe fn store(self, to: *mut Self::Lane);
 }
 
-/// A floating-point number that there are lanes of: `f64` or `f32`.
-#[allow(private_bounds)] // Nobody else can implement it.
+/// A floating-point type with vectors: `f64` or `f32`.
+#[allow(private_bounds)] // Other crates cannot implement it.
 pub trait Float: Scalar + Precision + Send + Sync {
-    /// Runs `work` on as many lanes as the processor has.
+    /// Runs `work` on the widest vectors of the processor.
     #[doc(hidden)]
-    fn dispatch(work: impl Work<Self>);
+    fn dispatch(work: impl BatchTask<Self>);
 }
 
-/// What can be done on any lanes. Its `run` must be `#[inline(always)]`, and all that it calls.
+/// Work on vectors of any width. `run` and everything that it calls must be `#[inline(always)]`.
 #[doc(hidden)]
-pub trait Work<F> {
-    /// Does it.
+pub trait BatchTask<F> {
+    /// Does the work.
     fn run<L: Lanes<Lane = F>>(self);
 }
 
-/// Most lanes of any vector.
-pub(crate) const MOST_LANES: usize = 16;
+/// The largest number of lanes of any vector.
+pub(crate) const MAX_LANES: usize = 16;
 
 macro_rules! dispatch {
-    ($($float:ident by $abreast:ident)*) => {$(
-        /// Runs `work` on the best vectors for numbers of one state, or without. There is no way on SSE2: it
-        /// would be as much work for rustc as each of the others, and gains little by two lanes. Where the
-        /// program counts on AVX2, there is no way without.
+    ($($float:ident by $run_simd:ident)*) => {$(
+        /// Runs `work` on the best vectors for values of one state, or on scalars. SSE2 is not used: it would cost
+        /// rustc as much as the other levels, and two lanes gain little. Programs compiled for AVX2 never use scalars.
         #[inline]
-        #[allow(unsafe_code)] // Calls of functions for the instructions found to be there.
-        pub(crate) fn $abreast<W: Abreast<$float>>(work: W) -> W::Output {
-            // Few lanes gain nothing by longer vectors.
+        #[allow(unsafe_code)] // Calls functions for instructions that were detected.
+        pub(crate) fn $run_simd<W: SimdTask<$float>>(work: W) -> W::Output {
+            // Few lanes do not profit from longer vectors.
             #[cfg(target_arch = "x86_64")]
             if cfg!(all(target_feature = "avx2", target_feature = "fma")) || level() >= SimdLevel::Avx2 {
-                // SAFETY: the program counts on AVX2 and FMA, or `level` has found them; AVX-512 includes both.
-                return unsafe { avx2::$abreast(work) };
+                // SAFETY: the program is compiled for AVX2 and FMA, or `level` has detected them; AVX-512 includes both.
+                return unsafe { avx2::$run_simd(work) };
             }
-            // All code fuses products there, and nothing is gained for numbers alone.
+            // On aarch64 all code has fused multiply-add, so single values gain nothing.
             #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
-            if W::SIDE_BY_SIDE {
-                return neon::$abreast(work);
+            if W::HAS_PACKS {
+                return neon::$run_simd(work);
             }
             work.scalar()
         }
 
         impl Float for $float {
             #[inline]
-            #[allow(unsafe_code)] // Calls of functions for the instructions found to be there.
-            fn dispatch(work: impl Work<Self>) {
+            #[allow(unsafe_code)] // Calls functions for instructions that were detected.
+            fn dispatch(work: impl BatchTask<Self>) {
                 match level() {
-                    // SAFETY: `level` names what the processor has.
+                    // SAFETY: `level` returns a level that the processor has.
                     #[cfg(target_arch = "x86_64")]
                     SimdLevel::Avx512 => unsafe { avx512::$float(work) },
                     // SAFETY: as above.
@@ -131,7 +129,7 @@ macro_rules! dispatch {
     )*};
 }
 
-dispatch!(f64 by abreast_f64 f32 by abreast_f32);
+dispatch!(f64 by run_simd_f64 f32 by run_simd_f32);
 
 #[cfg(test)]
 mod tests;

@@ -1,13 +1,13 @@
-//! NEON, aarch64's baseline: 2 `f64` or 4 `f32`, products fused into sums.
+//! NEON, aarch64's baseline: 2 `f64` or 4 `f32`, with fused multiply-add.
 //!
-//! Unsafe code: `load` and `store` go through pointers, which is sound by what their callers promise;
-//! the instructions themselves are there wherever `level` says `SimdLevel::Neon`, as the target says so.
+//! Unsafe code: `load` and `store` use pointers, which is sound by their callers' contract. The instructions
+//! exist wherever `level` returns `SimdLevel::Neon`, since the target has them.
 #![allow(unsafe_code, unused_unsafe)]
 
 use core::arch::aarch64::*;
 
-use super::abreast::{beside, vectors};
 use super::pair::Pair;
+use super::simd::{backend, pack};
 use super::vector::{vector, work};
 
 vector! {
@@ -39,13 +39,13 @@ work! {
     f32 on F32x4;
 }
 
-beside! {
+pack! {
     F64x2: 2 of f64, [0 1] in [0 1];
     F32x4: 2 of f32, [0 1] in [0 1 0 1];
     F32x4: 4 of f32, [0 1 2 3] in [0 1 2 3];
 }
 
-vectors! {
-    f64 by abreast_f64 on Doubles: f64, F64x2, Pair<F64x2>, Pair<Pair<F64x2>>;
-    f32 by abreast_f32 on Singles: f32, F32x4, F32x4, Pair<F32x4>;
+backend! {
+    f64 by run_simd_f64 on Doubles: f64, F64x2, Pair<F64x2>, Pair<Pair<F64x2>>;
+    f32 by run_simd_f32 on Singles: f32, F32x4, F32x4, Pair<F32x4>;
 }

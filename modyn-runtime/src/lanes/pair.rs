@@ -1,11 +1,11 @@
-//! Two vectors as one with twice the lanes.
+//! Two vectors as one vector with twice the lanes.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::Scalar;
-use crate::scalar::abreast::Beside;
+use crate::scalar::simd::Pack;
 
-/// The first half of the lanes, and the second.
+/// The first and the second half of the lanes.
 #[derive(Clone, Copy)]
 pub struct Pair<V>(V, V);
 
@@ -89,17 +89,17 @@ impl<V: Scalar> Scalar for Pair<V> {
     }
 }
 
-macro_rules! beside {
+macro_rules! pack {
     ($($half:literal $whole:literal: [$($first:literal)*] [$($second:literal)*]),*) => {$(
-        impl<One: Scalar, V: Beside<One, $half>> Beside<One, $whole> for Pair<V> {
+        impl<One: Scalar, V: Pack<One, $half>> Pack<One, $whole> for Pair<V> {
             #[inline(always)]
-            fn all(number: One) -> Self {
-                Self(V::all(number), V::all(number))
+            fn broadcast(number: One) -> Self {
+                Self(V::broadcast(number), V::broadcast(number))
             }
 
             #[inline(always)]
-            fn beside(numbers: [One; $whole]) -> Self {
-                Self(V::beside([$(numbers[$first]),*]), V::beside([$(numbers[$second]),*]))
+            fn pack(numbers: [One; $whole]) -> Self {
+                Self(V::pack([$(numbers[$first]),*]), V::pack([$(numbers[$second]),*]))
             }
 
             #[inline(always)]
@@ -108,12 +108,12 @@ macro_rules! beside {
             }
 
             #[inline(always)]
-            fn apart(self) -> [One; $whole] {
-                let halves = [self.0.apart(), self.1.apart()];
+            fn unpack(self) -> [One; $whole] {
+                let halves = [self.0.unpack(), self.1.unpack()];
                 [$(halves[0][$first]),*, $(halves[1][$second - $half]),*]
             }
         }
     )*};
 }
 
-beside!(2 4: [0 1] [2 3], 4 8: [0 1 2 3] [4 5 6 7]);
+pack!(2 4: [0 1] [2 3], 4 8: [0 1 2 3] [4 5 6 7]);

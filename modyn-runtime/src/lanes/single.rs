@@ -1,9 +1,9 @@
-//! One lane: a number itself, where there are no vectors.
+//! One lane: the number itself, for processors without vectors.
 //!
-//! Unsafe code: `load` and `store` go through pointers, which is sound by what their callers promise.
+//! Unsafe code: `load` and `store` use pointers, which is sound by their callers' contract.
 #![allow(unsafe_code)]
 
-use super::{Lanes, Part, Work};
+use super::{BatchTask, Chunk, Lanes};
 
 macro_rules! single {
     ($($float:ident)*) => {$(
@@ -17,24 +17,24 @@ macro_rules! single {
             }
 
             #[inline(never)]
-            fn outlined<P: Part>(part: P) -> P::Output {
+            fn outlined<P: Chunk>(part: P) -> P::Output {
                 part.run()
             }
 
             #[inline(always)]
             unsafe fn load(from: *const Self) -> Self {
-                // SAFETY: the caller's promise.
+                // SAFETY: the caller's contract.
                 unsafe { *from }
             }
 
             #[inline(always)]
             unsafe fn store(self, to: *mut Self) {
-                // SAFETY: the caller's promise.
+                // SAFETY: the caller's contract.
                 unsafe { *to = self }
             }
         }
 
-        pub(super) fn $float(work: impl Work<$float>) {
+        pub(super) fn $float(work: impl BatchTask<$float>) {
             work.run::<$float>();
         }
     )*};

@@ -1,35 +1,35 @@
-//! x86-64's baseline: 2 `f64` or 4 `f32`; products are rounded before they are added, as in scalars.
+//! SSE2, x86-64's baseline: 2 `f64` or 4 `f32`. Products are rounded before they are added, as in scalars.
 //!
-//! Unsafe code: `load` and `store` go through pointers, which is sound by what their callers promise;
-//! the instructions themselves every x86-64 processor has.
+//! Unsafe code: `load` and `store` use pointers, which is sound by their callers' contract. Every x86-64 processor
+//! has the instructions.
 #![allow(unsafe_code, unused_unsafe)]
 
 use core::arch::x86_64::*;
 
 use super::vector::{vector, work};
 
-/// Without its sign.
+/// Returns the absolute values.
 #[inline]
 fn abs_pd(x: __m128d) -> __m128d {
     // SAFETY: every x86-64 processor has the instruction.
     unsafe { _mm_andnot_pd(_mm_set1_pd(-0.0), x) }
 }
 
-/// Without its sign.
+/// Returns the absolute values.
 #[inline]
 fn abs_ps(x: __m128) -> __m128 {
     // SAFETY: every x86-64 processor has the instruction.
     unsafe { _mm_andnot_ps(_mm_set1_ps(-0.0), x) }
 }
 
-/// `then` where `mask` is set, bit by bit.
+/// Returns `then` where `mask` is set, bit by bit; else `otherwise`.
 #[inline]
 fn blend_pd(otherwise: __m128d, then: __m128d, mask: __m128d) -> __m128d {
     // SAFETY: every x86-64 processor has the instructions.
     unsafe { _mm_or_pd(_mm_and_pd(mask, then), _mm_andnot_pd(mask, otherwise)) }
 }
 
-/// `then` where `mask` is set, bit by bit.
+/// Returns `then` where `mask` is set, bit by bit; else `otherwise`.
 #[inline]
 fn blend_ps(otherwise: __m128, then: __m128, mask: __m128) -> __m128 {
     // SAFETY: every x86-64 processor has the instructions.
@@ -40,7 +40,7 @@ vector! {
     F64x2: [f64; 2] in __m128d;
     _mm_set1_pd _mm_loadu_pd _mm_storeu_pd _mm_add_pd _mm_sub_pd _mm_mul_pd _mm_div_pd _mm_sqrt_pd abs_pd;
     mul_add(a, b, c) _mm_add_pd(_mm_mul_pd(a, b), c);
-    // Of two the instruction takes the second if one is no number.
+    // If one operand is NaN, the instruction returns the second one.
     max(a, b) blend_pd(_mm_max_pd(a, b), a, _mm_cmpunord_pd(b, b));
     select(x, then, otherwise) blend_pd(otherwise, then, _mm_cmpge_pd(x, _mm_setzero_pd()));
     below(x, limit) _mm_movemask_pd(_mm_cmplt_pd(x, limit)) == 0x3;

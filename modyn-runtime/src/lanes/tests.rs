@@ -1,19 +1,19 @@
-//! Every operation in every lane is the scalar's: bit for bit where products are not fused.
+//! Every operation in every lane is compared with the scalar's: bit by bit where products are not fused.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::vec::Vec;
 
-use super::{Float, Lanes, SimdLevel, Work, force_level};
+use super::{BatchTask, Float, Lanes, SimdLevel, force_level};
 use crate::Scalar;
 use crate::scalar::near_pi;
 
-/// The level is the process's: one test at a time.
+/// Allows one test at a time, since the level is global to the process.
 fn alone() -> MutexGuard<'static, ()> {
     static ONE: Mutex<()> = Mutex::new(());
     ONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// All operations on one number (or several), as an array of numbers.
+/// Returns the results of all operations on these numbers.
 #[inline(always)]
 fn operations<S: Scalar>([a, b, c]: [S; 3]) -> [S; 20] {
     let (sin, cos) = a.sin_cos();
@@ -42,19 +42,19 @@ fn operations<S: Scalar>([a, b, c]: [S; 3]) -> [S; 20] {
     ]
 }
 
-/// A product in a sum: behind those that are the scalar's on all levels.
+/// The index of the first operation with a product in a sum. Earlier ones equal the scalar's on all levels.
 const PRODUCT: usize = 13;
 
-/// The sines, of one angle and of several.
+/// The indices of the sines: of one angle, and of several.
 const SINES: [usize; 3] = [14, 16, 18];
 
-/// Runs the operations on numbers that hold every lane's.
+/// Runs the operations on slices that hold the lanes of all vectors.
 struct All<'a, F> {
     numbers: [&'a [F]; 3],
     results: &'a mut Vec<[F; 20]>,
 }
 
-impl<F: Float> Work<F> for All<'_, F> {
+impl<F: Float> BatchTask<F> for All<'_, F> {
     #[inline(always)]
     #[allow(unsafe_code)] // Loads and stores.
     fn run<L: Lanes<Lane = F>>(self) {
@@ -77,7 +77,7 @@ impl<F: Float> Work<F> for All<'_, F> {
     }
 }
 
-/// `fused` rounds products in sums once.
+/// Compares all levels with scalars. With `fused`, products in sums are rounded once.
 fn check<F: Float + Into<f64>>(
     bits: fn(F) -> u64,
     fused: fn(F, F, F) -> F,
@@ -117,7 +117,7 @@ fn check<F: Float + Into<f64>>(
             }
             for (k, (&x, &y)) in found.iter().zip(&expected).enumerate() {
                 let (p, q): (f64, f64) = (x.into(), y.into());
-                // Zeros of both signs are equally large.
+                // Zeros of both signs are equally large, so either may be the maximum.
                 let same = bits(x) == bits(y) || (p.is_nan() && q.is_nan()) || (k == 10 && p == q);
                 let close = fuses && k > PRODUCT && (p - q).abs() <= tolerance * (1.0 + q.abs());
                 assert!(same || close, "{level:?} {k} {i}: {p:e} {q:e}");
@@ -147,7 +147,7 @@ fn lanes_compute_as_scalars_do() {
     check::<f32>(|x| x.to_bits().into(), f32::mul_add, &odd, 1e-6);
 }
 
-/// Sines next to multiples of pi on every level, with fused products and without.
+/// Compares sines next to multiples of pi on every level, with fused products and without.
 fn check_sines<F: Float + Into<f64>>(angles: &[(f64, f64)], tolerance: f64) {
     let numbers: Vec<F> = angles.iter().flat_map(|&(x, _)| [x, -x]).map(F::from_f64).collect();
     assert_eq!(numbers.len() % 16, 0, "whole vectors");

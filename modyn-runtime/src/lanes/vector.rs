@@ -1,11 +1,11 @@
-//! What a vector is, whatever its instructions: written once, over their names.
+//! A vector type of an instruction set, written once as a macro over the names of the instructions.
 //!
-//! Unsafe code: what these macros write stands in the instruction sets' files, and so under their proofs; a store
-//! goes to an array of the vector's own size, and who loads or stores elsewhere has promised room for it.
+//! Unsafe code: the macros expand in the files of the instruction sets, whose headers justify it. `numbers` stores
+//! to an array of the vector's own size; callers of `load` and `store` guarantee the room.
 
-/// A vector of `$lanes` numbers in `$register`, whose instructions need `$features`.
+/// Defines a vector of `$lanes` numbers in `$register`, whose instructions need `$features`.
 ///
-/// Operations of a register's own are given by name, others as expressions over registers.
+/// Operations with an instruction of their own are given by its name, others as expressions over registers.
 macro_rules! vector {
     (
         $name:ident: [$float:ident; $lanes:literal] in $register:ident $(, $features:literal)?;
@@ -25,18 +25,18 @@ macro_rules! vector {
             #[inline(always)]
             pub(super) fn numbers(self) -> [$float; $lanes] {
                 let mut numbers = [0.0; $lanes];
-                // SAFETY: there are as many.
+                // SAFETY: the array has `$lanes` entries.
                 unsafe { crate::lanes::Lanes::store(self, numbers.as_mut_ptr()) }
                 numbers
             }
 
             #[inline(always)]
             pub(super) fn from_numbers(numbers: [$float; $lanes]) -> Self {
-                // SAFETY: there are as many.
+                // SAFETY: the array has `$lanes` entries.
                 unsafe { crate::lanes::Lanes::load(numbers.as_ptr()) }
             }
 
-            /// Whether all are smaller than the limit of the fast reduction of angles.
+            /// Returns whether all lanes are below the limit of the fast argument reduction.
             #[inline(always)]
             fn reducible(self) -> bool {
                 let $i = crate::Scalar::abs(self).0;
@@ -47,13 +47,13 @@ macro_rules! vector {
                 }
             }
 
-            /// Sines and cosines of numbers alone, as many at a time as there are lanes.
+            /// Returns sines and cosines of single numbers, computed a vector at a time.
             #[inline(always)]
-            #[allow(dead_code)] // Not of all vectors.
+            #[allow(dead_code)] // Unused for some vectors.
             pub(super) fn sin_cos_of<const N: usize>(angles: [$float; N]) -> [($float, $float); N] {
                 let mut all = [(0.0, 0.0); N];
                 let mut first = 0;
-                // No iterators or closures: see the module's header on what must be inlined.
+                // No iterators or closures: they might not be inlined, see the module's header.
                 while first < N {
                     let mut lanes = [angles[first]; $lanes];
                     let mut i = 1;
@@ -73,9 +73,9 @@ macro_rules! vector {
                 all
             }
 
-            /// Sine and cosine where the fast reduction went too far for some.
+            /// Returns sine and cosine, corrected in lanes beyond the limit of the fast argument reduction.
             #[inline(always)]
-            fn corrected(self, (sin, cos): (Self, Self)) -> (Self, Self) {
+            fn correct_large_angles(self, (sin, cos): (Self, Self)) -> (Self, Self) {
                 let (mut sines, mut cosines) = (sin.numbers(), cos.numbers());
                 crate::scalar::trig::correct(&self.numbers(), &mut sines, &mut cosines);
                 (Self::from_numbers(sines), Self::from_numbers(cosines))
@@ -93,10 +93,10 @@ macro_rules! vector {
             }
 
             #[inline(always)]
-            fn outlined<P: crate::lanes::Part>(part: P) -> P::Output {
+            fn outlined<P: crate::lanes::Chunk>(part: P) -> P::Output {
                 $(#[target_feature(enable = $features)])?
                 #[inline(never)]
-                fn run<P: crate::lanes::Part>(part: P) -> P::Output {
+                fn run<P: crate::lanes::Chunk>(part: P) -> P::Output {
                     part.run()
                 }
                 // SAFETY: the processor has the instructions, see the module's header.
@@ -126,7 +126,7 @@ macro_rules! vector {
 
             #[inline(always)]
             fn neg(self) -> Self {
-                // The compiler knows this for a change of sign, and has it in the next fused operation.
+                // LLVM recognizes this as a negation and folds it into a fused operation.
                 <Self as crate::lanes::Lanes>::splat(-0.0) - self
             }
         }
@@ -172,14 +172,14 @@ macro_rules! vector {
             #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
                 let reduced = <$float as crate::scalar::trig::Precision>::reduced(self);
-                if self.reducible() { reduced } else { self.corrected(reduced) }
+                if self.reducible() { reduced } else { self.correct_large_angles(reduced) }
             }
 
             #[inline(always)]
             fn sin_cos_all<const N: usize>(angles: [Self; N]) -> [(Self, Self); N] {
                 let mut all = [(Self::zero(), Self::zero()); N];
                 let (mut i, mut reducible) = (0, true);
-                // No iterators or closures: see the module's header on what must be inlined.
+                // No iterators or closures: they might not be inlined, see the module's header.
                 while i < N {
                     all[i] = <$float as crate::scalar::trig::Precision>::reduced(angles[i]);
                     reducible &= angles[i].reducible();
@@ -188,7 +188,7 @@ macro_rules! vector {
                 if !reducible {
                     i = 0;
                     while i < N {
-                        all[i] = angles[i].corrected(all[i]);
+                        all[i] = angles[i].correct_large_angles(all[i]);
                         i += 1;
                     }
                 }
@@ -236,12 +236,12 @@ macro_rules! vector {
     };
 }
 
-/// The function that works on a vector for many states, compiled with `$features`.
+/// Defines the function that runs work on a vector of many states, compiled with `$features`.
 macro_rules! work {
     ($($float:ident on $name:ident $(, $features:literal)?;)*) => {$(
         $(#[target_feature(enable = $features)])?
-        #[inline(never)] // To be found in what is compiled, on every level.
-        pub(super) fn $float(work: impl crate::lanes::Work<$float>) {
+        #[inline(never)] // Tests look for its name in the compiled code, on every level.
+        pub(super) fn $float(work: impl crate::lanes::BatchTask<$float>) {
             work.run::<$name>();
         }
     )*};

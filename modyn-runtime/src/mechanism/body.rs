@@ -1,4 +1,4 @@
-//! A body of the mechanism and how quantities are carried across its joint.
+//! A body of the mechanism, and the transforms of quantities across its joint.
 
 use core::ops::Range;
 
@@ -11,34 +11,33 @@ use crate::spatial::{
     VelocityMoments, Wrench,
 };
 
-/// A moving link, or a massless body inside a universal or planar joint, in its Denavit-Hartenberg
-/// frame.
+/// A moving link in its Denavit-Hartenberg frame, or a massless body inside a universal or planar joint.
 #[derive(Clone, Debug)]
 pub struct Body<S> {
     /// The parent body; `None` for the world.
     pub parent: Option<usize>,
-    /// Its joint; an axis is z.
+    /// The joint towards the parent. Its axis is z.
     pub elementary_joint: ElementaryJoint,
-    /// The index of its first coordinate in q.
+    /// The index in q of the joint's first coordinate; for a mimic joint, of its leader's coordinate.
     pub q: usize,
-    /// The ratio and offset of its coordinate to that one, for a joint that mimics.
+    /// The multiplier and the offset of a mimic joint's coordinate.
     pub mimic: Option<(S, S)>,
-    /// Its degrees of freedom, as a range of [`Mechanism::dofs`](super::Mechanism::dofs).
+    /// The joint's degrees of freedom, as a range of [`Mechanism::dofs`](super::Mechanism::dofs).
     pub dofs: Range<usize>,
-    /// The joint's zero.
+    /// The offset between the joint's coordinate and the angle in this frame.
     pub zero: JointOffset<S>,
-    /// The joint's constant pose on the parent.
+    /// The constant pose of the joint's frame in the parent.
     pub placement: DhTransform<S>,
-    /// The pose of the model's link frame in this one; without meaning for a body inside a joint.
+    /// The pose of the model's link frame in this frame; without meaning for a body inside a joint.
     pub link: Pose<S>,
-    /// The inertia that the model states.
+    /// The inertia in the model.
     pub inertia: RigidInertia<S>,
-    /// The inertia in base parameters: equivalent to `inertia` for all joint-space dynamics.
+    /// The base inertia: equivalent to `inertia` for all joint-space dynamics.
     pub base_inertia: RigidInertia<S>,
 }
 
 impl<S: Scalar> Body<S> {
-    /// Each number through `f`.
+    /// Returns the body with `f` applied to its numbers.
     pub(super) fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> Body<T> {
         Body {
             parent: self.parent,
@@ -54,7 +53,7 @@ impl<S: Scalar> Body<S> {
         }
     }
 
-    /// The transform of its joint where the robot's coordinates are `q`.
+    /// Returns the transform of the joint at the robot's coordinates `q`.
     #[must_use]
     pub fn motion(&self, q: &[S]) -> JointTransform<S> {
         let own = &q[self.q..self.q + self.elementary_joint.nq()];
@@ -66,31 +65,31 @@ impl<S: Scalar> Body<S> {
         }
     }
 
-    /// A direction of the parent's frame, seen from this body.
+    /// Returns a direction in this body's axes, from the parent's axes.
     #[must_use]
     pub fn to_child(&self, motion: &JointTransform<S>, v: Vector3<S>) -> Vector3<S> {
         motion.to_child(self.placement.to_child(v))
     }
 
-    /// A direction of this body's frame, seen from the parent.
+    /// Returns a direction in the parent's axes, from this body's axes.
     #[must_use]
     pub fn to_parent(&self, motion: &JointTransform<S>, v: Vector3<S>) -> Vector3<S> {
         self.placement.to_parent(motion.to_parent(v))
     }
 
-    /// The parent's twist carried rigidly to this body: A t of the paper.
+    /// Returns the twist of this body if it moved rigidly with the parent: A t of the paper.
     #[must_use]
     pub fn twist_to_child(&self, motion: &JointTransform<S>, t: Twist<S>) -> Twist<S> {
         motion.twist_to_child(self.placement.twist_to_child(t))
     }
 
-    /// A wrench on this body at its parent: A^T w.
+    /// Returns a wrench in the parent frame, from this body's frame: A^T w.
     #[must_use]
     pub fn wrench_to_parent(&self, motion: &JointTransform<S>, w: Wrench<S>) -> Wrench<S> {
         self.placement.wrench_to_parent(motion.wrench_to_parent(w))
     }
 
-    /// A rigid inertia on this body at its parent: A^T M A.
+    /// Returns a rigid inertia in the parent frame, from this body's frame: A^T M A.
     #[must_use]
     pub fn rigid_to_parent(
         &self,
@@ -100,8 +99,8 @@ impl<S: Scalar> Body<S> {
         self.placement.rigid_to_parent(&motion.rigid_to_parent(i))
     }
 
-    /// Moments of velocities against this body's frame, of points of inertia `i`, at its parent and
-    /// against the parent's frame.
+    /// Returns velocity moments relative to the parent frame, in the parent frame. `velocities` are relative to
+    /// this body's frame, of points of inertia `i`.
     #[must_use]
     pub fn velocities_to_parent(
         &self,
@@ -113,7 +112,7 @@ impl<S: Scalar> Body<S> {
         self.placement.velocities_to_parent(&motion.velocities_to_parent(velocities, i, rates))
     }
 
-    /// An articulated inertia on this body at its parent: A^T M A.
+    /// Returns an articulated inertia in the parent frame, from this body's frame: A^T M A.
     #[must_use]
     pub fn articulated_to_parent(
         &self,
@@ -123,7 +122,7 @@ impl<S: Scalar> Body<S> {
         self.placement.articulated_to_parent(&motion.articulated_to_parent(i))
     }
 
-    /// A mass on this body and its first moment, at its parent.
+    /// Returns a mass and its first moment in the parent frame, from this body's frame.
     #[must_use]
     pub fn mass_to_parent(
         &self,
@@ -137,20 +136,20 @@ impl<S: Scalar> Body<S> {
     }
 }
 
-/// The place of a body in the tree and in the joint vectors: all that the size and the layout of
-/// results depend on, without its numbers.
+/// The place of a body in the tree and in the joint vectors. The size and layout of results depend on these
+/// only, not on the body's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BodyStructure {
     parent: Option<usize>,
     elementary_joint: ElementaryJoint,
     q: usize,
-    /// The entry of qd of its first degree of freedom.
+    /// The entry of qd of the joint's first degree of freedom.
     v: Option<usize>,
     mimics: bool,
 }
 
 impl<S> Body<S> {
-    /// The structure of this body, one of a mechanism with these degrees of freedom.
+    /// Returns the structure of this body; `dofs` are the mechanism's degrees of freedom.
     pub(super) fn structure(&self, dofs: &[Dof<S>]) -> BodyStructure {
         BodyStructure {
             parent: self.parent,
@@ -162,7 +161,7 @@ impl<S> Body<S> {
     }
 }
 
-/// The mass, first moment and second moment of an inertia about its frame's origin.
+/// Returns the mass, first moment and second moment of an inertia about its frame's origin.
 #[must_use]
 pub fn rigid_inertia<S: Scalar>(inertial: &Inertial<S>) -> RigidInertia<S> {
     let [xx, xy, xz, yy, yz, zz] = inertial.inertia;
@@ -170,16 +169,16 @@ pub fn rigid_inertia<S: Scalar>(inertial: &Inertial<S>) -> RigidInertia<S> {
     RigidInertia::new(inertial.mass, Vector3(inertial.center_of_mass), &inertia)
 }
 
-/// The inertia of moving link `link` of `model` without the own inertias of the `removed` links that are fixed to it
-/// (indices of [`Model::frames`], itself among them), about its origin in its own axes. A difference that is
-/// rounding is zero.
+/// Returns the inertia of moving link `link` of `model` without the own inertias of the `removed` links, about its
+/// origin in its own axes. `removed` are indices of [`Model::frames`]: links that are fixed to `link`, or `link`
+/// itself. A difference within rounding is zero.
 #[must_use]
 pub fn inertia_without(
     model: &Model,
     link: usize,
     removed: impl Fn(usize) -> bool,
 ) -> RigidInertia<f64> {
-    /// Relative to the terms of the difference.
+    /// The rounding relative to the terms of the difference.
     const ROUNDING: f64 = 1e-13;
     let whole = rigid_inertia(&model.links()[link].inertial);
     let frames = model.frames().iter().enumerate();

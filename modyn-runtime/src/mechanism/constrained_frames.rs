@@ -16,9 +16,9 @@ pub struct ConstrainedFrames<S> {
     pub ends: [BodyFrame<S>; 2],
     /// Whether it is a contact: its first frame is the world.
     pub contact: bool,
-    /// The axis that both frames have, if one is held.
+    /// The common axis of a hinge; `None` for other constraints.
     pub hinge: Option<Vector3<S>>,
-    /// The constrained directions, a row of the constraint Jacobian each.
+    /// The constrained directions, one for each row of the constraint Jacobian.
     pub rows: Vec<ConstraintRow<S>>,
     /// The free directions: with `rows` an orthonormal basis of rotations and displacements. None for a contact of a
     /// robot whose base floats: the origin of its frame moves in all directions.
@@ -30,14 +30,14 @@ pub struct ConstrainedFrames<S> {
 /// A direction of a constraint's relative twist.
 #[derive(Clone, Copy, Debug)]
 pub struct ConstraintRow<S> {
-    /// Whether it is a rotation about the direction, not a displacement along it.
+    /// Whether the direction is a rotation axis; otherwise it is a displacement.
     pub angular: bool,
     /// A unit vector in the first frame's axes.
     pub direction: Vector3<S>,
 }
 
 impl<S: Scalar> ConstrainedFrames<S> {
-    /// Each number through `f`.
+    /// Returns the constraint with `f` applied to its numbers.
     pub(super) fn map<T>(&self, f: impl Fn(S) -> T) -> ConstrainedFrames<T> {
         let vector = |v: Vector3<S>| Vector3(v.0.map(&f));
         let row = |row: &ConstraintRow<S>| ConstraintRow {
@@ -68,7 +68,7 @@ fn rows([angular, linear]: [Vec<[f64; 3]>; 2]) -> Vec<ConstraintRow<f64>> {
     angular.into_iter().map(row(true)).chain(linear.into_iter().map(row(false))).collect()
 }
 
-/// `constraint`, of characteristic length `length`, on the bodies that carry the description's `frames`.
+/// Returns `constraint`, of characteristic length `length`, on the bodies that carry the description's `frames`.
 pub(super) fn constrained(
     frames: &[BodyFrame<f64>],
     constraint: &LoopConstraint,

@@ -9,7 +9,7 @@ use crate::model::{Limits, Model};
 
 /// The space of a group of coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Space<S> {
+pub enum CoordinateSpace<S> {
     /// A number: an angle or a displacement.
     Line {
         /// The lower limit (rad or m), or the lower end of a default range.
@@ -17,36 +17,38 @@ pub enum Space<S> {
         /// The upper limit, or the upper end of a default range.
         high: S,
     },
-    /// A unit quaternion x, y, z, w; its velocity is the angular one in the rotated axes.
+    /// A unit quaternion x, y, z, w. Its velocity is the angular velocity in the rotated axes.
     Rotation,
-    /// A position and a unit quaternion; the velocities are linear and angular, in the rotated axes.
+    /// A position and a unit quaternion. The velocities are linear, then angular, in the rotated axes.
     Pose,
 }
 
-/// A group of coordinates that form one number, rotation or pose.
+/// A group of coordinates that form a number, a rotation or a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coordinates<S> {
-    /// Their space.
-    pub space: Space<S>,
-    /// The index of the first in q.
+    /// The space of the group.
+    pub space: CoordinateSpace<S>,
+    /// The index in q of the group's first coordinate.
     pub q: usize,
-    /// The index of its first velocity in qd.
+    /// The index in qd of the group's first velocity.
     pub v: usize,
 }
 
 impl<S> Coordinates<S> {
-    /// Each number through `f`.
+    /// Returns the group with `f` applied to its numbers.
     pub fn map<T>(&self, f: impl Fn(&S) -> T) -> Coordinates<T> {
         let space = match &self.space {
-            Space::Line { low, high } => Space::Line { low: f(low), high: f(high) },
-            Space::Rotation => Space::Rotation,
-            Space::Pose => Space::Pose,
+            CoordinateSpace::Line { low, high } => {
+                CoordinateSpace::Line { low: f(low), high: f(high) }
+            }
+            CoordinateSpace::Rotation => CoordinateSpace::Rotation,
+            CoordinateSpace::Pose => CoordinateSpace::Pose,
         };
         Coordinates { space, q: self.q, v: self.v }
     }
 }
 
-/// The coordinates of `model` in their order; joints that mimic have none.
+/// Returns the coordinates of `model` in their order; mimic joints have none.
 pub(super) fn coordinates<S: Scalar>(model: &Model) -> Vec<Coordinates<S>> {
     let mut all = Vec::with_capacity(model.nv());
     for (i, link) in model.links().iter().enumerate() {
@@ -55,13 +57,13 @@ pub(super) fn coordinates<S: Scalar>(model: &Model) -> Vec<Coordinates<S>> {
             continue;
         }
         let limits = joint.limits.as_ref();
-        let spaces: &[Space<f64>] = match joint.joint_type {
+        let spaces: &[CoordinateSpace<f64>] = match joint.joint_type {
             JointType::Revolute | JointType::Continuous => &[line(limits, PI)],
             JointType::Prismatic => &[line(limits, 1.0)],
             JointType::Universal => &[line(None, PI); 2],
             JointType::Planar => &[line(None, 1.0), line(None, 1.0), line(None, PI)],
-            JointType::Spherical => &[Space::Rotation],
-            JointType::Floating => &[Space::Pose],
+            JointType::Spherical => &[CoordinateSpace::Rotation],
+            JointType::Floating => &[CoordinateSpace::Pose],
         };
         let (q, v) = (model.q_range(i).start, model.v_range(i).start);
         let blocks = spaces.iter().enumerate().map(|(k, space)| {
@@ -72,8 +74,8 @@ pub(super) fn coordinates<S: Scalar>(model: &Model) -> Vec<Coordinates<S>> {
     all
 }
 
-/// The numbers within `limits`; where one is missing, a range as wide as from -`reach` to `reach`.
-fn line(limits: Option<&Limits>, reach: f64) -> Space<f64> {
+/// Returns the range of a coordinate within `limits`. Where a limit is missing, the range is 2 `reach` wide.
+fn line(limits: Option<&Limits>, reach: f64) -> CoordinateSpace<f64> {
     let finite = |limit: Option<f64>| limit.filter(|x| x.is_finite());
     let (lower, upper) = limits.map_or((None, None), |l| (finite(l.lower), finite(l.upper)));
     let (low, high) = match (lower, upper) {
@@ -82,5 +84,5 @@ fn line(limits: Option<&Limits>, reach: f64) -> Space<f64> {
         (None, Some(high)) => (high - 2.0 * reach, high),
         (None, None) => (-reach, reach),
     };
-    Space::Line { low, high }
+    CoordinateSpace::Line { low, high }
 }

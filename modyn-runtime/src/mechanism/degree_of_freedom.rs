@@ -2,27 +2,27 @@
 
 use crate::Scalar;
 
-/// A degree of freedom: the unit motion of a body in one component.
+/// A degree of freedom: the unit motion of a body in one component of its twist.
 #[derive(Clone, Copy, Debug)]
 pub struct Dof<S> {
     /// The body that it moves.
     pub body: usize,
     /// The component (angular x, y, z, linear x, y, z) of the body's twist.
     pub component: usize,
-    /// The entry of qd, qdd and tau.
+    /// The entry of qd, qdd and tau that belongs to it.
     pub v: usize,
-    /// The ratio to that entry, for a joint that mimics.
+    /// The multiplier of a mimic joint, relative to that entry.
     pub multiplier: Option<S>,
-    /// The rotor's inertia about this motion (kg m^2, or kg), if there is one.
+    /// The rotor's inertia about this motion (kg m^2, or kg); `None` without a rotor.
     pub armature: Option<S>,
-    /// Viscous damping (N m s/rad, or N s/m), if it acts.
+    /// Viscous damping (N m s/rad, or N s/m); `None` if damping does not act.
     pub damping: Option<S>,
-    /// Coulomb friction (N m, or N), if it acts.
+    /// Coulomb friction (N m, or N); `None` if friction does not act.
     pub friction: Option<S>,
 }
 
 impl<S: Scalar> Dof<S> {
-    /// Each number through `f`.
+    /// Returns the degree of freedom with `f` applied to its numbers.
     pub(super) fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> Dof<T> {
         Dof {
             body: self.body,
@@ -35,25 +35,25 @@ impl<S: Scalar> Dof<S> {
         }
     }
 
-    /// Returns its rate (or acceleration) in the joint vector `x`.
+    /// Returns the rate (or acceleration) of the degree of freedom, given the joint vector `x`.
     #[must_use]
     pub fn rate(&self, x: &[S]) -> S {
         self.scale(x[self.v])
     }
 
-    /// Returns `x` times the ratio of a joint that mimics.
+    /// Returns `x` times the multiplier of a mimic joint.
     #[must_use]
     pub fn scale(&self, x: S) -> S {
         self.multiplier.map_or(x, |multiplier| multiplier * x)
     }
 
-    /// Adds the generalized `force` along it to the joint vector `sum`.
+    /// Adds the generalized `force` along the degree of freedom to the joint vector `sum`.
     pub fn add(&self, force: S, sum: &mut [S]) {
         sum[self.v] = sum[self.v] + self.scale(force);
     }
 }
 
-/// The rates of a joint: as many numbers as it has degrees of freedom.
+/// The rates of a joint, one for each of its degrees of freedom.
 #[derive(Clone, Copy, Debug)]
 pub struct Rates<S> {
     pub(super) numbers: [S; 6],

@@ -1,9 +1,11 @@
-//! Frames rotated and shifted after Denavit and Hartenberg, carried over to trees.
+//! Frames rotated and shifted as by Denavit and Hartenberg, generalized to trees.
 
 use alloc::vec::Vec;
 
 use super::elementary::ElementaryBody;
-use super::snapping::{AHEAD, Direction, combine, inverse, snap, snapped, towards, turn_of};
+use super::snapping::{
+    Direction, ZERO_ANGLE, combine, direction_of, inverse, rotation_by, snap, snapped,
+};
 use crate::joint::ElementaryJoint;
 use crate::spatial::{Axis, Matrix3, Pose, Vector3};
 
@@ -11,18 +13,18 @@ use crate::spatial::{Axis, Matrix3, Pose, Vector3};
 pub(super) struct Frames {
     children: Vec<Vec<usize>>,
     elementary_joint: Vec<ElementaryJoint>,
-    /// Rz(azimuth) Trans(translation) Rx(tilt) Rz(zero) from the parent's frame, joint at 0.
+    /// The pose Rz(azimuth) Trans(translation) Rx(tilt) Rz(zero) in the parent's frame, with the joint at 0.
     pub(super) azimuth: Vec<Direction>,
     pub(super) translation: Vec<Vector3<f64>>,
     pub(super) tilt: Vec<Direction>,
     pub(super) zero: Vec<Direction>,
-    /// The pose of the model's link frame in the rotated and shifted one.
+    /// The pose of the model's link frame in the rotated and shifted frame.
     pub(super) link: Vec<Pose<f64>>,
 }
 
 impl Frames {
-    /// The frames with every joint axis along z.
-    pub(super) fn on_axes(elementary: &[ElementaryBody<'_>]) -> Self {
+    /// Returns the frames with every joint axis along z.
+    pub(super) fn with_axes_along_z(elementary: &[ElementaryBody<'_>]) -> Self {
         let mut frames = Self {
             children: main_child_first(elementary),
             elementary_joint: elementary.iter().map(|own| own.elementary_joint).collect(),
@@ -44,7 +46,7 @@ impl Frames {
                 translation = back.mul_vector(translation);
             }
             let [azimuth, tilt, zero] = split(&rotation);
-            frames.translation.push(turn_of(inverse(azimuth)).vector(Axis::Z, translation));
+            frames.translation.push(rotation_by(inverse(azimuth)).vector(Axis::Z, translation));
             frames.azimuth.push(azimuth);
             frames.tilt.push(tilt);
             frames.zero.push(zero);
@@ -52,9 +54,9 @@ impl Frames {
         frames
     }
 
-    /// Rotates each frame about its own z: a prismatic joint's by the rotation after its tilt, a
-    /// revolute joint's towards its main child (a leaf's towards its centre of mass). Joints without an
-    /// axis keep the link's frame, whose axes their velocities are in.
+    /// Rotates each frame about its own z axis. A prismatic joint's frame is rotated by the rotation after its
+    /// tilt, a revolute joint's towards its main child, a leaf's towards its centre of mass. Joints without an
+    /// axis keep the link's frame, since their velocities are in its axes.
     pub(super) fn turn(&mut self, elementary: &[ElementaryBody<'_>]) {
         for (i, own) in elementary.iter().enumerate() {
             let by = match self.children[i].first() {
@@ -62,14 +64,16 @@ impl Frames {
                     inverse(self.zero[i])
                 }
                 _ if self.elementary_joint[i] != ElementaryJoint::Revolute => continue,
-                // Parallel axes need no azimuth, so the turn is free for the translation.
-                Some(&main) if self.tilt[main].1 == 0.0 => towards(self.translation[main]),
+                // Parallel axes need no azimuth, so the rotation can simplify the translation.
+                Some(&main) if self.tilt[main].1 == 0.0 => direction_of(self.translation[main]),
                 Some(&main) => self.azimuth[main],
-                None => towards(Vector3(self.link[i].transform_point(own.inertial.center_of_mass))),
+                None => {
+                    direction_of(Vector3(self.link[i].transform_point(own.inertial.center_of_mass)))
+                }
             };
-            // Rz(q) Rz(by): the new frame is ahead of the old one.
+            // Rz(q) Rz(by): the new frame is ahead of the old frame by `by`.
             self.zero[i] = combine(self.zero[i], by);
-            let back = turn_of(inverse(by));
+            let back = rotation_by(inverse(by));
             let columns = Matrix3(self.link[i].rotation).transposed().0;
             let columns = columns.map(|c| back.vector(Axis::Z, Vector3(c)).0);
             self.link[i].rotation = Matrix3(columns).transposed().0;
@@ -77,11 +81,11 @@ impl Frames {
                 let azimuth = combine(self.azimuth[child], inverse(by));
                 let (cos, sin) = self.tilt[child];
                 if sin == 0.0 {
-                    // Rz(a) Rx(0 or pi) = Rx(0 or pi) Rz(a or -a): one with the child's zero.
+                    // Rz(a) Rx(0 or pi) = Rx(0 or pi) Rz(a or -a): it merges with the child's offset.
                     let sense = if cos > 0.0 { azimuth } else { inverse(azimuth) };
                     self.zero[child] = combine(sense, self.zero[child]);
                     self.translation[child] =
-                        turn_of(azimuth).vector(Axis::Z, self.translation[child]);
+                        rotation_by(azimuth).vector(Axis::Z, self.translation[child]);
                 } else {
                     self.azimuth[child] = azimuth;
                 }
@@ -89,14 +93,14 @@ impl Frames {
         }
     }
 
-    /// Shifts each revolute joint's frame along its axis to where a component of the translation
+    /// Shifts each revolute joint's frame along its axis to the point where a component of the translation
     /// from its parent vanishes.
     pub(super) fn shift(&mut self) {
         for i in 0..self.children.len() {
             if self.elementary_joint[i] != ElementaryJoint::Revolute {
                 continue;
             }
-            // Behind the azimuth the axis is (0, -sin, cos).
+            // In the axes after the azimuth, the joint axis is (0, -sin, cos).
             let (cos, sin) = self.tilt[i];
             let [x, y, z] = self.translation[i].0;
             let (by, shifted) = if sin.abs() > cos.abs() {
@@ -113,19 +117,20 @@ impl Frames {
     }
 }
 
-/// Returns azimuth, tilt and zero of `rotation` = Rz(azimuth) Rx(tilt) Rz(zero). Parallel axes have no azimuth.
+/// Returns azimuth, tilt and offset of `rotation` = Rz(azimuth) Rx(tilt) Rz(zero). Parallel axes have azimuth zero.
 fn split(rotation: &Matrix3<f64>) -> [Direction; 3] {
     let r = rotation.0.map(|row| row.map(snap));
     // The third column is (sin a sin t, -cos a sin t, cos t).
     let sin = libm::hypot(r[0][2], r[1][2]);
     let tilt = snapped((r[2][2], sin));
-    let azimuth = if tilt.1 == 0.0 { AHEAD } else { towards(Vector3([-r[1][2], r[0][2], 0.0])) };
+    let azimuth =
+        if tilt.1 == 0.0 { ZERO_ANGLE } else { direction_of(Vector3([-r[1][2], r[0][2], 0.0])) };
     let first = Vector3([r[0][0], r[1][0], r[2][0]]);
-    let first = turn_of(inverse(azimuth)).vector(Axis::Z, first);
-    [azimuth, tilt, towards(turn_of(inverse(tilt)).vector(Axis::X, first))]
+    let first = rotation_by(inverse(azimuth)).vector(Axis::Z, first);
+    [azimuth, tilt, direction_of(rotation_by(inverse(tilt)).vector(Axis::X, first))]
 }
 
-/// Returns the children of each body, the child with the largest subtree first.
+/// Returns the children of each body; the child with the largest subtree comes first.
 fn main_child_first(elementary: &[ElementaryBody<'_>]) -> Vec<Vec<usize>> {
     let mut size = alloc::vec![1usize; elementary.len()];
     let mut children = alloc::vec![Vec::new(); elementary.len()];

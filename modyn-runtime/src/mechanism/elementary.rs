@@ -1,4 +1,4 @@
-//! Composite joints expanded: bodies that have one elementary joint each.
+//! The expansion of composite joints into bodies with one elementary joint each.
 
 use alloc::vec::Vec;
 
@@ -11,8 +11,8 @@ use crate::spatial::{Matrix3, Pose, Vector3};
 pub(super) struct ElementaryBody<'a> {
     pub(super) parent: Option<usize>,
     pub(super) elementary_joint: ElementaryJoint,
-    /// The axes, as columns, of the frame whose z is the joint's axis, in the joint's frame; identity where
-    /// there is no axis.
+    /// The axes, as columns, of the frame whose z is the joint's axis, in the joint's frame. Identity for joints
+    /// without an axis.
     pub(super) frame: Matrix3<f64>,
     /// The pose of the joint's frame in the parent's at coordinate zero.
     pub(super) origin: Pose<f64>,
@@ -23,8 +23,8 @@ pub(super) struct ElementaryBody<'a> {
     pub(super) mimic: Option<(f64, f64)>,
 }
 
-/// Returns the bodies of a model, where universal and planar joints are several elementary ones; and by link,
-/// its body.
+/// Returns the bodies of a model, and the body of each link. Universal and planar joints are expanded into several
+/// elementary joints.
 pub(super) fn expand_composite_joints(model: &Model) -> (Vec<ElementaryBody<'_>>, Vec<usize>) {
     let mut elementary: Vec<ElementaryBody<'_>> = Vec::with_capacity(model.links().len());
     let mut bodies: Vec<usize> = Vec::with_capacity(model.links().len());
@@ -77,11 +77,11 @@ pub(super) fn expand_composite_joints(model: &Model) -> (Vec<ElementaryBody<'_>>
     (elementary, bodies)
 }
 
-/// A right-handed frame (as columns) whose z axis is `axis`; exact where that is a coordinate axis.
+/// Returns a right-handed frame (as columns) whose z axis is `axis`; it is exact for a coordinate axis.
 fn frame_along(axis: [f64; 3]) -> Matrix3<f64> {
     let unit = |v: Vector3<f64>| v.scale(1.0 / libm::sqrt(v.dot(v)));
     let z = unit(Vector3(axis.map(snap)));
-    // Any direction that is not near the axis; `turn` chooses the x axis afterwards.
+    // Any direction that is not close to the axis; `turn` chooses the x axis afterwards.
     let across = if z[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
     let y = unit(z.cross(Vector3(across)));
     Matrix3([y.cross(z).0, y.0, z.0]).transposed()

@@ -1,4 +1,4 @@
-//! A mechanism in which one limb stands for several equal ones.
+//! A mechanism whose equal limbs are merged into one limb of lanes.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -7,12 +7,12 @@ use super::Mechanism;
 use super::tree::{BodyTree, LimbRoot, TreeAccess};
 use crate::LaneScalar;
 
-/// A mechanism whose numbers may be packs of lanes: equal limbs (legs, arms, fingers) merged into
-/// one, a limb a lane, or several columns of derivatives side by side.
+/// A mechanism whose numbers may be packs of lanes. Equal limbs (legs, arms, fingers) are merged into one limb
+/// with a lane for each, or several columns of derivatives are computed at a time.
 ///
-/// Numbers of a merged limb differ from lane to lane; those of the bodies that carry limbs are the
-/// same in all lanes. So a limb's forces are summed over the lanes where they reach their parent, and a
-/// parent's motion is broadcast to them. Equations that do so are generic over [`BodyTree`]:
+/// Values of a merged limb differ from lane to lane. Values of the bodies that carry limbs are the same in all
+/// lanes. Limbs' forces are therefore summed over the lanes where they reach the parent, and the parent's motion
+/// is broadcast to the limbs. Equations that do so are generic over [`BodyTree`]:
 ///
 /// ```
 /// use modyn_runtime::LaneScalar;
@@ -24,7 +24,7 @@ use crate::LaneScalar;
 /// }
 /// ```
 ///
-/// All other equations take a [`Mechanism`], and giving them this one does not compile:
+/// All other equations take a [`Mechanism`]. Calling them with a merged mechanism is a compile error:
 ///
 /// ```compile_fail,E0308
 /// use modyn_runtime::LaneScalar;
@@ -36,7 +36,7 @@ use crate::LaneScalar;
 /// }
 /// ```
 ///
-/// nor does merging limbs on numbers that have no lanes:
+/// Merging limbs on scalars without lanes is a compile error, too:
 ///
 /// ```compile_fail,E0277
 /// use modyn_runtime::mechanism::{LimbRoot, Mechanism, MergedMechanism};
@@ -48,16 +48,17 @@ use crate::LaneScalar;
 #[derive(Clone, Debug)]
 pub struct MergedMechanism<S> {
     mechanism: Mechanism<S>,
-    /// By body.
+    /// For each body, the limbs whose representative it is the first body of.
     roots: Vec<Option<LimbRoot>>,
     column_lanes: usize,
 }
 
 impl<S: LaneScalar> MergedMechanism<S> {
-    /// `mechanism` with limbs merged: `roots` has, by body, the limbs that it is the first body of.
+    /// Returns `mechanism` with limbs merged. For each body, `roots` has the limbs whose representative it is the
+    /// first body of.
     ///
-    /// Links, frames, coordinates and loops of the description have no meaning for merged limbs and
-    /// are left out.
+    /// Links, frames, coordinates and loops of the description have no meaning for merged limbs and are left
+    /// empty.
     #[must_use]
     pub fn new(mut mechanism: Mechanism<S>, roots: Vec<Option<LimbRoot>>) -> Self {
         mechanism.links.clear();
@@ -67,14 +68,14 @@ impl<S: LaneScalar> MergedMechanism<S> {
         Self { mechanism, roots, column_lanes: 1 }
     }
 
-    /// `mechanism` with its limbs as they are, whose derivatives are computed `column_lanes` columns at a
-    /// time, of joints that follow each other.
+    /// Returns `mechanism` with its limbs unmerged. Derivatives are computed `column_lanes` columns at a time;
+    /// these columns belong to consecutive joints.
     #[must_use]
     pub fn with_column_lanes(mechanism: Mechanism<S>, column_lanes: usize) -> Self {
         Self { column_lanes, ..Self::new(mechanism, Vec::new()) }
     }
 
-    /// The length of qd.
+    /// Returns the length of qd.
     #[must_use]
     pub fn nv(&self) -> usize {
         self.mechanism.nv

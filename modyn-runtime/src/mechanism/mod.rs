@@ -1,25 +1,25 @@
-//! The model rewritten for computation: exact rewrites from [`Model`] to [`Mechanism`].
+//! The mechanism: the model rewritten for computation, by exact rewrites from [`Model`] to [`Mechanism`].
 //!
-//! 0. **Composite joints** (`elementary`). Universal and planar joints are taken apart into revolute and prismatic ones
-//!    with massless bodies between them.
-//! 1. **z axes** (`dh_frames`). Frames are turned so that the axis of every revolute or prismatic joint is z.
-//! 2. **Rotated frames.** A rotation between two frames is Rz Rx Rz. The last factor joins the
-//!    child's joint angle; the first is taken over by the parent's joint angle for one child of
-//!    each link (the one that carries most). What is left is a rotation about x.
-//! 3. **Shifted origins.** A revolute joint's frame may stand anywhere along its axis: where the
-//!    translation from its parent has a component less. (2 and 3 are Denavit and Hartenberg's
-//!    argument, carried over to trees.)
-//! 4. **Base inertia** (`base_inertia`). Mass on a revolute axis moves with parent and child alike, so the
-//!    child's mass, first moment along z and second moment along z may be counted with the parent;
-//!    after a prismatic joint this holds for the whole second moment, after a spherical one
-//!    for the mass. The child keeps the parameters that its joint's torque depends on (Gautier and Khalil 1990, "Direct calculation
-//!    of minimum set of inertial parameters of serial robots").
-//! 5. **Snapping** (`snapping`). Constant rotations within 1e-11 rad of a quarter turn become one; translations and
-//!    components of axes below 1e-11 become 0.
+//! 0. **Composite joints** (`elementary`). Universal and planar joints are expanded into revolute and prismatic
+//!    joints with massless bodies between them.
+//! 1. **z axes** (`dh_frames`). Frames are rotated so that the axis of every revolute or prismatic joint is z.
+//! 2. **Rotated frames.** A rotation between two frames is Rz Rx Rz. The last factor is added to the child's
+//!    joint angle. The first factor is added to the parent's joint angle, for one child of each link: the child
+//!    with the largest subtree. The remaining rotation is about x.
+//! 3. **Shifted origins.** A revolute joint's frame may be anywhere along its axis. It is shifted to where one
+//!    component of the translation from its parent vanishes. (2 and 3 generalize Denavit and Hartenberg to
+//!    trees.)
+//! 4. **Base inertia** (`base_inertia`). Mass on a revolute axis moves alike with parent and child. The child's
+//!    mass, first moment along z and second moment along z may therefore be moved to the parent. After a
+//!    prismatic joint this holds for the whole second moment, after a spherical joint for the mass. The child
+//!    keeps the parameters that its joint's force depends on (Gautier and Khalil 1990, "Direct calculation of
+//!    minimum set of inertial parameters of serial robots").
+//! 5. **Snapping** (`snapping`). Constant rotations within 1e-11 rad of a multiple of a quarter turn become exact.
+//!    Translations and components of axes below 1e-11 become 0.
 //!
-//! All of them leave the joint coordinates, and so every joint-space quantity, as they were. The
-//! fourth changes single links' inertias, and on a fixed base it drops mass that cannot move,
-//! with its constant share of the potential energy; so [`Body::inertia`] keeps the inertia of the description.
+//! The rewrites leave the joint coordinates, and so every joint-space quantity, unchanged. The fourth changes the
+//! inertias of single links. On a fixed base it also drops mass that cannot move, with its constant part of the
+//! potential energy. [`Body::inertia`] therefore keeps the inertia of the description.
 
 mod base_inertia;
 mod body;
@@ -44,7 +44,7 @@ use constrained_frames::{constrained, touching};
 use coordinates::{Coordinates, coordinates};
 use dh_frames::Frames;
 use elementary::{ElementaryBody, expand_composite_joints};
-use snapping::{snap, turn_of};
+use snapping::{rotation_by, snap};
 
 pub(crate) use tree::{RootwardAccumulator, TreeAccess};
 
@@ -62,42 +62,41 @@ pub use {
 pub struct Mechanism<S> {
     /// The acceleration of free fall in world axes.
     pub gravity: Vector3<S>,
-    /// One body a moving link (more where its joint is composite), in the model's order.
+    /// The bodies: one for each moving link in the model's order, and more for composite joints.
     pub bodies: Vec<Body<S>>,
-    /// The degrees of freedom in the order of their bodies. Without mimics, in that of qd.
+    /// The degrees of freedom in the order of their bodies. Without mimic joints this is the order of qd.
     pub dofs: Vec<Dof<S>>,
-    /// The inertia that base parameters count with the world, which no joint moves; about the world's
-    /// origin.
+    /// The part of the inertia that no joint moves, about the world's origin. Base inertias leave it out.
     pub static_inertia: RigidInertia<S>,
-    /// By moving link of the model: its body, which is the last one of its joint.
+    /// For each moving link of the model, its body: the last body of its joint.
     pub links: Vec<usize>,
-    /// Length of q.
+    /// The length of q.
     pub nq: usize,
-    /// Length of qd.
+    /// The length of qd.
     pub nv: usize,
-    /// The coordinates by their spaces.
+    /// The coordinates, grouped by their spaces.
     pub coordinates: Vec<Coordinates<S>>,
-    /// The velocity over which Coulomb friction rises; `None` where its sign jumps.
+    /// The velocity of the smooth transition of Coulomb friction, rad/s or m/s; `None` for a jump.
     pub smooth: Option<S>,
-    /// One frame a link of the description, in the model's order.
+    /// A frame for each link of the description, in the model's order.
     pub frames: Vec<BodyFrame<S>>,
     /// The constraints: those that close loops, then the contacts, each in the model's order.
     pub constraints: Vec<ConstrainedFrames<S>>,
 }
 
 impl<S: Scalar> Mechanism<S> {
-    /// The structure of each body, in their order.
+    /// Returns the structure of each body, in the order of the bodies.
     pub fn structure(&self) -> impl Iterator<Item = BodyStructure> + '_ {
         self.bodies.iter().map(|body| body.structure(&self.dofs))
     }
 
-    /// The degrees of freedom of body `i`.
+    /// Returns the degrees of freedom of body `i`.
     #[must_use]
     pub fn dofs_of(&self, i: usize) -> &[Dof<S>] {
         &self.dofs[self.bodies[i].dofs.clone()]
     }
 
-    /// The rates of body `i`'s joint, of the joint vector `x`.
+    /// Returns the rates of body `i`'s joint, given the joint vector `x`.
     #[must_use]
     pub fn rates(&self, i: usize, x: &[S]) -> Rates<S> {
         let dofs = self.dofs_of(i);
@@ -108,7 +107,7 @@ impl<S: Scalar> Mechanism<S> {
         rates
     }
 
-    /// `t` with body `i`'s joint's own rates (or accelerations) added: t + P qd.
+    /// Returns `t` plus the motion of body `i`'s joint, given the joint rates (or accelerations) `x`: t + P qd.
     #[must_use]
     pub fn add_rates(&self, i: usize, t: Twist<S>, x: &[S]) -> Twist<S> {
         let mut components = t.components();
@@ -124,14 +123,14 @@ impl<S: Scalar> Mechanism<S> {
         self.constraints.iter().filter(|constraint| constraint.contact).count()
     }
 
-    /// Whether joints follow others: degrees of freedom then share entries of the joint vectors.
+    /// Returns whether the robot has mimic joints. Degrees of freedom then share entries of the joint vectors.
     #[must_use]
     pub fn has_mimics(&self) -> bool {
         self.dofs.len() != self.nv
     }
 
-    /// Adds `inertia`, about the origin of link `frame` of the description (an index) in its own axes, to the body
-    /// that carries the link. On a link that is fixed to the world this changes nothing.
+    /// Adds `inertia` to the body that carries link `frame` of the description (an index). `inertia` is about the
+    /// link's origin, in the link's axes. Has no effect on a link that is fixed to the world.
     pub fn add_inertia(&mut self, frame: usize, inertia: &RigidInertia<S>) {
         let BodyFrame { body: Some(body), pose } = self.frames[frame] else { return };
         let (body, inertia) = (&mut self.bodies[body], inertia.placed(&pose));
@@ -139,18 +138,18 @@ impl<S: Scalar> Mechanism<S> {
         body.base_inertia = body.base_inertia + inertia;
     }
 
-    /// Makes the base inertias and the static inertia anew of the bodies' inertias.
+    /// Recomputes the base inertias and the static inertia from the bodies' inertias.
     pub fn minimize(&mut self) {
         self.static_inertia = base_inertia::move_to_parents(&mut self.bodies);
     }
 }
 
 impl Mechanism<f64> {
-    /// Rewrites `model`.
+    /// Returns the mechanism of `model`.
     #[must_use]
     pub fn new(model: &Model) -> Self {
         let (elementary, links) = expand_composite_joints(model);
-        let mut frames = Frames::on_axes(&elementary);
+        let mut frames = Frames::with_axes_along_z(&elementary);
         frames.turn(&elementary);
         frames.shift();
         let mut bodies = bodies(&elementary, &frames);
@@ -189,7 +188,7 @@ impl Mechanism<f64> {
         }
     }
 
-    /// The same with each number as a scalar of type `S`.
+    /// Returns the mechanism with its numbers as scalars of type `S`.
     #[must_use]
     pub fn cast<S: Scalar>(&self) -> Mechanism<S> {
         let f = S::from_f64;
@@ -209,7 +208,7 @@ impl Mechanism<f64> {
     }
 }
 
-/// The bodies in their turned and shifted frames, with the inertia that the model states.
+/// Returns the bodies in their rotated and shifted frames, with the model's inertias.
 fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> {
     let mut next = 0;
     let body = |(i, own): (usize, &ElementaryBody<'_>)| {
@@ -222,14 +221,14 @@ fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> 
             q: own.q,
             mimic: own.mimic,
             dofs: first..next,
-            zero: match turn_of(frames.zero[i]) {
+            zero: match rotation_by(frames.zero[i]) {
                 AxisRotation::Quarters(n) => JointOffset::Quarters(n),
                 AxisRotation::Angle { cos, sin } => JointOffset::Angle(libm::atan2(sin, cos)),
             },
             placement: DhTransform {
-                azimuth: turn_of(frames.azimuth[i]),
+                azimuth: rotation_by(frames.azimuth[i]),
                 translation: Vector3(frames.translation[i].0.map(snap)),
-                tilt: turn_of(frames.tilt[i]),
+                tilt: rotation_by(frames.tilt[i]),
             },
             link: frames.link[i],
             inertia,
@@ -239,7 +238,7 @@ fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> 
     elementary.iter().enumerate().map(body).collect()
 }
 
-/// The degrees of freedom of all bodies, with the damping and friction that `friction` lets act.
+/// Returns the degrees of freedom of all bodies, with the damping and friction that `friction` selects.
 fn dofs(elementary: &[ElementaryBody<'_>], friction: Friction) -> Vec<Dof<f64>> {
     let acting = |x: f64, acts: bool| (acts && x != 0.0).then_some(x);
     let dry = matches!(friction, Friction::Coulomb | Friction::Smooth(_));

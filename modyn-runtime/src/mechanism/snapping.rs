@@ -1,28 +1,28 @@
-//! Constant angles, and numbers that are rounding noise next to a quarter turn or to zero.
+//! Snapping: constant angles close to a multiple of a quarter turn, and numbers close to zero, become exact.
 
 use crate::spatial::{AxisRotation, Vector3};
 
-/// Sines, cosines, translations (m) and components of axes nearer to 0 than this are taken for it.
+/// Sines, cosines, translations (m) and components of axes below this become 0.
 const SNAP: f64 = 1e-11;
 
-/// Cosine and sine of a constant angle.
+/// The cosine and sine of a constant angle.
 pub(super) type Direction = (f64, f64);
 
 /// The angle zero.
-pub(super) const AHEAD: Direction = (1.0, 0.0);
+pub(super) const ZERO_ANGLE: Direction = (1.0, 0.0);
 
-/// The direction of a vector in the x, y plane; the angle zero where it has none.
-pub(super) fn towards(v: Vector3<f64>) -> Direction {
+/// Returns the direction of a vector in the x, y plane; the angle zero for a vector along z.
+pub(super) fn direction_of(v: Vector3<f64>) -> Direction {
     let [x, y, _] = v.0;
     let length = libm::hypot(x, y);
-    if length < 1e-12 { AHEAD } else { snapped((x / length, y / length)) }
+    if length < 1e-12 { ZERO_ANGLE } else { snapped((x / length, y / length)) }
 }
 
 pub(super) fn inverse((cos, sin): Direction) -> Direction {
     (cos, -sin)
 }
 
-/// The sum of the angles.
+/// Returns the sum of two angles.
 pub(super) fn combine((c, s): Direction, (cos, sin): Direction) -> Direction {
     snapped((c * cos - s * sin, s * cos + c * sin))
 }
@@ -31,7 +31,7 @@ pub(super) fn snap(x: f64) -> f64 {
     if x.abs() < SNAP { 0.0 } else { x }
 }
 
-/// A direction scaled to length 1 again, along an axis where it is nearly parallel to one.
+/// Returns a direction scaled to length 1, exactly along a coordinate axis if it is nearly parallel to one.
 pub(super) fn snapped((cos, sin): Direction) -> Direction {
     match (snap(cos), snap(sin)) {
         (cos, 0.0) => (1.0_f64.copysign(cos), 0.0),
@@ -43,7 +43,7 @@ pub(super) fn snapped((cos, sin): Direction) -> Direction {
     }
 }
 
-pub(super) fn turn_of((cos, sin): Direction) -> AxisRotation<f64> {
+pub(super) fn rotation_by((cos, sin): Direction) -> AxisRotation<f64> {
     if sin == 0.0 {
         AxisRotation::Quarters(if cos > 0.0 { 0 } else { 2 })
     } else if cos == 0.0 {

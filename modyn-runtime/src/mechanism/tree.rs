@@ -1,4 +1,4 @@
-//! Trees of bodies that the recursions run over: quantities from parents, and onto parents.
+//! Trees of bodies for the recursions: how quantities pass from parents to children and back.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -8,60 +8,59 @@ use crate::Scalar;
 use crate::joint::JointTransform;
 use crate::spatial::{ArticulatedInertia, RigidInertia, Vector3, Wrench};
 
-/// The limbs that a merged limb's first body stands for.
+/// The limbs that are merged into one, for the first body of their representative.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LimbRoot {
-    /// The number of limbs, a lane each; at least two.
+    /// The number of limbs, at least two; each has a lane.
     pub limbs: usize,
-    /// The body that each limb hangs on (`None` for the world), limbs of one body next to each other;
-    /// empty if that is the body's own parent for all.
+    /// The parent body of each limb (`None` for the world); limbs with the same parent are adjacent. Empty if all
+    /// limbs have the parent of the representative.
     pub parents: Vec<Option<usize>>,
 }
 
 /// A tree of bodies that a recursion can run over: a [`Mechanism`], or a
-/// [`MergedMechanism`](super::MergedMechanism), where one limb stands for several. No other type can
-/// be one.
+/// [`MergedMechanism`](super::MergedMechanism) with merged limbs. The trait cannot be implemented for other
+/// types.
 pub trait BodyTree<S: Scalar>: TreeAccess<S> {}
 
-/// The numbers of a [`BodyTree`], and how lanes come in and are summed up where limbs meet the bodies
-/// that carry them.
+/// The contents of a [`BodyTree`], and the lane operations between limbs and the bodies that carry them.
 pub trait TreeAccess<S: Scalar> {
-    /// The bodies and their degrees of freedom.
+    /// Returns the bodies and their degrees of freedom.
     fn mechanism(&self) -> &Mechanism<S>;
 
-    /// The limbs that a body is the first one of, where it stands for several.
+    /// Returns the limbs whose representative `_body` is the first body of; `None` if it is no such body.
     fn limb_root(&self, _body: usize) -> Option<&LimbRoot> {
         None
     }
 
-    /// The number of columns of derivatives that are computed at a time.
+    /// Returns the number of derivative columns that are computed at a time.
     fn column_lanes(&self) -> usize {
         1
     }
 
-    /// The pack of these numbers; the first one where numbers have no lanes.
+    /// Returns the pack of these lanes; the first one for scalars without lanes.
     fn pack(&self, each: &[S]) -> S {
         each[0]
     }
 
-    /// A lane of a pack; the number itself where numbers have no lanes.
+    /// Returns a lane of a pack; the number itself for scalars without lanes.
     fn extract_lane(&self, x: S, _lane: usize) -> S {
         x
     }
 
-    /// The sum over lanes of a pack; the number itself where numbers have no lanes.
+    /// Returns the sum over lanes of a pack; the number itself for scalars without lanes.
     fn sum_lanes(&self, x: S, _lanes: Range<usize>) -> S {
         x
     }
 
-    /// The bodies that limbs hang on, if not all limbs of the body's hang on its parent.
+    /// Returns the parents of the limbs of `body`; `None` if all limbs have the same parent.
     fn parents(&self, body: usize) -> Option<&[Option<usize>]> {
         let parents = self.limb_root(body).map(|root| &*root.parents);
         parents.filter(|parents| !parents.is_empty())
     }
 
-    /// The numbers that `body`'s joint gets from the body that it hangs on, or from the world
-    /// (`None`): lane by lane, where limbs hang on different bodies.
+    /// Returns values of the parent of `body`'s joint; `None` is the world. If limbs have different parents, each
+    /// lane has the value of its limb's parent.
     fn broadcast_from_parents<const N: usize>(
         &self,
         body: usize,
@@ -74,7 +73,7 @@ pub trait TreeAccess<S: Scalar> {
         core::array::from_fn(|n| self.pack(&each.iter().map(|x| x[n]).collect::<Vec<_>>()))
     }
 
-    /// A pack with the lanes of the limbs that hang on `parent`, and zeros in the others.
+    /// Returns a pack with the lanes of the limbs whose parent is `parent`, and zeros in the other lanes.
     fn only_on(&self, parents: &[Option<usize>], parent: usize, x: S) -> S {
         let on = |(limb, on): (usize, &Option<usize>)| {
             if *on == Some(parent) { self.extract_lane(x, limb) } else { S::zero() }
@@ -82,8 +81,8 @@ pub trait TreeAccess<S: Scalar> {
         self.pack(&parents.iter().enumerate().map(on).collect::<Vec<_>>())
     }
 
-    /// Gives each body that `body` hangs on the sum over its limbs there: `add` gets the parent
-    /// and the result of `carried`, which puts each of its numbers through the sum.
+    /// Passes the sum over limbs to each parent of `body`. `add` receives the parent and the result of `carried`,
+    /// which applies the sum to each of its numbers.
     fn to_parents<X>(
         &self,
         body: usize,
@@ -112,7 +111,7 @@ pub trait TreeAccess<S: Scalar> {
         }
     }
 
-    /// Gives them a mass on `body` and its first moment.
+    /// Passes a mass on `body` and its first moment to each parent.
     fn mass_to_parents(
         &self,
         body: usize,
@@ -127,7 +126,7 @@ pub trait TreeAccess<S: Scalar> {
         }
     }
 
-    /// Gives them a wrench on `body`.
+    /// Passes a wrench on `body` to each parent.
     fn wrench_to_parents(
         &self,
         body: usize,
@@ -142,7 +141,7 @@ pub trait TreeAccess<S: Scalar> {
         }
     }
 
-    /// Gives them a rigid inertia on `body`.
+    /// Passes a rigid inertia on `body` to each parent.
     fn rigid_to_parents(
         &self,
         body: usize,
@@ -157,7 +156,7 @@ pub trait TreeAccess<S: Scalar> {
         }
     }
 
-    /// Gives them an articulated inertia on `body`.
+    /// Passes an articulated inertia on `body` to each parent.
     fn articulated_to_parents(
         &self,
         body: usize,
@@ -186,11 +185,11 @@ impl<S: Scalar> TreeAccess<S> for Mechanism<S> {
     }
 }
 
-/// Numbers that are carried from a body to the root. Where limbs hang on different bodies, each lane is
-/// added where its own limb meets the path.
+/// Values that are transformed from a body towards the root. If limbs have different parents, each lane is added
+/// where its own limb meets the path.
 pub(crate) struct RootwardAccumulator<'a, S, T, const N: usize> {
     tree: &'a T,
-    /// The numbers that such limbs have carried to the bodies that they hang on.
+    /// The values of such limbs at their parents, to be added on the path.
     limbs: Option<(&'a [Option<usize>], [S; N])>,
 }
 
@@ -199,9 +198,9 @@ impl<'a, S: Scalar, T: BodyTree<S>, const N: usize> RootwardAccumulator<'a, S, T
         Self { tree, limbs: None }
     }
 
-    /// The numbers at `parent`, of those that are `carried` to it from `body` and of the lanes that are
-    /// added there.
-    pub(crate) fn onto(&mut self, body: usize, parent: usize, carried: [S; N]) -> [S; N] {
+    /// Returns the values at `parent`: those that are `carried` to it from `body`, plus the lanes of limbs
+    /// that join the path there.
+    pub(crate) fn accumulate(&mut self, body: usize, parent: usize, carried: [S; N]) -> [S; N] {
         let tree = self.tree;
         if let Some(parents) = tree.parents(body) {
             self.limbs = Some((parents, carried));

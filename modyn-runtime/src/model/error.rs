@@ -1,4 +1,4 @@
-//! What can be wrong with the parts of a model.
+//! Defects of a model's parts.
 
 use alloc::{collections::BTreeMap, string::String, vec::Vec};
 use core::fmt;
@@ -7,13 +7,13 @@ use super::{Friction, Inertial, Limits, Model};
 use crate::joint::JointType;
 use crate::spatial::Pose;
 
-/// A defect of a model's parts, and where it is.
+/// A defect of a model's parts, and the part that has it.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ModelError {
-    /// The joint, link or frame concerned; the model's name where it concerns the whole.
+    /// The joint, link or frame with the defect; the model's name for a defect of the whole model.
     pub name: String,
-    /// What is wrong.
+    /// The kind of defect.
     pub kind: ModelErrorKind,
 }
 
@@ -25,11 +25,11 @@ pub enum ModelErrorKind {
     NoJoint,
     /// Another link (or joint) has the same name.
     DuplicateName,
-    /// The parent (or the link a frame is fixed to) does not exist or does not come before it.
+    /// The parent (or the link that a frame is fixed to) does not exist, or does not come before the child.
     Parent,
-    /// The links do not stand depth first.
+    /// The links are not in depth-first order.
     Order,
-    /// A figure is NaN or infinite.
+    /// A number is NaN or infinite.
     NotFinite,
     /// The axis is not of unit length.
     Axis,
@@ -37,16 +37,16 @@ pub enum ModelErrorKind {
     SecondAxis,
     /// The rotation matrix is not orthonormal and right-handed.
     Rotation,
-    /// A joint of several coordinates follows one, or is followed, or the leader does not exist, or
-    /// joints follow each other in a circle.
+    /// A mimic joint or its leader has several coordinates, the leader does not exist, or mimic joints form a
+    /// cycle.
     Mimic,
-    /// Armature, damping or friction below zero.
+    /// Armature, damping or friction is negative.
     JointDynamics,
-    /// Friction is smoothed by what is no velocity above zero.
+    /// The transition velocity of smooth friction is not positive.
     Friction,
-    /// A loop constraint holds a link that does not exist.
+    /// A loop constraint refers to a link that does not exist.
     LoopConstraintLink,
-    /// A loop constraint holds two links that cannot move against each other.
+    /// A loop constraint connects two links that cannot move relative to each other.
     LoopConstraintEnds,
     /// A contact is on a link that does not exist.
     ContactLink,
@@ -60,8 +60,8 @@ impl fmt::Display for ModelError {
             ModelErrorKind::NoJoint => "has no moving joint; a model needs at least one",
             ModelErrorKind::DuplicateName => "is a name used twice; names must be unique",
             ModelErrorKind::Parent => "has a parent that does not come before it in the model",
-            ModelErrorKind::Order => "is out of order; links must stand depth first",
-            ModelErrorKind::NotFinite => "has a figure that is NaN or infinite",
+            ModelErrorKind::Order => "is out of order; links must be in depth-first order",
+            ModelErrorKind::NotFinite => "has a number that is NaN or infinite",
             ModelErrorKind::Axis => "has an axis that is not of unit length",
             ModelErrorKind::SecondAxis => {
                 "has a second axis that is not of unit length, or parallel to the first"
@@ -72,10 +72,12 @@ impl fmt::Display for ModelError {
                  several coordinates"
             }
             ModelErrorKind::JointDynamics => "has a negative armature, damping or friction",
-            ModelErrorKind::Friction => "smooths friction by what is no velocity above zero",
-            ModelErrorKind::LoopConstraintLink => "holds a link that does not exist",
+            ModelErrorKind::Friction => {
+                "has smooth friction whose transition velocity is not positive"
+            }
+            ModelErrorKind::LoopConstraintLink => "refers to a link that does not exist",
             ModelErrorKind::LoopConstraintEnds => {
-                "holds two links that cannot move against each other"
+                "connects two links that cannot move relative to each other"
             }
             ModelErrorKind::ContactLink => "is a contact on a link that does not exist",
             ModelErrorKind::ContactFixed => "is a contact on a link that cannot move",
@@ -86,17 +88,17 @@ impl fmt::Display for ModelError {
 
 impl core::error::Error for ModelError {}
 
-/// Every defect of `model` without loop constraints: of the whole, then links, then frames.
+/// Returns all defects of `model` without its loop constraints: of the whole, then of links, then of frames.
 pub(super) fn check(model: &Model) -> Vec<ModelError> {
-    let mut errors = check_whole(model);
+    let mut errors = check_model(model);
     let mut report = |name: &str, kind| errors.push(ModelError { name: name.into(), kind });
     if model.links.is_empty() {
         report(&model.name, ModelErrorKind::NoJoint);
     }
-    let leads = lead_somewhere(model);
+    let leads = resolves_to_coordinates(model);
     let mut joints = BTreeMap::new();
     let mut names = BTreeMap::new();
-    // The links on the path from the root to the one before: a depth-first successor hangs on one of them.
+    // The links from the root to the previous link: a depth-first successor is the child of one of them.
     let mut path: Vec<usize> = Vec::new();
     for (i, link) in model.links.iter().enumerate() {
         if names.insert(&link.name, i).is_some() {
@@ -180,8 +182,8 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
     errors
 }
 
-/// Every defect of the figures that are the whole `model`'s.
-pub(super) fn check_whole(model: &Model) -> Vec<ModelError> {
+/// Returns the defects of the model's own numbers: gravity and friction.
+pub(super) fn check_model(model: &Model) -> Vec<ModelError> {
     let sound = match model.friction {
         Friction::Smooth(width) => width > 0.0 && width.is_finite(),
         _ => true,
@@ -192,7 +194,7 @@ pub(super) fn check_whole(model: &Model) -> Vec<ModelError> {
     bad.map(|(_, kind)| ModelError { name: model.name.clone(), kind }).collect()
 }
 
-/// Every defect of the loop constraints of a `model` that is sound without them.
+/// Returns all defects of the loop constraints of a `model` that has no other defects.
 pub(super) fn check_loop_constraints(model: &Model) -> Vec<ModelError> {
     let mut errors = Vec::new();
     let mut names = BTreeMap::new();
@@ -254,9 +256,9 @@ pub(super) fn check_contacts(model: &Model) -> Vec<ModelError> {
     errors
 }
 
-/// By link: whether its joint has coordinates of its own, or follows, at last, one that has. Every
-/// mimic is followed once.
-fn lead_somewhere(model: &Model) -> Vec<bool> {
+/// Returns, for each link, whether its joint has a coordinate of its own, or its chain of leaders ends at such a
+/// joint. Every mimic joint is visited once.
+fn resolves_to_coordinates(model: &Model) -> Vec<bool> {
     let single = |i: usize| model.links.get(i).is_some_and(|link| link.joint.joint_type.nq() == 1);
     let mut known: Vec<Option<bool>> = alloc::vec![None; model.links.len()];
     for start in 0..model.links.len() {
@@ -266,7 +268,7 @@ fn lead_somewhere(model: &Model) -> Vec<bool> {
             if let Some(known) = known[at] {
                 break known;
             }
-            // Whoever comes back here goes in a circle.
+            // A chain that returns to a joint of its own path is a cycle.
             known[at] = Some(false);
             path.push(at);
             match model.links[at].joint.mimic {
@@ -284,7 +286,7 @@ fn finite(figures: &[f64]) -> bool {
     figures.iter().all(|x| x.is_finite())
 }
 
-/// Whether all limits are numbers; infinite ones are none.
+/// Returns whether no limit is NaN; infinite limits are allowed and mean no limit.
 fn are_numbers(limits: &Limits) -> bool {
     let Limits { lower, upper, velocity, effort } = limits;
     [lower, upper, velocity, effort].into_iter().flatten().all(|limit| !limit.is_nan())
@@ -306,7 +308,7 @@ mod tests {
     use super::*;
     use crate::model::{DEFAULT_GRAVITY, Frame, Joint, Link, Mimic};
 
-    /// Links beside each other, whose joints follow these; the last turns any way.
+    /// Returns a model of parallel links whose joints follow these leaders; the last joint is spherical.
     fn model(leaders: &[Option<usize>]) -> Result<Model, Vec<ModelError>> {
         let link = |(i, leader): (usize, &Option<usize>)| {
             let last = i + 1 == leaders.len();
@@ -320,7 +322,7 @@ mod tests {
         Model::new("r", DEFAULT_GRAVITY, links, Vec::new())
     }
 
-    /// Limits and links' own inertias become figures of the generated text, where NaN is no literal.
+    /// Limits and the links' own inertias become numbers of the generated text, where NaN is no literal.
     #[test]
     fn figures_that_are_only_stated_are_numbers_too() {
         let good = model(&[None, None]).expect("good");
@@ -353,7 +355,7 @@ mod tests {
             assert!(errors.iter().all(|error| error.kind == ModelErrorKind::Mimic));
             errors.into_iter().map(|error| error.name).collect()
         };
-        // A circle, and who leads into it; itself; nobody; several coordinates, also at last.
+        // A cycle, and a joint that leads into it; itself; a missing leader; a leader with several coordinates.
         assert_eq!(bad(&[Some(1), Some(2), Some(1), None, None]), ["0", "1", "2"]);
         assert_eq!(bad(&[Some(0), None, None]), ["0"]);
         assert_eq!(bad(&[Some(9), Some(0), None]), ["0", "1"]);

@@ -1,36 +1,36 @@
-//! Joints: type, axis, limits, coupling to other joints, rotor, damping and friction.
+//! Joints: type, axis, limits, mimics, armature, damping and friction.
 
 use alloc::string::String;
 
 use crate::joint::JointType;
 use crate::spatial::Pose;
 
-/// A joint: how a link moves against its parent.
+/// A joint: how a link moves relative to its parent.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Joint {
     /// The joint's name in the description.
     pub name: String,
-    /// What motion it allows.
+    /// The motion that the joint allows.
     pub joint_type: JointType,
-    /// The axis, a unit vector in the joint's (and so the link's) frame; without meaning for
-    /// spherical and floating joints.
+    /// The axis, a unit vector in the joint's frame, which is also the link's; without meaning for spherical and
+    /// floating joints.
     pub axis: [f64; 3],
-    /// A universal joint's second axis, a unit vector in the frame behind the first rotation;
-    /// without meaning for other types.
+    /// The second axis of a universal joint, a unit vector in the frame after the first rotation; without
+    /// meaning for other types.
     pub second_axis: [f64; 3],
-    /// The joint's frame at coordinate zero, in the frame of the parent link (or of the world).
+    /// The pose of the joint's frame at coordinate zero, in the frame of the parent link (or of the world).
     pub origin: Pose<f64>,
-    /// Limits, where the description states them.
+    /// The limits; `None` if the description has none.
     pub limits: Option<Limits>,
-    /// The joint that it follows; it then has no coordinate of its own.
+    /// The joint that a mimic joint follows; a mimic joint has no coordinate of its own.
     pub mimic: Option<Mimic>,
-    /// What its drive and bearing add.
+    /// Armature, damping and friction.
     pub drive: JointDynamics,
 }
 
 impl Joint {
-    /// A joint of its own along `axis`, without limits, rotor or friction.
+    /// Returns a joint along `axis`, with a coordinate of its own, without limits, armature or friction.
     #[must_use]
     pub fn new(
         name: impl Into<String>,
@@ -51,24 +51,23 @@ impl Joint {
     }
 }
 
-/// How a joint of one coordinate follows another: q = multiplier q(leader) + offset.
+/// The relation of a mimic joint to its leader: q = multiplier q(leader) + offset. Both have one coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mimic {
-    /// The link, as an index, whose joint is followed; that one may follow another in turn.
+    /// The index of the leader's link. The leader may be a mimic joint itself.
     pub leader: usize,
-    /// The ratio of the velocities.
+    /// The velocity of the joint divided by the leader's.
     pub multiplier: f64,
-    /// The coordinate where the leader's is zero.
+    /// The joint's coordinate at the leader's coordinate zero, rad or m.
     pub offset: f64,
 }
 
-/// What a joint's drive and bearing add to each of its degrees of freedom.
+/// Armature, damping and friction at each degree of freedom of a joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointDynamics {
-    /// The rotor's inertia as the joint feels it, gear ratio squared times rotor inertia: kg m^2,
-    /// or kg for a joint that slides.
+    /// The armature: the rotor's inertia times the squared gear ratio, kg m^2, or kg for a prismatic joint.
     pub armature: f64,
     /// Viscous damping, N m s/rad or N s/m.
     pub damping: f64,
@@ -76,33 +75,33 @@ pub struct JointDynamics {
     pub friction: f64,
 }
 
-/// Limits of a joint, as the description states them: rad or m, rad/s or m/s, N m or N.
+/// Limits of a joint, in the description's values: rad or m, rad/s or m/s, N m or N.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits {
-    /// Smallest coordinate; `None` where there is no such limit (a continuous joint).
+    /// The lower position limit; `None` without a limit (a continuous joint).
     pub lower: Option<f64>,
-    /// Largest coordinate; `None` where there is no such limit (a continuous joint).
+    /// The upper position limit; `None` without a limit (a continuous joint).
     pub upper: Option<f64>,
-    /// Largest speed; `None` where it is not stated.
+    /// The velocity limit; `None` if the description has none.
     pub velocity: Option<f64>,
-    /// Largest effort; `None` where it is not stated.
+    /// The effort limit; `None` if the description has none.
     pub effort: Option<f64>,
 }
 
-/// Which of [`JointDynamics`]' torques act against the motion.
+/// The part of [`JointDynamics`] that resists the joints' motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Friction {
-    /// None; damping and friction are figures only.
+    /// None: damping and friction have no effect.
     #[default]
     None,
-    /// Damping.
+    /// Viscous damping.
     Viscous,
-    /// Damping, and Coulomb friction: its sign jumps at rest, where it is zero.
+    /// Viscous damping and Coulomb friction. The sign of friction jumps at rest, where friction is zero.
     Coulomb,
-    /// Damping, and Coulomb friction times v / sqrt(v^2 + w^2) with this w: without a jump. In
-    /// rad/s or m/s, positive.
+    /// Viscous damping, and Coulomb friction times v / sqrt(v^2 + w^2) with this transition velocity w, without
+    /// a jump. rad/s or m/s, positive.
     Smooth(f64),
 }

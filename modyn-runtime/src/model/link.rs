@@ -1,21 +1,21 @@
-//! Links: those that joints move, and all links of the description as frames.
+//! Links: the moving links, and all links of the description as frames.
 
 use alloc::string::String;
 
 use super::{Inertial, Joint};
 use crate::spatial::Pose;
 
-/// A moving link, with the joint that moves it.
+/// A moving link, with the joint towards its parent.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Link {
     /// The link's name in the description.
     pub name: String,
-    /// The moving link it hangs on; `None` for the world.
+    /// The parent: the index of a moving link; `None` for the world.
     pub parent: Option<usize>,
-    /// The joint between the two.
+    /// The joint between parent and link.
     pub joint: Joint,
-    /// Its inertia, together with all that is fixed to it, in its own frame.
+    /// The inertia of the link and of all links that are fixed to it, in the link's frame.
     pub inertial: Inertial,
 }
 
@@ -25,10 +25,10 @@ pub struct Link {
 pub struct Frame {
     /// The link's name in the description.
     pub name: String,
-    /// The moving link it is fixed to; `None` for the world.
+    /// The moving link that it is fixed to; `None` for the world.
     pub link: Option<usize>,
-    /// Its pose in that link's frame (identity for the moving link itself), or in the world.
+    /// The pose in that link's frame (identity for the moving link itself), or in the world.
     pub pose: Pose<f64>,
-    /// Its own inertia in its own frame: its share of the moving link's.
+    /// The link's own inertia in its own frame. The moving link's inertia includes it.
     pub inertial: Inertial,
 }

@@ -7,44 +7,45 @@ use crate::inertial::Inertial;
 use crate::joint::planar;
 use crate::spatial::Pose;
 
-/// A joint that closes a loop: two frames that are held together.
+/// A joint that closes a loop: a constraint between two frames.
 ///
-/// Joints make a tree; a loop is cut at one of its joints, and the motion that this joint allows is a loop
-/// constraint. [`constrained_forward_dynamics`](crate::Interpreter::constrained_forward_dynamics) and
-/// [`project_constraints`](crate::Interpreter::project_constraints) meet it; all other quantities are
-/// those of the tree.
+/// The joints of a model form a tree. A loop is cut at one of its joints, which becomes a loop constraint.
+/// [`constrained_forward_dynamics`](crate::Interpreter::constrained_forward_dynamics) and
+/// [`project_constraints`](crate::Interpreter::project_constraints) satisfy it. All other functions ignore it:
+/// they compute quantities of the tree.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LoopConstraint {
-    /// Its name.
+    /// The constraint's name.
     pub name: String,
-    /// The motion that is allowed.
+    /// The relative motion that is allowed.
     pub kind: LoopConstraintKind,
-    /// The two frames, of links that move against each other.
+    /// The two frames, on links that move relative to each other.
     pub ends: [LoopConstraintEnd; 2],
 }
 
-/// A frame that a [`LoopConstraint`] holds.
+/// A frame of a [`LoopConstraint`].
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LoopConstraintEnd {
     /// The link of the description, as an index into [`Model::frames`](super::Model::frames).
     pub frame: usize,
-    /// Where the frame stands on the link.
+    /// The pose of the frame in the link's frame.
     pub pose: Pose<f64>,
 }
 
-/// The motion that a [`LoopConstraint`] allows: that of the joint which was cut.
+/// The relative motion that a [`LoopConstraint`] allows: that of the joint at which the loop was cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum LoopConstraintKind {
-    /// The frames' origins: a ball and socket (URDF's way: `spherical`).
+    /// The origins coincide: a ball and socket joint (`spherical` in URDF).
     Point,
-    /// The frames: a weld (`fixed`).
+    /// The frames coincide: a weld (`fixed`).
     Rigid,
-    /// The origins and an axis, a unit vector that is the same in both frames: a hinge (`revolute`).
+    /// The origins and an axis coincide: a hinge (`revolute`). The axis is a unit vector in both frames.
     Revolute([f64; 3]),
-    /// All but the place along an axis, a unit vector in the first frame: a slide (`prismatic`).
+    /// The frames coincide but for a translation along an axis, a unit vector in the first frame: a slider
+    /// (`prismatic`).
     Prismatic([f64; 3]),
 }
 
@@ -52,8 +53,8 @@ pub enum LoopConstraintKind {
 type Directions = [Vec<[f64; 3]>; 2];
 
 impl LoopConstraintKind {
-    /// What a cut joint of this type holds (`spherical`, `fixed`, `revolute`, `continuous`,
-    /// `prismatic`), the latter three along `axis`; `None` for other types.
+    /// Returns the constraint of a joint type (`spherical`, `fixed`, `revolute`, `continuous`, `prismatic`); the
+    /// last three use `axis`. Returns `None` for other types.
     #[must_use]
     pub fn of_joint(joint_type: &str, axis: [f64; 3]) -> Option<Self> {
         Some(match joint_type {
@@ -65,7 +66,7 @@ impl LoopConstraintKind {
         })
     }
 
-    /// What the joint that was cut is called.
+    /// Returns the type's name of the joint at which the loop was cut.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -76,7 +77,7 @@ impl LoopConstraintKind {
         }
     }
 
-    /// Its axis, if it has one.
+    /// Returns the axis; `None` for constraints without an axis.
     #[must_use]
     pub fn axis(self) -> Option<[f64; 3]> {
         match self {
@@ -95,8 +96,8 @@ impl LoopConstraintKind {
         }
     }
 
-    /// The constrained and the free directions, unit vectors in the first frame: of each the rotations,
-    /// then the displacements.
+    /// Returns the constrained and the free directions, unit vectors in the first frame; rotations come before
+    /// displacements in each.
     pub(crate) fn directions(self) -> (Directions, Directions) {
         let across = |axis| {
             let plane = planar::plane(axis);
@@ -113,17 +114,18 @@ impl LoopConstraintKind {
 }
 
 impl Model {
-    /// The characteristic length of a loop, m: what a rotation of the loop constraint of that index is
-    /// multiplied by to be compared with a displacement.
+    /// Returns the characteristic length of the loop constraint with index `constraint`, m: the factor that makes
+    /// a rotation comparable to a displacement.
     ///
-    /// For each link that moves one of the two frames relative to the other, it adds up the distance from
-    /// the link's joint to the next joint (or the frame) of the loop, and the link's radius of gyration
-    /// about its joint, sqrt(|c|^2 + (Ixx + Iyy + Izz) / 2m) with the centre of mass c. The link that
-    /// carries both sides of the loop adds the distance between their first joints. It is 1 m where all of
+    /// It is a sum over the links that move one of the two frames relative to the other. Each adds the distance
+    /// from its joint to the next joint (or the frame) of the loop, and its radius of gyration about its joint,
+    /// sqrt(|c|^2 + (Ixx + Iyy + Izz) / 2m) with the centre of mass c. The link that carries both sides of the
+    /// loop adds the distance between their first joints. If all of these are zero, the length is 1 m. It does
+    /// not depend on the coordinates, nor on inertias that are set at run time.
     /// these are zero, and does not depend on the coordinates, nor on inertias that are set at run time.
     ///
     /// # Panics
-    ///
+    /// If there is no loop constraint with this index.
     /// If there is no loop constraint of that index.
     #[must_use]
     pub fn characteristic_length(&self, constraint: usize) -> f64 {
@@ -134,7 +136,7 @@ impl Model {
         let [mut first, mut second] = frames;
         let mut length = 0.0;
         while first.0 != second.0 {
-            // Parents come before their children, and the world before all.
+            // Parents come before their children, and `None` (the world) before all.
             let later = if first.0 > second.0 { &mut first } else { &mut second };
             if let Some(i) = later.0 {
                 length += self.length_of_link(i, later.1);
@@ -156,7 +158,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     libm::sqrt(a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum())
 }
 
-/// About the link's origin, m; zero without mass.
+/// Returns the radius of gyration about the link's origin, m; zero for a link without mass.
 fn radius_of_gyration(inertial: &Inertial) -> f64 {
     let [xx, _, _, yy, _, zz] = inertial.inertia;
     let [x, y, z] = inertial.center_of_mass;

@@ -1,9 +1,9 @@
-//! A robot: links, joints, inertias, the tree they form and its kinematic modules.
+//! The description of a robot: links, joints, inertias, the tree of links and its kinematic modules.
 //!
-//! A [`Model`] is validated when it is made, so the equations never meet a broken tree.
-//! Link `i` is the moving link behind joint `i`, as in the paper: every moving link has exactly
-//! one joint, towards its parent. Links that are fixed to another link are [`Frame`]s; their
-//! inertia has been merged into the link that carries them.
+//! A [`Model`] is validated when it is created, so the equations never see an invalid tree. Moving link `i`
+//! and joint `i` belong together, as in the paper: every moving link has exactly one joint, towards its parent.
+//! A link that is fixed to another link is a [`Frame`]. Its inertia is merged into the moving link that carries
+//! it.
 
 mod contact;
 mod error;
@@ -25,13 +25,25 @@ use core::ops::Range;
 
 use crate::joint::JointType;
 
-/// Standard gravity of the defaults, in m/s^2: 9.81 along -z of the world.
+/// The default gravity, m/s^2: 9.81 along -z of the world.
 pub const DEFAULT_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// A validated robot.
 ///
-/// Links stand depth first, parents before children; that order is the order of all joint
-/// vectors. SI units, radians.
+/// Links are in depth-first order, parents before children. The order of the links is the order of all joint
+/// vectors. Units are SI units and radians.
+///
+/// ```
+/// use modyn_runtime::joint::JointType;
+/// use modyn_runtime::model::{DEFAULT_GRAVITY, Joint, Link, Model};
+/// use modyn_runtime::{Inertial, Pose};
+///
+/// let joint = Joint::new("pivot", JointType::Continuous, [0.0, 1.0, 0.0], Pose::identity());
+/// let inertial = Inertial { mass: 2.0, center_of_mass: [0.0, 0.0, -0.5], inertia: [0.0; 6] };
+/// let rod = Link { name: "rod".into(), parent: None, joint, inertial };
+/// let model = Model::new("pendulum", DEFAULT_GRAVITY, vec![rod], vec![]).expect("a valid model");
+/// assert_eq!((model.nq(), model.nv()), (1, 1));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Model {
@@ -42,32 +54,32 @@ pub struct Model {
     frames: Vec<Frame>,
     loop_constraints: Vec<LoopConstraint>,
     contacts: Vec<Contact>,
-    /// By link: where its joint's coordinates and velocities stand.
+    /// For each link, the place of its joint's coordinates and velocities.
     #[cfg_attr(feature = "serde", serde(skip))]
-    places: Vec<Place>,
+    joint_indices: Vec<JointIndices>,
 }
 
-/// Where a joint stands in the joint vectors, or how it follows the one that does.
+/// The place of a joint in the joint vectors, and the mimic relation to the joint that has this place.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Place {
+struct JointIndices {
     q: Range<usize>,
     v: Range<usize>,
-    /// Resolved through chains of mimics: the leader has coordinates of its own.
+    /// Chains of mimic joints are resolved: the leader has a coordinate of its own.
     mimic: Option<Mimic>,
 }
 
 impl Model {
-    /// Checks the parts and makes a model of them.
+    /// Returns the model of these links and frames, after checking them.
     ///
-    /// `gravity` is the acceleration of free fall in world axes, m/s^2. `frames` are the links of
-    /// the description in its own order; [`link_poses`](crate::Interpreter::link_poses) gives theirs.
+    /// `gravity` is the acceleration of free fall in world axes, m/s^2. `frames` are the links of the description
+    /// in its own order, which is the order of [`link_poses`](crate::Interpreter::link_poses).
     ///
     /// # Errors
     ///
-    /// Every defect found: a name used twice, a parent that does not come before its child, links
-    /// out of depth-first order, an axis that is not of unit length, a rotation that is none, a
-    /// number that is not finite, a robot without a joint. Inertias are only required to be
-    /// finite here; whether they are physical is [`Inertial::defect`]'s to say.
+    /// Returns every defect found: a repeated name, a parent that does not come before its child, links out of
+    /// depth-first order, an axis that is not of unit length, an invalid rotation, a number that is not finite, a
+    /// robot without a joint. Inertias only have to be finite here; [`Inertial::defect`] checks whether they are
+    /// physical.
     pub fn new(
         name: impl Into<String>,
         gravity: [f64; 3],
@@ -75,40 +87,49 @@ impl Model {
         frames: Vec<Frame>,
     ) -> Result<Self, Vec<ModelError>> {
         let friction = Friction::None;
-        let (loop_constraints, contacts, places) = (Vec::new(), Vec::new(), Vec::new());
+        let (loop_constraints, contacts, joint_indices) = (Vec::new(), Vec::new(), Vec::new());
         let name = name.into();
-        let mut model =
-            Self { name, gravity, friction, links, frames, loop_constraints, contacts, places };
+        let mut model = Self {
+            name,
+            gravity,
+            friction,
+            links,
+            frames,
+            loop_constraints,
+            contacts,
+            joint_indices,
+        };
         let errors = error::check(&model);
         if !errors.is_empty() {
             return Err(errors);
         }
-        model.places = model.placed();
+        model.joint_indices = model.joint_indices();
         Ok(model)
     }
 
-    /// Where the joints stand in the joint vectors.
-    fn placed(&self) -> Vec<Place> {
-        let mut places: Vec<Place> = Vec::with_capacity(self.links.len());
+    /// Returns the places of the joints in the joint vectors.
+    fn joint_indices(&self) -> Vec<JointIndices> {
+        let mut joint_indices: Vec<JointIndices> = Vec::with_capacity(self.links.len());
         let (mut q, mut v) = (0, 0);
         for link in &self.links {
             let own = link.joint.mimic.is_none();
             let joint_type = link.joint.joint_type;
             let (nq, nv) = if own { (joint_type.nq(), joint_type.nv()) } else { (0, 0) };
-            places.push(Place { q: q..q + nq, v: v..v + nv, mimic: None });
+            joint_indices.push(JointIndices { q: q..q + nq, v: v..v + nv, mimic: None });
             (q, v) = (q + nq, v + nv);
         }
         for (i, mimic) in self.resolved_mimics().into_iter().enumerate() {
             if let Some(mimic) = mimic {
-                // A leader that is followed at last has a place of its own.
-                places[i] = Place { mimic: Some(mimic), ..places[mimic.leader].clone() };
+                // The leader at the end of a chain has a place of its own.
+                joint_indices[i] =
+                    JointIndices { mimic: Some(mimic), ..joint_indices[mimic.leader].clone() };
             }
         }
-        places
+        joint_indices
     }
 
-    /// By link: how its joint follows one that has coordinates of its own. Every mimic is followed
-    /// once, so that chains of them take linear time.
+    /// Returns, for each link, the mimic relation to a joint with a coordinate of its own. Every mimic joint is
+    /// visited once, so that chains of mimic joints take linear time.
     fn resolved_mimics(&self) -> Vec<Option<Mimic>> {
         let mut resolved: Vec<Option<Mimic>> = alloc::vec![None; self.links.len()];
         let mut waiting = Vec::new();
@@ -133,34 +154,34 @@ impl Model {
         resolved
     }
 
-    /// The same robot with joints that resist their motion in this way.
+    /// Returns the model with this kind of joint friction.
     ///
     /// # Errors
     ///
-    /// If friction is to be smoothed by what is no velocity above zero.
+    /// If the transition velocity of smooth friction is not positive.
     pub fn with_friction(mut self, friction: Friction) -> Result<Self, Vec<ModelError>> {
         self.friction = friction;
-        let errors = error::check_whole(&self);
+        let errors = error::check_model(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
-    /// The same robot where things fall with this acceleration, in world axes, m/s^2.
+    /// Returns the model with this gravity, the acceleration of free fall in world axes, m/s^2.
     ///
     /// # Errors
     ///
-    /// If it is not finite.
+    /// If a component is not finite.
     pub fn with_gravity(mut self, gravity: [f64; 3]) -> Result<Self, Vec<ModelError>> {
         self.gravity = gravity;
-        let errors = error::check_whole(&self);
+        let errors = error::check_model(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
-    /// The same robot with these loops closed, in place of those that it had.
+    /// Returns the model with these loop constraints in place of its present ones.
     ///
     /// # Errors
     ///
-    /// Every defect found: a name used twice, a link that does not exist or does not move against
-    /// the other, an axis that is not of unit length, a rotation that is none, a number that is not
+    /// Returns every defect found: a repeated name, a link that does not exist, two links that do not move
+    /// relative to each other, an axis that is not of unit length, an invalid rotation, a number that is not
     /// finite.
     pub fn with_loop_constraints(
         mut self,
@@ -183,37 +204,37 @@ impl Model {
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
-    /// How joints resist their motion.
+    /// Returns the kind of joint friction.
     #[must_use]
     pub fn friction(&self) -> Friction {
         self.friction
     }
 
-    /// The robot's name.
+    /// Returns the robot's name.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The acceleration of free fall in world axes, m/s^2.
+    /// Returns the acceleration of free fall in world axes, m/s^2.
     #[must_use]
     pub fn gravity(&self) -> [f64; 3] {
         self.gravity
     }
 
-    /// The moving links, depth first.
+    /// Returns the moving links, in depth-first order.
     #[must_use]
     pub fn links(&self) -> &[Link] {
         &self.links
     }
 
-    /// All links of the description as frames, in the description's order.
+    /// Returns all links of the description as frames, in the description's order.
     #[must_use]
     pub fn frames(&self) -> &[Frame] {
         &self.frames
     }
 
-    /// What holds links together besides the joints.
+    /// Returns the loop constraints.
     #[must_use]
     pub fn loop_constraints(&self) -> &[LoopConstraint] {
         &self.loop_constraints
@@ -238,62 +259,62 @@ impl Model {
         loops.chain(self.contacts.iter().map(|contact| contact.kind.rows())).sum()
     }
 
-    /// The link of the description of that name, as an index of [`frames`](Self::frames).
+    /// Returns the index in [`frames`](Self::frames) of the link named `name`; `None` if there is no such link.
     #[must_use]
     pub fn frame_index(&self, name: &str) -> Option<usize> {
         self.frames.iter().position(|frame| frame.name == name)
     }
 
-    /// The ten parameters of moving link `link` that torques are linear in: see
-    /// [`Inertial::parameters`]. Those of all moving links, one after the other, are the pi of
-    /// tau = Y pi. `None` if there is no such link.
+    /// Returns the ten inertial parameters of moving link `link`, in which joint forces are linear (see
+    /// [`Inertial::parameters`]); `None` if there is no such link. The parameters of all moving links,
+    /// concatenated, are pi in tau = Y pi.
     #[must_use]
     pub fn inertial_parameters(&self, link: usize) -> Option<[f64; PARAMETERS_PER_LINK]> {
         self.links.get(link).map(|link| link.inertial.parameters())
     }
 
-    /// Length of the coordinate vector q.
+    /// Returns nq, the length of the coordinate vector q.
     #[must_use]
     pub fn nq(&self) -> usize {
-        self.places.iter().map(|place| place.q.end).max().unwrap_or(0)
+        self.joint_indices.iter().map(|place| place.q.end).max().unwrap_or(0)
     }
 
-    /// Length of the velocity vector qd: the degrees of freedom.
+    /// Returns nv, the length of the velocity vector qd: the number of degrees of freedom.
     #[must_use]
     pub fn nv(&self) -> usize {
-        self.places.iter().map(|place| place.v.end).max().unwrap_or(0)
+        self.joint_indices.iter().map(|place| place.v.end).max().unwrap_or(0)
     }
 
-    /// The entries of q that belong to the joint of moving link `link`: its leader's for a joint that
-    /// mimics, none if there is no such link.
+    /// Returns the entries of q of moving link `link`'s joint; for a mimic joint those of its leader. The range is
+    /// empty if there is no such link.
     #[must_use]
     pub fn q_range(&self, link: usize) -> Range<usize> {
-        self.places.get(link).map_or(0..0, |place| place.q.clone())
+        self.joint_indices.get(link).map_or(0..0, |place| place.q.clone())
     }
 
-    /// The entries of qd, and of tau, that belong to the joint of moving link `link`: its leader's for a
-    /// joint that mimics, none if there is no such link.
+    /// Returns the entries of qd and tau of moving link `link`'s joint; for a mimic joint those of its leader. The
+    /// range is empty if there is no such link.
     #[must_use]
     pub fn v_range(&self, link: usize) -> Range<usize> {
-        self.places.get(link).map_or(0..0, |place| place.v.clone())
+        self.joint_indices.get(link).map_or(0..0, |place| place.v.clone())
     }
 
-    /// How the joint of link `link` follows one that has a coordinate of its own, chains of mimics
-    /// resolved; `None` if it has its own, or if there is no such link.
+    /// Returns the mimic relation of moving link `link`'s joint to a joint with a coordinate of its own; chains
+    /// of mimic joints are resolved. Returns `None` if the joint has its own coordinate or does not exist.
     #[must_use]
     pub fn mimic(&self, link: usize) -> Option<Mimic> {
-        self.places.get(link).and_then(|place| place.mimic)
+        self.joint_indices.get(link).and_then(|place| place.mimic)
     }
 
-    /// Whether a joint follows another one.
+    /// Returns whether the robot has mimic joints.
     #[must_use]
     pub fn has_mimics(&self) -> bool {
-        self.places.iter().any(|place| place.mimic.is_some())
+        self.joint_indices.iter().any(|place| place.mimic.is_some())
     }
 
-    /// The quaternions in q: the name of the joint of each, and the entry of q that it begins at.
+    /// Returns the quaternions in q: the joint's name and the entry of q of the quaternion's x, for each.
     pub fn quaternions(&self) -> impl Iterator<Item = (&str, usize)> + '_ {
-        self.links.iter().zip(&self.places).filter_map(|(link, place)| {
+        self.links.iter().zip(&self.joint_indices).filter_map(|(link, place)| {
             let first = match link.joint.joint_type {
                 JointType::Spherical => 0,
                 JointType::Floating => 3,
@@ -303,14 +324,14 @@ impl Model {
         })
     }
 
-    /// What each entry of q is called: by its joint, and its part of the joint where that has
-    /// several (`hip.qw`).
+    /// Returns the name of each entry of q: the joint's name, and the component for joints with several
+    /// coordinates (`hip.qw`).
     #[must_use]
     pub fn coordinate_names(&self) -> Vec<String> {
         self.entry_names(JointType::coordinates)
     }
 
-    /// What each entry of qd is called.
+    /// Returns the name of each entry of qd.
     #[must_use]
     pub fn velocity_names(&self) -> Vec<String> {
         self.entry_names(JointType::velocities)
@@ -327,7 +348,7 @@ impl Model {
         .collect()
     }
 
-    /// The links that hang directly on each link, in order.
+    /// Returns the children of each link, in order.
     #[must_use]
     pub fn children(&self) -> Vec<Vec<usize>> {
         let mut children = alloc::vec![Vec::new(); self.links.len()];
@@ -342,7 +363,7 @@ impl Model {
 
 #[cfg(feature = "serde")]
 impl<'de> serde::Deserialize<'de> for Model {
-    /// Reads the parts and validates them, as [`Model::new`] does.
+    /// Deserializes the parts and validates them, as [`Model::new`] does.
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(serde::Deserialize)]
         #[serde(rename = "Model")]

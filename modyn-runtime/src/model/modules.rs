@@ -1,66 +1,75 @@
 //! The kinematic module tree of the paper (Sect. 2).
 //!
-//! A kinematic module is a chain of serially connected links that leaves the last link of its
-//! parent module. In depth-first order its links are consecutive.
+//! A kinematic module is a serial chain of links that starts at the last link of its parent module. In
+//! depth-first order its links are consecutive.
 
 use alloc::{collections::BTreeMap, string::String, vec::Vec};
 use core::{fmt, ops::Range};
 
 use super::Model;
 
-/// A kinematic module: links in a row.
+/// A kinematic module: a serial chain of consecutive links.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Module {
-    /// Its links, from the one next to the parent module to the tip.
+    /// The module's links, from the parent module to the tip.
     pub links: Range<usize>,
-    /// The module whose last link it leaves; `None` for the world.
+    /// The module whose last link carries this module; `None` for the world.
     pub parent: Option<usize>,
-    /// The modules that leave its last link.
+    /// The modules that are carried by this module's last link.
     pub children: Vec<usize>,
 }
 
 /// A partition of a model's links into kinematic modules, parents before children.
+///
+/// ```
+/// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
+/// use modyn_runtime::model::ModuleTree;
+///
+/// let chains = ModuleTree::chains(&model);
+/// assert_eq!(chains.modules().len(), 1);
+/// assert_eq!(ModuleTree::from_names(&model, &[vec!["rod"]]), Ok(chains));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ModuleTree {
     modules: Vec<Module>,
 }
 
-/// Why a list of modules is not a partition into chains.
+/// A reason why a list of modules is not a partition into chains.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ModuleError {
-    /// The name is that of no moving link.
+    /// The name does not belong to a moving link.
     UnknownLink {
         /// The name in the list.
         name: String,
         /// The names of the first moving links.
         links: Vec<String>,
     },
-    /// The link stands in the list twice.
+    /// The link is listed twice.
     Twice(String),
-    /// The link stands in no module.
+    /// The link is in no module.
     Missing(String),
-    /// The second link does not hang on the first, which stands before it in a module.
+    /// The second link follows the first in a module, but is not its child.
     NotSerial {
-        /// The link that stands before.
+        /// The first link.
         before: String,
-        /// The link that does not hang on it.
+        /// The second link.
         link: String,
-        /// What it hangs on.
+        /// The parent of the second link.
         parent: String,
     },
-    /// A module's chain goes on behind a link at which another module leaves.
+    /// A module contains links after a link at which another module starts.
     BranchInside {
         /// The link inside the module at which the tree branches.
         at: String,
-        /// The link of the other module that leaves there.
+        /// The link of the other module that starts there.
         leaving: String,
     },
-    /// A module without a link.
+    /// A module is empty.
     Empty,
 }
 
-/// How many names a message lists.
+/// The largest number of names in a message.
 const SHOWN: usize = 40;
 
 impl fmt::Display for ModuleError {
@@ -69,7 +78,7 @@ impl fmt::Display for ModuleError {
             Self::UnknownLink { name, links } => {
                 write!(
                     f,
-                    "`{name}` in the module list is no moving link; there are: {}{}",
+                    "`{name}` in the module list is not a moving link; the moving links are: {}{}",
                     links.join(", "),
                     if links.len() < SHOWN { "" } else { ", ..." }
                 )
@@ -77,11 +86,14 @@ impl fmt::Display for ModuleError {
             Self::Twice(link) => {
                 write!(
                     f,
-                    "link `{link}` stands in the module list twice; each link belongs to one module"
+                    "link `{link}` is listed in the modules twice; each link belongs to one module"
                 )
             }
             Self::Missing(link) => {
-                write!(f, "link `{link}` stands in no module; the list must hold every moving link")
+                write!(
+                    f,
+                    "link `{link}` is in no module; the modules must contain every moving link"
+                )
             }
             Self::NotSerial { before, link, parent } => write!(
                 f,
@@ -93,7 +105,7 @@ impl fmt::Display for ModuleError {
                 "the tree branches at link `{at}` (towards `{leaving}`), so a module must end there: \
                  modules leave the last link of their parent module"
             ),
-            Self::Empty => write!(f, "the module list holds an empty module; remove it"),
+            Self::Empty => write!(f, "the module list contains an empty module; remove it"),
         }
     }
 }
@@ -101,7 +113,7 @@ impl fmt::Display for ModuleError {
 impl core::error::Error for ModuleError {}
 
 impl ModuleTree {
-    /// The default: maximal serial chains.
+    /// Returns the default partition: maximal serial chains.
     #[must_use]
     pub fn chains(model: &Model) -> Self {
         let children = model.children();
@@ -112,17 +124,18 @@ impl ModuleTree {
         Self::from_starts(model, starts.collect())
     }
 
-    /// Every link a module: the link-level special case.
+    /// Returns the partition into modules of one link each.
     #[must_use]
     pub fn links(model: &Model) -> Self {
         Self::from_starts(model, (0..model.links().len()).collect())
     }
 
-    /// The modules of a list of link names, each from its parent outwards, in any order.
+    /// Returns the modules of a list of link names. Each module lists its links from the parent to the tip; modules
+    /// may be in any order.
     ///
     /// # Errors
     ///
-    /// Every reason why the list is not a partition into chains.
+    /// Returns every reason why the list is not a partition into chains.
     pub fn from_names<T: AsRef<str>>(
         model: &Model,
         list: &[Vec<T>],
@@ -183,7 +196,7 @@ impl ModuleTree {
         }
     }
 
-    /// Whether these are modules of `model`: its links, all of them, in chains.
+    /// Returns whether the modules are a partition of all links of `model` into chains.
     #[must_use]
     pub fn fits(&self, model: &Model) -> bool {
         let links = model.links();
@@ -204,13 +217,13 @@ impl ModuleTree {
         next == links.len()
     }
 
-    /// The modules, parents before children.
+    /// Returns the modules, parents before children.
     #[must_use]
     pub fn modules(&self) -> &[Module] {
         &self.modules
     }
 
-    /// The first links of the modules, ascending.
+    /// Returns the modules that start at these links, which are ascending.
     fn from_starts(model: &Model, starts: Vec<usize>) -> Self {
         let links = model.links();
         let mut module_of = alloc::vec![0; links.len()];

@@ -1,11 +1,11 @@
-//! Arrays whose length belongs to a robot.
+//! Arrays whose length depends on the robot.
 
-/// A fixed number of scalars: `[T; N]`, where N cannot be named.
+/// A fixed number of entries: `[T; N]`, where N cannot be named in generic code.
 pub trait Array<T>: Copy + AsRef<[T]> + AsMut<[T]> {
-    /// How many.
+    /// The number of entries.
     const LEN: usize;
 
-    /// Entry i is `f(i)`.
+    /// Returns the array whose entry i is `f(i)`.
     fn from_fn(f: impl FnMut(usize) -> T) -> Self;
 }
 

@@ -5,32 +5,32 @@ use core::marker::PhantomData;
 
 use crate::Scalar;
 
-/// The factorization I = U D U^T of a mass matrix by kinematic modules, (35)-(57).
+/// The factorization I = U D U^T of a mass matrix by kinematic modules, (35)-(57) of the paper.
 pub trait Factorization<T: Scalar> {
-    /// Joint vectors.
+    /// The type of joint vectors.
     type V;
-    /// Matrices, an array of columns.
+    /// The type of matrices: an array of columns.
     type M;
 
-    /// The block upper triangular U, (43).
+    /// Returns the block upper triangular U, (43).
     fn u(&self) -> Self::M;
-    /// The block diagonal D, (45).
+    /// Returns the block diagonal D, (45).
     fn d(&self) -> Self::M;
-    /// U^-1, (54).
+    /// Returns U^-1, (54).
     fn u_inverse(&self) -> Self::M;
-    /// D^-1, (54).
+    /// Returns D^-1, (54).
     fn d_inverse(&self) -> Self::M;
-    /// The x with I x = `rhs`, by the three steps of (60).
+    /// Returns the solution x of I x = `rhs`, by the three steps of (60).
     fn solve(&self, rhs: &Self::V) -> Self::V;
-    /// The inverse, (50).
+    /// Returns the inverse of the mass matrix, (50).
     fn inverse(&self) -> Self::M;
-    /// The natural logarithm of the determinant.
+    /// Returns the natural logarithm of the mass matrix's determinant.
     fn log_determinant(&self) -> T;
-    /// The condition number (2-norm) of module `module`'s pivot block; `None` if there is none.
+    /// Returns the condition number (2-norm) of module `module`'s pivot block; `None` if there is no such module.
     fn condition_number(&self, module: usize) -> Option<T>;
 }
 
-/// In place of a factorization that a robot was not given; there is no value of it.
+/// The type of a factorization that was not generated. It has no values.
 #[derive(Clone, Copy, Debug)]
 pub struct NotGenerated<V, M>(Infallible, PhantomData<(V, M)>);
 

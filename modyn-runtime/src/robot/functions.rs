@@ -1,53 +1,53 @@
 //! The table of the functions of a robot.
 //!
-//! A row is the function's documentation, its name (and that of the form that takes run-time
-//! parameters), its arguments, its result, and the trait of `modyn::functions` that a robot with this
-//! function implements.
+//! A row has the function's documentation, its name and that of the form with run-time parameters, its
+//! arguments, its result, and the trait of `modyn::functions` that robots with this function implement.
 
-/// Passes the table on to `$rows`, a macro that takes all rows.
+/// Passes the table to `$rows`, a macro that takes all rows.
 macro_rules! robot_functions {
     ($rows:ident) => {
         $rows! {
-            /// Joint accelerations under the joint torques `tau`.
+            /// Returns the joint accelerations (rad/s^2 or m/s^2) under the joint forces `tau` (N m or N).
             forward_dynamics / forward_dynamics_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 tau: &Self::V<T>
             ) -> Self::V<T>, if ForwardDynamics;
 
-            /// Joint torques of the accelerations `qdd`.
+            /// Returns the joint forces (N m or N) of the accelerations `qdd`.
             inverse_dynamics / inverse_dynamics_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 qdd: &Self::V<T>
             ) -> Self::V<T>, if InverseDynamics;
 
-            /// Coriolis, centrifugal and gravity torques (damping and friction too, where they act).
+            /// Returns the bias forces (N m or N): Coriolis, centrifugal and gravity forces, with damping and friction
+            /// if these are enabled.
             bias_forces / bias_forces_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>
             ) -> Self::V<T>, if BiasForces;
 
-            /// Joint torques that hold the robot still.
+            /// Returns the joint forces (N m or N) that balance gravity at zero velocity.
             gravity_torques / gravity_torques_with(q: &Self::Q<T>) -> Self::V<T>, if GravityTorques;
 
-            /// The mass matrix.
+            /// Returns the mass matrix, nv x nv, an array of columns.
             mass_matrix / mass_matrix_with(q: &Self::Q<T>) -> Self::M<T>, if MassMatrix;
 
-            /// The mass matrix as U D U^T by modules.
-            brge / brge_with(q: &Self::Q<T>) -> Self::Brge<T>, if Brge;
+            /// Returns the factorization U D U^T of the mass matrix by modules.
+            brge / brge_with(q: &Self::Q<T>) -> Self::UduFactorization<T>, if Brge;
 
-            /// Kinetic energy, J.
+            /// Returns the kinetic energy, J.
             kinetic_energy / kinetic_energy_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>
             ) -> T, if KineticEnergy;
 
-            /// Potential energy under gravity, J; zero at the world's origin.
+            /// Returns the potential energy under gravity, J; zero for mass at the world's origin.
             potential_energy / potential_energy_with(q: &Self::Q<T>) -> T, if PotentialEnergy;
 
-            /// Joint accelerations under the joint torques `tau` and a wrench on each link, at the link's
-            /// origin in its own axes.
+            /// Returns the joint accelerations under the joint forces `tau` and a wrench on each link, at the link's
+            /// origin in the link's own axes.
             forward_dynamics_external / forward_dynamics_external_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
@@ -55,8 +55,8 @@ macro_rules! robot_functions {
                 forces: &Self::PerLink<Wrench<T>>
             ) -> Self::V<T>, if ForwardDynamicsExternal;
 
-            /// Joint accelerations under the joint torques `tau` and a wrench on each link, at the link's
-            /// origin in the world's axes.
+            /// Returns the joint accelerations under the joint forces `tau` and a wrench on each link, at the link's
+            /// origin in world axes.
             forward_dynamics_external_world / forward_dynamics_external_world_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
@@ -64,8 +64,8 @@ macro_rules! robot_functions {
                 forces: &Self::PerLink<Wrench<T>>
             ) -> Self::V<T>, if ForwardDynamicsExternalWorld;
 
-            /// Joint torques of the accelerations `qdd` under a wrench on each link, at the link's origin in
-            /// its own axes.
+            /// Returns the joint forces of the accelerations `qdd` under a wrench on each link, at the link's origin in
+            /// the link's own axes.
             inverse_dynamics_external / inverse_dynamics_external_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
@@ -73,8 +73,8 @@ macro_rules! robot_functions {
                 forces: &Self::PerLink<Wrench<T>>
             ) -> Self::V<T>, if InverseDynamicsExternal;
 
-            /// Joint torques of the accelerations `qdd` under a wrench on each link, at the link's origin in
-            /// the world's axes.
+            /// Returns the joint forces of the accelerations `qdd` under a wrench on each link, at the link's origin in
+            /// world axes.
             inverse_dynamics_external_world / inverse_dynamics_external_world_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
@@ -82,17 +82,18 @@ macro_rules! robot_functions {
                 forces: &Self::PerLink<Wrench<T>>
             ) -> Self::V<T>, if InverseDynamicsExternalWorld;
 
-            /// The poses of all links in the world.
+            /// Returns the poses of all links in the world.
             link_poses(q: &Self::Q<T>) -> Self::PerLink<Pose<T>>, if LinkPoses;
 
-            /// The derivatives of the inverse dynamics; with respect to `q` in tangent space.
+            /// Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) and `qd`.
             inverse_dynamics_derivatives / inverse_dynamics_derivatives_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 qdd: &Self::V<T>
             ) -> InverseDynamicsDerivatives<Self::M<T>>, if InverseDynamicsDerivatives;
 
-            /// The derivatives of the forward dynamics; with respect to `q` in tangent space.
+            /// Returns the accelerations, and the derivatives of forward dynamics with respect to `q` (in tangent
+            /// space), `qd` and `tau`.
             forward_dynamics_derivatives / forward_dynamics_derivatives_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
@@ -187,54 +188,55 @@ macro_rules! robot_functions {
                 settings: &Settings<Self, T>
             ) -> OperationalInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>, if OperationalInertia;
 
-            /// The regressor Y of the inverse dynamics, an array of columns: tau = Y pi (rotors and friction
-            /// apart), where pi holds ten numbers a moving link: mass, mass times centre of mass x, y, z, and
-            /// Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in its own axes.
+            /// Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, without rotors and
+            /// friction. pi has ten entries for each moving link: mass, mass times centre of mass x, y, z, and
+            /// Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the link's origin in the link's own axes.
             regressor / regressor_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 qdd: &Self::V<T>
             ) -> Self::Regressor<T>, if Regressor;
 
-            /// The centre of mass of the moving links in the world, m.
+            /// Returns the centre of mass of the moving links in world axes, m.
             center_of_mass / center_of_mass_with(q: &Self::Q<T>) -> [T; 3], if CenterOfMass;
 
-            /// The derivative of the centre of mass: its velocity is this times `qd`. An array of columns.
+            /// Returns the Jacobian of the centre of mass, an array of columns: its product with `qd` is the velocity of
+            /// the centre of mass in world axes.
             center_of_mass_jacobian / center_of_mass_jacobian_with(
                 q: &Self::Q<T>
             ) -> Self::PerVelocity<Vector3<T>>, if CenterOfMassJacobian;
 
-            /// The centroidal momentum matrix, an array of columns: this times `qd` is the momentum about the
-            /// centre of mass, in world axes.
+            /// Returns the centroidal momentum matrix, an array of columns: its product with `qd` is the momentum about
+            /// the centre of mass, in world axes.
             centroidal_momentum_matrix / centroidal_momentum_matrix_with(
                 q: &Self::Q<T>
             ) -> Self::PerVelocity<Momentum<T>>, if CentroidalMomentumMatrix;
 
-            /// The momentum about the centre of mass, in world axes.
+            /// Returns the momentum about the centre of mass, in world axes.
             centroidal_momentum / centroidal_momentum_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>
             ) -> Momentum<T>, if CentroidalMomentum;
 
-            /// The pose of a link in the world.
+            /// Returns the pose of a link in the world.
             link_pose(q: &Self::Q<T>, link: Self::Link) -> Pose<T>, if LinkPose;
 
-            /// The velocity of a link's origin and its angular velocity, in world axes.
+            /// Returns the velocity of a link at its origin, in world axes.
             link_velocity(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 link: Self::Link
             ) -> Twist<T>, if LinkVelocity;
 
-            /// The same in the link's own axes.
+            /// Returns the velocity of a link at its origin, in the link's own axes.
             local_link_velocity(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 link: Self::Link
             ) -> Twist<T>, if LocalLinkVelocity;
 
-            /// The (classical) acceleration of a link's origin, gravity left out, and its angular
-            /// acceleration, in world axes.
+            /// Returns the angular acceleration of a link and the classical acceleration of its origin, in world axes.
+            /// Gravity is not included.
             link_acceleration(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
@@ -242,7 +244,8 @@ macro_rules! robot_functions {
                 link: Self::Link
             ) -> Twist<T>, if LinkAcceleration;
 
-            /// The same in the link's own axes.
+            /// Returns the angular acceleration of a link and the classical acceleration of its origin, in the link's
+            /// own axes. Gravity is not included.
             local_link_acceleration(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
@@ -250,53 +253,54 @@ macro_rules! robot_functions {
                 link: Self::Link
             ) -> Twist<T>, if LocalLinkAcceleration;
 
-            /// A link's Jacobian, an array of columns: this times `qd` is
+            /// Returns the Jacobian of a link at its origin in world axes, an array of columns: its product with `qd` is
             /// [`link_velocity`](Self::link_velocity).
             jacobian(q: &Self::Q<T>, link: Self::Link) -> Self::PerVelocity<Twist<T>>, if Jacobian;
 
-            /// The same in the link's own axes.
+            /// Returns the Jacobian of a link at its origin in the link's own axes, an array of columns: its product
+            /// with `qd` is [`local_link_velocity`](Self::local_link_velocity).
             local_jacobian(
                 q: &Self::Q<T>,
                 link: Self::Link
             ) -> Self::PerVelocity<Twist<T>>, if LocalJacobian;
 
-            /// The time derivative of [`jacobian`](Self::jacobian), times `qd`: the link's (classical)
-            /// acceleration without joint accelerations.
-            jacobian_rate(
+            /// Returns the bias acceleration of a link in world axes, the time derivative of
+            /// [`jacobian`](Self::jacobian) times `qd`: its acceleration at zero joint accelerations.
+            bias_acceleration(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 link: Self::Link
-            ) -> Twist<T>, if JacobianRate;
+            ) -> Twist<T>, if BiasAcceleration;
 
-            /// The time derivative of [`local_jacobian`](Self::local_jacobian), times `qd`: the rates of the
-            /// velocity's components in the link's own axes.
-            local_jacobian_rate(
+            /// Returns the bias acceleration of a link in its own axes, the time derivative of
+            /// [`local_jacobian`](Self::local_jacobian) times `qd`.
+            local_bias_acceleration(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 link: Self::Link
-            ) -> Twist<T>, if LocalJacobianRate;
+            ) -> Twist<T>, if LocalBiasAcceleration;
 
-            /// The coordinates behind a displacement `v` (a velocity times a time) from `q`.
+            /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
             integrate(q: &Self::Q<T>, v: &Self::V<T>) -> Self::Q<T>, if Integrate;
 
-            /// The displacement that [leads](Self::integrate) from one to the other.
+            /// Returns the displacement `v` with which [`integrate`](Self::integrate) leads from `from` to `to`.
             difference(from: &Self::Q<T>, to: &Self::Q<T>) -> Self::V<T>, if Difference;
 
-            /// The rates of the coordinates: dq/dt.
-            coordinate_rates(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::Q<T>, if CoordinateRates;
+            /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
+            velocity_to_qdot(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::Q<T>, if VelocityToQdot;
 
-            /// The same coordinates, quaternions of unit length.
+            /// Returns the coordinates with quaternions scaled to length 1.
             normalize(q: &Self::Q<T>) -> Self::Q<T>, if Normalize;
 
-            /// Coordinates within the joints' limits from numbers in [0, 1), evenly spread: angles without
-            /// limits in [-pi, pi), displacements without limits in [-1, 1), rotations of any direction.
+            /// Returns coordinates within the joint limits, from random numbers uniformly distributed in [0, 1). Angles
+            /// without limits are in [-pi, pi), displacements without limits in [-1, 1) m, rotations uniform over SO(3).
             random(uniform: impl FnMut() -> T) -> Self::Q<T>, if Random;
         }
     };
 }
 
-/// The functions of the trait: each requires the trait of robots that have it. A row with two names is
-/// two functions, one with run-time parameters and one with the default ones.
+/// Declares the functions of the trait; each requires the trait of robots that have it. A row with two names is
+/// two functions, one with run-time parameters and one with the default parameters.
 macro_rules! declare_functions {
     () => {};
     (
@@ -312,7 +316,7 @@ macro_rules! declare_functions {
             missing!(params, $($argument),*)
         }
 
-        #[doc = concat!("[`", stringify!($with), "`](Self::", stringify!($with), ") with the default parameters.")]
+        #[doc = concat!("Calls [`", stringify!($with), "`](Self::", stringify!($with), ") with the default parameters.")]
         fn $name<T: Scalar>($($argument: $of),*) -> $result
         where
             Self: crate::functions::$function,
@@ -339,7 +343,7 @@ macro_rules! declare_functions {
     };
 }
 
-/// The body of a function that no robot without it is asked for: its bound says so before.
+/// The body of a function that a robot does not have. Its bound prevents calls.
 macro_rules! missing {
     ($($argument:ident),*) => {{
         $(let _ = $argument;)*

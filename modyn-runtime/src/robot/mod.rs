@@ -1,4 +1,4 @@
-//! What every generated robot offers, for code that is written once for all of them.
+//! The trait of all generated robots, for code that is written for any robot.
 
 mod array;
 mod factorization;
@@ -42,55 +42,73 @@ pub(crate) type Settings<R, T> = ConstraintSettings<T, <R as Robot>::PerContact<
 
 /// A generated robot, over any scalar.
 ///
-/// The generated type has the same functions by itself on plain numbers; the trait is for code
-/// that does not know the robot. Vectors stand in the order of
-/// [`COORDINATE_NAMES`](Self::COORDINATE_NAMES) and [`VELOCITY_NAMES`](Self::VELOCITY_NAMES),
-/// matrices are arrays of columns; SI units, radians. Quaternions in coordinates must have length 1, which is not checked
-/// but by [`check_configuration`](Self::check_configuration): with one of length 1.1, accelerations are wrong by a part in a
-/// thousand or more.
+/// The generated type has the same functions as inherent methods on `f64` or `f32`. The trait is for code that is
+/// written for any robot. Vectors have the order of [`COORDINATE_NAMES`](Self::COORDINATE_NAMES) and
+/// [`VELOCITY_NAMES`](Self::VELOCITY_NAMES), matrices are arrays of columns, units are SI units and radians.
+/// Quaternions in coordinates must have length 1; only [`check_configuration`](Self::check_configuration) checks
+/// them. With a quaternion of length 1.1, accelerations are wrong by a part in a thousand or more.
 ///
-/// A robot has the functions that its option `functions` selects. Code for any robot requires the functions
-/// that it calls: [`functions`](crate::functions) has a trait for each.
+/// A robot has the functions that its option `functions` selects. Code for any robot requires a trait of
+/// [`functions`](crate::functions) for each function that it calls.
+///
+/// ```
+/// use modyn_runtime::{Array as _, Robot, functions};
+///
+/// /// Computed torque: the joint forces of the desired accelerations, with feedback of the velocity errors.
+/// fn torques<R: Robot + functions::InverseDynamics>(
+///     q: &R::Q<f64>,
+///     qd: &R::V<f64>,
+///     desired: (&R::V<f64>, &R::V<f64>),
+///     gain: f64,
+/// ) -> R::V<f64> {
+///     let (qd_desired, qdd_desired) = desired;
+///     let error = |i: usize| qd_desired.as_ref()[i] - qd.as_ref()[i];
+///     let qdd = <R::V<f64>>::from_fn(|i| qdd_desired.as_ref()[i] + gain * error(i));
+///     R::inverse_dynamics(q, qd, &qdd)
+/// }
+/// ```
 pub trait Robot {
     /// The robot's name in its description.
     const NAME: &'static str;
-    /// Length of the coordinate vector.
+    /// nq, the length of the coordinate vector.
     const NQ: usize;
-    /// Length of the velocity vector: degrees of freedom.
+    /// nv, the length of the velocity vector: the number of degrees of freedom.
     const NV: usize;
-    /// The moving joints, depth first; those that mimic another too.
+    /// The names of the moving joints, depth first, including mimic joints.
     const JOINT_NAMES: &'static [&'static str];
-    /// All links of the description, in its order: the order of [`link_poses`](Self::link_poses).
+    /// The names of all links of the description, in its order: the order of [`link_poses`](Self::link_poses).
     const LINK_NAMES: &'static [&'static str];
-    /// What each entry of the coordinate vector is called.
+    /// The name of each entry of the coordinate vector.
     const COORDINATE_NAMES: &'static [&'static str];
-    /// What each entry of the velocity vector is called.
+    /// The name of each entry of the velocity vector.
     const VELOCITY_NAMES: &'static [&'static str];
-    /// The joints that close loops, in the description's order.
+    /// The names of the joints that close loops, in the description's order.
     const LOOP_CONSTRAINT_NAMES: &'static [&'static str] = &[];
     /// The frames of links that may touch the world.
     const CONTACT_NAMES: &'static [&'static str] = &[];
-    /// The quaternions in the coordinate vector: the name of the joint of each, and the entry that it begins at.
+    /// The quaternions in the coordinate vector: each joint's name, and the index of the quaternion's x.
     const QUATERNIONS: &'static [(&'static str, usize)] = &[];
-    /// The limits of the joints, as the description states them.
+    /// The joint limits of the description.
     const LIMITS: JointLimits<'static>;
     /// The kinematic modules, parents before children.
     const MODULES: &'static [KinematicModule];
 
-    /// The numbers that can be changed at run time, in the scalar of the computation: gravity, inertias and payloads,
-    /// where the robot was compiled so. On dual numbers, results come with their derivatives by them.
+    /// The parameters that can change at run time, in the scalar of the computation: gravity, and the inertias and
+    /// payloads that the robot was compiled with as parameters. With dual numbers, results have derivatives with
+    /// respect to them.
     type Params<T: Scalar>: Clone + Default;
-    /// A link of the description.
+    /// The type that names a link of the description.
     type Link: Copy;
-    /// Coordinates.
+    /// The type of coordinates.
     type Q<T: Scalar>: Array<T>;
-    /// Velocities, accelerations, torques.
+    /// The type of velocities, accelerations and joint forces.
     type V<T: Scalar>: Array<T>;
-    /// Square matrices, an array of columns.
+    /// The type of square matrices: an array of columns.
     type M<T: Scalar>: Array<Self::V<T>>;
-    /// Something for each entry of the velocity vector.
+    /// The type of arrays with an entry for each entry of the velocity vector.
     type PerVelocity<X: Copy>: Array<X>;
-    /// Something for each link of the description, in the order of [`LINK_NAMES`](Self::LINK_NAMES).
+    /// The type of arrays with an entry for each link of the description, in the order of
+    /// [`LINK_NAMES`](Self::LINK_NAMES).
     type PerLink<X: Copy>: Array<X>;
     /// Which contacts are active: a type with a member for each contact, `()` if there are none.
     type Contacts: ContactSet;
@@ -103,24 +121,25 @@ pub trait Robot {
     type PerConstraintRow<X: Copy>: Array<X>;
     /// The regressor's columns.
     type Regressor<T: Scalar>: Array<Self::V<T>>;
-    /// The factorization by modules.
-    type Brge<T: Scalar>: Factorization<T, V = Self::V<T>, M = Self::M<T>>;
+    /// The type of the factorization by modules.
+    type UduFactorization<T: Scalar>: Factorization<T, V = Self::V<T>, M = Self::M<T>>;
 
     robot_functions!(declare_functions);
 
-    /// Checks that the quaternions of spherical and floating joints in `q` have length 1, to half of the scalar's digits: to
-    /// 1.5e-8 in `f64`, to 3.5e-4 in `f32`.
+    /// Checks that the quaternions of spherical and floating joints in `q` have length 1.
+    ///
+    /// The tolerance is half of the scalar's digits: 1.5e-8 in `f64`, 3.5e-4 in `f32`.
     ///
     /// # Errors
     ///
-    /// The first joint whose quaternion has another length.
+    /// Names the first joint whose quaternion does not have length 1.
     fn check_configuration<T: Scalar + PartialOrd>(
         q: &Self::Q<T>,
     ) -> Result<(), ConfigurationError<T>> {
         configuration::check(Self::QUATERNIONS.iter().copied(), q.as_ref())
     }
 
-    /// Coordinates with every joint at zero, and quaternions of no rotation.
+    /// Returns the neutral coordinates: zero for every joint, the identity for quaternions.
     #[must_use]
     fn neutral<T: Scalar>() -> Self::Q<T>;
 }

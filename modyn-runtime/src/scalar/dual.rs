@@ -1,6 +1,6 @@
-//! num-dual's numbers as scalars: what is computed on them comes with its exact derivatives.
+//! The numbers of num-dual as scalars: results have exact derivatives.
 //!
-//! What compares goes by the real part.
+//! Comparisons use the real part.
 
 use num_dual::{DualNum, DualStruct};
 
@@ -26,7 +26,7 @@ macro_rules! scalar {
 
             #[inline]
             fn atan2(self, x: Self) -> Self {
-                // num-dual's own divides by x; the smaller one by the larger is finite everywhere.
+                // num-dual's atan2 divides by x. Dividing the smaller by the larger argument is finite everywhere.
                 let steep = Scalar::abs(self).re() > Scalar::abs(x).re();
                 let mut angle =
                     if steep { -DualNum::atan(&(x / self)) } else { DualNum::atan(&(self / x)) };
@@ -52,7 +52,7 @@ macro_rules! scalar {
             #[inline]
             fn max(self, other: Self) -> Self {
                 let [a, b] = [self.re(), other.re()];
-                // What compares with nothing is no number.
+                // A number that does not compare with itself is NaN.
                 if a >= b || b.partial_cmp(&b).is_none() { self } else { other }
             }
 
@@ -80,7 +80,7 @@ mod tests {
 
     use super::Scalar;
 
-    /// Every operation, as a function of one number.
+    /// Returns every operation, as a function of one number.
     fn functions<S: Scalar>(t: S) -> [S; 12] {
         let number = S::from_f64;
         let (sin, cos) = t.sin_cos();
@@ -111,8 +111,8 @@ mod tests {
         );
     }
 
-    /// The first three derivatives of every function against differences of the one before, and the
-    /// numbers for several variables against those for one.
+    /// Compares the first three derivatives of every function with differences of the previous derivative, and the
+    /// types for several variables with those for one.
     #[test]
     fn derivatives_are_those_of_the_functions() {
         for t in [-2.9, -1.3, -0.4, 0.3, 0.8, 1.2, 2.6] {
@@ -154,7 +154,7 @@ mod tests {
         }
     }
 
-    /// d atan2(y, x) = (x dy - y dx) / (x^2 + y^2), on the axes too.
+    /// d atan2(y, x) = (x dy - y dx) / (x^2 + y^2) everywhere, on the axes, too.
     #[test]
     fn atan2_has_its_derivative_all_around() {
         let points = [-2.0, -1.0, -0.3, 0.0, 0.3, 1.0, 2.0];

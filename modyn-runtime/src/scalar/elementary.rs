@@ -1,4 +1,4 @@
-//! Logarithm and arctangent on `core` alone, each precision in itself: series on a short interval.
+//! Logarithm and arctangent on `core` alone, each precision in its own arithmetic: series on a short interval.
 
 #![allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_precision_loss)]
 #![allow(clippy::cast_sign_loss, clippy::excessive_precision)]
@@ -6,10 +6,10 @@
 macro_rules! elementary {
     ($ln:ident, $atan2:ident, $float:ident, $bits:ty, terms: $ln_terms:literal $atan_terms:literal,
      ln_2: $ln_2:literal + $ln_2_rest:literal, two_up: $two_up:literal, rests of pi: $pi:literal $half:literal $sixth:literal) => {
-        /// The natural logarithm, to 2 units in the last place.
+        /// Returns the natural logarithm, to 2 units in the last place.
         ///
-        /// x = m 2^k with m between the roots of 1/2 and 2; with f = m - 1 and s = f / (2 + f),
-        /// ln m = 2 artanh s = f - f^2 / 2 + s (f^2 / 2 + R), R the series behind its first term.
+        /// x = m 2^k with m between the square roots of 1/2 and 2. With f = m - 1 and s = f / (2 + f),
+        /// ln m = 2 artanh s = f - f^2 / 2 + s (f^2 / 2 + R), where R is the series after its first term.
         pub(super) fn $ln(x: $float) -> $float {
             const MANTISSA: u32 = $float::MANTISSA_DIGITS - 1;
             const SERIES: [$float; $ln_terms] = {
@@ -32,7 +32,7 @@ macro_rules! elementary {
             }
             let subnormal = x < $float::MIN_POSITIVE;
             let (x, up) = if subnormal { (x * $two_up, $float::MANTISSA_DIGITS) } else { (x, 0) };
-            // Counted from the root of 1/2, the exponent changes where m does.
+            // Relative to the square root of 1/2, the exponent changes where m jumps.
             let root = core::$float::consts::FRAC_1_SQRT_2.to_bits();
             let shifted = x.to_bits().wrapping_sub(root);
             let k = (shifted as <$bits as Signed>::Type >> MANTISSA) as i32;
@@ -46,10 +46,10 @@ macro_rules! elementary {
             s * (half + rest) + k * $ln_2_rest - half + f + k * $ln_2
         }
 
-        /// The angle from the x axis to (x, y), to 3 units in the last place; conventions for zeros
-        /// and infinities as in IEEE 754.
+        /// Returns the angle from the x axis to (x, y), to 3 units in the last place. Zeros and infinities are treated
+        /// as in IEEE 754.
         ///
-        /// The smaller coordinate over the larger is a tangent t of at most 1; beyond tan 15 deg,
+        /// The smaller coordinate divided by the larger is a tangent t of at most 1. Above tan 15 deg,
         /// atan t = 30 deg + atan((t sqrt 3 - 1) / (t + sqrt 3)).
         pub(super) fn $atan2(y: $float, x: $float) -> $float {
             use core::$float::consts::{FRAC_PI_2, FRAC_PI_6, PI};
@@ -82,7 +82,7 @@ macro_rules! elementary {
             let u = if beyond { (t * ROOT_3 - 1.0) / (t + ROOT_3) } else { t };
             let z = u * u;
             let rest = u * z * SERIES.iter().rev().fold(0.0, |sum, c| c + z * sum);
-            // Angles are added with what their constants lack.
+            // Angles are added with the rounding errors of their constants.
             let (angle, rest) = if beyond { (FRAC_PI_6, u + (rest + $sixth)) } else { (u, rest) };
             let angle = if steep { FRAC_PI_2 - (angle - ($half - rest)) } else { angle + rest };
             let angle = if x.is_sign_negative() { PI - (angle - $pi) } else { angle };
@@ -91,7 +91,7 @@ macro_rules! elementary {
     };
 }
 
-/// The signed integers of the same length.
+/// The signed integer type of the same length.
 trait Signed {
     type Type;
 }
@@ -113,7 +113,7 @@ elementary!(ln_f32, atan2_f32, f32, u32, terms: 4 6, ln_2: 0.693145751953125 + 1
 mod tests {
     use super::{atan2_f32, atan2_f64, ln_f32, ln_f64};
 
-    /// How many units in the last place of `expected` lie between the two.
+    /// Returns the distance in units in the last place of `expected`.
     fn ulps(found: f64, expected: f64) -> f64 {
         if found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan() {
             return 0.0;

@@ -1,6 +1,6 @@
 //! `f64` and `f32` as scalars.
 
-use super::abreast::Abreast;
+use super::simd::SimdTask;
 use super::{Scalar, elementary, native, trig};
 
 impl Scalar for f64 {
@@ -50,8 +50,8 @@ impl Scalar for f64 {
     }
 
     #[inline]
-    fn abreast<W: Abreast<Self>>(work: W) -> W::Output {
-        native::abreast_f64(work)
+    fn run_simd<W: SimdTask<Self>>(work: W) -> W::Output {
+        native::run_simd_f64(work)
     }
 
     #[inline]
@@ -108,8 +108,8 @@ impl Scalar for f32 {
     }
 
     #[inline]
-    fn abreast<W: Abreast<Self>>(work: W) -> W::Output {
-        native::abreast_f32(work)
+    fn run_simd<W: SimdTask<Self>>(work: W) -> W::Output {
+        native::run_simd_f32(work)
     }
 
     #[inline]
@@ -122,7 +122,7 @@ impl Scalar for f32 {
 mod tests {
     use super::Scalar;
 
-    /// What every float must do, whatever its precision.
+    /// Checks the operations in any precision.
     fn computes<S: Scalar + PartialEq + core::fmt::Debug>() {
         let number = S::from_f64;
         assert_eq!(Scalar::sqrt(number(6.25)), number(2.5));

@@ -1,24 +1,24 @@
-//! The trait of numbers that may be packs of lanes.
+//! The trait of scalars that may be packs of lanes.
 
 use core::ops::Range;
 
 use super::Scalar;
 
-/// A number that may be a pack of several: one lane for each of several equal limbs, or for each of
-/// several columns of a matrix.
+/// A scalar that may be a pack of lanes: one for each of several equal limbs, or for each of several columns of a
+/// matrix.
 ///
-/// The compiler's expressions are such numbers. `f64` is none: a mechanism whose limbs are merged
-/// ([`MergedMechanism`](crate::mechanism::MergedMechanism)) cannot be computed with on it.
+/// The compiler's expressions implement it. `f64` does not, so a mechanism with merged limbs
+/// ([`MergedMechanism`](crate::mechanism::MergedMechanism)) cannot be computed on `f64`.
 pub trait LaneScalar: Scalar {
-    /// The pack of these numbers, a lane each.
+    /// Returns the pack of these lanes.
     #[must_use]
     fn pack(each: &[Self]) -> Self;
 
-    /// The number in one lane of a pack.
+    /// Returns one lane of a pack.
     #[must_use]
     fn extract_lane(self, lane: usize) -> Self;
 
-    /// The sum of the numbers in these lanes of a pack, at least one.
+    /// Returns the sum of these lanes of a pack; there must be at least one.
     #[must_use]
     fn sum_lanes(self, lanes: Range<usize>) -> Self;
 }

@@ -1,6 +1,5 @@
-//! The numbers that the equations and the generated code run on.
+//! The scalars of the equations and of the generated code.
 
-pub(crate) mod abreast;
 #[cfg(feature = "num-dual")]
 mod dual;
 mod elementary;
@@ -14,6 +13,9 @@ mod portable;
 mod real;
 #[cfg(test)]
 mod root;
+pub(crate) mod simd;
+#[cfg(feature = "std")]
+pub mod steps;
 pub(crate) mod trig;
 
 #[cfg(feature = "alloc")]

@@ -1,12 +1,12 @@
-//! What some processors have instructions for, and `core` has no function.
+//! Operations with instructions on some processors, but without a function in `core`.
 
-pub(super) use crate::lanes::{abreast_f32, abreast_f64};
-// An instruction where there is one; `root` computes the same without.
+pub(super) use crate::lanes::{run_simd_f32, run_simd_f64};
+// libm uses an instruction if there is one; `root` computes the same without.
 pub(super) use libm::{sqrt as sqrt_f64, sqrtf as sqrt_f32};
 
 macro_rules! mul_add {
     ($name:ident, $float:ident) => {
-        /// a * b + c: fused by an instruction, never by a call of a slow function.
+        /// Returns a * b + c: fused if there is an instruction, never by a call of a slow function.
         #[inline]
         pub(super) fn $name(a: $float, b: $float, c: $float) -> $float {
             #[cfg(all(feature = "std", any(target_feature = "fma", target_arch = "aarch64")))]

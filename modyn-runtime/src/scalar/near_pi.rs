@@ -1,8 +1,8 @@
-//! Numbers next to multiples of pi, and their sines, within the fast reduction.
+//! Angles close to multiples of pi, and their sines, within the range of the fast argument reduction.
 //!
-//! Made with mpmath by `tools/sine/table.py`.
+//! Generated with mpmath by `tools/sine/table.py`.
 
-/// Angles that `f64` holds exactly, and their sines rounded to double precision.
+/// Angles that are exact in `f64`, and their sines rounded to double precision.
 #[rustfmt::skip]
 #[allow(clippy::unreadable_literal, clippy::approx_constant)]
 pub(crate) const F64: [(f64, f64); 40] = [
@@ -48,7 +48,7 @@ pub(crate) const F64: [(f64, f64); 40] = [
     (262143.91579349313, -1.0951800525846926e-11),
 ];
 
-/// Angles that `f32` holds exactly, and their sines rounded to double precision.
+/// Angles that are exact in `f32`, and their sines rounded to double precision.
 #[rustfmt::skip]
 #[allow(clippy::unreadable_literal, clippy::approx_constant)]
 pub(crate) const F32: [(f64, f64); 40] = [

@@ -27,10 +27,10 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
 
     /// For x below the limit, the angle in [-pi/2, pi/2] that differs from it by a multiple of pi, and
     /// a number whose lowest bit is the multiple's.
-    fn near<S: FlipSign>(x: S) -> (S, S);
+    fn reduce_small<S: FlipSign>(x: S) -> (S, S);
 
     /// The same for any other x; NaN if it is not finite.
-    fn far(self) -> (Self, Self);
+    fn reduce_large(self) -> (Self, Self);
 
     /// sin and cos of an angle in [-pi/2, pi/2]; both signs flipped by the lowest bit of `turns`.
     fn polynomials<S: FlipSign>(r: S, turns: S) -> (S, S);
@@ -39,7 +39,7 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
     #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
     #[inline(always)]
     fn reduced<S: FlipSign>(x: S) -> (S, S) {
-        let (r, turns) = Self::near(x);
+        let (r, turns) = Self::reduce_small(x);
         Self::polynomials(r, turns)
     }
 
@@ -47,7 +47,7 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
     #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
     #[inline]
     fn unreduced(self) -> (Self, Self) {
-        let (r, turns) = self.far();
+        let (r, turns) = self.reduce_large();
         Self::polynomials(r, turns)
     }
 }
@@ -57,7 +57,7 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
 #[inline]
 pub(super) fn sin_cos<F: Precision>(x: F) -> (F, F) {
     // `<` is false for NaN.
-    let (r, turns) = if x.abs() < F::LIMIT { F::near(x) } else { x.far() };
+    let (r, turns) = if x.abs() < F::LIMIT { F::reduce_small(x) } else { x.reduce_large() };
     F::polynomials(r, turns)
 }
 
@@ -65,15 +65,15 @@ pub(super) fn sin_cos<F: Precision>(x: F) -> (F, F) {
 #[inline]
 pub(super) fn sin_cos_all<F: Precision, const N: usize>(angles: [F; N]) -> [(F, F); N] {
     let small = angles.iter().fold(true, |all, x| all & (x.abs() < F::LIMIT));
-    let reduced = if small { angles.map(F::near) } else { some_far(angles) };
+    let reduced = if small { angles.map(F::reduce_small) } else { reduce_any(angles) };
     reduced.map(|(r, turns)| F::polynomials(r, turns))
 }
 
 /// The reduction where some angles are beyond the limit.
 #[cold]
 #[inline(never)]
-fn some_far<F: Precision, const N: usize>(angles: [F; N]) -> [(F, F); N] {
-    angles.map(|x| if x.abs() < F::LIMIT { F::near(x) } else { x.far() })
+fn reduce_any<F: Precision, const N: usize>(angles: [F; N]) -> [(F, F); N] {
+    angles.map(|x| if x.abs() < F::LIMIT { F::reduce_small(x) } else { x.reduce_large() })
 }
 
 /// Puts right what the fast reduction made of angles beyond the limit, lane by lane.
@@ -105,7 +105,7 @@ fn polynomial<S: Scalar, const N: usize>(z: S, coefficients: [S; N]) -> S {
 /// sin and cos of r, from the coefficients of (sin r / r - 1) / z and of (cos r - 1 + z / 2) / z^2 in
 /// z = r^2; both signs flipped by the lowest bit of `turns`.
 #[inline(always)]
-fn at<S: FlipSign, const M: usize, const N: usize>(
+fn sine_and_cosine<S: FlipSign, const M: usize, const N: usize>(
     r: S,
     turns: S,
     sine: [S; M],
@@ -193,7 +193,7 @@ impl Precision for f64 {
     const LIMIT: Self = SIN_COS_F64.limit;
 
     #[inline(always)]
-    fn near<S: FlipSign>(x: S) -> (S, S) {
+    fn reduce_small<S: FlipSign>(x: S) -> (S, S) {
         let k = S::from_f64;
         let round = k(SIN_COS_F64.round);
         let shifted = x.mul_add(k(core::f64::consts::FRAC_1_PI), round);
@@ -206,7 +206,7 @@ impl Precision for f64 {
 
     #[cold]
     #[inline(never)]
-    fn far(self) -> (Self, Self) {
+    fn reduce_large(self) -> (Self, Self) {
         if !self.is_finite() {
             return (Self::NAN, 0.0);
         }
@@ -226,7 +226,7 @@ impl Precision for f64 {
         let [a, b, c, d, e, f, g, h] = SIN_COS_F64.sine;
         let sine = [k(a), k(b), k(c), k(d), k(e), k(f), k(g), k(h)];
         let [a, b, c, d, e, f, g] = SIN_COS_F64.cosine;
-        at(r, turns, sine, [k(a), k(b), k(c), k(d), k(e), k(f), k(g)])
+        sine_and_cosine(r, turns, sine, [k(a), k(b), k(c), k(d), k(e), k(f), k(g)])
     }
 }
 
@@ -241,7 +241,7 @@ impl Precision for f32 {
     const LIMIT: Self = SIN_COS_F32.limit as Self;
 
     #[inline(always)]
-    fn near<S: FlipSign>(x: S) -> (S, S) {
+    fn reduce_small<S: FlipSign>(x: S) -> (S, S) {
         let k = S::from_f64;
         let round = k(SIN_COS_F32.round);
         let shifted = x.mul_add(k(core::f32::consts::FRAC_1_PI.into()), round);
@@ -255,7 +255,7 @@ impl Precision for f32 {
 
     #[cold]
     #[inline(never)]
-    fn far(self) -> (Self, Self) {
+    fn reduce_large(self) -> (Self, Self) {
         if !self.is_finite() {
             return (Self::NAN, 0.0);
         }
@@ -276,7 +276,7 @@ impl Precision for f32 {
         let [a, b, c, d] = SIN_COS_F32.sine;
         let sine = [k(a), k(b), k(c), k(d)];
         let [a, b, c, d] = SIN_COS_F32.cosine;
-        at(r, turns, sine, [k(a), k(b), k(c), k(d)])
+        sine_and_cosine(r, turns, sine, [k(a), k(b), k(c), k(d)])
     }
 }
 
@@ -364,7 +364,7 @@ mod tests {
     }
 
     /// Numbers of all sizes from `limit` on, and some that are very near to multiples of pi/2.
-    fn far(limit: f64, largest: f64) -> impl Iterator<Item = f64> {
+    fn reduce_large(limit: f64, largest: f64) -> impl Iterator<Item = f64> {
         let steps = 200_000;
         let factor = libm::exp(libm::log(largest / limit) / f64::from(steps));
         let spread = (0..steps).map(move |i| limit * libm::pow(factor, f64::from(i)));
@@ -383,7 +383,7 @@ mod tests {
     #[test]
     fn f64_is_within_its_bound() {
         let mut worst: f64 = 0.0;
-        for x in angles(3e5).chain(far(LIMIT_F64, f64::MAX)) {
+        for x in angles(3e5).chain(reduce_large(LIMIT_F64, f64::MAX)) {
             let (s, c) = sin_cos(x);
             worst = worst.max((s - libm::sin(x)).abs()).max((c - libm::cos(x)).abs());
         }
@@ -393,7 +393,7 @@ mod tests {
     #[test]
     fn f32_is_within_its_bound() {
         let mut worst: f64 = 0.0;
-        for x in angles(4.2e3).chain(far(LIMIT_F32.into(), f32::MAX.into())) {
+        for x in angles(4.2e3).chain(reduce_large(LIMIT_F32.into(), f32::MAX.into())) {
             let x = x as f32;
             let (s, c) = sin_cos(x);
             let (s, c) = (f64::from(s), f64::from(c));

@@ -3,7 +3,7 @@
 use super::{Matrix3, Symmetric3, Vector3};
 use crate::Scalar;
 
-/// A coordinate axis to turn about.
+/// The coordinate axis of a rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// The x axis.
@@ -13,7 +13,7 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// The plane that turns (first axis towards second), and the axis itself.
+    /// Returns the indices of the rotated plane (first axis towards second), and of the axis itself.
     fn indices(self) -> (usize, usize, usize) {
         match self {
             Self::X => (1, 2, 0),
@@ -22,30 +22,31 @@ impl Axis {
     }
 }
 
-/// A rotation about a coordinate axis, from a turned frame to the one it was turned against.
+/// A rotation R about a coordinate axis: it maps components in the rotated frame to components in the original
+/// frame.
 ///
-/// Quarter turns only exchange and negate, so they are kept apart: exact, and free.
+/// Quarter turns only exchange and negate components. They are a variant of their own: exact, without products.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AxisRotation<S> {
-    /// That many quarter turns, 0 to 3.
+    /// This many quarter turns, 0 to 3.
     Quarters(u8),
     /// Any other angle.
     Angle {
-        /// Its cosine.
+        /// The cosine of the angle.
         cos: S,
-        /// Its sine.
+        /// The sine of the angle.
         sin: S,
     },
 }
 
 impl<S: Scalar> AxisRotation<S> {
-    /// No rotation.
+    /// Returns the identity.
     #[must_use]
     pub fn none() -> Self {
         Self::Quarters(0)
     }
 
-    /// The same rotation backwards.
+    /// Returns the inverse rotation.
     #[must_use]
     pub fn inverse(self) -> Self {
         match self {
@@ -54,7 +55,7 @@ impl<S: Scalar> AxisRotation<S> {
         }
     }
 
-    /// Each number through `f`.
+    /// Returns the rotation with `f` applied to its numbers.
     pub fn map<T>(self, mut f: impl FnMut(S) -> T) -> AxisRotation<T> {
         match self {
             Self::Quarters(n) => AxisRotation::Quarters(n),
@@ -62,7 +63,7 @@ impl<S: Scalar> AxisRotation<S> {
         }
     }
 
-    /// Two numbers in the plane, turned.
+    /// Returns two components in the plane, rotated.
     fn planar(self, x: S, y: S) -> (S, S) {
         match self {
             Self::Quarters(0) => (x, y),
@@ -73,7 +74,7 @@ impl<S: Scalar> AxisRotation<S> {
         }
     }
 
-    /// R v.
+    /// Returns R v.
     #[must_use]
     pub fn vector(self, about: Axis, v: Vector3<S>) -> Vector3<S> {
         let (i, j, _) = about.indices();
@@ -82,15 +83,15 @@ impl<S: Scalar> AxisRotation<S> {
         turned
     }
 
-    /// M R: each row of the matrix is turned backwards.
+    /// Returns M R: each row of the matrix is rotated by R^T.
     #[must_use]
     pub fn columns(self, about: Axis, m: &Matrix3<S>) -> Matrix3<S> {
         Matrix3(m.0.map(|row| self.inverse().vector(about, Vector3(row)).0))
     }
 
-    /// R M R^T.
+    /// Returns R M R^T.
     ///
-    /// With k = s (m_ii - m_jj) + c (m_ij + m_ji) the turned plane is m_ii - s k, c k - m_ji,
+    /// With k = s (m_ii - m_jj) + c (m_ij + m_ji), the entries in the rotated plane are m_ii - s k, c k - m_ji,
     /// c k - m_ij, m_jj + s k: four products instead of eight.
     #[must_use]
     pub fn matrix(self, about: Axis, m: &Matrix3<S>) -> Matrix3<S> {
@@ -112,7 +113,7 @@ impl<S: Scalar> AxisRotation<S> {
         Matrix3(turned)
     }
 
-    /// R M R^T of a symmetric matrix.
+    /// Returns R M R^T of a symmetric matrix.
     #[must_use]
     pub fn symmetric(self, about: Axis, m: &Symmetric3<S>) -> Symmetric3<S> {
         let (i, j, k) = about.indices();
@@ -128,7 +129,7 @@ impl<S: Scalar> AxisRotation<S> {
                 (m[i][i] - s, cos * mix - m[i][j], m[j][j] + s)
             }
         };
-        // Either (i, j, k) = (0, 1, 2) or (1, 2, 0): pick each entry from where it was written.
+        // Either (i, j, k) = (0, 1, 2) or (1, 2, 0): each entry is read from where it was stored.
         match about {
             Axis::Z => Symmetric3 {
                 xx: turned[0][0],

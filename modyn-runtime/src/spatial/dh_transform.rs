@@ -1,4 +1,4 @@
-//! Where a joint stands on the link that carries it.
+//! The constant pose of a joint on its parent link.
 
 use super::{
     ArticulatedInertia, Axis, AxisRotation, Matrix3, RigidInertia, Twist, Vector3, VelocityMoments,
@@ -9,20 +9,20 @@ use crate::Scalar;
 /// The constant pose of a joint's frame in the frame of the parent link:
 /// Rz(azimuth) Trans(translation) Rx(tilt).
 ///
-/// Two turns are enough for any direction of the joint's axis; the third angle is the joint's
-/// own zero. Each costs four products a vector, where a full rotation matrix costs nine.
+/// Two rotations reach any direction of the joint's axis; the third angle is the joint's own offset. Each
+/// costs four products for a vector, a full rotation matrix nine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DhTransform<S> {
-    /// Rotation about the parent's z axis.
+    /// The rotation about the parent's z axis.
     pub azimuth: AxisRotation<S>,
-    /// Translation in the axes behind the azimuth, m.
+    /// The translation in the axes after the azimuth, m.
     pub translation: Vector3<S>,
-    /// Rotation about the x axis behind the azimuth.
+    /// The rotation about the x axis after the azimuth.
     pub tilt: AxisRotation<S>,
 }
 
 impl<S: Scalar> DhTransform<S> {
-    /// Each number through `f`.
+    /// Returns the pose with `f` applied to its numbers.
     pub fn map<T>(&self, mut f: impl FnMut(S) -> T) -> DhTransform<T> {
         DhTransform {
             azimuth: self.azimuth.map(&mut f),
@@ -31,33 +31,33 @@ impl<S: Scalar> DhTransform<S> {
         }
     }
 
-    /// A direction of the parent's frame, seen from the joint's.
+    /// Returns a direction in the joint's axes, from the parent's axes.
     #[must_use]
     pub fn to_child(&self, v: Vector3<S>) -> Vector3<S> {
         self.tilt.inverse().vector(Axis::X, self.azimuth.inverse().vector(Axis::Z, v))
     }
 
-    /// A direction of the joint's frame, seen from the parent's.
+    /// Returns a direction in the parent's axes, from the joint's axes.
     #[must_use]
     pub fn to_parent(&self, v: Vector3<S>) -> Vector3<S> {
         self.azimuth.vector(Axis::Z, self.tilt.vector(Axis::X, v))
     }
 
-    /// A point of the parent's frame, seen from the joint's.
+    /// Returns a point in the joint's frame, from the parent's frame.
     #[must_use]
     pub fn point_to_child(&self, point: Vector3<S>) -> Vector3<S> {
         let shifted = self.azimuth.inverse().vector(Axis::Z, point) - self.translation;
         self.tilt.inverse().vector(Axis::X, shifted)
     }
 
-    /// A point of the joint's frame, seen from the parent's.
+    /// Returns a point in the parent's frame, from the joint's frame.
     #[must_use]
     pub fn point_to_parent(&self, point: Vector3<S>) -> Vector3<S> {
         self.azimuth.vector(Axis::Z, self.tilt.vector(Axis::X, point) + self.translation)
     }
 
-    /// The twist (or deviation of acceleration) of a rigid continuation of the parent, seen from
-    /// the joint's frame: the matrix A of the paper's twist propagation.
+    /// Returns the twist at the joint's frame, from a twist of the parent: the matrix A of the paper's twist
+    /// propagation. It transforms perturbations of accelerations, too.
     #[must_use]
     pub fn twist_to_child(&self, t: Twist<S>) -> Twist<S> {
         let to_axes = |v| self.azimuth.inverse().vector(Axis::Z, v);
@@ -67,7 +67,7 @@ impl<S: Scalar> DhTransform<S> {
         Twist { angular: tilt.vector(Axis::X, angular), linear: tilt.vector(Axis::X, linear) }
     }
 
-    /// A wrench on the child at the joint's frame, at the parent: A^T.
+    /// Returns a wrench at the parent's frame, from the joint's frame: A^T.
     #[must_use]
     pub fn wrench_to_parent(&self, w: Wrench<S>) -> Wrench<S> {
         let force = self.tilt.vector(Axis::X, w.force);
@@ -78,7 +78,7 @@ impl<S: Scalar> DhTransform<S> {
         }
     }
 
-    /// A rigid inertia at the joint's frame, at the parent.
+    /// Returns a rigid inertia at the parent's frame, from the joint's frame.
     #[must_use]
     pub fn rigid_to_parent(&self, i: &RigidInertia<S>) -> RigidInertia<S> {
         let tilted = RigidInertia {
@@ -94,26 +94,28 @@ impl<S: Scalar> DhTransform<S> {
         }
     }
 
-    /// Moments of velocities against the joint's frame, at the parent.
+    /// Returns velocity moments at the parent's frame, from the joint's frame.
     #[must_use]
     pub fn velocities_to_parent(&self, v: &VelocityMoments<S>) -> VelocityMoments<S> {
-        v.turned(self.tilt, Axis::X).shifted(self.translation).turned(self.azimuth, Axis::Z)
+        v.rotated_about(self.tilt, Axis::X)
+            .shifted(self.translation)
+            .rotated_about(self.azimuth, Axis::Z)
     }
 
-    /// An articulated inertia at the joint's frame, at the parent: A^T M A.
+    /// Returns an articulated inertia at the parent's frame, from the joint's frame: A^T M A.
     #[must_use]
     pub fn articulated_to_parent(&self, i: &ArticulatedInertia<S>) -> ArticulatedInertia<S> {
-        let tilted = i.turned(self.tilt, Axis::X).shifted(self.translation);
-        tilted.turned(self.azimuth, Axis::Z)
+        let tilted = i.rotated_about(self.tilt, Axis::X).shifted(self.translation);
+        tilted.rotated_about(self.azimuth, Axis::Z)
     }
 
-    /// The axes of the parent's frame (as columns, in some third frame) turned to the joint's.
+    /// Returns the joint's axes, from the parent's axes; both as columns, in some third frame.
     #[must_use]
-    pub fn turn_axes(&self, axes: &Matrix3<S>) -> Matrix3<S> {
+    pub fn rotate_axes(&self, axes: &Matrix3<S>) -> Matrix3<S> {
         self.tilt.columns(Axis::X, &self.azimuth.columns(Axis::Z, axes))
     }
 
-    /// The joint's origin in the parent's frame.
+    /// Returns the joint's origin in the parent's frame, m.
     #[must_use]
     pub fn origin(&self) -> Vector3<S> {
         self.azimuth.vector(Axis::Z, self.translation)

@@ -1,17 +1,17 @@
-//! The motion of a rigid body, as the accelerations of its points.
+//! The acceleration field of a rigid body.
 
 use super::{Matrix3, RigidInertia, Vector3, Wrench};
 use crate::Scalar;
 
-/// Angular velocity and acceleration of a body, and the acceleration of its point at r: a + E r
-/// with E = alpha x + omega x omega x. All are classical, in the body's axes, about its origin.
+/// The angular velocity and acceleration of a body, and the acceleration of its points: a + E r at r, with
+/// E = alpha x + omega x omega x. All are classical, in the body's axes, about its origin.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<S> {
-    /// Angular velocity.
+    /// The angular velocity, rad/s.
     pub omega: Vector3<S>,
-    /// Angular acceleration.
+    /// The angular acceleration, rad/s^2.
     pub alpha: Vector3<S>,
-    /// The acceleration of the origin.
+    /// The classical acceleration of the origin, m/s^2.
     pub a: Vector3<S>,
     /// E.
     pub(crate) gradient: Matrix3<S>,
@@ -20,16 +20,16 @@ pub struct Field<S> {
 }
 
 impl<S: Scalar> Field<S> {
-    /// At rest.
+    /// Returns the field of a body at rest.
     #[must_use]
     pub fn zero() -> Self {
         let zero = Vector3::zero();
         Self { omega: zero, alpha: zero, a: zero, gradient: Matrix3::zero(), differences: zero }
     }
 
-    /// The motion about an origin that is not accelerated.
+    /// Returns the field of a rotation about an origin that is not accelerated.
     #[must_use]
-    pub fn turning(omega: Vector3<S>, alpha: Vector3<S>) -> Self {
+    pub fn rotating(omega: Vector3<S>, alpha: Vector3<S>) -> Self {
         let [x, y, z] = omega.0;
         let (xx, yy, zz, xy, xz, yz) = (x * x, y * y, z * z, x * y, x * z, y * z);
         Self {
@@ -45,20 +45,20 @@ impl<S: Scalar> Field<S> {
         }
     }
 
-    /// The acceleration that the point at `r` has over the origin's: E r.
+    /// Returns the acceleration of the point at `r` relative to the origin's: E r.
     #[must_use]
-    pub fn over_origin(&self, r: Vector3<S>) -> Vector3<S> {
+    pub fn relative_acceleration(&self, r: Vector3<S>) -> Vector3<S> {
         self.gradient.mul_vector(r)
     }
 
-    /// The same for the point at `z` on the z axis.
+    /// Returns the acceleration of the point at `z` on the z axis relative to the origin's.
     #[must_use]
-    pub fn over_origin_along_z(&self, z: S) -> Vector3<S> {
+    pub fn relative_acceleration_along_z(&self, z: S) -> Vector3<S> {
         self.gradient.column(2).scale(z)
     }
 
-    /// The wrench that gives a rigid body this motion:
-    /// F = m a + E c and N = c x a + the axial vector of E S - (E S)^T.
+    /// Returns the wrench that gives a rigid body this motion: F = m a + E c, and N = c x a plus the axial vector
+    /// of E S - (E S)^T.
     #[must_use]
     pub fn wrench(&self, body: &RigidInertia<S>) -> Wrench<S> {
         let e = &self.gradient.0;
@@ -89,7 +89,7 @@ mod tests {
             (0.4, Vector3([0.2, 0.9, -0.8])),
         ];
         let (omega, alpha) = (Vector3([0.5, -1.3, 0.8]), Vector3([2.0, 0.3, -0.7]));
-        let field = Field { a: Vector3([1.0, 2.0, -3.0]), ..Field::turning(omega, alpha) };
+        let field = Field { a: Vector3([1.0, 2.0, -3.0]), ..Field::rotating(omega, alpha) };
         let mut body = RigidInertia::<f64>::zero();
         let (mut force, mut moment) = (Vector3::zero(), Vector3::zero());
         for (m, r) in points {

@@ -1,4 +1,4 @@
-//! Inertias: of a rigid body in 10 numbers, of an articulated one in 21.
+//! Inertias: of a rigid body in 10 numbers, of an articulated body in 21.
 
 use core::ops::Add;
 
@@ -7,21 +7,21 @@ use crate::Scalar;
 
 /// The inertia of a rigid (or composite) body about its frame's origin.
 ///
-/// Kept as mass, first and second moment, `m`, `integral r dm`, `integral r r^T dm`: moving it to
-/// another frame is cheaper than with the rotational inertia `trace(S) 1 - S`, the I of (2), and
-/// what an axis cannot feel is a component by itself.
+/// It consists of mass, first and second moment of mass: `m`, `integral r dm`, `integral r r^T dm`. Transforms
+/// to another frame are cheaper than with the rotational inertia `trace(S) 1 - S`, the I of (2). The part
+/// without effect on a joint axis is a component of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidInertia<S> {
-    /// Mass, kg.
+    /// The mass, kg.
     pub mass: S,
-    /// Mass times centre of mass, kg m.
+    /// The mass times the centre of mass, kg m.
     pub first_moment: Vector3<S>,
-    /// Second moment of mass about the origin, kg m^2.
+    /// The second moment of mass about the origin, kg m^2.
     pub second_moment: Symmetric3<S>,
 }
 
 impl<S: Scalar> RigidInertia<S> {
-    /// From mass, centre of mass and the rotational inertia about that.
+    /// Returns the inertia of this mass, centre of mass, and rotational inertia about the centre of mass.
     #[must_use]
     pub fn new(mass: S, center: Vector3<S>, inertia: &Symmetric3<S>) -> Self {
         let Symmetric3 { xx, xy, xz, yy, yz, zz } = *inertia;
@@ -40,13 +40,13 @@ impl<S: Scalar> RigidInertia<S> {
         Self { mass, first_moment, second_moment }
     }
 
-    /// Nothing there.
+    /// Returns the inertia of no mass.
     #[must_use]
     pub fn zero() -> Self {
         Self { mass: S::zero(), first_moment: Vector3::zero(), second_moment: Symmetric3::zero() }
     }
 
-    /// Each number through `f`.
+    /// Returns the inertia with `f` applied to its numbers.
     pub fn map<T>(&self, mut f: impl FnMut(S) -> T) -> RigidInertia<T> {
         RigidInertia {
             mass: f(self.mass),
@@ -55,7 +55,7 @@ impl<S: Scalar> RigidInertia<S> {
         }
     }
 
-    /// The body seen from a frame against which this one stands shifted by `p`.
+    /// Returns the inertia about the origin of a parallel frame, in which this frame's origin is at `p`.
     #[must_use]
     pub fn shifted(&self, p: Vector3<S>) -> Self {
         let c = self.first_moment;
@@ -69,19 +69,19 @@ impl<S: Scalar> RigidInertia<S> {
         }
     }
 
-    /// The body without `other`.
+    /// Returns the inertia minus `other`.
     #[must_use]
     pub fn minus(&self, other: &Self) -> Self {
         *self + other.map(|x| -x)
     }
 
-    /// The body seen from a frame in which this one stands at `pose`.
+    /// Returns the inertia in a frame in which this frame has the pose `pose`.
     #[must_use]
     pub fn placed(&self, pose: &Pose<S>) -> Self {
         self.rotated(&Matrix3(pose.rotation)).shifted(Vector3(pose.translation))
     }
 
-    /// The body in axes whose columns, seen from the new ones, are those of `rotation`.
+    /// Returns the inertia in new axes; the columns of `rotation` are the present axes in the new ones.
     #[must_use]
     pub fn rotated(&self, rotation: &Matrix3<S>) -> Self {
         let second_moment = rotation.congruence(&self.second_moment.full()).0;
@@ -92,7 +92,7 @@ impl<S: Scalar> RigidInertia<S> {
         }
     }
 
-    /// The wrench of an acceleration; or, about the origin, the momentum of a velocity.
+    /// Returns the wrench of an acceleration; for a velocity, the momentum about the origin.
     #[must_use]
     pub fn times(&self, t: &Twist<S>) -> Wrench<S> {
         let c = self.first_moment;
@@ -102,7 +102,7 @@ impl<S: Scalar> RigidInertia<S> {
         }
     }
 
-    /// The wrench of a unit acceleration in component `j` (angular x, y, z, linear x, y, z).
+    /// Returns the wrench of a unit acceleration in component `j` (angular x, y, z, linear x, y, z).
     #[must_use]
     pub fn column(&self, j: usize) -> Wrench<S> {
         if j < 3 {
@@ -114,14 +114,14 @@ impl<S: Scalar> RigidInertia<S> {
         }
     }
 
-    /// The rotational inertia about the origin, `trace(S) 1 - S`: the I of (2).
+    /// Returns the rotational inertia about the origin, `trace(S) 1 - S`: the I of (2).
     #[must_use]
     pub fn rotational(&self) -> Symmetric3<S> {
         let Symmetric3 { xx, xy, xz, yy, yz, zz } = self.second_moment;
         Symmetric3 { xx: yy + zz, xy: -xy, xz: -xz, yy: xx + zz, yz: -yz, zz: xx + yy }
     }
 
-    /// The same inertia in the form of an articulated one: the matrix of (2).
+    /// Returns the same inertia as an articulated inertia: the matrix of (2).
     #[must_use]
     pub fn articulated(&self) -> ArticulatedInertia<S> {
         ArticulatedInertia {
@@ -143,20 +143,20 @@ impl<S: Scalar> Add for RigidInertia<S> {
     }
 }
 
-/// The inertia that a tree of links shows at its first one: a symmetric 6x6 matrix
+/// The articulated inertia of a tree of links at its root link: a symmetric 6x6 matrix
 /// `[rotational, coupling; coupling^T, translational]` from acceleration to wrench.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArticulatedInertia<S> {
-    /// Angular acceleration to moment.
+    /// The block from angular acceleration to moment.
     pub rotational: Symmetric3<S>,
-    /// Linear acceleration to moment.
+    /// The block from linear acceleration to moment.
     pub coupling: Matrix3<S>,
-    /// Linear acceleration to force.
+    /// The block from linear acceleration to force.
     pub translational: Symmetric3<S>,
 }
 
 impl<S: Scalar> ArticulatedInertia<S> {
-    /// The wrench of a unit acceleration in component `j` (angular x, y, z, linear x, y, z).
+    /// Returns the wrench of a unit acceleration in component `j` (angular x, y, z, linear x, y, z).
     #[must_use]
     pub fn column(&self, j: usize) -> Wrench<S> {
         if j < 3 {
@@ -169,7 +169,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
         }
     }
 
-    /// The wrench of an acceleration.
+    /// Returns the wrench of an acceleration.
     #[must_use]
     pub fn times(&self, t: &Twist<S>) -> Wrench<S> {
         let (rotational, translational) = (self.rotational.full(), self.translational.full());
@@ -180,7 +180,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
         }
     }
 
-    /// From the upper triangle of the 6x6 matrix.
+    /// Returns the inertia with this upper triangle of the 6x6 matrix: `entry(row, column)`.
     #[must_use]
     pub fn from_fn(mut entry: impl FnMut(usize, usize) -> S) -> Self {
         Self {
@@ -190,7 +190,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
         }
     }
 
-    /// The entry of the 6x6 matrix at row `i` and column `j`, `i <= j`.
+    /// Returns the entry of the 6x6 matrix at row `i` and column `j`, `i <= j`.
     #[must_use]
     pub fn entry(&self, i: usize, j: usize) -> S {
         if j < 3 {
@@ -202,9 +202,9 @@ impl<S: Scalar> ArticulatedInertia<S> {
         }
     }
 
-    /// The inertia in turned axes.
+    /// Returns the inertia in the original axes, from the axes rotated by `turn`.
     #[must_use]
-    pub fn turned(&self, turn: AxisRotation<S>, about: Axis) -> Self {
+    pub fn rotated_about(&self, turn: AxisRotation<S>, about: Axis) -> Self {
         Self {
             rotational: turn.symmetric(about, &self.rotational),
             coupling: turn.matrix(about, &self.coupling),
@@ -212,7 +212,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
         }
     }
 
-    /// The inertia in axes whose columns, seen from the new ones, are those of `rotation`.
+    /// Returns the inertia in new axes; the columns of `rotation` are the present axes in the new ones.
     #[must_use]
     pub fn rotated(&self, rotation: &Matrix3<S>) -> Self {
         let turned = |m: &Symmetric3<S>| {
@@ -226,7 +226,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
         }
     }
 
-    /// The inertia seen from a frame against which this one stands shifted by `p`.
+    /// Returns the inertia about the origin of a parallel frame, in which this frame's origin is at `p`.
     #[must_use]
     pub fn shifted(&self, p: Vector3<S>) -> Self {
         // With P = p x: H' = H + P M and A' = A + P H'^T + H P^T.
@@ -267,7 +267,7 @@ mod tests {
     #[test]
     fn columns_entries_and_products_agree() {
         let number = |i: usize, j: usize| (10 * i.min(j) + i.max(j)) as f64;
-        // The coupling block is not symmetric by itself: entry (i, j + 3) is its own number.
+        // The coupling block is not symmetric: entry (i, j + 3) is a number of its own.
         let inertia = ArticulatedInertia::from_fn(number);
         for j in 0..6 {
             let column = inertia.column(j).components();

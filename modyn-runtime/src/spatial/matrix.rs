@@ -1,65 +1,65 @@
-//! Three by three matrices: general, and symmetric in six numbers.
+//! 3x3 matrices: general, and symmetric in six numbers.
 
 use core::ops::Add;
 
 use super::Vector3;
 use crate::Scalar;
 
-/// A 3x3 matrix by rows.
+/// A 3x3 matrix, stored by rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Matrix3<S>(pub [[S; 3]; 3]);
 
 impl<S: Scalar> Matrix3<S> {
-    /// All zeros.
+    /// Returns the zero matrix.
     #[must_use]
     pub fn zero() -> Self {
         Self([[S::zero(); 3]; 3])
     }
 
-    /// The matrix of the vector product with `v` on the left.
+    /// Returns the matrix of the cross product v x.
     #[must_use]
     pub fn cross(v: Vector3<S>) -> Self {
         let ([x, y, z], o) = (v.0, S::zero());
         Self([[o, -z, y], [z, o, -x], [-y, x, o]])
     }
 
-    /// The matrix a b^T.
+    /// Returns the matrix a b^T.
     #[must_use]
     pub fn outer(a: Vector3<S>, b: Vector3<S>) -> Self {
         Self(a.0.map(|a| b.0.map(|b| a * b)))
     }
 
-    /// The matrix times a vector.
+    /// Returns the matrix times a vector.
     #[must_use]
     pub fn mul_vector(&self, v: Vector3<S>) -> Vector3<S> {
         Vector3(self.0.map(|row| Vector3(row).dot(v)))
     }
 
-    /// The matrix times another one.
+    /// Returns `self` times `other`.
     #[must_use]
     pub fn times(&self, other: &Self) -> Self {
         Self(self.0.map(|row| core::array::from_fn(|j| Vector3(row).dot(other.column(j)))))
     }
 
-    /// R M R^T, where this is R.
+    /// Returns R M R^T with R = `self`.
     #[must_use]
     pub fn congruence(&self, m: &Self) -> Self {
         self.times(m).times(&self.transposed())
     }
 
-    /// The transposed matrix.
+    /// Returns the transposed matrix.
     #[must_use]
     pub fn transposed(&self) -> Self {
         Self(core::array::from_fn(|i| self.column(i).0))
     }
 
-    /// Column `j`.
+    /// Returns column `j`.
     #[must_use]
     pub fn column(&self, j: usize) -> Vector3<S> {
         Vector3(self.0.map(|row| row[j]))
     }
 
-    /// Row `i`.
+    /// Returns row `i`.
     #[must_use]
     pub fn row(&self, i: usize) -> Vector3<S> {
         Vector3(self.0[i])
@@ -91,20 +91,20 @@ pub struct Symmetric3<S> {
 }
 
 impl<S: Scalar> Symmetric3<S> {
-    /// All zeros.
+    /// Returns the zero matrix.
     #[must_use]
     pub fn zero() -> Self {
         Self::diagonal(S::zero())
     }
 
-    /// `value` times the identity.
+    /// Returns `value` times the identity.
     #[must_use]
     pub fn diagonal(value: S) -> Self {
         let o = S::zero();
         Self { xx: value, xy: o, xz: o, yy: value, yz: o, zz: value }
     }
 
-    /// From the upper triangle of what `entry(row, column)` gives.
+    /// Returns the matrix with this upper triangle: `entry(row, column)`.
     #[must_use]
     pub fn from_fn(mut entry: impl FnMut(usize, usize) -> S) -> Self {
         Self {
@@ -117,14 +117,14 @@ impl<S: Scalar> Symmetric3<S> {
         }
     }
 
-    /// The same matrix in nine numbers.
+    /// Returns the matrix in nine numbers.
     #[must_use]
     pub fn full(&self) -> Matrix3<S> {
         let Self { xx, xy, xz, yy, yz, zz } = *self;
         Matrix3([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     }
 
-    /// Each number through `f`.
+    /// Returns the matrix with `f` applied to its numbers.
     pub fn map<T>(&self, mut f: impl FnMut(S) -> T) -> Symmetric3<T> {
         Symmetric3 {
             xx: f(self.xx),

@@ -1,8 +1,7 @@
-//! Spatial quantities with named parts.
+//! Spatial vectors, inertias and transforms, with named components.
 //!
-//! Everything is referred to the origin of a link's frame and given in that frame's axes, as in
-//! the paper: the twist is t = [omega; o_dot], the link mass matrix stands about the link's
-//! origin, (2).
+//! Quantities are about the origin of a link's frame and in that frame's axes, as in the paper: the twist is
+//! t = [omega; o_dot], and the mass matrix (2) of a link is about the link's origin.
 
 mod pose;
 

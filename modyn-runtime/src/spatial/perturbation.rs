@@ -1,28 +1,28 @@
-//! Changes of accelerations.
+//! Perturbations of accelerations.
 
 use super::Vector3;
 use crate::Scalar;
 
-/// A change of the accelerations of all points behind a joint: at x, moving with x', by
+/// A change of the accelerations of all points after a joint. At x, with velocity x', the change is
 /// gradient x x + turning x 2 x' + uniform.
 ///
-/// In the axes of the joint's body, about its origin, x' against fixed axes. A displacement of the
-/// whole with its motion is left out.
+/// It is in the axes of the joint's body, about the body's origin; x' is relative to fixed axes. The
+/// displacement of the points themselves is left out.
 #[derive(Clone, Copy, Debug)]
 pub struct AccelerationPerturbation<S> {
-    /// The factor of the place x.
+    /// The factor of the position x.
     pub gradient: Vector3<S>,
-    /// gradient - 2 omega x turning, with the body's omega: what is left of the gradient where x'
-    /// is against the body, since then there is 2 omega x (turning x x) as well.
+    /// gradient - 2 omega x turning, with the body's angular velocity omega. It replaces the gradient where x' is
+    /// relative to the body, since 2 omega x (turning x x) then is a separate term.
     pub relative: Vector3<S>,
     /// Half the factor of the velocity x'.
     pub turning: Vector3<S>,
-    /// The part that is the same for all points.
+    /// The term that is the same for all points.
     pub uniform: Vector3<S>,
 }
 
 impl<S: Scalar> AccelerationPerturbation<S> {
-    /// None.
+    /// Returns the zero perturbation.
     #[must_use]
     pub fn zero() -> Self {
         let zero = Vector3::zero();

@@ -1,26 +1,35 @@
-//! Where a frame stands.
+//! The pose of a frame.
 
 use crate::Scalar;
 
-/// A frame's pose in another frame.
+/// The pose of a frame in a reference frame.
+///
+/// ```
+/// use modyn_runtime::Pose;
+///
+/// let quarter_about_z = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+/// let pose = Pose { rotation: quarter_about_z, translation: [0.0, 0.0, 1.0] };
+/// assert_eq!(pose.transform_point([1.0, 0.0, 0.0]), [0.0, 1.0, 1.0]);
+/// assert_eq!(pose.compose(&Pose::identity()), pose);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pose<S> {
-    /// The rotation matrix, by rows: its columns are the frame's axes seen from the other frame.
+    /// The rotation matrix, by rows. Its columns are the frame's axes in the reference frame.
     pub rotation: [[S; 3]; 3],
-    /// The frame's origin seen from the other frame, m.
+    /// The frame's origin in the reference frame, m.
     pub translation: [S; 3],
 }
 
 impl<S: Scalar> Pose<S> {
-    /// The two frames coincide.
+    /// Returns the pose of a frame that coincides with the reference frame.
     #[must_use]
     pub fn identity() -> Self {
         let (o, i) = (S::zero(), S::one());
         Self { rotation: [[i, o, o], [o, i, o], [o, o, i]], translation: [o; 3] }
     }
 
-    /// Each number through `f`.
+    /// Returns the pose with `f` applied to its numbers.
     pub fn map<T>(&self, mut f: impl FnMut(S) -> T) -> Pose<T> {
         Pose {
             rotation: self.rotation.map(|row| row.map(&mut f)),
@@ -28,21 +37,21 @@ impl<S: Scalar> Pose<S> {
         }
     }
 
-    /// A point of the frame, seen from the other frame.
+    /// Returns a point in the reference frame, m, from its coordinates in this frame.
     #[must_use]
     pub fn transform_point(&self, point: [S; 3]) -> [S; 3] {
         let rotated = self.rotate(point);
         core::array::from_fn(|i| self.translation[i] + rotated[i])
     }
 
-    /// A direction of the frame, seen from the other frame.
+    /// Returns a direction in the reference frame, from its components in this frame.
     #[must_use]
     pub fn rotate(&self, direction: [S; 3]) -> [S; 3] {
         let [x, y, z] = direction;
         self.rotation.map(|row| row[0] * x + row[1] * y + row[2] * z)
     }
 
-    /// The pose of a frame that stands at `inner` in this frame, seen from the other frame.
+    /// Returns the pose in the reference frame of a frame whose pose in this frame is `inner`.
     #[must_use]
     pub fn compose(&self, inner: &Self) -> Self {
         let b = &inner.rotation;

@@ -1,29 +1,29 @@
-//! Quaternions, and the exponential maps of rotations and motions with their inverses.
+//! Quaternions, and the exponential maps of SO(3) and SE(3) with their inverses.
 //!
-//! A rotation vector w is the axis times the angle t in rad. The maps need sin(t/2) / (t/2) and the
-//! like: closed forms where t is large, and series where it is small. The closed forms would do for
-//! the values everywhere, but what runs on dual numbers has its derivatives from here too, and those
-//! of a quotient lose more figures the nearer it is to 0 / 0.
+//! A rotation vector w is the axis times the angle t in rad. The maps need sin(t/2) / (t/2) and similar
+//! functions: closed forms for large t, series for small t. The closed forms are accurate enough for the values
+//! at every t. But dual numbers take their derivatives from the same code, and the derivatives of a quotient
+//! lose more digits the closer it is to 0 / 0.
 
 use super::{Matrix3, Vector3};
 use crate::Scalar;
 
-/// The least square of a quaternion's length that isn't 0 in any precision.
-const LEAST: f64 = 1e-30;
+/// The squared length below which a quaternion counts as zero, in any precision.
+const MIN_SQUARE: f64 = 1e-30;
 
-/// The square of an angle below which there are series in it: short enough to give third derivatives
-/// in double precision, and what the closed forms lose of them above it is little.
-const NEAR: f64 = 1.0 / 16.0;
+/// The squared angle below which series are used. The series have accurate third derivatives in double
+/// precision below it; above it the closed forms lose little.
+const SERIES_LIMIT: f64 = 1.0 / 16.0;
 
-/// The same of the tangent of half an angle.
-const NEAR_TANGENT: f64 = 1.0 / 256.0;
+/// The squared tangent of half an angle below which series are used.
+const SERIES_LIMIT_TANGENT: f64 = 1.0 / 256.0;
 
-/// sin(t/2) / (t/2) in powers of t^2.
+/// The coefficients of sin(t/2) / (t/2) in powers of t^2.
 const SINC: [f64; 6] =
     [1.0, -1.0 / 24.0, 1.0 / 1920.0, -1.0 / 322_560.0, 1.0 / 92_897_280.0, -1.0 / 40_874_803_200.0];
 
-/// (sin(t/2) / (t/2) - cos(t/2)) / t^2 in powers of t^2.
-const LAG: [f64; 6] = [
+/// The coefficients of (sin(t/2) / (t/2) - cos(t/2)) / t^2 in powers of t^2.
+const SINC_MINUS_COS: [f64; 6] = [
     1.0 / 12.0,
     -1.0 / 480.0,
     1.0 / 53_760.0,
@@ -32,7 +32,7 @@ const LAG: [f64; 6] = [
     -1.0 / 2_125_489_766_400.0,
 ];
 
-/// An angle over its tangent in powers of the tangent's square.
+/// The coefficients of an angle divided by its tangent, in powers of the squared tangent.
 const ARCTANGENT: [f64; 9] = [
     1.0,
     -1.0 / 3.0,
@@ -45,8 +45,8 @@ const ARCTANGENT: [f64; 9] = [
     1.0 / 17.0,
 ];
 
-/// A quaternion; where it is one of length 1, the rotation of a frame: from its axes to those it
-/// is seen from.
+/// A quaternion. With length 1 it is a rotation of a frame: it maps components in the rotated frame to
+/// components in the reference frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quaternion<S> {
     /// x, y, z.
@@ -56,54 +56,54 @@ pub struct Quaternion<S> {
 }
 
 impl<S: Scalar> Quaternion<S> {
-    /// From x, y, z, w.
+    /// Returns the quaternion with the components x, y, z, w.
     #[must_use]
     pub fn from_components([x, y, z, w]: [S; 4]) -> Self {
         Self { vector: Vector3([x, y, z]), scalar: w }
     }
 
-    /// x, y, z, w.
+    /// Returns the components x, y, z, w.
     #[must_use]
     pub fn components(self) -> [S; 4] {
         let [x, y, z] = self.vector.0;
         [x, y, z, self.scalar]
     }
 
-    /// No rotation.
+    /// Returns the identity.
     #[must_use]
     pub fn identity() -> Self {
         Self { vector: Vector3::zero(), scalar: S::one() }
     }
 
-    /// The rotation by the rotation vector `w`.
+    /// Returns the rotation by the rotation vector `w`, rad.
     #[must_use]
     pub fn exp(w: Vector3<S>) -> Self {
         let Angle { sinc, cos, .. } = Angle::of(w);
         Self { vector: w.scale(S::from_f64(0.5) * sinc), scalar: cos }
     }
 
-    /// The rotation vector, at most half a turn; the quaternion may have any length but 0.
+    /// Returns the rotation vector, rad, of length at most pi. The quaternion may have any length but 0.
     #[must_use]
     pub fn log(self) -> Vector3<S> {
         let square = self.vector.dot(self.vector);
-        let sine = square.max(S::from_f64(LEAST)).sqrt();
+        let sine = square.max(S::from_f64(MIN_SQUARE)).sqrt();
         let half = sine.atan2(self.scalar.abs());
         // The quaternion and its negative are the same rotation.
         let shortest = self.scalar.select_nonnegative(S::one(), -S::one());
         let closed = shortest * ((half + half) / sine);
         let secant = self.scalar.recip();
         let series = (secant + secant) * series(&ARCTANGENT, square * (secant * secant));
-        let away = square - S::from_f64(NEAR_TANGENT) * (self.scalar * self.scalar);
+        let away = square - S::from_f64(SERIES_LIMIT_TANGENT) * (self.scalar * self.scalar);
         self.vector.scale(away.select_nonnegative(closed, series))
     }
 
-    /// The rotation back.
+    /// Returns the conjugate; for length 1, the inverse rotation.
     #[must_use]
     pub fn conjugate(self) -> Self {
         Self { vector: -self.vector, ..self }
     }
 
-    /// The rotation `other` in the axes that this one has turned.
+    /// Returns the product: first `self`, then `other` about the axes that `self` has rotated.
     #[must_use]
     pub fn times(self, other: Self) -> Self {
         let (a, b) = (self.vector, other.vector);
@@ -113,7 +113,7 @@ impl<S: Scalar> Quaternion<S> {
         }
     }
 
-    /// A direction of the turned axes, seen from those in front of the rotation.
+    /// Returns a direction in the reference frame, from its components in the rotated frame.
     #[must_use]
     pub fn rotate(self, v: Vector3<S>) -> Vector3<S> {
         let half = self.vector.cross(v);
@@ -121,7 +121,7 @@ impl<S: Scalar> Quaternion<S> {
         v + t.scale(self.scalar) + self.vector.cross(t)
     }
 
-    /// What [`rotate`](Self::rotate) does, as a matrix: its columns are the turned axes.
+    /// Returns the matrix of [`rotate`](Self::rotate); its columns are the rotated axes.
     #[must_use]
     pub fn matrix(self) -> Matrix3<S> {
         let ([x, y, z], w, one) = (self.vector.0, self.scalar, S::one());
@@ -136,16 +136,16 @@ impl<S: Scalar> Quaternion<S> {
         ])
     }
 
-    /// Its rate of change under the angular velocity `omega` in the turned axes.
+    /// Returns the time derivative at the angular velocity `omega` in the rotated axes, rad/s.
     #[must_use]
     pub fn rate(self, omega: Vector3<S>) -> Self {
         self.times(Self { vector: omega.scale(S::from_f64(0.5)), scalar: S::zero() })
     }
 
-    /// Of length 1; none of length 0 becomes the identity.
+    /// Returns the quaternion scaled to length 1. A quaternion of length 0 becomes the identity.
     #[must_use]
     pub fn normalized(self) -> Self {
-        let (square, least) = (self.square(), S::from_f64(LEAST));
+        let (square, least) = (self.square(), S::from_f64(MIN_SQUARE));
         let scaled = self.scale(square.max(least).sqrt().recip());
         let nothing = least - square;
         let or = |usual: S, identity: S| nothing.select_nonnegative(identity, usual);
@@ -155,7 +155,7 @@ impl<S: Scalar> Quaternion<S> {
         }
     }
 
-    /// The same with a length nearer to 1, if it is near: a Newton step.
+    /// Returns the quaternion with its length closer to 1, if it is near 1: one Newton step.
     #[must_use]
     pub fn renormalized(self) -> Self {
         self.scale(S::from_f64(1.5) - S::from_f64(0.5) * self.square())
@@ -170,8 +170,8 @@ impl<S: Scalar> Quaternion<S> {
     }
 }
 
-/// Where the motion with the constant twist (`w`, `v`) in the moving axes is after a unit of time,
-/// in the axes that it starts from: V(w) v.
+/// Returns the translation after unit time at the constant twist (`w`, `v`) in the moving axes, in the axes at
+/// the start: V(w) v.
 #[must_use]
 pub fn screw_translation<S: Scalar>(w: Vector3<S>, v: Vector3<S>) -> Vector3<S> {
     let Angle { sinc, cos, lag } = Angle::of(w);
@@ -182,7 +182,7 @@ pub fn screw_translation<S: Scalar>(w: Vector3<S>, v: Vector3<S>) -> Vector3<S> 
     v + across.scale(first) + along.scale(second)
 }
 
-/// The v with V(w) v = `translation`, for rotations up to half a turn (and until a whole one).
+/// Returns the v with V(w) v = `translation`, for rotations below 2 pi.
 #[must_use]
 pub fn screw_velocity<S: Scalar>(w: Vector3<S>, translation: Vector3<S>) -> Vector3<S> {
     let Angle { sinc, lag, .. } = Angle::of(w);
@@ -190,7 +190,7 @@ pub fn screw_velocity<S: Scalar>(w: Vector3<S>, translation: Vector3<S>) -> Vect
     translation - across.scale(S::from_f64(0.5)) + w.cross(across).scale(lag / sinc)
 }
 
-/// What the maps need of the angle t of a rotation vector.
+/// The functions of the angle t of a rotation vector that the maps need.
 struct Angle<S> {
     /// sin(t/2) / (t/2)
     sinc: S,
@@ -202,10 +202,10 @@ struct Angle<S> {
 
 impl<S: Scalar> Angle<S> {
     fn of(w: Vector3<S>) -> Self {
-        let (square, near) = (w.dot(w), S::from_f64(NEAR));
-        let [sinc, lag] = [series(&SINC, square), series(&LAG, square)];
+        let (square, near) = (w.dot(w), S::from_f64(SERIES_LIMIT));
+        let [sinc, lag] = [series(&SINC, square), series(&SINC_MINUS_COS, square)];
         let series = [sinc, sinc - square * lag, lag];
-        // Away from 0 / 0, which would be a derivative of what is not taken.
+        // Keeps the closed form away from 0 / 0, whose derivative would be NaN although its value is not selected.
         let far = square.max(near);
         let half = S::from_f64(0.5) * far.sqrt();
         let (sin, cos) = half.sin_cos();
@@ -229,7 +229,7 @@ mod tests {
 
     type Number = Dual3_64;
 
-    /// Where series and closed forms are taken, and where they meet.
+    /// Angles with series, with closed forms, and around the limit between them.
     const ANGLES: [f64; 12] =
         [0.0, 1e-160, 1e-12, 1e-8, 1e-5, 1e-3, 0.1, 0.124, 0.126, 0.249, 0.251, 2.9];
 
@@ -241,7 +241,7 @@ mod tests {
         Number::from_re(t).derivative()
     }
 
-    /// The value and three derivatives.
+    /// Compares the value and three derivatives.
     fn close(found: Number, expected: Number, what: &str) {
         let parts = |x: Number| [x.re, x.v1, x.v2, x.v3];
         for (order, (found, expected)) in parts(found).into_iter().zip(parts(expected)).enumerate()
@@ -254,7 +254,7 @@ mod tests {
         }
     }
 
-    /// Turning about an axis, and moving by a screw: sines and cosines of the angle.
+    /// Rotations about an axis and screw motions, against sines and cosines of the angle.
     #[test]
     fn exponentials_have_their_derivatives() {
         let (axis, v) = ([2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0], [0.4, 1.1, -0.7]);
@@ -279,7 +279,7 @@ mod tests {
         }
     }
 
-    /// Back along lines that pass zero at some distance.
+    /// The inverse maps along lines that pass zero at some distance.
     #[test]
     fn inverses_have_their_derivatives() {
         let v = Vector3([0.4, 1.1, -0.7].map(Number::from_f64));

@@ -1,55 +1,62 @@
-//! Vectors of three numbers.
+//! Vectors with three components.
 
 use core::ops::{Add, AddAssign, Index, IndexMut, Neg, Sub};
 
 use crate::Scalar;
 
-/// A vector with a direction of its own, such as a velocity or a force. (Positions are arrays: [`Pose`](super::Pose),
+/// A vector with a direction, such as a velocity or a force. (Positions are arrays: [`Pose`](super::Pose),
 /// [`Inertial`](crate::Inertial), the centre of mass.)
+///
+/// ```
+/// use modyn_runtime::Vector3;
+///
+/// let (x, y) = (Vector3([1.0, 0.0, 0.0]), Vector3([0.0, 1.0, 0.0]));
+/// assert_eq!(x.cross(y), Vector3([0.0, 0.0, 1.0]));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vector3<S>(pub [S; 3]);
 
 impl<S: Scalar> Vector3<S> {
-    /// All zeros.
+    /// Returns the zero vector.
     #[must_use]
     pub fn zero() -> Self {
         Self([S::zero(); 3])
     }
 
-    /// The unit vector along axis `k`.
+    /// Returns the unit vector along axis `k`.
     #[must_use]
     pub fn unit(k: usize) -> Self {
         Self(core::array::from_fn(|i| if i == k { S::one() } else { S::zero() }))
     }
 
-    /// `value` along z.
+    /// Returns the vector of length `value` along z.
     #[must_use]
     pub fn along_z(value: S) -> Self {
         Self([S::zero(), S::zero(), value])
     }
 
-    /// The scalar product.
+    /// Returns the scalar product.
     #[must_use]
     pub fn dot(self, other: Self) -> S {
         let ([a, b, c], [x, y, z]) = (self.0, other.0);
         a * x + b * y + c * z
     }
 
-    /// The vector product.
+    /// Returns the cross product `self` x `other`.
     #[must_use]
     pub fn cross(self, other: Self) -> Self {
         let ([a, b, c], [x, y, z]) = (self.0, other.0);
         Self([b * z - c * y, c * x - a * z, a * y - b * x])
     }
 
-    /// The vector product with `value` times the z axis on the right.
+    /// Returns the cross product of `self` and `value` times the z axis.
     #[must_use]
     pub fn cross_z(self, value: S) -> Self {
         let [x, y, _] = self.0;
         Self([y * value, -(x * value), S::zero()])
     }
 
-    /// The vector times a number.
+    /// Returns the vector times `factor`.
     #[must_use]
     pub fn scale(self, factor: S) -> Self {
         Self(self.0.map(|x| x * factor))

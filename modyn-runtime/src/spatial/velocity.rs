@@ -3,11 +3,12 @@
 use super::{Axis, AxisRotation, Matrix3, RigidInertia, Vector3};
 use crate::Scalar;
 
-/// Twice the first and second moments of velocity, `2 integral x' dm` and `2 integral x' x^T dm`,
-/// of points at x about a frame's origin in its axes: what Coriolis forces on a composite depend
-/// on, in 12 numbers.
+/// Twice the first and second moments of velocity, `2 integral x' dm` and `2 integral x' x^T dm`, of points at
+/// x about a frame's origin, in the frame's axes. The Coriolis forces on a composite depend on these 12
+/// numbers.
 ///
-/// The rates x' are against the frame or against fixed axes, as the user has it; [`spun`](Self::spun)
+/// The velocities x' are relative to the frame or to fixed axes, by choice of the caller;
+/// [`with_angular_velocity`](Self::with_angular_velocity) converts from the former to the latter.
 /// goes from the former to the latter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VelocityMoments<S> {
@@ -18,22 +19,22 @@ pub struct VelocityMoments<S> {
 }
 
 impl<S: Scalar> VelocityMoments<S> {
-    /// Nothing moves.
+    /// Returns the moments of points at rest.
     #[must_use]
     pub fn zero() -> Self {
         Self { first: Vector3::zero(), second: Matrix3::zero() }
     }
 
-    /// Each number through `f`.
+    /// Returns the moments with `f` applied to their numbers.
     #[must_use]
     pub fn map(&self, mut f: impl FnMut(S) -> S) -> Self {
         let first = Vector3(self.first.0.map(&mut f));
         Self { first, second: Matrix3(self.second.0.map(|row| row.map(&mut f))) }
     }
 
-    /// The same points, of inertia `body`, with half of `twice_omega` x x added to their velocities.
+    /// Returns the moments after adding (`twice_omega` / 2) x x to the velocities of points with inertia `body`.
     #[must_use]
-    pub fn spun(&self, twice_omega: Vector3<S>, body: &RigidInertia<S>) -> Self {
+    pub fn with_angular_velocity(&self, twice_omega: Vector3<S>, body: &RigidInertia<S>) -> Self {
         let s = body.second_moment.full();
         let columns = [0, 1, 2].map(|j| twice_omega.cross(s.column(j)).0);
         Self {
@@ -42,35 +43,34 @@ impl<S: Scalar> VelocityMoments<S> {
         }
     }
 
-    /// The same points, of inertia `body`, with half of `twice` added to their velocities.
+    /// Returns the moments after adding `twice` / 2 to the velocities of points with inertia `body`.
     #[must_use]
-    pub fn slid(&self, twice: Vector3<S>, body: &RigidInertia<S>) -> Self {
+    pub fn with_linear_velocity(&self, twice: Vector3<S>, body: &RigidInertia<S>) -> Self {
         Self {
             first: self.first + twice.scale(body.mass),
             second: self.second + Matrix3::outer(twice, body.first_moment),
         }
     }
 
-    /// The moments about an origin against which this one stands at `p`.
+    /// Returns the moments about the origin of a parallel frame, in which this frame's origin is at `p`.
     #[must_use]
     pub fn shifted(&self, p: Vector3<S>) -> Self {
         Self { first: self.first, second: self.second + Matrix3::outer(self.first, p) }
     }
 
-    /// The moments in turned axes.
+    /// Returns the moments in the original axes, from the axes rotated by `turn`.
     #[must_use]
-    pub fn turned(&self, turn: AxisRotation<S>, about: Axis) -> Self {
+    pub fn rotated_about(&self, turn: AxisRotation<S>, about: Axis) -> Self {
         Self { first: turn.vector(about, self.first), second: turn.matrix(about, &self.second) }
     }
 
-    /// The moments in axes whose columns, seen from the new ones, are those of `rotation`.
+    /// Returns the moments in new axes; the columns of `rotation` are the present axes in the new ones.
     #[must_use]
     pub fn rotated(&self, rotation: &Matrix3<S>) -> Self {
         Self { first: rotation.mul_vector(self.first), second: rotation.congruence(&self.second) }
     }
 
-    /// What `2 integral x x (g x x') dm` is of g, as a matrix: trace(D) 1 - D of the second moment
-    /// D.
+    /// Returns the matrix that maps g to `2 integral x x (g x x') dm`: trace(D) 1 - D of the second moment D.
     #[must_use]
     pub fn rotational(&self) -> Matrix3<S> {
         let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = self.second.0;

@@ -5,35 +5,42 @@ use core::ops::{Add, AddAssign, Sub};
 use super::Vector3;
 use crate::Scalar;
 
-/// A velocity (or an acceleration) of a link at its origin.
+/// The velocity, or the acceleration, of a link at its origin.
+///
+/// ```
+/// use modyn_runtime::Twist;
+///
+/// let twist = Twist::from_components([0.0, 0.0, 1.0, 0.5, 0.0, 0.0]);
+/// assert_eq!((twist.angular[2], twist.linear[0]), (1.0, 0.5));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Twist<S> {
-    /// Angular part, rad/s.
+    /// The angular part, rad/s or rad/s^2.
     pub angular: Vector3<S>,
-    /// Linear part, of the link's origin, m/s.
+    /// The linear part: the velocity of the link's origin, m/s, or its acceleration, m/s^2.
     pub linear: Vector3<S>,
 }
 
 impl<S: Scalar> Twist<S> {
-    /// From six numbers, angular first.
+    /// Returns the twist with these six components, angular first.
     #[must_use]
     pub fn from_components([a, b, c, d, e, f]: [S; 6]) -> Self {
         Self { angular: Vector3([a, b, c]), linear: Vector3([d, e, f]) }
     }
 
-    /// No motion.
+    /// Returns the zero twist.
     #[must_use]
     pub fn zero() -> Self {
         Self { angular: Vector3::zero(), linear: Vector3::zero() }
     }
 
-    /// The twist times a number.
+    /// Returns the twist times `factor`.
     #[must_use]
     pub fn scale(self, factor: S) -> Self {
         Self { angular: self.angular.scale(factor), linear: self.linear.scale(factor) }
     }
 
-    /// The six numbers, angular first.
+    /// Returns the six components, angular first.
     #[must_use]
     pub fn components(&self) -> [S; 6] {
         let ([a, b, c], [d, e, f]) = (self.angular.0, self.linear.0);
@@ -49,34 +56,41 @@ impl<S: Scalar> Add for Twist<S> {
 }
 
 /// An angular and a linear momentum.
+///
+/// ```
+/// use modyn_runtime::Momentum;
+///
+/// let momentum = Momentum::from_components([0.0, 0.0, 0.0, 2.0, 0.0, 0.0]);
+/// assert_eq!(momentum.scale(0.5).linear[0], 1.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Momentum<S> {
-    /// Angular part, about the point that the momentum is referred to, kg m^2/s.
+    /// The angular momentum about the reference point, kg m^2/s.
     pub angular: Vector3<S>,
-    /// Linear part, kg m/s.
+    /// The linear momentum, kg m/s.
     pub linear: Vector3<S>,
 }
 
 impl<S: Scalar> Momentum<S> {
-    /// From six numbers, angular first.
+    /// Returns the momentum with these six components, angular first.
     #[must_use]
     pub fn from_components([a, b, c, d, e, f]: [S; 6]) -> Self {
         Self { angular: Vector3([a, b, c]), linear: Vector3([d, e, f]) }
     }
 
-    /// At rest.
+    /// Returns zero momentum.
     #[must_use]
     pub fn zero() -> Self {
         Self { angular: Vector3::zero(), linear: Vector3::zero() }
     }
 
-    /// The momentum times a number.
+    /// Returns the momentum times `factor`.
     #[must_use]
     pub fn scale(self, factor: S) -> Self {
         Self { angular: self.angular.scale(factor), linear: self.linear.scale(factor) }
     }
 
-    /// The six numbers, angular first.
+    /// Returns the six components, angular first.
     #[must_use]
     pub fn components(&self) -> [S; 6] {
         let ([a, b, c], [d, e, f]) = (self.angular.0, self.linear.0);
@@ -91,30 +105,37 @@ impl<S: Scalar> Add for Momentum<S> {
     }
 }
 
-/// A moment and a force on a link at its origin.
+/// A moment and a force on a link, at the link's origin.
+///
+/// ```
+/// use modyn_runtime::{Vector3, Wrench};
+///
+/// let weight = Wrench { force: Vector3([0.0, 0.0, -9.81]), ..Wrench::zero() };
+/// assert_eq!(weight.components(), [0.0, 0.0, 0.0, 0.0, 0.0, -9.81]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wrench<S> {
-    /// Moment about the link's origin, N m.
+    /// The moment about the link's origin, N m.
     pub moment: Vector3<S>,
-    /// Force, N.
+    /// The force, N.
     pub force: Vector3<S>,
 }
 
 impl<S: Scalar> Wrench<S> {
-    /// Nothing.
+    /// Returns the zero wrench.
     #[must_use]
     pub fn zero() -> Self {
         Self { moment: Vector3::zero(), force: Vector3::zero() }
     }
 
-    /// The six numbers, moment first.
+    /// Returns the six components, moment first.
     #[must_use]
     pub fn components(&self) -> [S; 6] {
         let ([a, b, c], [d, e, f]) = (self.moment.0, self.force.0);
         [a, b, c, d, e, f]
     }
 
-    /// From six numbers, moment first.
+    /// Returns the wrench with these six components, moment first.
     #[must_use]
     pub fn from_components([a, b, c, d, e, f]: [S; 6]) -> Self {
         Self { moment: Vector3([a, b, c]), force: Vector3([d, e, f]) }

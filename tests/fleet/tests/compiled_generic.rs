@@ -525,8 +525,8 @@ fn what_is_counted_is_what_is_announced() {
                 "difference" => counted(|| {
                     let _ = R::difference(&at, &at);
                 }),
-                "coordinate_rates" => counted(|| {
-                    let _ = R::coordinate_rates(&at, &moving);
+                "velocity_to_qdot" => counted(|| {
+                    let _ = R::velocity_to_qdot(&at, &moving);
                 }),
                 "normalize" => counted(|| {
                     let _ = R::normalize(&at);

@@ -40,7 +40,7 @@ fn start<R: Robot>(name: &str) -> State<R> {
 }
 
 /// The torques that friction takes: what of the bias forces changes sign with the velocities.
-fn resistance<R: Robot + functions::Defaults>(State { q, qd }: &State<R>) -> R::V<f64> {
+fn dissipation<R: Robot + functions::Defaults>(State { q, qd }: &State<R>) -> R::V<f64> {
     let back = R::V::<f64>::from_fn(|i| -qd.as_ref()[i]);
     let (there, back) = (R::bias_forces(q, qd), R::bias_forces(q, &back));
     R::V::<f64>::from_fn(|i| 0.5 * (there.as_ref()[i] - back.as_ref()[i]))
@@ -48,7 +48,7 @@ fn resistance<R: Robot + functions::Defaults>(State { q, qd }: &State<R>) -> R::
 
 /// Free motion without friction.
 fn free<R: Robot + functions::Defaults>(state: &State<R>) -> R::V<f64> {
-    R::forward_dynamics(&state.q, &state.qd, &resistance(state))
+    R::forward_dynamics(&state.q, &state.qd, &dissipation(state))
 }
 
 fn energy<R: Robot + functions::Defaults>(State { q, qd }: &State<R>) -> f64 {
@@ -161,7 +161,7 @@ const GAINS: Gains = Gains { stiffness: 100.0, damping: 20.0 };
 fn computed_torque_brings_a_robot_to_its_goal() {
     fn check<R: Robot + functions::Defaults>(name: &str) {
         let random::State { q, .. } = state_of(name, 2);
-        let goal = Reference::<R>::standing(array(&q));
+        let goal = Reference::<R>::at_rest(array(&q));
         let mut state = start::<R>(name);
         let far = R::difference(&state.q, &goal.q);
         assert!(far.as_ref().iter().any(|x| x.abs() > 1.0), "{name}");
@@ -207,7 +207,7 @@ fn computed_torque_follows_a_motion() {
 fn a_controller_may_know_the_payload() {
     type R = Zoo10153_8Loaded;
     let random::State { q, .. } = state_of("zoo10153_8_loaded", 2);
-    let goal = Reference::<R>::standing(array(&q));
+    let goal = Reference::<R>::at_rest(array(&q));
     let mut params = Zoo10153_8LoadedParams::DEFAULT;
     params.set_gravity([0.0, 0.0, -1.62]);
     let load = modyn::Inertial { mass: 2.0, center_of_mass: [0.1, 0.2, 0.3], inertia: [0.0; 6] };
@@ -227,7 +227,7 @@ fn single_precision_gets_there_too() {
     type R = Zoo7423_7;
     let single = |x: &[f64]| x.iter().map(|&x| f32::from_f64(x)).collect::<Vec<_>>();
     let goal: <R as Robot>::Q<f32> = array(&single(&state_of("zoo7423_7", 2).q));
-    let goal = Reference::<R, f32>::standing(goal);
+    let goal = Reference::<R, f32>::at_rest(goal);
     let mut state = State::<R, f32>::at_rest(array(&single(&state_of("zoo7423_7", 1).q)));
     let gains = Gains { stiffness: 100.0, damping: 20.0 };
     for _ in 0..400 {
@@ -244,7 +244,7 @@ fn single_precision_gets_there_too() {
 fn states_can_be_looked_at() {
     let state = State::<GoldenDoublePendulum>::at_rest([1.0, 2.0]);
     assert_eq!(format!("{state:?}"), "State { q: [1.0, 2.0], qd: [0.0, 0.0] }");
-    let reference = Reference::<GoldenDoublePendulum>::standing([1.0, 2.0]);
+    let reference = Reference::<GoldenDoublePendulum>::at_rest([1.0, 2.0]);
     let expected = "Reference { q: [1.0, 2.0], qd: [0.0, 0.0], qdd: [0.0, 0.0] }";
     assert_eq!(format!("{reference:?}"), expected);
 }

@@ -1,4 +1,4 @@
-//! The program that runs generated code: written, compiled by rustc alone, and run.
+//! The program that runs generated code: written, compiled by rustc without Cargo, and run.
 
 use std::ffi::OsString;
 use std::fmt::Write as _;
@@ -13,20 +13,20 @@ use tempfile::TempDir;
 use super::quantities::{Quantity, State};
 use crate::command::outcome::{Failure, to_file};
 
-/// Reads states, writes results and times; what depends on the robot is put in at the marks.
+/// The program's main file: it reads states, and writes results and times. Marks are replaced by the robot's parts.
 const MAIN: &str = include_str!("main.rs.txt");
 
-/// The program's clock is the command's.
+/// The program measures time with the same code as the command.
 const TIMING: &str = include_str!("timing.rs");
 
 /// The compiler.
 pub struct Rustc {
     path: OsString,
-    /// As it calls itself.
+    /// The version, as rustc prints it.
     pub version: String,
 }
 
-/// Finds the compiler: what `RUSTC` says, or `rustc`.
+/// Returns the compiler: the value of `RUSTC`, or `rustc`.
 pub fn rustc() -> Result<Rustc, Failure> {
     let path = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let output = Command::new(&path).arg("--version").output();
@@ -50,7 +50,7 @@ pub fn rustc() -> Result<Rustc, Failure> {
     }
 }
 
-/// What the program is made of.
+/// The inputs of the program.
 pub struct Harness<'a> {
     pub rustc: &'a Rustc,
     pub robot: &'a str,
@@ -60,17 +60,17 @@ pub struct Harness<'a> {
     pub keep: Option<&'a Path>,
 }
 
-/// What was compiled; its folder goes with it, unless it is kept.
+/// A compiled program; its folder is deleted with it, unless it is kept.
 pub struct Program {
     program: PathBuf,
     states: PathBuf,
-    /// How many functions it has.
+    /// The number of functions.
     functions: usize,
     _folder: Option<TempDir>,
 }
 
 impl Harness<'_> {
-    /// Writes and compiles it.
+    /// Writes and compiles the program.
     pub fn compile(&self, model: &Model) -> Result<Program, Failure> {
         let cannot = |what: &str, error: &dyn std::fmt::Display| {
             Failure::usage(format!("error: {what}: {error}"))
@@ -129,7 +129,7 @@ impl Harness<'_> {
             let _ = writeln!(calls, "    run(&states, |s| Robot::{call});");
         }
         let has = |function| self.quantities.iter().any(|one| one.function == function);
-        // Only what the file has brought with it can be named.
+        // Only types that the self-contained file carries can be named.
         let mut types = String::new();
         if has(Function::LinkPoses) {
             types += "flat!(robot::runtime::spatial::Pose<f64>, rotation, translation);\n";
@@ -149,11 +149,11 @@ impl Harness<'_> {
     }
 }
 
-/// By state, the numbers of a result; and nanoseconds a call.
+/// The numbers of each state's result, and the time of a call in nanoseconds.
 pub type Measured = (Vec<Vec<f64>>, f64);
 
 impl Program {
-    /// Runs it on these states; by function what it found.
+    /// Runs the program on these states, and returns the results of each function.
     pub fn run(&self, states: &[State]) -> Result<Vec<Measured>, Failure> {
         let numbers = states.iter().flat_map(|State { q, qd, u }| q.iter().chain(qd).chain(u));
         let bytes: Vec<u8> = numbers.flat_map(|x| x.to_le_bytes()).collect();

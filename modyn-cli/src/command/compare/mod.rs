@@ -1,4 +1,4 @@
-//! `modyn compare`: a robot's generated code, compiled on the spot, against the interpreter.
+//! `modyn compare`: compiles a robot's generated code, and compares it with the interpreter.
 
 mod harness;
 mod quantities;
@@ -27,26 +27,26 @@ use quantities::{QUANTITIES, Quantity, State};
 
 /// Compile a robot's code with rustc and compare it with the interpreter on random states
 ///
-/// Exit code 0 if they agree, 1 if they differ or the description is refused, 2 if rustc is missing.
+/// The exit code is 0 if they agree, 1 if they differ or the description is rejected, 2 if rustc is missing.
 #[derive(Args)]
 pub struct Arguments {
-    /// How many random states
+    /// The number of random states
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     states: u32,
-    /// For other random states
+    /// The seed of the random states
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// The largest difference relative to the largest number of a result; times the condition number of the mass
-    /// matrix for what is divided by it
+    /// The largest allowed difference, relative to the largest number of a result. For functions that divide by the mass
+    /// matrix it is multiplied by the mass matrix's condition number
     #[arg(long, value_name = "X", default_value_t = 1e-10)]
     tolerance: f64,
-    /// The functions to compare: their names with commas; else all that can be
+    /// The functions to compare, separated by commas [default: all that can be compared]
     #[arg(long, value_name = "NAMES", value_parser = functions)]
     functions: Option<Functions>,
     /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
     #[arg(long, value_name = "MODULES", value_parser = modules)]
     modules: Option<ModuleChoice>,
-    /// Compile for this very processor
+    /// Compile for the processor of this machine
     #[arg(long)]
     native: bool,
     /// Keep the sources and the program in this folder
@@ -59,24 +59,24 @@ pub struct Arguments {
     robot: Robot,
 }
 
-/// How a function compares.
+/// The comparison of a function.
 struct Row {
     name: &'static str,
     difference: f64,
     bound: f64,
-    /// Nanoseconds a call.
+    /// The time of a call, in nanoseconds.
     interpreted: f64,
     generated: f64,
 }
 
 impl Row {
     fn agrees(&self) -> bool {
-        // What is no number agrees with nothing.
+        // NaN agrees with nothing.
         self.difference <= self.bound
     }
 }
 
-/// Compares, and says how it went.
+/// Compares, and prints the result.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let rustc = harness::rustc()?;
     let description = arguments.robot.open()?;
@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = generated.model;
     let mut interpreter = arguments.interpreter(&model)?;
     let states = arguments.states(&interpreter)?;
-    progress.then("compiling with rustc");
+    progress.show("compiling with rustc");
     let start = Instant::now();
     let harness = Harness {
         rustc: &rustc,
@@ -105,9 +105,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let program = harness.compile(&model)?;
     let compiled_in = start.elapsed();
-    progress.then("comparing");
+    progress.show("comparing");
     let measured = program.run(&states)?;
-    // An unknown or infinite condition number excuses nothing beyond this.
+    // An unknown or infinite condition number does not excuse larger differences.
     let condition = condition_number(&model).unwrap_or(1e6).clamp(1.0, 1e6);
     let mut rows = Vec::new();
     for (quantity, (results, generated)) in quantities.iter().zip(&measured) {
@@ -149,7 +149,7 @@ impl Arguments {
             .map_err(|error| Failure::usage(format!("error: {error}")))
     }
 
-    /// Coordinates within the limits, velocities up to 2 and torques or accelerations up to 10.
+    /// Returns coordinates within the limits, velocities up to 2, and forces or accelerations up to 10.
     fn states(&self, interpreter: &Interpreter<f64>) -> Result<Vec<State>, Failure> {
         let mut random = Random::new(self.seed);
         let (nq, nv) = (interpreter.model().nq(), interpreter.model().nv());
@@ -157,8 +157,8 @@ impl Arguments {
             .map(|_| {
                 let mut q = vec![0.0; nq];
                 interpreter.random(|| random.uniform(), &mut q).map_err(shape)?;
-                let qd = (0..nv).map(|_| random.within(2.0)).collect();
-                let u = (0..nv).map(|_| random.within(10.0)).collect();
+                let qd = (0..nv).map(|_| random.symmetric(2.0)).collect();
+                let u = (0..nv).map(|_| random.symmetric(10.0)).collect();
                 Ok(State { q, qd, u })
             })
             .collect()
@@ -169,7 +169,7 @@ fn shape(error: ShapeError) -> Failure {
     Failure::usage(format!("error: {error}"))
 }
 
-/// The results of all states, and nanoseconds a call.
+/// Returns the results of all states, and the time of a call in nanoseconds.
 fn interpret(
     interpreter: &mut Interpreter<f64>,
     quantity: &Quantity,
@@ -194,7 +194,7 @@ fn interpret(
     Ok((results, nanoseconds))
 }
 
-/// The largest difference of all states, relative to the largest number of each state's result.
+/// Returns the largest difference over all states, relative to the largest number of each state's result.
 fn largest(found: &[Vec<f64>], expected: &[Vec<f64>]) -> f64 {
     let mut worst = 0.0_f64;
     for (found, expected) in found.iter().zip(expected) {
@@ -205,7 +205,7 @@ fn largest(found: &[Vec<f64>], expected: &[Vec<f64>]) -> f64 {
         }
         for (a, b) in found.iter().zip(expected) {
             let difference = (a - b).abs() / size;
-            // Not a number is as wrong as can be.
+            // NaN counts as an infinite difference.
             worst = if difference.is_nan() { f64::INFINITY } else { worst.max(difference) };
         }
     }
@@ -256,7 +256,7 @@ fn as_text(
         arguments.states,
         arguments.seed,
         compiled_in.as_secs_f64(),
-        table.right_from(1).text(),
+        table.right_aligned_from(1).text(),
     )
 }
 

@@ -1,11 +1,11 @@
-//! The functions that are compared: how generated code calls each, and how the interpreter does.
+//! The functions that are compared: the call of the generated code, and that of the interpreter.
 
 use modyn_codegen::Function;
 use modyn_runtime::equations::derivatives::ForwardDerivatives;
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Interpreter, ShapeError};
 
-/// What functions are given.
+/// The arguments of functions.
 pub struct State {
     pub q: Vec<f64>,
     pub qd: Vec<f64>,
@@ -13,14 +13,14 @@ pub struct State {
     pub u: Vec<f64>,
 }
 
-/// A function.
+/// A function that is compared.
 pub struct Quantity {
     pub function: Function,
     /// Whether it divides by the mass matrix.
     pub solves: bool,
     /// The call in Rust, of the type `Robot` at the state `s`.
     pub call: &'static str,
-    /// The same by the interpreter, number by number.
+    /// The call of the interpreter, which appends the numbers of the result.
     pub interpret: Interpret,
 }
 
@@ -35,14 +35,14 @@ const fn quantity(
     Quantity { function, solves, call, interpret }
 }
 
-/// `count` more numbers.
-fn room(out: &mut Vec<f64>, count: usize) -> &mut [f64] {
+/// Appends `count` numbers, and returns them.
+fn extend_by(out: &mut Vec<f64>, count: usize) -> &mut [f64] {
     let start = out.len();
     out.resize(start + count, 0.0);
     &mut out[start..]
 }
 
-/// All of them.
+/// All functions that can be compared.
 pub const QUANTITIES: &[Quantity] = &[
     quantity(
         Function::ForwardDynamics,
@@ -50,7 +50,7 @@ pub const QUANTITIES: &[Quantity] = &[
         "forward_dynamics(&s.q, &s.qd, &s.u)",
         |i, s, out| {
             let n = s.qd.len();
-            i.forward_dynamics(&s.q, &s.qd, &s.u, room(out, n))
+            i.forward_dynamics(&s.q, &s.qd, &s.u, extend_by(out, n))
         },
     ),
     quantity(
@@ -59,20 +59,20 @@ pub const QUANTITIES: &[Quantity] = &[
         "inverse_dynamics(&s.q, &s.qd, &s.u)",
         |i, s, out| {
             let n = s.qd.len();
-            i.inverse_dynamics(&s.q, &s.qd, &s.u, room(out, n))
+            i.inverse_dynamics(&s.q, &s.qd, &s.u, extend_by(out, n))
         },
     ),
     quantity(Function::BiasForces, false, "bias_forces(&s.q, &s.qd)", |i, s, out| {
         let n = s.qd.len();
-        i.bias_forces(&s.q, &s.qd, room(out, n))
+        i.bias_forces(&s.q, &s.qd, extend_by(out, n))
     }),
     quantity(Function::GravityTorques, false, "gravity_torques(&s.q)", |i, s, out| {
         let n = s.qd.len();
-        i.gravity_torques(&s.q, room(out, n))
+        i.gravity_torques(&s.q, extend_by(out, n))
     }),
     quantity(Function::MassMatrix, false, "mass_matrix(&s.q)", |i, s, out| {
         let n = s.qd.len();
-        i.mass_matrix(&s.q, room(out, n * n))
+        i.mass_matrix(&s.q, extend_by(out, n * n))
     }),
     quantity(Function::Brge, true, "brge(&s.q).solve(&s.u)", |i, s, out| {
         out.extend(i.brge(&s.q)?.solve(&s.u)?);
@@ -92,7 +92,7 @@ pub const QUANTITIES: &[Quantity] = &[
         "inverse_dynamics_derivatives(&s.q, &s.qd, &s.u)",
         |i, s, out| {
             let n = s.qd.len();
-            let (dq, dqd) = room(out, 2 * n * n).split_at_mut(n * n);
+            let (dq, dqd) = extend_by(out, 2 * n * n).split_at_mut(n * n);
             i.inverse_dynamics_derivatives(&s.q, &s.qd, &s.u, dq, dqd)
         },
     ),
@@ -102,7 +102,7 @@ pub const QUANTITIES: &[Quantity] = &[
         "forward_dynamics_derivatives(&s.q, &s.qd, &s.u)",
         |i, s, out| {
             let n = s.qd.len();
-            let (qdd, rest) = room(out, n + 3 * n * n).split_at_mut(n);
+            let (qdd, rest) = extend_by(out, n + 3 * n * n).split_at_mut(n);
             let (dqdd_dq, rest) = rest.split_at_mut(n * n);
             let (dqdd_dqd, dqdd_dtau) = rest.split_at_mut(n * n);
             let outputs = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
@@ -124,10 +124,10 @@ pub const QUANTITIES: &[Quantity] = &[
     }),
     quantity(Function::Integrate, false, "integrate(&s.q, &s.qd)", |i, s, out| {
         let n = s.q.len();
-        i.integrate(&s.q, &s.qd, room(out, n))
+        i.integrate(&s.q, &s.qd, extend_by(out, n))
     }),
-    quantity(Function::CoordinateRates, false, "coordinate_rates(&s.q, &s.qd)", |i, s, out| {
+    quantity(Function::VelocityToQdot, false, "velocity_to_qdot(&s.q, &s.qd)", |i, s, out| {
         let n = s.q.len();
-        i.coordinate_rates(&s.q, &s.qd, room(out, n))
+        i.velocity_to_qdot(&s.q, &s.qd, extend_by(out, n))
     }),
 ];

@@ -1,22 +1,22 @@
-//! How long a call takes: for the command, and as text for the program that it compiles.
+//! Measures the time of a call: in the command, and as text in the program that it compiles.
 
 use std::time::{Duration, Instant};
 
-/// How long it is looked.
-const LOOKED: Duration = Duration::from_millis(30);
-/// What is shorter, s, is not measured well.
-const SHORTEST: f64 = 1e-4;
+/// The total time of a measurement.
+const MEASURING_TIME: Duration = Duration::from_millis(30);
+/// The shortest pass that is measured accurately, s.
+const MIN_SECONDS: f64 = 1e-4;
 
-/// Nanoseconds a call, of so many calls in a pass: the best of many rounds, since others use the
-/// processor too.
+/// Returns the time of a call in nanoseconds; `pass` makes `calls` calls. It is the best of many rounds, since other
+/// processes use the processor, too.
 pub fn nanoseconds(calls: usize, mut pass: impl FnMut()) -> f64 {
     let (mut passes, mut best) = (1, f64::INFINITY);
     let start = Instant::now();
-    while start.elapsed() < LOOKED {
+    while start.elapsed() < MEASURING_TIME {
         let round = Instant::now();
         (0..passes).for_each(|_| pass());
         let seconds = round.elapsed().as_secs_f64();
-        if seconds < SHORTEST {
+        if seconds < MIN_SECONDS {
             passes *= 2;
         } else {
             best = best.min(seconds / f64::from(passes));

@@ -1,4 +1,4 @@
-//! What is physically possible in a model, but probably not meant.
+//! Finds properties of a model that are physically possible, but probably wrong.
 
 use std::collections::{HashMap, HashSet};
 
@@ -6,26 +6,26 @@ use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Frame, Inertial, Model};
 use modyn_runtime::spatial::Pose;
 
-/// Something that a user should look at.
+/// A property that the user should check.
 pub struct Advice {
-    /// The link concerned.
+    /// The link.
     pub link: String,
-    /// What is odd, and what may be meant.
+    /// The property, and its probable cause.
     pub message: String,
 }
 
-/// A link whose mass is spread over more than so many times the robot's size.
+/// The radius of gyration of a suspicious link, relative to the robot's size.
 const SPREAD: f64 = 2.0;
-/// A link that is as small as this against the robot's size, and in metres, by its inertia.
+/// The radius of gyration of a suspiciously small link, relative to the robot's size and in metres.
 const SMALL: f64 = 1e-3;
-/// A link of less than this share of the robot's mass.
+/// The mass of a suspiciously light link, relative to the robot's mass.
 const LIGHT: f64 = 1e-6;
-/// A link that carries more than so many times its own mass (elimination loses digits then).
-const CARRIES: f64 = 1e4;
-/// So many links with one and the same inertia, whatever they weigh.
+/// The mass that a link carries, relative to its own, above which elimination loses digits.
+const MAX_CARRIED_RATIO: f64 = 1e4;
+/// The number of links with the same inertia, but different masses, that is suspicious.
 const REPEATED: usize = 3;
 
-/// About all links that move, in their order.
+/// Returns advice about all moving links, in order.
 pub fn about(model: &Model) -> Vec<Advice> {
     let (size, total) = (size(model), total_mass(model));
     let carried = carried(model);
@@ -69,10 +69,10 @@ pub fn about(model: &Model) -> Vec<Advice> {
         if repeated(frame) {
             say("its inertia is that of other links of other masses, and the same about all axes: a placeholder?".into());
         }
-        // What is carried is a matter of the moving body; of its links the first one tells.
+        // The carried mass belongs to the moving body; it is reported for the body's moving link.
         let body = frame.link.filter(|&link| model.links()[link].name == frame.name);
         if let Some(link) = body
-            && carried[link] > CARRIES * model.links()[link].inertial.mass
+            && carried[link] > MAX_CARRIED_RATIO * model.links()[link].inertial.mass
         {
             say(format!(
                 "it carries {:.4} kg, with {:.1e} kg of its own: simulation needs small steps, and single precision \
@@ -85,7 +85,7 @@ pub fn about(model: &Model) -> Vec<Advice> {
     all
 }
 
-/// The diagonal of the box around all links' origins, at coordinates zero.
+/// Returns the diagonal of the bounding box of all links' origins, at the neutral coordinates, m.
 fn size(model: &Model) -> f64 {
     let mut interpreter = Interpreter::<f64>::new(model.clone());
     let mut q = vec![0.0; model.nq()];
@@ -101,12 +101,12 @@ fn size(model: &Model) -> f64 {
     (0..3).map(|k| side(k) * side(k)).sum::<f64>().sqrt()
 }
 
-/// Of all links, fixed ones too.
+/// Returns the mass of all links, fixed links included, kg.
 pub fn total_mass(model: &Model) -> f64 {
     model.frames().iter().map(|frame| frame.inertial.mass).sum()
 }
 
-/// By moving link: the mass of all that hangs on it.
+/// Returns, for each moving link, the mass of its descendants, kg.
 fn carried(model: &Model) -> Vec<f64> {
     let links = model.links();
     let mut carried = vec![0.0; links.len()];
@@ -119,20 +119,20 @@ fn carried(model: &Model) -> Vec<f64> {
     carried
 }
 
-/// An inertia, to the last bit.
+/// The bits of an inertia.
 type Bits = [u64; 6];
 
 fn bits(frame: &Frame) -> Bits {
     frame.inertial.inertia.map(f64::to_bits)
 }
 
-/// Whether a link has a round inertia that several links of other masses have.
+/// Returns whether a link has an isotropic inertia that several links of other masses have, too.
 fn repeated(model: &Model) -> impl Fn(&Frame) -> bool + '_ {
     let mut masses: HashMap<Bits, Vec<u64>> = HashMap::new();
     for frame in model.frames().iter().filter(|frame| frame.link.is_some()) {
         masses.entry(bits(frame)).or_default().push(frame.inertial.mass.to_bits());
     }
-    // Of each inertia: whether enough links have it, and not all weigh the same.
+    // For each inertia, whether enough links have it, with different masses.
     let suspicious: HashSet<Bits> = masses
         .into_iter()
         .filter(|(_, m)| m.len() >= REPEATED && m.iter().any(|mass| *mass != m[0]))

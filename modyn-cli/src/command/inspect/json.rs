@@ -1,15 +1,15 @@
-//! For programs.
+//! The output of `modyn inspect --json`.
 
 use modyn_codegen::CARRIED_BY_F32;
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::Model;
 use serde_json::{Value, json};
 
-use super::text::acting;
+use super::text::active_friction;
 use super::{Cost, Inspection, advice};
 use crate::command::diagnostics;
 
-/// All of it, in SI units.
+/// Returns the inspection as JSON, in SI units.
 pub fn of(inspection: &Inspection) -> String {
     let Inspection { model, modules, warnings, advice, condition, costs } = inspection;
     let modules: Vec<Value> = modules
@@ -56,8 +56,8 @@ pub fn of(inspection: &Inspection) -> String {
         "modules": modules,
         "condition_number": condition.filter(|number| number.is_finite()),
         "f32_will_do": condition.map(|number| number <= CARRIED_BY_F32),
-        "functions": costs.as_ref().ok().map(|costs| costs.iter().map(cost).collect::<Vec<_>>()),
-        "not_compiled": costs.as_ref().err().map(|why| diagnostics::to_json(why.as_slice())),
+        "functions": costs.as_ref().and_then(|costs| costs.as_ref().ok()).map(|costs| costs.iter().map(cost).collect::<Vec<_>>()),
+        "not_compiled": costs.as_ref().and_then(|costs| costs.as_ref().err()).map(|why| diagnostics::to_json(why.as_slice())),
         "diagnostics": diagnostics::to_json(warnings),
         "advice": advice,
     });
@@ -68,7 +68,7 @@ fn joint(model: &Model, link: usize) -> Value {
     let moved = &model.links()[link];
     let joint = &moved.joint;
     let (q, v) = (model.q_range(link), model.v_range(link));
-    let [damps, rubs] = acting(model);
+    let [damps, rubs] = active_friction(model);
     json!({
         "name": joint.name,
         "type": joint.joint_type.name(),

@@ -25,7 +25,7 @@ use crate::command::robot::Robot;
 use advice::Advice;
 use sparsity::Sparsity;
 
-/// Show a robot: joints, modules, masses, what its functions cost, what is odd in it
+/// Show a robot: joints, masses, modules, suspicious values; with `--functions`, the cost of functions
 ///
 /// Exit code 0 where the description is usable, 1 where it is refused.
 #[derive(Args)]
@@ -33,10 +33,10 @@ pub struct Arguments {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Draw the module tree and the sparsity of the inertia matrix and its factors U and D
+    /// Draw the module tree and the sparsity of the mass matrix and its factors U and D
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
-    /// The functions to count: their names with commas, `default`, `all`; else all but batches
+    /// Show the operations and the code size of these functions: their names with commas, `default`, `all`
     #[arg(long, value_name = "NAMES", value_parser = functions)]
     functions: Option<Functions>,
     /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
@@ -54,8 +54,8 @@ struct Inspection {
     advice: Vec<Advice>,
     /// The scaled mass matrix's, if the robot is not too large for it.
     condition: Option<f64>,
-    /// Nothing for a robot that is too large for code: then why.
-    costs: Result<Vec<Cost>, Diagnostics>,
+    /// The costs of the functions, or the reason why the robot is too large for code; none if they were not asked for.
+    costs: Option<Result<Vec<Cost>, Diagnostics>>,
 }
 
 /// What a function costs.
@@ -83,9 +83,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         reading => reading.map_err(|found| description.failure(found))?,
     };
     let mut progress = Progress::start("counting operations");
-    let builder = arguments.robot.builder(&description);
-    let costs = costs(builder, arguments)
-        .map_err(|found| description.failure(arguments.robot.named(found)))?;
+    let costs = if arguments.json || arguments.functions.is_some() {
+        let builder = arguments.robot.builder(&description);
+        let costs = costs(builder, arguments);
+        Some(costs.map_err(|found| description.failure(arguments.robot.named(found)))?)
+    } else {
+        None
+    };
     let Reading { model, warnings, .. } = reading;
     let inspection = Inspection {
         modules: module_tree(&model, arguments.modules.as_ref())?,
@@ -107,7 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     to_stdout(&(text::of(&inspection) + &warnings))
 }
 
-/// By function; or why there can be no code.
+/// The costs by function, or the reason why there can be no code. JSON has all functions but batches by default.
 fn costs(
     builder: Builder,
     arguments: &Arguments,

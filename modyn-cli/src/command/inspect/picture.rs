@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use modyn_runtime::model::{Link, Model, ModuleTree};
 
 use super::sparsity::Sparsity;
-use crate::escape::markup;
+use crate::escape::{markup, shortened};
 
 /// Tints that can be told apart by colour-blind readers (Okabe and Ito), light; numbers say the same.
 const TINTS: [&str; 7] =
@@ -17,11 +17,15 @@ const ENTRY: &str = "#2f5673";
 
 const MARGIN: f64 = 40.0;
 const TITLE: f64 = 70.0;
-/// Of a module's box, and from one to the next.
-const BOX: (f64, f64) = (180.0, 46.0);
-const STEP: (f64, f64) = (216.0, 62.0);
-/// Of a link's name in a box, in characters.
-const LONGEST_NAME: usize = 21;
+/// The least width of a module's box, and its height.
+const BOX: (f64, f64) = (140.0, 46.0);
+/// From a box to the next one: the gap between columns, and the distance of rows.
+const STEP: (f64, f64) = (36.0, 62.0);
+/// The width of a letter in a box, and the room beside the name.
+const LETTER: f64 = 6.7;
+const BESIDE: f64 = 44.0;
+/// The longest name that is drawn in full, in characters.
+const MAX_NAME_LENGTH: usize = 60;
 /// Of a matrix, and from one to the next.
 const MATRIX: f64 = 250.0;
 const BETWEEN: f64 = 46.0;
@@ -31,14 +35,15 @@ pub fn draw(model: &Model, modules: &ModuleTree, sparsity: &Sparsity) -> String 
     let places = places(modules);
     let columns = places.iter().map(|&(column, _)| column + 1).max().unwrap_or(0);
     let rows = places.iter().map(|&(_, row)| row + 1.0).fold(1.0, f64::max);
-    let tree = (columns as f64 * STEP.0 + 70.0, (rows - 1.0) * STEP.1 + BOX.1);
+    let box_width = box_width(model, modules);
+    let tree = (columns as f64 * (box_width + STEP.0) + 70.0, (rows - 1.0) * STEP.1 + BOX.1);
     let width = 2.0 * MARGIN + tree.0 + 3.0 * MATRIX + 2.0 * BETWEEN + 30.0;
     let body = tree.1.max(MATRIX + 60.0);
     let height = TITLE + body + 2.0 * MARGIN;
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
          height=\"{height:.0}\" font-family=\"Helvetica, Arial, sans-serif\" fill=\"{INK}\" role=\"img\">\n\
-         <title>Kinematic modules of {name}, and the sparsity of its inertia matrix and factors</title>\n\
+         <title>Kinematic modules of {name}, and the sparsity of its mass matrix and factors</title>\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
          <text x=\"{MARGIN}\" y=\"{y}\" font-size=\"26\" font-weight=\"bold\">{name}</text>\n\
          <text x=\"{MARGIN}\" y=\"{below}\" font-size=\"15\" fill=\"{LINE}\">{} moving links in {} kinematic \
@@ -51,11 +56,17 @@ pub fn draw(model: &Model, modules: &ModuleTree, sparsity: &Sparsity) -> String 
         below = MARGIN + 36.0,
     );
     let top = TITLE + MARGIN;
-    draw_tree(&mut out, model, modules, &places, (MARGIN, top + (body - tree.1) / 2.0));
+    draw_tree(
+        &mut out,
+        model,
+        modules,
+        (&places, box_width),
+        (MARGIN, top + (body - tree.1) / 2.0),
+    );
     let blocks = blocks(model, modules);
     let mut left = MARGIN + tree.0 + 30.0;
     for (name, pattern) in [
-        ("inertia matrix I = U D U<tspan dy=\"-5\" font-size=\"11\">T</tspan>", &sparsity.gim),
+        ("mass matrix M = U D U<tspan dy=\"-5\" font-size=\"11\">T</tspan>", &sparsity.mass_matrix),
         ("U", &sparsity.u),
         ("D", &sparsity.d),
     ] {
@@ -91,16 +102,27 @@ fn tint(module: usize) -> &'static str {
     TINTS[module % TINTS.len()]
 }
 
+/// The width of the boxes, which their names fit into.
+fn box_width(model: &Model, modules: &ModuleTree) -> f64 {
+    let ends = modules.modules().iter().flat_map(|module| {
+        let links = &model.links()[module.links.clone()];
+        [(links.first(), 0), (links.last(), 3)] // "to " before the last
+    });
+    let letters = ends
+        .filter_map(|(link, more)| Some(link?.name.chars().count().min(MAX_NAME_LENGTH) + more));
+    (letters.max().unwrap_or(0) as f64 * LETTER + BESIDE).max(BOX.0)
+}
+
 fn draw_tree(
     out: &mut String,
     model: &Model,
     tree: &ModuleTree,
-    places: &[(usize, f64)],
+    (places, box_width): (&[(usize, f64)], f64),
     (left, top): (f64, f64),
 ) {
     let corner = |m: usize| {
         let (column, row) = places[m];
-        (left + 70.0 + column as f64 * STEP.0, top + row * STEP.1)
+        (left + 70.0 + column as f64 * (box_width + STEP.0), top + row * STEP.1)
     };
     let roots = (0..places.len()).filter(|&m| tree.modules()[m].parent.is_none());
     let rows: Vec<f64> = roots.map(|m| places[m].1).collect();
@@ -117,7 +139,7 @@ fn draw_tree(
     for (m, module) in tree.modules().iter().enumerate() {
         let (x, y) = corner(m);
         let (from_x, from_y) = match module.parent.map(corner) {
-            Some((x, y)) => (x + BOX.0, y + BOX.1 / 2.0),
+            Some((x, y)) => (x + box_width, y + BOX.1 / 2.0),
             None => (left + 21.0, base),
         };
         let (to, bend) = (y + BOX.1 / 2.0, f64::midpoint(from_x, x));
@@ -128,19 +150,18 @@ fn draw_tree(
         );
         let links = &model.links()[module.links.clone()];
         let name = |link: Option<&Link>| {
-            markup(&shortened(link.map_or("", |link| &link.name), LONGEST_NAME))
+            markup(&shortened(link.map_or("", |link| &link.name), MAX_NAME_LENGTH))
         };
         let (first, last) = (name(links.first()), name(links.last()));
-        let last = if links.len() > 1 { format!("to {last}") } else { "alone".into() };
+        let last = if links.len() > 1 { format!("to {last}") } else { String::new() };
         let x_text = x + 34.0;
         let _ = writeln!(
             out,
-            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{}\" height=\"{}\" rx=\"9\" fill=\"{}\" stroke=\"{INK}\" \
+            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{box_width:.1}\" height=\"{}\" rx=\"9\" fill=\"{}\" stroke=\"{INK}\" \
              stroke-width=\"1.2\"/>\n\
              <text x=\"{:.1}\" y=\"{:.1}\" font-size=\"19\" font-weight=\"bold\" text-anchor=\"middle\">{m}</text>\n\
              <text x=\"{x_text:.1}\" y=\"{:.1}\" font-size=\"12\">{first}</text>\n\
              <text x=\"{x_text:.1}\" y=\"{:.1}\" font-size=\"11\" fill=\"#4a5560\">{last}</text>",
-            BOX.0,
             BOX.1,
             tint(m),
             x + 17.0,
@@ -149,17 +170,6 @@ fn draw_tree(
             y + 36.0,
         );
     }
-}
-
-/// The text, with its middle left out if it is longer than so many characters.
-fn shortened(text: &str, most: usize) -> String {
-    let characters: Vec<char> = text.chars().collect();
-    if characters.len() <= most {
-        return text.into();
-    }
-    let (head, tail) = ((most - 1) / 2, most / 2);
-    let part = |range: &[char]| range.iter().collect::<String>();
-    format!("{}…{}", part(&characters[..head]), part(&characters[characters.len() - tail..]))
 }
 
 /// By module: its own rows and columns; none for one whose joints all follow others.

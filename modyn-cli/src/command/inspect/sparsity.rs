@@ -1,4 +1,4 @@
-//! Which entries of the inertia matrix and of its factors U and D are zero, whatever the coordinates.
+//! The entries of the mass matrix and of its factors U and D that are zero at all coordinates.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
@@ -6,36 +6,36 @@ use modyn_runtime::model::{Model, ModuleTree};
 use crate::command::outcome::Failure;
 use crate::command::random::Random;
 
-/// At how many states it is looked: an entry that is zero at all of them is zero.
+/// The number of random states; an entry that is zero at all of them counts as zero.
 const STATES: usize = 4;
 
-/// The largest robot that it is found and drawn for.
-const MOST_VELOCITIES: usize = 400;
+/// The largest number of velocities for which the pattern is computed and drawn.
+const MAX_VELOCITIES: usize = 400;
 
-/// By columns: whether an entry is not zero.
+/// The sparsity patterns by columns: whether an entry is nonzero.
 pub struct Sparsity {
-    /// Rows and columns.
+    /// The number of rows and columns.
     pub n: usize,
-    /// Of the generalized inertia matrix.
-    pub gim: Vec<bool>,
-    /// Of U.
+    /// The pattern mass matrix.
+    pub mass_matrix: Vec<bool>,
+    /// The pattern of U.
     pub u: Vec<bool>,
-    /// Of D.
+    /// The pattern of D.
     pub d: Vec<bool>,
 }
 
 impl Sparsity {
-    /// Of this robot, by these modules.
+    /// Returns the patterns of a robot with these modules.
     pub fn of(model: &Model, modules: &ModuleTree) -> Result<Self, Failure> {
         let n = model.nv();
-        if n > MOST_VELOCITIES {
+        if n > MAX_VELOCITIES {
             let why = format!("error: a robot of {n} velocities is too large to draw");
-            return Err(Failure::usage(format!("{why}; {MOST_VELOCITIES} are the most")));
+            return Err(Failure::usage(format!("{why}; {MAX_VELOCITIES} are the most")));
         }
         let wrong = |error: &dyn std::fmt::Display| Failure::usage(format!("error: {error}"));
         let interpreter = Interpreter::<f64>::with_modules(model.clone(), modules.clone());
         let mut interpreter = interpreter.map_err(|error| wrong(&error))?;
-        let mut found = Self { n, gim: vec![], u: vec![], d: vec![] };
+        let mut found = Self { n, mass_matrix: vec![], u: vec![], d: vec![] };
         let mut q = vec![0.0; model.nq()];
         let mut matrix = vec![0.0; n * n];
         let mut random = Random::new(0);
@@ -43,7 +43,7 @@ impl Sparsity {
             interpreter.random(|| random.uniform(), &mut q).map_err(|error| wrong(&error))?;
             interpreter.mass_matrix(&q, &mut matrix).map_err(|error| wrong(&error))?;
             let factors = interpreter.brge(&q).map_err(|error| wrong(&error))?;
-            mark(&mut found.gim, &matrix);
+            mark(&mut found.mass_matrix, &matrix);
             mark(&mut found.u, &factors.u());
             mark(&mut found.d, &factors.d());
         }
@@ -51,7 +51,7 @@ impl Sparsity {
     }
 }
 
-/// Adds what is not zero, beside rounding.
+/// Adds the entries that are not zero within rounding.
 fn mark(pattern: &mut Vec<bool>, matrix: &[f64]) {
     let largest = matrix.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     pattern.resize(matrix.len(), false);

@@ -5,19 +5,23 @@ use std::fmt::Write as _;
 use modyn_codegen::CARRIED_BY_F32;
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::{Contact, Friction, Link, LoopConstraint, Model, ModuleTree};
+use unicode_width::UnicodeWidthStr;
 
 use super::{Cost, Inspection, advice};
-use crate::command::figure::figure;
-use crate::command::table::Table;
+use crate::command::numbers::four_digits;
+use crate::command::table::{Table, WIDTH, wrapped};
 
 /// Of 24 bits.
 const F32_DIGITS: f64 = 7.2;
 
 /// So many modules are drawn: the tree of a chain is as wide as it is high.
-const MOST_DRAWN: usize = 1000;
+const MAX_DRAWN: usize = 1000;
+
+/// The least room for a module's links: the tree of a deep robot grows to the right.
+const LEAST_NAMES: usize = 30;
 
 /// So many are told; JSON has all.
-const MOST_ADVICE: usize = 40;
+const MAX_ADVICE: usize = 40;
 
 /// All of it.
 pub fn of(inspection: &Inspection) -> String {
@@ -28,7 +32,7 @@ pub fn of(inspection: &Inspection) -> String {
         model.links().len(),
         model.nq(),
         model.nv(),
-        figure(advice::total_mass(model)),
+        four_digits(advice::total_mass(model)),
     );
     section(&mut out, "Joints (rad, m, s, N m, N)", &joints(model));
     if !model.loop_constraints().is_empty() {
@@ -37,26 +41,27 @@ pub fn of(inspection: &Inspection) -> String {
     if !model.contacts().is_empty() {
         section(&mut out, "Contacts", &contacts(model));
     }
-    section(&mut out, "Moving links, with what is fixed to them (kg, m, kg m^2)", &links(model));
+    section(&mut out, "Moving links, with the links fixed to them (kg, m, kg m^2)", &links(model));
     section(&mut out, "Kinematic modules", &tree(model, modules));
     match costs {
-        Ok(costs) => section(
+        None => {}
+        Some(Ok(costs)) => section(
             &mut out,
-            "Functions: operations of a call, and machine code (about; x86-64, f64)",
+            "Functions: operations of a call, and approximate machine code (x86-64, f64)",
             &functions(costs),
         ),
-        Err(why) => {
+        Some(Err(why)) => {
             section(&mut out, "Functions", &format!("{}\n", sanitize_for_display(&why.to_string())))
         }
     }
-    section(&mut out, "Conditioning", &conditioning(*condition));
+    section(&mut out, "Conditioning", &paragraph(&conditioning(*condition)));
     if !advice.is_empty() {
         let line = |one: &advice::Advice| {
-            format!("link `{}`: {}\n", sanitize_for_display(&one.link), one.message)
+            paragraph(&format!("link `{}`: {}", sanitize_for_display(&one.link), one.message))
         };
-        let mut lines: String = advice.iter().take(MOST_ADVICE).map(line).collect();
-        if advice.len() > MOST_ADVICE {
-            let _ = writeln!(lines, "... and {} more", advice.len() - MOST_ADVICE);
+        let mut lines: String = advice.iter().take(MAX_ADVICE).map(line).collect();
+        if advice.len() > MAX_ADVICE {
+            let _ = writeln!(lines, "... and {} more", advice.len() - MAX_ADVICE);
         }
         section(&mut out, "To look at", &lines);
     }
@@ -89,6 +94,12 @@ fn loops(model: &Model) -> String {
     model.loop_constraints().iter().map(line).collect()
 }
 
+/// A sentence in lines that fit.
+fn paragraph(text: &str) -> String {
+    let lines = wrapped(text.trim_end().split(' '), " ", WIDTH - 4);
+    lines.join("\n    ") + "\n"
+}
+
 fn section(out: &mut String, title: &str, body: &str) {
     // Bold, where there is a terminal.
     let _ = writeln!(out, "\n\u{1b}[1m{title}\u{1b}[0m");
@@ -98,11 +109,11 @@ fn section(out: &mut String, title: &str, body: &str) {
 }
 
 fn optional(x: Option<f64>) -> String {
-    x.map_or_else(|| "-".into(), figure)
+    x.map_or_else(|| "-".into(), four_digits)
 }
 
 fn vector(x: &[f64]) -> String {
-    x.iter().map(|&x| figure(x)).collect::<Vec<_>>().join(" ")
+    x.iter().map(|&x| four_digits(x)).collect::<Vec<_>>().join(" ")
 }
 
 fn joints(model: &Model) -> String {
@@ -130,7 +141,7 @@ fn joints(model: &Model) -> String {
             notes(model, i),
         ]);
     }
-    table.text()
+    table.with_remarks().fitted()
 }
 
 fn parent(model: &Model, link: &Link) -> String {
@@ -138,7 +149,7 @@ fn parent(model: &Model, link: &Link) -> String {
 }
 
 /// Whether damping acts, and whether Coulomb friction does.
-pub fn acting(model: &Model) -> [bool; 2] {
+pub fn active_friction(model: &Model) -> [bool; 2] {
     let friction = model.friction();
     [friction != Friction::None, !matches!(friction, Friction::None | Friction::Viscous)]
 }
@@ -149,18 +160,18 @@ fn notes(model: &Model, link: usize) -> String {
     let mut notes = Vec::new();
     if let Some(mimic) = model.mimic(link) {
         let leader = sanitize_for_display(&model.links()[mimic.leader].joint.name);
-        let (ratio, offset) = (figure(mimic.multiplier), figure(mimic.offset));
+        let (ratio, offset) = (four_digits(mimic.multiplier), four_digits(mimic.offset));
         notes.push(format!("follows {leader} times {ratio} plus {offset}"));
     }
     let drive = &joint.drive;
     if drive.armature != 0.0 {
-        notes.push(format!("rotor {}", figure(drive.armature)));
+        notes.push(format!("rotor {}", four_digits(drive.armature)));
     }
-    let [damps, rubs] = acting(model);
+    let [damps, rubs] = active_friction(model);
     for (what, x, acts) in [("damping", drive.damping, damps), ("friction", drive.friction, rubs)] {
         if x != 0.0 {
             let inactive = if acts { "" } else { " (does not act)" };
-            notes.push(format!("{what} {}{inactive}", figure(x)));
+            notes.push(format!("{what} {}{inactive}", four_digits(x)));
         }
     }
     notes.join(", ")
@@ -177,19 +188,19 @@ fn links(model: &Model) -> String {
     for (link, carried) in model.links().iter().zip(&carried) {
         table.row([
             sanitize_for_display(&link.name),
-            figure(link.inertial.mass),
+            four_digits(link.inertial.mass),
             vector(&link.inertial.center_of_mass),
             vector(&link.inertial.principal_moments()),
             carried.join(", "),
         ]);
     }
-    table.text()
+    table.with_remarks().fitted()
 }
 
 /// The modules as a tree, without recursion: a chain of them may be long.
 fn tree(model: &Model, tree: &ModuleTree) -> String {
     let modules = tree.modules();
-    if modules.len() > MOST_DRAWN {
+    if modules.len() > MAX_DRAWN {
         return format!("{} modules: too many to draw\n", modules.len());
     }
     let mut out = String::from("the base\n");
@@ -206,7 +217,20 @@ fn tree(model: &Model, tree: &ModuleTree) -> String {
         let names: Vec<String> =
             links.map(|i| sanitize_for_display(&model.links()[i].name)).collect();
         let (branch, below) = if last { ("└─", "   ") } else { ("├─", "│  ") };
-        let _ = writeln!(out, "{indent}{branch} {m}: {}", names.join(" ─ "));
+        let start = format!("{indent}{branch} {m}: ");
+        let room = WIDTH.saturating_sub(start.width()).max(LEAST_NAMES);
+        let names = wrapped(names.iter().map(String::as_str), " ─ ", room);
+        // Links that continue on the next line stand below the first.
+        let bar = if modules[m].children.is_empty() { "" } else { "│" };
+        let rest = format!("{indent}{below}{bar}");
+        for (i, names) in names.iter().enumerate() {
+            let space = " ".repeat(start.width().saturating_sub(rest.width()));
+            let _ = if i == 0 {
+                writeln!(out, "{start}{names}")
+            } else {
+                writeln!(out, "{rest}{space}{names}")
+            };
+        }
         put(&mut waiting, &modules[m].children, &format!("{indent}{below}"));
     }
     out
@@ -225,7 +249,7 @@ fn functions(costs: &[Cost]) -> String {
             bytes.map_or_else(|| "-".into(), |bytes| format!("{:.1}", bytes / 1000.0)),
         ]);
     }
-    table.right_from(1).text()
+    table.right_aligned_from(1).text()
 }
 
 fn conditioning(condition: Option<f64>) -> String {

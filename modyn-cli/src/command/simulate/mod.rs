@@ -1,10 +1,6 @@
-//! `modyn simulate`: how a robot moves, in figures, in plots and on a page to watch.
+//! `modyn simulate`: computes a robot's motion as a table, as plots, and as a page with an animation.
 
 mod motion;
-#[cfg(feature = "plot")]
-mod plot;
-#[cfg(not(feature = "plot"))]
-#[path = "no_plot.rs"]
 mod plot;
 mod skeleton;
 mod table;
@@ -18,7 +14,7 @@ use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
 
-use crate::command::figure::numbers;
+use crate::command::numbers::numbers;
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::Robot;
@@ -26,58 +22,59 @@ use crate::viewer;
 use motion::{Motion, Settings};
 use torques::Torques;
 
-/// So many joints are named in a line.
-const MOST_NAMES: usize = 8;
-/// The most steps that are taken, and samples that are kept.
-const MOST_STEPS: f64 = 1e8;
-const MOST_SAMPLES: f64 = 1e6;
+/// The largest number of joints that are named in a line.
+const MAX_NAMES: usize = 8;
+/// The largest numbers of steps and of samples.
+const MAX_STEPS: f64 = 1e8;
+const MAX_SAMPLES: f64 = 1e6;
 
-/// Simulate a robot: free fall, or under torques from a file
+/// Simulate a robot in free fall, or under joint forces from a file
 ///
-/// Loops stay closed, and are closed before the start if they nearly are. Joint limits are not enforced. Without `--csv`, `--plot` and `--html` the table goes to standard
-/// output. Exit code 1 where the description is refused or the motion leaves all bounds.
+/// Loops are closed before the start if they are nearly closed, and stay closed. Joint limits are not enforced. Without
+/// `--csv`, `--plot` and `--html` the table is written to standard output. The exit code is 1 if the description is rejected
+/// or the motion diverges.
 #[derive(Args)]
 pub struct Arguments {
-    /// For how long, s
+    /// The duration, s
     #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = positive)]
     time: f64,
-    /// The step of the Runge-Kutta method of fourth order, s
+    /// The step of the fourth-order Runge-Kutta method, s
     #[arg(long, value_name = "S", default_value_t = 0.001, value_parser = positive)]
     step: f64,
-    /// From one row or picture to the next, s; in whole steps
+    /// The time from one row or picture to the next, s; rounded to whole steps
     #[arg(long, value_name = "S", default_value_t = 0.02, value_parser = positive)]
     every: f64,
-    /// The coordinates at the start, with commas; zero (and no rotation) without it
+    /// The initial coordinates, separated by commas [default: zero, and identity quaternions]
     #[arg(long, value_name = "Q", value_parser = list, allow_hyphen_values = true)]
     q: Option<Numbers>,
-    /// The velocities at the start, with commas; at rest without it
+    /// The initial velocities, separated by commas [default: zero]
     #[arg(long, value_name = "QD", value_parser = list, allow_hyphen_values = true)]
     qd: Option<Numbers>,
     /// Start at random coordinates within the limits
     #[arg(long, value_name = "SEED", conflicts_with = "q")]
     random: Option<u64>,
-    /// Torques (N m, N) over time: rows of time and torques, linear in between, held outside; the first row may name
-    /// the columns
+    /// A table of joint forces (N m, N): rows of time and forces, interpolated linearly and constant outside of the table;
+    /// the first row may name the columns
     #[arg(long, value_name = "FILE.csv")]
     torques: Option<PathBuf>,
-    /// Write the table: time, coordinates, velocities, torques, energies
+    /// Write a table: time, coordinates, velocities, joint forces, energies
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
-    /// Write plots of all of it
+    /// Write plots of these quantities
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
-    /// Write a page that moves the robot's skeleton in a browser
+    /// Write a page that animates the robot's skeleton in a browser
     #[arg(long, value_name = "FILE.html")]
     html: Option<PathBuf>,
     #[command(flatten)]
     robot: Robot,
 }
 
-/// Clap takes a `Vec` for an option that is given several times.
+/// A list of numbers. (For clap a plain `Vec` is an option that can be repeated.)
 #[derive(Clone)]
 struct Numbers(Vec<f64>);
 
-/// Simulates, and writes what is asked for.
+/// Simulates, and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
     let reading = description.read(&arguments.robot.options.read_options());
@@ -97,7 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         to_file(path, &table::of(&model, &motion)?)?;
     }
     if let Some(path) = &arguments.plot {
-        to_file(path, &plot::of(&model, &motion)?)?;
+        to_file(path, &plot::of(&model, &motion))?;
     }
     if let Some(path) = &arguments.html {
         let skeleton = skeleton::of(&model, &motion)?;
@@ -114,9 +111,9 @@ impl Arguments {
     fn settings(&self) -> Result<Settings, Failure> {
         let steps = (self.time / self.step).round().max(1.0);
         let every = (self.every / self.step).round().max(1.0);
-        if steps > MOST_STEPS || steps / every > MOST_SAMPLES {
+        if steps > MAX_STEPS || steps / every > MAX_SAMPLES {
             return Err(Failure::usage(format!(
-                "error: {steps:.0} steps and {:.0} rows are too many ({MOST_STEPS:.0} and {MOST_SAMPLES:.0} are \
+                "error: {steps:.0} steps and {:.0} rows are too many ({MAX_STEPS:.0} and {MAX_SAMPLES:.0} are \
                  the most): take a larger `--step` or `--every`",
                 steps / every
             )));
@@ -143,7 +140,7 @@ impl Arguments {
     }
 }
 
-/// What a user wants to know first.
+/// Returns the summary of a motion.
 fn summary(model: &Model, motion: &Motion) -> String {
     let mut out = format!(
         "{}: {} s in {} steps; energy drifts by {:.1e} J, with {:.1e} J kinetic at most\n",
@@ -155,7 +152,7 @@ fn summary(model: &Model, motion: &Motion) -> String {
     );
     let beyond = motion.beyond_limits(model);
     if !beyond.is_empty() {
-        let shown = &beyond[..beyond.len().min(MOST_NAMES)];
+        let shown = &beyond[..beyond.len().min(MAX_NAMES)];
         let more = match beyond.len() - shown.len() {
             0 => String::new(),
             more => format!(" and {more} more"),

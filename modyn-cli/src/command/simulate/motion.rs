@@ -1,7 +1,7 @@
 //! The motion of a robot: Runge-Kutta steps of the interpreter's forward dynamics.
 //!
-//! `modyn::simulate` has such steps for generated robots, whose states are arrays; here their sizes are known at
-//! run time only, and the work of what drives and brakes the joints is integrated along.
+//! `modyn::simulate` has such steps for generated robots, whose states are arrays. Here sizes are known at run time only,
+//! and the work of joint forces and friction is integrated, too.
 
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::{Friction, Model};
@@ -12,17 +12,17 @@ use super::torques::Torques;
 use crate::command::outcome::Failure;
 use crate::command::random::Random;
 
-/// How a motion is computed.
+/// The settings of the integration.
 pub struct Settings {
-    /// Of the integration, s.
+    /// The time step, s.
     pub step: f64,
-    /// How many.
+    /// The number of steps.
     pub steps: usize,
-    /// After so many a sample is kept.
+    /// The number of steps from one sample to the next.
     pub every: usize,
 }
 
-/// A robot at an instant.
+/// The state of a robot at an instant, and its energies.
 #[derive(Clone)]
 pub struct Sample {
     pub time: f64,
@@ -31,26 +31,26 @@ pub struct Sample {
     pub tau: Vec<f64>,
     pub kinetic: f64,
     pub potential: f64,
-    /// Of the joint torques since the start, J.
+    /// The work of the joint forces since the start, J.
     pub work: f64,
-    /// By friction and damping since the start, J.
+    /// The energy dissipated by friction and damping since the start, J.
     pub dissipated: f64,
 }
 
 impl Sample {
-    /// What does not change: the energy, less what came in, plus what went out.
+    /// Returns the conserved quantity: the energy, minus the work of the joint forces, plus the dissipated energy, J.
     pub fn balance(&self) -> f64 {
         self.kinetic + self.potential - self.work + self.dissipated
     }
 }
 
-/// What is kept of a motion.
+/// The samples of a motion.
 pub struct Motion {
     pub samples: Vec<Sample>,
     pub steps: usize,
 }
 
-/// Something that has a rate of change: coordinates, velocities, work and what is dissipated.
+/// The integrated quantities: coordinates, velocities, work and dissipated energy.
 #[derive(Clone)]
 struct State {
     q: Vec<f64>,
@@ -58,10 +58,10 @@ struct State {
     energy: [f64; 2],
 }
 
-/// What moves a robot.
+/// The equations of motion.
 struct Dynamics<'a> {
     interpreter: Interpreter<f64>,
-    /// The same without friction, if there is friction.
+    /// The interpreter without friction; `None` if there is no friction.
     smooth: Option<Interpreter<f64>>,
     torques: &'a Torques,
     tau: Vec<f64>,
@@ -73,7 +73,7 @@ struct Dynamics<'a> {
 }
 
 impl Motion {
-    /// From coordinates and velocities on.
+    /// Returns the motion from these coordinates and velocities on.
     pub fn simulate(
         model: &Model,
         (q, qd): (Vec<f64>, Vec<f64>),
@@ -110,13 +110,13 @@ impl Motion {
         Ok(Self { samples, steps: settings.steps })
     }
 
-    /// The largest change of what should not change, J.
+    /// Returns the largest change of the conserved quantity, J.
     pub fn drift(&self) -> f64 {
         let start = self.samples.first().map_or(0.0, Sample::balance);
         self.samples.iter().map(|s| (s.balance() - start).abs()).fold(0.0, f64::max)
     }
 
-    /// The joints that were beyond their limits.
+    /// Returns the names of the joints that exceeded their limits.
     pub fn beyond_limits(&self, model: &Model) -> Vec<String> {
         let beyond = |&link: &usize| {
             let joint = &model.links()[link].joint;
@@ -152,7 +152,7 @@ impl Dynamics<'_> {
         })
     }
 
-    /// The classical Runge-Kutta method of fourth order; quaternions are brought back to length 1.
+    /// Returns the state after one step of the classical Runge-Kutta method; quaternions are scaled to length 1.
     fn step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, ShapeError> {
         let first = self.rates(time, state)?;
         let second = self.rates(time + dt / 2.0, &state.plus(dt / 2.0, &first))?;
@@ -167,7 +167,7 @@ impl Dynamics<'_> {
     fn rates(&mut self, time: f64, State { q, qd, .. }: &State) -> Result<State, ShapeError> {
         self.torques.at(time, &mut self.tau);
         let mut rates = State { q: vec![0.0; q.len()], qd: vec![0.0; qd.len()], energy: [0.0; 2] };
-        self.interpreter.coordinate_rates(q, qd, &mut rates.q)?;
+        self.interpreter.velocity_to_qdot(q, qd, &mut rates.q)?;
         let into = (&mut *rates.qd, &mut *self.constraints.0, &mut *self.constraints.1);
         if into.1.len() == self.inactive.len() {
             self.interpreter.forward_dynamics(q, qd, &self.tau, into.0)?;
@@ -180,7 +180,7 @@ impl Dynamics<'_> {
         Ok(rates)
     }
 
-    /// What friction and damping take: the part of the inverse dynamics that is theirs, times the velocities.
+    /// Returns the power that friction and damping dissipate: their part of inverse dynamics times the velocities, W.
     fn friction_power(&mut self, q: &[f64], qd: &[f64]) -> Result<f64, ShapeError> {
         let Some(smooth) = &mut self.smooth else { return Ok(0.0) };
         let (mut with, mut without) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
@@ -195,7 +195,7 @@ fn power(tau: &[f64], qd: &[f64]) -> f64 {
 }
 
 impl State {
-    /// This, and `factor` times the other.
+    /// Returns the sum of this state and `factor` times the other.
     fn plus(&self, factor: f64, other: &Self) -> Self {
         let add = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + factor * b).collect();
         Self {
@@ -206,7 +206,7 @@ impl State {
     }
 }
 
-/// The coordinates to start from: these, or random ones, or zero.
+/// Returns the initial coordinates: given, random, or neutral.
 pub fn place(
     model: &Model,
     given: Option<Vec<f64>>,
@@ -236,13 +236,13 @@ fn settings_of(model: &Model) -> ConstraintSettings<f64, Vec<ContactTarget<f64>>
     ConstraintSettings { alpha, beta, tolerance, rounding, contacts }
 }
 
-/// So many steps towards closed loops, which take as many digits again each, are enough or never will be.
+/// The largest number of projections onto closed loops. Each doubles the number of correct digits, so more never help.
 const PROJECTIONS: usize = 50;
 
-/// How far from closed loops may be: m, and sines of angles.
+/// The largest residual of closed loops: m, and sines of angles.
 const CLOSED: f64 = 1e-9;
 
-/// The same coordinates and velocities with the loops closed, or what is wrong with them.
+/// Returns the coordinates and velocities with the loops closed, or the reason why they cannot be closed.
 pub fn closed(
     model: &Model,
     (mut q, mut qd): (Vec<f64>, Vec<f64>),
@@ -269,7 +269,7 @@ pub fn closed(
     let results = (&mut *apart, &mut *parting);
     interpreter.constraint_residual((&q, &qd), &settings, results).map_err(shape)?;
     let open = apart.iter().zip(model.loop_constraints()).find(|(apart, _)| {
-        // Not a number is not closed.
+        // NaN is not closed.
         !apart.components().iter().all(|x| x.abs() < CLOSED)
     });
     match open {

@@ -1,191 +1,380 @@
-//! A motion as plots.
+//! A motion as small plots, one for each coordinate, velocity and torque, and one of the energies.
 
-use std::error::Error;
+use std::fmt::Write as _;
 
-use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
-use plotters::coord::Shift;
-use plotters::element::DashedPathElement;
-use plotters::prelude::*;
 
 use super::motion::{Motion, Sample};
 use super::units::{self, Kind};
-use crate::command::figure::figure;
-use crate::command::outcome::Failure;
+use crate::command::numbers::four_digits;
+use crate::escape::{markup, shortened};
 
-/// Curves that can be told apart in one panel: by their dashes, and by colour (Okabe and Ito).
-const CURVES: [(RGBColor, i32, i32); 6] = [
-    (RGBColor(0, 0, 0), 1, 0),
-    (RGBColor(0, 114, 178), 10, 4),
-    (RGBColor(213, 94, 0), 3, 3),
-    (RGBColor(0, 158, 115), 16, 5),
-    (RGBColor(204, 121, 167), 6, 9),
-    (RGBColor(86, 120, 180), 2, 8),
-];
-const PANEL: (u32, u32) = (640, 300);
+/// Curves that can be told apart, also by colour-blind readers (Okabe and Ito).
+const COLORS: [&str; 5] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#1d2733"];
+const INK: &str = "#1d2733";
+const GREY: &str = "#66717e";
+const GRID: &str = "#e3e7eb";
+
 /// The most points of a curve: more cannot be seen.
 const POINTS: usize = 500;
+/// Values beyond this are left out: axes have no end otherwise.
+const MAX_VALUE: f64 = 1e100;
 
-/// Figures beyond this are left out.
-const LARGEST: f64 = 1e100;
+const WIDTH: f64 = 1280.0;
+const MARGIN: f64 = 36.0;
+/// Of the values at an axis.
+const LABELS: f64 = 52.0;
+const PANEL: f64 = 130.0;
+const GAP: (f64, f64) = (18.0, 34.0);
+const HEADING: f64 = 58.0;
+/// The most panels in a row.
+const MAX_COLUMNS: usize = 6;
+/// Of the energies: their height, and the room for their names.
+const ENERGIES: (f64, f64) = (220.0, 130.0);
 
-/// A panel's curves.
-struct Panel {
+/// Panels of one quantity, which share their axes.
+struct Block {
     title: String,
-    unit: &'static str,
-    curves: Vec<(String, Vec<f64>)>,
+    color: &'static str,
+    panels: Vec<(String, Vec<f64>)>,
 }
 
-/// As SVG: coordinates and their rates side by side, then torques and energies.
-pub fn of(model: &Model, motion: &Motion) -> Result<String, Failure> {
-    let mut text = String::new();
-    draw(&mut text, model, motion)
-        .map_err(|error| Failure::usage(format!("error: the plots cannot be drawn: {error}")))?;
-    Ok(text)
-}
-
-fn draw(text: &mut String, model: &Model, motion: &Motion) -> Result<(), Box<dyn Error>> {
+/// The plots as SVG: coordinates, velocities, torques if there are some, and energies.
+pub fn of(model: &Model, motion: &Motion) -> String {
     let step = motion.samples.len().div_ceil(POINTS).max(1);
     let last = motion.samples.len() - 1;
     let kept = motion.samples.iter().enumerate().filter(|(i, _)| i % step == 0 || *i == last);
     let samples: Vec<&Sample> = kept.map(|(_, sample)| sample).collect();
-    let panels = panels(model, &samples);
-    let rows = panels.len().div_ceil(2) as u32;
-    let size = (2 * PANEL.0, 40 + rows * PANEL.1);
-    let root = SVGBackend::with_string(text, size).into_drawing_area();
-    root.fill(&WHITE)?;
-    let root = root.titled(&sanitize_for_display(model.name()), ("sans-serif", 24))?;
-    for (panel, area) in panels.iter().zip(root.split_evenly((rows as usize, 2))) {
-        draw_panel(panel, &samples, &area)?;
+    let times: Vec<f64> = samples.iter().map(|sample| sample.time).collect();
+    let end = times.last().copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
+
+    let mut body = String::new();
+    let mut top = MARGIN + 46.0;
+    for block in blocks(model, &samples) {
+        top = draw_block(&mut body, &block, &times, end, top);
     }
-    root.present()?;
-    Ok(())
+    let energies = energies(&samples);
+    if !energies.is_empty() {
+        top = draw_energies(&mut body, &energies, &times, end, top);
+    }
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {top:.0}\" width=\"{WIDTH}\" height=\"{top:.0}\" \
+         font-family=\"Helvetica, Arial, sans-serif\" fill=\"{INK}\" role=\"img\">\n\
+         <title>A motion of {name}</title>\n\
+         <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
+         <text x=\"{MARGIN}\" y=\"{:.1}\" font-size=\"26\" font-weight=\"bold\">{name}</text>\n{body}</svg>\n",
+        MARGIN + 12.0,
+        name = markup(model.name()),
+    )
 }
 
-fn panels(model: &Model, samples: &[&Sample]) -> Vec<Panel> {
+fn blocks(model: &Model, samples: &[&Sample]) -> Vec<Block> {
     let (q, v) = (units::coordinates(model), units::velocities(model));
-    let part = |title: &str, names: &[String], kinds: &[Kind], get: Get, unit: Unit| {
-        grouped(title, (names, kinds), samples, get, unit)
-    };
     let (coordinates, velocities) = (model.coordinate_names(), model.velocity_names());
-    let mut left = part("coordinates", &coordinates, &q, |s| &s.q, Kind::coordinate);
-    let mut right = part("velocities", &velocities, &v, |s| &s.qd, Kind::velocity);
+    let mut blocks =
+        grouped("coordinates", (&coordinates, &q), COLORS[0], samples, |s| &s.q, Kind::coordinate);
+    blocks.extend(grouped(
+        "velocities",
+        (&velocities, &v),
+        COLORS[1],
+        samples,
+        |s| &s.qd,
+        Kind::velocity,
+    ));
     if samples.iter().any(|sample| sample.tau.iter().any(|&tau| tau != 0.0)) {
-        left.extend(part("torques", &velocities, &v, |s| &s.tau, Kind::torque));
+        blocks.extend(grouped(
+            "torques",
+            (&velocities, &v),
+            COLORS[2],
+            samples,
+            |s| &s.tau,
+            Kind::torque,
+        ));
     }
+    blocks
+}
+
+/// The entries of each unit.
+fn grouped(
+    title: &str,
+    (names, kinds): (&[String], &[Kind]),
+    color: &'static str,
+    samples: &[&Sample],
+    get: fn(&Sample) -> &[f64],
+    unit: fn(Kind) -> &'static str,
+) -> Vec<Block> {
+    let block = |kind: Kind| {
+        let entries = (0..names.len()).filter(|&i| kinds[i] == kind);
+        let panel =
+            |i: usize| (names[i].clone(), samples.iter().map(|sample| get(sample)[i]).collect());
+        Block {
+            title: format!("{title} ({})", unit(kind)),
+            color,
+            panels: entries.map(panel).collect(),
+        }
+    };
+    let blocks = [Kind::Turn, Kind::Shift, Kind::Quaternion].map(block);
+    blocks.into_iter().filter(|block| !block.panels.is_empty()).collect()
+}
+
+/// The energies that are not zero throughout.
+fn energies(samples: &[&Sample]) -> Vec<(String, Vec<f64>)> {
     let curve = |name: &str, get: fn(&Sample) -> f64| {
-        let values: Vec<f64> = samples.iter().map(|sample| get(sample)).collect();
-        (String::from(name), values)
+        (name.to_owned(), samples.iter().map(|sample| get(sample)).collect::<Vec<f64>>())
     };
     let mut curves = vec![
         curve("kinetic", |s| s.kinetic),
         curve("potential", |s| s.potential),
-        curve("balance", Sample::balance),
         curve("work of torques", |s| s.work),
         curve("dissipated", |s| s.dissipated),
+        curve("balance", Sample::balance),
     ];
     curves.retain(|(_, values)| values.iter().any(|&x| x != 0.0));
-    if !curves.is_empty() {
-        right.push(Panel { title: "energies".into(), unit: "J", curves });
+    curves
+}
+
+/// A rectangle of the picture, and what its axes span.
+struct Axes {
+    left: f64,
+    top: f64,
+    width: f64,
+    height: f64,
+    end: f64,
+    low: f64,
+    high: f64,
+}
+
+impl Axes {
+    fn x(&self, time: f64) -> f64 {
+        self.left + self.width * time / self.end
     }
-    // Side by side as long as both last.
-    let mut all = Vec::new();
-    let (mut left, mut right) = (left.into_iter(), right.into_iter());
-    loop {
-        match (left.next(), right.next()) {
-            (None, None) => return all,
-            (a, b) => all.extend(a.into_iter().chain(b)),
+
+    fn y(&self, value: f64) -> f64 {
+        self.top + self.height * (self.high - value) / (self.high - self.low)
+    }
+
+    /// The grid; the values at the left if `values`, the times below if `times`.
+    fn draw(&self, out: &mut String, values: bool, times: bool) {
+        let &Self { left, top, width, height, end, low, high } = self;
+        let (right, bottom) = (left + width, top + height);
+        for value in ticks(low, high, 4) {
+            let y = self.y(value);
+            let _ = writeln!(out, "<path d=\"M{left:.1} {y:.1}H{right:.1}\" stroke=\"{GRID}\"/>");
+            if values {
+                let (x, y) = (left - 7.0, y + 4.0);
+                let _ = writeln!(
+                    out,
+                    "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"12\" fill=\"{GREY}\" text-anchor=\"end\">{}</text>",
+                    four_digits(value)
+                );
+            }
         }
+        let most = if width > 400.0 { 8 } else { 4 };
+        for time in ticks(0.0, end, most) {
+            let x = self.x(time);
+            let _ = writeln!(out, "<path d=\"M{x:.1} {top:.1}V{bottom:.1}\" stroke=\"{GRID}\"/>");
+            if times {
+                let y = bottom + 16.0;
+                let _ = writeln!(
+                    out,
+                    "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"12\" fill=\"{GREY}\" text-anchor=\"middle\">{}</text>",
+                    four_digits(time)
+                );
+            }
+        }
+        let _ = writeln!(
+            out,
+            "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"none\" \
+             stroke=\"{GREY}\" stroke-width=\"0.8\"/>"
+        );
+    }
+
+    /// A curve, in pieces where values cannot be drawn.
+    fn curve(&self, out: &mut String, times: &[f64], values: &[f64], color: &str) {
+        let points: Vec<Option<(f64, f64)>> = times
+            .iter()
+            .zip(values)
+            .map(|(&time, &value)| drawn(value).then(|| (self.x(time), self.y(value))))
+            .collect();
+        let path: String =
+            points.split(Option::is_none).map(|piece| smooth(piece.iter().flatten())).collect();
+        let _ = writeln!(
+            out,
+            "<path d=\"{path}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"2\" stroke-linejoin=\"round\" \
+             stroke-linecap=\"round\"/>"
+        );
     }
 }
 
-type Get = fn(&Sample) -> &[f64];
-type Unit = fn(Kind) -> &'static str;
-
-/// Entries of one unit, a few to a panel.
-fn grouped(
-    title: &str,
-    (names, kinds): (&[String], &[Kind]),
-    samples: &[&Sample],
-    get: Get,
-    unit: Unit,
-) -> Vec<Panel> {
-    let mut panels = Vec::new();
-    for kind in [Kind::Turn, Kind::Shift, Kind::Quaternion] {
-        let entries: Vec<usize> = (0..names.len()).filter(|&i| kinds[i] == kind).collect();
-        for entries in entries.chunks(CURVES.len()) {
-            let curve = |&i: &usize| {
-                (
-                    sanitize_for_display(&names[i]),
-                    samples.iter().map(|sample| get(sample)[i]).collect(),
-                )
-            };
-            let curves = entries.iter().map(curve).collect();
-            panels.push(Panel { title: title.into(), unit: unit(kind), curves });
+/// The path of cubic curves through points from left to right. Between two points a curve stays between their heights
+/// (Fritsch and Butland 1984), so that it shows no peak that was not computed.
+fn smooth<'a>(points: impl Iterator<Item = &'a (f64, f64)>) -> String {
+    let points: Vec<(f64, f64)> = points.copied().collect();
+    let secant = |i: usize| (points[i + 1].1 - points[i].1) / (points[i + 1].0 - points[i].0);
+    let slope = |i: usize| {
+        if i == 0 || i + 1 == points.len() {
+            return secant(i.min(points.len() - 2));
         }
+        let (before, after) = (secant(i - 1), secant(i));
+        if before * after > 0.0 { 2.0 * before * after / (before + after) } else { 0.0 }
+    };
+    let Some((x, y)) = points.first() else { return String::new() };
+    let mut path = format!("M{x:.2} {y:.2}");
+    for i in 1..points.len() {
+        let ((x0, y0), (x1, y1)) = (points[i - 1], points[i]);
+        let third = (x1 - x0) / 3.0;
+        let (a, b) = (y0 + third * slope(i - 1), y1 - third * slope(i));
+        let _ = write!(path, "C{:.2} {a:.2} {:.2} {b:.2} {x1:.2} {y1:.2}", x0 + third, x1 - third);
     }
-    panels
+    path
 }
 
-fn draw_panel(
-    panel: &Panel,
-    samples: &[&Sample],
-    area: &DrawingArea<SVGBackend<'_>, Shift>,
-) -> Result<(), Box<dyn Error>> {
-    let times: Vec<f64> = samples.iter().map(|sample| sample.time).collect();
-    let end = times.last().copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
-    let all = panel.curves.iter().flat_map(|(_, values)| values).filter(|x| drawn(**x));
-    let (low, high) = all.fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
+fn heading(out: &mut String, title: &str, top: f64) {
+    let _ = writeln!(
+        out,
+        "<text x=\"{MARGIN}\" y=\"{:.1}\" font-size=\"17\" font-weight=\"bold\">{title}</text>\n\
+         <text x=\"{:.1}\" y=\"{0:.1}\" font-size=\"12\" fill=\"{GREY}\" text-anchor=\"end\">time (s)</text>",
+        top + 22.0,
+        WIDTH - MARGIN,
+    );
+}
+
+/// Draws a block of panels from `top` on, and returns where it ends.
+fn draw_block(out: &mut String, block: &Block, times: &[f64], end: f64, top: f64) -> f64 {
+    heading(out, &block.title, top);
+    let count = block.panels.len();
+    // As many rows as the columns need, then as few columns as these rows need.
+    let rows = count.div_ceil(MAX_COLUMNS);
+    let columns = count.div_ceil(rows);
+    let width = (WIDTH - 2.0 * MARGIN - LABELS + GAP.0) / columns as f64 - GAP.0;
+    let (low, high) = span(block.panels.iter().flat_map(|(_, values)| values));
+    for (i, (name, values)) in block.panels.iter().enumerate() {
+        let (row, column) = (i / columns, i % columns);
+        let axes = Axes {
+            left: MARGIN + LABELS + column as f64 * (width + GAP.0),
+            top: top + HEADING + row as f64 * (PANEL + GAP.1),
+            width,
+            height: PANEL,
+            end,
+            low,
+            high,
+        };
+        axes.draw(out, column == 0, i + columns >= count);
+        axes.curve(out, times, values, block.color);
+        // A letter is about 7 wide.
+        let longest = (width / 7.0) as usize;
+        let _ = writeln!(
+            out,
+            "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"13\">{}</text>",
+            axes.left,
+            axes.top - 7.0,
+            markup(&shortened(name, longest)),
+        );
+    }
+    top + HEADING + rows as f64 * (PANEL + GAP.1) + 6.0
+}
+
+/// Draws the energies in one panel, each with its name at its end.
+fn draw_energies(
+    out: &mut String,
+    curves: &[(String, Vec<f64>)],
+    times: &[f64],
+    end: f64,
+    top: f64,
+) -> f64 {
+    heading(out, "energies (J)", top);
+    let (low, high) = span(curves.iter().flat_map(|(_, values)| values));
+    let left = MARGIN + LABELS;
+    let width = WIDTH - MARGIN - left - ENERGIES.1;
+    let axes = Axes { left, top: top + HEADING - 18.0, width, height: ENERGIES.0, end, low, high };
+    axes.draw(out, true, true);
+    let mut names: Vec<(f64, &str, &str)> = Vec::new();
+    for ((name, values), color) in curves.iter().zip(COLORS) {
+        axes.curve(out, times, values, color);
+        let last = values.iter().rev().find(|x| drawn(**x)).map_or(high, |&x| x);
+        names.push((axes.y(last) + 4.0, name, color));
+    }
+    // Names that would cover each other move down.
+    names.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut free = f64::MIN;
+    for (y, name, color) in names {
+        let y = y.max(free);
+        free = y + 16.0;
+        let x = left + width + 8.0;
+        let _ = writeln!(
+            out,
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"13\" fill=\"{color}\">{name}</text>"
+        );
+    }
+    axes.top + ENERGIES.0 + GAP.1 + 8.0
+}
+
+/// What an axis spans, with some room: also where values are constant, or zero but for rounding.
+fn span<'a>(values: impl Iterator<Item = &'a f64>) -> (f64, f64) {
+    let (low, high) =
+        values.filter(|x| drawn(**x)).fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
     let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
     let size = high.abs().max(low.abs());
-    // What is constant, or zero but for rounding, needs room all the same.
-    let room = if size < 1e-9 { 1.0 } else { ((high - low) * 0.08).max(size * 0.05) };
-    let mut chart = ChartBuilder::on(area)
-        .caption(format!("{} ({})", panel.title, panel.unit), ("sans-serif", 16))
-        .margin(10)
-        .x_label_area_size(36)
-        .y_label_area_size(64)
-        // The legend stands beside the curves, behind the end of the time.
-        .build_cartesian_2d(0.0..end * 1.45, low - room..high + room)?;
-    chart
-        .configure_mesh()
-        .x_desc("time (s)")
-        .y_desc(panel.unit)
-        .x_labels(8)
-        .y_labels(6)
-        .y_label_formatter(&|y| label(*y))
-        .light_line_style(WHITE)
-        .draw()?;
-    for ((name, values), (color, dash, gap)) in panel.curves.iter().zip(CURVES) {
-        let points = times.iter().copied().zip(values.iter().copied()).filter(|(_, x)| drawn(*x));
-        let style = color.stroke_width(2);
-        let legend =
-            move |(x, y)| DashedPathElement::new([(x, y), (x + 36, y)], dash.max(4), gap, style);
-        if gap == 0 {
-            chart.draw_series(LineSeries::new(points, style))?
-        } else {
-            chart.draw_series(DashedLineSeries::new(points, dash, gap, style))?
-        }
-        .label(name)
-        .legend(legend);
-    }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .legend_area_size(44)
-        .border_style(BLACK.mix(0.3))
-        .background_style(WHITE)
-        .label_font(("sans-serif", 12))
-        .draw()?;
-    Ok(())
+    let room = if size < 1e-9 { 1.0 } else { ((high - low) * 0.08).max(size * 0.02) };
+    (low - room, high + room)
 }
 
-/// Whether a figure can be drawn: axes and dashes have no end otherwise.
+/// At most `most` + 1 round values between two.
+fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
+    let least = (high - low) / most as f64;
+    let power = 10.0_f64.powf(least.log10().floor());
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
+    let step = steps.into_iter().find(|&step| step >= least * (1.0 - 1e-9)).unwrap_or(steps[3]);
+    let first = (low / step).ceil();
+    // Where the numbers' own spacing is wider than the steps there is nothing to mark.
+    let count = ((high / step).floor() - first).clamp(0.0, most as f64) as u32;
+    let tick = |i: u32| (first + f64::from(i)) * step;
+    let ticks = (0..=count).map(tick).map(|x| if x.abs() < step * 1e-9 { 0.0 } else { x });
+    // Rounding may put the first or the last one outside.
+    ticks.filter(|x| (low..=high).contains(x)).collect()
+}
+
+/// Whether a value can be drawn.
 fn drawn(x: f64) -> bool {
-    x.abs() < LARGEST
+    x.abs() < MAX_VALUE
 }
 
-/// A figure at an axis, where what is left of zero is none.
-fn label(y: f64) -> String {
-    figure(if y.abs() < 1e-12 { 0.0 } else { y })
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The heights of the ends and of the control points.
+    fn heights(path: &str) -> Vec<f64> {
+        let numbers = path.split(['M', 'C', ' ']).filter(|text| !text.is_empty());
+        numbers.skip(1).step_by(2).map(|text| text.parse().expect("a number")).collect()
+    }
+
+    #[test]
+    fn curves_pass_through_their_points_and_do_not_overshoot() {
+        let points = [(0.0, 0.0), (1.0, 0.0), (2.0, 5.0), (3.0, 1.0), (4.0, 0.5)];
+        let heights = heights(&smooth(points.iter()));
+        assert_eq!(heights.len(), 1 + 3 * 4);
+        for (i, pair) in points.windows(2).enumerate() {
+            let (low, high) = (pair[0].1.min(pair[1].1), pair[0].1.max(pair[1].1));
+            let between = &heights[3 * i..3 * i + 4];
+            assert!((between[0] - pair[0].1).abs() < 0.01 && (between[3] - pair[1].1).abs() < 0.01);
+            assert!(
+                between.iter().all(|y| (low - 0.01..=high + 0.01).contains(y)),
+                "{i}: {between:?}"
+            );
+        }
+        assert_eq!(smooth([(1.0, 2.0)].iter()), "M1.00 2.00");
+        assert_eq!(smooth([].iter()), "");
+    }
+
+    #[test]
+    fn ticks_are_round_and_few() {
+        assert_eq!(ticks(0.0, 2.0, 4), [0.0, 0.5, 1.0, 1.5, 2.0]);
+        assert_eq!(ticks(-0.3, 0.7, 4), [0.0, 0.5]);
+        for (low, high) in [(-1e60, 1e60), (1e90, 1.000_000_1e90), (-1.0, 1.0), (1e-300, 1e-299)] {
+            let found = ticks(low, high, 4);
+            assert!(found.len() <= 5, "{found:?}");
+            assert!(found.iter().all(|x| (low..=high).contains(x)), "{low} {high} {found:?}");
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! A robot as a stick figure: lines between the origins of its links.
+//! A robot's skeleton: lines between the origins of its links.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::joint::JointType;
@@ -9,13 +9,13 @@ use super::motion::Motion;
 use crate::command::outcome::Failure;
 use crate::viewer::Frame;
 
-/// What the viewer shows.
+/// The edges and frames for the viewer.
 pub struct Skeleton {
     pub edges: Vec<(usize, usize)>,
     pub frames: Vec<Frame>,
 }
 
-/// Points are the links of the description, then the centres of mass of moving links that end in nothing else.
+/// Returns the skeleton. Its points are the links of the description, then the centres of mass of links without children.
 pub fn of(model: &Model, motion: &Motion) -> Result<Skeleton, Failure> {
     let (edges, tips) = edges(model);
     let mut interpreter = Interpreter::<f64>::new(model.clone());
@@ -32,7 +32,7 @@ pub fn of(model: &Model, motion: &Motion) -> Result<Skeleton, Failure> {
     Ok(Skeleton { edges, frames })
 }
 
-/// A link's own frame, and a point in it.
+/// A link's index, and a point in its frame.
 type Tip = (usize, [f64; 3]);
 
 fn edges(model: &Model) -> (Vec<(usize, usize)>, Vec<Tip>) {
@@ -52,13 +52,13 @@ fn edges(model: &Model) -> (Vec<(usize, usize)>, Vec<Tip>) {
                 ends[parent] = false;
                 own[parent]
             }
-            // Nothing holds what floats.
+            // A floating base is not connected to the world.
             None if link.joint.joint_type == JointType::Floating => None,
             None => root,
         };
         edges.extend(behind.zip(own[i]));
     }
-    // What is fixed to a link, and away from its origin.
+    // Links that are fixed to another link, away from its origin.
     for (f, frame) in frames.iter().enumerate() {
         let away = frame.pose.translation.iter().any(|x| x.abs() > 1e-9);
         let behind = match frame.link {

@@ -10,7 +10,7 @@ use super::units;
 use crate::command::outcome::Failure;
 use crate::escape::cell;
 
-/// As CSV, with the units in its head.
+/// Returns the motion as CSV, with units in the header.
 pub fn of(model: &Model, motion: &Motion) -> Result<String, Failure> {
     write(model, motion)
         .map_err(|error| Failure::usage(format!("error: the table cannot be written: {error}")))

@@ -1,4 +1,4 @@
-//! Torques over time, from a table.
+//! Joint forces over time, from a table.
 
 use std::path::Path;
 
@@ -6,25 +6,25 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::Model;
 
-use crate::command::figure::number;
+use crate::command::numbers::number;
 use crate::command::outcome::Failure;
 use crate::escape::cell;
 
-/// Torques at ascending times; none is zero.
+/// Joint forces at ascending times; an empty table is zero.
 pub struct Torques {
     times: Vec<f64>,
-    /// By time: one for each velocity.
+    /// For each time, a joint force for each velocity.
     rows: Vec<Vec<f64>>,
 }
 
 impl Torques {
-    /// Zero at all times.
+    /// Returns joint forces that are always zero.
     pub fn none() -> Self {
         Self { times: Vec::new(), rows: Vec::new() }
     }
 
-    /// From a file: rows of a time and a torque for each velocity; or under a row that names the velocities in
-    /// any order, of which those that are left out are zero.
+    /// Reads a file of rows with a time and a joint force for each velocity. A header may name the velocities in any
+    /// order; forces of velocities that it does not name are zero.
     pub fn read(path: &Path, model: &Model) -> Result<Self, Failure> {
         let name = sanitize_for_display(&path.display().to_string());
         let bad = |line: u64, message: String| {
@@ -45,7 +45,7 @@ impl Torques {
             let record = record.map_err(|error| bad(i as u64 + 1, error.to_string()))?;
             let line = record.position().map_or(i as u64 + 1, csv::Position::line);
             if i == 0 && record.get(0).is_some_and(|first| first.parse::<f64>().is_err()) {
-                columns = named(&record, &names).map_err(|message| bad(line, message))?;
+                columns = columns_by_name(&record, &names).map_err(|message| bad(line, message))?;
                 continue;
             }
             if record.len() != columns.len() + 1 {
@@ -70,7 +70,7 @@ impl Torques {
         Ok(torques)
     }
 
-    /// Those at a time into `tau`: linear between rows, held before the first and behind the last one.
+    /// Computes the joint forces at a time: linear between rows, constant before the first and after the last row.
     pub fn at(&self, time: f64, tau: &mut [f64]) {
         let above = self.times.partition_point(|&t| t <= time);
         let (Some(&below), Some(&above)) =
@@ -87,17 +87,17 @@ impl Torques {
         }
     }
 
-    /// A row's index, or the last one's.
+    /// Returns the row's index, or the last row's.
     fn place(&self, row: usize) -> Option<usize> {
         self.times.len().checked_sub(1).map(|last| row.min(last))
     }
 }
 
-/// Which velocity each column belongs to.
-fn named(head: &StringRecord, names: &[String]) -> Result<Vec<usize>, String> {
+/// Returns the velocity of each column.
+fn columns_by_name(head: &StringRecord, names: &[String]) -> Result<Vec<usize>, String> {
     let mut columns = Vec::new();
     for found in head.iter().skip(1) {
-        // As a table of ours has it: with the unit behind it, perhaps.
+        // Tables of `modyn simulate` have the unit after the name.
         let bare =
             found.strip_suffix(" (N m)").or_else(|| found.strip_suffix(" (N)")).unwrap_or(found);
         let bare = bare.strip_prefix("tau ").unwrap_or(bare);

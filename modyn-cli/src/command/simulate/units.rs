@@ -1,21 +1,21 @@
-//! What the entries of the joint vectors are measured in.
+//! The units of the entries of joint vectors.
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::Model;
 
-/// What an entry is.
+/// The kind of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// An angle, or about an axis.
+    /// An angle, or a rotation about an axis.
     Turn,
-    /// A displacement, or along an axis.
+    /// A displacement along an axis.
     Shift,
-    /// Of a unit quaternion.
+    /// A component of a unit quaternion.
     Quaternion,
 }
 
 impl Kind {
-    /// Of a coordinate.
+    /// Returns the unit of the coordinate.
     pub fn coordinate(self) -> &'static str {
         match self {
             Self::Turn => "rad",
@@ -24,23 +24,23 @@ impl Kind {
         }
     }
 
-    /// Of its rate.
+    /// Returns the unit of the velocity.
     pub fn velocity(self) -> &'static str {
         if self == Self::Shift { "m/s" } else { "rad/s" }
     }
 
-    /// Of what drives it.
+    /// Returns the unit of the joint force.
     pub fn torque(self) -> &'static str {
         if self == Self::Shift { "N" } else { "N m" }
     }
 }
 
-/// By coordinate.
+/// Returns the kind of each coordinate.
 pub fn coordinates(model: &Model) -> Vec<Kind> {
     kinds(model, JointType::coordinates)
 }
 
-/// By velocity.
+/// Returns the kind of each velocity.
 pub fn velocities(model: &Model) -> Vec<Kind> {
     kinds(model, JointType::velocities)
 }

@@ -1,5 +1,5 @@
-//! A program as C functions: a statement a line. Chunks become `static` functions (`name_part0` and so on) that write
-//! the values that others read into an array.
+//! Prints a program as C functions, one statement a line. Chunks become `static` functions (`name_chunk0` and so on) that
+//! write the values that later chunks read into an array.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -9,7 +9,7 @@ use super::{Array, FloatType, Printer, literal};
 use crate::program::{Addend, Chunk, MultiplyAdd, Operand, Operation, Program, Source, Value};
 
 impl Printer {
-    /// A function of one program: its routines, its chunks, and itself.
+    /// Prints the function of one program: its routines, its chunks, and the function itself.
     pub(super) fn function(
         &mut self,
         linkage: &str,
@@ -27,7 +27,7 @@ impl Printer {
             let results = routine.program.results.len();
             self.function(
                 "static ",
-                &format!("{name}_piece{number}"),
+                &format!("{name}_routine{number}"),
                 &arrays,
                 results,
                 &routine.program,
@@ -36,7 +36,7 @@ impl Printer {
         let last = program.chunks.len() - 1;
         for (k, chunk) in program.chunks.iter().enumerate() {
             let part = |k: usize| Array {
-                name: format!("part{k}"),
+                name: format!("chunk{k}"),
                 len: program.chunks[k].live_out.len(),
             };
             let body =
@@ -49,14 +49,14 @@ impl Printer {
                         given.iter().cloned().chain(handed).chain([part(k)]).collect();
                     let names: Vec<&str> = arrays.iter().map(|array| array.name.as_str()).collect();
                     let (real, len) = (self.real(), part(k).len.max(1));
-                    let _ = writeln!(text, "    {real} part{k}[{len}];");
-                    let _ = writeln!(text, "    {name}_part{k}({});", names.join(", "));
+                    let _ = writeln!(text, "    {real} chunk{k}[{len}];");
+                    let _ = writeln!(text, "    {name}_chunk{k}({});", names.join(", "));
                 }
                 (linkage, name.to_string(), given.to_vec(), results)
             } else {
                 let handed = chunk.live_in.iter().map(|&k| part(k));
                 let arrays = given.iter().cloned().chain(handed).collect();
-                ("static ", format!("{name}_part{k}"), arrays, chunk.live_out.len())
+                ("static ", format!("{name}_chunk{k}"), arrays, chunk.live_out.len())
             };
             let mut read = BTreeSet::new();
             for s in chunk.statements.clone() {
@@ -72,7 +72,7 @@ impl Printer {
             }
             let mut unread = String::new();
             let calls = k == last && last > 0;
-            let read = |name: &str| read.contains(name) || calls || name.starts_with("part");
+            let read = |name: &str| read.contains(name) || calls || name.starts_with("chunk");
             for array in arrays.iter().filter(|array| !read(&array.name)) {
                 let _ = writeln!(unread, "    (void){};", array.name);
             }
@@ -101,12 +101,12 @@ struct Body<'a> {
     name: &'a str,
     given: &'a [Array],
     program: &'a Program,
-    /// The first statement of the chunk.
+    /// The index of the chunk's first statement.
     first: usize,
 }
 
 impl Body<'_> {
-    /// A statement; the names of the arrays that it reads go to `read`.
+    /// Prints a statement; the names of the arrays that it reads are added to `read`.
     fn statement(&self, text: &mut String, s: usize, read: &mut BTreeSet<String>) {
         let (real, double) = (self.printer.real(), self.printer.float == FloatType::F64);
         let operation = &self.program.statements[s].operation;
@@ -176,7 +176,7 @@ impl Body<'_> {
                 );
                 let all: Vec<String> =
                     [table, own, common, Some(result)].into_iter().flatten().collect();
-                let _ = writeln!(text, "    {}_piece{p}({});", self.name, all.join(", "));
+                let _ = writeln!(text, "    {}_routine{p}({});", self.name, all.join(", "));
                 return;
             }
             Operation::Pack(_) | Operation::Constants(_) | Operation::Unpack(_) => {
@@ -208,14 +208,14 @@ impl Body<'_> {
         if operand.negated { format!("(-{text})") } else { text }
     }
 
-    /// A value: a local variable, or an entry of an earlier chunk's array.
+    /// Returns the text of a value: a local variable, or an entry of an earlier chunk's array.
     fn value(&self, value: Value) -> String {
         if value.statement >= self.first {
             return self.local(value.statement, value.place);
         }
         let place = |(k, chunk): (usize, &Chunk)| {
             let i = chunk.live_out.binary_search(&value).ok()?;
-            Some(format!("part{k}[{i}]"))
+            Some(format!("chunk{k}[{i}]"))
         };
         let found = self.program.chunks.iter().enumerate().find_map(place);
         found.expect("a value that crosses a cut is named there")

@@ -1,8 +1,8 @@
-//! C99: a source file and a header that need `<math.h>` alone.
+//! C99: a source file and a header that need `<math.h>` only.
 //!
-//! Every function of one state is there, over arrays of fixed sizes; structured arguments and results are their
-//! scalars in a row. No heap, no mutable `static`, no recursion. Without contraction (`-ffp-contract=off`) the results
-//! are those of the scalar Rust functions, bit for bit.
+//! They contain every function of one state, over arrays of fixed sizes. Structured arguments and results are flat
+//! arrays of their scalars. The code has no heap, no mutable `static` and no recursion. Without contraction
+//! (`-ffp-contract=off`) the results equal those of the scalar Rust functions, bit for bit.
 
 mod function;
 mod support;
@@ -18,19 +18,19 @@ use crate::plan::{Frames, Function, Kernels, LinkCode, Plan, Shape};
 use crate::program::Program;
 use support::Support;
 
-/// The two files.
+/// The generated source file and header.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct CSource {
     /// The prefix of all names.
     pub prefix: String,
-    /// The header.
+    /// The text of the header.
     pub header: String,
-    /// The source file.
+    /// The text of the source file.
     pub source: String,
 }
 
-/// An array that a function takes.
+/// An array argument of a function.
 #[derive(Clone)]
 struct Array {
     name: String,
@@ -44,18 +44,18 @@ struct Item<'a> {
     arguments: Vec<Array>,
     result: &'a Shape,
     programs: Programs<'a>,
-    /// Whether run-time parameters are its last argument.
+    /// Whether run-time parameters are the function's last argument.
     with_parameters: bool,
 }
 
 /// The programs of a function.
 #[derive(Clone, Copy)]
 enum Programs<'a> {
-    /// One.
+    /// One program.
     One(&'a Program),
-    /// Those of a link, as [`Kernels::ByLink`] has them.
+    /// The programs of a function of one link: see [`Kernels::ByLink`].
     ByLink(&'a [Program]),
-    /// Those of the poses of all links, as [`Kernels::Poses`] has them.
+    /// The programs of the poses of all links: see [`Kernels::Poses`].
     Poses { bodies: &'a Program, placed: &'a Program },
 }
 
@@ -67,7 +67,7 @@ struct Printer {
     support: BTreeSet<Support>,
 }
 
-/// The two files; the source includes the header by its file's name.
+/// Returns both files; the source includes the header as `file`.
 pub(super) fn print(
     plan: &Plan,
     model: &Model,
@@ -113,12 +113,16 @@ impl Printer {
         CSource { prefix, header, source }
     }
 
-    /// The sizes, the links by name, and what run-time parameters are by default.
+    /// Prints the sizes, the links by name, and the default run-time parameters.
     fn constants(&mut self, plan: &Plan, model: &Model, upper: &str) {
         for (name, value, docs) in [
-            ("NQ", plan.sizes.nq, "Length of the coordinate vector."),
-            ("NV", plan.sizes.nv, "Length of the velocity vector: degrees of freedom."),
-            ("LINKS", plan.sizes.links, "Number of links."),
+            ("NQ", plan.sizes.nq, "The length of the coordinate vector."),
+            (
+                "NV",
+                plan.sizes.nv,
+                "The length of the velocity vector: the number of degrees of freedom.",
+            ),
+            ("LINKS", plan.sizes.links, "The number of links."),
         ] {
             let _ = writeln!(self.header, "/* {docs} */\n#define {upper}_{name} {value}");
         }
@@ -161,7 +165,7 @@ impl Printer {
         }
     }
 
-    /// The table of placements: of each link that shares a program, its pose on its body.
+    /// Prints the table of placements: the pose on its body of each link with a shared program.
     fn placements(&mut self, frames: &Frames) {
         if !frames.any_shared() {
             return;
@@ -182,7 +186,7 @@ impl Printer {
         );
     }
 
-    /// The functions that an item calls.
+    /// Prints the functions that an item calls.
     fn kernels(&mut self, item: &Item<'_>, frames: &Frames) {
         let Item { name, arguments, result, .. } = item;
         let placement = Array { name: "placement".into(), len: Frames::PLACEMENT };
@@ -192,8 +196,8 @@ impl Printer {
             }
             Programs::One(program) => self.function("", name, arguments, result.len(), program),
             Programs::ByLink(programs) => {
-                let (own, shared) = programs.split_at(frames.own().count());
-                for (link, program) in frames.own().zip(own) {
+                let (own, shared) = programs.split_at(frames.links_with_own_program().count());
+                for (link, program) in frames.links_with_own_program().zip(own) {
                     let name = format!("{name}_{link}");
                     self.function("static ", &name, arguments, result.len(), program);
                 }
@@ -213,7 +217,7 @@ impl Printer {
         }
     }
 
-    /// The body of a function that computes nothing by itself, but calls others with these arguments.
+    /// Returns the body of a function that only calls others with these arguments.
     fn calls(&self, item: &Item<'_>, names: &str, frames: &Frames) -> String {
         let (name, table) = (&item.name, format!("{}_placements", self.prefix));
         match item.programs {
@@ -231,7 +235,7 @@ impl Printer {
                 format!("    switch (link) {{\n{cases}    default: return 0;\n    }}\n")
             }
             Programs::Poses { .. } => {
-                let (pose, own) = (Shape::pose().len(), frames.own().count());
+                let (pose, own) = (Shape::pose().len(), frames.links_with_own_program().count());
                 let mut text = format!(
                     "    {} bodies[{}];\n    int i;\n    {name}_of_bodies({names}, bodies);\n",
                     self.real(),
@@ -261,7 +265,7 @@ impl Printer {
         }
     }
 
-    /// A function, declared and defined.
+    /// Prints a function's declaration and definition.
     fn item(&mut self, item: &Item<'_>, frames: &Frames) {
         self.kernels(item, frames);
         let Item { name, arguments, result, .. } = item;
@@ -295,25 +299,25 @@ impl Printer {
         }
     }
 
-    /// Parameters for arrays that are read, each with a comma after it.
+    /// Returns the parameters for arrays that are read, each followed by a comma.
     fn parameters(&self, arrays: &[Array]) -> String {
         let array = |array: &Array| format!("const {}, ", self.array(&array.name, array.len));
         arrays.iter().map(array).collect()
     }
 
-    /// The parameter for the result.
+    /// Returns the parameter for the result.
     fn output(&self, len: usize) -> String {
         self.array("out", len)
     }
 
     fn array(&self, name: &str, len: usize) -> String {
-        // An array of no numbers is no C.
+        // C has no arrays of length 0.
         let size = if len == 0 { String::new() } else { len.to_string() };
         format!("{} {name}[{size}]", self.real())
     }
 }
 
-/// All functions.
+/// Returns all functions.
 fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
     let arrays = |arguments: &[(&'static str, Shape)]| -> Vec<Array> {
         let array = |(name, shape): &(&'static str, Shape)| Array {
@@ -358,7 +362,7 @@ fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
     items
 }
 
-/// A number as a literal of the type.
+/// Returns a number as a literal of the type.
 #[allow(clippy::cast_possible_truncation)]
 fn literal(value: f64, float: FloatType) -> String {
     let (finite, sign) = match float {

@@ -1,4 +1,4 @@
-//! The functions that generated C needs besides arithmetic: the same operations as the runtime's, for one precision.
+//! The support functions of generated C besides arithmetic: the runtime's operations, for one precision.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,7 +7,7 @@ use modyn_runtime::{SIN_COS_F32, SIN_COS_F64, SinCosNumbers};
 use super::FloatType;
 use super::literal;
 
-/// A function, in the order in which C needs them to stand.
+/// A support function, in the order in which C must define them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Support {
     Bits,
@@ -30,7 +30,7 @@ impl Support {
         }
     }
 
-    fn needs(self) -> &'static [Self] {
+    fn dependencies(self) -> &'static [Self] {
         match self {
             Self::SinCos | Self::Logarithm => &[Self::Bits, Self::FromBits],
             Self::Atan2 => &[Self::Bits],
@@ -39,28 +39,28 @@ impl Support {
     }
 }
 
-/// The text of these functions and of those that they need. In it, words in capitals stand for what depends on the
-/// precision, and `R(..)` for literals.
+/// Returns the text of these functions and of those that they call. In the templates, words in capitals depend on the
+/// precision, and `R(..)` is a literal.
 pub(super) fn text(used: &BTreeSet<Support>, float: FloatType) -> String {
-    let needed = used.iter().flat_map(|support| support.needs());
+    let needed = used.iter().flat_map(|support| support.dependencies());
     let all: BTreeSet<Support> = needed.chain(used).copied().collect();
     if all.is_empty() {
         return String::new();
     }
-    let words = words(float);
+    let words = substitutions(float);
     let text: String = all.iter().map(|support| support.text()).collect();
     let bits = all.contains(&Support::Bits).then_some(
         "/* Numbers are as long as their bits. */\n\
          typedef char modyn_size_of_numbers[(sizeof(REAL) == sizeof(BITS)) ? 1 : -1];\n\n",
     );
     let text =
-        replaced(&[bits.unwrap_or_default(), &text].concat(), |word| words.get(word).cloned());
+        substitute(&[bits.unwrap_or_default(), &text].concat(), |word| words.get(word).cloned());
     literals(&text, float)
 }
 
-/// The words that depend on the precision. Those of the arctangent and the logarithm are the numbers of
+/// Returns the words that depend on the precision. Those of the arctangent and the logarithm are the numbers of
 /// `scalar/elementary.rs`.
-fn words(float: FloatType) -> BTreeMap<&'static str, String> {
+fn substitutions(float: FloatType) -> BTreeMap<&'static str, String> {
     let series = |count: u32, term: &dyn Fn(f64) -> (f64, f64)| {
         let term = |i: u32| {
             let (over, under) = term(f64::from(i));
@@ -158,8 +158,8 @@ fn sin_cos_words<const P: usize, const M: usize, const N: usize>(
     ]
 }
 
-/// The text with some of its words replaced.
-fn replaced(text: &str, with: impl Fn(&str) -> Option<String>) -> String {
+/// Returns the text with words replaced.
+fn substitute(text: &str, with: impl Fn(&str) -> Option<String>) -> String {
     let mut out = String::with_capacity(text.len() + text.len() / 4);
     let mut rest = text;
     let in_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -173,7 +173,7 @@ fn replaced(text: &str, with: impl Fn(&str) -> Option<String>) -> String {
     out + rest
 }
 
-/// The text with `R(number)` as literals.
+/// Returns the text with each `R(number)` replaced by a literal.
 fn literals(text: &str, float: FloatType) -> String {
     let mut parts = text.split("R(");
     let mut out: String = parts.next().unwrap_or_default().into();

@@ -1,7 +1,7 @@
-//! The functions for many states at a time: a kernel for the runtime's batches, and the doors to it.
+//! Functions of many states at a time: a kernel for the runtime's batches, and the public functions that run it.
 //!
-//! A kernel has a text of its own, all of which is inlined into the runtime's functions for each set of
-//! vector instructions; the functions for one state stay as they are.
+//! A kernel has a text of its own, which is inlined into the runtime's functions for each vector instruction set. The
+//! functions of one state are not affected.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use super::{Quantity, Robot};
 use crate::plan::Kernels;
 
 impl Robot<'_> {
-    /// All that belongs to the batches of a quantity.
+    /// Prints everything for the batches of a quantity.
     pub(super) fn batches(&self, text: &mut String, quantity: &Quantity<'_>) {
         let Kernels::One(program) = quantity.kernels else { return };
         let (name, parameters) = (name(quantity), quantity.all_parameters());
@@ -21,7 +21,7 @@ impl Robot<'_> {
         self.batch_functions(text, quantity);
     }
 
-    /// The type that loads states and calls the inlined function.
+    /// Prints the type that loads states and calls the inlined function.
     fn kernel(&self, text: &mut String, quantity: &Quantity<'_>) {
         let float = self.options.float.name();
         let runtime = quantity.runtime_parameter().map_or(0, |p| p.shape.len());
@@ -55,8 +55,8 @@ impl Robot<'_> {
         );
     }
 
-    /// The public functions: over slices for each coordinate, the same on all cores, over slices of
-    /// states; and all of them with parameters, if there are any.
+    /// Prints the public functions: over slices for each coordinate, the same on all cores, and over slices of states. If
+    /// the quantity depends on run-time parameters, each has a form with parameters.
     fn batch_functions(&self, text: &mut String, quantity: &Quantity<'_>) {
         let (robot, float) = (self.name, self.options.float.name());
         let name = name(quantity);
@@ -65,7 +65,7 @@ impl Robot<'_> {
         let all = || quantity.parameters.iter().chain(&outputs);
         let mut table: Vec<String> = all().map(|p| self.argument(p)).collect();
         if matches!(quantity.shape, Shape::Struct { .. }) {
-            // For slices of states it is one argument.
+            // In the form over slices of states, the result is one argument.
             table.push(self.argument(&Parameter::new(result, quantity.shape.clone())));
         }
         let _ = writeln!(
@@ -124,7 +124,7 @@ impl Robot<'_> {
             let door = |suffix: &str, arguments: &[String], docs: &str, body: &str| {
                 format!(
                     "/// {summary}\n///\n/// {docs}\n///\n/// # Errors\n///\n\
-                     /// If they hold different numbers of states.\n\
+                     /// If the arguments hold different numbers of states.\n\
                      pub fn {name}_{suffix}{with}({first}{}) -> ::core::result::Result<(), __modyn::BatchError> {{\n{body}}}\n",
                     arguments.join(", ")
                 )
@@ -133,13 +133,13 @@ impl Robot<'_> {
             *text += &door(
                 "batch",
                 &by_columns,
-                "Of many states at a time: each slice holds one number of every state.",
+                "Computes many states: each slice holds one entry for each state. Results are written to the last arguments.",
                 &format!("{unpacked}    __modyn::batch::run({kernel}, [{inputs}], [{outputs}])\n"),
             );
             let parallel = door(
                 "batch_par",
                 &by_columns,
-                "Of many states at a time, on all cores: each slice holds one number of every state.",
+                "Computes many states on all cores: each slice holds one entry for each state. Results are written to the\n/// last arguments.",
                 &format!(
                     "{unpacked}    __modyn::batch::run_parallel({kernel}, [{inputs}], [{outputs}])\n"
                 ),
@@ -148,7 +148,7 @@ impl Robot<'_> {
             *text += &door(
                 "each",
                 &by_states,
-                "Of each state in a slice, many at a time.",
+                "Computes many states: each element of a slice is a state. Results are written to the last argument.",
                 &format!(
                     "    __modyn::batch::run_each({kernel}, [{}], {result}, {parts})\n",
                     flat.join(", ")
@@ -158,11 +158,11 @@ impl Robot<'_> {
         text.push_str("}\n\n");
     }
 
-    /// A row of the table by which errors name arguments.
+    /// Returns a row of the table that errors name arguments by.
     fn argument(&self, Parameter { name, shape, .. }: &Parameter) -> String {
         let coordinates = match shape {
             Shape::Array(..) if *name == "q" => "&Self::COORDINATE_NAMES".into(),
-            // They belong to pivots and what is behind them.
+            // They belong to pivot blocks and couplings, which have no names.
             Shape::Array(_, n) if *name == "factors" => format!("&[\"\"; {n}]"),
             Shape::Array(..) => "&Self::VELOCITY_NAMES".into(),
             _ => "&[]".to_string(),
@@ -174,12 +174,12 @@ impl Robot<'_> {
     }
 }
 
-/// The name of the function for one state.
+/// Returns the name of the function of one state.
 fn name(quantity: &Quantity<'_>) -> &'static str {
     quantity.function.batched().unwrap_or(quantity.function).name()
 }
 
-/// What the results are called.
+/// Returns the name of the result.
 fn result_name(name: &'static str) -> &'static str {
     match name {
         "forward_dynamics" => "qdd",
@@ -189,7 +189,7 @@ fn result_name(name: &'static str) -> &'static str {
     }
 }
 
-/// The slices for the results: one argument for each field if there are several.
+/// Returns the parameters for the results: one for each field of a record.
 fn outputs(quantity: &Quantity<'_>) -> Vec<Parameter> {
     match &quantity.shape {
         Shape::Struct { fields, .. } => {
@@ -207,17 +207,17 @@ fn table_name(quantity: &Quantity<'_>) -> String {
     format!("{}_ARGUMENTS", name(quantity).to_uppercase())
 }
 
-/// How many numbers a state has.
+/// Returns the number of entries of a state.
 fn count(parameters: &[Parameter]) -> usize {
     parameters.iter().map(|p| p.shape.len()).sum()
 }
 
-/// Names of a parameter's slices.
+/// Returns the names of a parameter's slices.
 fn numbered(parameter: &Parameter) -> Vec<String> {
     (0..parameter.shape.len()).map(|i| format!("{}{i}", parameter.name)).collect()
 }
 
-/// All numbers of `value`, a place or a reference, as a mutable slice.
+/// Returns all entries of `value`, a place or a reference, as a mutable slice.
 fn slice_of(value: &str, shape: &Shape) -> String {
     match shape {
         Shape::Array(of, _) => {
@@ -227,7 +227,7 @@ fn slice_of(value: &str, shape: &Shape) -> String {
     }
 }
 
-/// How many arrays stand one in another.
+/// Returns the nesting depth of arrays.
 fn depth(shape: &Shape) -> usize {
     match shape {
         Shape::Array(of, _) => 1 + depth(of),

@@ -1,4 +1,4 @@
-//! Rust functions that C can call: plain pointers to arrays whose sizes their types state.
+//! Rust functions that C can call: with pointers to arrays whose sizes are in their types.
 
 use std::fmt::Write as _;
 
@@ -7,16 +7,16 @@ use super::{Quantity, Robot};
 use crate::plan::{Function, Kernels};
 
 impl Robot<'_> {
-    /// `extern "C"` functions named `prefix_function`, for all functions that C has.
+    /// Prints `extern "C"` functions named `prefix_function`, for all functions that C can call.
     pub(super) fn c_functions(&self, text: &mut String, prefix: &str, quantities: &[Quantity<'_>]) {
         let upper = prefix.to_uppercase();
         let (nq, nv, name) = (self.model.nq(), self.model.nv(), self.name);
         let links = self.model.frames().len();
         let _ = writeln!(
             text,
-            "\n/// Length of the coordinate vector.\npub const {upper}_NQ: usize = {nq};\n\
-             /// Length of the velocity vector.\npub const {upper}_NV: usize = {nv};\n\
-             /// Number of links.\npub const {upper}_LINKS: usize = {links};\n\
+            "\n/// The length of the coordinate vector.\npub const {upper}_NQ: usize = {nq};\n\
+             /// The length of the velocity vector.\npub const {upper}_NV: usize = {nv};\n\
+             /// The number of links.\npub const {upper}_LINKS: usize = {links};\n\
              const _: () = assert!({upper}_NQ == {name}::NQ && {upper}_NV == {name}::NV);"
         );
         for quantity in quantities.iter().filter(|quantity| in_c(quantity)) {
@@ -56,7 +56,7 @@ impl Robot<'_> {
         if by_link {
             parameters.push("link: usize".into());
             arguments.push("link".into());
-            notes += "///\n/// `link` counts in the description's order; false (and nothing is written) if there is none.\n";
+            notes += "///\n/// `link` is an index in the description's order. Returns false, and writes nothing, if there is no such link.\n";
         }
         let returned = match (scalar, by_link) {
             (true, _) => format!(" -> {float}"),
@@ -65,7 +65,7 @@ impl Robot<'_> {
         };
         if !scalar {
             parameters.push(format!("out: &mut [{float}; {}]", quantity.shape.len()));
-            notes += &format!("///\n/// To `out`: {}.\n", quantity.shape.c_layout());
+            notes += &format!("///\n/// The layout of `out`: {}.\n", quantity.shape.c_layout());
         }
         let docs: String = quantity.docs.lines().map(|line| format!("/// {line}\n")).collect();
         let _ = writeln!(
@@ -103,13 +103,13 @@ impl Robot<'_> {
     }
 }
 
-/// Whether C has the function: the results of others are Rust's own.
+/// Returns whether C can call the function. The results of the others are Rust types.
 pub(super) fn in_c(quantity: &Quantity<'_>) -> bool {
     !matches!(quantity.function, Function::Brge | Function::Random)
 }
 
 impl Quantity<'_> {
-    /// Whether a structure is among its parameters or results.
+    /// Returns whether a parameter or the result is a spatial structure.
     fn uses_spatial(&self) -> bool {
         let shapes = self.parameters.iter().map(|p| &p.shape).chain([&self.shape]);
         shapes.into_iter().any(|shape| shape.type_of("").contains("__modyn"))
@@ -122,12 +122,12 @@ impl Shape {
         self.len() == 0
     }
 
-    /// Whether it is an array of scalars.
+    /// Returns whether the shape is an array of scalars.
     fn is_vector(&self) -> bool {
         matches!(self, Self::Array(of, _) if matches!(**of, Self::Scalar))
     }
 
-    /// In which order its scalars stand, one behind the other.
+    /// Returns the order of the scalars in words.
     pub(super) fn c_layout(&self) -> String {
         match self {
             Self::Scalar => "a number".into(),

@@ -1,4 +1,4 @@
-//! What a generated type says about its robot.
+//! The constants of a generated type.
 
 use std::fmt::Write as _;
 
@@ -12,11 +12,12 @@ use super::Robot;
 use crate::plan::Function;
 
 impl Robot<'_> {
-    /// The type's constants.
+    /// Prints the type's constants.
     pub(super) fn constants(&self, text: &mut String, operations: &[(&str, OperationCount)]) {
         let (name, model) = (self.name, self.model);
         let (nq, nv, float) = (model.nq(), model.nv(), self.options.float.name());
-        let (joints, links) = (self.joint_names(), self.link_names());
+        let (joints, link_names) = (self.joint_names(), self.link_names());
+        let (links, link_parents) = (link_names.len(), self.link_parents());
         let quaternions: Vec<(&str, usize)> = model.quaternions().collect();
         let parameters: Vec<f64> = (0..model.links().len())
             .filter_map(|link| model.inertial_parameters(link))
@@ -27,30 +28,32 @@ impl Robot<'_> {
             "impl {name} {{\n\
              /// The robot's name in its description.\n\
              pub const NAME: &'static str = {:?};\n\
-             /// Length of the coordinate vector.\n\
+             /// nq, the length of the coordinate vector `q`.\n\
              pub const NQ: usize = {nq};\n\
-             /// Length of the velocity vector: degrees of freedom.\n\
+             /// nv, the length of the velocity vector `qd`: the number of degrees of freedom.\n\
              pub const NV: usize = {nv};\n\
-             /// The moving joints, depth first; those that mimic another too.\n\
+             /// The names of the moving joints, depth first, including mimic joints.\n\
              pub const JOINT_NAMES: [&'static str; {}] = {joints:?};\n\
-             /// All links of the description, in its order.\n\
-             pub const LINK_NAMES: [&'static str; {}] = {links:?};\n\
-             /// What each entry of `q` is called: by its joint, and its part of it if there are several.\n\
+             /// The names of all links of the description, in its order.\n\
+             pub const LINK_NAMES: [&'static str; {links}] = {link_names:?};\n\
+             /// For each link of `LINK_NAMES`, the index there of its parent: for a moving link, the moving link that its\n\
+             /// joint is on; for a link that is fixed to a moving link, that link. `None` is the world.\n\
+             pub const LINK_PARENTS: [::core::option::Option<usize>; {links}] = [{link_parents}];\n\
+             /// The name of each entry of `q`: the joint's name, and the component for joints with several coordinates.\n\
              pub const COORDINATE_NAMES: [&'static str; {nq}] = {:?};\n\
-             /// What each entry of `qd` is called.\n\
+             /// The name of each entry of `qd`.\n\
              pub const VELOCITY_NAMES: [&'static str; {nv}] = {:?};\n\
-             /// The quaternions in `q`, which must have length 1: the name of the joint of each, and the entry of `q` that it\n\
-             /// begins at.\n\
+             /// The quaternions in `q`, which must have length 1: each joint's name, and the index in `q` of the quaternion's\n\
+             /// x.\n\
              pub const QUATERNIONS: [(&'static str, usize); {}] = {quaternions:?};\n\
-             /// Coordinates with every joint at zero, and quaternions of no rotation.\n\
+             /// The neutral coordinates: zero for every joint, the identity for quaternions.\n\
              pub const NEUTRAL: [{float}; {nq}] = {:?};\n\
-             /// The inertial parameters of the moving links, ten each, as `regressor` has them.\n\
+             /// The inertial parameters of the moving links, ten for each link, as in `regressor`.\n\
              pub const PARAMETERS: [f64; {}] = {parameters:?};\n\
              /// The acceleration of free fall in world axes, m/s^2.\n\
              pub const GRAVITY: [f64; 3] = {:?};",
             model.name(),
             joints.len(),
-            links.len(),
             model.coordinate_names(),
             model.velocity_names(),
             quaternions.len(),
@@ -86,7 +89,7 @@ impl Robot<'_> {
             let OperationCount { multiplications, additions, divisions, sin_cos, others } = count;
             let _ = writeln!(
                 text,
-                "/// What `{quantity}` takes (at most, if it depends on a link).\n\
+                "/// The operations of a call of `{quantity}`; for a function of one link, those of the most expensive link.\n\
                  pub const {}_OPERATIONS: __modyn::OperationCount = __modyn::OperationCount {{ multiplications: {multiplications}, \
                  additions: {additions}, divisions: {divisions}, sin_cos: {sin_cos}, others: {others} }};",
                 quantity.to_uppercase()
@@ -95,23 +98,37 @@ impl Robot<'_> {
         text.push_str("}\n\n");
     }
 
-    /// What can be identified; found by numbers, so only for robots that have the regressor.
+    /// Prints the base parameters, for robots that have the regressor: finding them takes a while.
     fn base_parameters(&self, text: &mut String) {
         let base = BaseParameters::new(self.model);
         let names: Vec<&str> = base.parameters.iter().map(BaseParameter::name).collect();
         let _ = writeln!(
             text,
-            "/// The fewest combinations of `PARAMETERS` that determine all joint torques (base parameters):\n\
-             /// tau is the sum of these times the regressor's `BASE_COLUMNS`.\n\
+            "/// The base parameters, a minimal set of combinations of `PARAMETERS` that determines all joint forces:\n\
+             /// tau is the sum of the base parameters times the columns `BASE_COLUMNS` of `regressor`.\n\
              pub const BASE_PARAMETERS: [f64; {n}] = {:?};\n\
              /// The columns of `regressor` that belong to `BASE_PARAMETERS`.\n\
              pub const BASE_COLUMNS: [usize; {n}] = {:?};\n\
-             /// What `BASE_PARAMETERS` are combined of.\n\
+             /// The combinations of `BASE_PARAMETERS`, as text.\n\
              pub const BASE_PARAMETER_NAMES: [&'static str; {n}] = {names:?};",
             base.values(self.model),
             base.regressor_columns(),
             n = names.len(),
         );
+    }
+
+    /// Returns the entries of `LINK_PARENTS`, as text.
+    fn link_parents(&self) -> String {
+        let (links, frames) = (self.model.links(), self.model.frames());
+        let parents = frames.iter().map(|frame| {
+            let carrier = frame.link.and_then(|link| match links[link].name == frame.name {
+                true => links[link].parent,
+                false => Some(link),
+            });
+            let parent = carrier.and_then(|link| self.model.frame_index(&links[link].name));
+            format!("::core::option::Option::{parent:?}")
+        });
+        parents.collect::<Vec<_>>().join(", ")
     }
 
     fn neutral(&self) -> Vec<f64> {
@@ -146,7 +163,7 @@ impl Robot<'_> {
         text.push_str("];\n");
     }
 
-    /// Limits and drives, by coordinate or velocity.
+    /// Prints limits, armature, damping and friction, by coordinate or velocity.
     fn limits(&self, text: &mut String) {
         let own = || self.model.links().iter().filter(|link| link.joint.mimic.is_none());
         let list = |length: fn(&Link) -> usize, figure: &dyn Fn(&Link) -> f64| {
@@ -167,15 +184,14 @@ impl Robot<'_> {
         let nv = |link: &Link| link.joint.joint_type.nv();
         let _ = writeln!(
             text,
-            "/// The limits of the joints as the description states them, infinite where it does not.\n\
+            "/// The joint limits of the description; infinite without a limit.\n\
              pub const LIMITS: __modyn::JointLimits<'static> = __modyn::JointLimits {{\n\
              lower: &[{}],\nupper: &[{}],\nvelocity: &[{}],\neffort: &[{}],\n}};\n\
-             /// The rotors' inertia, kg m^2 or kg, at each degree of freedom; part of the dynamics.\n\
+             /// The armature (rotor inertia) at each degree of freedom, kg m^2 or kg; part of the dynamics.\n\
              pub const ARMATURE: [f64; {n}] = [{}];\n\
-             /// Viscous damping, N m s/rad or N s/m, as the description has it; acts if the option\n\
-             /// `friction` says so.\n\
+             /// The description's viscous damping, N m s/rad or N s/m. It acts if the option `friction` enables it.\n\
              pub const DAMPING: [f64; {n}] = [{}];\n\
-             /// Coulomb friction, N m or N, as the description has it; acts if the option `friction` says so.\n\
+             /// The description's Coulomb friction, N m or N. It acts if the option `friction` enables it.\n\
              pub const FRICTION: [f64; {n}] = [{}];",
             list(nq, &|link| limit(link, |l| l.lower).unwrap_or(f64::NEG_INFINITY)),
             list(nq, &|link| limit(link, |l| l.upper).unwrap_or(f64::INFINITY)),

@@ -1,4 +1,4 @@
-//! Functions that are printed twice, on scalars and on vectors; the scalar chooses.
+//! Functions that are printed twice, on scalars and on vectors; the scalar type chooses.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use crate::names::helper_type;
 use crate::program::Program;
 
 impl Robot<'_> {
-    /// A private function that leaves the choice to its scalar: the program on `vectors`, or the program on `scalars`.
+    /// Prints a private function that lets its scalar type choose between the program on `vectors` and that on `scalars`.
     pub(super) fn dispatched(
         &self,
         text: &mut String,
@@ -17,11 +17,11 @@ impl Robot<'_> {
         (scalars, vectors): (&Program, &Program),
     ) {
         let (name, shape) = (quantity.function.name(), &quantity.shape);
-        let (alone, abreast) = (format!("{name}_alone"), format!("{name}_abreast"));
-        *text += &function(&alone, parameters, shape, scalars, self.options.float);
-        *text += &function(&abreast, parameters, shape, vectors, self.options.float);
+        let (scalar, vectorized) = (format!("{name}_scalar"), format!("{name}_vectorized"));
+        *text += &function(&scalar, parameters, shape, scalars, self.options.float);
+        *text += &function(&vectorized, parameters, shape, vectors, self.options.float);
         let types = vector_types(vectors);
-        let kind = format!("{}Abreast", helper_type(name));
+        let kind = format!("{}SimdTask", helper_type(name));
         let fields: Vec<String> =
             parameters.iter().map(|p| p.typed("T").replace('&', "&'a ")).collect();
         let typed: Vec<String> = parameters.iter().map(|p| p.typed("T")).collect();
@@ -34,16 +34,16 @@ impl Robot<'_> {
         let _ = writeln!(
             text,
             "struct {kind}<'a, T> {{ {} }}\n\
-             impl<T: __modyn::Scalar> __modyn::batch::Abreast<T> for {kind}<'_, T> {{\n\
+             impl<T: __modyn::Scalar> __modyn::batch::SimdTask<T> for {kind}<'_, T> {{\n\
              type Output = {returned};\n\
-             const SIDE_BY_SIDE: bool = {};\n\
+             const HAS_PACKS: bool = {};\n\
              #[inline(always)]\n\
-             fn vectors<V: __modyn::batch::Vectors<Number = T>>(self) -> {returned} {{\n    \
+             fn vectorized<V: __modyn::batch::SimdBackend<Number = T>>(self) -> {returned} {{\n    \
              let Self {{ {names} }} = self;\n{}    \
-             {abreast}::<{}V>({})\n}}\n\
-             #[inline]\nfn scalar(self) -> {returned} {{\n    {alone}({})\n}}\n}}\n\
+             {vectorized}::<{}V>({})\n}}\n\
+             #[inline]\nfn scalar(self) -> {returned} {{\n    {scalar}({})\n}}\n}}\n\
              fn {name}<T: __modyn::Scalar>({}) -> {returned} {{\n    \
-             T::abreast({kind} {{ {names} }})\n}}\n",
+             T::run_simd({kind} {{ {names} }})\n}}\n",
             fields.join(", "),
             types > 1,
             unpacked.concat(),
@@ -55,7 +55,7 @@ impl Robot<'_> {
     }
 }
 
-/// A parameter as numbers to compute with.
+/// Returns a parameter converted to vector lanes of one.
 fn ones(parameter: &Parameter) -> String {
     let shape = &parameter.shape;
     let one = |i| format!("V::one({})", parameter.entry(i));

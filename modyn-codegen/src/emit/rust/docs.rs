@@ -1,104 +1,260 @@
-//! The documentation of a generated type.
+//! The documentation of a generated type: a usage example, the options, and tables of joints, loops, modules and
+//! operations.
 
 use std::fmt::Write as _;
+use std::ops::Range;
 
 use modyn_runtime::OperationCount;
+use modyn_runtime::model::Model;
 
 use super::Robot;
 use crate::diagnostics::sanitize_for_display;
 use crate::diagnostics::{Diagnostic, Diagnostics};
+use crate::names;
+use crate::plan::Function;
 
-/// `name` as code in a doc comment, whatever stands in it.
+/// Returns `name`, with any characters, as code in a doc comment.
 pub(super) fn code(name: &str) -> String {
     // A backtick would end the code, a bar a table's cell.
     format!("`{}`", sanitize_for_display(name).replace(['`', '|'], "\u{fffd}"))
 }
 
-/// The doc comment of the robot's type.
+/// Prints the doc comment of the robot's type.
 pub(super) fn robot(text: &mut String, robot: &Robot<'_>, operations: &[(&str, OperationCount)]) {
     let model = robot.model;
     let mut lines = format!(
-        "Dynamics of the robot {}: {} joints that move, {} degrees of freedom, compiled by modyn.\n\n\
-         Vectors stand in the order of the joints below, without those that mimic another; matrices are\n\
-         arrays of columns. SI units, radians; gravity {:?} m/s^2 in world axes.{}\n\n\
-         | | joint | type | link | parent link |\n|---|---|---|---|---|\n",
+        "Dynamics of the robot {}, compiled by modyn: {} moving joints, {} degrees of freedom.\n\n",
         code(model.name()),
         model.links().len(),
         model.nv(),
-        model.gravity(),
-        match model.quaternions().next() {
-            None => "",
-            Some(_) =>
-                " Quaternions in `q` must have length 1:\n\
-                 with other lengths results are wrong; `check_configuration` tells, `normalize` repairs it.",
-        },
     );
-    for (i, link) in model.links().iter().enumerate() {
-        let parent =
-            link.parent.map_or_else(|| "the base".into(), |p| code(&model.links()[p].name));
-        let (joint, kind) = (code(&link.joint.name), link.joint.joint_type.name());
-        let _ = writeln!(lines, "| {i} | {joint} | {kind} | {} | {parent} |", code(&link.name));
-    }
-    if !model.loop_constraints().is_empty() {
+    example(&mut lines, robot);
+    lines.push_str(
+        "Joint vectors have the order of the joints below; mimic joints have no entries of their own. Matrices are\n\
+         arrays of columns. Units are SI units and radians.\n",
+    );
+    if model.quaternions().next().is_some() {
         lines.push_str(
-            "\nLoops, which `constrained_forward_dynamics` closes; all other functions are of the tree:\n\n\
-             | | loop joint | type | first link | second link |\n|---|---|---|---|---|\n",
+            "Quaternions in `q` must have length 1: `check_configuration` checks them, and `normalize` scales them.\n",
         );
-        for (i, constraint) in model.loop_constraints().iter().enumerate() {
-            let [first, second] =
-                constraint.ends.each_ref().map(|end| code(&model.frames()[end.frame].name));
-            let (name, kind) = (code(&constraint.name), constraint.kind.name());
-            let _ = writeln!(lines, "| {i} | {name} | {kind} | {first} | {second} |");
-        }
     }
-    if !model.contacts().is_empty() {
-        lines.push_str(
-            "\nContacts, which `constrained_forward_dynamics` holds where they are active:\n\n\
-             | | contact | type | link |\n|---|---|---|---|\n",
-        );
-        for (i, contact) in model.contacts().iter().enumerate() {
-            let link = code(&model.frames()[contact.end.frame].name);
-            let (name, kind) = (code(&contact.name), contact.kind.name());
-            let _ = writeln!(lines, "| {i} | {name} | {kind} | {link} |");
-        }
-    }
-    lines.push_str("\nKinematic modules:\n\n");
+    joints(&mut lines, model);
+    loops(&mut lines, model);
+    contacts(&mut lines, model);
+    options(&mut lines, robot);
+    lines.push_str("\n# Kinematic modules\n\n");
     for (m, module) in robot.modules.modules().iter().enumerate() {
         let links: Vec<String> =
             model.links()[module.links.clone()].iter().map(|link| code(&link.name)).collect();
         let parent = module.parent.map_or_else(|| "the base".into(), |p| format!("module {p}"));
         let _ = writeln!(lines, "- module {m} on {parent}: {}", links.join(", "));
     }
-    lines.push_str("\nOperations:\n\n");
+    lines.push_str("\n# Operations of one call\n\n");
     for (name, count) in operations {
         let _ = writeln!(lines, "- `{name}`: {count}");
     }
-    let costs: Vec<String> = robot
-        .plan
-        .candidates
-        .iter()
-        .map(|(name, total)| format!("{name} it takes {total}"))
-        .collect();
+    let costs: Vec<String> =
+        robot.plan.candidates.iter().map(|(name, total)| format!("{name}: {total}")).collect();
     let _ = writeln!(
         lines,
-        "\nForward dynamics is eliminated by {} modules; with {} operations.",
+        "\nForward dynamics is computed with {} modules. Operations of the partitions that were considered: {}.",
         robot.plan.eliminated.modules().len(),
-        costs.join(", with ")
+        costs.join("; ")
     );
-    if !robot.options.warnings.is_empty() {
-        lines.push_str("\nWarnings about the description:\n\n```text\n");
-        let warnings = &robot.options.warnings;
-        for warning in warnings.iter().take(Diagnostics::SHOWN) {
-            // Where the file stands is no matter of the text, which is the same on every host.
-            let warning = Diagnostic { file: None, ..warning.clone() };
-            let _ = writeln!(lines, "{warning}");
-        }
-        if let Some(more) = Diagnostics::more(warnings.len()) {
-            let _ = writeln!(lines, "{more}");
-        }
-        lines.push_str("```\n");
-    }
+    warnings(&mut lines, &robot.options.warnings);
     for line in lines.lines() {
         let _ = writeln!(text, "{}", format!("/// {line}").trim_end());
     }
+}
+
+/// The functions of the usage example, each with the name of its result. The first of each group that the robot has
+/// is shown.
+const EXAMPLES: [&[(Function, &str)]; 2] = [
+    &[
+        (Function::ForwardDynamics, "qdd"),
+        (Function::InverseDynamics, "tau"),
+        (Function::BiasForces, "tau"),
+        (Function::GravityTorques, "tau"),
+        (Function::MassMatrix, "columns"),
+    ],
+    &[
+        (Function::LinkPose, "pose"),
+        (Function::Jacobian, "columns"),
+        (Function::LinkVelocity, "twist"),
+    ],
+];
+
+/// Prints a usage example, if the robot has one of the functions of [`EXAMPLES`].
+fn example(lines: &mut String, robot: &Robot<'_>) {
+    let has = |function: Function| robot.plan.functions.iter().any(|p| p.function == function);
+    let shown: Vec<(Function, &str)> = EXAMPLES
+        .iter()
+        .filter_map(|group| group.iter().copied().find(|(function, _)| has(*function)))
+        .collect();
+    if shown.is_empty() {
+        return;
+    }
+    let name = robot.name;
+    let used = |argument: &str| {
+        shown.iter().any(|(f, _)| f.row().arguments.iter().any(|a| a.name == argument))
+    };
+    // The robot's crate knows no path to this type, so the example is not run.
+    lines.push_str("```ignore\n");
+    for argument in ["q", "qd", "qdd", "tau"].into_iter().filter(|argument| used(argument)) {
+        let value = match argument {
+            "q" => format!("{name}::NEUTRAL"),
+            _ => format!("[0.0; {name}::NV]"),
+        };
+        let _ = writeln!(lines, "let {argument} = {value};");
+    }
+    for (function, result) in shown {
+        let mut arguments: Vec<String> =
+            function.row().arguments.iter().map(|argument| format!("&{}", argument.name)).collect();
+        if function.row().is_by_link() {
+            let variants = names::variants(&robot.link_names());
+            let tip = robot.model.links().last().and_then(|l| robot.model.frame_index(&l.name));
+            let link = tip.map_or("", |tip| variants[tip].as_str());
+            arguments.push(format!("{name}Link::{link}"));
+        }
+        let _ = writeln!(
+            lines,
+            "let {result} = {name}::{}({});",
+            function.name(),
+            arguments.join(", ")
+        );
+    }
+    lines.push_str("```\n\n");
+}
+
+/// Prints the table of joints.
+fn joints(lines: &mut String, model: &Model) {
+    lines.push_str(
+        "\n# Joints\n\n\
+         | | joint | type | `q` | `qd` | link | parent link |\n|---|---|---|---|---|---|---|\n",
+    );
+    for (i, link) in model.links().iter().enumerate() {
+        let parent =
+            link.parent.map_or_else(|| "the base".into(), |p| code(&model.links()[p].name));
+        let kind = link.joint.joint_type.name();
+        let kind = match &link.joint.mimic {
+            None => kind.to_string(),
+            Some(mimic) => {
+                let leader = code(&model.links()[mimic.leader].joint.name);
+                format!("{kind}, mimics {leader}: {:?} q + {:?}", mimic.multiplier, mimic.offset)
+            }
+        };
+        let _ = writeln!(
+            lines,
+            "| {i} | {} | {kind} | {} | {} | {} | {parent} |",
+            code(&link.joint.name),
+            entries(&model.q_range(i)),
+            entries(&model.v_range(i)),
+            code(&link.name)
+        );
+    }
+}
+
+/// Returns a range of entries as text: `3`, or `3..7`.
+fn entries(range: &Range<usize>) -> String {
+    match range.len() {
+        1 => range.start.to_string(),
+        _ => format!("{range:?}"),
+    }
+}
+
+/// Prints the table of loop constraints, if there are any.
+fn loops(lines: &mut String, model: &Model) {
+    if model.loop_constraints().is_empty() {
+        return;
+    }
+    lines.push_str(
+        "\n# Closed loops\n\n\
+         `constrained_forward_dynamics`, `project_constraints` and `constraint_residual` use these loop joints. All\n\
+         other functions ignore them.\n\n\
+         | | loop joint | type | first link | second link |\n|---|---|---|---|---|\n",
+    );
+    for (i, constraint) in model.loop_constraints().iter().enumerate() {
+        let [first, second] =
+            constraint.ends.each_ref().map(|end| code(&model.frames()[end.frame].name));
+        let (name, kind) = (code(&constraint.name), constraint.kind.name());
+        let _ = writeln!(lines, "| {i} | {name} | {kind} | {first} | {second} |");
+    }
+}
+
+/// Prints the table of contacts.
+fn contacts(lines: &mut String, model: &Model) {
+    if model.contacts().is_empty() {
+        return;
+    }
+    lines.push_str(
+        "\n# Contacts\n\n`constrained_forward_dynamics` holds those that are active.\n\n\
+         | | contact | type | link |\n|---|---|---|---|\n",
+    );
+    for (i, contact) in model.contacts().iter().enumerate() {
+        let link = code(&model.frames()[contact.end.frame].name);
+        let (name, kind) = (code(&contact.name), contact.kind.name());
+        let _ = writeln!(lines, "| {i} | {name} | {kind} | {link} |");
+    }
+}
+
+/// Prints the options that the type was compiled with.
+fn options(lines: &mut String, robot: &Robot<'_>) {
+    let (model, options) = (robot.model, robot.options);
+    let is = |functions: &[Function]| {
+        functions.len() == options.functions.len()
+            && functions.iter().all(|function| options.functions.contains(function))
+    };
+    let functions = if is(Function::DEFAULT) {
+        "default".into()
+    } else if is(Function::ALL) {
+        "all".into()
+    } else {
+        let names: Vec<&str> = options.functions.iter().map(|function| function.name()).collect();
+        format!("[{}]", names.join(", "))
+    };
+    let friction = format!("{:?}", model.friction()).to_lowercase();
+    let gravity = match options.runtime_gravity {
+        true => format!("runtime`, by default `{:?}", model.gravity()),
+        false => format!("{:?}", model.gravity()),
+    };
+    let _ = writeln!(
+        lines,
+        "\n# Options\n\n- `scalar = {}`\n- `functions = {functions}`\n- `gravity = {gravity}` (m/s^2, world axes)\n\
+         - `friction = {friction}`",
+        options.float.name()
+    );
+    for (option, links) in
+        [("runtime_inertia", &options.runtime_inertia), ("payload", &options.payload)]
+    {
+        let names: Vec<String> = links.iter().map(|&i| code(&model.frames()[i].name)).collect();
+        if !names.is_empty() {
+            let _ = writeln!(lines, "- `{option}`: {}", names.join(", "));
+        }
+    }
+    if options.share {
+        lines.push_str("- `share = true`\n");
+    }
+    if options.self_contained {
+        lines.push_str("- `self_contained`\n");
+    }
+    if let Some(prefix) = &options.c_prefix {
+        let _ = writeln!(lines, "- functions for C: `{prefix}_...`");
+    }
+}
+
+/// Prints the warnings about the description, if there are any.
+fn warnings(lines: &mut String, warnings: &[Diagnostic]) {
+    if warnings.is_empty() {
+        return;
+    }
+    lines.push_str("\n# Warnings about the description\n\n```text\n");
+    for warning in warnings.iter().take(Diagnostics::SHOWN) {
+        // The text must not depend on the folder of the file.
+        let warning = Diagnostic { file: None, ..warning.clone() };
+        let _ = writeln!(lines, "{warning}");
+    }
+    if let Some(more) = Diagnostics::count_hidden(warnings.len()) {
+        let _ = writeln!(lines, "{more}");
+    }
+    lines.push_str("```\n");
 }

@@ -1,55 +1,55 @@
-//! The part of the runtime that a self-contained file carries with it.
+//! The parts of the runtime that a self-contained file carries.
 
 use std::fmt::Write as _;
 
 use modyn_runtime::sources::{SOURCES, Source};
 
-/// What it is called in the file.
+/// The name of the module in the file.
 pub(super) const MODULE: &str = "runtime";
 
-/// Stands for `scalar/native` of the runtime, which has `libm` and features.
+/// The replacement of `scalar/native` of the runtime, which uses `libm` and features.
 const NATIVE: &str = "\
-//! What only some processors have instructions for.
+//! Operations with instructions on some processors only.
 
 pub(super) use super::root::{sqrt_f32, sqrt_f64};
 
-/// a * b + c, rounded twice: the same on every processor.
+/// Returns a * b + c, rounded twice: the same on every processor.
 #[inline]
 pub(super) fn mul_add_f64(a: f64, b: f64, c: f64) -> f64 {
     a * b + c
 }
 
-/// a * b + c, rounded twice: the same on every processor.
+/// Returns a * b + c, rounded twice: the same on every processor.
 #[inline]
 pub(super) fn mul_add_f32(a: f32, b: f32, c: f32) -> f32 {
     a * b + c
 }
 
-/// Equal limbs, one after the other.
+/// Runs work on packed limbs one limb after the other.
 #[inline]
-pub(super) fn abreast_f64<W: super::abreast::Abreast<f64>>(work: W) -> W::Output {
+pub(super) fn run_simd_f64<W: super::simd::SimdTask<f64>>(work: W) -> W::Output {
     work.scalar()
 }
 
-/// Equal limbs, one after the other.
+/// Runs work on packed limbs one limb after the other.
 #[inline]
-pub(super) fn abreast_f32<W: super::abreast::Abreast<f32>>(work: W) -> W::Output {
+pub(super) fn run_simd_f32<W: super::simd::SimdTask<f32>>(work: W) -> W::Output {
     work.scalar()
 }
 ";
 
-/// The items' text with `core` found through the module: in edition 2015 `::core` is no path to it.
+/// Returns the items with `core` found through the module, since `::core` is no path to it in edition 2015.
 pub(super) fn in_any_edition(items: &str) -> String {
     let core = format!("self::{MODULE}::__core::");
     let lines = items.lines().map(|line| match line.trim_start().starts_with("//") {
         true => line.to_owned(),
-        false => outside_of_strings(line, |code| code.replace("::core::", &core)),
+        false => map_outside_strings(line, |code| code.replace("::core::", &core)),
     });
     lines.flat_map(|line| [line, "\n".into()]).collect()
 }
 
-/// A line of Rust with what is no string changed. Strings must end in the line they begin in.
-fn outside_of_strings(line: &str, change: impl Fn(&str) -> String) -> String {
+/// Returns a line of Rust with `change` applied outside of strings. Strings must end on the line they start on.
+fn map_outside_strings(line: &str, change: impl Fn(&str) -> String) -> String {
     let (mut changed, mut rest) = (String::with_capacity(line.len()), line);
     while let Some(start) = rest.find('"') {
         let mut escaped = false;
@@ -66,10 +66,10 @@ fn outside_of_strings(line: &str, change: impl Fn(&str) -> String) -> String {
     changed + &change(rest)
 }
 
-/// The module: what `items` mention of the runtime, and what that needs.
+/// Returns the module with the parts of the runtime that `items` use, and their dependencies.
 pub(super) fn module(items: &str) -> String {
     let mut text = format!(
-        "\n/// The part of modyn's runtime that stands behind the text above, on `core` alone.\n\
+        "\n/// The part of modyn's runtime that the text above uses; it needs `core` only.\n\
          #[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, unused_extern_crates)]\n\
          pub mod {MODULE} {{\n    #[doc(hidden)]\n    pub extern crate core as __core;\n\n"
     );
@@ -79,26 +79,26 @@ pub(super) fn module(items: &str) -> String {
     let jacobi = parameters || items.contains("__modyn::jacobi::");
     let mut exports = vec!["pub use self::results::*;", "pub use self::scalar::Scalar;"];
     for module in ["configuration", "results"] {
-        module_of(&mut text, &[module]);
+        write_module(&mut text, &[module]);
     }
     exports.push("pub use self::configuration::ConfigurationError;");
     if parameters {
-        module_of(&mut text, &["inertial"]);
-        module_of(&mut text, &["parameters"]);
+        write_module(&mut text, &["inertial"]);
+        write_module(&mut text, &["parameters"]);
         exports.push("pub use self::inertial::{Inertial, InertialDefect};");
         exports.push("pub use self::parameters::ParameterError;");
     }
     if settings {
-        module_of(&mut text, &["constraint_settings"]);
+        write_module(&mut text, &["constraint_settings"]);
         exports.push(
             "pub use self::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};",
         );
     }
     if jacobi {
-        module_of(&mut text, &["jacobi"]);
+        write_module(&mut text, &["jacobi"]);
     }
-    let scalar = ["abreast", "elementary", "float", "native", "real", "root", "trig"];
-    folder_of(
+    let scalar = ["elementary", "float", "native", "real", "root", "simd", "trig"];
+    write_folder(
         &mut text,
         "scalar",
         &scalar,
@@ -107,7 +107,7 @@ pub(super) fn module(items: &str) -> String {
     if spatial {
         let exported = "pub use self::{\n        pose::Pose,\n        vector::Vector3,\n        \
                         wrench::{Momentum, Twist, Wrench},\n    };";
-        folder_of(&mut text, "spatial", &["pose", "vector", "wrench"], exported);
+        write_folder(&mut text, "spatial", &["pose", "vector", "wrench"], exported);
     }
     for export in exports {
         let _ = writeln!(text, "    {export}");
@@ -115,16 +115,16 @@ pub(super) fn module(items: &str) -> String {
     text + "}\n"
 }
 
-fn folder_of(text: &mut String, folder: &str, files: &[&str], exported: &str) {
+fn write_folder(text: &mut String, folder: &str, files: &[&str], exported: &str) {
     let _ = writeln!(text, "    pub mod {folder} {{\n        //! See `modyn::{folder}`.");
     for file in files {
-        module_of(text, &[folder, file]);
+        write_module(text, &[folder, file]);
     }
     let _ = writeln!(text, "    {exported}\n    }}\n");
 }
 
-/// One file of the runtime as a module.
-fn module_of(text: &mut String, path: &[&str]) {
+/// Prints one file of the runtime as a module.
+fn write_module(text: &mut String, path: &[&str]) {
     let source = match path {
         ["scalar", "native"] => NATIVE,
         _ => SOURCES
@@ -132,7 +132,7 @@ fn module_of(text: &mut String, path: &[&str]) {
             .find(|Source { path: at, .. }| *at == path.join("/"))
             .map_or("", |s| s.text),
     };
-    // What tests and documents it does not stand alone, nor does what features add.
+    // Tests, examples and items for features are left out.
     let source = source.split("\n#[cfg(test)]\n").next().unwrap_or_default();
     let root = vec!["super"; path.len()].join("::");
     let (indent, inner) = ("    ".repeat(path.len()), "    ".repeat(path.len() + 1));

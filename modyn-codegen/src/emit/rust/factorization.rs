@@ -8,25 +8,25 @@ use super::{Robot, docs};
 use crate::plan::FactorFunction;
 
 impl Robot<'_> {
-    /// The functions of the factorization.
+    /// Prints the functions of the factorization.
     pub(super) fn factorization(&self, text: &mut String) {
         let (name, layout, float) = (self.name, &self.plan.layout, self.options.float);
         let n = self.model.nv();
         let vector = Shape::vector(n).type_of("T");
         let matrix = Shape::vector(n).array(n).type_of("T");
         let shape = |planned: &crate::plan::Shape| Shape::new(planned, name);
-        // Of the factors alone; `solve` takes a right-hand side, too.
+        // The functions of the factors only; `solve` has a right-hand side, too.
         let (of_factors, solve): (Vec<_>, Vec<_>) =
             self.plan.factorization.iter().partition(|function| function.arguments.len() == 1);
         let _ = writeln!(
             text,
-            "impl<T: __modyn::Scalar> {name}Brge<T> {{\n\
-             /// How many numbers it holds.\n\
+            "impl<T: __modyn::Scalar> {name}UduFactorization<T> {{\n\
+             /// The number of stored entries.\n\
              pub const FACTORS: usize = {size};\n\
-             /// From the numbers that [`factors`](Self::factors) gives.\n\
+             /// Returns the factorization with these stored entries, as [`factors`](Self::factors) returns them.\n\
              #[must_use]\n\
              pub const fn from_factors(factors: [T; {size}]) -> Self {{\n    Self {{ factors }}\n}}\n\
-             /// What U and D are made of without their zeros, in an order of its own.\n\
+             /// Returns the stored entries: U and D without their zeros, in an internal order.\n\
              #[must_use]\n\
              pub const fn factors(&self) -> &[T; {size}] {{\n    &self.factors\n}}",
             size = layout.size()
@@ -41,14 +41,14 @@ impl Robot<'_> {
         }
         let _ = writeln!(
             text,
-            "/// The x with I x = `rhs`, by the three steps of (60).\n\
+            "/// Returns the solution x of I x = `rhs`, by the three steps of (60).\n\
              #[must_use]\n\
              pub fn solve(&self, rhs: &{vector}) -> {vector} {{\n    solve(&self.factors, rhs)\n}}"
         );
         let mut condition_numbers = Vec::new();
         for (m, block) in layout.blocks().iter().enumerate() {
             let size = block.dofs.len();
-            // Only the entries up to the block's last are named; the rest is one pattern.
+            // Only the entries up to the block's last one are named; the rest is one pattern.
             let entries: Vec<String> = (0..layout.d(m).end)
                 .map(|i| if layout.d(m).contains(&i) { format!("d{i}") } else { "_".into() })
                 .collect();
@@ -61,7 +61,7 @@ impl Robot<'_> {
                 .collect();
             let _ = writeln!(
                 text,
-                "/// The pivot block of module {m} (joints {}), (46), an array of columns.\n\
+                "/// Returns the pivot block of module {m} (joints {}), (46), an array of columns.\n\
                  #[must_use]\n\
                  pub fn pivot_block_{m}(&self) -> [[T; {size}]; {size}] {{\n    \
                  let [{shown}..] = self.factors;\n    [{}]\n}}",
@@ -69,7 +69,7 @@ impl Robot<'_> {
                 block_rows.join(", ")
             );
             condition_numbers.push(if size == 0 {
-                // All its joints mimic others.
+                // All joints of the module are mimic joints.
                 "T::one()".into()
             } else {
                 format!(
@@ -85,11 +85,11 @@ impl Robot<'_> {
             .collect();
         let _ = writeln!(
             text,
-            "/// The condition number (2-norm) of each module's pivot block, by a fixed number of Jacobi sweeps;\n\
-             /// infinite where it is beyond what the scalar can tell.\n\
+            "/// Returns the condition number (2-norm) of each module's pivot block, by a fixed number of Jacobi sweeps;\n\
+             /// infinite where it exceeds the scalar's precision.\n\
              #[must_use]\n\
              pub fn condition_numbers(&self) -> [T; {}] {{\n    [{}]\n}}\n\
-             /// That of module `module`'s pivot block; `None` if there is no such module.\n\
+             /// Returns the condition number of module `module`'s pivot block; `None` if there is no such module.\n\
              #[must_use]\n\
              pub fn condition_number(&self, module: usize) -> ::core::option::Option<T> {{\n    \
              match module {{\n{}_ => ::core::option::Option::None,\n    }}\n}}\n}}\n",
@@ -100,7 +100,7 @@ impl Robot<'_> {
         if !self.options.self_contained {
             let _ = writeln!(
                 text,
-                "impl<T: __modyn::Scalar> __modyn::Factorization<T> for {name}Brge<T> {{\n\
+                "impl<T: __modyn::Scalar> __modyn::Factorization<T> for {name}UduFactorization<T> {{\n\
              type V = {vector};\n\
              type M = {matrix};"
             );

@@ -1,4 +1,4 @@
-//! The functions of links: of single ones, and of those that share a function and a table of their placements.
+//! The functions of links: of single links, and of links that share a function and a table of placements.
 
 use std::fmt::Write as _;
 
@@ -8,14 +8,14 @@ use super::{FloatType, Quantity, Robot};
 use crate::plan::{Frames, LinkCode};
 use crate::program::Program;
 
-/// The table of placements, in the generated text.
+/// The name of the table of placements in the generated text.
 const TABLE: &str = "__PLACEMENTS";
 
-/// The parameter for a row of the table.
+/// The name of the parameter for a row of the table.
 const PARAMETER: &str = "placement";
 
 impl Robot<'_> {
-    /// The functions of single links and those that links share.
+    /// Prints the functions of single links and the functions that links share.
     pub(super) fn link_functions(
         &self,
         text: &mut String,
@@ -24,8 +24,8 @@ impl Robot<'_> {
     ) {
         let (frames, float) = (&self.plan.frames, self.options.float);
         let (name, mut parameters) = (quantity.function.name(), quantity.all_parameters());
-        let (own, shared) = programs.split_at(frames.own().count());
-        for (link, program) in frames.own().zip(own) {
+        let (own, shared) = programs.split_at(frames.links_with_own_program().count());
+        for (link, program) in frames.links_with_own_program().zip(own) {
             let name = format!("{name}_{link}");
             *text += &function(&name, &parameters, &quantity.shape, program, float);
         }
@@ -36,7 +36,7 @@ impl Robot<'_> {
         }
     }
 
-    /// The call of the function that has the code for `link`.
+    /// Returns the call of the function that has the code for `link`.
     pub(super) fn link_call(&self, name: &str, link: usize, arguments: &str) -> String {
         match self.plan.frames.codes()[link] {
             LinkCode::Own => format!("{name}_{link}({arguments})"),
@@ -46,7 +46,7 @@ impl Robot<'_> {
         }
     }
 
-    /// A function of the poses of all links, by those of `bodies` and one that has been `placed` on such.
+    /// Prints the function of the poses of all links, from the functions for `bodies` and for links `placed` on them.
     pub(super) fn poses_function(
         &self,
         text: &mut String,
@@ -60,7 +60,7 @@ impl Robot<'_> {
         let pose = Shape::new(&crate::plan::Shape::pose(), self.name);
         let of_placed = [Parameter::new("body", pose.clone()), placement(float)];
         *text += &function(&format!("{name}_placed"), &of_placed, &pose, placed, float);
-        let (own, mut next) = (frames.own().count(), 0);
+        let (own, mut next) = (frames.links_with_own_program().count(), 0);
         let poses = frames.codes().iter().map(|code| match code {
             LinkCode::Own => {
                 next += 1;
@@ -82,7 +82,7 @@ impl Robot<'_> {
         );
     }
 
-    /// The table of placements: of each link that shares a function, its pose on its body.
+    /// Prints the table of placements: the pose on its body of each link with a shared function.
     pub(super) fn placements(&self, text: &mut String) {
         let (frames, float) = (&self.plan.frames, self.options.float);
         let rows = frames.placements().map(|numbers| {

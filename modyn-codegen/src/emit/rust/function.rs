@@ -1,7 +1,7 @@
-//! A program as the text of straight-line Rust functions.
+//! Prints a program as straight-line Rust functions.
 //!
-//! Scopes become blocks, `let (live, ...) = { ... };`, and chunks functions (`name_part0` and so on) that return the
-//! values that others read; the last chunk has the function's own name.
+//! Scopes become blocks, `let (live, ...) = { ... };`. Chunks become functions (`name_chunk0` and so on) that return the
+//! values that later chunks read. The last chunk has the function's own name.
 
 use std::cell::{Cell, OnceCell};
 use std::collections::BTreeMap;
@@ -13,12 +13,12 @@ use crate::program::{
     Addend, Call, Chunk, MultiplyAdd, Operand, Operation, Program, Routine, Source, Target, Value,
 };
 
-/// A parameter, given by reference.
+/// A parameter, passed by reference.
 #[derive(Clone, Debug)]
 pub(super) struct Parameter {
     pub name: &'static str,
     pub shape: Shape,
-    /// The type of its numbers, if they are constants.
+    /// The type of the numbers of a table of constants; `None` for other parameters.
     constants: Option<&'static str>,
     /// Whether it is which contacts are active: public functions have a type for that.
     pub(super) contacts: bool,
@@ -34,55 +34,56 @@ impl Parameter {
         Self { contacts, ..self }
     }
 
-    /// One of constants, in the type's own scalar.
+    /// Returns a parameter of constants, in the type's own scalar.
     pub(super) fn constants(name: &'static str, shape: Shape, float: &'static str) -> Self {
         Self { name, shape, constants: Some(float), contacts: false }
     }
 
-    /// The name of entry `i` in the function. No temporary is called so: their names are letters and digits at first
-    /// (`x1`, `s1_0`), those of parameters letters alone (but `k`, a function of constants).
+    /// Returns the name of entry `i` in the function. It differs from all temporaries: names of temporaries start with
+    /// letters and a digit (`x1`, `s1_0`), names of parameters have letters only (and are not `k`, a function of
+    /// constants).
     pub(super) fn entry(&self, i: usize) -> String {
         debug_assert!(self.name != "k" && !self.name.contains(|c: char| c.is_ascii_digit()));
         format!("{}_{i}", self.name)
     }
 
-    /// With its type over scalar `t`.
+    /// Returns the parameter with its type over scalar `t`.
     pub(super) fn typed(&self, t: &str) -> String {
         format!("{}: &{}", self.name, self.shape.type_of(self.constants.unwrap_or(t)))
     }
 }
 
-/// A type of vectors `V` for so many lanes.
+/// A vector type of `V` with this number of lanes.
 struct VectorType {
     lanes: u8,
-    /// As a parameter of functions: those are faster to compile with than projections.
+    /// The name as a type parameter of functions, which compiles faster than a projection.
     name: &'static str,
-    /// The associated type of `V`.
+    /// The name of the associated type of `V`.
     of: &'static str,
-    /// The trait that it implements.
+    /// The trait that the type implements.
     bound: &'static str,
 }
 
-/// The types of `V`.
+/// The vector types of `V`.
 const VECTORS: [VectorType; 4] = [
     VectorType { lanes: 1, name: "A", of: "One", bound: "Scalar" },
-    VectorType { lanes: 2, name: "B", of: "Two", bound: "batch::Beside<A, 2>" },
-    VectorType { lanes: 4, name: "C", of: "Four", bound: "batch::Beside<A, 4>" },
-    VectorType { lanes: 8, name: "D", of: "Eight", bound: "batch::Beside<A, 8>" },
+    VectorType { lanes: 2, name: "B", of: "Two", bound: "batch::Pack<A, 2>" },
+    VectorType { lanes: 4, name: "C", of: "Four", bound: "batch::Pack<A, 4>" },
+    VectorType { lanes: 8, name: "D", of: "Eight", bound: "batch::Pack<A, 8>" },
 ];
 
-/// The number of vector types that a function for [`Target::Simd`] has before `V` among its parameters.
+/// Returns the number of vector types among the type parameters of a function for [`Target::Simd`], before `V`.
 pub(super) fn vector_types(program: &Program) -> usize {
     program.widths().len()
 }
 
-/// The text of a private function `name` that computes `program`.
+/// Returns the text of a private function `name` that computes `program`.
 ///
 /// - [`Target::Scalar`]: generic over `T: Scalar`.
-/// - [`Target::Batch`]: over `T: Lanes`, always inlined into the code that is compiled for their instructions, with
-///   chunks that the lanes outline. It returns nothing, but stores each of the `result`'s numbers into `outputs` at
-///   once: handed on through the chunks, a matrix would be copied several times.
-/// - [`Target::Simd`]: over vectors `V`, inlined alike.
+/// - [`Target::Batch`]: over `T: Lanes`. The function is always inlined into code that is compiled for the vector
+///   instructions; chunks are outlined by the lanes. It returns nothing, and stores each entry of the `result` into
+///   `outputs` as soon as it is computed: returned through the chunks, a matrix would be copied several times.
+/// - [`Target::Simd`]: over vectors `V`, inlined in the same way.
 pub(super) fn function(
     name: &str,
     parameters: &[Parameter],
@@ -103,7 +104,7 @@ struct Printer<'a> {
     float: FloatType,
     /// The first statement of the chunk that is being printed.
     part: Cell<usize>,
-    /// Where values are found that an earlier chunk has computed.
+    /// The texts of the values that earlier chunks compute.
     places: OnceCell<BTreeMap<Value, String>>,
 }
 
@@ -117,16 +118,16 @@ impl Printer<'_> {
         for (k, chunk) in parts.iter().enumerate() {
             self.part.set(chunk.statements.start);
             if k + 1 == parts.len() {
-                self.last_part(&mut text, chunk, &parts[..k]);
+                self.entry_chunk(&mut text, chunk, &parts[..k]);
             } else {
-                self.part(&mut text, k, chunk);
+                self.chunk(&mut text, k, chunk);
             }
         }
         text
     }
 
-    /// The last chunk, which has the function's name, calls the others, and has the result.
-    fn last_part(&self, text: &mut String, chunk: &Chunk, others: &[Chunk]) {
+    /// Prints the last chunk, which has the function's name, calls the other chunks, and returns the result.
+    fn entry_chunk(&self, text: &mut String, chunk: &Chunk, others: &[Chunk]) {
         let target = self.program.target;
         let (bounds, returned) = match target {
             Target::Scalar => ("T: __modyn::Scalar".into(), self.result.type_of("T")),
@@ -134,7 +135,8 @@ impl Printer<'_> {
             Target::Simd => {
                 let of = self.vectors().map(|kind| format!("{} = {}", kind.of, kind.name));
                 let of = of.collect::<Vec<_>>().join(", ");
-                let bounds = format!("{}, V: __modyn::batch::Vectors<{of}>", self.vector_bounds());
+                let bounds =
+                    format!("{}, V: __modyn::batch::SimdBackend<{of}>", self.vector_bounds());
                 (bounds, self.result.type_of("V::Number"))
             }
         };
@@ -157,11 +159,11 @@ impl Printer<'_> {
         let _ = writeln!(text, "    {value}\n}}\n");
     }
 
-    /// Another chunk, which returns the values that others read.
-    fn part(&self, text: &mut String, k: usize, chunk: &Chunk) {
-        let name = format!("{}_part{k}", self.name);
+    /// Prints another chunk, which returns the values that later chunks read.
+    fn chunk(&self, text: &mut String, k: usize, chunk: &Chunk) {
+        let name = format!("{}_chunk{k}", self.name);
         let handed = chunk.live_in.iter().map(|&part| {
-            format!("part{part}: &{}", self.types(&self.program.chunks[part].live_out))
+            format!("chunk{part}: &{}", self.types(&self.program.chunks[part].live_out))
         });
         let inputs: Vec<String> = self.inputs().into_iter().chain(handed).collect();
         let returned = self.types(&chunk.live_out);
@@ -180,7 +182,7 @@ impl Printer<'_> {
         let _ = writeln!(text, "    {}\n{end}\n", self.list(&chunk.live_out));
     }
 
-    /// Where the text of a chunk begins that lanes outline: a type that holds the arguments, and its function.
+    /// Returns the start of a chunk that lanes outline: a type that holds the arguments, and its function.
     fn outlined_head(&self, name: &str, inputs: &[String], returned: &str) -> String {
         let in_field = |input: &String| input.replace('&', "&'a ").replace("'_", "'a");
         let mut fields: Vec<String> = inputs.iter().map(in_field).collect();
@@ -193,7 +195,7 @@ impl Printer<'_> {
         fields.push(format!("of: ::core::marker::PhantomData<({own},)>"));
         format!(
             "struct {kind}<'a, {bounds}> {{ {} }}\n\
-             impl<{bounds}> __modyn::batch::Part for {kind}<'_, {own}> {{\n\
+             impl<{bounds}> __modyn::batch::Chunk for {kind}<'_, {own}> {{\n\
              type Output = {returned};\n\
              #[inline(always)]\nfn run(self) -> {returned} {{\n    let Self {{ {}, .. }} = self;\n",
             fields.join(", "),
@@ -201,7 +203,7 @@ impl Printer<'_> {
         )
     }
 
-    /// The parameters with their types.
+    /// Returns the parameters with their types.
     fn inputs(&self) -> Vec<String> {
         let scalar = self.kind(1);
         let mut inputs: Vec<String> = self.parameters.iter().map(|p| p.typed(scalar)).collect();
@@ -212,7 +214,7 @@ impl Printer<'_> {
         inputs
     }
 
-    /// The beginning of a function's body: how constants are made, and the names of the arguments.
+    /// Prints the start of a function's body: the functions of constants, and the names of the arguments.
     fn prelude(&self, text: &mut String) {
         for VectorType { lanes, name, .. } in self.vectors() {
             let (lanes, kind) = match (self.program.target, *lanes) {
@@ -227,7 +229,7 @@ impl Printer<'_> {
         }
     }
 
-    /// The calls of the earlier chunks, in the last one.
+    /// Prints the calls of the earlier chunks, in the last chunk.
     fn call_parts(&self, text: &mut String, parts: &[Chunk]) {
         for (k, chunk) in parts.iter().enumerate() {
             let mut arguments: Vec<String> =
@@ -237,11 +239,11 @@ impl Printer<'_> {
             }
             let scalar = self.program.target == Target::Scalar;
             let name = |part: &usize| match scalar {
-                true => format!("&part{part}"),
-                false => format!("part{part}: &part{part}"),
+                true => format!("&chunk{part}"),
+                false => format!("chunk{part}: &chunk{part}"),
             };
             arguments.extend(chunk.live_in.iter().map(name));
-            let (name, arguments) = (format!("{}_part{k}", self.name), arguments.join(", "));
+            let (name, arguments) = (format!("{}_chunk{k}", self.name), arguments.join(", "));
             let (by, own) = match self.program.target {
                 Target::Simd => ("V", self.vector_names()),
                 Target::Scalar | Target::Batch => ("T", "T".into()),
@@ -252,11 +254,11 @@ impl Printer<'_> {
                 let part = format!("{}::<'_, {own}>", helper_type(&name));
                 format!("{by}::outlined({part} {{ {arguments}, of: ::core::marker::PhantomData }})")
             };
-            let _ = writeln!(text, "    let part{k} = {call};");
+            let _ = writeln!(text, "    let chunk{k} = {call};");
         }
     }
 
-    /// The statements of a chunk, in blocks if there are several scopes.
+    /// Prints the statements of a chunk, in blocks if there are several scopes.
     fn scopes(&self, text: &mut String, chunk: &Chunk) {
         let statements = |text: &mut String, scope: &crate::program::Scope, indent: &str| {
             for s in scope.statements.clone() {
@@ -276,7 +278,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Stores results.
+    /// Returns the statements that store results.
     fn stores(&self, results: &[usize]) -> String {
         let stored = |&i: &usize| {
             format!("outputs.set::<{i}>({});\n", self.operand(&self.program.results[i]))
@@ -286,7 +288,7 @@ impl Printer<'_> {
 
     fn statement(&self, text: &mut String, s: usize, indent: &str) {
         let statement = &self.program.statements[s];
-        // Where several results are bound, `_` stands for those that nothing reads.
+        // Where several results are bound, `_` replaces those that are not read.
         let names: Vec<String> = statement
             .used
             .iter()
@@ -315,7 +317,7 @@ impl Printer<'_> {
         let _ = writeln!(text, "{indent}let {pattern} = {value};");
     }
 
-    /// The text of an operation on so many lanes.
+    /// Returns the text of an operation on this number of lanes.
     fn operation(&self, operation: &Operation, lanes: u8) -> String {
         let (t, kind) = (|operand| self.operand(operand), self.kind(lanes));
         let call = |function: &str, operands: &[Operand]| {
@@ -348,12 +350,12 @@ impl Printer<'_> {
             Operation::Absolute(a) => call("abs", &[*a]),
             Operation::Maximum(a, b) => call("max", &[*a, *b]),
             Operation::Select(a, b, c) => call("select_nonnegative", &[*a, *b, *c]),
-            Operation::Pack(lanes) => format!("{kind}::beside([{}])", self.all(lanes)),
+            Operation::Pack(lanes) => format!("{kind}::pack([{}])", self.all(lanes)),
             Operation::Constants(lanes) => {
                 let lanes: Vec<String> = lanes.iter().map(|&lane| number(lane)).collect();
                 format!("{kind}::constants([{}])", lanes.join(", "))
             }
-            Operation::Unpack(a) => format!("{}::apart({})", self.kind(a.lanes), t(a)),
+            Operation::Unpack(a) => format!("{}::unpack({})", self.kind(a.lanes), t(a)),
             Operation::Call(Call { routine, repetition, own, common }) => {
                 let name = self.routine_name(*routine);
                 let tables = &self.program.routines[*routine].tables;
@@ -367,7 +369,7 @@ impl Printer<'_> {
         }
     }
 
-    /// A routine's function, and its tables of constants.
+    /// Prints a routine's function and its tables of constants.
     fn routine(&self, text: &mut String, number: usize, routine: &Routine) {
         let (name, float) = (self.routine_name(number), self.float.name());
         let constants = routine.tables[0].len();
@@ -393,15 +395,15 @@ impl Printer<'_> {
     }
 
     fn routine_name(&self, number: usize) -> String {
-        format!("{}_piece{number}", self.name)
+        format!("{}_routine{number}", self.name)
     }
 
-    /// The texts of operands in a row.
+    /// Returns the texts of operands, separated by commas.
     fn all(&self, operands: &[Operand]) -> String {
         operands.iter().map(|operand| self.operand(operand)).collect::<Vec<_>>().join(", ")
     }
 
-    /// The text of an operand.
+    /// Returns the text of an operand.
     fn operand(&self, operand: &Operand) -> String {
         let text = match operand.source {
             Source::Constant(value) => constant(value, operand.lanes),
@@ -416,11 +418,11 @@ impl Printer<'_> {
         if constant || self.program.lanes_of(operand.source) == operand.lanes {
             format!("{sign}{text}")
         } else {
-            format!("{}::all({sign}{text})", self.kind(operand.lanes))
+            format!("{}::broadcast({sign}{text})", self.kind(operand.lanes))
         }
     }
 
-    /// The text of a scalar argument.
+    /// Returns the text of a scalar argument.
     fn argument(&self, number: usize) -> String {
         let mut rest = number;
         for parameter in self.parameters {
@@ -434,7 +436,7 @@ impl Printer<'_> {
         unreachable!("a program's arguments are the function's parameters")
     }
 
-    /// The name of a value.
+    /// Returns the name of a value.
     fn name(&self, Value { statement: s, place }: Value) -> String {
         match &self.program.statements[s].operation {
             Operation::SinCos(angles) => {
@@ -449,18 +451,18 @@ impl Printer<'_> {
         }
     }
 
-    /// Where values are found that an earlier chunk has computed.
+    /// Returns the texts of the values that earlier chunks compute.
     fn places(&self) -> &BTreeMap<Value, String> {
         self.places.get_or_init(|| {
             let mut places = BTreeMap::new();
             for (k, chunk) in self.program.chunks.iter().enumerate() {
-                for (group, values) in self.grouped(&chunk.live_out).iter().enumerate() {
+                for (group, values) in self.by_width(&chunk.live_out).iter().enumerate() {
                     for (i, &value) in values.iter().enumerate() {
                         let group = match self.program.target {
                             Target::Simd => format!(".{group}"),
                             Target::Scalar | Target::Batch => String::new(),
                         };
-                        places.insert(value, format!("part{k}{group}[{i}]"));
+                        places.insert(value, format!("chunk{k}{group}[{i}]"));
                     }
                 }
             }
@@ -468,8 +470,8 @@ impl Printer<'_> {
         })
     }
 
-    /// Values by their lanes, as in [`VECTORS`].
-    fn grouped(&self, values: &[Value]) -> [Vec<Value>; VECTORS.len()] {
+    /// Returns values grouped by their lanes, as in [`VECTORS`].
+    fn by_width(&self, values: &[Value]) -> [Vec<Value>; VECTORS.len()] {
         VECTORS.each_ref().map(|kind| {
             let of_kind =
                 |value: &&Value| self.program.statements[value.statement].lanes == kind.lanes;
@@ -477,9 +479,9 @@ impl Printer<'_> {
         })
     }
 
-    /// Values that a chunk hands on, as an expression.
+    /// Returns the values that a chunk returns, as an expression.
     fn list(&self, values: &[Value]) -> String {
-        let lists = self.grouped(values).map(|values| {
+        let lists = self.by_width(values).map(|values| {
             let names: Vec<String> = values.iter().map(|&value| self.name(value)).collect();
             format!("[{}]", names.join(", "))
         });
@@ -489,21 +491,21 @@ impl Printer<'_> {
         }
     }
 
-    /// Their type.
+    /// Returns the type of the values that a chunk returns.
     fn types(&self, values: &[Value]) -> String {
         if self.program.target != Target::Simd {
             return format!("[T; {}]", values.len());
         }
-        let groups = self.grouped(values);
+        let groups = self.by_width(values);
         let types = VECTORS.iter().zip(&groups).map(|(kind, values)| {
-            // No values are of a type that is not mentioned.
+            // An empty array has no values of a type that the function does not mention.
             let kind = if values.is_empty() { "A" } else { kind.name };
             format!("[{kind}; {}]", values.len())
         });
         format!("({})", types.collect::<Vec<_>>().join(", "))
     }
 
-    /// The type of so many lanes.
+    /// Returns the type for this number of lanes.
     fn kind(&self, lanes: u8) -> &'static str {
         let vector = VECTORS.iter().find(|kind| kind.lanes == lanes);
         match (self.program.target, vector) {
@@ -512,61 +514,61 @@ impl Printer<'_> {
         }
     }
 
-    /// The types of `V` that are mentioned: scalars, and vectors.
+    /// Returns the vector types that the function mentions, scalars included.
     fn vectors(&self) -> impl Iterator<Item = &'static VectorType> {
         let widths = self.program.widths();
         VECTORS.iter().filter(move |kind| widths.contains(&kind.lanes))
     }
 
-    /// Their parameters, with bounds.
+    /// Returns the type parameters of these types, with bounds.
     fn vector_bounds(&self) -> String {
         let bounded = self.vectors().map(|kind| format!("{}: __modyn::{}", kind.name, kind.bound));
         bounded.collect::<Vec<_>>().join(", ")
     }
 
-    /// Their names.
+    /// Returns the names of these types.
     fn vector_names(&self) -> String {
         self.vectors().map(|kind| kind.name).collect::<Vec<_>>().join(", ")
     }
 }
 
-/// The name of the constants of one repetition.
+/// Returns the name of the constants of one repetition.
 fn table_name(routine: &str, repetition: usize) -> String {
     format!("{}_TABLE_{repetition}", routine.to_uppercase())
 }
 
-/// Where the text of a function begins.
+/// Returns the start of a function's text.
 fn head(name: &str, bound: &str, inputs: &[String], returned: &str) -> String {
     format!("fn {name}<{bound}>({}) -> {returned} {{\n", inputs.join(", "))
 }
 
-/// A constant as an expression, the same in so many lanes.
+/// Returns a constant as an expression, the same in all lanes.
 fn constant(value: f64, lanes: u8) -> String {
     let k = if lanes == 1 { "k".to_string() } else { format!("k{lanes}") };
     format!("{k}({})", number(value))
 }
 
-/// A constant in double precision.
+/// Returns a constant in double precision.
 fn number(value: f64) -> String {
-    // Numbers of descriptions are below 1e60 (`urdf::build::LARGEST`), but folding multiplies them, along a chain
-    // without end: what overflows is written as the infinity that it would be at run time.
+    // Numbers of descriptions are below 1e60 (`read/xml/numbers.rs`), but folding multiplies them along a chain of any
+    // length. An overflow is printed as the infinity that it would be at run time.
     literal(value, FloatType::F64)
 }
 
-/// A constant as a literal of its type.
+/// Returns a constant as a literal of its type.
 #[allow(clippy::cast_possible_truncation)]
 pub(super) fn literal(value: f64, float: FloatType) -> String {
     let single = value as f32;
     match float {
         FloatType::F64 if value.is_finite() => format!("{value:?}"),
         FloatType::F64 => format!("f64::from_bits({})", value.to_bits()),
-        // A literal that is beyond the type would not compile.
+        // A literal that exceeds the type's range would not compile.
         FloatType::F32 if single.is_finite() => format!("{single:?}"),
         FloatType::F32 => format!("f32::from_bits({})", single.to_bits()),
     }
 }
 
-/// Names for a parameter's entries.
+/// Returns the statement that names a parameter's entries.
 pub(super) fn unpacked(parameter: &Parameter) -> String {
     let Parameter { name, shape, .. } = parameter;
     let names: Vec<String> = (0..shape.len()).map(|i| parameter.entry(i)).collect();

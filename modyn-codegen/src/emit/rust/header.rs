@@ -1,4 +1,4 @@
-//! The header of the functions for C: C99 and C++, without a diagnostic under `-pedantic`.
+//! The header of the functions for C, valid in C99 and C++, without warnings under `-pedantic`.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use crate::names;
 use crate::plan::Kernels;
 
 impl Robot<'_> {
-    /// The header of `prefix_function` for each of the `quantities` that C has.
+    /// Returns the header with `prefix_function` for each of the `quantities` that C can call.
     pub(super) fn c_header(&self, prefix: &str, quantities: &[Quantity<'_>]) -> String {
         let upper = prefix.to_uppercase();
         let (number, size) = match self.options.float {
@@ -29,9 +29,9 @@ impl Robot<'_> {
         }
         let _ = writeln!(
             text,
-            "/* Length of the coordinate vector. */\n#define {upper}_NQ {}\n\
-             /* Length of the velocity vector. */\n#define {upper}_NV {}\n\
-             /* Number of links. */\n#define {upper}_LINKS {}\n\n\
+            "/* The length of the coordinate vector. */\n#define {upper}_NQ {}\n\
+             /* The length of the velocity vector. */\n#define {upper}_NV {}\n\
+             /* The number of links. */\n#define {upper}_LINKS {}\n\n\
              /* An array of at least n numbers, or a pointer to its first one. Compilers warn of shorter arrays. */\n\
              #if defined(__STDC_VERSION__) && !defined(_MSC_VER)\n\
              #define {upper}_AT_LEAST(n) static n\n#else\n#define {upper}_AT_LEAST(n)\n#endif\n\n\
@@ -68,7 +68,7 @@ impl Robot<'_> {
     }
 }
 
-/// What a function is declared as.
+/// Prints the declaration of a function.
 fn declaration(
     text: &mut String,
     quantity: &Quantity<'_>,
@@ -93,12 +93,12 @@ fn declaration(
     let mut docs: Vec<String> = quantity.docs.lines().map(str::to_owned).collect();
     if by_link {
         docs.push(format!(
-            "`link` is one of `enum {prefix}_link`; false (and nothing is written) if there is none."
+            "`link` is one of `enum {prefix}_link`; returns false, and writes nothing, if there is no such link."
         ));
     }
     if returned != number {
         parameters.push(array("out", &quantity.shape));
-        docs.push(format!("To `out`: {}.", quantity.shape.c_layout()));
+        docs.push(format!("The layout of `out`: {}.", quantity.shape.c_layout()));
     }
     let _ = writeln!(
         text,
@@ -108,9 +108,9 @@ fn declaration(
     );
 }
 
-/// A name in a comment, whatever it holds.
+/// Returns a name, with any characters, in a form that is safe in a comment.
 fn comment(name: &str) -> String {
-    // Neither the end of a comment nor the beginning of another one, which compilers warn of; no trigraph.
+    // No end of a comment, no start of another one (compilers warn of it), and no trigraph.
     format!(
         "`{}`",
         sanitize_for_display(name).replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?")

@@ -1,6 +1,6 @@
 //! Indentation by the depth of brackets.
 
-/// `text` with every line where its brackets put it. Strings must end in the line they begin in.
+/// Returns `text` indented by its brackets. Strings must end on the line they start on.
 pub(super) fn indented(text: &str) -> String {
     let mut depth = 0_usize;
     let mut out = String::with_capacity(text.len() * 5 / 4);
@@ -16,8 +16,8 @@ pub(super) fn indented(text: &str) -> String {
     out
 }
 
-/// How many brackets a line closes before it says anything else, and how many more it opens than
-/// it closes.
+/// Returns the number of brackets that a line closes at its start, and the number of brackets that it opens minus
+/// those that it closes.
 fn brackets(line: &str) -> (usize, isize) {
     if line.starts_with("//") {
         return (0, 0);

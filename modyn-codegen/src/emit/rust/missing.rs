@@ -1,4 +1,4 @@
-//! The functions that a robot does not have: a call of one is an error that names the option `functions`.
+//! Functions that a robot does not have: calling one is a compile error that names the option `functions`.
 
 use std::fmt::Write as _;
 
@@ -6,8 +6,8 @@ use super::Robot;
 use crate::plan::Function;
 
 impl Robot<'_> {
-    /// Which functions the robot has, for `modyn::functions`, and for each other function one of that name
-    /// whose bound does not hold.
+    /// Prints the traits of `modyn::functions` that the robot implements; and for each function that the robot does not
+    /// have, a function of its name whose bound does not hold.
     pub(super) fn availability(&self, text: &mut String, generated: &[Function]) {
         let name = self.name;
         for function in generated {
@@ -28,8 +28,8 @@ impl Robot<'_> {
     }
 }
 
-/// A function that cannot be called. The bound has a lifetime of its own: without one, rustc would refuse
-/// the function and not its call.
+/// Prints a function that cannot be called. Its bound has a lifetime parameter: otherwise rustc would reject the
+/// function instead of its calls.
 fn missing(text: &mut String, function: Function, called: &str, arguments: usize) {
     let arguments = vec!["_: impl ::core::marker::Sized"; arguments].join(", ");
     let _ = writeln!(

@@ -1,9 +1,9 @@
-//! Rust: the type of a robot, its functions, and all that belongs to it.
+//! Rust: the type of a robot, its functions and its other items.
 //!
-//! Public items are documented; private functions are generic over the scalar, the type's own
-//! functions concrete, so that inference stays plain and the robot's crate holds compiled code.
-//! The text uses `core` and the crate `modyn` only. It is the same for the same input, in every
-//! process: nothing in here depends on an address or on a hash map's order.
+//! Public items are documented. Private functions are generic over the scalar. The type's own functions are concrete:
+//! type inference stays simple, and the code is compiled in the robot's crate. The text uses `core` and the crate
+//! `modyn` only. The same input gives the same text in every process: nothing depends on an address or on the order of a
+//! hash map.
 
 mod batch;
 mod c_functions;
@@ -34,7 +34,7 @@ use crate::program::Program;
 use function::{Parameter, function};
 use shape::Shape;
 
-/// The items of a robot, and the header of its functions for C if there are some.
+/// Returns the items of a robot, and the header of its functions for C if the options request them.
 #[must_use]
 pub(super) fn print(
     (model, modules): (&Model, &ModuleTree),
@@ -62,8 +62,9 @@ pub(super) fn print(
          const _: () = {{\n\
          use {krate} as __modyn;\n"
     );
-    robot.constants(&mut text, &operations);
+    // Rustdoc shows methods before constants if they come first.
     robot.own_functions(&mut text, &quantities);
+    robot.constants(&mut text, &operations);
     if !options.self_contained {
         robot.robot_trait(&mut text, &quantities);
         let generated = plan.functions.iter().chain(&plan.batches).map(|p| p.function);
@@ -97,12 +98,12 @@ pub(super) fn print(
     (text, c_header)
 }
 
-/// A planned function with the types of Rust.
+/// A planned function with its Rust types.
 struct Quantity<'a> {
     function: Function,
     parameters: Vec<Parameter>,
     shape: Shape,
-    /// Whether run-time parameters can matter to it.
+    /// Whether the function depends on run-time parameters.
     dynamic: bool,
     /// The number of run-time parameters.
     runtime: usize,
@@ -128,18 +129,18 @@ impl<'a> Quantity<'a> {
         }
     }
 
-    /// The parameter of a private function for the parameters that are known at run time only.
+    /// Returns the parameter of a private function for the run-time parameters.
     fn runtime_parameter(&self) -> Option<Parameter> {
         (self.runtime > 0).then(|| Parameter::new("params", Shape::vector(self.runtime)))
     }
 
-    /// The parameters of a private function.
+    /// Returns the parameters of a private function.
     fn all_parameters(&self) -> Vec<Parameter> {
         self.parameters.iter().cloned().chain(self.runtime_parameter()).collect()
     }
 }
 
-/// All that the parts of the text are printed from.
+/// The inputs of all parts of the text.
 struct Robot<'a> {
     model: &'a Model,
     modules: &'a ModuleTree,
@@ -149,7 +150,7 @@ struct Robot<'a> {
 }
 
 impl Robot<'_> {
-    /// Whether it has the factorization's type.
+    /// Returns whether the robot has a factorization type.
     fn factorizes(&self) -> bool {
         !self.plan.factorization.is_empty()
     }
@@ -166,7 +167,7 @@ impl Robot<'_> {
         names::variants(&self.link_names())
     }
 
-    /// The functions that compute, generic over the scalar.
+    /// Prints the private functions that compute, generic over the scalar.
     fn private_functions(&self, text: &mut String, quantity: &Quantity<'_>) {
         let (name, parameters) = (quantity.function.name(), quantity.all_parameters());
         let function = |name: &str, program: &Program| {
@@ -184,7 +185,7 @@ impl Robot<'_> {
         }
     }
 
-    /// The body of a public function: the call of the private one, or for each link one.
+    /// Returns the body of a public function: a call of the private function, or one for each link.
     fn call(&self, quantity: &Quantity<'_>, params: &str) -> String {
         let name = quantity.function.name();
         if quantity.function == Function::Random {
@@ -221,7 +222,7 @@ impl Robot<'_> {
         }
     }
 
-    /// The parameters of a public function over scalar `t`, behind `first`.
+    /// Returns the parameters of a public function over scalar `t`, after `first`.
     fn typed(&self, quantity: &Quantity<'_>, first: Option<String>, t: &str) -> String {
         if quantity.function == Function::Random {
             return format!("uniform: impl ::core::ops::FnMut() -> {t}");
@@ -235,7 +236,7 @@ impl Robot<'_> {
         first.into_iter().chain(own).chain(link).collect::<Vec<_>>().join(", ")
     }
 
-    /// The type's own functions.
+    /// Prints the type's own functions.
     fn own_functions(&self, text: &mut String, quantities: &[Quantity<'_>]) {
         let (name, float) = (self.name, self.options.float.name());
         let _ = writeln!(text, "impl {name} {{");
@@ -254,7 +255,7 @@ impl Robot<'_> {
                 let params = format!("params: &{name}Params");
                 let _ = writeln!(
                     text,
-                    "{docs}///\n/// With these parameters.\n#[must_use]\n\
+                    "{docs}///\n/// The robot has the run-time parameters `params`.\n#[must_use]\n\
                      pub fn {function}_with({}) -> {returned} {{\n    {}\n}}",
                     self.typed(quantity, Some(params), float),
                     self.call(quantity, "&params.numbers"),
@@ -264,8 +265,8 @@ impl Robot<'_> {
         let _ = writeln!(
             text,
             "/// Checks that the quaternions of spherical and floating joints in `q` have length 1, to half of the scalar's\n\
-             /// digits. Nothing else checks it, and accelerations are wrong where it does not hold.\n///\n\
-             /// # Errors\n///\n/// The first joint whose quaternion has another length.\n\
+             /// digits. No other function checks them, and accelerations are wrong with other lengths.\n///\n\
+             /// # Errors\n///\n/// Names the first joint whose quaternion does not have length 1.\n\
              pub fn check_configuration(q: &[{float}; {nq}]) -> \
              ::core::result::Result<(), __modyn::ConfigurationError<{float}>> {{\n    \
              __modyn::configuration::check(Self::QUATERNIONS.iter().copied(), q)\n}}",
@@ -274,7 +275,7 @@ impl Robot<'_> {
         text.push_str("}\n\n");
     }
 
-    /// `impl Robot`.
+    /// Prints the implementation of `Robot`.
     fn robot_trait(&self, text: &mut String, quantities: &[Quantity<'_>]) {
         let (name, nq, nv) = (self.name, self.model.nq(), self.model.nv());
         let (links, constraints) = (self.model.frames().len(), self.model.constraints());
@@ -288,7 +289,7 @@ impl Robot<'_> {
         let params =
             if self.plan.parameters.is_empty() { "()".into() } else { format!("{name}Params<T>") };
         let brge = if self.factorizes() {
-            format!("{name}Brge<T>")
+            format!("{name}UduFactorization<T>")
         } else {
             format!("__modyn::NotGenerated<[T; {nv}], [[T; {nv}]; {nv}]>")
         };
@@ -318,7 +319,7 @@ impl Robot<'_> {
              type PerConstraint<X: ::core::marker::Copy> = [X; {constraints}];\n\
              type PerConstraintRow<X: ::core::marker::Copy> = [X; {rows}];\n\
              type Regressor<T: __modyn::Scalar> = [[T; {nv}]; {columns}];\n\
-             type Brge<T: __modyn::Scalar> = {brge};\n\
+             type UduFactorization<T: __modyn::Scalar> = {brge};\n\
              fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| T::from_f64(::core::convert::Into::into(x)))\n}}",
             rows = self.model.constraint_rows(),
             columns = PARAMETERS_PER_LINK * self.model.links().len(),

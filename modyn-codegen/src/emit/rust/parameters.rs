@@ -1,4 +1,4 @@
-//! The type of the parts of a robot that are known at run time only.
+//! The type of a robot's run-time parameters.
 
 use std::fmt::Write as _;
 
@@ -6,18 +6,18 @@ use super::function::{Parameter, function};
 use super::{FloatType, Robot, Shape, docs};
 use crate::names;
 
-/// One inertia among the parameters.
+/// An inertia among the parameters.
 struct Field {
-    /// The name of the function that returns it.
+    /// The name of the method that returns it.
     name: String,
-    /// One sentence about it.
+    /// Its description in one sentence.
     docs: String,
-    /// Where its ten numbers begin.
+    /// The index of the first of its ten numbers.
     at: usize,
 }
 
 impl Robot<'_> {
-    /// The run-time inertias and the payloads.
+    /// Returns the run-time inertias and the payloads.
     fn inertia_fields(&self) -> Vec<Field> {
         let parameters = &self.plan.parameters;
         let links = self.link_names();
@@ -48,7 +48,7 @@ impl Robot<'_> {
         own.into_iter().chain(payloads).collect()
     }
 
-    /// The structure of the parameters, without its functions; nothing if there are none.
+    /// Prints the structure of the parameters, without its methods; nothing if there are no parameters.
     pub(super) fn parameters_type(&self, text: &mut String) {
         let count = self.plan.parameters.len();
         if count == 0 {
@@ -57,15 +57,15 @@ impl Robot<'_> {
         let (name, vis, float) = (self.name, &self.options.visibility, self.options.float.name());
         let _ = writeln!(
             text,
-            "/// The numbers of [`{name}`] that can be changed at run time; by default as in the description. Its\n\
-             /// functions change them, and check what they are given.\n\
+            "/// The run-time parameters of [`{name}`]; the defaults are those of the description. The methods set\n\
+             /// parameters, and check their arguments.\n\
              #[allow(dead_code)]\n\
              #[derive(Clone, Copy, Debug, PartialEq)]\n\
              {vis} struct {name}Params<T = {float}> {{\n    numbers: [T; {count}],\n}}\n"
         );
     }
 
-    /// Its functions.
+    /// Prints the methods of the parameters.
     pub(super) fn parameters(&self, text: &mut String) {
         let parameters = &self.plan.parameters;
         if parameters.is_empty() {
@@ -83,12 +83,13 @@ impl Robot<'_> {
         let _ = writeln!(
             text,
             "impl {name}Params<{float}> {{\n\
-             /// As in the description.\n\
+             /// The parameters of the description.\n\
              pub const DEFAULT: Self = Self {{ numbers: [{}] }};\n}}\n\
              impl<T: __modyn::Scalar> ::core::default::Default for {name}Params<T> {{\n\
              fn default() -> Self {{\n    Self {{ numbers: [{}] }}\n}}\n}}\n\
              impl<T> {name}Params<T> {{\n\
-             /// The same with each number through `f`, such as to another scalar; values that `f` changes are not checked.\n\
+             /// Returns the parameters with `f` applied to each number, for example to convert to another scalar. The\n\
+             /// results of `f` are not checked.\n\
              #[must_use]\n\
              pub fn map<U>(self, f: impl ::core::ops::FnMut(T) -> U) -> {name}Params<U> {{\n    \
              {name}Params {{ numbers: self.numbers.map(f) }}\n}}\n}}\n",
@@ -110,7 +111,7 @@ impl Robot<'_> {
         self.inertias(text);
     }
 
-    /// The functions of run-time inertias and payloads.
+    /// Prints the methods of run-time inertias and payloads.
     fn inertias(&self, text: &mut String) {
         let fields = self.inertia_fields();
         if fields.is_empty() {
@@ -146,7 +147,7 @@ impl Robot<'_> {
                  pub fn {name}(&self) -> __modyn::Inertial<T> {{\n    \
                  __modyn::parameters::inertial(&self.numbers, {at})\n}}\n\
                  /// Sets {docs}\n///\n/// # Errors\n///\n\
-                 /// If no rigid body has this inertia{refused}; nothing has changed then.\n\
+                 /// If no rigid body has this inertia{refused}. After an error nothing has changed.\n\
                  pub fn set_{name}(&mut self, inertial: __modyn::Inertial<T>) \
                  -> ::core::result::Result<(), __modyn::ParameterError<T>> {{\n    \
                  self.set({at}, &inertial)\n}}"
@@ -161,7 +162,7 @@ impl Robot<'_> {
         );
     }
 
-    /// The name of the joint that entry `v` of qd belongs to.
+    /// Returns the name of the joint that entry `v` of qd belongs to.
     fn joint_of(&self, v: usize) -> &str {
         let own = |i: &usize| self.model.mimic(*i).is_none() && self.model.v_range(*i).contains(&v);
         let link = (0..self.model.links().len()).find(own);

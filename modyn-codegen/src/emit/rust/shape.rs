@@ -1,17 +1,17 @@
-//! What functions take and return, as types, values and patterns over a list of scalars.
+//! The arguments and results of functions, as Rust types, values and patterns over a list of scalars.
 
-/// A type made of scalars.
+/// A Rust type composed of scalars.
 #[derive(Clone, Debug)]
 pub(super) enum Shape {
     Scalar,
-    /// That many of the same.
+    /// An array of equal elements.
     Array(Box<Shape>, usize),
     /// A structure of the runtime or of the text itself.
     Struct {
         path: String,
-        /// Its generic arguments, with `{t}` for the scalar.
+        /// The generic arguments, with `{t}` for the scalar.
         arguments: String,
-        /// By name; one without a name is a tuple's.
+        /// The fields with their names; a field of a tuple has none.
         fields: Vec<(&'static str, Shape)>,
     },
 }
@@ -25,7 +25,7 @@ impl Shape {
         Self::Scalar.array(n)
     }
 
-    /// The type of a planned shape, for the robot whose type has this name.
+    /// Returns the Rust type of a planned shape; `robot` is the name of the robot's type.
     pub(super) fn new(shape: &crate::plan::Shape, robot: &str) -> Self {
         use crate::plan::{Record, Shape as Planned};
         let (record, fields) = match shape {
@@ -42,9 +42,9 @@ impl Shape {
             Record::Contacts => {
                 return fields.into_iter().map(|(_, field)| field).next().unwrap_or(Self::Scalar);
             }
-            Record::Factorization => (format!("{robot}Brge"), "{t}".into()),
+            Record::Factorization => (format!("{robot}UduFactorization"), "{t}".into()),
             Record::Several(name) => {
-                // Generic over the types of its fields.
+                // The structure is generic over the types of its fields.
                 let mut types: Vec<String> = Vec::new();
                 for (_, field) in &fields {
                     let field = field.type_of("{t}");
@@ -58,7 +58,7 @@ impl Shape {
         Self::Struct { path, arguments, fields }
     }
 
-    /// How many scalars it holds.
+    /// Returns the number of scalars.
     pub(super) fn len(&self) -> usize {
         match self {
             Self::Scalar => 1,
@@ -67,7 +67,7 @@ impl Shape {
         }
     }
 
-    /// The Rust type over scalar `t`.
+    /// Returns the Rust type over scalar `t`.
     pub(super) fn type_of(&self, t: &str) -> String {
         match self {
             Self::Scalar => t.into(),
@@ -78,7 +78,7 @@ impl Shape {
         }
     }
 
-    /// The value (or pattern) from the texts of its scalars, as many as it holds.
+    /// Returns the value (or pattern) from the texts of all its scalars.
     pub(super) fn value(&self, scalars: &[String]) -> String {
         match self {
             Self::Scalar => scalars.concat(),

@@ -7,7 +7,7 @@ use super::{Robot, docs};
 use crate::names;
 
 impl Robot<'_> {
-    /// The public types, without their functions.
+    /// Prints the public types, without their functions.
     pub(super) fn types(&self, text: &mut String) {
         let (name, vis) = (self.name, &self.options.visibility);
         let float = self.options.float.name();
@@ -37,15 +37,15 @@ impl Robot<'_> {
         }
         let _ = writeln!(
             text,
-            "/// The generalized inertia matrix of [`{name}`] as U D U^T by kinematic modules.\n\
+            "/// The factorization U D U^T of the mass matrix of [`{name}`] by kinematic modules.\n\
              #[allow(dead_code)]\n\
              #[derive(Clone, Copy, Debug, PartialEq)]\n\
-             {vis} struct {name}Brge<T = {float}> {{\n    factors: [T; {}],\n}}\n",
+             {vis} struct {name}UduFactorization<T = {float}> {{\n    factors: [T; {}],\n}}\n",
             self.plan.layout.size()
         );
     }
 
-    /// The functions of the enums.
+    /// Prints the functions of the enums.
     pub(super) fn enums(&self, text: &mut String) {
         let name = self.name;
         let joints = names::variants(&self.joint_names());
@@ -57,10 +57,10 @@ impl Robot<'_> {
         let _ = writeln!(
             text,
             "impl {name}Joint {{\n\
-             /// Where its coordinates stand in `q`; its leader's, if it mimics another joint.\n\
+             /// Returns the entries of `q` of this joint; for a mimic joint those of its leader.\n\
              #[must_use]\n\
              pub const fn coordinates(self) -> ::core::ops::Range<usize> {{\n    match self {{\n{}    }}\n}}\n\
-             /// Where its velocities stand in `qd`, and its torques in `tau`.\n\
+             /// Returns the entries of `qd` and `tau` of this joint; for a mimic joint those of its leader.\n\
              #[must_use]\n\
              pub const fn velocities(self) -> ::core::ops::Range<usize> {{\n    match self {{\n{}    }}\n}}\n}}\n",
             ranges(&|i| self.model.q_range(i)),
@@ -80,12 +80,12 @@ impl Robot<'_> {
             let _ = writeln!(
                 text,
                 "impl {name}{kind} {{\n\
-                 /// All, in the order of `{constant}`.\n\
+                 /// All variants, in the order of `{constant}`.\n\
                  pub const ALL: [Self; {}] = [{}];\n\
-                 /// The position in `{constant}`.\n\
+                 /// Returns the index in `{constant}`.\n\
                  #[must_use]\n\
                  pub const fn index(self) -> usize {{\n    self as usize\n}}\n\
-                 /// The name in the description.\n\
+                 /// Returns the name in the description.\n\
                  #[must_use]\n\
                  pub const fn name(self) -> &'static str {{\n    match self {{\n{}    }}\n}}\n}}\n",
                 all.len(),

@@ -1,4 +1,4 @@
-//! Bodies with any number of joints to links with one each, in the form that a URDF's have.
+//! From bodies with any number of joints to links with one joint each, as in a URDF.
 
 use std::collections::BTreeSet;
 
@@ -13,12 +13,12 @@ use roxmltree::Node;
 use super::geoms;
 use super::pose::pose;
 use crate::description::{
-    Description, InertialRecord, JointRecord, Kind, LARGEST, LinkRecord, Located, normalized,
+    Description, InertialRecord, JointRecord, Kind, LinkRecord, Located, MAX_NUMBER, normalized,
 };
 use crate::diagnostics::{Code, Report, Severity, Subject};
 
-/// The description of a model that was read from the XML under `root`; `None` with an error in the report. Names that
-/// the file does not give are made. The elements of `unread` bodies have stand-ins for some of their numbers.
+/// Returns the description of a model that was read from the XML under `root`; `None` with an error in the report. Names
+/// that the file lacks are generated. The elements of `unread` bodies have stand-ins for some of their numbers.
 pub fn describe(
     model: &mjcf_rs::Model,
     root: Node,
@@ -31,7 +31,7 @@ pub fn describe(
 /// The description so far.
 struct Bodies {
     description: Description,
-    /// By link: whether a joint moves it or the link that carries it.
+    /// For each link, whether it or one of its ancestors has a moving joint.
     moves: Vec<bool>,
 }
 
@@ -77,7 +77,7 @@ impl Bodies {
             .filter(|node| node.has_tag_name("geom"))
             .filter(|node| node.parent().is_some_and(|up| up.has_tag_name("default")))
             .any(|node| node.attributes().any(|one| PLACES.contains(&one.name())));
-        // By body: its link.
+        // For each body, its link.
         let mut links = vec![0];
         for (entry, node) in model.bodies.iter().skip(1).zip(nodes) {
             let parent = entry.parent.unwrap_or(0);
@@ -88,7 +88,7 @@ impl Bodies {
         Some(bodies)
     }
 
-    /// Adds a body and its joints; the link that is its own.
+    /// Adds a body and its joints, and returns the body's link.
     fn body(&mut self, reader: &mut Reader, body: &Body, parent: usize, index: usize) -> usize {
         let at = reader.node.range().start;
         let name = body.name.clone().unwrap_or_else(|| format!("body_{index}"));
@@ -97,7 +97,7 @@ impl Bodies {
             reader.node.children().filter(is_joint).map(|node| node.range().start).collect();
         reader.pose(&body.pose, &name, at);
         let mut above = parent;
-        // Where the body's frame is seen from the link that was made last.
+        // The pose of the body's frame in the link that was added last.
         let mut frame = pose(&body.pose);
         for (k, joint) in body.joints.iter().enumerate() {
             let place = places.get(k).copied().unwrap_or(at);
@@ -113,7 +113,7 @@ impl Bodies {
             let origin = if free {
                 Pose::identity()
             } else {
-                frame.compose(&shift(anchor)).compose(&back(joint, made.axis))
+                frame.compose(&translation(anchor)).compose(&to_zero_coordinate(joint, made.axis))
             };
             let last = k + 1 == body.joints.len() && anchor == [0.0; 3];
             let link = if last { name.clone() } else { format!("{name}_behind_{joint_name}") };
@@ -121,9 +121,9 @@ impl Bodies {
             self.description.links[child].auxiliary = !last;
             self.push(JointRecord { origin, ..made }, above, child);
             above = child;
-            frame = shift(anchor.map(|x| -x));
+            frame = translation(anchor.map(|x| -x));
         }
-        // A body without joints, or with its frame beside the last of them, is fixed.
+        // A body without joints, or whose frame is not at its last joint, is fixed to the last link.
         if body.joints.is_empty() || self.description.links[above].name.text != name {
             let child = self.link(name.clone(), at, self.moves[above]);
             let fixed = JointRecord { origin: frame, ..joint(format!("{name}_fixed"), at) };
@@ -154,7 +154,7 @@ impl Bodies {
     }
 }
 
-/// A fixed joint without its ends.
+/// Returns a fixed joint without its links.
 fn joint(name: String, at: usize) -> JointRecord {
     JointRecord {
         name: Located { text: name, at },
@@ -172,28 +172,28 @@ fn joint(name: String, at: usize) -> JointRecord {
     }
 }
 
-/// The attributes that place something.
+/// The attributes that define a pose.
 const PLACES: [&str; 6] = ["pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"];
 
-/// A body's element, while it is read.
+/// The reader of one body's element.
 struct Reader<'m, 'n, 'r, 'f> {
     model: &'m mjcf_rs::Model,
     node: Node<'n, 'n>,
     /// Whether all numbers of the body could be read.
     is_read: bool,
-    /// Whether a class gives geoms a position or rotation: mjcf-rs then forgets the one over the other.
+    /// Whether a class sets the position or rotation of geoms: mjcf-rs then loses the other of the two.
     classes_place_geoms: bool,
     report: &'r mut Report<'f>,
 }
 
 impl Reader<'_, '_, '_, '_> {
-    /// Says so if a pose is none.
+    /// Reports an invalid pose.
     fn pose(&mut self, pose: &mjcf_rs::Pose, name: &str, at: usize) {
         let length: f64 = pose.rotation.to_array().iter().map(|x| x * x).sum();
         let finite = pose.translation.to_array().iter().all(|x| x.is_finite());
         let turn = (length - 1.0).abs() < 1e-9;
         if !finite || !turn {
-            let (message, help) = ("its pose is not finite", "write finite figures in m and rad");
+            let (message, help) = ("its pose is not finite", "write finite numbers in m and rad");
             self.report.error(
                 Code::NotFinite,
                 at,
@@ -204,7 +204,7 @@ impl Reader<'_, '_, '_, '_> {
         }
     }
 
-    /// A joint without its ends.
+    /// Returns a joint without its links.
     fn joint(&mut self, joint: &Joint, name: &str, at: usize, alone: bool) -> JointRecord {
         let subject = Subject::Joint(name.into());
         let errors = self.report.errors();
@@ -218,7 +218,7 @@ impl Reader<'_, '_, '_, '_> {
         let Joint { armature, damping, frictionloss: friction, .. } = *joint;
         let figures = [armature, damping, friction];
         if figures.iter().any(|&figure| figure < 0.0) {
-            let help = "write figures of at least 0: they work against the motion";
+            let help = "write numbers of at least 0: damping and friction oppose the motion";
             refuse(
                 Code::NegativeDrive,
                 "`armature`, `damping` or `frictionloss` is negative",
@@ -237,7 +237,7 @@ impl Reader<'_, '_, '_, '_> {
             JointDynamics::default()
         };
         if joint.type_ == Type::Free && !alone {
-            let message = "a free joint stands alone in a body of the world";
+            let message = "a free joint must be the only joint of a body of the world";
             refuse(Code::NotRead, message, "write the body in `<worldbody>`, with this joint only");
         }
         let mut figures = figures
@@ -246,8 +246,8 @@ impl Reader<'_, '_, '_, '_> {
             .chain(joint.axis)
             .chain([joint.ref_])
             .chain(joint.range.into_iter().flatten());
-        if !figures.all(|figure| figure.abs() < LARGEST) {
-            refuse(Code::NotFinite, "a figure is not finite", "write finite figures in SI units");
+        if !figures.all(|figure| figure.abs() < MAX_NUMBER) {
+            refuse(Code::NotFinite, "a number is not finite", "write finite numbers in SI units");
         }
         let axis = if single {
             normalized(joint.axis).map(|(unit, _)| unit)
@@ -289,12 +289,12 @@ impl Reader<'_, '_, '_, '_> {
         JointRecord { kind, axis, limits, drive, sound, ..self::joint(name.into(), at) }
     }
 
-    /// The inertia of a body in its frame, and where it stands.
+    /// Returns the inertia of a body in its frame, and the place of the `<inertial>`.
     fn inertial(&mut self, body: &Body, name: &str, moves: bool) -> Option<(Inertial, usize)> {
         let node = self.node.children().find(|node| node.has_tag_name("inertial"));
         let at = node.unwrap_or(self.node).range().start;
         let from_geoms = self.model.compiler.inertia_from_geom;
-        let heavy = body.geoms.iter().any(geoms::heavy);
+        let heavy = body.geoms.iter().any(geoms::has_mass);
         if let Some(own) =
             body.inertial.as_ref().filter(|_| from_geoms != InertiaFromGeom::True || !heavy)
         {
@@ -306,12 +306,12 @@ impl Reader<'_, '_, '_, '_> {
             let inertial = Inertial { mass: own.mass, center_of_mass: [0.0; 3], inertia };
             return Some((inertial.transformed(&pose(&own.pose)), at));
         }
-        // What is fixed to the world moves nothing.
+        // Bodies that are fixed to the world have no effect on the dynamics.
         if !moves || !heavy || from_geoms == InertiaFromGeom::False {
             return None;
         }
         let inertial = if self.classes_place_geoms {
-            Err("its geoms' places are those of a class, which are not read")
+            Err("the poses of its geoms come from a class, which is not read")
         } else {
             geoms::inertial(&body.geoms)
         };
@@ -327,11 +327,11 @@ impl Reader<'_, '_, '_, '_> {
     }
 }
 
-/// From where a joint is drawn, at the coordinate `ref`, to zero.
-fn back(joint: &Joint, axis: [f64; 3]) -> Pose<f64> {
+/// Returns the displacement from the coordinate `ref`, at which a joint is drawn, to zero.
+fn to_zero_coordinate(joint: &Joint, axis: [f64; 3]) -> Pose<f64> {
     let [x, y, z] = axis;
     match joint.type_ {
-        Type::Slide => shift(axis.map(|x| -joint.ref_ * x)),
+        Type::Slide => translation(axis.map(|x| -joint.ref_ * x)),
         Type::Hinge if joint.ref_ != 0.0 => {
             let (sin, cos) = libm::sincos(-0.5 * joint.ref_);
             let rotation = rotation_from_quaternion([x * sin, y * sin, z * sin, cos]);
@@ -341,6 +341,6 @@ fn back(joint: &Joint, axis: [f64; 3]) -> Pose<f64> {
     }
 }
 
-fn shift(translation: [f64; 3]) -> Pose<f64> {
+fn translation(translation: [f64; 3]) -> Pose<f64> {
     Pose { translation, ..Pose::identity() }
 }

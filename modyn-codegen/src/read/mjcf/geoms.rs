@@ -1,4 +1,4 @@
-//! The inertia of a body that is only given by its geoms, as `MuJoCo` infers it: solids of one density each.
+//! The inertia of a body without `<inertial>`, from its geoms as in `MuJoCo`: each is a solid of uniform density.
 
 use core::f64::consts::PI;
 
@@ -9,35 +9,35 @@ use modyn_runtime::spatial::Pose;
 use super::pose::pose;
 use crate::description::normalized;
 
-/// Of water, kg/m^3; `MuJoCo`'s default.
+/// The default density, that of water, kg/m^3.
 const DENSITY: f64 = 1000.0;
 
-/// All of them as one body, in the body's frame.
+/// Returns the inertia of all geoms together, in the body's frame.
 ///
 /// # Errors
 ///
-/// Why that of one of them is not computed.
+/// Returns the reason why a geom's inertia is not computed.
 pub fn inertial(geoms: &[Geom]) -> Result<Inertial, &'static str> {
     let mut whole = Inertial::default();
-    for geom in geoms.iter().filter(|geom| heavy(geom)) {
+    for geom in geoms.iter().filter(|geom| has_mass(geom)) {
         whole = whole.merged(&solid(geom)?);
     }
     Ok(whole)
 }
 
-/// Whether a geom has a mass.
-pub fn heavy(geom: &Geom) -> bool {
+/// Returns whether a geom has a mass.
+pub fn has_mass(geom: &Geom) -> bool {
     let weightless = geom.mass.or(geom.density) == Some(0.0);
     !weightless && !matches!(geom.type_, GeomType::Plane | GeomType::Hfield)
 }
 
-/// A geom's inertia in its body's frame.
+/// Returns a geom's inertia in its body's frame.
 fn solid(geom: &Geom) -> Result<Inertial, &'static str> {
     if geom.mesh.is_some() {
-        return Err("what a mesh weighs is not computed");
+        return Err("the mass of a mesh is not computed");
     }
-    let (place, [x, y, z]) = placed(geom)?;
-    // Volume and second moments along the axes by volume: the integrals of x^2, y^2 and z^2.
+    let (place, [x, y, z]) = pose_and_size(geom)?;
+    // The volume, and the second moments divided by the volume: the integrals of x^2, y^2 and z^2.
     let (volume, squares) = match geom.type_ {
         GeomType::Sphere => (4.0 / 3.0 * PI * x * x * x, [x * x / 5.0; 3]),
         GeomType::Ellipsoid => {
@@ -46,7 +46,7 @@ fn solid(geom: &Geom) -> Result<Inertial, &'static str> {
         GeomType::Box => (8.0 * x * y * z, [x * x / 3.0, y * y / 3.0, z * z / 3.0]),
         GeomType::Cylinder => (2.0 * PI * x * x * z, [x * x / 4.0, x * x / 4.0, z * z / 3.0]),
         GeomType::Capsule => capsule(x, z),
-        _ => return Err("what a mesh weighs is not computed"),
+        _ => return Err("the mass of a mesh is not computed"),
     };
     if !(volume > 0.0 && volume.is_finite()) {
         return Err("a geom has no volume: its `size` must be above 0");
@@ -57,7 +57,7 @@ fn solid(geom: &Geom) -> Result<Inertial, &'static str> {
     Ok(Inertial { mass, center_of_mass: [0.0; 3], inertia }.transformed(&place))
 }
 
-/// A cylinder of this radius and half length, with a hemisphere on either end.
+/// Returns volume and moments of a cylinder of this radius and half length with a hemisphere on each end.
 fn capsule(radius: f64, half: f64) -> (f64, [f64; 3]) {
     let square = radius * radius;
     let (cylinder, ball) = (2.0 * PI * square * half, 4.0 / 3.0 * PI * square * radius);
@@ -69,8 +69,8 @@ fn capsule(radius: f64, half: f64) -> (f64, [f64; 3]) {
     (volume, [across, across, along])
 }
 
-/// Where a geom is, and its sizes; those between two points have their z axis along.
-fn placed(geom: &Geom) -> Result<(Pose<f64>, [f64; 3]), &'static str> {
+/// Returns the pose and the sizes of a geom. The z axis of a geom between two points is along their line.
+fn pose_and_size(geom: &Geom) -> Result<(Pose<f64>, [f64; 3]), &'static str> {
     let Some([x1, y1, z1, x2, y2, z2]) = geom.fromto else {
         let [x, y, z] = geom.size;
         // Radius and half length.
@@ -81,14 +81,14 @@ fn placed(geom: &Geom) -> Result<(Pose<f64>, [f64; 3]), &'static str> {
     let (axis, length) = normalized(along).ok_or("the ends of a geom's `fromto` coincide")?;
     let radius = geom.size[0];
     let translation = [(x1 + x2) / 2.0, (y1 + y2) / 2.0, (z1 + z2) / 2.0];
-    // Alike across the axis, so that any frame around it will do.
-    let rotation = around(axis);
+    // The geom is symmetric about its z axis, so any x axis will do.
+    let rotation = rotation_with_z(axis);
     Ok((Pose { rotation, translation }, [radius, radius, length / 2.0]))
 }
 
-/// A rotation whose z axis is this one.
-fn around([x, y, z]: [f64; 3]) -> [[f64; 3]; 3] {
-    // Pixar's, without a singularity: Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
+/// Returns a rotation with this z axis.
+fn rotation_with_z([x, y, z]: [f64; 3]) -> [[f64; 3]; 3] {
+    // Without a singularity: Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
     let sign = 1.0_f64.copysign(z);
     let a = -1.0 / (sign + z);
     let b = x * y * a;

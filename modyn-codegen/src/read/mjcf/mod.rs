@@ -1,11 +1,11 @@
-//! From the XML of a `MuJoCo` model (MJCF) to a [`Description`].
+//! Reads the XML of a `MuJoCo` model (MJCF) to a [`Description`].
 //!
 //! ```text
-//! XML ─ scan ─▶ nothing that would go unread ─ mjcf-rs ─▶ bodies ─▶ links and joints
+//! XML ─ scan ─▶ supported XML ─ mjcf-rs ─▶ bodies ─▶ links and joints
 //! ```
 //!
-//! Default classes, angles in degrees and the ways to write a rotation are resolved by mjcf-rs. It passes over
-//! much of MJCF, so whatever changes the dynamics and is not read is refused before, with its place (`scan`).
+//! mjcf-rs resolves default classes, angles in degrees and the forms of a rotation. It ignores much of MJCF. Elements and
+//! attributes that change the dynamics but are not read are therefore rejected first, with their place (`scan`).
 
 mod bodies;
 mod geoms;
@@ -18,7 +18,7 @@ use crate::description::{Base, Description, ReadOptions};
 use crate::diagnostics::{Code, Report};
 use crate::read::xml;
 
-/// The description; `None` with errors in the report.
+/// Returns the description; `None` with errors in the report.
 pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<Description> {
     let document = xml::document::parse(text, report)?;
     let root = document.root_element();
@@ -38,8 +38,8 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     if report.errors() > 0 {
         return None;
     }
-    let (text, unread) = numbers::repaired(text, root, report);
-    let model = resolved(&text, at, report)?;
+    let (text, unread) = numbers::replace_invalid_numbers(text, root, report);
+    let model = parse_model(&text, at, report)?;
     let gravity = model.option.gravity;
     let error = gravity_error(gravity).filter(|_| options.gravity.is_none());
     if let Some(error) = error {
@@ -50,8 +50,8 @@ pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> O
     Some(Description { gravity: Some(gravity), ..description })
 }
 
-/// What mjcf-rs makes of it; it does not say where something is wrong.
-fn resolved(text: &str, at: usize, report: &mut Report<'_>) -> Option<mjcf_rs::Model> {
+/// Returns the model as resolved by mjcf-rs, whose errors have no place.
+fn parse_model(text: &str, at: usize, report: &mut Report<'_>) -> Option<mjcf_rs::Model> {
     match mjcf_rs::Model::from_str(text, "") {
         Ok(model) => Some(model),
         Err(error) => {

@@ -1,4 +1,4 @@
-//! Words among the numbers of a body that are none, with their places: mjcf-rs does not say where, and reads nothing else.
+//! Finds words that should be numbers, with their places: mjcf-rs has no places, and reads nothing after an error.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use crate::diagnostics::{Code, Report};
 
-/// The attributes of bodies and the elements in them that hold numbers alone.
+/// The attributes of bodies and their child elements that contain numbers only.
 const NUMBERS: [&str; 19] = [
     "pos",
     "quat",
@@ -29,9 +29,13 @@ const NUMBERS: [&str; 19] = [
     "gravcomp",
 ];
 
-/// Returns the text with a stand-in for each such word, which is reported, and the bodies that have one, by the byte
-/// offsets of their elements. Places in the text stay.
-pub fn repaired(text: &str, root: Node, report: &mut Report<'_>) -> (String, BTreeSet<usize>) {
+/// Returns the text with a stand-in for each word that should be a number, and the bodies with such words, by the byte
+/// offsets of their elements. The words are reported. Offsets in the text do not change.
+pub fn replace_invalid_numbers(
+    text: &str,
+    root: Node,
+    report: &mut Report<'_>,
+) -> (String, BTreeSet<usize>) {
     let mut repaired = text.to_string();
     let mut unread = BTreeSet::new();
     let worlds = root.children().filter(|node| node.has_tag_name("worldbody"));
@@ -43,7 +47,7 @@ pub fn repaired(text: &str, root: Node, report: &mut Report<'_>) -> (String, BTr
                 let skipped = rest.len() - rest.trim_ascii_start().len();
                 let at = place.end - rest.len() + skipped;
                 rest = &rest[skipped + word.len()..];
-                // An entity is left to mjcf-rs.
+                // mjcf-rs resolves entities.
                 if word.contains('&') || word.parse::<f64>().is_ok() {
                     continue;
                 }

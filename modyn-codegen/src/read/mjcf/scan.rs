@@ -1,4 +1,4 @@
-//! What changes the dynamics but is not read, with its place; and what must not reach a reader that recurses.
+//! Rejects elements and attributes that change the dynamics but are not read, and trees that are too deep.
 
 use std::collections::BTreeSet;
 
@@ -6,12 +6,12 @@ use roxmltree::{Attribute, Node};
 
 use crate::diagnostics::{Code, Report};
 
-/// Deeper trees would be read on a call stack that is too small for them.
-const DEEPEST: usize = 100;
+/// The largest nesting depth: deeper trees could overflow the call stack of a recursive reader.
+const MAX_DEPTH: usize = 100;
 
-/// What children of an element can be.
+/// The context of an element, which determines its possible children.
 #[derive(Clone, Copy, PartialEq)]
-enum Place {
+enum ElementKind {
     Root,
     Compiler,
     Option,
@@ -23,14 +23,14 @@ enum Place {
     Equality,
     Tendon,
     Actuator,
-    /// Nothing in it matters, unless it brings in other files.
-    Beside,
+    /// An element whose content has no effect on the dynamics, unless it includes other files.
+    Ignored,
 }
 
-/// What a tendon exerts forces by, or could by its class.
-const PULLS: [&str; 5] = ["stiffness", "damping", "frictionloss", "armature", "class"];
+/// Attributes by which a tendon exerts forces, or may do so through its class.
+const FORCE_ATTRIBUTES: [&str; 5] = ["stiffness", "damping", "frictionloss", "armature", "class"];
 
-/// Reports it.
+/// Reports all such elements and attributes under `root`.
 pub fn scan(root: Node, report: &mut Report<'_>) {
     let classes: BTreeSet<&str> = root
         .descendants()
@@ -38,11 +38,11 @@ pub fn scan(root: Node, report: &mut Report<'_>) {
         .filter_map(|node| node.attribute("class"))
         .chain(["main"])
         .collect();
-    let mut open = vec![(root, Place::Root, 0)];
+    let mut open = vec![(root, ElementKind::Root, 0)];
     while let Some((node, place, depth)) = open.pop() {
-        if depth > DEEPEST {
-            let message = format!("elements are nested more than {DEEPEST} deep");
-            let help = "write the tree less deep: many links in a row are for URDF";
+        if depth > MAX_DEPTH {
+            let message = format!("elements are nested more than {MAX_DEPTH} deep");
+            let help = "make the tree less deep, or use URDF for long chains";
             report.error(Code::NotRead, node.range().start, None, message, help);
             return;
         }
@@ -50,7 +50,7 @@ pub fn scan(root: Node, report: &mut Report<'_>) {
             check(node, place, attribute, &classes, report);
         }
         for child in node.children().filter(Node::is_element) {
-            match place_of(place, child) {
+            match kind_of_child(place, child) {
                 Ok(inside) => open.push((child, inside, depth + 1)),
                 Err(help) => {
                     let message = format!("`<{}>` is not read", child.tag_name().name());
@@ -61,58 +61,65 @@ pub fn scan(root: Node, report: &mut Report<'_>) {
     }
 }
 
-/// What may stand in a child, or what to do about it.
-fn place_of(place: Place, child: Node) -> Result<Place, &'static str> {
+/// Returns the context of a child, or the advice to its author.
+fn kind_of_child(place: ElementKind, child: Node) -> Result<ElementKind, &'static str> {
     let inactive = child.attribute("active") == Some("false");
     match (place, child.tag_name().name()) {
-        (_, "include" | "attach") | (Place::Beside, "model") => {
-            Err("no other file is read: write it out, by `mj_saveLastXML` for example")
-        }
-        (Place::Root, "compiler") => Ok(Place::Compiler),
-        (Place::Root, "option") => Ok(Place::Option),
-        (Place::Default, "default") if child.attribute("class").is_none() => {
+        (_, "include" | "attach") | (ElementKind::Ignored, "model") => Err(
+            "no other file is read: copy its contents into this file; `mj_saveLastXML` writes such a file",
+        ),
+        (ElementKind::Root, "compiler") => Ok(ElementKind::Compiler),
+        (ElementKind::Root, "option") => Ok(ElementKind::Option),
+        (ElementKind::Default, "default") if child.attribute("class").is_none() => {
             Err("write its `class`")
         }
-        (Place::Root | Place::Default, "default") => Ok(Place::Default),
-        (Place::Root, "worldbody") => Ok(Place::World),
-        (Place::Root, "equality") => Ok(Place::Equality),
-        (Place::Root, "tendon") => Ok(Place::Tendon),
-        (Place::Root, "actuator") => Ok(Place::Actuator),
+        (ElementKind::Root | ElementKind::Default, "default") => Ok(ElementKind::Default),
+        (ElementKind::Root, "worldbody") => Ok(ElementKind::World),
+        (ElementKind::Root, "equality") => Ok(ElementKind::Equality),
+        (ElementKind::Root, "tendon") => Ok(ElementKind::Tendon),
+        (ElementKind::Root, "actuator") => Ok(ElementKind::Actuator),
         (
-            Place::Root,
+            ElementKind::Root,
             "size" | "statistic" | "visual" | "custom" | "asset" | "contact" | "sensor"
             | "keyframe",
         )
-        | (Place::World | Place::Body | Place::Frame, "geom" | "site" | "camera" | "light")
-        | (Place::Body, "inertial" | "joint" | "freejoint")
-        | (Place::Actuator | Place::Beside, _) => Ok(Place::Beside),
-        (Place::World | Place::Body | Place::Frame, "body") => Ok(Place::Body),
-        (Place::World | Place::Body | Place::Frame, "frame") => Ok(Place::Frame),
-        (Place::Option, "flag") => Ok(Place::Flag),
-        (Place::Equality, _) if inactive => Ok(Place::Beside),
-        (Place::Equality, _) => Err(
+        | (
+            ElementKind::World | ElementKind::Body | ElementKind::Frame,
+            "geom" | "site" | "camera" | "light",
+        )
+        | (ElementKind::Body, "inertial" | "joint" | "freejoint")
+        | (ElementKind::Actuator | ElementKind::Ignored, _) => Ok(ElementKind::Ignored),
+        (ElementKind::World | ElementKind::Body | ElementKind::Frame, "body") => {
+            Ok(ElementKind::Body)
+        }
+        (ElementKind::World | ElementKind::Body | ElementKind::Frame, "frame") => {
+            Ok(ElementKind::Frame)
+        }
+        (ElementKind::Option, "flag") => Ok(ElementKind::Flag),
+        (ElementKind::Equality, _) if inactive => Ok(ElementKind::Ignored),
+        (ElementKind::Equality, _) => Err(
             "constraints are not part of a tree's dynamics: remove it, or write `active=\"false\"`",
         ),
-        // Without these it only measures.
-        (Place::Tendon, _) | (Place::Default, "tendon")
-            if child.attributes().all(|one| !PULLS.contains(&one.name())) =>
+        // A tendon without these attributes only measures.
+        (ElementKind::Tendon, _) | (ElementKind::Default, "tendon")
+            if child.attributes().all(|one| !FORCE_ATTRIBUTES.contains(&one.name())) =>
         {
-            Ok(Place::Beside)
+            Ok(ElementKind::Ignored)
         }
-        (Place::Tendon, _) | (Place::Default, "tendon") => {
+        (ElementKind::Tendon, _) | (ElementKind::Default, "tendon") => {
             Err("tendons that pull are not supported: remove it")
         }
-        // Of classes, bodies' joints have all that matters once they are resolved.
-        (Place::Default, _) => Ok(Place::Beside),
-        (Place::Frame, "inertial" | "joint" | "freejoint") => Err("write it in a `<body>`"),
-        _ => Err("it could change the dynamics: remove it, or write out what it stands for"),
+        // The joints of bodies contain everything that matters after classes are resolved.
+        (ElementKind::Default, _) => Ok(ElementKind::Ignored),
+        (ElementKind::Frame, "inertial" | "joint" | "freejoint") => Err("write it in a `<body>`"),
+        _ => Err("it could change the dynamics: remove it, or replace it by supported elements"),
     }
 }
 
-/// An attribute that changes the dynamics but is not read.
+/// Reports attributes that change the dynamics but are not read.
 fn check(
     node: Node,
-    place: Place,
+    place: ElementKind,
     attribute: Attribute,
     classes: &BTreeSet<&str>,
     report: &mut Report<'_>,
@@ -122,38 +129,43 @@ fn check(
     let below = || value.trim().parse().is_ok_and(|number: f64| number <= 0.0);
     let element = node.tag_name().name();
     let help = match (place, name) {
-        (Place::Compiler, "settotalmass" | "boundmass" | "boundinertia") if !below() => {
+        (ElementKind::Compiler, "settotalmass" | "boundmass" | "boundinertia") if !below() => {
             "write the masses and inertias that are meant"
         }
-        (Place::Compiler, "balanceinertia" | "alignfree") if value != "false" => {
+        (ElementKind::Compiler, "balanceinertia" | "alignfree") if value != "false" => {
             "write the inertias and frames that are meant"
         }
-        (Place::Compiler, "inertiagrouprange") => "write an `<inertial>` in each body",
-        (Place::Compiler, "eulerseq")
+        (ElementKind::Compiler, "inertiagrouprange") => "write an `<inertial>` in each body",
+        (ElementKind::Compiler, "eulerseq")
             if value.len() != 3 || !value.bytes().all(|byte| b"xyzXYZ".contains(&byte)) =>
         {
             "write three of the letters x, y, z, X, Y and Z"
         }
-        (Place::Beside, "shellinertia") if value != "false" => "write an `<inertial>` in the body",
-        (Place::Option, "density" | "viscosity") if !zero() => {
+        (ElementKind::Ignored, "shellinertia") if value != "false" => {
+            "write an `<inertial>` in the body"
+        }
+        (ElementKind::Option, "density" | "viscosity") if !zero() => {
             "forces of a fluid are not supported: write 0"
         }
-        (Place::Flag, "gravity") if value != "enable" => "write `<option gravity=\"0 0 0\">`",
-        (Place::Body, "gravcomp") if node.has_tag_name("body") && !zero() => {
+        (ElementKind::Flag, "gravity") if value != "enable" => "write `<option gravity=\"0 0 0\">`",
+        (ElementKind::Body, "gravcomp") if node.has_tag_name("body") && !zero() => {
             "forces against gravity are not supported: give them as torques"
         }
-        (Place::Body, "mocap") if value != "false" => "a body that is led by hand is no robot's",
-        (Place::Beside, "armature" | "damping")
+        (ElementKind::Body, "mocap") if value != "false" => {
+            "mocap bodies are not supported: remove the attribute or the body"
+        }
+        (ElementKind::Ignored, "armature" | "damping")
             if node.parent().is_some_and(|parent| parent.has_tag_name("actuator")) && !zero() =>
         {
             "write it in the `<joint>`"
         }
-        (Place::Default, "class")
+        (ElementKind::Default, "class")
             if value != "main" && node.parent().is_some_and(|up| up.has_tag_name("mujoco")) =>
         {
             "the outermost `<default>` is the class `main`"
         }
-        (Place::Body | Place::Frame, "childclass") | (Place::Beside, "class")
+        (ElementKind::Body | ElementKind::Frame, "childclass")
+        | (ElementKind::Ignored, "class")
             if !classes.contains(value) =>
         {
             "write the class of a `<default>` of this file"

@@ -1,4 +1,4 @@
-//! Is the XML a URDF? Expanded or not, and which description language.
+//! Checks that an XML document is an expanded URDF, and names the format of other documents.
 
 use roxmltree::{Document, Node};
 
@@ -6,20 +6,20 @@ use crate::diagnostics::{Code, Report, Severity};
 use crate::read::xml::document::XACRO_HELP;
 use crate::read::xml::element::is;
 
-/// The elements of a joint or an inertial whose figures are read.
+/// The elements of a joint or an inertial whose numbers are read.
 const USED: &[&str] = &[
     "inertial", "origin", "mass", "inertia", "parent", "child", "axis", "axis2", "limit", "mimic",
     "dynamics", "link1", "link2",
 ];
 
-/// The `<robot>` of an expanded URDF; `None` with an error in the report.
+/// Returns the `<robot>` of an expanded URDF; `None` with an error in the report.
 pub fn robot<'a, 't>(document: &'a Document<'t>, report: &mut Report<'_>) -> Option<Node<'a, 't>> {
     let root = document.root_element();
     let offset = root.range().start;
     let (code, message, help) = match root.tag_name().name() {
         "robot" => {
             if let Some(offset) = xacro(root) {
-                let message = "this is xacro, not yet a URDF";
+                let message = "this is a xacro file, not a URDF";
                 report.error(Code::Xacro, offset, None, message, XACRO_HELP);
                 return None;
             }
@@ -45,9 +45,9 @@ pub fn robot<'a, 't>(document: &'a Document<'t>, report: &mut Report<'_>) -> Opt
     None
 }
 
-/// Where xacro syntax stands in the way of reading the file, if it does: any xacro element next
-/// to or in links and joints, any `${...}` or `$(...)` in a value that is read. Comments, what is
-/// ignored anyway, and a declaration of the namespace that is left over are no matter.
+/// Returns the place of xacro syntax that has to be expanded: a xacro element beside or inside links and joints, or
+/// `${...}` or `$(...)` in a value that is read. Comments, ignored elements, and an unused declaration of the namespace
+/// are accepted.
 fn xacro(root: Node) -> Option<usize> {
     for part in root.children().filter(Node::is_element) {
         if is_xacro(part) {

@@ -1,4 +1,4 @@
-//! A `<joint>` as it is written.
+//! Reads a `<joint>`.
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{JointDynamics, Limits};
@@ -9,7 +9,7 @@ use crate::description::{JointRecord, Kind, Located, Mimic, MimicRecord, normali
 use crate::diagnostics::{Code, Severity, Subject};
 use crate::read::xml::element::{Attribute, attribute};
 
-/// The types that move.
+/// The moving joint types.
 const MOVING: [JointType; 7] = [
     JointType::Revolute,
     JointType::Continuous,
@@ -43,7 +43,12 @@ impl<'a> Reader<'a, '_, '_, '_> {
             "calibration",
             "safety_controller",
         ];
-        self.xml.misspelt(node, &known, &["origin", "axis", "limit", "mimic", "dynamics"], subject);
+        self.xml.warn_of_misspelt_elements(
+            node,
+            &known,
+            &["origin", "axis", "limit", "mimic", "dynamics"],
+            subject,
+        );
         let mut joint = JointRecord {
             name: name.map_or(
                 Located { text: String::new(), at: node.range().start },
@@ -61,10 +66,10 @@ impl<'a> Reader<'a, '_, '_, '_> {
             drive_at: node.range().start,
             sound: true,
         };
-        // A fixed joint has none of these, whatever is written.
+        // The other elements of a fixed joint have no meaning.
         if kind != Kind::Fixed {
             [joint.axis, joint.second_axis] = self.axes(node, kind, subject);
-            (joint.drive, joint.drive_at) = self.drive(node, subject);
+            (joint.drive, joint.drive_at) = self.joint_dynamics(node, subject);
         }
         if let Kind::Moving(joint_type) = kind {
             joint.limits = self.limits(node, joint_type, subject);
@@ -85,7 +90,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         if let Some(found) = MOVING.into_iter().find(|known| known.name() == text.text) {
             return Kind::Moving(found);
         }
-        let message = format!("`{}` is no joint type", text.text);
+        let message = format!("`{}` is not a joint type", text.text);
         let help = format!("supported are: {}, fixed", MOVING.map(JointType::name).join(", "));
         self.xml.report.error(Code::UnknownJointType, text.at, subject, message, help);
         Kind::Unknown
@@ -101,10 +106,10 @@ impl<'a> Reader<'a, '_, '_, '_> {
         self.xml.attribute(node, "link", subject)
     }
 
-    /// The axis and the second axis, of unit length.
+    /// Returns the axis and the second axis, of unit length.
     fn axes(&mut self, node: Node<'a, '_>, kind: Kind, subject: Option<&Subject>) -> [[f64; 3]; 2] {
         if let Kind::Moving(JointType::Spherical | JointType::Floating) = kind {
-            // It has no meaning there, but files often have one, also of zeros.
+            // The axis has no meaning here, but many files have one, often zero.
             let axis = self.xml.single(node, "axis", subject);
             if let Some(text) = axis.and_then(|axis| attribute(axis, "xyz")) {
                 self.xml.numbers::<3>(text, subject);
@@ -116,7 +121,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             return [first.unwrap_or(X), Y];
         }
         let second = self.axis(node, "axis2", Y, subject);
-        // What could not be read is parallel to nothing.
+        // An axis that could not be read is not compared.
         let (Some(first), Some(second)) = (first, second) else {
             return [X, Y];
         };
@@ -132,7 +137,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         [first, second]
     }
 
-    /// An axis, of unit length; `None` if it cannot be read.
+    /// Returns an axis of unit length; `None` if it cannot be read.
     pub fn axis(
         &mut self,
         node: Node<'a, '_>,
@@ -143,7 +148,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let Some(node) = self.xml.single(node, name, subject) else {
             return Some(default);
         };
-        self.xml.known(node, &["xyz"], subject);
+        self.xml.warn_of_unknown_attributes(node, &["xyz"], subject);
         let text = self.xml.attribute(node, "xyz", subject)?;
         let axis = self.xml.numbers::<3>(text, subject)?;
         let Some((unit, length)) = normalized(axis) else {
@@ -166,7 +171,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(unit)
     }
 
-    /// Warns of a second axis where there can be none.
+    /// Warns of a second axis of a joint that has one axis only.
     fn no_second_axis(&mut self, node: Node<'a, '_>, kind: Kind, subject: Option<&Subject>) {
         if matches!(kind, Kind::Unknown | Kind::Moving(JointType::Universal)) {
             return;
@@ -188,13 +193,13 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let node = self.xml.single(node, "limit", subject)?;
         let names =
             ["lower", "upper", "velocity", "effort", "acceleration", "deceleration", "jerk"];
-        self.xml.known(node, &names, subject);
-        // URDF's defaults: a bound that is not written is 0; no figure for speed or effort is
-        // refused by some readers and no limit for others: no limit here.
+        self.xml.warn_of_unknown_attributes(node, &names, subject);
+        // URDF's default for a missing bound is 0. A missing limit of velocity or effort is an error for some readers
+        // and no limit for others; here it is no limit.
         let (mut lower, mut upper) = (None, None);
         if matches!(joint_type, JointType::Revolute | JointType::Prismatic) {
             let mut bound = |name| match attribute(node, name) {
-                Some(_) => self.xml.figure(node, name, subject),
+                Some(_) => self.xml.number(node, name, subject),
                 None => Some(0.0),
             };
             (lower, upper) = (bound("lower"), bound("upper"));
@@ -203,13 +208,13 @@ impl<'a> Reader<'a, '_, '_, '_> {
             self.no_bounds(node, subject);
         }
         let [velocity, effort] =
-            ["velocity", "effort"].map(|name| self.largest(node, name, subject));
+            ["velocity", "effort"].map(|name| self.nonnegative_limit(node, name, subject));
         if let (Some(lower), Some(upper)) = (lower, upper)
             && lower > upper
         {
             let at = node.range().start;
             let message = format!("the lower limit {lower} is above the upper limit {upper}");
-            let help = "exchange them; a bound that is not written is 0";
+            let help = "exchange them; the default of both is 0";
             self.xml.report.add(
                 Severity::Warning,
                 Code::InvertedLimits,
@@ -222,14 +227,14 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(Limits { lower, upper, velocity, effort })
     }
 
-    /// A limit of a size; `None` where it is not written, and where it is negative, which is noted.
-    fn largest(
+    /// Returns a velocity or effort limit; `None` if it is missing or negative. Negative limits are recorded.
+    fn nonnegative_limit(
         &mut self,
         node: Node<'a, '_>,
         name: &str,
         subject: Option<&Subject>,
     ) -> Option<f64> {
-        let value = self.xml.figure(node, name, subject)?;
+        let value = self.xml.number(node, name, subject)?;
         if value < 0.0 {
             let at = attribute(node, name).map_or(node.range().start, |text| text.at);
             self.negative_limits.push((Some(at), subject.cloned()));
@@ -238,14 +243,14 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(value)
     }
 
-    /// Warns of bounds of a joint that has several coordinates.
+    /// Warns of position limits of a joint with several coordinates.
     fn no_bounds(&mut self, limit: Node<'a, '_>, subject: Option<&Subject>) {
         for bound in ["lower", "upper"].into_iter().filter_map(|name| limit.attribute_node(name)) {
             let message = format!(
                 "the attribute `{}` of `<limit>` is not read: the joint has several coordinates",
                 bound.name()
             );
-            let help = "remove it; such a joint has limits of velocity and effort alone";
+            let help = "remove it; such a joint has velocity and effort limits only";
             let at = bound.range().start;
             self.xml.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
         }
@@ -255,7 +260,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let node = self.xml.single(node, "mimic", subject)?;
         let at = node.range().start;
         if self.options.mimic == Mimic::Follow {
-            return self.followed(node, subject);
+            return self.mimic_record(node, subject);
         }
         let leader = attribute(node, "joint").unwrap_or(Attribute { text: "", at });
         if self.options.mimic == Mimic::Refuse {
@@ -267,11 +272,15 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(MimicRecord { leader: leader.located(), multiplier: 1.0, offset: 0.0 })
     }
 
-    /// A `<mimic>` with all its figures.
-    fn followed(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Option<MimicRecord> {
-        self.xml.known(node, &["joint", "multiplier", "offset"], subject);
-        let multiplier = self.xml.figure(node, "multiplier", subject).unwrap_or(1.0);
-        let offset = self.xml.figure(node, "offset", subject).unwrap_or(0.0);
+    /// Returns a `<mimic>` with all its numbers.
+    fn mimic_record(
+        &mut self,
+        node: Node<'a, '_>,
+        subject: Option<&Subject>,
+    ) -> Option<MimicRecord> {
+        self.xml.warn_of_unknown_attributes(node, &["joint", "multiplier", "offset"], subject);
+        let multiplier = self.xml.number(node, "multiplier", subject).unwrap_or(1.0);
+        let offset = self.xml.number(node, "offset", subject).unwrap_or(0.0);
         if let (Some(text), 0.0) = (attribute(node, "multiplier"), multiplier) {
             let message = "the multiplier is 0, so the joint never moves";
             let help = "write the ratio of the velocities, or make the joint `fixed`";
@@ -282,45 +291,48 @@ impl<'a> Reader<'a, '_, '_, '_> {
         Some(MimicRecord { leader, multiplier, offset })
     }
 
-    /// The drive, and where it stands.
-    fn drive(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> (JointDynamics, usize) {
+    /// Returns armature, damping and friction, and the place of the `<dynamics>`.
+    fn joint_dynamics(
+        &mut self,
+        node: Node<'a, '_>,
+        subject: Option<&Subject>,
+    ) -> (JointDynamics, usize) {
         let Some(node) = self.xml.single(node, "dynamics", subject) else {
             return (JointDynamics::default(), node.range().start);
         };
         let names = ["damping", "friction", "armature", "rotor_inertia", "gear_ratio"];
-        self.xml.misspelt_attribute(node, &names, subject);
+        self.xml.warn_of_misspelt_attributes(node, &names, subject);
         let [damping, friction, armature, rotor] =
             ["damping", "friction", "armature", "rotor_inertia"]
-                .map(|name| self.resistance(node, name, subject));
-        let gear = self.xml.figure(node, "gear_ratio", subject).unwrap_or(1.0);
-        self.one_armature(node, subject);
+                .map(|name| self.dissipation(node, name, subject));
+        let gear = self.xml.number(node, "gear_ratio", subject).unwrap_or(1.0);
+        self.check_armature(node, subject);
         let drive = JointDynamics { armature: armature + gear * gear * rotor, damping, friction };
         (drive, node.range().start)
     }
 
-    /// A figure of `<dynamics>` that is at least zero, and zero where it is not written.
-    fn resistance(&mut self, node: Node<'a, '_>, name: &str, subject: Option<&Subject>) -> f64 {
-        let value = self.xml.figure(node, name, subject).unwrap_or(0.0);
+    /// Returns a number of `<dynamics>`, which must be at least zero; zero if it is missing.
+    fn dissipation(&mut self, node: Node<'a, '_>, name: &str, subject: Option<&Subject>) -> f64 {
+        let value = self.xml.number(node, name, subject).unwrap_or(0.0);
         if let Some(text) = attribute(node, name)
             && value < 0.0
         {
             let message = format!("the attribute `{name}` of `<dynamics>` is {value}");
-            let help = "write a figure of at least 0: it works against the motion";
+            let help = "write a number of at least 0: damping and friction oppose the motion";
             self.xml.report.error(Code::NegativeDrive, text.at, subject, message, help);
             return 0.0;
         }
         value
     }
 
-    /// The rotor is given either as the joint feels it, or by itself with a gear.
-    fn one_armature(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) {
+    /// Reports an armature that is given both at the joint, and as a rotor with a gear ratio.
+    fn check_armature(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) {
         let armature = attribute(node, "armature");
         let rotor = attribute(node, "rotor_inertia");
         let gear = attribute(node, "gear_ratio");
         if let Some(text) = armature.filter(|_| rotor.is_some() || gear.is_some()) {
-            let message =
-                "`armature` stands beside `rotor_inertia` or `gear_ratio`, which say the same";
-            let help = "leave one: armature = gear_ratio^2 * rotor_inertia";
+            let message = "`armature` stands beside `rotor_inertia` or `gear_ratio`, which define the same armature";
+            let help = "keep one: armature = gear_ratio^2 * rotor_inertia";
             self.xml.report.error(Code::RepeatedArmature, text.at, subject, message, help);
         } else if let (Some(text), None) = (gear, rotor) {
             let message =
@@ -331,5 +343,5 @@ impl<'a> Reader<'a, '_, '_, '_> {
     }
 }
 
-/// A cosine above which two axes are taken for parallel, as [`modyn_runtime::model::Model`] does.
+/// The cosine above which two axes count as parallel, as in [`modyn_runtime::model::Model`].
 const PARALLEL: f64 = 1.0 - 1e-6;

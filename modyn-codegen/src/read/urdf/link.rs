@@ -1,4 +1,4 @@
-//! A `<link>` as it is written.
+//! Reads a `<link>`.
 
 use modyn_runtime::model::Inertial;
 use roxmltree::Node;
@@ -11,7 +11,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
     pub fn link(&mut self, node: Node<'a, '_>) -> Option<LinkRecord> {
         let name = self.xml.attribute(node, "name", None);
         let subject = name.map(|name| Subject::Link(name.text.into()));
-        self.xml.misspelt(
+        self.xml.warn_of_misspelt_elements(
             node,
             &["inertial", "visual", "collision"],
             &["inertial"],
@@ -24,12 +24,17 @@ impl<'a> Reader<'a, '_, '_, '_> {
 
     fn inertial(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> InertialRecord {
         let errors = self.xml.report.errors();
-        self.xml.misspelt(node, &["origin", "mass", "inertia"], &["origin"], subject);
+        self.xml.warn_of_misspelt_elements(
+            node,
+            &["origin", "mass", "inertia"],
+            &["origin"],
+            subject,
+        );
         let pose = self.origin(node, subject);
         let (mut mass, mut mass_at) = (0.0, node.range().start);
         if let Some(node) = self.xml.required(node, "mass", "value=\"1.5\"", subject) {
             mass_at = node.range().start;
-            self.xml.known(node, &["value"], subject);
+            self.xml.warn_of_unknown_attributes(node, &["value"], subject);
             if let Some(value) = self.xml.attribute(node, "value", subject) {
                 mass_at = value.at;
                 [mass] = self.xml.numbers(value, subject).unwrap_or_default();
@@ -39,7 +44,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let names = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
         let example = "ixx=\"0.1\" ixy=\"0\" ixz=\"0\" iyy=\"0.1\" iyz=\"0\" izz=\"0.1\"";
         if let Some(node) = self.xml.required(node, "inertia", example, subject) {
-            self.xml.known(node, &names, subject);
+            self.xml.warn_of_unknown_attributes(node, &names, subject);
             for (name, entry) in names.into_iter().zip(&mut inertia) {
                 if let Some(text) = self.xml.attribute(node, name, subject) {
                     [*entry] = self.xml.numbers(text, subject).unwrap_or_default();

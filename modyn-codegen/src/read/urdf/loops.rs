@@ -1,4 +1,4 @@
-//! `<loop_joint>`, which other tools' URDFs have too.
+//! Reads a `<loop_joint>`, an extension that other tools use, too.
 //!
 //! ```xml
 //! <loop_joint name="pin" type="revolute">
@@ -23,7 +23,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let name = self.xml.attribute(node, "name", None);
         let subject = name.map(|name| Subject::Joint(name.text.into()));
         let subject = subject.as_ref();
-        self.xml.known(node, &["name", "type"], subject);
+        self.xml.warn_of_unknown_attributes(node, &["name", "type"], subject);
         let kind = self.loop_kind(node, subject);
         for child in node.children().filter(Node::is_element) {
             let name = child.tag_name().name();
@@ -31,7 +31,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             if !(["link1", "link2"].contains(&name) || name == "axis" && axis) {
                 let message = format!("the element `<{name}>` of `<loop_joint>` is not read");
                 let help =
-                    "a loop joint has `<link1>`, `<link2>`, and, if it turns or slides, `<axis>`";
+                    "a loop joint has `<link1>`, `<link2>`, and, if it has an axis, `<axis>`";
                 let at = child.range().start;
                 self.xml.report.add(Severity::Warning, Code::NotRead, at, subject, message, help);
             }
@@ -49,7 +49,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let text = self.xml.attribute(node, "type", subject)?;
         let x = [1.0, 0.0, 0.0];
         let Some(kind) = LoopConstraintKind::of_joint(text.text, x) else {
-            let message = format!("`{}` is no type of a loop joint", text.text);
+            let message = format!("`{}` is not a type of loop joint", text.text);
             self.xml.report.error(Code::UnknownJointType, text.at, subject, message, TYPES);
             return None;
         };
@@ -64,7 +64,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let Some(end) = self.xml.required(node, name, example, subject) else {
             return EndRecord { link: None, at: None, pose: Pose::identity() };
         };
-        self.xml.known(end, &["link", "xyz", "rpy", "quat_xyzw"], subject);
+        self.xml.warn_of_unknown_attributes(end, &["link", "xyz", "rpy", "quat_xyzw"], subject);
         for child in end.children().filter(Node::is_element) {
             let message = format!("`<{}>` in `<{name}>` is not read", child.tag_name().name());
             let help = format!("write `<{name} link=\"...\" xyz=\"0 0 0\" rpy=\"0 0 0\"/>`");

@@ -1,11 +1,11 @@
-//! From the XML of a URDF to a [`Description`].
+//! Reads the XML of a URDF to a [`Description`].
 //!
-//! Every number that is used is read strictly, every diagnostic says where. Meshes, visuals, collisions,
-//! transmissions and the like are never looked into.
+//! Every number that is used is read strictly, and every diagnostic has a place. Meshes, visuals, collisions,
+//! transmissions and similar elements are ignored.
 //!
-//! The numbers are not read with urdf-rs (measured with 0.10): it skips what is no number in a list, takes NaN and
-//! infinities, cannot say whether or where something was written, and refuses a whole file for a fault in a
-//! `<visual>`. It serves the tests as an independent witness of what well-formed files say.
+//! urdf-rs (0.10) is not used for reading. It skips words in a list that are not numbers, and accepts NaN and infinities.
+//! It has no places, cannot tell a missing value from a default, and rejects a file for an error in a `<visual>`. The
+//! tests use it as an independent reader of well-formed files.
 
 mod document;
 mod joint;
@@ -18,7 +18,7 @@ use crate::description::{Description, ReadOptions};
 use crate::diagnostics::Report;
 use crate::read::xml;
 
-/// The description; `None` with errors in the report.
+/// Returns the description; `None` with errors in the report.
 pub fn describe(text: &str, options: &ReadOptions, report: &mut Report<'_>) -> Option<Description> {
     let document = xml::document::parse(text, report)?;
     let robot = document::robot(&document, report)?;

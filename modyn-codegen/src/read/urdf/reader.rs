@@ -1,4 +1,4 @@
-//! The reader of a `<robot>`, and the poses that all of its parts have.
+//! The reader of a `<robot>`, and the poses of its elements.
 
 use modyn_runtime::spatial::Pose;
 use roxmltree::Node;
@@ -7,25 +7,25 @@ use crate::description::{ReadOptions, roll_pitch_yaw};
 use crate::diagnostics::{Code, Place, Subject};
 use crate::read::xml::element::{Elements, attribute};
 
-/// Reads elements: a `<link>` in `link`, a `<joint>` in `joint`, a `<loop_joint>` in `loops`.
+/// Reads elements: `<link>` in `link`, `<joint>` in `joint`, `<loop_joint>` in `loops`.
 pub struct Reader<'a, 't, 'r, 'f> {
     pub xml: Elements<'a, 't, 'r, 'f>,
     pub options: &'r ReadOptions,
-    /// Where limits of effort or velocity are negative.
+    /// The places of negative effort or velocity limits.
     pub negative_limits: Vec<Place>,
 }
 
 impl<'a> Reader<'a, '_, '_, '_> {
-    /// The `<origin>` of this element; identity where there is none.
+    /// Returns the pose of the `<origin>` in an element; identity if there is none.
     pub fn origin(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Pose<f64> {
         let Some(node) = self.xml.single(node, "origin", subject) else {
             return Pose::identity();
         };
-        self.xml.known(node, &["xyz", "rpy", "quat_xyzw"], subject);
+        self.xml.warn_of_unknown_attributes(node, &["xyz", "rpy", "quat_xyzw"], subject);
         self.pose(node, subject)
     }
 
-    /// The pose that this element's `xyz` and `rpy` say.
+    /// Returns the pose of an element's `xyz` and `rpy`.
     pub fn pose(&mut self, node: Node<'a, '_>, subject: Option<&Subject>) -> Pose<f64> {
         if let Some(attribute) = node.attribute_node("quat_xyzw") {
             let message = "`quat_xyzw` is not read, so the rotation would be lost";

@@ -1,4 +1,4 @@
-//! The `<robot>` with all of its parts, in order.
+//! Reads the `<robot>` with all its elements, in order.
 
 use modyn_runtime::joint::JointType;
 use roxmltree::Node;
@@ -8,7 +8,7 @@ use crate::description::{Description, Kind, ReadOptions};
 use crate::diagnostics::{Code, Place, Report, Severity};
 use crate::read::xml::element::{Elements, is};
 
-/// Reads the parts of a `<robot>`.
+/// Reads the elements of a `<robot>`.
 pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Description {
     let at = robot.range().start;
     let mut reader =
@@ -39,16 +39,16 @@ pub fn read(robot: Node, options: &ReadOptions, report: &mut Report<'_>) -> Desc
             description.loops.push(reader.loop_joint(node));
         }
     }
-    reader.surprises(&description);
+    reader.warn_of_unread_values(&description);
     description
 }
 
 impl<'a> Reader<'a, '_, '_, '_> {
-    /// Warns, once a kind, of what is written and would silently mean something else.
-    fn surprises(&mut self, description: &Description) {
+    /// Warns, once for each kind, of elements whose meaning probably differs from what the author expects.
+    fn warn_of_unread_values(&mut self, description: &Description) {
         let (message, help) = (
-            "a limit of effort or velocity is negative, and is not read",
-            "write its size, or leave the attribute out if there is no limit",
+            "a limit of effort or velocity is negative, and is ignored",
+            "write its magnitude, or omit the attribute if there is no limit",
         );
         self.xml.report.warn_once(Code::NegativeLimit, &self.negative_limits, message, help);
         let unlimited: Vec<Place> = description
@@ -60,7 +60,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             })
             .map(|joint| (Some(joint.name.at), Some(joint.subject())))
             .collect();
-        let message = "it has no `<limit>`, so it moves without end here";
+        let message = "it has no `<limit>`, so it has no position limits";
         let help = "write `<limit lower=\"...\" upper=\"...\" effort=\"...\" velocity=\"...\"/>`, or make a \
                     joint that turns without end `continuous`";
         self.xml.report.warn_once(Code::MissingLimit, &unlimited, message, help);

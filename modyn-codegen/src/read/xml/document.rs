@@ -1,23 +1,22 @@
-//! From a text to XML, tolerant of what robot files have all the same.
+//! Parses XML, with tolerance for frequent faults of robot files.
 
 use roxmltree::{Document, Error};
 
 use super::limits::{self, Tags};
 use crate::diagnostics::{Code, Diagnostic, Position, Report};
 
-/// The tidied text; `None` if there is more of it than any description has.
-pub fn bounded(text: &str, report: &mut Report<'_>) -> Option<String> {
+/// Returns the tidied text; `None` if it is longer than any description.
+pub fn within_limits(text: &str, report: &mut Report<'_>) -> Option<String> {
     if !limits::is_short(text.len(), report) {
         return None;
     }
-    let (text, tags) = tidied(text);
-    tags.are_few(report).then_some(text)
+    let (text, tags) = blank_comments(text);
+    tags.within_limits(report).then_some(text)
 }
 
-/// Blanks out what XML forbids but robot files have all the same, byte for byte, so that
-/// positions stay: comments (people draw lines of dashes in them), and whatever
-/// stands before the XML declaration. And counts what there is in tags.
-fn tidied(text: &str) -> (String, Tags<'_>) {
+/// Replaces text that XML forbids but robot files contain by spaces, so that offsets do not change: comments (with
+/// lines of dashes), and text before the XML declaration. Counts attributes and namespaces in tags.
+fn blank_comments(text: &str) -> (String, Tags<'_>) {
     let mut bytes = text.as_bytes().to_vec();
     let mut blank = |from: usize, to: usize| {
         bytes[from..to].iter_mut().filter(|b| !b.is_ascii_whitespace()).for_each(|b| *b = b' ');
@@ -36,7 +35,7 @@ fn tidied(text: &str) -> (String, Tags<'_>) {
             end
         } else if rest.starts_with("<?") {
             let end = after(start, "?>");
-            // A declaration that does not open the file: the text is UTF-8 already.
+            // A declaration that is not at the start of the file: the text is known to be UTF-8.
             if let Some(end) =
                 end.filter(|_| nothing_yet && start > 0 && rest.starts_with("<?xml "))
             {
@@ -53,7 +52,7 @@ fn tidied(text: &str) -> (String, Tags<'_>) {
             }
             end
         };
-        // Unfinished: the XML parser says so better.
+        // The XML parser reports the missing end.
         let Some(end) = end else { break };
         at = end;
     }
@@ -61,7 +60,7 @@ fn tidied(text: &str) -> (String, Tags<'_>) {
     (String::from_utf8(bytes).unwrap_or_else(|_| text.into()), tags)
 }
 
-/// Behind the `>` of the tag that starts here; attribute values may contain one.
+/// Returns the offset after the `>` of the tag that starts here; attribute values may contain `>`.
 fn end_of_tag(text: &str, start: usize) -> Option<usize> {
     let mut quote = None;
     for (i, byte) in text.as_bytes().iter().enumerate().skip(start) {
@@ -75,7 +74,7 @@ fn end_of_tag(text: &str, start: usize) -> Option<usize> {
     None
 }
 
-/// Parses the XML; `None` with an error in the report.
+/// Returns the parsed XML; `None` with an error in the report.
 pub fn parse<'t>(text: &'t str, report: &mut Report<'_>) -> Option<Document<'t>> {
     let error = match Document::parse(text) {
         Ok(document) => return Some(document),
@@ -86,11 +85,11 @@ pub fn parse<'t>(text: &'t str, report: &mut Report<'_>) -> Option<Document<'t>>
     let (code, message, help) = match &error {
         Error::DtdDetected => {
             position = report.position(text.find("<!DOCTYPE").unwrap_or(0));
-            let message = "a document type declaration (DTD) can redefine what the file says";
+            let message = "a document type declaration (DTD) can redefine the contents of the file";
             (Code::Dtd, message.into(), "remove `<!DOCTYPE ...>` and write entities out")
         }
         Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
-            (Code::Xacro, "this is xacro, not yet a URDF".into(), XACRO_HELP)
+            (Code::Xacro, "this is a xacro file, not a URDF".into(), XACRO_HELP)
         }
         Error::UnknownNamespace(prefix, _) => {
             let message = format!("the namespace prefix `{prefix}` is not declared");
@@ -107,7 +106,7 @@ pub fn parse<'t>(text: &'t str, report: &mut Report<'_>) -> Option<Document<'t>>
         }
         Error::NoRootNode => (
             Code::MalformedXml,
-            "there is no element in the text".into(),
+            "the text has no element".into(),
             "a URDF is one element `<robot>`",
         ),
         other => {
@@ -119,11 +118,11 @@ pub fn parse<'t>(text: &'t str, report: &mut Report<'_>) -> Option<Document<'t>>
     None
 }
 
-/// What to do about xacro, whose namespace XML may not even declare.
+/// The advice for xacro files, some of which do not declare the namespace of xacro.
 pub const XACRO_HELP: &str =
     "expand it first: `xacro robot.urdf.xacro -o robot.urdf` (ROS 2: `ros2 run xacro xacro ...`)";
 
-/// The name of the first element, found without parsing the text; `None` if there is no element.
+/// Returns the name of the first element, without parsing the text; `None` if there is no element.
 pub fn first_element(text: &str) -> Option<&str> {
     let mut rest = text;
     loop {
@@ -159,10 +158,13 @@ mod tests {
     #[test]
     fn blanking_moves_nothing() {
         let text = "\n<!-- \u{e9} -- --><?xml version='1.0'?>\n<a b='<!-- > -->'><![CDATA[<!-- -->]]></a><!---->";
-        let (tidy, _) = tidied(text);
+        let (tidy, _) = blank_comments(text);
         assert_eq!(tidy.len(), text.len());
         assert_eq!(tidy.find("<a b='<!-- > -->'><![CDATA[<!-- -->]]></a>"), text.find("<a b="));
         assert!(!tidy.contains("<?xml"));
-        assert_eq!(tidied("<?xml version='1.0'?><a/><!-- ").0, "<?xml version='1.0'?><a/><!-- ");
+        assert_eq!(
+            blank_comments("<?xml version='1.0'?><a/><!-- ").0,
+            "<?xml version='1.0'?><a/><!-- "
+        );
     }
 }

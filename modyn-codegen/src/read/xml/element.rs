@@ -1,4 +1,4 @@
-//! Elements and attributes, read strictly: what is missing, repeated or misspelt is reported with its place.
+//! Reads elements and attributes strictly: missing, repeated or misspelt ones are reported with their place.
 
 use roxmltree::Node;
 
@@ -6,7 +6,7 @@ use super::numbers::numbers;
 use crate::description::Located;
 use crate::diagnostics::{Code, Report, Severity, Subject, suggest};
 
-/// The value of an attribute and where it stands.
+/// The value of an attribute and its place.
 #[derive(Clone, Copy)]
 pub struct Attribute<'a> {
     pub text: &'a str,
@@ -14,21 +14,21 @@ pub struct Attribute<'a> {
 }
 
 impl Attribute<'_> {
-    /// The same, owned.
+    /// Returns the attribute as owned text.
     pub fn located(self) -> Located {
         Located { text: self.text.into(), at: self.at }
     }
 }
 
-/// Reads the elements of a document and reports what is wrong with them.
+/// Reads the elements of a document and reports their errors.
 pub struct Elements<'a, 't, 'r, 'f> {
-    /// The outermost element, whose namespace all that is read has.
+    /// The root element; elements that are read have its namespace.
     pub root: Node<'a, 't>,
     pub report: &'r mut Report<'f>,
 }
 
 impl<'a> Elements<'a, '_, '_, '_> {
-    /// An attribute that must be there and not empty.
+    /// Returns a required attribute, which must not be empty.
     pub fn attribute(
         &mut self,
         node: Node<'a, '_>,
@@ -64,8 +64,8 @@ impl<'a> Elements<'a, '_, '_, '_> {
         }
     }
 
-    /// A number that need not be there.
-    pub fn figure(
+    /// Returns an optional number.
+    pub fn number(
         &mut self,
         node: Node<'a, '_>,
         name: &str,
@@ -74,13 +74,13 @@ impl<'a> Elements<'a, '_, '_, '_> {
         self.numbers::<1>(attribute(node, name)?, subject).map(|[value]| value)
     }
 
-    /// The child elements of this name.
+    /// Returns the child elements of this name.
     pub fn named<'t>(&self, node: Node<'a, 't>, name: &str) -> impl Iterator<Item = Node<'a, 't>> {
         let root = self.root;
         node.children().filter(move |child| is(root, *child, name))
     }
 
-    /// The child element of this name; an error where there are several.
+    /// Returns the child element of this name; several are an error.
     pub fn single<'t>(
         &mut self,
         node: Node<'a, 't>,
@@ -94,13 +94,13 @@ impl<'a> Elements<'a, '_, '_, '_> {
         if let (Some(first), Some(second)) = (first, second) {
             let line = self.report.position(first.range().start).line;
             let message = format!("a second `<{name}>`; the first is in line {line}");
-            let help = "leave one of them";
+            let help = "keep one of them";
             self.report.error(Code::RepeatedElement, second.range().start, subject, message, help);
         }
         first
     }
 
-    /// The same; an error where there is none.
+    /// Returns the required child element of this name; none and several are errors.
     pub fn required<'t>(
         &mut self,
         node: Node<'a, 't>,
@@ -117,8 +117,13 @@ impl<'a> Elements<'a, '_, '_, '_> {
         found
     }
 
-    /// Warns of attributes that are not read: a misspelt one would silently count as 0.
-    pub fn known(&mut self, node: Node<'a, '_>, names: &[&str], subject: Option<&Subject>) {
+    /// Warns of attributes that are not read: the value of a misspelt attribute would silently be its default.
+    pub fn warn_of_unknown_attributes(
+        &mut self,
+        node: Node<'a, '_>,
+        names: &[&str],
+        subject: Option<&Subject>,
+    ) {
         for attribute in node.attributes() {
             if attribute.namespace().is_none() && !names.contains(&attribute.name()) {
                 let element = node.tag_name().name();
@@ -131,8 +136,8 @@ impl<'a> Elements<'a, '_, '_, '_> {
         }
     }
 
-    /// Warns of attributes that look like one of these. (Others are extensions, which abound.)
-    pub fn misspelt_attribute(
+    /// Warns of attributes whose names are similar to one of these. (Other attributes are extensions.)
+    pub fn warn_of_misspelt_attributes(
         &mut self,
         node: Node<'a, '_>,
         names: &[&str],
@@ -154,9 +159,9 @@ impl<'a> Elements<'a, '_, '_, '_> {
         }
     }
 
-    /// Warns of elements that look like one that is optional: it would silently be missing.
-    /// (Others are extensions, which abound.)
-    pub fn misspelt(
+    /// Warns of elements whose names are similar to that of an optional element, which would silently be missing. (Other
+    /// elements are extensions.)
+    pub fn warn_of_misspelt_elements(
         &mut self,
         node: Node<'a, '_>,
         known: &[&str],
@@ -179,13 +184,13 @@ impl<'a> Elements<'a, '_, '_, '_> {
     }
 }
 
-/// An attribute, if it is there.
+/// Returns an attribute; `None` if it is missing.
 pub fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Option<Attribute<'a>> {
     let attribute = node.attribute_node(name)?;
     Some(Attribute { text: attribute.value(), at: attribute.range().start })
 }
 
-/// Whether `node` is the element of this name in the namespace of `root`: elements of other namespaces are extensions.
+/// Returns whether `node` is the element of this name in the namespace of `root`. Elements of other namespaces are extensions.
 pub fn is(root: Node, node: Node, name: &str) -> bool {
     node.is_element()
         && node.tag_name().name() == name

@@ -1,45 +1,45 @@
-//! What no description has, and what parsing would take more than linear time or memory for.
+//! Limits on documents: no description reaches them, and parsing beyond them would take more than linear time or memory.
 
 use std::collections::HashSet;
 use std::ops::Range;
 
 use crate::diagnostics::{Code, Report};
 
-/// Most bytes of a text: a robot of a million joints has half as many.
-pub const MOST_BYTES: usize = 1 << 30;
+/// The largest number of bytes of a text; a robot of a million joints has half as many.
+pub const MAX_BYTES: usize = 1 << 30;
 
-/// Most attributes of an element: each is compared with those before it.
-pub const MOST_ATTRIBUTES: usize = 256;
+/// The largest number of attributes of an element; each is compared with the others.
+pub const MAX_ATTRIBUTES: usize = 256;
 
-/// Most namespaces of a document: each element that declares one copies all of them.
-pub const MOST_NAMESPACES: usize = 256;
+/// The largest number of namespaces of a document; each element that declares one copies all of them.
+pub const MAX_NAMESPACES: usize = 256;
 
-/// Whether a text of so many bytes may be read; else it is in the report.
+/// Returns whether a text of this length may be read; otherwise an error is in the report.
 pub fn is_short(bytes: usize, report: &mut Report<'_>) -> bool {
-    let short = bytes <= MOST_BYTES;
+    let short = bytes <= MAX_BYTES;
     if !short {
-        let message = format!("the text has {bytes} bytes, more than {MOST_BYTES}");
+        let message = format!("the text has {bytes} bytes, more than {MAX_BYTES}");
         report.error(Code::Excessive, 0, None, message, HELP);
     }
     short
 }
 
-/// Counts what the tags of a document have, in the order in which they stand.
+/// Counts the attributes and namespaces of a document, tag by tag.
 #[derive(Default)]
 pub struct Tags<'t> {
     namespaces: HashSet<&'t str>,
-    /// Where there was too much, and of what.
+    /// The place of the first excess, and its description.
     excess: Option<(usize, String)>,
 }
 
 impl<'t> Tags<'t> {
-    /// Takes the tag that is in this part of the text.
+    /// Counts the tag in this part of the text.
     pub fn take(&mut self, text: &'t str, tag: Range<usize>) {
         if self.excess.is_some() {
             return;
         }
         let mut attributes = 0;
-        // What stands before a quote, in quotes, before a quote...
+        // The text before a quote, the text in quotes, the text before a quote, ...
         let mut rest = &text[tag.clone()];
         while let Some(open) = rest.find(['"', '\'']) {
             let inside = &rest[open + 1..];
@@ -51,19 +51,19 @@ impl<'t> Tags<'t> {
             rest = &inside[end + 1..];
         }
         let counted = [
-            (attributes, MOST_ATTRIBUTES, "attributes in one element"),
-            (self.namespaces.len(), MOST_NAMESPACES, "namespaces in one document"),
+            (attributes, MAX_ATTRIBUTES, "attributes in one element"),
+            (self.namespaces.len(), MAX_NAMESPACES, "namespaces in one document"),
         ];
         let excess = counted.into_iter().find(|(count, most, _)| count > most);
         self.excess = excess.map(|(_, most, of)| (tag.start, format!("more than {most} {of}")));
     }
 
-    /// Whether that is no more than may be parsed; else it is in the report.
-    pub fn are_few(self, report: &mut Report<'_>) -> bool {
+    /// Returns whether the document may be parsed; otherwise an error is in the report.
+    pub fn within_limits(self, report: &mut Report<'_>) -> bool {
         let Some((at, message)) = self.excess else { return true };
         report.error(Code::Excessive, at, None, message, HELP);
         false
     }
 }
 
-const HELP: &str = "leave out what the robot's motion has no use for; no description is like this";
+const HELP: &str = "remove everything that is not part of the robot's dynamics; valid descriptions stay below the limit";

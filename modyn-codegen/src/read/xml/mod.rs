@@ -1,4 +1,4 @@
-//! XML, as all formats here are written in: limits on its size, parsing, elements and numbers.
+//! XML, the syntax of all formats: size limits, parsing, elements and numbers.
 
 pub mod document;
 pub mod element;

@@ -1,11 +1,11 @@
-//! Strict numbers.
+//! Reads numbers strictly.
 //!
-//! `f64::from_str` takes `nan` and `inf` and turns `1e400` into infinity; urdf-rs skips what is
-//! no number in a list. Here a list has exactly as many numbers as it must, and all are finite.
+//! `f64::from_str` accepts `nan` and `inf`, and turns `1e400` into infinity. urdf-rs skips words in a list that are not
+//! numbers. Here a list must have exactly the required number of entries, all finite.
 
 use crate::diagnostics::Code;
 
-/// Why a text is not a list of `N` finite numbers.
+/// The reason why a text is not a list of `N` finite numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BadNumbers {
     pub code: Code,
@@ -13,7 +13,7 @@ pub struct BadNumbers {
     pub help: String,
 }
 
-/// Exactly `N` finite numbers, apart by white space.
+/// Returns exactly `N` finite numbers, separated by white space.
 pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], BadNumbers> {
     let mut values = [0.0; N];
     let mut count = 0;
@@ -34,12 +34,12 @@ pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], BadNumbers> {
     let message = format!(
         "{N} number{s} {are} needed, but there {} {found} in \"{}\"",
         if count == 1 { "is" } else { "are" },
-        shortened(text)
+        truncate(text)
     );
     Err(BadNumbers { code: Code::NumberCount, message, help })
 }
 
-/// One decimal number: an optional sign, digits with an optional point, an optional exponent.
+/// Returns one decimal number: an optional sign, digits with an optional point, an optional exponent.
 fn number(word: &str) -> Result<f64, BadNumbers> {
     let name = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
     let infinite = |message| BadNumbers {
@@ -48,17 +48,17 @@ fn number(word: &str) -> Result<f64, BadNumbers> {
         help: "write a finite number".into(),
     };
     if matches!(name.as_str(), "nan" | "inf" | "infinity") {
-        return Err(infinite(format!("`{}` is not finite", shortened(word))));
+        return Err(infinite(format!("`{}` is not finite", truncate(word))));
     }
     let decimal = word.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
     match word.parse::<f64>() {
         Ok(value) if decimal && value.is_finite() => Ok(value),
         Ok(_) if decimal => {
-            Err(infinite(format!("`{}` is too large for a 64-bit number", shortened(word))))
+            Err(infinite(format!("`{}` is too large for a 64-bit number", truncate(word))))
         }
         _ => Err(BadNumbers {
             code: Code::BadNumber,
-            message: format!("`{}` is not a number", shortened(word)),
+            message: format!("`{}` is not a number", truncate(word)),
             help: if word.contains(',') {
                 "write a point before decimals, and spaces (no commas) between numbers".into()
             } else {
@@ -68,8 +68,8 @@ fn number(word: &str) -> Result<f64, BadNumbers> {
     }
 }
 
-/// At most 60 characters of a text, for a message.
-fn shortened(text: &str) -> String {
+/// Returns at most 60 characters of a text, for a message.
+fn truncate(text: &str) -> String {
     match text.char_indices().nth(60) {
         Some((end, _)) => format!("{}...", &text[..end]),
         None => text.into(),

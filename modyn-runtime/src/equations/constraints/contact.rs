@@ -45,7 +45,7 @@ impl<S: Scalar> ContactFrame<S> {
             workspace.motions[i] = body.motion(q);
             let parent = k.checked_sub(1).map(|before| workspace.axes[path[before]]);
             workspace.axes[i] = parent.map_or_else(identity, |parent| {
-                workspace.motions[i].turn_axes(&body.placement.turn_axes(&parent))
+                workspace.motions[i].rotate_axes(&body.placement.rotate_axes(&parent))
             });
         }
         let mut frame = Self {
@@ -61,14 +61,14 @@ impl<S: Scalar> ContactFrame<S> {
             let at_joint = motion.point_to_parent(frame.origin);
             if k == 0 {
                 add_columns(model, i, &identity(), frame.origin, columns);
-                frame.root_axes = motion.turn_axes(&body.placement.turn_axes(&identity()));
+                frame.root_axes = motion.rotate_axes(&body.placement.rotate_axes(&identity()));
                 frame.root_origin =
                     body.placement.point_to_parent(motion.point_to_parent(Vector3::zero()));
                 break;
             }
             // An axis is the same in front of the joint, where the axes have one rotation less.
             if body.elementary_joint.has_axis() {
-                let axes = body.placement.turn_axes(&workspace.axes[path[k - 1]]);
+                let axes = body.placement.rotate_axes(&workspace.axes[path[k - 1]]);
                 add_columns(model, i, &axes, at_joint, columns);
             } else {
                 add_columns(model, i, &workspace.axes[i], frame.origin, columns);
@@ -145,7 +145,8 @@ impl<S: Scalar> ContactFrame<S> {
         };
         let field = self.on_body.body.map(|body| &workspace.fields[body]);
         let bias_acceleration = field.map_or_else(Twist::zero, |field| {
-            let linear = field.a + field.over_origin(Vector3(self.on_body.pose.translation));
+            let linear =
+                field.a + field.relative_acceleration(Vector3(self.on_body.pose.translation));
             Twist {
                 angular: self.body_axes.mul_vector(field.alpha),
                 linear: self.body_axes.mul_vector(linear) + self.to_root(model.gravity),

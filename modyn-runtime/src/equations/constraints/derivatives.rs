@@ -152,11 +152,12 @@ impl<S: Scalar> Path<S> {
             let (body, field, axes) = (&model.bodies[i], &workspace.fields[i], &workspace.axes[i]);
             bodies[k + 1].omega = axes.mul_vector(field.omega);
             bodies[k + 1].alpha = axes.mul_vector(field.alpha);
-            bodies[k + 1].acceleration = axes.mul_vector(field.a + field.over_origin(point));
+            bodies[k + 1].acceleration =
+                axes.mul_vector(field.a + field.relative_acceleration(point));
             let at_joint = workspace.motions[i].point_to_parent(point);
             let in_front = k > 0 && body.elementary_joint.has_axis();
             let (axes, lever) = match in_front {
-                true => (body.placement.turn_axes(&workspace.axes[path[k - 1]]), at_joint),
+                true => (body.placement.rotate_axes(&workspace.axes[path[k - 1]]), at_joint),
                 false => (*axes, point),
             };
             for dof in body.dofs.clone() {

@@ -1,4 +1,4 @@
-//! Forward dynamics under constraints.
+//! Forward dynamics with loop constraints.
 
 use super::rows::constraint_rows;
 use super::{ConstraintWorkspace, Settings};

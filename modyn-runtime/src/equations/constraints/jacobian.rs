@@ -2,10 +2,10 @@
 
 use super::ConstraintWorkspace;
 use super::contact::ContactFrame;
-use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, seen_from_ancestor};
+use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, relative_to_ancestor};
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::kinematics::kinematic_path::{self, Relative};
+use crate::equations::kinematics::kinematic_path::{self, OriginMotion};
 use crate::equations::kinematics::links::add_columns;
 use crate::mechanism::{ConstrainedFrames, Mechanism};
 use crate::spatial::{Twist, Vector3};
@@ -33,7 +33,7 @@ pub fn constraint_jacobian<S: Scalar>(
         let [first, second] = &mut room.columns;
         let reach = |end, columns: &mut [Twist<S>]| {
             columns.fill(Twist::zero());
-            seen_from_ancestor(model, end, ancestor, q, |i, seen| {
+            relative_to_ancestor(model, end, ancestor, q, |i, seen| {
                 add_columns(model, i, &seen.axes, seen.point, columns);
             })
         };
@@ -58,7 +58,7 @@ pub fn constraint_bias_acceleration<S: Scalar>(
         } else {
             let ancestor = common_ancestor(model, constraint);
             let seen =
-                constraint.ends.map(|end| seen_from_ancestor(model, end, ancestor, q, |_, _| {}));
+                constraint.ends.map(|end| relative_to_ancestor(model, end, ancestor, q, |_, _| {}));
             let pose = RelativePose::new(&seen);
             let motion = RelativeMotion::new(model, constraint, &pose, (q, qd), workspace);
             constraint.constrained_part(motion.bias_acceleration)
@@ -73,7 +73,7 @@ fn of_contact<S: Scalar>(
     (q, qd): (&[S], &[S]),
 ) -> Twist<S> {
     let end = constraint.ends[1];
-    let fixed = Relative::fixed(Vector3(end.pose.translation));
+    let fixed = OriginMotion::fixed(Vector3(end.pose.translation));
     let motion = kinematic_path::towards_world(model, end.body)
         .fold(fixed, |frame, i| frame.towards_world(model, i, (q, qd, None)));
     // A point's rows are all displacements, a surface's all six: the axes do not matter.

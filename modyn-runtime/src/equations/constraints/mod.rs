@@ -16,9 +16,10 @@
 //! | `projection` | steps that meet the constraints |
 //! | `residual` | how far the constraints are from being met |
 //!
-//! A constraint holds rows J qd = 0 of the motion of its second frame relative to its first, in the first
-//! frame's axes; their rate is J qdd + dJ/dt qd. With multipliers lambda (Featherstone 2008, "Rigid Body
-//! Dynamics Algorithms", 8.2) and the stabilization of Baumgarte (1972) towards phi = 0 and J qd = 0,
+//! A constraint consists of rows J qd = 0. Each row is a component of the second frame's twist relative
+//! to the first frame, in the first frame's axes. The time derivative of a row is J qdd + dJ/dt qd. With
+//! multipliers lambda (Featherstone 2008, "Rigid Body Dynamics Algorithms", 8.2) and the stabilization
+//! of Baumgarte (1972), which drives phi and J qd to zero, the equations are
 //!
 //! ```text
 //! I qdd = tau - h + J^T lambda
@@ -34,10 +35,10 @@
 //! as dependent, and their multipliers are zero. No branch depends on a value.
 //!
 //! Rotation rows are multiplied by the constraint's characteristic length l
-//! ([`Model::characteristic_length`](crate::model::Model::characteristic_length)). Of redundant rows the
-//! multipliers are those with the smallest sum of force^2 + (moment / l)^2 over all constraints; the
-//! accelerations of contradictory rows have the smallest sum of squared residuals, linear^2 +
-//! (l angular)^2. Neither depends on how the mechanism is rotated.
+//! ([`Model::characteristic_length`](crate::model::Model::characteristic_length)). Where rows are
+//! redundant, the multipliers minimize the sum of force^2 + (moment / l)^2 over all constraints. Where
+//! rows contradict each other, the accelerations minimize the sum of the squared residuals,
+//! linear^2 + (l angular)^2. Neither sum depends on the orientation of the mechanism.
 
 mod contact;
 mod derivatives;
@@ -89,7 +90,7 @@ struct Support {
     has: Vec<bool>,
 }
 
-/// Memory for constraints.
+/// Memory for the intermediate results of constrained dynamics.
 #[derive(Clone, Debug)]
 pub struct ConstraintWorkspace<S> {
     /// By end: the Jacobian of its frame, a column for each entry of qd.
@@ -114,22 +115,22 @@ pub struct ConstraintWorkspace<S> {
     rest: Vec<S>,
     /// By constraint: the trace of J I^-1 J^T over all six directions.
     mobilities: Vec<S>,
-    /// J I^-1 J^T of the constrained rows.
+    /// The factorization of J I^-1 J^T, constrained rows only.
     factorization: RankFactorization<S>,
-    /// Two right-hand sides by constrained row, then the multipliers.
+    /// Two right-hand sides, an entry for each constrained row; `solve` replaces them by multipliers.
     right_hand_sides: [Vec<S>; 2],
-    /// By constrained row: the part of the right-hand side that was not met.
+    /// For each constrained row, the part of the right-hand side that is not met.
     residuals: Vec<S>,
     /// For inverse dynamics.
     carried: Carried<S>,
     /// For derivatives, from their first call on.
     derivatives: Option<DerivativeWorkspace<S>>,
-    /// Of the mass matrix.
+    /// The factors of the mass matrix.
     factors: Vec<S>,
 }
 
 impl<S: Scalar> ConstraintWorkspace<S> {
-    /// Memory for a model whose mass matrix is factorized in this layout.
+    /// Returns memory for `model`, whose mass matrix is factorized with `layout`.
     #[must_use]
     pub fn new(model: &Mechanism<S>, layout: &UduLayout) -> Self {
         let constraints = || model.constraints.iter();
@@ -227,7 +228,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Replaces a right-hand side by its multipliers.
+    /// Replaces right-hand side `side` by its multipliers.
     fn solve(&mut self, side: usize) {
         let Self { factorization, right_hand_sides, residuals, .. } = self;
         factorization.solve(&mut right_hand_sides[side], residuals);

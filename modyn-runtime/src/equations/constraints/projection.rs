@@ -1,4 +1,4 @@
-//! The projection of coordinates and velocities on the constraints.
+//! The projection of coordinates and velocities onto the constraints.
 
 use super::rows::constraint_rows;
 use super::{ConstraintWorkspace, Settings};

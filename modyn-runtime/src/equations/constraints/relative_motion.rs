@@ -1,29 +1,29 @@
 //! The motion of a constraint's second frame relative to its first, in the first frame's axes.
 //!
-//! Bodies that carry both frames have no part in it.
+//! Only the bodies between the frames and their closest common ancestor take part.
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::kinematics::kinematic_path::{self, Own};
-use crate::equations::kinematics::links::Seen;
+use crate::equations::kinematics::kinematic_path::{self, BodyMotion};
+use crate::equations::kinematics::links::LinkInBody;
 use crate::mechanism::{BodyFrame, ConstrainedFrames, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3};
 
-/// The closest body that carries both frames of a constraint; `None` for the world.
+/// Returns the closest common ancestor of a constraint's two bodies; `None` is the world.
 pub(super) fn common_ancestor<S>(
     model: &Mechanism<S>,
     constraint: &ConstrainedFrames<S>,
 ) -> Option<usize> {
     let [mut a, mut b] = constraint.ends.each_ref().map(|end| end.body);
     while a != b {
-        // Parents come before their children, and the world before all.
+        // Parents have lower indices than their children, and `None` (the world) is lower than all.
         let later = if a > b { &mut a } else { &mut b };
         *later = later.and_then(|i| model.bodies[i].parent);
     }
     a
 }
 
-/// The bodies from a frame towards the world, up to `ancestor` but without it.
+/// Returns the bodies from a frame's body towards the world, without `ancestor` and its ancestors.
 pub(super) fn path<S>(
     model: &Mechanism<S>,
     end: BodyFrame<S>,
@@ -32,16 +32,16 @@ pub(super) fn path<S>(
     kinematic_path::towards_world(model, end.body).take_while(move |&i| Some(i) != ancestor)
 }
 
-/// A frame seen from the body `ancestor`; `visit` is called with the frame seen from each body on
-/// the path.
-pub(super) fn seen_from_ancestor<S: Scalar>(
+/// Returns a frame as seen from the body `ancestor`. For each body on the path, `visit` is called with
+/// the frame as seen from that body.
+pub(super) fn relative_to_ancestor<S: Scalar>(
     model: &Mechanism<S>,
     end: BodyFrame<S>,
     ancestor: Option<usize>,
     q: &[S],
-    mut visit: impl FnMut(usize, &Seen<S>),
-) -> Seen<S> {
-    path(model, end, ancestor).fold(Seen::fixed(&end.pose), |seen, i| {
+    mut visit: impl FnMut(usize, &LinkInBody<S>),
+) -> LinkInBody<S> {
+    path(model, end, ancestor).fold(LinkInBody::fixed(&end.pose), |seen, i| {
         visit(i, &seen);
         seen.towards_world(&model.bodies[i], q)
     })
@@ -49,22 +49,22 @@ pub(super) fn seen_from_ancestor<S: Scalar>(
 
 /// The pose of the second frame relative to the first.
 pub(super) struct RelativePose<S> {
-    /// The second frame's axes, as columns.
+    /// The second frame's axes in the first frame, as columns.
     rotation: Matrix3<S>,
-    /// The second frame's origin.
+    /// The second frame's origin in the first frame, m.
     origin: Vector3<S>,
 }
 
 impl<S: Scalar> RelativePose<S> {
-    /// From both frames, seen from their common ancestor.
-    pub(super) fn new([first, second]: &[Seen<S>; 2]) -> Self {
+    /// Returns the relative pose of two frames, both seen from their common ancestor.
+    pub(super) fn new([first, second]: &[LinkInBody<S>; 2]) -> Self {
         Self {
             rotation: first.axes.times(&second.axes.transposed()),
             origin: first.axes.mul_vector(second.point - first.point),
         }
     }
 
-    /// A twist in the second frame's axes, expressed in the first frame's.
+    /// Rotates a twist from the second frame's axes into the first frame's axes.
     fn rotated(&self, second: Twist<S>) -> Twist<S> {
         let Twist { angular, linear } = second;
         Twist {
@@ -73,8 +73,9 @@ impl<S: Scalar> RelativePose<S> {
         }
     }
 
-    /// The twist of the second frame relative to the first, from the twists of both, each in its own
-    /// axes at its own origin.
+    /// Returns the twist of the second frame relative to the first, at the second frame's origin in the
+    /// first frame's axes. The arguments are the twists of both frames, each at its own origin and in
+    /// its own axes.
     pub(super) fn twist(&self, first: Twist<S>, second: Twist<S>) -> Twist<S> {
         let second = self.rotated(second);
         Twist {
@@ -83,8 +84,8 @@ impl<S: Scalar> RelativePose<S> {
         }
     }
 
-    /// The rotation error: of a hinge, the vector product of its two directions; else the axis of
-    /// the relative rotation times the sine of its angle.
+    /// Returns the rotation error. For a hinge it is the cross product of the axis directions of both
+    /// frames. Otherwise it is the axis of the relative rotation times the sine of its angle.
     fn rotation_error(&self, hinge: Option<Vector3<S>>) -> Vector3<S> {
         if let Some(hinge) = hinge {
             return hinge.cross(self.rotation.mul_vector(hinge));
@@ -94,18 +95,17 @@ impl<S: Scalar> RelativePose<S> {
     }
 }
 
-/// The displacement of the second frame relative to the first, its velocity and its bias
-/// acceleration.
+/// The displacement of the second frame relative to the first, its velocity and its bias acceleration.
 pub(super) struct RelativeMotion<S> {
-    /// The rotation error and the second frame's origin.
+    /// The rotation error (angular) and the position of the second frame's origin (linear).
     pub(super) displacement: Twist<S>,
     pub(super) velocity: Twist<S>,
-    /// The rate of the velocity's components while qd does not change.
+    /// The time derivative of the velocity's components at constant qd.
     pub(super) bias_acceleration: Twist<S>,
 }
 
 impl<S: Scalar> RelativeMotion<S> {
-    /// At this state, of frames at this relative pose.
+    /// Returns the relative motion at `state` of two frames whose relative pose is `pose`.
     pub(super) fn new(
         model: &Mechanism<S>,
         constraint: &ConstrainedFrames<S>,
@@ -118,7 +118,9 @@ impl<S: Scalar> RelativeMotion<S> {
             workspace.kinematic_path.clear();
             workspace.kinematic_path.extend(path(model, end, ancestor));
             let bodies = workspace.kinematic_path.iter().rev();
-            bodies.fold(Own::at_rest(), |own, &i| own.carried_to(model, i, state)).at(&end.pose)
+            bodies
+                .fold(BodyMotion::at_rest(), |own, &i| own.to_child(model, i, state))
+                .at(&end.pose)
         });
         let velocity = pose.twist(first.velocity, second.velocity);
         // The second frame's components are in axes that rotate relative to the first frame, and the

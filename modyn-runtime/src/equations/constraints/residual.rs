@@ -1,8 +1,8 @@
-//! The residual of the constraints: how far they are from being met.
+//! The residual of the constraints: the displacements and velocities that violate them.
 
 use super::ConstraintWorkspace;
 use super::contact::ContactFrame;
-use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, seen_from_ancestor};
+use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, relative_to_ancestor};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
 use crate::equations::Workspace;
@@ -36,7 +36,7 @@ pub fn constraint_residual<S: Scalar>(
         }
         let ancestor = common_ancestor(model, constraint);
         let seen =
-            constraint.ends.map(|end| seen_from_ancestor(model, end, ancestor, q, |_, _| {}));
+            constraint.ends.map(|end| relative_to_ancestor(model, end, ancestor, q, |_, _| {}));
         let pose = RelativePose::new(&seen);
         let motion = RelativeMotion::new(model, constraint, &pose, (q, qd), workspace);
         *displacement = constraint.constrained_part(motion.displacement);

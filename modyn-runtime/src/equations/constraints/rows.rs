@@ -1,6 +1,6 @@
-//! The rows of the constraint Jacobian in units of length, and the mobility that they are judged by.
+//! The rows of the constraint Jacobian in units of length, and the mobility of each constraint.
 //!
-//! A row holds one component of a constraint's relative twist. A rotation row is multiplied by the
+//! A row is one component of a constraint's relative twist. A rotation row is multiplied by the
 //! constraint's characteristic length l, so that all rows are velocities in m/s and all multipliers
 //! are forces in N. The mobility of a constraint is the trace of G I^-1 G^T, where G has a row for each
 //! of the six directions of the relative twist, constrained or free, in the same units: a number
@@ -12,7 +12,7 @@
 
 use super::ConstraintWorkspace;
 use super::contact::ContactFrame;
-use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, seen_from_ancestor};
+use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, relative_to_ancestor};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
 use crate::equations::Workspace;
@@ -23,12 +23,12 @@ use crate::mechanism::{ConstrainedFrames, ConstraintRow, Mechanism};
 use crate::spatial::Twist;
 
 impl<S: Scalar> ConstraintRow<S> {
-    /// The component of a twist that the row constrains, rad/s or m/s.
+    /// Returns the component of a twist that the row constrains, rad/s or m/s.
     fn component(&self, twist: Twist<S>) -> S {
         self.direction.dot(if self.angular { twist.angular } else { twist.linear })
     }
 
-    /// The same component in units of length.
+    /// Returns the component of a twist that the row constrains, in m/s.
     pub(super) fn scaled_component(&self, twist: Twist<S>, length: S) -> S {
         let component = self.component(twist);
         if self.angular { component * length } else { component }
@@ -36,11 +36,11 @@ impl<S: Scalar> ConstraintRow<S> {
 }
 
 impl<S: Scalar> ConstrainedFrames<S> {
-    /// The sum of the rows' directions times these components, one for each row; components that
-    /// follow belong to other constraints.
+    /// Returns the sum of the rows' directions times `components`, one component for each row. Further
+    /// components belong to other constraints and are not taken.
     pub(super) fn along_rows(&self, components: impl Iterator<Item = S>) -> Twist<S> {
         let mut sum = Twist::zero();
-        // The rows come first: a component that is taken must have a row.
+        // `zip` asks the rows first, so that no component is taken without a row.
         for (row, component) in self.rows.iter().zip(components) {
             let part = if row.angular { &mut sum.angular } else { &mut sum.linear };
             *part += row.direction.scale(component);
@@ -48,7 +48,7 @@ impl<S: Scalar> ConstrainedFrames<S> {
         sum
     }
 
-    /// The constrained part of a twist.
+    /// Returns a twist without its components along the free directions.
     pub(super) fn constrained_part(&self, twist: Twist<S>) -> Twist<S> {
         self.along_rows(self.rows.iter().map(|row| row.component(twist)))
     }
@@ -88,7 +88,7 @@ pub(super) fn constraint_rows<S: Scalar>(
             let ancestor = common_ancestor(model, constraint);
             let reach = |end, columns: &mut [Twist<S>]| {
                 columns.fill(Twist::zero());
-                seen_from_ancestor(model, end, ancestor, q, |i, seen| {
+                relative_to_ancestor(model, end, ancestor, q, |i, seen| {
                     add_columns(model, i, &seen.axes, seen.point, columns);
                 })
             };

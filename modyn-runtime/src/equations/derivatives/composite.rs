@@ -1,11 +1,11 @@
-//! Composites: inertia, moments of velocities and wrenches, summed towards the root.
+//! Composite inertias, velocity moments and wrenches: sums over a body and its descendants.
 
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::mechanism::BodyTree;
 use crate::spatial::{Twist, Vector3, VelocityMoments, Wrench};
 
-/// Fills in the bodies' angular velocities alone.
+/// Computes the angular velocity of each body, and nothing else of its motion.
 pub(super) fn angular_velocities<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     qd: &[S],
@@ -13,14 +13,15 @@ pub(super) fn angular_velocities<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     for (i, body) in model.bodies.iter().enumerate() {
-        let angular = body.to_child(&workspace.motions[i], parents_turn(tree, i, workspace));
+        let angular =
+            body.to_child(&workspace.motions[i], parent_angular_velocity(tree, i, workspace));
         let twist = model.add_rates(i, Twist { angular, ..Twist::zero() }, qd);
         workspace.fields[i].omega = twist.angular;
     }
 }
 
-/// The angular velocity of what a body hangs on.
-fn parents_turn<S: Scalar, T: BodyTree<S>>(
+/// Returns the angular velocity of a body's parent; zero for the world.
+fn parent_angular_velocity<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     body: usize,
     workspace: &Workspace<S>,
@@ -29,10 +30,12 @@ fn parents_turn<S: Scalar, T: BodyTree<S>>(
     Vector3(tree.broadcast_from_parents(body, |parent| parent.map_or_else(Vector3::zero, of).0))
 }
 
-/// Sums the bodies' inertias to composites, and how these move against the composites' bodies;
-/// and how fast the bodies' origins move over their parents'. Expects angular velocities.
+/// Computes composite inertias, the velocity moments of the composites relative to their bodies, and
+/// twice the velocity of each body's origin relative to its parent (`levers`). Expects angular
+/// velocities.
 ///
-/// A body that is rigid with its frame contributes no velocity: joints do, one after the other.
+/// A rigid body does not move relative to its own frame. Velocity moments therefore arise at the joints
+/// of its descendants only.
 pub(super) fn accumulate_composites<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     qd: &[S],
@@ -67,16 +70,16 @@ pub(super) fn accumulate_composites<S: Scalar, T: BodyTree<S>>(
         if let Some(displacement) = motion.displacement() {
             origin += to_parent(displacement);
         }
-        let mut lever = parents_turn(tree, i, workspace).cross(origin + origin);
-        if let Some(drift) = motion.drift(&rates) {
+        let mut lever = parent_angular_velocity(tree, i, workspace).cross(origin + origin);
+        if let Some(drift) = motion.origin_velocity(&rates) {
             lever += to_parent(drift + drift);
         }
         workspace.levers[i] = lever;
     }
 }
 
-/// Sums the bodies' own wrenches to those of composites. `known` is the force along a degree of freedom,
-/// where it is known anyway.
+/// Sums the bodies' wrenches to the wrenches of composites. `known` returns the force along a degree of
+/// freedom if that force is given.
 pub(super) fn accumulate_wrenches<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     known: impl Fn(usize) -> Option<S>,

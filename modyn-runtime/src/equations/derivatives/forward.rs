@@ -2,8 +2,8 @@
 
 use super::composite::{accumulate_composites, accumulate_wrenches, angular_velocities};
 use super::inverse::add_dissipation;
-use super::perturbation::{by_coordinates, by_rates};
-use super::projection::{By, project};
+use super::perturbation::{perturbations_by_coordinates, perturbations_by_rates};
+use super::projection::{Variable, project};
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
@@ -14,27 +14,31 @@ use crate::equations::factorization::{
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::Vector3;
 
-/// Where the accelerations and their derivatives go, matrices nv x nv by columns.
+/// The results of [`forward_dynamics_derivatives`]. Matrices are nv x nv, stored by columns.
 #[derive(Debug)]
 pub struct ForwardDerivatives<'a, S> {
-    /// The accelerations.
+    /// The joint accelerations.
     pub qdd: &'a mut [S],
-    /// Their derivatives by q, in the tangent space.
+    /// The derivatives of the accelerations with respect to q, in the tangent space.
     pub dqdd_dq: &'a mut [S],
-    /// Their derivatives by qd.
+    /// The derivatives of the accelerations with respect to qd.
     pub dqdd_dqd: &'a mut [S],
-    /// Their derivatives by tau: the inverse of the mass matrix, exactly symmetric.
+    /// The derivatives of the accelerations with respect to tau: the inverse of the mass matrix, exactly
+    /// symmetric.
     pub dqdd_dtau: &'a mut [S],
 }
 
-/// The accelerations under the torques `tau` and their derivatives, through the factors of the mass matrix:
-/// d qdd = -I^-1 d tau at these accelerations.
+/// Computes the joint accelerations under the joint forces `tau`, and their derivatives with respect to
+/// q, qd and tau.
 ///
-/// d tau / d qd does not depend on accelerations, and the forces of velocities are quadratic in
-/// them: half of (d tau / d qd) qd (Euler). So no pass over unaccelerated motion is needed.
+/// The derivatives are those of inverse dynamics at these accelerations, multiplied by -I^-1 (Carpentier
+/// and Mansard 2018). Products with I^-1 use the factors of the mass matrix.
 ///
-/// A floating base's origin is accelerated against free fall, whose derivatives are known: place
-/// and velocity of the base then change nothing else.
+/// d tau / d qd does not depend on the accelerations. The velocity-dependent forces are quadratic in qd,
+/// so they are half of (d tau / d qd) qd by Euler's theorem. No pass without accelerations is needed.
+///
+/// The accelerations of a floating base's origin are relative to free fall, whose derivatives are
+/// known. The position and the linear velocity of the base then have no other effect.
 pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
     tree: &T,
     limbs: &T::Layout,
@@ -45,14 +49,14 @@ pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
     let ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau } = outputs;
     let (model, layout) = (tree.mechanism(), limbs.layout());
     let n = model.nv;
-    workspace.make_room(layout.pivots(), n * n, layout.size());
+    workspace.reserve(layout.pivots(), n * n, layout.size());
     workspace.move_to(model, q);
     angular_velocities(tree, qd, workspace);
     accumulate_composites(tree, qd, workspace);
-    by_rates(tree, qd, true, workspace);
+    perturbations_by_rates(tree, qd, true, workspace);
     let mut matrix = core::mem::take(&mut workspace.matrix);
     let mut factors = core::mem::take(&mut workspace.factors);
-    project(tree, By::Rates, workspace, dqdd_dqd, Some(&mut matrix[..n * n]));
+    project(tree, Variable::Rates, workspace, dqdd_dqd, Some(&mut matrix[..n * n]));
 
     qdd.copy_from_slice(tau);
     subtract_forces(tree, limbs, (qd, dqdd_dqd), workspace, qdd);
@@ -61,8 +65,8 @@ pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
 
     link_wrenches(tree, qd, Accelerations::AgainstFall(qdd), workspace);
     accumulate_wrenches(tree, |d| generalized_force(model, d, (qd, qdd, tau)), workspace);
-    by_coordinates(tree, qd, true, workspace);
-    project(tree, By::Coordinates, workspace, dqdd_dq, None);
+    perturbations_by_coordinates(tree, qd, true, workspace);
+    project(tree, Variable::Coordinates, workspace, dqdd_dq, None);
     add_dissipation(model, qd, dqdd_dqd);
     inverse(limbs, &factors, dqdd_dtau);
     for columns in [&mut *dqdd_dq, &mut *dqdd_dqd] {
@@ -78,7 +82,7 @@ pub fn forward_dynamics_derivatives<S: Scalar, T: Factorizable<S>>(
     add_free_fall(model, qd, workspace, (qdd, dqdd_dq, dqdd_dqd));
 }
 
-/// The product of a matrix by columns with `x`, `lanes` rows at a time, in place of `x`.
+/// Replaces `x` by the product of a matrix, stored by columns, and `x`. Computes `lanes` rows at a time.
 fn multiply<S: Scalar, T: BodyTree<S>>(tree: &T, columns: &[S], lanes: usize, x: &mut [S]) {
     let n = x.len();
     let factors = x.to_vec();
@@ -92,8 +96,8 @@ fn multiply<S: Scalar, T: BodyTree<S>>(tree: &T, columns: &[S], lanes: usize, x:
     }
 }
 
-/// Takes the forces of velocities, gravity and dissipation off the torques `tau`; a floating base is
-/// in free fall. `dtau_dqd` is without dissipation.
+/// Subtracts velocity-dependent forces, gravity and dissipation from `tau`; a floating base is in free
+/// fall. `dtau_dqd` excludes dissipation.
 fn subtract_forces<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     limbs: &impl FactorLayout<S>,
@@ -128,7 +132,7 @@ fn subtract_forces<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// The force of its composite's wrench along degree of freedom `d`, where the torque says it.
+/// Returns the force of the composite's wrench along degree of freedom `d`, if `tau` determines it.
 fn generalized_force<S: Scalar>(
     model: &Mechanism<S>,
     d: usize,
@@ -148,7 +152,7 @@ fn generalized_force<S: Scalar>(
     Some(force)
 }
 
-/// Adds floating bases' free fall g - omega x v to their accelerations, and its derivatives.
+/// Adds the free fall g - omega x v of floating bases to their accelerations, and its derivatives.
 fn add_free_fall<S: Scalar>(
     model: &Mechanism<S>,
     qd: &[S],
@@ -162,7 +166,7 @@ fn add_free_fall<S: Scalar>(
         let omega = workspace.fields[i].omega;
         let g = model.bodies[i].to_child(&workspace.motions[i], model.gravity);
         let dofs = model.dofs_of(i);
-        // The base's numbers stand in a row, the linear ones first.
+        // The entries of a floating base are contiguous, the linear ones first.
         let linear = dofs[0].v..dofs[0].v + 3;
         let add = |column: usize, columns: &mut [S], change: Vector3<S>| {
             let entries = &mut columns[column * n..][linear.clone()];

@@ -1,17 +1,18 @@
 //! Derivatives of inverse dynamics.
 
 use super::composite::{accumulate_composites, accumulate_wrenches};
-use super::perturbation::{by_coordinates, by_rates};
-use super::projection::{By, project};
+use super::perturbation::{perturbations_by_coordinates, perturbations_by_rates};
+use super::projection::{Variable, project};
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::{Accelerations, link_wrenches};
 use crate::mechanism::{BodyTree, Mechanism};
 
-/// d tau / d q and d tau / d qd of [`inverse_dynamics`](crate::equations::dynamics::inverse_dynamics), nv x nv
-/// by columns; d tau / d qdd is the [`mass_matrix`](crate::equations::dynamics::mass_matrix).
+/// Computes the derivatives d tau / d q and d tau / d qd of
+/// [`inverse_dynamics`](crate::equations::dynamics::inverse_dynamics): nv x nv matrices, stored by columns.
 ///
-/// The jump of Coulomb friction counts as slope 0.
+/// d tau / d qdd is the [`mass_matrix`](crate::equations::dynamics::mass_matrix). The derivative of
+/// Coulomb friction is taken as zero, also at its jump.
 pub fn inverse_dynamics_derivatives<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     (q, qd, qdd): (&[S], &[S], &[S]),
@@ -24,14 +25,14 @@ pub fn inverse_dynamics_derivatives<S: Scalar, T: BodyTree<S>>(
     link_wrenches(tree, qd, Accelerations::Given(qdd), workspace);
     accumulate_composites(tree, qd, workspace);
     accumulate_wrenches(tree, |_| None, workspace);
-    by_coordinates(tree, qd, false, workspace);
-    project(tree, By::Coordinates, workspace, dtau_dq, None);
-    by_rates(tree, qd, false, workspace);
-    project(tree, By::Rates, workspace, dtau_dqd, None);
+    perturbations_by_coordinates(tree, qd, false, workspace);
+    project(tree, Variable::Coordinates, workspace, dtau_dq, None);
+    perturbations_by_rates(tree, qd, false, workspace);
+    project(tree, Variable::Rates, workspace, dtau_dqd, None);
     add_dissipation(model, qd, dtau_dqd);
 }
 
-/// Adds what damping and friction do to d tau / d qd.
+/// Adds the derivatives of damping and friction to d tau / d qd.
 pub(super) fn add_dissipation<S: Scalar>(model: &Mechanism<S>, qd: &[S], dtau_dqd: &mut [S]) {
     for dof in &model.dofs {
         if let Some(slope) = model.dissipation_slope(dof, qd) {

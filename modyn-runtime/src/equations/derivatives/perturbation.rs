@@ -1,17 +1,17 @@
-//! How a degree of freedom changes the accelerations of the points after it.
+//! Perturbations: the changes of the points' accelerations by a degree of freedom's coordinate or rate.
 
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::dynamics::newton_euler::is_base;
-use crate::equations::kinematics::acceleration::carried;
+use crate::equations::kinematics::acceleration::parent_motion;
 use crate::joint::ElementaryJoint;
 use crate::mechanism::BodyTree;
 use crate::spatial::{AccelerationPerturbation, Field, Matrix3, Vector3};
 
-/// Fills in the perturbations by the coordinates. Expects the bodies' accelerations.
+/// Computes the perturbation by each coordinate. Expects the bodies' accelerations.
 ///
-/// `falling` takes a floating base to be in free fall, whatever its place and velocity.
-pub(super) fn by_coordinates<S: Scalar, T: BodyTree<S>>(
+/// With `falling` a floating base is in free fall, independent of its position and velocity.
+pub(super) fn perturbations_by_coordinates<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     qd: &[S],
     falling: bool,
@@ -26,8 +26,8 @@ pub(super) fn by_coordinates<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Fills in the perturbations by the rates. Expects the bodies' angular velocities.
-pub(super) fn by_rates<S: Scalar, T: BodyTree<S>>(
+/// Computes the perturbation by each rate. Expects the bodies' angular velocities.
+pub(super) fn perturbations_by_rates<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     qd: &[S],
     falling: bool,
@@ -58,16 +58,16 @@ pub(super) fn by_rates<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// How the frame in front of a joint moves, in the axes behind it, at the point that the origin
-/// behind it passes.
+/// The motion of a joint's parent frame, in the child frame's axes, at the point that coincides with the
+/// child frame's origin.
 struct AncestorMotion<S> {
     omega: Vector3<S>,
     /// E of [`Field`].
     gradient: Matrix3<S>,
     a: Vector3<S>,
-    /// With what velocity it is passed.
+    /// The velocity of the child frame's origin relative to the parent frame.
     velocity: Vector3<S>,
-    /// Its angular velocity over the body's.
+    /// The angular velocity of the parent frame relative to the child frame.
     back: Vector3<S>,
 }
 
@@ -83,7 +83,7 @@ impl<S: Scalar> AncestorMotion<S> {
         let (motion, field) = (&workspace.motions[i], &workspace.fields[i]);
         let zero = Vector3::zero();
         match model.bodies[i].elementary_joint {
-            // Along an axis that is fixed on both sides, either side will do.
+            // A revolute or prismatic axis is fixed in parent and child, so the child's motion will do.
             ElementaryJoint::Revolute | ElementaryJoint::Prismatic => Self {
                 omega: field.omega,
                 gradient: field.gradient,
@@ -92,14 +92,14 @@ impl<S: Scalar> AncestorMotion<S> {
                 back: zero,
             },
             ElementaryJoint::Spherical | ElementaryJoint::Floating => {
-                let carried = carried(tree, i, workspace);
+                let carried = parent_motion(tree, i, workspace);
                 let back = carried.omega - field.omega;
-                let field = Field::turning(carried.omega, carried.alpha);
+                let field = Field::rotating(carried.omega, carried.alpha);
                 let mut a = carried.a;
                 let mut velocity = zero;
                 if let Some(displacement) = motion.displacement() {
                     let rates = model.rates(i, qd);
-                    a += field.over_origin(motion.to_child(displacement));
+                    a += field.relative_acceleration(motion.to_child(displacement));
                     velocity = Vector3([rates[0], rates[1], rates[2]]);
                 }
                 if falling && is_base(model, i) {
@@ -110,7 +110,7 @@ impl<S: Scalar> AncestorMotion<S> {
         }
     }
 
-    /// The perturbation by a displacement in `component`, which stays as it is in front of the joint.
+    /// Returns the perturbation by a displacement in `component` that is fixed in the parent frame.
     fn displaced(&self, component: usize) -> AccelerationPerturbation<S> {
         if let Some(k) = component.checked_sub(3) {
             return AccelerationPerturbation {

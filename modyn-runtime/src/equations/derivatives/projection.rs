@@ -1,4 +1,4 @@
-//! The joint torques of perturbations of accelerations.
+//! Projection: the joint forces of perturbed accelerations.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -11,25 +11,27 @@ use crate::spatial::{
     AccelerationPerturbation, Matrix3, RigidInertia, Vector3, VelocityMoments, Wrench,
 };
 
-/// The variables that the perturbations are by.
+/// The variables of the derivatives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum By {
-    /// Coordinates: the bodies after the joint are displaced with their wrench.
+pub(super) enum Variable {
+    /// Coordinates. Bodies after the joint are displaced, together with their wrenches.
     Coordinates,
-    /// Rates: they stay where they are.
+    /// Rates. No body is displaced.
     Rates,
 }
 
-/// The derivatives of the joint torques by columns, of `workspace.perturbations`. The mass matrix needs the
-/// same sweep and goes into `mass_matrix` if that is there. Expects composites (by coordinates, with their
-/// wrenches) and angular velocities.
+/// Computes the derivatives of the joint forces, by columns, from `workspace.perturbations`.
 ///
-/// Columns are carried towards the root one by one, or several in the lanes of one pack
-/// ([`MergedMechanism::with_column_lanes`](crate::mechanism::MergedMechanism::with_column_lanes)): those of joints that follow each other, each of which joins at its own
-/// joint.
+/// The mass matrix needs the same sweep and is written to `mass_matrix` if that is given. Expects
+/// composite inertias and angular velocities; derivatives with respect to coordinates also expect the
+/// composites' wrenches.
+///
+/// A column is transformed from its body towards the root. Columns of consecutive joints can share the
+/// lanes of one pack; a column enters the pack at its own joint
+/// ([`MergedMechanism::with_column_lanes`](crate::mechanism::MergedMechanism::with_column_lanes)).
 pub(super) fn project<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    by: By,
+    by: Variable,
     workspace: &Workspace<S>,
     columns: &mut [S],
     mut mass_matrix: Option<&mut [S]>,
@@ -53,7 +55,7 @@ pub(super) fn project<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// The last degrees of freedom before `end` whose columns are carried in the lanes of one pack.
+/// Returns the last degrees of freedom before `end` whose columns share the lanes of one pack.
 fn columns_before<S>(model: &Mechanism<S>, lanes: usize, end: usize) -> Range<usize> {
     let body = |d: usize| model.dofs[d].body;
     let follows = |d: usize| {
@@ -67,10 +69,10 @@ fn columns_before<S>(model: &Mechanism<S>, lanes: usize, end: usize) -> Range<us
     start..end
 }
 
-/// Carries the columns of these degrees of freedom from the last one's body to the root.
+/// Transforms the columns of `group` from the body of the last degree of freedom to the root.
 fn project_group<S: Scalar, T: BodyTree<S>>(
     tree: &T,
-    by: By,
+    by: Variable,
     workspace: &Workspace<S>,
     group: &Range<usize>,
     entries: &mut Entries<'_, S>,
@@ -103,7 +105,7 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
         while joined > group.start.max(dofs.start) {
             joined -= 1;
             let composite = composite.as_ref().expect("made above");
-            let own = entries.own(by, workspace, composite, joined);
+            let own = entries.add_own_entries(by, workspace, composite, joined);
             behind = Some(match behind {
                 Some(behind) => {
                     let (behind, own) = (behind.numbers(), own.numbers());
@@ -119,12 +121,12 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
         let (body, motion) = (&model.bodies[at], &workspace.motions[at]);
         let (Some(parent), Some(whole)) = (body.parent, &behind) else { break };
         let carried = whole.carried(body, motion, workspace.levers[at]);
-        behind = Some(SweepState::of(path.onto(at, parent, carried.numbers())));
+        behind = Some(SweepState::of(path.accumulate(at, parent, carried.numbers())));
         at = parent;
     }
 }
 
-/// Where the entries go.
+/// The matrices that the sweep fills in.
 struct Entries<'a, S> {
     model: &'a Mechanism<S>,
     columns: &'a mut [S],
@@ -132,10 +134,11 @@ struct Entries<'a, S> {
 }
 
 impl<S: Scalar> Entries<'_, S> {
-    /// Adds a column's entries of its own body's degrees of freedom; what of it is behind that body.
-    fn own(
+    /// Adds a column's entries for its own body's degrees of freedom. Returns the column's state at that
+    /// body.
+    fn add_own_entries(
         &mut self,
-        by: By,
+        by: Variable,
         workspace: &Workspace<S>,
         composite: &Composite<'_, S>,
         column: usize,
@@ -153,20 +156,20 @@ impl<S: Scalar> Entries<'_, S> {
         for other in dofs.start..column {
             self.add_masses(other, column, masses[self.model.dofs[other].component]);
         }
-        if by == By::Coordinates {
+        if by == Variable::Coordinates {
             wrench += displaced(workspace.wrenches[body], component);
         }
         SweepState { wrench, dual }
     }
 
-    /// Adds to the derivatives' entry of two degrees of freedom.
+    /// Adds `entry` to the derivative of `row` with respect to `column`.
     fn add(&mut self, row: usize, column: usize, entry: S) {
         let (row, column) = (&self.model.dofs[row], &self.model.dofs[column]);
         let sum = &mut self.columns[column.v * self.model.nv + row.v];
         *sum = *sum + row.scale(column.scale(entry));
     }
 
-    /// Adds to the mass matrix's.
+    /// Adds `entry` to the mass matrix.
     fn add_mass(&mut self, row: usize, column: usize, entry: S) {
         let Some(mass_matrix) = self.mass_matrix.as_deref_mut() else { return };
         let (row, column) = (&self.model.dofs[row], &self.model.dofs[column]);
@@ -174,15 +177,15 @@ impl<S: Scalar> Entries<'_, S> {
         *sum = *sum + row.scale(column.scale(entry));
     }
 
-    /// Adds to the mass matrix on both sides of its diagonal. (Where one degree of freedom follows the other both
-    /// are the same entry, and both count.)
+    /// Adds `entry` to both triangles of the mass matrix. If a mimic joint maps both degrees of freedom
+    /// to one entry of qd, the entry counts twice.
     fn add_masses(&mut self, row: usize, column: usize, entry: S) {
         self.add_mass(row, column, entry);
         self.add_mass(column, row, entry);
     }
 }
 
-/// How a wrench changes, as it is in front of a joint, when it is displaced with its body.
+/// Returns the change, in the parent frame, of a wrench that is displaced with its body.
 fn displaced<S: Scalar>(wrench: Wrench<S>, component: usize) -> Wrench<S> {
     if let Some(k) = component.checked_sub(3) {
         let moment = Vector3::unit(k).cross(wrench.force);
@@ -192,13 +195,13 @@ fn displaced<S: Scalar>(wrench: Wrench<S>, component: usize) -> Wrench<S> {
     Wrench { moment: s.cross(wrench.moment), force: s.cross(wrench.force) }
 }
 
-/// The composite of a body and its descendants; the body turns with half of `twice_omega`.
+/// The composite of a body and its descendants. The body rotates with half of `twice_omega`.
 struct Composite<'a, S> {
     inertia: &'a RigidInertia<S>,
-    /// Against the body's frame.
+    /// The velocity moments relative to the body's frame.
     velocities: &'a VelocityMoments<S>,
     twice_omega: Vector3<S>,
-    /// What 2 integral x x (g x x') dm is of g, x' against the body's frame.
+    /// The matrix that maps g to 2 integral x x (g x x') dm, with x' relative to the body's frame.
     rotational: Matrix3<S>,
 }
 
@@ -210,8 +213,8 @@ impl<'a, S: Scalar> Composite<'a, S> {
         Self { inertia, velocities, twice_omega: omega + omega, rotational }
     }
 
-    /// The wrench that gives it a perturbation of its accelerations: with x' against the body's frame,
-    /// relative x x + turning x 2 x' + 2 omega x (turning x x) + uniform.
+    /// Returns the wrench that changes the composite's accelerations by `perturbation`: with x' relative
+    /// to the body's frame, relative x x + turning x 2 x' + 2 omega x (turning x x) + uniform.
     fn required_wrench(&self, perturbation: &AccelerationPerturbation<S>) -> Wrench<S> {
         let AccelerationPerturbation { relative, turning, uniform, .. } = *perturbation;
         let RigidInertia { mass, first_moment, second_moment } = *self.inertia;
@@ -228,7 +231,7 @@ impl<'a, S: Scalar> Composite<'a, S> {
         }
     }
 
-    /// The dual column of a unit displacement in `component`.
+    /// Returns the dual column of a unit displacement in `component`.
     fn dual_column(&self, component: usize) -> DualColumn<S> {
         let RigidInertia { first_moment, second_moment, .. } = *self.inertia;
         let turning = if let Some(k) = component.checked_sub(3) {
@@ -242,11 +245,11 @@ impl<'a, S: Scalar> Composite<'a, S> {
     }
 }
 
-/// The dual of a perturbation: the power of its parts at a unit displacement of a descendant.
+/// The dual of a perturbation: the power of its terms at a unit displacement of a descendant.
 #[derive(Clone, Copy, Debug)]
 struct DualColumn<S> {
-    /// Of the gradient (moment) and of the uniform part (force): the wrench of the displacement as
-    /// an acceleration.
+    /// The dual of the gradient (moment) and of the uniform term (force): the composite's wrench under
+    /// the displacement taken as an acceleration.
     wrench: Wrench<S>,
     turning: Vector3<S>,
 }
@@ -259,17 +262,18 @@ impl<S: Scalar> DualColumn<S> {
     }
 }
 
-/// The state of a column during the sweep towards the root, seen from a body; of several columns in lanes.
+/// The state of a column, or of several columns in lanes, during the sweep towards the root.
 #[derive(Clone, Copy, Debug)]
 struct SweepState<S> {
-    /// The wrench that gives the composite its perturbation.
+    /// The wrench that gives the composite its perturbed accelerations.
     wrench: Wrench<S>,
     /// The power of ancestors' perturbations at a unit displacement of the column's degree of freedom.
     dual: DualColumn<S>,
 }
 
 impl<S: Scalar> SweepState<S> {
-    /// The same seen from the parent, over whose origin that of `body` moves with half of `lever`.
+    /// Returns the state as seen from the parent. The origin of `body` moves with half of `lever`
+    /// relative to the parent's origin.
     fn carried(&self, body: &Body<S>, motion: &JointTransform<S>, lever: Vector3<S>) -> Self {
         let DualColumn { wrench, turning } = self.dual;
         let wrench = body.wrench_to_parent(motion, wrench);
@@ -278,7 +282,7 @@ impl<S: Scalar> SweepState<S> {
         Self { wrench: body.wrench_to_parent(motion, self.wrench), dual }
     }
 
-    /// All of it, to be taken apart number by number.
+    /// Returns all entries of the state.
     fn numbers(&self) -> [S; 15] {
         let [[a, b, c], [d, e, f]] = [self.wrench.moment.0, self.wrench.force.0];
         let DualColumn { wrench, turning: Vector3([m, n, o]) } = self.dual;

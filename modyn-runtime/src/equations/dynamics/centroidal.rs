@@ -1,8 +1,8 @@
-//! The momentum of the moving links about their centre of mass, world axes (Orin, Goswami and Lee
-//! 2013, "Centroidal dynamics of a humanoid robot"). Rotors have no part in it.
+//! Centroidal momentum: the momentum of the moving links about their centre of mass, in world axes
+//! (Orin, Goswami and Lee 2013, "Centroidal dynamics of a humanoid robot"). Rotors are excluded.
 //!
-//! Minimal parameters do for the momentum, and together with what they leave to the world for the
-//! centre of mass.
+//! Base inertias suffice for the momentum. Together with the static inertia they give the centre of
+//! mass.
 
 use crate::Scalar;
 use crate::equations::Workspace;
@@ -10,7 +10,8 @@ use crate::equations::kinematics::{center_of_mass, kinematic_path, total_mass};
 use crate::mechanism::Mechanism;
 use crate::spatial::{Momentum, Twist, Vector3, Wrench};
 
-/// The matrix A with h = A(q) qd into `columns`, one an entry of qd: the momentum of a unit rate.
+/// Computes the matrix A of h = A(q) qd into `columns`. Column k is the momentum at unit rate k, in
+/// world axes about the centre of mass.
 pub fn centroidal_momentum_matrix<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],
@@ -21,9 +22,9 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
     columns.fill(Momentum::zero());
     let center = accumulate_composites(model, workspace);
     for (i, body) in model.bodies.iter().enumerate() {
-        kinematic_path::turn_axes(model, i, workspace);
+        kinematic_path::rotate_axes(model, i, workspace);
         let axes = kinematic_path::joint_axes(model, i, workspace);
-        // The centre of mass, seen from the joint and from the body behind it.
+        // The centre of mass, seen from the joint's parent side and from its child side.
         let center = body.parent.map_or(center, |parent| workspace.points[parent]);
         let at_joint = body.placement.point_to_child(center);
         let behind = workspace.motions[i].point_to_child(at_joint);
@@ -41,8 +42,8 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
     }
 }
 
-/// Composite inertias, seen from where the degrees of freedom are: in front of a joint that has an
-/// axis, behind another one. Returns the centre of mass in the world.
+/// Computes composite inertias in the frame of each body's degrees of freedom: before the joint if the
+/// joint has an axis, after it otherwise. Returns the centre of mass in world axes.
 fn accumulate_composites<S: Scalar>(
     model: &Mechanism<S>,
     workspace: &mut Workspace<S>,
@@ -65,7 +66,8 @@ fn accumulate_composites<S: Scalar>(
     first_moment.scale(total_mass(model).recip())
 }
 
-/// The momentum h of a motion, kg m^2/s and kg m/s.
+/// Returns the momentum h of the moving links about their centre of mass, in world axes, kg m^2/s and
+/// kg m/s.
 pub fn centroidal_momentum<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
@@ -79,7 +81,7 @@ pub fn centroidal_momentum<S: Scalar>(
         workspace.twists[i] = twist;
         workspace.wrenches[i] = body.base_inertia.times(&twist);
     }
-    // Momenta are carried as wrenches are.
+    // Momenta transform as wrenches do.
     let mut total = Wrench::zero();
     for (i, body) in model.bodies.iter().enumerate().rev() {
         let carried = body.wrench_to_parent(&workspace.motions[i], workspace.wrenches[i]);

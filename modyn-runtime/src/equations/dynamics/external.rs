@@ -1,4 +1,4 @@
-//! External forces: wrenches that act on links from outside.
+//! External forces on links.
 
 use crate::Scalar;
 use crate::equations::Workspace;
@@ -6,18 +6,18 @@ use crate::equations::kinematics::kinematic_path;
 use crate::mechanism::Mechanism;
 use crate::spatial::{Matrix3, Vector3, Wrench};
 
-/// One wrench for each link of the description (fixed ones too), in the description's order, at
-/// the link's origin.
+/// External wrenches, N m and N: one for each link of the description, fixed links included, in the
+/// description's order. Each wrench acts at its link's origin.
 #[derive(Clone, Copy, Debug)]
 pub enum Forces<'a, S> {
-    /// In the link's own axes.
+    /// Wrenches in the link's own axes.
     InLinkAxes(&'a [Wrench<S>]),
-    /// In the world's axes.
+    /// Wrenches in the world's axes.
     InWorldAxes(&'a [Wrench<S>]),
 }
 
 impl<S: Scalar> Forces<'_, S> {
-    /// The wrenches, in whichever axes.
+    /// Returns the wrenches without their frame.
     #[must_use]
     pub fn wrenches(&self) -> &[Wrench<S>] {
         match self {
@@ -25,11 +25,11 @@ impl<S: Scalar> Forces<'_, S> {
         }
     }
 
-    /// Takes them off the wrenches that the bodies' motion asks for. Expects the joints at q.
+    /// Subtracts the external wrenches from `workspace.wrenches`. Expects the joint transforms at q.
     pub(in crate::equations) fn subtract(self, model: &Mechanism<S>, workspace: &mut Workspace<S>) {
         let in_world = matches!(self, Self::InWorldAxes(_));
         if in_world {
-            (0..model.bodies.len()).for_each(|i| kinematic_path::turn_axes(model, i, workspace));
+            (0..model.bodies.len()).for_each(|i| kinematic_path::rotate_axes(model, i, workspace));
         }
         for (force, frame) in self.wrenches().iter().zip(&model.frames) {
             let Some(body) = frame.body else { continue };

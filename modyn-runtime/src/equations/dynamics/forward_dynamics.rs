@@ -1,13 +1,13 @@
-//! Forward dynamics by inter- and intra-modular recursion, (60) and Table 6.
+//! Forward dynamics by inter- and intra-modular recursion, equation (60) and Table 6 of the paper.
 //!
-//! A Newton-Euler pass first gives the wrenches of the present velocities under gravity with all
-//! joints unaccelerated (a floating base in free fall); the recursion then works on the deviations
-//! from that motion, so no velocity occurs in it. Any partition into modules gives the same result:
-//! one link a module is Table 6 itself (and Featherstone's articulated-body algorithm), one module
-//! a serial chain is composite inertia and elimination.
+//! A Newton-Euler pass computes the wrenches at the current velocities under gravity, with zero joint
+//! accelerations (a floating base is in free fall). The recursion then solves for the deviation from
+//! that motion, so it contains no velocities. Every partition into modules gives the same accelerations.
+//! Modules of one link give Table 6 itself, which is Featherstone's articulated-body algorithm. One
+//! module for a serial chain gives composite inertias and a dense elimination.
 //!
-//! Joints that mimic others couple links across the tree, so a robot that has some is solved
-//! through the factors of its mass matrix.
+//! Mimic joints couple links across the tree. Robots with mimic joints are solved with the factors of
+//! their mass matrix.
 
 use super::newton_euler::{Accelerations, free_fall, is_base, link_wrenches};
 use super::{Forces, inverse_dynamics, mass_matrix};
@@ -25,17 +25,17 @@ use crate::mechanism::{BodyTree, Mechanism};
 use crate::model::ModuleTree;
 use crate::spatial::{Twist, Wrench};
 
-/// The solver for accelerations and its partition into modules.
+/// The solver for joint accelerations.
 #[derive(Clone, Debug)]
 pub enum Elimination {
-    /// Recursively, by these modules.
+    /// The recursion over these modules.
     Recursive(ModulePartition),
-    /// Through the factors of the mass matrix, for joints that mimic others.
+    /// The factors of the mass matrix, for robots with mimic joints.
     Matrix(UduLayout),
 }
 
 impl Elimination {
-    /// The solver that a model needs, by modules that fit it.
+    /// Returns the solver for `model`. `modules` must fit the model.
     #[must_use]
     pub fn new<S: Scalar>(model: &Mechanism<S>, modules: &ModuleTree) -> Self {
         if model.has_mimics() {
@@ -45,18 +45,19 @@ impl Elimination {
         }
     }
 
-    /// Makes room for it.
-    pub fn make_room<S: Scalar>(&self, model: &Mechanism<S>, workspace: &mut Workspace<S>) {
+    /// Makes the workspace large enough for this solver.
+    pub fn reserve<S: Scalar>(&self, model: &Mechanism<S>, workspace: &mut Workspace<S>) {
         match self {
-            Self::Recursive(partition) => workspace.make_room(partition.pivots, 0, 0),
+            Self::Recursive(partition) => workspace.reserve(partition.pivots, 0, 0),
             Self::Matrix(layout) => {
-                workspace.make_room(layout.pivots(), model.nv * model.nv, layout.size());
+                workspace.reserve(layout.pivots(), model.nv * model.nv, layout.size());
             }
         }
     }
 }
 
-/// qdd = I(q)^-1 (tau - h(q, qd) + the external `forces`' share).
+/// Computes the joint accelerations qdd = I(q)^-1 (tau - h(q, qd) + J^T f) under the joint forces `tau`
+/// and the external forces f.
 pub fn forward_dynamics<S: Scalar>(
     model: &Mechanism<S>,
     elimination: &Elimination,
@@ -65,7 +66,7 @@ pub fn forward_dynamics<S: Scalar>(
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
 ) {
-    elimination.make_room(model, workspace);
+    elimination.reserve(model, workspace);
     match elimination {
         Elimination::Recursive(partition) => {
             workspace.move_to(model, q);
@@ -90,8 +91,8 @@ pub fn forward_dynamics<S: Scalar>(
     }
 }
 
-/// The same by these modules without forces from outside, on a tree whose limbs may be merged, of a
-/// robot where no joint mimics another.
+/// Computes the joint accelerations by recursion over the modules, without external forces. Limbs of
+/// `tree` may be merged. The robot must not have mimic joints.
 pub fn recursive_forward_dynamics<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     partition: &ModulePartition,
@@ -99,13 +100,13 @@ pub fn recursive_forward_dynamics<S: Scalar, T: BodyTree<S>>(
     workspace: &mut Workspace<S>,
     qdd: &mut [S],
 ) {
-    workspace.make_room(partition.pivots, 0, 0);
+    workspace.reserve(partition.pivots, 0, 0);
     workspace.move_to(tree.mechanism(), q);
     link_wrenches(tree, qd, Accelerations::FreeFall, workspace);
     recursion(tree, partition, (qd, tau), workspace, qdd);
 }
 
-/// The accelerations, from the wrenches of the unaccelerated motion.
+/// Solves for the accelerations. Expects the wrenches at zero joint accelerations.
 fn recursion<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     partition: &ModulePartition,
@@ -115,7 +116,7 @@ fn recursion<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     start(model, workspace);
-    // The force along each joint, less damping and friction.
+    // The joint force without damping and friction.
     let torque = |d: usize| {
         let dof = &model.dofs[d];
         model.dissipation(dof, qd).map_or(tau[dof.v], |dissipation| tau[dof.v] - dissipation)
@@ -141,7 +142,7 @@ fn recursion<S: Scalar, T: BodyTree<S>>(
         if model.bodies[first].parent.is_some() {
             reduce_columns(model, block, workspace);
             eliminate(tree, block, workspace);
-            let left = wrench_left(model, block, workspace, torque);
+            let left = remaining_wrench(model, block, workspace, torque);
             let motion = &workspace.motions[first];
             tree.wrench_to_parents(first, motion, left, |parent, carried| {
                 workspace.wrenches[parent] += carried;
@@ -154,7 +155,7 @@ fn recursion<S: Scalar, T: BodyTree<S>>(
     for block in &partition.blocks {
         accelerate(tree, block, workspace, qdd);
     }
-    // So far floating bases accelerate against free fall.
+    // So far the accelerations of floating bases are relative to free fall.
     for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
         let fall = free_fall(model, i, qd, workspace);
         for (dof, fall) in model.dofs_of(i).iter().zip(fall.0) {
@@ -163,7 +164,7 @@ fn recursion<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// qdd = U^-T phi_tilde, step (iii).
+/// Computes qdd = U^-T phi_tilde, step (iii) of (60).
 fn accelerate<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     block: &ModuleBlock,
@@ -191,7 +192,7 @@ fn accelerate<S: Scalar, T: BodyTree<S>>(
         }
     }
     solve_lower(factor(block, &workspace.pivots), &mut qdd[block.dofs.clone()]);
-    // So far the components of the motion subspace are those of the parent's motion.
+    // So far the components of the motion subspace are the parent's motion.
     let mut components = carried.unwrap_or_else(Twist::zero).components();
     for d in model.bodies[first].dofs.clone() {
         let along = &mut components[model.dofs[d].component];
@@ -214,9 +215,10 @@ fn accelerate<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// The wrench that the module's first joint passes on: that of the unaccelerated motion, and the
-/// elimination's share of the torques. In the components of the motion subspace it is the joint's torque.
-fn wrench_left<S: Scalar>(
+/// Returns the wrench that the module's first joint transmits to its parent: the wrench at zero joint
+/// accelerations plus the reaction to the module's accelerations. Its components along the motion
+/// subspace are the joint's own force.
+fn remaining_wrench<S: Scalar>(
     model: &Mechanism<S>,
     block: &ModuleBlock,
     workspace: &Workspace<S>,

@@ -1,4 +1,4 @@
-//! What gravity does: torques and potential energy, from composite masses and first moments.
+//! Gravity torques and potential energy, from composite masses and first moments.
 
 use crate::Scalar;
 use crate::equations::Workspace;
@@ -6,7 +6,7 @@ use crate::equations::kinematics::first_moment::{accumulate_masses, first_moment
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::{Vector3, Wrench};
 
-/// The joint torques that hold the robot still: bias forces at zero velocity.
+/// Computes the joint forces that balance gravity: the bias forces at zero velocity, without friction.
 pub fn gravity_torques<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     q: &[S],
@@ -15,7 +15,7 @@ pub fn gravity_torques<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     workspace.move_to(model, q);
-    // Downwards: the world's acceleration in each link's axes; upwards: composite first moments.
+    // Towards the leaves: the world's acceleration in each link's axes. Towards the root: first moments.
     for (i, body) in model.bodies.iter().enumerate() {
         let of = |p: Option<usize>| p.map_or(-model.gravity, |p| workspace.twists[p].linear);
         let a = Vector3(tree.broadcast_from_parents(i, |p| of(p).0));
@@ -33,9 +33,11 @@ pub fn gravity_torques<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// The potential energy of the moving links under gravity, zero at the world's origin.
+/// Returns the potential energy of the moving links under gravity, J; zero for mass at the world's
+/// origin.
 ///
-/// Read from the inertias as they were written: mass on the first axis adds a constant here.
+/// It is computed from the description's inertias. Base inertias would add a constant: they move mass
+/// onto the first joint's axis.
 pub fn potential_energy<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],

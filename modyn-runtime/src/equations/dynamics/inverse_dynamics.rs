@@ -1,4 +1,4 @@
-//! Inverse dynamics: the joint torques of a motion.
+//! Inverse dynamics: the joint forces of a motion.
 
 use super::Forces;
 use super::newton_euler::{Accelerations, link_wrenches};
@@ -6,10 +6,10 @@ use crate::Scalar;
 use crate::equations::Workspace;
 use crate::mechanism::{BodyTree, Mechanism};
 
-/// tau = I(q) qdd + h(q, qd) - the external `forces`' share, gravity, rotors and what resists the
-/// joints' motion included: the recursive Newton-Euler algorithm.
+/// Computes the joint forces tau = I(q) qdd + h(q, qd) - J^T f, f being the external forces.
 ///
-/// Without `qdd` these are the bias forces h(q, qd).
+/// Gravity, rotor armature, damping and friction are included. Without `qdd` the result is the bias
+/// forces h(q, qd). The method is the recursive Newton-Euler algorithm (Featherstone 2008, chapter 5).
 pub fn inverse_dynamics<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd, qdd): (&[S], &[S], Option<&[S]>),
@@ -24,7 +24,7 @@ pub fn inverse_dynamics<S: Scalar>(
     joint_torques(model, (qd, qdd), workspace, tau);
 }
 
-/// The same without forces from outside, on a tree whose limbs may be merged.
+/// Computes the joint forces without external forces. Limbs of `tree` may be merged.
 pub fn recursive_newton_euler<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     (q, qd, qdd): (&[S], &[S], Option<&[S]>),
@@ -48,7 +48,7 @@ pub(in crate::equations) fn bias_in_free_fall<S: Scalar>(
     joint_torques(model, (qd, None), workspace, tau);
 }
 
-/// The wrench that each body's own motion needs.
+/// Computes the wrench that each body needs for its own motion.
 fn move_bodies<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     (q, qd, qdd): (&[S], &[S], Option<&[S]>),
@@ -59,7 +59,7 @@ fn move_bodies<S: Scalar, T: BodyTree<S>>(
     link_wrenches(tree, qd, accelerations, workspace);
 }
 
-/// Sums the bodies' wrenches towards the root, and their components along the joints into `tau`.
+/// Sums the bodies' wrenches towards the root, and writes their components along the joints to `tau`.
 fn joint_torques<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     (qd, qdd): (&[S], Option<&[S]>),

@@ -5,9 +5,9 @@ use crate::equations::Workspace;
 use crate::mechanism::Mechanism;
 use crate::spatial::Twist;
 
-/// The kinetic energy of the moving links and of the rotors, J.
+/// Returns the kinetic energy of the moving links and of the rotors, J.
 ///
-/// Minimal parameters do: mass is only moved where it moves with parent and child alike.
+/// Base inertias suffice: mass is moved between two bodies only where it moves alike with both.
 pub fn kinetic_energy<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],

@@ -1,16 +1,16 @@
-//! The mass matrix of the joints, (7)-(10) of the paper.
+//! The joint-space mass matrix, equations (7)-(10) of the paper.
 
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::mechanism::{BodyTree, RootwardAccumulator};
 use crate::spatial::Wrench;
 
-/// The mass matrix by columns into `columns` (nv times nv, column by column), both triangles.
+/// Computes the mass matrix, nv x nv, into `columns`, column by column. Both triangles are filled.
 ///
-/// Composite inertias by (8); element (i, j) is the part that joint j feels of the wrench that a
-/// unit acceleration of joint i needs on its composite, (10). With modules of one link that is
-/// the composite-rigid-body algorithm (Walker and Orin 1982); larger modules are the same sums
-/// in blocks. (Derivatives need what is carried here, too, and get the mass matrix by the way: `derivatives::projection`.)
+/// Composite inertias follow (8). Entry (i, j) is the component along joint j of the wrench that a unit
+/// acceleration of joint i needs on its composite, (10). With modules of one link this is the
+/// composite-rigid-body algorithm (Walker and Orin 1982). Larger modules are the same sums in blocks.
+/// (Derivatives compute the mass matrix in their own sweep: `derivatives::projection`.)
 pub fn mass_matrix<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     q: &[S],
@@ -42,14 +42,14 @@ pub fn mass_matrix<S: Scalar, T: BodyTree<S>>(
             loop {
                 for other in model.dofs[others].iter() {
                     let force = other.scale(dof.scale(wrench.components()[other.component]));
-                    // Where one follows the other both are the same entry, and both count.
+                    // If mimic joints map both to one entry of qd, the entry counts twice.
                     add(other.v, dof.v, force);
                     add(dof.v, other.v, force);
                 }
                 let Some(parent) = model.bodies[at].parent else { break };
                 let body = &model.bodies[at];
                 let carried = body.wrench_to_parent(&workspace.motions[at], wrench);
-                wrench = Wrench::from_components(path.onto(at, parent, carried.components()));
+                wrench = Wrench::from_components(path.accumulate(at, parent, carried.components()));
                 at = parent;
                 others = model.bodies[at].dofs.clone();
             }

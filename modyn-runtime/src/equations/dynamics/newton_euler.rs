@@ -1,32 +1,32 @@
-//! The wrenches that a motion asks of each body by itself, by Newton and Euler.
+//! The Newton-Euler equations of each body: the wrench that its own motion needs.
 //!
-//! Accelerations are the classical ones of the bodies' origins, in the bodies' own axes (see
-//! [`Field`](crate::spatial::Field)). Gravity is an acceleration of the world upwards.
+//! Accelerations are the classical accelerations of the bodies' origins, in the bodies' own axes (see
+//! [`Field`](crate::spatial::Field)). Gravity enters as an upward acceleration of the world.
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::equations::kinematics::acceleration::carried;
+use crate::equations::kinematics::acceleration::parent_motion;
 use crate::joint::ElementaryJoint;
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::Vector3;
 
-/// How the joints accelerate.
+/// The joint accelerations.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::equations) enum Accelerations<'a, S> {
-    /// Not at all.
+    /// Zero.
     None,
-    /// Not at all, but a floating base so that its origin is in free fall: see [`free_fall`].
+    /// Zero, except that the origin of a floating base is in free fall: see [`free_fall`].
     FreeFall,
-    /// So.
+    /// These accelerations.
     Given(&'a [S]),
-    /// So, but a floating base's origin against free fall: its linear numbers are classical
-    /// accelerations.
+    /// These accelerations. The linear entries of a floating base are classical accelerations relative
+    /// to free fall.
     AgainstFall(&'a [S]),
 }
 
-/// Fills `workspace.wrenches` with each body's own wrench, those of its children left out.
+/// Fills `workspace.wrenches` with the wrench of each body's own motion, without its children.
 ///
-/// Expects the joints at q.
+/// Expects the joint transforms at q.
 pub(in crate::equations) fn link_wrenches<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     qd: &[S],
@@ -35,7 +35,7 @@ pub(in crate::equations) fn link_wrenches<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     for (i, body) in model.bodies.iter().enumerate() {
-        let carried = carried(tree, i, workspace);
+        let carried = parent_motion(tree, i, workspace);
         let own = match accelerations {
             Accelerations::Given(qdd) | Accelerations::AgainstFall(qdd) => {
                 Some(model.rates(i, qdd))
@@ -58,14 +58,14 @@ pub(in crate::equations) fn link_wrenches<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Whether body `i` is a base that floats in the world. (One with rotors does not fall freely.)
+/// Returns whether body `i` is a base that floats in the world. (A base with rotors does not fall freely.)
 pub(in crate::equations) fn is_base<S: Scalar>(model: &Mechanism<S>, i: usize) -> bool {
     let body = &model.bodies[i];
     let floats = body.parent.is_none() && body.elementary_joint == ElementaryJoint::Floating;
     floats && model.dofs_of(i).iter().all(|dof| dof.armature.is_none())
 }
 
-/// The linear acceleration, as its joint has it, of a floating base `i` in free fall:
+/// Returns the linear acceleration of a floating base `i` in free fall, in the coordinates of its joint:
 /// g - omega x v.
 pub(in crate::equations) fn free_fall<S: Scalar>(
     model: &Mechanism<S>,

@@ -1,8 +1,10 @@
-//! Dense symmetric blocks: V Delta V^T by reverse Gaussian elimination, and solving with it.
+//! Dense symmetric blocks: the factorization V Delta V^T by reverse Gaussian elimination, and its
+//! triangular solves.
 
 use crate::Scalar;
 
-/// Splits a block by rows as V Delta V^T in place: V above the diagonal, Delta's reciprocals aside.
+/// Factorizes a symmetric block, stored by rows, as V Delta V^T in place. V is stored above the diagonal,
+/// the reciprocals of Delta in `reciprocals`.
 pub(in crate::equations) fn factor_udu<S: Scalar>(v: &mut [S], size: usize, reciprocals: &mut [S]) {
     for a in (0..size).rev() {
         let reciprocal = v[a * size + a].recip();
@@ -19,7 +21,7 @@ pub(in crate::equations) fn factor_udu<S: Scalar>(v: &mut [S], size: usize, reci
     }
 }
 
-/// x := V^-1 x, backwards; `v(row, column)` is V above its diagonal.
+/// Replaces x by V^-1 x (backward substitution); `v(row, column)` returns V above its diagonal.
 pub(in crate::equations) fn solve_upper<S: Scalar>(v: impl Fn(usize, usize) -> S, x: &mut [S]) {
     for a in (0..x.len()).rev() {
         for b in 0..a {
@@ -28,7 +30,7 @@ pub(in crate::equations) fn solve_upper<S: Scalar>(v: impl Fn(usize, usize) -> S
     }
 }
 
-/// x := V^-T x, forwards.
+/// Replaces x by V^-T x (forward substitution); `v(row, column)` returns V above its diagonal.
 pub(in crate::equations) fn solve_lower<S: Scalar>(v: impl Fn(usize, usize) -> S, x: &mut [S]) {
     for a in 0..x.len() {
         for b in 0..a {

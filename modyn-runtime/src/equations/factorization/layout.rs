@@ -1,4 +1,4 @@
-//! Where the numbers of the factors of the mass matrix lie, without the zeros of other branches.
+//! The storage layout of the factors of the mass matrix. Entries that couple branches are not stored.
 
 use alloc::{collections::BTreeSet, vec, vec::Vec};
 use core::ops::Range;
@@ -8,21 +8,22 @@ use crate::Scalar;
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 
-/// Where the numbers of the factorization lie.
+/// The storage layout of the factorization I = U D U^T by modules.
 ///
-/// First D: each module's block, by rows, module after module. Then its factors, block =
-/// V Delta V^T: what stands above the diagonal of V, by columns, module after module, and the
-/// reciprocals of Delta, one a degree of freedom. Then U: for each module, for each degree of
-/// freedom in front of it that it is coupled with, a row as long as the module.
+/// First comes D: the blocks of the modules, each by rows. Then come the factors of these blocks,
+/// V Delta V^T: the entries of V above its diagonal, by columns, module after module; and the
+/// reciprocals of Delta, one for each degree of freedom. Then comes U: for each module, a row for each
+/// preceding degree of freedom that the module is coupled with. A row has an entry for each degree of
+/// freedom of the module.
 #[derive(Clone, Debug)]
 pub struct UduLayout {
     partition: ModulePartition,
-    /// Where each module's V starts.
+    /// The start of each module's V.
     factors: Vec<usize>,
-    /// For each module the degrees of freedom in front of it that it is coupled with, ascending:
-    /// those on the way from the root, and with mimics some of other branches.
+    /// For each module, the preceding degrees of freedom that it is coupled with, ascending: those of
+    /// its ancestors, and, with mimic joints, some of other branches.
     in_front: Vec<Vec<usize>>,
-    /// Where each module's rows of U start, counted from the first number of U.
+    /// The start of each module's rows of U, relative to the start of U.
     rows: Vec<usize>,
     reciprocals: usize,
     coupling: usize,
@@ -30,7 +31,7 @@ pub struct UduLayout {
 }
 
 impl UduLayout {
-    /// The layout for a model's modules.
+    /// Returns the layout for a model and its modules.
     #[must_use]
     pub fn new<S: Scalar>(model: &Mechanism<S>, modules: &ModuleTree) -> Self {
         if !model.has_mimics() {
@@ -40,7 +41,7 @@ impl UduLayout {
         Self::with(model.nv, partition, in_front)
     }
 
-    /// The layout for modules of a model without mimics.
+    /// Returns the layout for a partition of a model without mimic joints.
     #[must_use]
     pub fn of<S>(model: &Mechanism<S>, partition: ModulePartition) -> Self {
         let in_front = ancestors(model, &partition);
@@ -60,54 +61,54 @@ impl UduLayout {
         Self { partition, factors, in_front, rows, reciprocals: next, coupling, n }
     }
 
-    /// The modules, with room for their pivots.
+    /// Returns the modules and the layout of their pivot blocks.
     #[must_use]
     pub fn partition(&self) -> &ModulePartition {
         &self.partition
     }
 
-    /// The modules.
+    /// Returns the modules.
     #[must_use]
     pub fn blocks(&self) -> &[ModuleBlock] {
         &self.partition.blocks
     }
 
-    /// How many numbers all pivot blocks hold together.
+    /// Returns the number of entries of all pivot blocks.
     #[must_use]
     pub fn pivots(&self) -> usize {
         self.partition.pivots
     }
 
-    /// How many numbers the factorization holds.
+    /// Returns the number of entries of the factorization.
     #[must_use]
     pub fn size(&self) -> usize {
         self.u().start + self.coupling
     }
 
-    /// The number of rows of the mass matrix.
+    /// Returns the number of rows of the mass matrix.
     #[must_use]
     pub fn n(&self) -> usize {
         self.n
     }
 
-    /// Where module `m`'s V starts.
+    /// Returns the start of the V of module `m`.
     pub(super) fn v_start(&self, m: usize) -> usize {
         self.factors[m]
     }
 
-    /// The degrees of freedom in front of module `m` that it is coupled with, ascending.
-    pub(super) fn in_front(&self, m: usize) -> &[usize] {
+    /// Returns the preceding degrees of freedom that module `m` is coupled with, ascending.
+    pub(super) fn ancestors(&self, m: usize) -> &[usize] {
         &self.in_front[m]
     }
 
-    /// Where D's block of module `m` lies.
+    /// Returns the range of D's block of module `m`.
     #[must_use]
     pub fn d(&self, m: usize) -> Range<usize> {
         let block = &self.partition.blocks[m];
         block.pivot..block.pivot + block.dofs.len() * block.dofs.len()
     }
 
-    /// V of module `m` above its diagonal, by row and column.
+    /// Returns V of module `m` above its diagonal, as a function of row and column.
     pub(super) fn v<'a, S: Scalar>(
         &self,
         m: usize,
@@ -117,20 +118,20 @@ impl UduLayout {
         move |row, column| factors[start + column * (column - 1) / 2 + row]
     }
 
-    /// Where the reciprocals of Delta lie.
+    /// Returns the range of the reciprocals of Delta.
     #[must_use]
     pub fn reciprocals(&self) -> Range<usize> {
         self.reciprocals..self.reciprocals + self.n
     }
 
-    /// Where U lies.
+    /// Returns the range of U.
     #[must_use]
     pub fn u(&self) -> Range<usize> {
         let start = self.reciprocals().end;
         start..start + self.coupling
     }
 
-    /// The rows of U above module `m`: pairs of a degree of freedom and where its row starts in U.
+    /// Returns the rows of U above module `m`: pairs of a degree of freedom and the start of its row in U.
     pub(in crate::equations) fn rows(
         &self,
         m: usize,
@@ -141,7 +142,7 @@ impl UduLayout {
     }
 }
 
-/// For each module the degrees of freedom on the way to it from the root.
+/// Returns, for each module, the degrees of freedom of its ancestors.
 fn ancestors<S>(model: &Mechanism<S>, partition: &ModulePartition) -> Vec<Vec<usize>> {
     let mut ancestors: Vec<Vec<usize>> = Vec::new();
     for block in &partition.blocks {
@@ -157,9 +158,9 @@ fn ancestors<S>(model: &Mechanism<S>, partition: &ModulePartition) -> Vec<Vec<us
     ancestors
 }
 
-/// The same where joints mimic others: each module has the entries of the joint vectors that its
-/// own joints have (none, if all follow others), and the mass matrix's pattern is followed through the
-/// elimination.
+/// Returns the partition and the couplings of a robot with mimic joints. A module has the entries of the
+/// joint vectors that belong to its own joints; it has none if all its joints are mimics. The sparsity
+/// pattern of the mass matrix is followed through the elimination.
 fn coupled<S: Scalar>(
     model: &Mechanism<S>,
     modules: &ModuleTree,

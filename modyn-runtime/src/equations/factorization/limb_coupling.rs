@@ -1,13 +1,13 @@
-//! Equal limbs that are computed as one, in the mass matrix and its inverse.
+//! The mass matrix and its inverse where equal limbs are merged into one limb of lanes.
 //!
-//! The compiler puts equal limbs side by side ([`MergedMechanism`]):
-//! numbers of the one limb are then lanes, a limb each, and numbers of the trunk that carries them are the
-//! same in all lanes. In a matrix an entry of a trunk's and a limb's degree of freedom, or of two of a limb,
-//! is lanes. A limb's column stands for one of each limb, and its entries in rows of the trunk are lanes, too.
+//! The compiler packs equal limbs into the lanes of one limb ([`MergedMechanism`]). A value of the merged
+//! limb has a lane for each limb. A value of the trunk, which carries the limbs, is the same in all
+//! lanes. A matrix entry has lanes if its row or its column belongs to a limb. A limb's column stands for
+//! one column of each limb; its entries in rows of the trunk have lanes, too.
 //!
-//! The mass matrix has zeros between limbs; its inverse does not, since limbs move the trunk and the trunk moves
-//! them. The forces on one limb let the trunk accelerate, and another one follows by -U^T of that, the
-//! last step of (60): [`cross_limb`].
+//! The mass matrix has zeros between limbs. Its inverse does not, since a limb moves the trunk and the
+//! trunk moves the other limbs: the forces on one limb accelerate the trunk, and -U^T times that
+//! acceleration is the acceleration of another limb, the last step of (60): [`cross_limb`].
 
 use alloc::{vec, vec::Vec};
 
@@ -17,16 +17,16 @@ use crate::equations::Workspace;
 use crate::mechanism::{BodyTree, Mechanism, MergedMechanism, TreeAccess};
 use crate::{LaneScalar, Scalar};
 
-/// A limb that stands for equal ones.
+/// A merged limb: the representative of several equal limbs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limb {
-    /// Its first body.
+    /// The limb's first body.
     first: usize,
-    /// For how many it stands.
+    /// The number of limbs that are merged.
     count: usize,
 }
 
-/// By degree of freedom: the limb that it belongs to, if that stands for several.
+/// Returns the merged limb of each degree of freedom; `None` on the trunk.
 fn of_dofs<S: LaneScalar>(tree: &MergedMechanism<S>) -> Vec<Option<Limb>> {
     let model = tree.mechanism();
     let mut of_bodies: Vec<Option<Limb>> = Vec::with_capacity(model.bodies.len());
@@ -39,34 +39,34 @@ fn of_dofs<S: LaneScalar>(tree: &MergedMechanism<S>) -> Vec<Option<Limb>> {
     model.dofs.iter().map(|dof| of_bodies[dof.body]).collect()
 }
 
-/// A layout of factors that solving can run on: a [`UduLayout`], or a [`MergedUduLayout`] for a mechanism
-/// whose limbs are merged. No other type can be one.
+/// A layout of factors that `solve` accepts: a [`UduLayout`], or a [`MergedUduLayout`] for a mechanism
+/// whose limbs are merged. The trait cannot be implemented for other types.
 pub trait FactorLayout<S: Scalar>: LimbAccess<S> {}
 
-/// The limbs of a [`FactorLayout`], and the sums over them.
+/// The merged limbs of a [`FactorLayout`], and sums over limbs.
 pub trait LimbAccess<S: Scalar> {
-    /// Where the numbers lie.
+    /// Returns the storage layout.
     fn layout(&self) -> &UduLayout;
 
-    /// The limb that a degree of freedom belongs to, where it stands for several.
+    /// Returns the merged limb of a degree of freedom; `None` on the trunk.
     fn limb_of_dof(&self, _dof: usize) -> Option<Limb> {
         None
     }
 
-    /// The sum of the numbers of that many limbs; the number itself where that is one.
+    /// Returns the sum of the first `count` lanes of `x`; `x` itself if `count` is 1.
     fn sum_limbs(&self, x: S, _count: usize) -> S {
         x
     }
 
-    /// The limb that module `m` is in.
+    /// Returns the merged limb of module `m`; `None` on the trunk.
     fn limb_of_module(&self, m: usize) -> Option<Limb> {
         self.layout().blocks()[m].dofs.clone().next().and_then(|dof| self.limb_of_dof(dof))
     }
 
-    /// The number of limbs that are summed where module `m` acts on degree of freedom `dof` in
-    /// front of it.
-    fn limbs_over(&self, m: usize, dof: usize) -> usize {
-        over(self.limb_of_module(m), self.limb_of_dof(dof))
+    /// Returns the number of limbs that are summed where module `m` acts on the preceding degree of
+    /// freedom `dof`.
+    fn summed_limbs(&self, m: usize, dof: usize) -> usize {
+        summed_limb_count(self.limb_of_module(m), self.limb_of_dof(dof))
     }
 }
 
@@ -78,22 +78,22 @@ impl<S: Scalar> LimbAccess<S> for UduLayout {
     }
 }
 
-/// A layout for a mechanism whose limbs are merged.
+/// The layout for a mechanism whose limbs are merged.
 #[derive(Clone, Debug)]
 pub struct MergedUduLayout {
     layout: UduLayout,
-    /// By degree of freedom: the limb that it belongs to, if that stands for several.
+    /// The merged limb of each degree of freedom; `None` on the trunk.
     limbs: Vec<Option<Limb>>,
 }
 
 impl MergedUduLayout {
-    /// `layout`, which is one of `tree`'s modules.
+    /// Returns `layout`, which belongs to modules of `tree`, with the limbs of `tree`.
     #[must_use]
     pub fn new<S: LaneScalar>(tree: &MergedMechanism<S>, layout: UduLayout) -> Self {
         Self { layout, limbs: of_dofs(tree) }
     }
 
-    /// The layout for modules of `tree`.
+    /// Returns the layout for a partition of `tree`.
     #[must_use]
     pub fn by_modules<S: LaneScalar>(
         tree: &MergedMechanism<S>,
@@ -124,7 +124,7 @@ impl<S: LaneScalar> LimbAccess<S> for MergedUduLayout {
     }
 }
 
-/// A tree of bodies with the layout that its factors have.
+/// A tree of bodies, and the type of the layout for its factors.
 pub trait Factorizable<S: Scalar>: BodyTree<S> {
     /// The layout.
     type Layout: FactorLayout<S>;
@@ -138,13 +138,14 @@ impl<S: LaneScalar> Factorizable<S> for MergedMechanism<S> {
     type Layout = MergedUduLayout;
 }
 
-/// Over how many limbs adds up what one of `limb` leaves on one of `other`.
-fn over(limb: Option<Limb>, other: Option<Limb>) -> usize {
+/// Returns the number of limbs to sum over for the effect of a degree of freedom in `limb` on one in
+/// `other`.
+fn summed_limb_count(limb: Option<Limb>, other: Option<Limb>) -> usize {
     limb.filter(|_| limb != other).map_or(1, |limb| limb.count)
 }
 
-/// The sum of the terms of a row, one a column: those of limbs' columns over the limbs, unless the row is
-/// a limb's itself.
+/// Returns the sum of the terms of a row, one term for each column. Terms in columns of a limb are summed
+/// over its limbs, unless the row belongs to the same limb.
 pub(in crate::equations) fn sum_row<S: Scalar, L: FactorLayout<S>>(
     layout: &L,
     row: usize,
@@ -152,10 +153,10 @@ pub(in crate::equations) fn sum_row<S: Scalar, L: FactorLayout<S>>(
 ) -> Option<S> {
     let row = layout.limb_of_dof(row);
     let mut whole: Option<S> = None;
-    // Of the limb that the columns are in, and over how many.
+    // The running sum of one limb's columns, and that limb.
     let mut part: Option<(S, Option<Limb>)> = None;
     let add = |whole: Option<S>, (part, limb): (S, Option<Limb>)| {
-        let part = layout.sum_limbs(part, over(limb, row));
+        let part = layout.sum_limbs(part, summed_limb_count(limb, row));
         Some(whole.map_or(part, |whole| whole + part))
     };
     for (dof, term) in terms.enumerate() {
@@ -172,12 +173,12 @@ pub(in crate::equations) fn sum_row<S: Scalar, L: FactorLayout<S>>(
     part.map_or(whole, |part| add(whole, part))
 }
 
-/// What solved columns have in the rows of other limbs than the column's own: for each column, by degree
-/// of freedom and limb, lanes as in the column. Without meaning for the trunk, and where column and row are
-/// of one limb.
+/// Returns the entries of solved columns in the rows of other limbs than the column's own limb: for each
+/// column, an entry for each degree of freedom and limb, with lanes as in the column. Entries are
+/// meaningless for rows of the trunk, and where column and row belong to the same limb.
 ///
-/// Expects the factors as [`forward_dynamics_derivatives`](crate::equations::derivatives::forward_dynamics_derivatives)
-/// leaves them.
+/// Expects the factors that
+/// [`forward_dynamics_derivatives`](crate::equations::derivatives::forward_dynamics_derivatives) computes.
 #[must_use]
 pub fn cross_limb<S: LaneScalar>(
     tree: &MergedMechanism<S>,
@@ -191,7 +192,7 @@ pub fn cross_limb<S: LaneScalar>(
     let most = counts.iter().copied().max().unwrap_or(1);
     let mut rows_of_limbs = Vec::new();
     for (column, own) in columns.chunks(limbs.len().max(1)).zip(limbs) {
-        // By limb: the column with the rows of that one.
+        // For each limb, the column with the rows of that limb.
         let mut rows = vec![column.to_vec(); most];
         for (limb, x) in rows.iter_mut().enumerate().filter(|_| own.is_some()) {
             for (m, block) in layout.blocks().iter().enumerate() {
@@ -200,7 +201,7 @@ pub fn cross_limb<S: LaneScalar>(
                 }
                 x[block.dofs.clone()].fill(S::zero());
                 for (dof, row) in layout.rows(m) {
-                    if merged.module_limb(m).is_some_and(|it| !moves(tree, dof, it, limb)) {
+                    if merged.module_limb(m).is_some_and(|it| !moves_limb(tree, dof, it, limb)) {
                         continue;
                     }
                     for (j, i) in block.dofs.clone().enumerate() {
@@ -216,9 +217,9 @@ pub fn cross_limb<S: LaneScalar>(
     rows_of_limbs
 }
 
-/// Whether a degree of freedom moves the one of these limbs: not if the limb hangs on a body in front of it, or
-/// on another tree.
-fn moves<S: LaneScalar>(tree: &MergedMechanism<S>, dof: usize, of: Limb, limb: usize) -> bool {
+/// Returns whether a degree of freedom moves limb `limb` of the merged limb `of`. It does not if the limb
+/// is attached to an ancestor of the degree of freedom's body, or to another tree.
+fn moves_limb<S: LaneScalar>(tree: &MergedMechanism<S>, dof: usize, of: Limb, limb: usize) -> bool {
     let model = tree.mechanism();
     let parents = tree.parents(of.first).unwrap_or_default();
     let mut on = parents.get(limb).copied().unwrap_or(model.bodies[of.first].parent);

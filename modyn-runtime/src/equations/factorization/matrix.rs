@@ -1,4 +1,4 @@
-//! The factors of the mass matrix from the matrix itself, block by block.
+//! The factorization of the mass matrix from its entries, block by block.
 
 use super::blocks::{factor_udu, solve_lower, solve_upper};
 use super::layout::UduLayout;
@@ -6,8 +6,8 @@ use super::limb_coupling::FactorLayout;
 use super::partition::factor;
 use crate::Scalar;
 
-/// Fills `factors` with D, its factors and U, from the mass matrix by columns, which is used up: (16)-(45), block by block, where
-/// nothing is known of the matrix but which entries are zero.
+/// Fills `factors` with D, the factors of its blocks, and U, from the mass matrix by columns: (16)-(45).
+/// The matrix is overwritten. The elimination uses its sparsity pattern, and no other structure.
 pub fn factorize_matrix<S: Scalar, L: FactorLayout<S>>(
     limbs: &L,
     matrix: &mut [S],
@@ -44,10 +44,10 @@ pub fn factorize_matrix<S: Scalar, L: FactorLayout<S>>(
         }
         for (a, row) in layout.rows(m) {
             let row = &factors[layout.u().start + row..][..size];
-            for &b in layout.in_front(m).iter().filter(|&&b| b <= a) {
+            for &b in layout.ancestors(m).iter().filter(|&&b| b <= a) {
                 let taken = (0..size).map(|j| row[j] * matrix[(start + j) * n + b]);
                 if let Some(taken) = taken.reduce(|sum, x| sum + x) {
-                    let count = limbs.limbs_over(m, a).min(limbs.limbs_over(m, b));
+                    let count = limbs.summed_limbs(m, a).min(limbs.summed_limbs(m, b));
                     let taken = limbs.sum_limbs(taken, count);
                     let left = matrix[a * n + b] - taken;
                     (matrix[a * n + b], matrix[b * n + a]) = (left, left);
@@ -57,7 +57,7 @@ pub fn factorize_matrix<S: Scalar, L: FactorLayout<S>>(
     }
 }
 
-/// Keeps V of a split pivot block.
+/// Stores V of a factorized pivot block in `factors`.
 pub(super) fn store_v<S: Scalar>(layout: &UduLayout, m: usize, pivots: &[S], factors: &mut [S]) {
     let block = &layout.blocks()[m];
     let v = factor(block, pivots);

@@ -1,4 +1,4 @@
-//! U D U^T of the mass matrix by modules: block reverse Gaussian elimination.
+//! The factorization U D U^T of the mass matrix by modules: block reverse Gaussian elimination.
 
 pub(super) mod blocks;
 mod layout;

@@ -1,4 +1,4 @@
-//! The modules that an elimination works by, laid out for it.
+//! The partition of an elimination into modules.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -7,30 +7,30 @@ use crate::Scalar;
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 
-/// A module, with where its block pivot lies in a packed array.
+/// A module, and the place of its pivot block in a packed array.
 #[derive(Clone, Debug)]
 pub struct ModuleBlock {
-    /// Its bodies.
+    /// The module's bodies.
     pub bodies: Range<usize>,
-    /// Their degrees of freedom.
+    /// The degrees of freedom of the module's bodies.
     pub dofs: Range<usize>,
-    /// Where its pivot block starts: `dofs.len()` squared numbers, by rows.
+    /// The start of the pivot block: `dofs.len()` squared entries, by rows.
     pub pivot: usize,
-    /// Whether other modules hang on it.
+    /// Whether the module has child modules.
     pub has_children: bool,
 }
 
-/// A partition into modules, parents before children, with room for their pivots.
+/// A partition into modules, parents before children, and the size of all pivot blocks.
 #[derive(Clone, Debug)]
 pub struct ModulePartition {
     /// The modules.
     pub blocks: Vec<ModuleBlock>,
-    /// How many numbers all pivot blocks hold together.
+    /// The number of entries of all pivot blocks.
     pub pivots: usize,
 }
 
 impl ModulePartition {
-    /// The modules of a model, which they fit.
+    /// Returns the partition of a model by `modules`, which must fit the model.
     #[must_use]
     pub fn new<S>(model: &Mechanism<S>, modules: &ModuleTree) -> Self {
         let mut pivots = 0;
@@ -45,13 +45,13 @@ impl ModulePartition {
     }
 }
 
-/// The bodies of these links, which are in a row.
+/// Returns the bodies of a range of links.
 fn bodies<S>(model: &Mechanism<S>, links: &Range<usize>) -> Range<usize> {
     let start = links.start.checked_sub(1).map_or(0, |before| model.links[before] + 1);
     start..model.links[links.end - 1] + 1
 }
 
-/// V of a split block.
+/// Returns V of a factorized block, as a function of row and column.
 pub(in crate::equations) fn factor<'a, S: Scalar>(
     block: &ModuleBlock,
     pivots: &'a [S],

@@ -1,12 +1,12 @@
-//! A module's part in the block reverse Gaussian elimination, (35)-(49).
+//! The block reverse Gaussian elimination of one module, (35)-(49).
 //!
-//! Inside a module inertia travels as a rigid composite (10 numbers), in the last link together
-//! with what eliminated child modules left there (21 numbers from there on). The module's pivot
-//! is the block I_hat = N^T Psi, (46), with Psi = M_hat N, (47), and the rotors' inertia on its
-//! diagonal; it is split as V Delta V^T by reverse Gaussian elimination, and the module's parent
-//! then sees Phi M_hat, (48)-(49): M_hat - Psi I_hat^-1 Psi^T.
+//! Inside a module inertia is accumulated as a rigid composite (10 numbers). From a link with eliminated
+//! child modules on, their articulated inertia (21 numbers) is accumulated as well. The module's pivot
+//! block is I_hat = N^T Psi, (46), with Psi = M_hat N, (47), plus the rotors' inertia on its diagonal.
+//! The block is factorized as V Delta V^T by reverse Gaussian elimination. The module's parent receives
+//! Phi M_hat, (48)-(49): M_hat - Psi I_hat^-1 Psi^T.
 //!
-//! No joint mimics another here: each degree of freedom is an entry of the joint vectors.
+//! The robot must not have mimic joints: each degree of freedom is an entry of the joint vectors.
 
 use super::blocks::{factor_udu, solve_lower, solve_upper};
 use super::layout::UduLayout;
@@ -17,7 +17,7 @@ use crate::equations::Workspace;
 use crate::mechanism::{BodyTree, Mechanism};
 use crate::spatial::{ArticulatedInertia, Wrench};
 
-/// Sets each body's inertia to its own.
+/// Sets each composite inertia to the body's own inertia.
 pub(in crate::equations) fn start<S: Scalar>(model: &Mechanism<S>, workspace: &mut Workspace<S>) {
     for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
         *composite = body.base_inertia;
@@ -25,8 +25,8 @@ pub(in crate::equations) fn start<S: Scalar>(model: &Mechanism<S>, workspace: &m
     workspace.articulated.fill(None);
 }
 
-/// Forms the module's pivot block and its columns Psi at the module's first body, and gathers the
-/// inertia of the bodies behind there.
+/// Computes the module's pivot block and its columns Psi at the module's first body, and accumulates the
+/// inertias of the module's bodies there.
 pub(in crate::equations) fn pivot<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     block: &ModuleBlock,
@@ -76,16 +76,16 @@ pub(in crate::equations) fn pivot<S: Scalar, T: BodyTree<S>>(
     }
 }
 
-/// Splits the module's pivot block as V Delta V^T in place.
+/// Factorizes the module's pivot block as V Delta V^T in place.
 pub(in crate::equations) fn split<S: Scalar>(block: &ModuleBlock, workspace: &mut Workspace<S>) {
     let size = block.dofs.len();
     let v = &mut workspace.pivots[block.pivot..block.pivot + size * size];
     factor_udu(v, size, &mut workspace.reciprocals[block.dofs.clone()]);
 }
 
-/// The motion subspace of the module's first joint: by component of the twist, the degree of freedom that
-/// moves it. The joint transmits no force along it, so nothing of that component reaches the parent. (A
-/// rotor does: it holds the joint.)
+/// Returns the motion subspace of the module's first joint: for each component of the twist, the degree of
+/// freedom that moves along it. The joint transmits no force along its motion subspace to the parent.
+/// (A joint with rotor inertia does, so its components are left out.)
 pub(in crate::equations) fn motion_subspace<S: Scalar>(
     model: &Mechanism<S>,
     block: &ModuleBlock,
@@ -99,8 +99,8 @@ pub(in crate::equations) fn motion_subspace<S: Scalar>(
     subspace
 }
 
-/// Turns the columns Psi into V^-1 Psi^T and, over Delta, into `gains`: row by row, without
-/// the rows of the motion subspace. Expects the split pivot.
+/// Replaces the columns Psi by V^-1 Psi^T, and computes `gains` = Psi V^-T Delta^-1. Both are stored by
+/// rows; rows of the motion subspace are skipped. Expects the factorized pivot block.
 pub(in crate::equations) fn reduce_columns<S: Scalar>(
     model: &Mechanism<S>,
     block: &ModuleBlock,
@@ -116,7 +116,7 @@ pub(in crate::equations) fn reduce_columns<S: Scalar>(
     }
 }
 
-/// Gives the module's inertia, with its joints eliminated, to the link it hangs on: (48).
+/// Adds the module's inertia, with its joints eliminated, to the parent link: (48).
 pub(in crate::equations) fn eliminate<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     block: &ModuleBlock,
@@ -144,7 +144,7 @@ pub(in crate::equations) fn eliminate<S: Scalar, T: BodyTree<S>>(
     propagate_to_parent(tree, workspace, first, &left);
 }
 
-/// Adds an articulated inertia at body `i` to what its parent carries.
+/// Adds an articulated inertia at body `i` to the articulated inertia of its parent.
 fn propagate_to_parent<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     workspace: &mut Workspace<S>,
@@ -157,7 +157,7 @@ fn propagate_to_parent<S: Scalar, T: BodyTree<S>>(
     });
 }
 
-/// Fills `factors` with D, its factors and U at `q`, by the recursion over the tree.
+/// Fills `factors` with D, the factors of its blocks, and U at `q`, by recursion over the tree.
 pub(in crate::equations) fn factorize_tree<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,
@@ -165,7 +165,7 @@ pub(in crate::equations) fn factorize_tree<S: Scalar>(
     workspace: &mut Workspace<S>,
     factors: &mut [S],
 ) {
-    workspace.make_room(layout.pivots(), 0, 0);
+    workspace.reserve(layout.pivots(), 0, 0);
     workspace.move_to(model, q);
     start(model, workspace);
     for (m, block) in layout.blocks().iter().enumerate().rev() {
@@ -182,7 +182,7 @@ pub(in crate::equations) fn factorize_tree<S: Scalar>(
         }
         reduce_columns(model, block, workspace);
         eliminate(model, block, workspace);
-        // (46): the columns of Psi I_hat^-1, carried inwards, as each joint there feels them.
+        // (46): the columns of Psi I_hat^-1, transformed towards the root; each joint takes its component.
         finish_gains(model, block, workspace);
         for (j, d) in block.dofs.clone().enumerate() {
             let mut wrench =
@@ -202,7 +202,7 @@ pub(in crate::equations) fn factorize_tree<S: Scalar>(
     }
 }
 
-/// Turns the gains Psi V^-T Delta^-1 into Psi I_hat^-1, all six rows.
+/// Replaces the gains Psi V^-T Delta^-1 by Psi I_hat^-1, all six rows.
 fn finish_gains<S: Scalar>(
     model: &Mechanism<S>,
     block: &ModuleBlock,

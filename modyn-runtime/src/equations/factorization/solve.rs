@@ -1,4 +1,4 @@
-//! Solving with the factors of the mass matrix; the matrices in full.
+//! Solving with the factors of the mass matrix; the factors and the inverse as full matrices.
 
 use core::ops::Range;
 
@@ -7,7 +7,7 @@ use super::layout::UduLayout;
 use super::limb_coupling::{FactorLayout, Limb};
 use crate::{Scalar, jacobi};
 
-/// x := I_hat^-1 x for module `m`.
+/// Replaces x by I_hat^-1 x for module `m`.
 fn solve_block<S: Scalar>(layout: &UduLayout, factors: &[S], m: usize, x: &mut [S]) {
     let v = layout.v(m, factors);
     let reciprocals = &factors[layout.reciprocals()][layout.blocks()[m].dofs.clone()];
@@ -18,16 +18,18 @@ fn solve_block<S: Scalar>(layout: &UduLayout, factors: &[S], m: usize, x: &mut [
     solve_lower(v, x);
 }
 
-/// The solution x of I x = rhs, in place, by the three steps of (60).
+/// Replaces the right-hand side `x` by the solution of I x = rhs, in the three steps of (60).
 ///
-/// Where equal limbs are computed as one, `rhs` is the same for all of them.
+/// Where limbs are merged, the right-hand side has a lane for each limb.
 pub fn solve<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], x: &mut [S]) {
     solve_for(layout, factors, None, x);
 }
 
-/// The same for a right-hand side that is the column of a degree of freedom. Where equal limbs are
-/// computed as one, a limb's is each limb's own, zero on the others, and the rows of those are left out:
-/// see `limb_coupling`.
+/// Replaces `x`, a right-hand side that is a column of degree of freedom `column`, by the solution.
+///
+/// Where limbs are merged, the column of a limb stands for one column of each limb, which is zero on the
+/// other limbs. The rows of other limbs are not computed: see
+/// [`cross_limb`](super::limb_coupling::cross_limb).
 pub fn solve_column<S: Scalar, L: FactorLayout<S>>(
     layout: &L,
     factors: &[S],
@@ -49,7 +51,7 @@ fn solve_for<S: Scalar, L: FactorLayout<S>>(
         |m: usize| own.is_some() && limbs.limb_of_module(m).is_some_and(|limb| own != Some(limb));
     for (m, block) in layout.blocks().iter().enumerate().rev().filter(|(m, _)| !others(*m)) {
         for (dof, row) in layout.rows(m) {
-            let over = if own.is_none() { limbs.limbs_over(m, dof) } else { 1 };
+            let over = if own.is_none() { limbs.summed_limbs(m, dof) } else { 1 };
             let shares = block.dofs.clone().enumerate().map(|(j, i)| u[row + j] * x[i]);
             x[dof] = if over == 1 {
                 shares.fold(x[dof], |x, share| x - share)
@@ -105,7 +107,7 @@ pub(in crate::equations) fn solve_lower_factor<S: Scalar>(
     }
 }
 
-/// D as a full matrix by columns, (45).
+/// Computes D as a full matrix by columns, (45).
 pub fn diagonal<S: Scalar>(layout: &UduLayout, factors: &[S], columns: &mut [S]) {
     let n = layout.n();
     columns.fill(S::zero());
@@ -119,7 +121,7 @@ pub fn diagonal<S: Scalar>(layout: &UduLayout, factors: &[S], columns: &mut [S])
     }
 }
 
-/// D^-1 as a full matrix by columns, (54).
+/// Computes D^-1 as a full matrix by columns, (54).
 pub fn diagonal_inverse<S: Scalar>(layout: &UduLayout, factors: &[S], columns: &mut [S]) {
     let n = layout.n();
     columns.fill(S::zero());
@@ -129,12 +131,12 @@ pub fn diagonal_inverse<S: Scalar>(layout: &UduLayout, factors: &[S], columns: &
             let rows = column * n + block.dofs.start..column * n + block.dofs.end;
             solve_block(layout, factors, m, &mut columns[rows]);
         }
-        mirror(n, block.dofs.clone(), columns);
+        symmetrize(n, block.dofs.clone(), columns);
     }
 }
 
-/// Copies what stands above the diagonal of these rows and columns below it.
-fn mirror<S: Scalar>(n: usize, range: Range<usize>, columns: &mut [S]) {
+/// Copies the entries above the diagonal of these rows and columns to those below it.
+fn symmetrize<S: Scalar>(n: usize, range: Range<usize>, columns: &mut [S]) {
     for column in range.clone() {
         for row in range.start..column {
             columns[row * n + column] = columns[column * n + row];
@@ -142,7 +144,7 @@ fn mirror<S: Scalar>(n: usize, range: Range<usize>, columns: &mut [S]) {
     }
 }
 
-/// U as a full matrix by columns, (43).
+/// Computes U as a full matrix by columns, (43).
 pub fn upper<S: Scalar>(layout: &UduLayout, u: &[S], columns: &mut [S]) {
     let n = layout.n();
     columns.fill(S::zero());
@@ -156,16 +158,16 @@ pub fn upper<S: Scalar>(layout: &UduLayout, u: &[S], columns: &mut [S]) {
     }
 }
 
-/// U^-1 as a full matrix by columns, (53)-(54): each block column of U is carried through the
-/// block columns of the modules in front of it.
+/// Computes U^-1 as a full matrix by columns, (53)-(54): each block column of U is propagated through the
+/// block columns of the preceding modules.
 pub fn upper_inverse<S: Scalar>(layout: &UduLayout, u: &[S], columns: &mut [S]) {
     let n = layout.n();
     columns.fill(S::zero());
     for (m, block) in layout.blocks().iter().enumerate() {
         for (j, column) in block.dofs.clone().enumerate() {
             columns[column * n + column] = S::one();
-            // Column `column` of U^-1 is e - sum over what stands in front of U's entry times their
-            // column. (With mimics that reaches more entries than U has.)
+            // Column `column` of U^-1 is e minus the sum of U's entries times the preceding columns of
+            // U^-1. (With mimic joints U^-1 has more nonzero entries than U.)
             for (dof, row) in layout.rows(m) {
                 let factor = u[row + j];
                 for above in 0..=dof {
@@ -177,8 +179,8 @@ pub fn upper_inverse<S: Scalar>(layout: &UduLayout, u: &[S], columns: &mut [S]) 
     }
 }
 
-/// The inverse of the mass matrix as a full matrix by columns, (50): U^-T D^-1 U^-1, applied to each
-/// column of the identity.
+/// Computes the inverse of the mass matrix as a full matrix by columns, (50): U^-T D^-1 U^-1, applied to
+/// each column of the identity.
 pub fn inverse<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], columns: &mut [S]) {
     let n = layout.layout().n();
     columns.fill(S::zero());
@@ -186,16 +188,16 @@ pub fn inverse<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], columns
         column[j] = S::one();
         solve_column(layout, factors, j, column);
     }
-    mirror(n, 0..n, columns);
+    symmetrize(n, 0..n, columns);
 }
 
-/// The logarithm of the mass matrix's determinant: that of D, since U's is one.
+/// Returns the natural logarithm of the mass matrix's determinant. It is that of D, since det U = 1.
 pub fn log_determinant<S: Scalar>(layout: &UduLayout, factors: &[S]) -> S {
     let reciprocals = &factors[layout.reciprocals()];
     -reciprocals.iter().fold(S::zero(), |sum, reciprocal| sum + reciprocal.ln())
 }
 
-/// The condition number of module `m`'s pivot block, in the 2-norm.
+/// Returns the condition number of module `m`'s pivot block, in the 2-norm.
 pub fn condition_number<S: Scalar>(layout: &UduLayout, factors: &[S], m: usize) -> S {
     let mut block = factors[layout.d(m)].to_vec();
     jacobi::condition_number(&mut block, layout.blocks()[m].dofs.len())

@@ -1,10 +1,11 @@
-//! Base parameters: the fewest combinations of inertial parameters that joint torques depend on.
+//! Base parameters: a minimal set of combinations of inertial parameters that joint forces depend on.
 //!
-//! Found on numbers (Gautier 1991, "Numerical calculation of the base inertial parameters of
-//! robots"): the columns of regressors at many states, stacked, are orthogonalized in the order of
-//! the parameters, and one that depends on columns before it has its parameter grouped with
-//! theirs. Parents come before children, so what a joint cannot feel is counted with the parent,
-//! as in the textbooks (Khalil and Dombre 2002, chapter 9).
+//! The combinations are found numerically (Gautier 1991, "Numerical calculation of the base inertial
+//! parameters of robots"). The regressors at many states are stacked, and the columns are orthogonalized
+//! in the order of the parameters. The parameter of a column that depends on earlier columns is grouped
+//! with the parameters of those columns. Parents come before children. A parameter that has no effect on
+//! a joint of its own is therefore grouped with its parent's parameters, as in Khalil and Dombre 2002,
+//! chapter 9.
 
 use alloc::{format, string::String, vec, vec::Vec};
 
@@ -15,45 +16,45 @@ use crate::equations::kinematics::coordinates;
 use crate::mechanism::Mechanism;
 use crate::model::{INERTIAL_PARAMETERS, Model, PARAMETERS_PER_LINK};
 
-/// A column of the regressor is independent of others if more than that part of it is: below, nothing
-/// can be identified, and above is what a description's rounded angles make of parallel axes.
+/// The relative length of a column's independent part above which the column counts as independent.
+/// Smaller parts cannot be identified, and arise from the rounded angles of parallel axes.
 const TOLERANCE: f64 = 1e-7;
 
-/// Coefficients this near to 0, 1 or -1 are taken for it.
+/// Coefficients closer than this to 0, 1 or -1 are set to that value.
 const SNAP: f64 = 1e-8;
 
-/// A combination of inertial parameters that joint torques depend on.
+/// A combination of inertial parameters that joint forces depend on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BaseParameter {
     name: String,
-    /// The parameter that the others are grouped with (10 times its link, and its place among the
-    /// ten): the column of the regressor that belongs to the combination.
+    /// The parameter that the others are grouped with: 10 times its link plus its index among the ten.
+    /// It is also the column of the regressor that belongs to the combination.
     pub kept: usize,
-    /// The combination: parameters and their coefficients, [`kept`](Self::kept) and its 1 first.
+    /// The combination: parameters and their coefficients. The first is [`kept`](Self::kept), with 1.
     pub combination: Vec<(usize, f64)>,
 }
 
 impl BaseParameter {
-    /// The combination as text, such as `Izz_forearm + Iyy_hand + m_hand * 0.16`, with coefficients
-    /// to six digits.
+    /// Returns the combination as text, such as `Izz_forearm + Iyy_hand + m_hand * 0.16`. Coefficients
+    /// have six digits.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 }
 
-/// A smallest set of combinations of inertial parameters that determines all joint torques.
+/// A minimal set of combinations of inertial parameters that determines all joint forces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BaseParameters {
-    /// The combinations, in the order of the parameters that the others are grouped with.
+    /// The combinations, in the order of the parameters they are named after.
     pub parameters: Vec<BaseParameter>,
 }
 
 impl BaseParameters {
-    /// Those of `model`, whatever its inertias and limits are.
+    /// Returns the base parameters of `model`. They depend neither on its inertias nor on its limits.
     #[must_use]
     pub fn new(model: &Model) -> Self {
-        let columns = stacked(model);
+        let columns = stacked_regressors(model);
         let largest = columns.iter().map(|column| length(column)).fold(0.0, f64::max);
         let mut basis = Basis { directions: Vec::new(), triangle: Vec::new() };
         let mut parameters: Vec<BaseParameter> = Vec::new();
@@ -86,7 +87,7 @@ impl BaseParameters {
         Self { parameters }
     }
 
-    /// Their values for the inertias of `model`: that robot, or the same with other inertias.
+    /// Returns the values of the combinations for the inertias of `model`, which must have the same tree.
     #[must_use]
     pub fn values(&self, model: &Model) -> Vec<f64> {
         let all: Vec<f64> = (0..model.links().len())
@@ -99,22 +100,23 @@ impl BaseParameters {
         self.parameters.iter().map(|one| one.combination.iter().map(value).sum()).collect()
     }
 
-    /// The columns of the regressor that belong to them: tau is these columns times the values.
+    /// Returns the columns of the regressor that belong to the combinations: tau is the product of these
+    /// columns and the values.
     #[must_use]
     pub fn regressor_columns(&self) -> Vec<usize> {
         self.parameters.iter().map(|parameter| parameter.kept).collect()
     }
 }
 
-/// The columns of the regressors at many states, one under the other: the same numbers on every host, since
-/// they become part of generated text.
-fn stacked(model: &Model) -> Vec<Vec<f64>> {
+/// Returns the columns of the regressors at many states, stacked. They are computed with portable numbers,
+/// the same on every host, since they become part of generated text.
+fn stacked_regressors(model: &Model) -> Vec<Vec<f64>> {
     let mechanism = Mechanism::new(model).cast::<Portable>();
     let workspace = &mut Workspace::new(&mechanism);
     let (nq, nv) = (model.nq(), model.nv());
     let count = PARAMETERS_PER_LINK * model.links().len();
-    // Four times as many rows as columns, and of each joint's torque four times as many as a link
-    // has parameters: generic states then show all there is to see.
+    // Four times as many rows as columns, and for each joint four times as many states as a link has
+    // parameters: the rank at random states is then the largest possible.
     let states = (4 * count).div_ceil(nv).max(4 * PARAMETERS_PER_LINK);
     let mut columns = vec![Vec::with_capacity(states * nv); count];
     let zero = Portable(0.0);
@@ -134,15 +136,15 @@ fn stacked(model: &Model) -> Vec<Vec<f64>> {
     columns
 }
 
-/// What stacked columns span: Q and R by columns.
+/// The QR factorization of the independent columns: Q and R by columns.
 struct Basis {
     directions: Vec<Vec<f64>>,
     triangle: Vec<Vec<f64>>,
 }
 
 impl Basis {
-    /// The column's parts along the directions, and what is left of it: Gram and Schmidt, twice, as
-    /// the first time leaves rounding errors of the column's own size.
+    /// Returns the column's components along the directions, and the remainder. Gram-Schmidt
+    /// orthogonalization runs twice, since one pass leaves rounding errors of the column's magnitude.
     fn split(&self, mut column: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
         let mut parts = vec![0.0; self.directions.len()];
         for _ in 0..2 {
@@ -155,7 +157,7 @@ impl Basis {
         (parts, column)
     }
 
-    /// From parts along the directions to coefficients of the columns kept: R x = b, in place.
+    /// Solves R x = b in place: from components along the directions to coefficients of the kept columns.
     fn solve(&self, x: &mut [f64]) {
         for (k, column) in self.triangle.iter().enumerate().rev() {
             let value = x[k] / column[k];
@@ -178,7 +180,7 @@ fn snap(x: f64) -> f64 {
     near.unwrap_or(x)
 }
 
-/// The combination as text.
+/// Returns the combination as text.
 fn name(model: &Model, combination: &[(usize, f64)]) -> String {
     let mut text = String::new();
     for &(index, coefficient) in combination {
@@ -199,7 +201,7 @@ fn name(model: &Model, combination: &[(usize, f64)]) -> String {
     text
 }
 
-/// A fixed stream of numbers in -3..3: SplitMix64 (Steele, Lea and Flood 2014).
+/// A fixed sequence of numbers in -3..3: SplitMix64 (Steele, Lea and Flood 2014).
 struct Random(u64);
 
 impl Random {

@@ -1,4 +1,4 @@
-//! Dynamics as linear in the inertial parameters.
+//! Identification: inverse dynamics as a linear function of the inertial parameters.
 
 mod base_parameters;
 mod regressor;

@@ -1,4 +1,4 @@
-//! The regressor: inverse dynamics is linear in the links' inertias.
+//! The regressor: inverse dynamics is linear in the links' inertial parameters.
 
 use crate::Scalar;
 use crate::equations::Workspace;
@@ -7,14 +7,15 @@ use crate::mechanism::{Body, Mechanism};
 use crate::model::PARAMETERS_PER_LINK;
 use crate::spatial::{Field, Matrix3, Twist, Vector3};
 
-/// Y(q, qd, qdd) with tau = Y pi by columns into `columns` (nv times 10 a moving link), gravity
-/// included; rotors, damping and friction are not part of it (Atkeson, An and Hollerbach 1986,
+/// Computes the regressor Y(q, qd, qdd), tau = Y pi, by columns: nv rows, 10 columns for each moving link.
+///
+/// Gravity is included; rotors, damping and friction are not (Atkeson, An and Hollerbach 1986,
 /// "Estimation of inertial parameters of manipulator loads and links").
 ///
 /// pi has ten parameters for each moving link of the model, those of
-/// [`Model::inertial_parameters`](crate::model::Model::inertial_parameters). An entry of Y is the
-/// power at which a unit motion of its joint works against what its parameter asks for, so unit
-/// motions are carried down to the links rather than ten wrenches up from each.
+/// [`Model::inertial_parameters`](crate::model::Model::inertial_parameters). An entry of Y is the power of
+/// the wrench of a unit parameter under a unit motion of the joint. The unit motion of each joint is
+/// therefore transformed towards the links, instead of ten wrenches from each link towards the root.
 pub fn regressor<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd, qdd): (&[S], &[S], &[S]),
@@ -51,28 +52,28 @@ pub fn regressor<S: Scalar>(
     }
 }
 
-/// Where the bodies end that hang on body `i`: they stand behind it, depth first.
+/// Returns the end of body `i`'s subtree: its descendants follow it contiguously, in depth-first order.
 fn subtree_end<S>(model: &Mechanism<S>, i: usize) -> usize {
     let behind = model.bodies[i + 1..].iter();
     i + 1 + behind.take_while(|body| body.parent.is_some_and(|parent| parent >= i)).count()
 }
 
-/// A body's motion about its link's origin in the link's axes.
+/// Returns a body's motion at its link's origin, in the link's axes.
 fn field_in_link<S: Scalar>(body: &Body<S>, field: &Field<S>) -> Field<S> {
     let to_link = Matrix3(body.link.rotation).transposed();
     let (omega, alpha) = (to_link.mul_vector(field.omega), to_link.mul_vector(field.alpha));
-    let a = field.a + field.over_origin(Vector3(body.link.translation));
-    Field { a: to_link.mul_vector(a), ..Field::turning(omega, alpha) }
+    let a = field.a + field.relative_acceleration(Vector3(body.link.translation));
+    Field { a: to_link.mul_vector(a), ..Field::rotating(omega, alpha) }
 }
 
-/// A body's twist at its link's origin in the link's axes.
+/// Returns a body's twist at its link's origin, in the link's axes.
 fn twist_in_link<S: Scalar>(body: &Body<S>, twist: Twist<S>) -> Twist<S> {
     let to_link = Matrix3(body.link.rotation).transposed();
     let linear = twist.linear + twist.angular.cross(Vector3(body.link.translation));
     Twist { angular: to_link.mul_vector(twist.angular), linear: to_link.mul_vector(linear) }
 }
 
-/// The power of the wrench that each parameter at 1 asks for in this motion, at `twist`.
+/// Returns the power, under `twist`, of the wrench of each inertial parameter at value 1.
 ///
 /// The wrench has the force m a + E c and the moment c x a + I alpha + omega x I omega.
 fn powers<S: Scalar>(motion: &Field<S>, twist: Twist<S>) -> [S; PARAMETERS_PER_LINK] {

@@ -1,26 +1,26 @@
-//! The motion in front of a joint, from the motion of the body that it hangs on.
+//! The motion of a joint's parent frame, from the motion of the parent body.
 
 use crate::Scalar;
 use crate::equations::Workspace;
-use crate::joint::{Carried, JointTransform};
+use crate::joint::{JointTransform, ParentMotion};
 use crate::mechanism::{Body, BodyTree};
 use crate::spatial::{Field, Vector3};
 
-/// What body `i`'s joint has in front of it, from its parent's motion.
-pub(in crate::equations) fn carried<S: Scalar, T: BodyTree<S>>(
+/// Returns the motion of the parent frame of body `i`'s joint, in the axes and at the origin of body `i`.
+pub(in crate::equations) fn parent_motion<S: Scalar, T: BodyTree<S>>(
     tree: &T,
     i: usize,
     workspace: &Workspace<S>,
-) -> Carried<S> {
+) -> ParentMotion<S> {
     let model = tree.mechanism();
     let (body, motion) = (&model.bodies[i], &workspace.motions[i]);
     match body.parent {
         None => {
             let (zero, a) = (Vector3::zero(), body.to_child(motion, -model.gravity));
-            Carried { omega: zero, alpha: zero, a }
+            ParentMotion { omega: zero, alpha: zero, a }
         }
         Some(parent) if tree.parents(i).is_none() => {
-            carried_by(&workspace.fields[parent], body, motion)
+            parent_motion_at_joint(&workspace.fields[parent], body, motion)
         }
         Some(_) => {
             let at_rest = Field { a: -model.gravity, ..Field::zero() };
@@ -28,20 +28,20 @@ pub(in crate::equations) fn carried<S: Scalar, T: BodyTree<S>>(
             let get = |part: fn(&Field<S>) -> Vector3<S>| {
                 Vector3(tree.broadcast_from_parents(i, |p| part(&of(p)).0))
             };
-            let field = Field::turning(get(|f| f.omega), get(|f| f.alpha));
-            carried_by(&Field { a: get(|f| f.a), ..field }, body, motion)
+            let field = Field::rotating(get(|f| f.omega), get(|f| f.alpha));
+            parent_motion_at_joint(&Field { a: get(|f| f.a), ..field }, body, motion)
         }
     }
 }
 
-/// What `body`'s joint has in front of it, where `parent` is its parent's motion.
-pub(in crate::equations) fn carried_by<S: Scalar>(
+/// Returns the motion of the parent frame of `body`'s joint; `parent` is the motion of the parent body.
+pub(in crate::equations) fn parent_motion_at_joint<S: Scalar>(
     parent: &Field<S>,
     body: &Body<S>,
     motion: &JointTransform<S>,
-) -> Carried<S> {
+) -> ParentMotion<S> {
     let to_child = |v| body.to_child(motion, v);
-    let a = parent.a + parent.over_origin(body.placement.origin());
+    let a = parent.a + parent.relative_acceleration(body.placement.origin());
     let (omega, alpha) = (to_child(parent.omega), to_child(parent.alpha));
-    Carried { omega, alpha, a: to_child(a) }
+    ParentMotion { omega, alpha, a: to_child(a) }
 }

@@ -7,12 +7,12 @@ use crate::equations::Workspace;
 use crate::mechanism::Mechanism;
 use crate::spatial::{RigidInertia, Vector3};
 
-/// The mass of the moving links, kg.
+/// Returns the mass of the moving links, kg.
 pub fn total_mass<S: Scalar>(model: &Mechanism<S>) -> S {
     model.bodies.iter().fold(S::zero(), |sum, body| sum + body.inertia.mass)
 }
 
-/// Their centre of mass in the world, m. Not a number where they have no mass.
+/// Returns the centre of mass of the moving links in world axes, m. It is NaN if their mass is zero.
 pub fn center_of_mass<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],
@@ -22,7 +22,7 @@ pub fn center_of_mass<S: Scalar>(
     at_joints(model, workspace)
 }
 
-/// The same, with the joints at q.
+/// Returns the centre of mass in world axes, m. Expects the joint transforms at q.
 pub(in crate::equations) fn at_joints<S: Scalar>(
     model: &Mechanism<S>,
     workspace: &mut Workspace<S>,
@@ -32,8 +32,8 @@ pub(in crate::equations) fn at_joints<S: Scalar>(
     moving + model.static_inertia.first_moment.scale(share)
 }
 
-/// The Jacobian of the centre of mass into `columns`, one an entry of qd, world axes: the linear
-/// momentum of a unit rate over the total mass.
+/// Computes the Jacobian of the centre of mass, world axes, into `columns`, one for each entry of qd. A
+/// column is the linear momentum of a unit rate divided by the total mass.
 pub fn center_of_mass_jacobian<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],
@@ -45,7 +45,7 @@ pub fn center_of_mass_jacobian<S: Scalar>(
     accumulate_masses(model, workspace, |body| shared(&body.base_inertia, share));
     columns.fill(Vector3::zero());
     for (i, body) in model.bodies.iter().enumerate() {
-        kinematic_path::turn_axes(model, i, workspace);
+        kinematic_path::rotate_axes(model, i, workspace);
         let axes = kinematic_path::joint_axes(model, i, workspace);
         let RigidInertia { mass, first_moment, .. } = workspace.composite[i];
         let first_moment = if body.elementary_joint.has_axis() {
@@ -64,8 +64,8 @@ pub fn center_of_mass_jacobian<S: Scalar>(
     }
 }
 
-/// Mass and first moment as shares of the total mass: constants where the inertias are, so that
-/// nothing is left to divide.
+/// Returns mass and first moment divided by the total mass. Where inertias are constants, the compiler
+/// folds the division.
 fn shared<S: Scalar>(inertia: &RigidInertia<S>, share: S) -> RigidInertia<S> {
     RigidInertia {
         mass: inertia.mass * share,

@@ -5,7 +5,7 @@ use crate::equations::Workspace;
 use crate::mechanism::{Body, BodyTree, Mechanism};
 use crate::spatial::{RigidInertia, Vector3};
 
-/// The first moment of mass in the world. Expects the joints at q.
+/// Returns the first moment of mass in world axes. Expects the joint transforms at q.
 pub(in crate::equations) fn first_moment<S: Scalar>(
     model: &Mechanism<S>,
     workspace: &mut Workspace<S>,

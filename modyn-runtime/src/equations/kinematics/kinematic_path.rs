@@ -1,4 +1,4 @@
-//! The kinematic path of a link: the bodies between it and the world, which are all that its motion depends on.
+//! The kinematic path of a link: its body and the body's ancestors. The link's motion depends on no other body.
 
 use alloc::vec::Vec;
 
@@ -8,7 +8,7 @@ use crate::joint::JointTransform;
 use crate::mechanism::Mechanism;
 use crate::spatial::{Matrix3, Pose, Twist, Vector3};
 
-/// Body `last` and those that it hangs on, down to the world.
+/// Returns body `last` and its ancestors, from the body towards the world.
 pub(in crate::equations) fn towards_world<S>(
     model: &Mechanism<S>,
     last: Option<usize>,
@@ -16,7 +16,7 @@ pub(in crate::equations) fn towards_world<S>(
     core::iter::successors(last, |&i| model.bodies[i].parent)
 }
 
-/// The same bodies from the world on, into `path`.
+/// Stores body `last` and its ancestors in `path`, from the world towards the body.
 pub(in crate::equations) fn from_world<S>(
     model: &Mechanism<S>,
     last: Option<usize>,
@@ -27,17 +27,17 @@ pub(in crate::equations) fn from_world<S>(
     path.reverse();
 }
 
-/// Body `i`'s axes in the world. Expects its joint at q, and its parent's axes.
-pub(in crate::equations) fn turn_axes<S: Scalar>(
+/// Computes body `i`'s axes in the world. Expects the joint transform and the parent's axes.
+pub(in crate::equations) fn rotate_axes<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,
     workspace: &mut Workspace<S>,
 ) {
-    workspace.axes[i] = workspace.motions[i].turn_axes(&axes_at_joint(model, i, workspace));
+    workspace.axes[i] = workspace.motions[i].rotate_axes(&axes_at_joint(model, i, workspace));
 }
 
-/// The axes in the world that body `i`'s degrees of freedom are along: an axis stands the same in
-/// front of the joint, where the axes have one turn less behind them.
+/// Returns the world axes of body `i`'s degrees of freedom. A joint axis is the same before and after the
+/// joint, and the axes before the joint need one rotation less.
 pub(in crate::equations) fn joint_axes<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,
@@ -50,7 +50,7 @@ pub(in crate::equations) fn joint_axes<S: Scalar>(
     }
 }
 
-/// The axes in the world that stand in front of body `i`'s joint.
+/// Returns the world axes of the frame before body `i`'s joint.
 fn axes_at_joint<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,
@@ -58,26 +58,26 @@ fn axes_at_joint<S: Scalar>(
 ) -> Matrix3<S> {
     let body = &model.bodies[i];
     let world = || Matrix3(Pose::identity().rotation);
-    body.placement.turn_axes(&body.parent.map_or_else(world, |parent| workspace.axes[parent]))
+    body.placement.rotate_axes(&body.parent.map_or_else(world, |parent| workspace.axes[parent]))
 }
 
-/// The motion of a link's origin against a body that it hangs on, in that body's axes.
+/// The motion of a link's origin relative to one of the link's ancestors, in that ancestor's axes.
 #[derive(Clone, Copy)]
-pub(in crate::equations) struct Relative<S> {
-    /// The link's origin.
+pub(in crate::equations) struct OriginMotion<S> {
+    /// The position of the link's origin.
     point: Vector3<S>,
     pub(in crate::equations) velocity: Twist<S>,
-    /// Angular acceleration and the classical one of the link's origin.
+    /// The angular acceleration, and the classical acceleration of the link's origin.
     pub(in crate::equations) acceleration: Twist<S>,
 }
 
-impl<S: Scalar> Relative<S> {
-    /// A link whose origin is fixed to the body.
+impl<S: Scalar> OriginMotion<S> {
+    /// Returns the motion of a link that is fixed to the body.
     pub(in crate::equations) fn fixed(point: Vector3<S>) -> Self {
         Self { point, velocity: Twist::zero(), acceleration: Twist::zero() }
     }
 
-    /// The motion against body `i`'s parent, from that against body `i`.
+    /// Returns the motion relative to body `i`'s parent, from the motion relative to body `i`.
     pub(in crate::equations) fn towards_world(
         self,
         model: &Mechanism<S>,
@@ -88,31 +88,31 @@ impl<S: Scalar> Relative<S> {
         let motion = body.motion(q);
         let rates = model.add_rates(i, Twist::zero(), qd);
         let changes = qdd.map(|qdd| model.add_rates(i, Twist::zero(), qdd));
-        // An axis is the same in front of the joint, where the turn of what is constant on the
-        // link is known already.
+        // A joint axis has the same components before the joint, where the vectors that are fixed to the
+        // link are already rotated.
         let at_joint = if body.elementary_joint.has_axis() {
-            self.across(&motion).carried(rates, changes)
+            self.across_joint(&motion).with_joint_motion(rates, changes)
         } else {
-            self.carried(rates, changes).across(&motion)
+            self.with_joint_motion(rates, changes).across_joint(&motion)
         };
-        let turned = at_joint.turned(|v| body.placement.to_parent(v));
+        let turned = at_joint.rotated(|v| body.placement.to_parent(v));
         Self { point: body.placement.point_to_parent(at_joint.point), ..turned }
     }
 
-    /// In the axes in front of the joint, against the body still.
-    fn across(self, motion: &JointTransform<S>) -> Self {
-        let turned = self.turned(|v| motion.to_parent(v));
+    /// Rotates the motion into the axes before the joint. It stays relative to the body.
+    fn across_joint(self, motion: &JointTransform<S>) -> Self {
+        let turned = self.rotated(|v| motion.to_parent(v));
         Self { point: motion.point_to_parent(self.point), ..turned }
     }
 
-    fn turned(self, turn: impl Fn(Vector3<S>) -> Vector3<S>) -> Self {
+    fn rotated(self, turn: impl Fn(Vector3<S>) -> Vector3<S>) -> Self {
         let twist = |t: Twist<S>| Twist { angular: turn(t.angular), linear: turn(t.linear) };
         let (velocity, acceleration) = (twist(self.velocity), twist(self.acceleration));
         Self { velocity, acceleration, ..self }
     }
 
-    /// With the body's own motion by its joint added: `rates`, and what they change by.
-    fn carried(self, rates: Twist<S>, changes: Option<Twist<S>>) -> Self {
+    /// Adds the motion of the body's joint: its velocity `rates` and its acceleration `changes`.
+    fn with_joint_motion(self, rates: Twist<S>, changes: Option<Twist<S>>) -> Self {
         let Self { point, velocity: before, acceleration } = self;
         let omega = rates.angular;
         let over_origin = |t: Twist<S>| Twist { linear: t.linear + t.angular.cross(point), ..t };
@@ -130,22 +130,22 @@ impl<S: Scalar> Relative<S> {
     }
 }
 
-/// A body's velocity in its own axes at its origin, and the rate of change of these six numbers
-/// while the joints keep their rates: the spatial acceleration.
+/// A body's velocity in its own axes at its origin, and the time derivative of these six components at
+/// constant joint rates: the spatial acceleration.
 #[derive(Clone, Copy)]
-pub(in crate::equations) struct Own<S> {
+pub(in crate::equations) struct BodyMotion<S> {
     pub(in crate::equations) velocity: Twist<S>,
     pub(in crate::equations) rate: Twist<S>,
 }
 
-impl<S: Scalar> Own<S> {
-    /// The world's.
+impl<S: Scalar> BodyMotion<S> {
+    /// Returns the motion of the world.
     pub(in crate::equations) fn at_rest() -> Self {
         Self { velocity: Twist::zero(), rate: Twist::zero() }
     }
 
-    /// Body `i`'s, from its parent's.
-    pub(in crate::equations) fn carried_to(
+    /// Returns the motion of body `i`, from that of its parent.
+    pub(in crate::equations) fn to_child(
         self,
         model: &Mechanism<S>,
         i: usize,
@@ -155,7 +155,7 @@ impl<S: Scalar> Own<S> {
         let motion = body.motion(q);
         let carried = body.twist_to_child(&motion, self.velocity);
         let rates = model.add_rates(i, Twist::zero(), qd);
-        // What is carried is seen from axes that turn and move with the joint.
+        // The parent's motion is expressed in axes that rotate and move with the joint.
         let turning = Twist {
             angular: carried.angular.cross(rates.angular),
             linear: carried.angular.cross(rates.linear) + carried.linear.cross(rates.angular),
@@ -164,7 +164,7 @@ impl<S: Scalar> Own<S> {
         Self { velocity: carried + rates, rate }
     }
 
-    /// The same for what stands on the body at `pose`.
+    /// Returns the motion of a frame that is fixed to the body at `pose`.
     pub(in crate::equations) fn at(self, pose: &Pose<S>) -> Self {
         let axes = Matrix3(pose.rotation).transposed();
         let point = Vector3(pose.translation);

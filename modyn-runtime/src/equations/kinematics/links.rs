@@ -1,13 +1,13 @@
-//! Where the links stand and how they move.
+//! The poses, velocities, accelerations and Jacobians of the links.
 
-use super::acceleration::carried_by;
-use super::kinematic_path::{self, Own, Relative};
+use super::acceleration::parent_motion_at_joint;
+use super::kinematic_path::{self, BodyMotion, OriginMotion};
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::mechanism::{Body, BodyFrame, Mechanism};
 use crate::spatial::{Field, Matrix3, Pose, Twist, Vector3};
 
-/// The poses of all links of the description in the world, in the description's order.
+/// Computes the poses of all links of the description in the world, in the description's order.
 pub fn link_poses<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],
@@ -20,12 +20,12 @@ pub fn link_poses<S: Scalar>(
         let motion = &workspace.motions[i];
         let parent = body.parent.map_or_else(Pose::identity, |p| body_poses[p]);
         let (axes, origin) = (Matrix3(parent.rotation), Vector3(parent.translation));
-        let at_joint = body.placement.turn_axes(&axes);
+        let at_joint = body.placement.rotate_axes(&axes);
         let mut origin = origin + axes.mul_vector(body.placement.origin());
         if let Some(displacement) = motion.displacement() {
             origin += at_joint.mul_vector(displacement);
         }
-        let rotation = motion.turn_axes(&at_joint).0;
+        let rotation = motion.rotate_axes(&at_joint).0;
         body_poses[i] = Pose { rotation, translation: origin.0 };
     }
     for (pose, frame) in poses.iter_mut().zip(&model.frames) {
@@ -33,28 +33,28 @@ pub fn link_poses<S: Scalar>(
     }
 }
 
-/// The axes that a link's motion is given in; it is that of the link's origin in either case.
+/// The axes of a link's motion. The reference point is the link's origin for both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Axes {
-    /// The world's, at the link's origin.
+    /// The world's axes, at the link's origin.
     World,
-    /// The link's own.
+    /// The link's own axes.
     Link,
 }
 
-/// The pose of link `frame` (an index of the description's links) in the world.
+/// Returns the pose of link `frame` (an index of the description's links) in the world.
 ///
-/// Like every quantity of one link here it visits that link's chain alone.
+/// As all functions for one link here, it visits the bodies of the link's kinematic path only.
 pub fn link_pose<S: Scalar>(model: &Mechanism<S>, frame: usize, q: &[S]) -> Pose<S> {
     let BodyFrame { body, pose } = model.frames[frame];
-    let mut seen = Seen::fixed(&pose);
+    let mut seen = LinkInBody::fixed(&pose);
     for i in kinematic_path::towards_world(model, body) {
         seen = seen.towards_world(&model.bodies[i], q);
     }
     Pose { rotation: seen.axes.transposed().0, translation: seen.point.0 }
 }
 
-/// The velocity of link `frame` in the world: angular, and linear of its origin.
+/// Returns the velocity of link `frame` relative to the world, rad/s and m/s, at the link's origin in `axes`.
 pub fn link_velocity<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
@@ -68,8 +68,10 @@ pub fn link_velocity<S: Scalar>(
     }
 }
 
-/// The acceleration of link `frame` in the world: angular, and the classical one of its origin.
-/// Gravity has no part in it: a link at rest is not accelerated.
+/// Returns the acceleration of link `frame` relative to the world, in `axes`: the angular acceleration,
+/// rad/s^2, and the classical acceleration of the link's origin, m/s^2.
+///
+/// Gravity is not included: the acceleration of a link at rest is zero.
 pub fn link_acceleration<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
@@ -84,19 +86,21 @@ pub fn link_acceleration<S: Scalar>(
             kinematic_path::from_world(model, body, &mut workspace.kinematic_path);
             let field = workspace.kinematic_path.iter().fold(Field::zero(), |parent, &i| {
                 let (body, motion) = (&model.bodies[i], model.bodies[i].motion(q));
-                let carried = carried_by(&parent, body, &motion);
+                let carried = parent_motion_at_joint(&parent, body, &motion);
                 motion.accelerate(carried, &model.rates(i, qd), Some(&model.rates(i, qdd)))
             });
             let axes = Matrix3(pose.rotation).transposed();
-            let a = field.a + field.over_origin(Vector3(pose.translation));
+            let a = field.a + field.relative_acceleration(Vector3(pose.translation));
             Twist { angular: axes.mul_vector(field.alpha), linear: axes.mul_vector(a) }
         }
     }
 }
 
-/// The Jacobian of link `frame` into `columns`, one an entry of qd: [`link_velocity`] is their sum
-/// times qd. In [`Axes::World`] it is Pinocchio's `LOCAL_WORLD_ALIGNED`, in [`Axes::Link`] its
-/// `LOCAL`. Where joints follow others their columns add up.
+/// Computes the Jacobian J of link `frame` into `columns`, one for each entry of qd: J qd is
+/// [`link_velocity`].
+///
+/// In [`Axes::World`] it is Pinocchio's `LOCAL_WORLD_ALIGNED`, in [`Axes::Link`] Pinocchio's `LOCAL`. The
+/// columns of mimic joints are added to the columns of the joints that they follow.
 pub fn jacobian<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
@@ -113,9 +117,9 @@ pub fn jacobian<S: Scalar>(
             for k in 0..workspace.kinematic_path.len() {
                 let i = workspace.kinematic_path[k];
                 workspace.motions[i] = model.bodies[i].motion(q);
-                kinematic_path::turn_axes(model, i, workspace);
+                kinematic_path::rotate_axes(model, i, workspace);
             }
-            // The link's origin, seen from each body in turn.
+            // The link's origin, as seen from each body on the path.
             let mut point = Vector3(pose.translation);
             for i in kinematic_path::towards_world(model, last) {
                 let body = &model.bodies[i];
@@ -132,7 +136,7 @@ pub fn jacobian<S: Scalar>(
             }
         }
         Axes::Link => {
-            let mut seen = Seen::fixed(&pose);
+            let mut seen = LinkInBody::fixed(&pose);
             for i in kinematic_path::towards_world(model, last) {
                 add_columns(model, i, &seen.axes, seen.point, columns);
                 seen = seen.towards_world(&model.bodies[i], q);
@@ -141,14 +145,12 @@ pub fn jacobian<S: Scalar>(
     }
 }
 
-/// The time derivative of link `frame`'s Jacobian times qd, that is, the time derivative of J qd
-/// while qd does not change.
+/// Returns the bias acceleration dJ/dt qd of link `frame`: the time derivative of J qd at constant qd.
 ///
-/// In [`Axes::World`] the numbers of the velocity change by the classical acceleration: this is
-/// [`link_acceleration`] without qdd. In [`Axes::Link`] they also change since the axes turn with
-/// the link: this is less than the classical acceleration in link axes by the angular velocity
-/// times (as vectors) the linear one, in the linear part.
-pub fn jacobian_rate<S: Scalar>(
+/// In [`Axes::World`] it is [`link_acceleration`] at qdd = 0. In [`Axes::Link`] the components also change
+/// because the axes rotate with the link. Its linear part is then the classical acceleration in link axes
+/// minus the cross product of the angular and the linear velocity.
+pub fn bias_acceleration<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
     (q, qd): (&[S], &[S]),
@@ -161,47 +163,47 @@ pub fn jacobian_rate<S: Scalar>(
     }
 }
 
-/// From the link down to the world: no axes need be turned for the result.
+/// Computes the motion from the link towards the world, so that no axes have to be rotated for the result.
 fn in_world_axes<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
     motion: (&[S], &[S], Option<&[S]>),
-) -> Relative<S> {
+) -> OriginMotion<S> {
     let BodyFrame { body, pose } = model.frames[frame];
-    let link = Relative::fixed(Vector3(pose.translation));
+    let link = OriginMotion::fixed(Vector3(pose.translation));
     kinematic_path::towards_world(model, body)
         .fold(link, |link, i| link.towards_world(model, i, motion))
 }
 
-/// From the world to the link, for the same reason.
+/// Computes the motion from the world towards the link, so that no axes have to be rotated for the result.
 fn in_link_axes<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,
     motion: (&[S], &[S]),
     workspace: &mut Workspace<S>,
-) -> Own<S> {
+) -> BodyMotion<S> {
     let BodyFrame { body, pose } = model.frames[frame];
     kinematic_path::from_world(model, body, &mut workspace.kinematic_path);
     let bodies = workspace.kinematic_path.iter();
-    bodies.fold(Own::at_rest(), |own, &i| own.carried_to(model, i, motion)).at(&pose)
+    bodies.fold(BodyMotion::at_rest(), |own, &i| own.to_child(model, i, motion)).at(&pose)
 }
 
-/// Where a link stands, seen from a body.
-pub(in crate::equations) struct Seen<S> {
-    /// The link's axes, as rows: as columns, the body's axes seen from the link.
+/// The pose of a link, as seen from a body.
+pub(in crate::equations) struct LinkInBody<S> {
+    /// The link's axes in the body's frame, as rows. The columns are the body's axes in the link's frame.
     pub(in crate::equations) axes: Matrix3<S>,
-    /// The link's origin.
+    /// The link's origin in the body's frame.
     pub(in crate::equations) point: Vector3<S>,
 }
 
-impl<S: Scalar> Seen<S> {
-    /// A link that is fixed to the body.
+impl<S: Scalar> LinkInBody<S> {
+    /// Returns the pose of a link that is fixed to the body at `pose`.
     pub(in crate::equations) fn fixed(pose: &Pose<S>) -> Self {
         let axes = Matrix3(pose.rotation).transposed();
         Self { axes, point: Vector3(pose.translation) }
     }
 
-    /// Seen from the parent, if it was seen from `body`.
+    /// Returns the pose as seen from the parent of `body`. `self` is as seen from `body`.
     pub(in crate::equations) fn towards_world(&self, body: &Body<S>, q: &[S]) -> Self {
         let motion = body.motion(q);
         let axes = self.axes.0.map(|axis| body.to_parent(&motion, Vector3(axis)).0);
@@ -225,8 +227,8 @@ pub(in crate::equations) fn column_along<S: Scalar>(
     }
 }
 
-/// Adds the columns of body `i`'s degrees of freedom, along `axes` (as columns), for a link whose
-/// origin stands at `lever` in them.
+/// Adds the columns of body `i`'s degrees of freedom along `axes` (as columns), for a link whose origin is
+/// at `lever` in these axes.
 pub(in crate::equations) fn add_columns<S: Scalar>(
     model: &Mechanism<S>,
     i: usize,

@@ -1,4 +1,4 @@
-//! Poses, motion and Jacobians of the links; the centre of mass; the space of the coordinates.
+//! Poses, motion and Jacobians of the links; the centre of mass; the configuration space.
 
 pub(super) mod acceleration;
 pub(super) mod center_of_mass;
@@ -9,5 +9,5 @@ pub(super) mod links;
 
 pub use center_of_mass::{center_of_mass, center_of_mass_jacobian, total_mass};
 pub use links::{
-    Axes, jacobian, jacobian_rate, link_acceleration, link_pose, link_poses, link_velocity,
+    Axes, bias_acceleration, jacobian, link_acceleration, link_pose, link_poses, link_velocity,
 };

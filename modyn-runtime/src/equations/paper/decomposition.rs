@@ -1,10 +1,10 @@
-//! The paper's own matrices of the block decomposition, dense, for study: (1)-(57), A.2 and A.3.
+//! The paper's matrices of the block decomposition, dense, for study: (1)-(57), A.2 and A.3.
 //!
-//! They are built as the paper builds them, from products of 6n^i-sized matrices, and share nothing
-//! with the recursion in `elimination` and `brge` but what inverts a pivot block. Joints may have
-//! several degrees of freedom, modules any partition. Rotors, which the paper does not have, stand on
-//! the diagonal of their module's mass matrix. Joints that mimic others couple modules across the tree, which
-//! these forms cannot say.
+//! The matrices are built as in the paper, as products of 6n^i-sized matrices. They share no code with
+//! the recursion in `factorization` and `brge`, except the inversion of a pivot block. Joints may have
+//! several degrees of freedom, and any partition into modules is accepted. The paper has no rotors; here
+//! their inertia is added to the diagonal of the module's pivot block. Robots with mimic joints are not
+//! supported: mimic joints couple modules across the tree, which these forms cannot express.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -17,16 +17,16 @@ use crate::equations::factorization::ModulePartition;
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 
-/// The block decomposition of the mass matrix at a posture, by modules.
+/// The block decomposition of the mass matrix at a configuration, by modules.
 ///
-/// Modules are counted from 0, in the order of the [`ModuleTree`]; `i` is one in front, `j` one of those
-/// that originate from it. Rows of twists stand body by body, as in [`DeNoc`].
+/// Modules are counted from 0, in the order of the [`ModuleTree`]. In the methods, module `i` is an
+/// ancestor of module `j`. The rows of twists are ordered by body, as in [`DeNoc`].
 #[derive(Clone, Debug)]
 pub struct Decomposition<S> {
     denoc: DeNoc<S>,
-    /// Bodies of each module.
+    /// The bodies of each module.
     bodies: Vec<Range<usize>>,
-    /// Entries of the joint vectors of each module.
+    /// The entries of the joint vectors of each module.
     dofs: Vec<Range<usize>>,
     parents: Vec<Option<usize>>,
     rotors: Vec<S>,
@@ -34,7 +34,7 @@ pub struct Decomposition<S> {
     articulated: Vec<Articulated<S>>,
 }
 
-/// What an articulated module has.
+/// The matrices of an articulated module.
 #[derive(Clone, Debug)]
 struct Articulated<S> {
     mass: Dense<S>,
@@ -44,7 +44,7 @@ struct Articulated<S> {
 }
 
 impl<S: Scalar> Decomposition<S> {
-    /// The decomposition at `q`, by modules that fit the model; `None` where joints mimic others.
+    /// Returns the decomposition at `q`, by modules that fit the model; `None` for robots with mimic joints.
     #[must_use]
     pub fn new(
         model: &Mechanism<S>,
@@ -68,7 +68,7 @@ impl<S: Scalar> Decomposition<S> {
         Some(decomposition)
     }
 
-    /// (46)-(49), from the last module to the first.
+    /// Computes (46)-(49), from the last module to the first.
     fn articulate(&mut self) {
         let mut masses: Vec<Dense<S>> = (0..self.modules()).map(|i| self.mass(i)).collect();
         let mut articulated = Vec::new();
@@ -88,31 +88,31 @@ impl<S: Scalar> Decomposition<S> {
         self.articulated = articulated;
     }
 
-    /// How many modules there are: s of the paper.
+    /// Returns the number of modules: s of the paper.
     #[must_use]
     pub fn modules(&self) -> usize {
         self.bodies.len()
     }
 
-    /// The entries of the joint vectors that module `i` has.
+    /// Returns the entries of the joint vectors that belong to module `i`.
     #[must_use]
     pub fn entries(&self, i: usize) -> Range<usize> {
         self.dofs[i].clone()
     }
 
-    /// The module that module `j` hangs on: beta of the paper.
+    /// Returns the parent module of module `j`: beta of the paper.
     #[must_use]
     pub fn parent(&self, j: usize) -> Option<usize> {
         self.parents[j]
     }
 
-    /// Whether module `j` originates from module `i`: j in gamma_i, Fig. 3.
+    /// Returns whether module `j` is a descendant of module `i`: j in gamma_i, Fig. 3.
     #[must_use]
-    pub fn originates(&self, j: usize, i: usize) -> bool {
+    pub fn descends_from(&self, j: usize, i: usize) -> bool {
         core::iter::successors(self.parents[j], |&parent| self.parents[parent]).any(|h| h == i)
     }
 
-    /// Rows of module `i` in twists.
+    /// Returns the rows of module `i` in twists.
     fn rows(&self, i: usize) -> Range<usize> {
         6 * self.bodies[i].start..6 * self.bodies[i].end
     }
@@ -124,32 +124,32 @@ impl<S: Scalar> Decomposition<S> {
         block
     }
 
-    /// The module's mass matrix M_i, (2).
+    /// Returns the module's mass matrix M_i, (2).
     #[must_use]
     pub fn mass(&self, i: usize) -> Dense<S> {
         self.denoc.mass.block(self.rows(i), self.rows(i))
     }
 
-    /// N_i,l: twist propagation inside the module, (A.5).
+    /// Returns N_i,l: the twist propagation inside module `i`, (A.5).
     #[must_use]
     pub fn propagation_within(&self, i: usize) -> Dense<S> {
         self.denoc.propagation.block(self.rows(i), self.rows(i))
     }
 
-    /// N_i,d: the joint-motion propagations of the module's joints, (A.5).
+    /// Returns N_i,d: the joint-motion propagations of the joints of module `i`, (A.5).
     #[must_use]
     pub fn joints_alone(&self, i: usize) -> Dense<S> {
         self.denoc.joints.block(self.rows(i), self.entries(i))
     }
 
-    /// The module-joint-motion propagation N_i = N_i,l N_i,d, (A.4), (A.7).
+    /// Returns the module-joint-motion propagation N_i = N_i,l N_i,d, (A.4), (A.7).
     #[must_use]
     pub fn joints(&self, i: usize) -> Dense<S> {
         self.propagation_within(i).times(&self.joints_alone(i))
     }
 
-    /// The module-twist propagation A_j,i, (A.7): from the last link of module `i` to the links of `j`;
-    /// the identity for the module itself, zero where `j` does not originate from `i`.
+    /// Returns the module-twist propagation A_j,i, (A.7): from the last link of module `i` to the links of
+    /// module `j`. It is the identity for i = j, and zero if `j` is not a descendant of `i`.
     #[must_use]
     pub fn propagation(&self, j: usize, i: usize) -> Dense<S> {
         let (rows, columns) = (self.rows(j), self.rows(i));
@@ -157,7 +157,7 @@ impl<S: Scalar> Decomposition<S> {
             return Dense::identity(rows.len());
         }
         let mut propagation = Dense::zero(rows.len(), columns.len());
-        if self.originates(j, i) {
+        if self.descends_from(j, i) {
             let last = columns.end - 6..columns.end;
             let block = self.denoc.propagation.block(rows, last);
             propagation.set_block(0, columns.len() - 6, &block);
@@ -165,20 +165,20 @@ impl<S: Scalar> Decomposition<S> {
         propagation
     }
 
-    /// M of all modules, (1).
+    /// Returns M of all modules, (1).
     #[must_use]
     pub fn masses(&self) -> &Dense<S> {
         &self.denoc.mass
     }
 
-    /// N_l of all modules, (4), (A.12).
+    /// Returns N_l of all modules, (4), (A.12).
     #[must_use]
     pub fn propagations(&self) -> Dense<S> {
         let size = self.denoc.mass.rows;
         self.assembled(size, size, Self::rows, Self::rows, Self::propagation)
     }
 
-    /// N_d of all modules, (4).
+    /// Returns N_d of all modules, (4).
     #[must_use]
     pub fn all_joints(&self) -> Dense<S> {
         let (rows, columns) = (self.denoc.joints.rows, self.denoc.joints.columns);
@@ -189,7 +189,7 @@ impl<S: Scalar> Decomposition<S> {
         matrix
     }
 
-    /// The mass matrix of the composite module, by (8): from those of its children.
+    /// Returns the mass matrix of the composite module `i`, from those of its children, (8).
     #[must_use]
     pub fn composite(&self, i: usize) -> Dense<S> {
         let children = (0..self.modules()).filter(|&j| self.parents[j] == Some(i));
@@ -198,7 +198,8 @@ impl<S: Scalar> Decomposition<S> {
         })
     }
 
-    /// The block element I_i,j of the mass matrix (`i` behind `j` or the same), (10); rotors are on the diagonal.
+    /// Returns the block element I_i,j of the mass matrix, (10), for `i` equal to `j` or a descendant of `j`.
+    /// Diagonal blocks include the rotors.
     #[must_use]
     pub fn mass_matrix_block(&self, i: usize, j: usize) -> Dense<S> {
         let wrenches = self.composite(i).times(&self.propagation(i, j)).times(&self.joints(j));
@@ -206,7 +207,7 @@ impl<S: Scalar> Decomposition<S> {
         if i == j { block.plus(&self.rotor_block(i)) } else { block }
     }
 
-    /// The mass matrix from its blocks, (9).
+    /// Returns the mass matrix, assembled from its blocks, (9).
     #[must_use]
     pub fn mass_matrix(&self) -> Dense<S> {
         let n = self.denoc.joints.columns;
@@ -215,7 +216,7 @@ impl<S: Scalar> Decomposition<S> {
         })
     }
 
-    /// A matrix of a block for each pair of modules.
+    /// Returns a matrix assembled from one block for each pair of modules.
     fn assembled(
         &self,
         rows: usize,
@@ -233,37 +234,37 @@ impl<S: Scalar> Decomposition<S> {
         matrix
     }
 
-    /// The mass matrix M_hat_i of the articulated module, (48).
+    /// Returns the mass matrix M_hat_i of the articulated module `i`, (48).
     #[must_use]
     pub fn articulated(&self, i: usize) -> &Dense<S> {
         &self.articulated[i].mass
     }
 
-    /// Psi_i = M_hat_i N_i, (47).
+    /// Returns Psi_i = M_hat_i N_i, (47).
     #[must_use]
     pub fn psi(&self, i: usize) -> &Dense<S> {
         &self.articulated[i].psi
     }
 
-    /// The block pivot I_hat_i = N_i^T M_hat_i N_i, (46): the mass matrix of the articulated module.
+    /// Returns the block pivot I_hat_i = N_i^T M_hat_i N_i, (46): the mass matrix of the articulated module.
     #[must_use]
     pub fn pivot(&self, i: usize) -> &Dense<S> {
         &self.articulated[i].pivot
     }
 
-    /// The matrix of the articulated-module transformation Phi_i, (49).
+    /// Returns the matrix of the articulated-module transformation Phi_i, (49).
     #[must_use]
     pub fn phi(&self, i: usize) -> Dense<S> {
         let Articulated { psi, pivot_inverse, .. } = &self.articulated[i];
         phi(psi, pivot_inverse, &self.joints(i))
     }
 
-    /// The articulated module-twist propagation A_hat_j,i, (56)-(57): along the modules between, each of
-    /// which gives way at its joints.
+    /// Returns the articulated module-twist propagation A_hat_j,i, (56)-(57): through the modules between `i`
+    /// and `j`, with their joints free.
     #[must_use]
     pub fn articulated_propagation(&self, j: usize, i: usize) -> Dense<S> {
         match self.parents[j] {
-            Some(h) if h != i && self.originates(h, i) => {
+            Some(h) if h != i && self.descends_from(h, i) => {
                 let through = self.phi(h).transposed().times(&self.articulated_propagation(h, i));
                 self.propagation(j, h).times(&through)
             }
@@ -271,26 +272,26 @@ impl<S: Scalar> Decomposition<S> {
         }
     }
 
-    /// N_i^T X^T Psi_j I_hat_j^-1: what is common to (46) and (55).
+    /// Returns N_i^T X^T Psi_j I_hat_j^-1, the common factor of (46) and (55).
     fn coefficient(&self, i: usize, j: usize, propagation: &Dense<S>) -> Dense<S> {
         let Articulated { psi, pivot_inverse, .. } = &self.articulated[j];
         propagation.times(&self.joints(i)).transposed().times(&psi.times(pivot_inverse))
     }
 
-    /// The block coefficient U_i,j, (46).
+    /// Returns the block coefficient U_i,j, (46).
     #[must_use]
     pub fn u_block(&self, i: usize, j: usize) -> Dense<S> {
         self.coefficient(i, j, &self.propagation(j, i))
     }
 
-    /// The block U_hat_i,j of U^-1, (55).
+    /// Returns the block U_hat_i,j of U^-1, (55).
     #[must_use]
     pub fn u_inverse_block(&self, i: usize, j: usize) -> Dense<S> {
         let coefficient = self.coefficient(i, j, &self.articulated_propagation(j, i));
         Dense::zero(coefficient.rows, coefficient.columns).minus(&coefficient)
     }
 
-    /// The elementary block upper triangular matrix (EBUTM) of block column `j`, (36).
+    /// Returns the elementary block upper triangular matrix (EBUTM) of block column `j`, (36).
     #[must_use]
     pub fn ebutm(&self, j: usize) -> Dense<S> {
         let n = self.denoc.joints.columns;
@@ -298,7 +299,7 @@ impl<S: Scalar> Decomposition<S> {
         Dense::identity(n).minus(&annihilated)
     }
 
-    /// Its inverse, (40).
+    /// Returns the inverse of the EBUTM of block column `j`, (40).
     #[must_use]
     pub fn ebutm_inverse(&self, j: usize) -> Dense<S> {
         let n = self.denoc.joints.columns;
@@ -306,17 +307,17 @@ impl<S: Scalar> Decomposition<S> {
         Dense::identity(n).plus(&annihilated)
     }
 
-    /// U'_j, (37): the blocks U_i,j above the diagonal.
+    /// Returns U'_j, (37): the blocks U_i,j above the diagonal.
     #[must_use]
     pub fn u_column(&self, j: usize) -> Dense<S> {
         let mut column = Dense::zero(self.denoc.joints.columns, self.dofs[j].len());
-        for i in (0..j).filter(|&i| self.originates(j, i)) {
+        for i in (0..j).filter(|&i| self.descends_from(j, i)) {
             column.set_block(self.dofs[i].start, 0, &self.u_block(i, j));
         }
         column
     }
 
-    /// V_j, (38): the identity in the rows of module `j`.
+    /// Returns V_j, (38): the identity in the rows of module `j`.
     #[must_use]
     pub fn unit_column(&self, j: usize) -> Dense<S> {
         let mut column = Dense::zero(self.denoc.joints.columns, self.dofs[j].len());
@@ -324,13 +325,13 @@ impl<S: Scalar> Decomposition<S> {
         column
     }
 
-    /// U from its blocks, (43).
+    /// Returns U, assembled from its blocks, (43).
     #[must_use]
     pub fn u(&self) -> Dense<S> {
         self.triangular(Self::u_block)
     }
 
-    /// U^-1 from its blocks, (54).
+    /// Returns U^-1, assembled from its blocks, (54).
     #[must_use]
     pub fn u_inverse(&self) -> Dense<S> {
         self.triangular(Self::u_inverse_block)
@@ -339,20 +340,20 @@ impl<S: Scalar> Decomposition<S> {
     fn triangular(&self, block: impl Fn(&Self, usize, usize) -> Dense<S>) -> Dense<S> {
         let mut matrix = Dense::identity(self.denoc.joints.columns);
         for j in 0..self.modules() {
-            for i in (0..j).filter(|&i| self.originates(j, i)) {
+            for i in (0..j).filter(|&i| self.descends_from(j, i)) {
                 matrix.set_block(self.dofs[i].start, self.dofs[j].start, &block(self, i, j));
             }
         }
         matrix
     }
 
-    /// D, (45).
+    /// Returns D, (45).
     #[must_use]
     pub fn d(&self) -> Dense<S> {
         self.diagonal(|articulated| &articulated.pivot)
     }
 
-    /// D^-1, (54).
+    /// Returns D^-1, (54).
     #[must_use]
     pub fn d_inverse(&self) -> Dense<S> {
         self.diagonal(|articulated| &articulated.pivot_inverse)
@@ -367,17 +368,17 @@ impl<S: Scalar> Decomposition<S> {
         matrix
     }
 
-    /// The mass matrix as the elimination leaves it, I^(j), (16), (35): block columns from `j` on are annihilated
-    /// above the diagonal; with `j` past the last module it is the mass matrix itself.
+    /// Returns the mass matrix I^(j) during the elimination, (16), (35): block columns from `j` on are zero
+    /// above the diagonal. With `j` equal to the number of modules it is the mass matrix itself.
     #[must_use]
     pub fn eliminated(&self, j: usize) -> Dense<S> {
         (j..self.modules())
             .rev()
-            .fold(self.mass_matrix(), |gim, column| self.ebutm(column).times(&gim))
+            .fold(self.mass_matrix(), |mass_matrix, column| self.ebutm(column).times(&mass_matrix))
     }
 }
 
-/// 1 - Psi I_hat^-1 N^T.
+/// Returns 1 - Psi I_hat^-1 N^T.
 fn phi<S: Scalar>(psi: &Dense<S>, pivot_inverse: &Dense<S>, joints: &Dense<S>) -> Dense<S> {
     let taken = psi.times(pivot_inverse).times(&joints.transposed());
     Dense::identity(taken.rows).minus(&taken)

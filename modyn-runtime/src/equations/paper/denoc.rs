@@ -1,5 +1,5 @@
-//! The decoupled natural orthogonal complement (DeNOC) matrices, dense, for study: (1)-(5), A.1
-//! and A.2, link by link; `decomposition` has them module by module.
+//! The decoupled natural orthogonal complement (DeNOC) matrices at link level, dense, for study: (1)-(5),
+//! A.1 and A.2. `decomposition` has the matrices at module level.
 
 use super::Dense;
 use crate::Scalar;
@@ -7,24 +7,25 @@ use crate::equations::Workspace;
 use crate::mechanism::{Body, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3, Wrench};
 
-/// M, N_l and N_d with the mass matrix = N_d^T N_l^T M N_l N_d, (5a), without the rotors' inertia.
+/// The matrices M, N_l and N_d at link level: the mass matrix is N_d^T N_l^T M N_l N_d, (5a), without the
+/// rotors' inertia.
 ///
-/// Rows stand body by body: the links, each in its own frame as the model has it, angular before
-/// linear, and before a link on a universal or planar joint the massless bodies inside that joint.
-/// Columns of N_d are those of qd. This is link level, where every link is a module: the N_l and N_d of
-/// (4) for other modules, with the same product, are those of [`Decomposition`](super::Decomposition).
+/// Rows are ordered by body, angular before linear. The bodies are the links, each in its own frame, and
+/// the massless bodies inside a universal or planar joint, before the joint's link. The columns of N_d are
+/// the entries of qd. For larger modules, N_l and N_d of (4) have the same product; see
+/// [`Decomposition`](super::Decomposition).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeNoc<S> {
-    /// The 6n times 6n mass matrix of the n free bodies, (1)-(2).
+    /// The 6n x 6n mass matrix of the n uncoupled bodies, (1)-(2).
     pub mass: Dense<S>,
-    /// The 6n times 6n matrix of twist propagations, (A.12).
+    /// The 6n x 6n matrix of twist propagations, (A.12).
     pub propagation: Dense<S>,
-    /// The 6n times nv matrix of joint-motion propagations, (A.5).
+    /// The 6n x nv matrix of joint-motion propagations, (A.5).
     pub joints: Dense<S>,
 }
 
 impl<S: Scalar> DeNoc<S> {
-    /// The mass matrix as (5a) has it, N^T M N with N = N_l N_d: the long way, for study.
+    /// Returns the mass matrix by (5a), N^T M N with N = N_l N_d. This is slow; it is meant for study.
     #[must_use]
     pub fn mass_matrix(&self) -> Dense<S> {
         let n = self.propagation.times(&self.joints);
@@ -32,7 +33,7 @@ impl<S: Scalar> DeNoc<S> {
     }
 }
 
-/// The DeNOC matrices at `q`.
+/// Returns the DeNOC matrices at `q`.
 #[must_use]
 pub fn denoc<S: Scalar>(model: &Mechanism<S>, q: &[S], workspace: &mut Workspace<S>) -> DeNoc<S> {
     workspace.move_to(model, q);
@@ -54,7 +55,7 @@ pub fn denoc<S: Scalar>(model: &Mechanism<S>, q: &[S], workspace: &mut Workspace
                 mass.set(6 * i + row, 6 * i + k, entry);
             }
         }
-        // A row of blocks is the parent's, carried on: A_ij = A_ip A_pj.
+        // A row of blocks is the parent's row, propagated: A_ij = A_ip A_pj.
         if let Some(parent) = body.parent {
             for column in 0..6 * (parent + 1) {
                 let at = |row: usize| propagation.entries[(6 * parent + row) * 6 * n + column];
@@ -68,19 +69,19 @@ pub fn denoc<S: Scalar>(model: &Mechanism<S>, q: &[S], workspace: &mut Workspace
     DeNoc { mass, propagation, joints }
 }
 
-/// A unit twist in component `k`.
+/// Returns the unit twist in component `k`.
 fn unit<S: Scalar>(k: usize) -> Twist<S> {
     Twist::from_components(core::array::from_fn(|i| if i == k { S::one() } else { S::zero() }))
 }
 
-/// A body's twist, at and in the axes of the model's link frame.
+/// Returns a body's twist at the origin and in the axes of the model's link frame.
 fn to_link<S: Scalar>(body: &Body<S>, t: Twist<S>) -> Twist<S> {
     let back = Matrix3(body.link.rotation).transposed();
     let linear = t.linear + t.angular.cross(Vector3(body.link.translation));
     Twist { angular: back.mul_vector(t.angular), linear: back.mul_vector(linear) }
 }
 
-/// A twist of the model's link frame, at and in the axes of the body's.
+/// Returns a twist of the model's link frame at the origin and in the axes of the body's frame.
 fn from_link<S: Scalar>(body: &Body<S>, t: Twist<S>) -> Twist<S> {
     let rotation = Matrix3(body.link.rotation);
     let angular = rotation.mul_vector(t.angular);
@@ -88,7 +89,7 @@ fn from_link<S: Scalar>(body: &Body<S>, t: Twist<S>) -> Twist<S> {
     Twist { angular, linear: rotation.mul_vector(t.linear) - shift }
 }
 
-/// A body's wrench, at and in the axes of the model's link frame.
+/// Returns a body's wrench at the origin and in the axes of the model's link frame.
 fn wrench_to_link<S: Scalar>(body: &Body<S>, w: Wrench<S>) -> Wrench<S> {
     let back = Matrix3(body.link.rotation).transposed();
     let moment = w.moment - Vector3(body.link.translation).cross(w.force);

@@ -7,31 +7,31 @@ use crate::Scalar;
 use crate::equations::factorization::blocks::{factor_udu, solve_lower, solve_upper};
 use crate::spatial::Twist;
 
-/// A dense matrix by rows, to be handed to whatever linear algebra is at hand.
+/// A dense matrix, stored by rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dense<S> {
-    /// Number of rows.
+    /// The number of rows.
     pub rows: usize,
-    /// Number of columns.
+    /// The number of columns.
     pub columns: usize,
-    /// Its entries, row by row.
+    /// The entries, row by row.
     pub entries: Vec<S>,
 }
 
 impl<S: Scalar> Dense<S> {
-    /// All zeros.
+    /// Returns a matrix of zeros.
     #[must_use]
     pub fn zero(rows: usize, columns: usize) -> Self {
         Self { rows, columns, entries: vec![S::zero(); rows * columns] }
     }
 
-    /// The entry in row `i` and column `j`, if it exists.
+    /// Returns the entry in row `i` and column `j`; `None` outside the matrix.
     #[must_use]
     pub fn get(&self, i: usize, j: usize) -> Option<S> {
         (j < self.columns).then(|| self.entries.get(i * self.columns + j).copied()).flatten()
     }
 
-    /// The transposed matrix.
+    /// Returns the transposed matrix.
     #[must_use]
     pub fn transposed(&self) -> Self {
         let mut transposed = Self::zero(self.columns, self.rows);
@@ -43,7 +43,7 @@ impl<S: Scalar> Dense<S> {
         transposed
     }
 
-    /// The product with a matrix of as many rows as this has columns.
+    /// Returns the product `self` times `other`, which must have as many rows as `self` has columns.
     #[must_use]
     pub fn times(&self, other: &Self) -> Self {
         let mut product = Self::zero(self.rows, other.columns);
@@ -65,14 +65,14 @@ impl<S: Scalar> Dense<S> {
         self.entries[i * self.columns + j] = value;
     }
 
-    /// Writes a twist into column `j`, from row `i` down.
+    /// Writes a twist into column `j`, from row `i` on.
     pub(in crate::equations) fn set_column(&mut self, i: usize, j: usize, twist: Twist<S>) {
         for (k, entry) in twist.components().into_iter().enumerate() {
             self.set(i + k, j, entry);
         }
     }
 
-    /// The identity.
+    /// Returns the n x n identity.
     #[must_use]
     pub fn identity(n: usize) -> Self {
         let mut identity = Self::zero(n, n);
@@ -80,13 +80,13 @@ impl<S: Scalar> Dense<S> {
         identity
     }
 
-    /// The sum with a matrix of the same size.
+    /// Returns the sum with a matrix of the same size.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         self.entry_by_entry(other, |a, b| a + b)
     }
 
-    /// The difference to a matrix of the same size.
+    /// Returns `self` minus a matrix of the same size.
     #[must_use]
     pub fn minus(&self, other: &Self) -> Self {
         self.entry_by_entry(other, |a, b| a - b)
@@ -97,7 +97,7 @@ impl<S: Scalar> Dense<S> {
         Self { entries, ..*self }
     }
 
-    /// The rows and columns in these ranges.
+    /// Returns the submatrix of these rows and columns.
     #[must_use]
     pub fn block(&self, rows: Range<usize>, columns: Range<usize>) -> Self {
         let mut block = Self::zero(rows.len(), columns.len());
@@ -109,7 +109,7 @@ impl<S: Scalar> Dense<S> {
         block
     }
 
-    /// Writes `block` where its first entry goes to row `i` and column `j`.
+    /// Writes `block` with its first entry at row `i` and column `j`.
     pub(in crate::equations) fn set_block(&mut self, i: usize, j: usize, block: &Self) {
         for row in 0..block.rows {
             for column in 0..block.columns {
@@ -118,20 +118,20 @@ impl<S: Scalar> Dense<S> {
         }
     }
 
-    /// A^T this A.
+    /// Returns A^T `self` A.
     #[must_use]
     pub fn congruence(&self, a: &Self) -> Self {
         a.transposed().times(&self.times(a))
     }
 
-    /// The inverse of a symmetric positive definite matrix.
+    /// Returns the inverse of a symmetric positive definite matrix.
     pub(in crate::equations) fn symmetric_inverse(&self) -> Self {
         let n = self.rows;
         let (mut v, mut reciprocals) = (self.entries.clone(), vec![S::zero(); n]);
         factor_udu(&mut v, n, &mut reciprocals);
         let factor = |row: usize, column: usize| v[row * n + column];
         let mut inverse = Self::identity(n);
-        // Its columns are rows too: it is symmetric.
+        // The inverse is symmetric, so its columns are rows, too.
         for x in inverse.entries.chunks_mut(n.max(1)) {
             solve_upper(factor, x);
             x.iter_mut().zip(&reciprocals).for_each(|(x, &reciprocal)| *x = *x * reciprocal);

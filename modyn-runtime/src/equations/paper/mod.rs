@@ -1,4 +1,4 @@
-//! The matrices of the method's paper, dense: for study.
+//! The dense matrices of the method's paper, for study.
 
 mod decomposition;
 mod denoc;

@@ -1,4 +1,4 @@
-//! A number alone beside AVX2's vectors, whose products are fused into sums like theirs.
+//! Single values with fused multiply-add, for use beside AVX2's vectors.
 //!
 //! Unsafe code: these types exist only where the processor has AVX2 and FMA, see the folder's header.
 #![allow(unsafe_code)]
@@ -8,13 +8,13 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::registers::{F32x8, F64x4};
 use crate::Scalar;
-use crate::lanes::abreast::One;
-use crate::lanes::{Lanes, Part};
+use crate::lanes::simd::SingleLane;
+use crate::lanes::{Chunk, Lanes};
 use crate::scalar::trig::{FlipSign, Precision};
 
 macro_rules! fused {
     ($name:ident $float:ident beside $vector:ident: $set:ident $fmadd:ident $first:ident) => {
-        /// A number.
+        /// A single value.
         #[derive(Clone, Copy)]
         #[repr(transparent)]
         pub struct $name($float);
@@ -29,10 +29,10 @@ macro_rules! fused {
             }
 
             #[inline(always)]
-            fn outlined<P: Part>(part: P) -> P::Output {
+            fn outlined<P: Chunk>(part: P) -> P::Output {
                 #[target_feature(enable = "avx2,fma")]
                 #[inline(never)]
-                fn run<P: Part>(part: P) -> P::Output {
+                fn run<P: Chunk>(part: P) -> P::Output {
                     part.run()
                 }
                 // SAFETY: the processor has the instructions, see the header.
@@ -52,7 +52,7 @@ macro_rules! fused {
             }
         }
 
-        impl One for $name {
+        impl SingleLane for $name {
             #[inline(always)]
             fn number(self) -> $float {
                 self.0
@@ -86,7 +86,7 @@ macro_rules! fused {
 
             #[inline(always)]
             fn mul_add(self, factor: Self, term: Self) -> Self {
-                // A function of its own, so that the compiler has the instruction in it once and for all.
+                // A separate function, so that the instruction is enabled in it.
                 #[inline]
                 #[target_feature(enable = "avx2,fma")]
                 fn fused(a: $float, b: $float, c: $float) -> $float {

@@ -7,14 +7,14 @@ use core::arch::x86_64::*;
 
 use crate::lanes::vector::vector;
 
-/// Without its sign.
+/// Returns the absolute values.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn abs_pd(x: __m256d) -> __m256d {
     _mm256_andnot_pd(_mm256_set1_pd(-0.0), x)
 }
 
-/// Without its sign.
+/// Returns the absolute values.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn abs_ps(x: __m256) -> __m256 {
@@ -26,7 +26,7 @@ vector! {
     _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd
     _mm256_sqrt_pd abs_pd;
     mul_add(a, b, c) _mm256_fmadd_pd(a, b, c);
-    // Of two the instruction takes the second if one is no number.
+    // If one operand is NaN, the instruction returns the second one.
     max(a, b) _mm256_blendv_pd(_mm256_max_pd(a, b), a, _mm256_cmp_pd::<_CMP_UNORD_Q>(b, b));
     select(x, then, otherwise) _mm256_blendv_pd(
         otherwise, then, _mm256_cmp_pd::<_CMP_GE_OQ>(x, _mm256_setzero_pd())
@@ -54,14 +54,14 @@ vector! {
 
 // Half vectors.
 
-/// Without its sign.
+/// Returns the absolute values.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn abs_half_pd(x: __m128d) -> __m128d {
     _mm_andnot_pd(_mm_set1_pd(-0.0), x)
 }
 
-/// Without its sign.
+/// Returns the absolute values.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn abs_half_ps(x: __m128) -> __m128 {

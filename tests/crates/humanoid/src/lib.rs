@@ -2,7 +2,7 @@
 modyn::modyn!("../../../../robots/humanoid.urdf");
 
 /// All that generic code could ask for, in single precision.
-pub fn single(q: &[f32; 29], qd: &[f32; 29]) -> ([f32; 29], HumanoidBrge<f32>) {
+pub fn single(q: &[f32; 29], qd: &[f32; 29]) -> ([f32; 29], HumanoidUduFactorization<f32>) {
     use modyn::Robot;
     (<Humanoid as Robot>::forward_dynamics(q, qd, qd), <Humanoid as Robot>::brge(q))
 }

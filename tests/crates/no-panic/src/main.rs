@@ -80,13 +80,13 @@ fn call_all() {
     black_box((Zoo::local_link_velocity(&q, &v, link), Zoo::jacobian(&q, link)));
     black_box(Zoo::link_acceleration(&q, &v, &v, link));
     black_box(Zoo::local_link_acceleration(&q, &v, &v, link));
-    black_box((Zoo::local_jacobian(&q, link), Zoo::jacobian_rate(&q, &v, link)));
-    black_box(Zoo::local_jacobian_rate(&q, &v, link));
+    black_box((Zoo::local_jacobian(&q, link), Zoo::bias_acceleration(&q, &v, link)));
+    black_box(Zoo::local_bias_acceleration(&q, &v, link));
     let moved = black_box(Zoo::integrate(&q, &v));
-    black_box((Zoo::difference(&q, &moved), Zoo::coordinate_rates(&q, &v)));
+    black_box((Zoo::difference(&q, &moved), Zoo::velocity_to_qdot(&q, &v)));
     black_box((Zoo::normalize(&moved), Zoo::random(|| black_box(0.5))));
     black_box((black_box(ZooJoint::Wrist).coordinates(), black_box(ZooJoint::Wrist).velocities()));
-    let goal = Reference::<Zoo>::standing(moved);
+    let goal = Reference::<Zoo>::at_rest(moved);
     let gains = Gains { stiffness: 1.0, damping: 2.0 };
     let next = State::<Zoo>::at_rest(q).runge_kutta_4(0.01, |state| {
         let tau = state.computed_torque(&goal, gains);

@@ -1,0 +1,518 @@
+//! Measured and counted tables: pages show what the files in `docs/data` hold, and counts are the compiler's.
+//!
+//! A page marks a table, or a number within a sentence, with `<!-- data: NAME -->` and `<!-- end -->`. With the variable
+//! `UPDATE_SNAPSHOTS`, the text between the marks is written, and `docs/data/operations.tsv` is counted anew. Times come
+//! from the commands that the files name; each writes its file (`tools/record`).
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use modyn_codegen::{Base, Builder, Function};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn updating() -> bool {
+    std::env::var_os("UPDATE_SNAPSHOTS").is_some()
+}
+
+fn read(path: &Path) -> String {
+    let text = std::fs::read_to_string(path);
+    text.unwrap_or_else(|error| panic!("{}: {error}", path.display())).replace("\r\n", "\n")
+}
+
+/// A file of `docs/data`: lines `# key: value`, a line with the columns' titles, and rows; cells end with tabs.
+struct Data {
+    name: String,
+    notes: Vec<(String, String)>,
+    titles: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Data {
+    fn load(name: &str) -> Self {
+        let text = read(&root().join(format!("docs/data/{name}.tsv")));
+        let note = |line: &str| {
+            let (key, value) = line.strip_prefix("# ")?.split_once(": ")?;
+            Some((key.to_owned(), value.to_owned()))
+        };
+        let cells = |line: &str| line.split('\t').map(String::from).collect::<Vec<_>>();
+        let mut lines = text.lines().filter(|line| !line.starts_with('#')).map(cells);
+        let titles = lines.next().unwrap_or_else(|| panic!("{name} is empty"));
+        let rows: Vec<Vec<String>> = lines.collect();
+        assert!(!rows.is_empty(), "{name} has no rows");
+        for row in &rows {
+            assert_eq!(row.len(), titles.len(), "{name}: {row:?}");
+        }
+        Self { name: name.into(), notes: text.lines().filter_map(note).collect(), titles, rows }
+    }
+
+    fn column(&self, title: &str) -> usize {
+        let found = self.titles.iter().position(|one| one == title);
+        found.unwrap_or_else(|| panic!("{} has no column {title:?}", self.name))
+    }
+
+    /// The cell of column `title` in the row whose first cells are `key`.
+    fn find(&self, key: &[&str], title: &str) -> Option<&str> {
+        let row =
+            self.rows.iter().find(|row| row.iter().zip(key).all(|(cell, key)| cell == key))?;
+        Some(&row[self.column(title)])
+    }
+
+    fn number(&self, key: &[&str], title: &str) -> f64 {
+        let cell = self.find(key, title).unwrap_or_else(|| panic!("{}: no {key:?}", self.name));
+        cell.parse().unwrap_or_else(|_| panic!("{}: {cell:?} of {key:?}", self.name))
+    }
+
+    fn note(&self, key: &str) -> &str {
+        let found = self.notes.iter().find(|(one, _)| one == key);
+        &found.unwrap_or_else(|| panic!("{} does not state its {key}", self.name)).1
+    }
+
+    /// A sentence that says when and how the table was measured.
+    fn source(&self) -> String {
+        let note = self.notes.iter().find(|(key, _)| key == "note");
+        let note = note.map_or(String::new(), |(_, note)| format!(" ({note})"));
+        let [command, date, commit] = ["command", "date", "commit"].map(|key| self.note(key));
+        format!("Measured on {date} at commit `{commit}` by `{command}`{note}.")
+    }
+}
+
+/// A table in Markdown.
+fn table<'a>(titles: &[impl AsRef<str>], rows: impl IntoIterator<Item = &'a [String]>) -> String {
+    let titles: Vec<&str> = titles.iter().map(AsRef::as_ref).collect();
+    let mut text = format!("| {} |\n|{}\n", titles.join(" | "), "---|".repeat(titles.len()));
+    for row in rows {
+        let _ = writeln!(text, "| {} |", row.join(" | "));
+    }
+    text.replace("|  |", "| |")
+}
+
+/// The robots that operations are counted for: the file in `robots/`, the base, the name in measurements of speed, and
+/// the robot that the description is modelled on.
+const ROBOTS: [(&str, Base, &str, &str); 6] = [
+    ("arm6", Base::Fixed, "ur5", "UR5"),
+    ("arm7", Base::Fixed, "panda", "Panda"),
+    ("quadruped", Base::Fixed, "solo12", "Solo12"),
+    ("quadruped", Base::Floating, "solo12_ff", "Solo12, floating base"),
+    ("humanoid", Base::Fixed, "g1", "G1"),
+    ("humanoid", Base::Floating, "g1_ff", "G1, floating base"),
+];
+
+/// The functions that are counted for all robots. (The fixed ones have all functions.)
+const MAIN: [Function; 7] = [
+    Function::ForwardDynamics,
+    Function::InverseDynamics,
+    Function::BiasForces,
+    Function::MassMatrix,
+    Function::Brge,
+    Function::InverseDynamicsDerivatives,
+    Function::ForwardDynamicsDerivatives,
+];
+
+/// The operations of each robot and function, as the file has them.
+fn counted() -> String {
+    let mut text = String::from(
+        "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen --test data\n\
+         robot\tbase\tfunction\toperations\tin lanes\n",
+    );
+    for (robot, base, ..) in ROBOTS {
+        let functions: Vec<Function> = match base {
+            Base::Fixed => {
+                Function::ALL.iter().copied().filter(|f| !f.is_of_constraints()).collect()
+            }
+            _ => MAIN.to_vec(),
+        };
+        let path = root().join(format!("robots/{robot}.urdf"));
+        let generated = Builder::new().urdf(path).base(base).functions(functions).generate();
+        let generated = generated.unwrap_or_else(|found| panic!("{robot}: {found}"));
+        let base = if base == Base::Fixed { "fixed" } else { "floating" };
+        for (name, operations) in &generated.operations {
+            let scalar = operations.total();
+            let all = generated.static_operations.iter().find(|(one, _)| one == name);
+            let all = all.map_or(scalar, |(_, all)| all.total());
+            // A function of one state may have a second program, on vectors.
+            let one = MAIN.iter().any(|function| function.name() == *name);
+            let lanes = all.checked_sub(scalar).filter(|&lanes| one && lanes > 0 && lanes < scalar);
+            let lanes = lanes.map_or(String::new(), |lanes| lanes.to_string());
+            let _ = writeln!(text, "{robot}\t{base}\t{name}\t{scalar}\t{lanes}");
+        }
+    }
+    text
+}
+
+#[test]
+fn operations_are_the_compilers() {
+    let path = root().join("docs/data/operations.tsv");
+    let found = counted();
+    if updating() {
+        std::fs::write(&path, found).expect("writes");
+        return;
+    }
+    let expected = read(&path);
+    let differing = expected.lines().zip(found.lines()).find(|(a, b)| a != b);
+    assert_eq!(expected, found, "operations have changed, first {differing:?}");
+}
+
+fn name((robot, base, _, of): (&str, Base, &str, &str)) -> String {
+    let floating = if base == Base::Floating { ", floating" } else { "" };
+    format!("`{robot}`{floating} ({})", of.trim_end_matches(", floating base"))
+}
+
+fn key<'a>((robot, base, ..): (&'a str, Base, &str, &str), function: &'a str) -> [&'a str; 3] {
+    [robot, if base == Base::Fixed { "fixed" } else { "floating" }, function]
+}
+
+/// Robots by functions; with the operations in lanes in brackets if `lanes`.
+fn operations(functions: &[(&str, &str)], lanes: bool) -> String {
+    let data = Data::load("operations");
+    let mut titles = vec!["robot"];
+    titles.extend(functions.iter().map(|(title, _)| *title));
+    let row = |robot: (&str, Base, &str, &str)| {
+        let cell = |(_, function): &(&str, &str)| {
+            let key = key(robot, function);
+            let count = data.find(&key, "operations").expect("counted").to_owned();
+            match data.find(&key, "in lanes") {
+                Some(in_lanes) if lanes && !in_lanes.is_empty() => format!("{count} ({in_lanes})"),
+                _ => count,
+            }
+        };
+        [vec![name(robot)], functions.iter().map(cell).collect()].concat()
+    };
+    let rows: Vec<Vec<String>> = ROBOTS.iter().map(|robot| row(*robot)).collect();
+    table(&titles, rows.iter().map(Vec::as_slice))
+}
+
+/// modyn's operations beside CasADi's instructions.
+fn beside_casadi() -> String {
+    let (own, casadi) = (Data::load("operations"), Data::load("casadi"));
+    let functions =
+        ["forward_dynamics", "inverse_dynamics", "mass_matrix", "forward_dynamics_derivatives"];
+    let mut titles = vec![String::from("robot")];
+    for function in functions {
+        titles.push(format!("{}: modyn", function.replace('_', " ")));
+        titles.push("CasADi".into());
+    }
+    let mut rows = Vec::new();
+    for robot in ROBOTS {
+        let mut row = vec![name(robot)];
+        let theirs = functions.map(|function| casadi.find(&[function, robot.2], "instructions"));
+        if theirs.iter().all(Option::is_none) {
+            continue;
+        }
+        for (function, theirs) in functions.into_iter().zip(theirs) {
+            let key = key(robot, function);
+            let [count, lanes] =
+                ["operations", "in lanes"].map(|title| own.find(&key, title).expect("counted"));
+            row.push(if lanes.is_empty() { count.into() } else { format!("{count} ({lanes})") });
+            row.push(theirs.unwrap_or_default().into());
+        }
+        rows.push(row);
+    }
+    table(&titles, rows.iter().map(Vec::as_slice))
+}
+
+/// The derivatives in closed form beside those by tangents.
+fn beside_tangents() -> String {
+    let (own, tangents) = (Data::load("operations"), Data::load("tangents"));
+    let titles = [
+        "robot",
+        "derivatives of inverse dynamics, closed form",
+        "by tangents",
+        "derivatives of forward dynamics, closed form",
+        "by tangents of the inverse dynamics",
+    ];
+    let row = |robot: (&str, Base, &str, &str)| {
+        let own = |function| own.find(&key(robot, function), "operations").expect("counted").into();
+        let by_tangents = |title| tangents.find(&[robot.2], title).expect("counted").into();
+        vec![
+            name(robot),
+            own("inverse_dynamics_derivatives"),
+            by_tangents("derivatives of inverse dynamics"),
+            own("forward_dynamics_derivatives"),
+            by_tangents("derivatives of forward dynamics"),
+        ]
+    };
+    let rows: Vec<Vec<String>> = ROBOTS.iter().map(|robot| row(*robot)).collect();
+    table(&titles, rows.iter().map(Vec::as_slice))
+}
+
+/// The time of each function's compilation, with its operations.
+fn functions() -> String {
+    let (times, own) = (Data::load("functions"), Data::load("operations"));
+    let mut titles = times.titles.clone();
+    titles.insert(2, "operations".into());
+    let row = |row: &Vec<String>| {
+        let function = row[1].trim_matches('`');
+        let operations = own.find(&[&row[0], "fixed", function], "operations");
+        let operations =
+            operations.unwrap_or_else(|| panic!("{function} of {} is not counted", row[0]));
+        let mut row = row.clone();
+        row.insert(2, operations.into());
+        row
+    };
+    let rows: Vec<Vec<String>> = times.rows.iter().map(row).collect();
+    table(&titles, rows.iter().map(Vec::as_slice)) + "\n" + &times.source() + "\n"
+}
+
+/// A ratio of times, to two digits.
+fn ratio(ratio: f64) -> String {
+    if ratio >= 9.95 { format!("{ratio:.0}") } else { format!("{ratio:.1}") }
+}
+
+/// Times by robot and program, the ratio to modyn's in brackets, then the fastest of a program's variants.
+fn speed() -> String {
+    const REFERENCE: &str = "modyn native";
+    let data = Data::load("speed");
+    let mut programs: Vec<&str> = Vec::new();
+    let mut cases: Vec<[&str; 2]> = Vec::new();
+    for row in &data.rows {
+        let (case, program) = ([row[0].as_str(), row[1].as_str()], row[2].as_str());
+        if !programs.contains(&program) {
+            programs.push(program);
+        }
+        if !cases.contains(&case) {
+            cases.push(case);
+        }
+    }
+    let mut titles = vec!["quantity", "robot"];
+    titles.extend(&programs);
+    let rows: Vec<Vec<String>> = cases
+        .into_iter()
+        .map(|[quantity, robot]| {
+            let reference = data.number(&[quantity, robot, REFERENCE], "ns");
+            let cell = |program: &&str| {
+                let key = [quantity, robot, program];
+                let Some(ns) = data.find(&key, "ns") else { return String::new() };
+                let Ok(value) = ns.parse::<f64>() else { return ns.into() };
+                let variant = data.find(&key, "variant").unwrap_or_default();
+                let times = if *program == REFERENCE {
+                    String::new()
+                } else {
+                    format!(" ({}x)", ratio(value / reference))
+                };
+                format!("{ns}{times} {variant}").trim_end().into()
+            };
+            let mut row = vec![quantity.into(), robot.into()];
+            row.extend(programs.iter().map(cell));
+            row
+        })
+        .collect();
+    table(&titles, rows.iter().map(Vec::as_slice)) + "\n" + &data.source() + "\n"
+}
+
+/// The README's table.
+fn speed_in_short() -> String {
+    let data = Data::load("speed");
+    let robots = [
+        ("ur5", "UR5, 6 joints"),
+        ("panda", "Panda, 7 joints"),
+        ("solo12_ff", "Solo12 quadruped, floating, 18"),
+        ("g1_ff", "G1 humanoid, floating, 35"),
+    ];
+    let cell = |quantity: &str, robot: &str| {
+        let ns = |program| data.find(&[quantity, robot, program], "ns")?.parse::<f64>().ok();
+        let own = ns("modyn native")?;
+        let [casadi, pinocchio] =
+            ["CasADi C", "Pinocchio C++"].map(|program| Some(ratio(ns(program)? / own)));
+        Some(format!("{own:.0} ns (CasADi {}x, Pinocchio {}x)", casadi?, pinocchio?))
+    };
+    let row = |(robot, title): (&str, &str)| {
+        let quantities = ["forward dynamics", "forward dynamics derivatives"];
+        let cells = quantities.map(|quantity| cell(quantity, robot).unwrap_or_default());
+        vec![title.into(), cells[0].clone(), cells[1].clone()]
+    };
+    let rows = robots.map(row);
+    table(&["robot", "forward dynamics", "its derivatives"], rows.iter().map(Vec::as_slice))
+}
+
+/// The least and the largest of numbers, as text.
+fn range(numbers: impl IntoIterator<Item = f64>) -> String {
+    let (low, high) =
+        numbers.into_iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
+    assert!(low <= high);
+    if low.round() == high.round() { format!("{low:.0}") } else { format!("{low:.0} to {high:.0}") }
+}
+
+/// The interpreter's times over those of generated code.
+fn interpreter() -> String {
+    let data = Data::load("speed");
+    let slow = data.rows.iter().filter(|row| row[2] == "modyn interpreter");
+    range(slow.map(|row| {
+        let key = [row[0].as_str(), &row[1], "modyn native"];
+        row[3].parse::<f64>().expect("a time") / data.number(&key, "ns")
+    }))
+}
+
+/// Batches' times over those of single calls.
+fn batched(robot: &str) -> String {
+    let data = Data::load("speed");
+    let ns = |program| data.number(&["forward dynamics", robot, program], "ns");
+    format!("{:.2}", ns("modyn batch") / ns("modyn native"))
+}
+
+/// Pairs of rows of the firmware's table, as numbers of column `title`: those that `pick` names, over those it is
+/// compared with.
+fn firmware(title: &str, pairs: impl Fn(&[String]) -> Option<[String; 4]>) -> Vec<f64> {
+    let data = Data::load("firmware");
+    let value = |row: &[String]| {
+        row[data.column(title)].trim_end_matches('*').parse::<f64>().expect("a number")
+    };
+    let pair = |row: &Vec<String>| {
+        let key = pairs(row)?;
+        let key = key.each_ref().map(String::as_str);
+        let other = data.rows.iter().find(|row| row.iter().zip(key).all(|(a, b)| a == b))?;
+        Some(value(row) / value(other))
+    };
+    let found: Vec<f64> = data.rows.iter().filter_map(pair).collect();
+    assert!(found.len() > 1, "{title}: {found:?}");
+    found
+}
+
+/// The row of the same limbs one by one, for a row of shared limbs at opt-level 3 on a core that has the scalar.
+fn shared(row: &[String]) -> Option<[String; 4]> {
+    let function =
+        row[3].strip_prefix("`legs_shared::").filter(|name| name.ends_with("_dynamics`"))?;
+    (row[2] == "3" && (row[1] == "f32" || row[0] == "M7"))
+        .then(|| [row[0].clone(), row[1].clone(), row[2].clone(), format!("`legs::{function}")])
+}
+
+/// The row at opt-level 3, for a row at "s".
+fn at_three(row: &[String]) -> Option<[String; 4]> {
+    (row[2] == "s" && row[3] == "`arm7::forward_dynamics`")
+        .then(|| [row[0].clone(), row[1].clone(), "3".into(), row[3].clone()])
+}
+
+/// The row in `f32` for one in `f64`, on a core that computes `f64` by software.
+fn single(row: &[String]) -> Option<[String; 4]> {
+    (row[0] == "M4F" && row[1] == "f64" && row[2] == "3" && row[3].ends_with("_dynamics`"))
+        .then(|| [row[0].clone(), "f32".into(), "3".into(), row[3].clone()])
+}
+
+/// The rows of the firmware's table that its page shows.
+fn firmware_in_short() -> String {
+    const SHOWN: [&str; 7] = [
+        "leg::forward_dynamics",
+        "arm7::brge_solve",
+        "arm7::mass_matrix",
+        "arm7::forward_dynamics",
+        "arm7::inverse_dynamics",
+        "legs::forward_dynamics",
+        "legs_shared::forward_dynamics",
+    ];
+    let data = Data::load("firmware");
+    let shown = |row: &&Vec<String>| {
+        let function = row[3].trim_matches('`');
+        SHOWN.contains(&function) && (row[2] == "3" || function == "arm7::forward_dynamics")
+    };
+    let mut rows: Vec<&[String]> = data.rows.iter().filter(shown).map(Vec::as_slice).collect();
+    let place = |row: &[String]| SHOWN.iter().position(|name| row[3].trim_matches('`') == *name);
+    let core = |row: &[String]| data.rows.iter().position(|one| one[..3] == row[..3]);
+    rows.sort_by_key(|row| (core(row), place(row)));
+    table(&data.titles, rows) + "\n" + &data.source() + "\n"
+}
+
+/// The text of the mark `name`.
+fn rendered(name: &str) -> String {
+    let per_cent = |numbers: Vec<f64>| numbers.into_iter().map(|x| 100.0 * x).collect::<Vec<_>>();
+    match name {
+        "speed" => speed(),
+        "speed-in-short" => speed_in_short(),
+        "interpreter" => interpreter(),
+        "batched-ur5" => batched("ur5"),
+        "batched-panda" => batched("panda"),
+        "functions" => functions(),
+        "operations" => operations(
+            &[
+                ("forward dynamics", "forward_dynamics"),
+                ("inverse dynamics", "inverse_dynamics"),
+                ("mass matrix", "mass_matrix"),
+                ("U D U^T", "brge"),
+                ("derivatives of forward dynamics", "forward_dynamics_derivatives"),
+            ],
+            false,
+        ),
+        "operations-in-lanes" => operations(
+            &[
+                ("forward dynamics", "forward_dynamics"),
+                ("inverse dynamics", "inverse_dynamics"),
+                ("mass matrix", "mass_matrix"),
+                ("derivatives of inverse dynamics", "inverse_dynamics_derivatives"),
+                ("derivatives of forward dynamics", "forward_dynamics_derivatives"),
+            ],
+            true,
+        ),
+        "casadi" => beside_casadi(),
+        "tangents" => beside_tangents(),
+        "firmware" => firmware_in_short(),
+        "f64-by-software" => range(firmware("instructions", single)),
+        "shared-flash" => range(per_cent(firmware("flash, with callees", shared))),
+        "shared-instructions" => {
+            range(per_cent(firmware("instructions", shared)).into_iter().map(|x| 100.0 - x))
+        }
+        "small-flash" => range(
+            per_cent(firmware("flash, with callees", at_three)).into_iter().map(|x| 100.0 - x),
+        ),
+        "small-instructions" => {
+            range(per_cent(firmware("instructions", at_three)).into_iter().map(|x| x - 100.0))
+        }
+        _ => {
+            let data = Data::load(name);
+            table(&data.titles, data.rows.iter().map(Vec::as_slice)) + "\n" + &data.source() + "\n"
+        }
+    }
+}
+
+const BEGIN: &str = "<!-- data: ";
+const END: &str = "<!-- end -->";
+
+/// The page with the text of each mark rendered, and the names of the marks.
+fn page(text: &str) -> (String, Vec<String>) {
+    let (mut out, mut names, mut rest) = (String::new(), Vec::new(), text);
+    while let Some((before, after)) = rest.split_once(BEGIN) {
+        let (name, after) = after.split_once(" -->").expect("the mark ends");
+        let (old, after) = after.split_once(END).unwrap_or_else(|| panic!("{name} has no end"));
+        let line = if old.starts_with('\n') { "\n" } else { "" };
+        out += &[before, BEGIN, name, " -->", line, &rendered(name), END].concat();
+        names.push(name.into());
+        rest = after;
+    }
+    (out + rest, names)
+}
+
+#[test]
+fn pages_show_the_data() {
+    let mut pages = vec![root().join("README.md")];
+    for entry in std::fs::read_dir(root().join("docs")).expect("docs") {
+        pages.push(entry.expect("an entry").path());
+    }
+    pages.retain(|path| path.extension().is_some_and(|ending| ending == "md"));
+    let mut shown = BTreeSet::new();
+    for path in pages {
+        let text = read(&path);
+        let (expected, names) = page(&text);
+        shown.extend(names);
+        if updating() {
+            if expected != text {
+                std::fs::write(&path, expected).expect("writes");
+            }
+            continue;
+        }
+        let differing = text.lines().zip(expected.lines()).find(|(a, b)| a != b);
+        assert!(
+            expected == text,
+            "{} does not show the data, first {differing:?}: UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen --test data",
+            path.display()
+        );
+    }
+    // No file is forgotten: each is shown by itself or through a table that is made of it.
+    let through = ["operations", "speed", "firmware", "functions", "casadi", "tangents"];
+    for entry in std::fs::read_dir(root().join("docs/data")).expect("docs/data") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_stem().and_then(|name| name.to_str()).expect("a name").to_owned();
+        assert!(shown.contains(&name) || through.contains(&name.as_str()), "no page shows {name}");
+    }
+    assert!(shown.len() > 15, "{shown:?}");
+}

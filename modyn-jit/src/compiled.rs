@@ -1,0 +1,325 @@
+//! A robot as machine code.
+
+use std::fmt;
+
+use modyn_codegen::diagnostics::Diagnostic;
+use modyn_codegen::plan::{Frames, Kernels, LinkCode, Plan, Planned, Shape};
+use modyn_codegen::program::Program;
+use modyn_codegen::{Builder, Function, Planning};
+use modyn_runtime::model::Model;
+
+use crate::call::Call;
+use crate::error::{CallError, CompileError};
+use crate::generate::{CodeSize, generate};
+use crate::helper::Helpers;
+use crate::level::Level;
+use crate::lower::lower;
+use crate::machine::{Code, Pages};
+use crate::real::Real;
+
+/// The choices about machine code; those about the robot are a [`Builder`]'s.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Options {
+    /// The vector instructions; `None` for the best that the processor has.
+    pub level: Option<Level>,
+    /// Whether functions can be called for many states at a time; no by default.
+    pub batches: bool,
+}
+
+/// The functions of a robot as machine code of this processor, for numbers of type `S`.
+///
+/// Arguments and results are slices; those with a structure (wrenches, poses, twists) are their numbers in a row, as
+/// [`Call::arguments`] and [`Call::result`] describe them. Matrices are by columns. All of modyn's conventions hold.
+pub struct Compiled<S> {
+    model: Model,
+    warnings: Vec<Diagnostic>,
+    level: Level,
+    pages: Pages,
+    functions: Vec<CompiledFunction>,
+    /// The run-time parameters of the robot.
+    parameters: Vec<S>,
+    /// The placements of links that share code, a row each.
+    placements: Vec<Vec<S>>,
+}
+
+/// The code of a function.
+pub(crate) struct CompiledFunction {
+    pub function: Function,
+    pub arguments: Vec<(&'static str, Shape)>,
+    /// Whether the robot's run-time parameters are one more argument.
+    pub has_parameters: bool,
+    pub result: Shape,
+    pub kernels: CompiledKernels,
+    pub size: CodeSize,
+}
+
+/// The programs of a function as code.
+pub(crate) enum CompiledKernels {
+    /// One.
+    One(Kernel),
+    /// For each link its program, and the row of its placement if it shares the program.
+    ByLink(Vec<(usize, Option<usize>)>, Vec<Kernel>),
+    /// The poses of some links and bodies, and the pose of a link from that of its body: for each link where its own
+    /// pose is among these, or that of its body, with the row of its placement.
+    Poses { bodies: Kernel, placed: Kernel, links: Vec<(usize, Option<usize>)> },
+}
+
+/// A program as code.
+pub(crate) struct Kernel {
+    /// For one state.
+    pub single: Code,
+    /// For a state in each lane.
+    pub batch: Option<Code>,
+}
+
+impl Kernel {
+    /// The code for so many states at a time: one, or the lanes of a vector.
+    pub fn code(&self, lanes: usize) -> &Code {
+        match &self.batch {
+            Some(batch) if lanes > 1 => batch,
+            _ => &self.single,
+        }
+    }
+}
+
+impl<S: Real> Compiled<S> {
+    /// Compiles these functions of a robot for this processor.
+    ///
+    /// # Errors
+    ///
+    /// The model is wrong, this is no x86-64 processor, or the system gives no executable memory.
+    pub fn new(
+        model: &Model,
+        functions: impl IntoIterator<Item = Function>,
+    ) -> Result<Self, CompileError> {
+        Self::build(&Builder::new().model(model.clone()).functions(functions), Options::default())
+    }
+
+    /// Compiles the robot of a [`Builder`] with all of its options, except those about text.
+    ///
+    /// # Errors
+    ///
+    /// The description or an option is wrong, this processor lacks the level, or the system gives no executable memory.
+    pub fn build(builder: &Builder, options: Options) -> Result<Self, CompileError> {
+        Self::from_plan(&builder.plan()?, options)
+    }
+
+    /// Compiles programs that [`Builder::plan`] has made; so several types of numbers and levels can share them.
+    ///
+    /// # Errors
+    ///
+    /// This processor lacks the level, or the system gives no executable memory.
+    pub fn from_plan(planning: &Planning, options: Options) -> Result<Self, CompileError> {
+        let available = Level::detect().ok_or(CompileError::Architecture)?;
+        let level = options.level.unwrap_or(available);
+        if level > available {
+            return Err(CompileError::Level { wanted: level, available });
+        }
+        let Planning { plan, model, warnings, .. } = planning;
+        let mut assembly = Assembly::<S>::new(level, options.batches);
+        let functions = plan.functions.iter().map(|planned| assembly.function(planned, plan));
+        let functions = functions.collect();
+        let pages = Pages::new(&assembly.code).map_err(CompileError::Memory)?;
+        let parameters = plan.parameters.described(model.gravity());
+        let number = |x: f64| S::from_f64(x);
+        Ok(Self {
+            level,
+            pages,
+            functions,
+            parameters: parameters.into_iter().map(number).collect(),
+            placements: plan.frames.placements().map(|row| row.map(number).to_vec()).collect(),
+            model: model.clone(),
+            warnings: warnings.clone(),
+        })
+    }
+
+    /// Returns the robot.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Returns what was found odd in the description, but taken.
+    #[must_use]
+    pub fn warnings(&self) -> &[Diagnostic] {
+        &self.warnings
+    }
+
+    /// Returns the vector instructions that the code uses.
+    #[must_use]
+    pub fn level(&self) -> Level {
+        self.level
+    }
+
+    /// Returns the functions that can be called.
+    pub fn functions(&self) -> impl Iterator<Item = Function> {
+        self.functions.iter().map(|compiled| compiled.function)
+    }
+
+    /// Returns a function, to be called or asked for its arguments and its size.
+    ///
+    /// # Errors
+    ///
+    /// It was not compiled.
+    pub fn function(&self, function: Function) -> Result<Call<'_, S>, CallError> {
+        match self.functions.iter().find(|compiled| compiled.function == function) {
+            Some(compiled) => Ok(Call {
+                compiled,
+                pages: &self.pages,
+                parameters: &self.parameters,
+                placements: &self.placements,
+                lanes: self.level.vector(true) / size_of::<S>(),
+            }),
+            None => Err(CallError::NotCompiled { function, compiled: self.functions().collect() }),
+        }
+    }
+
+    /// Computes the joint accelerations `qdd` at coordinates `q` and velocities `qd` under the joint torques or forces
+    /// `tau`.
+    ///
+    /// # Errors
+    ///
+    /// The function was not compiled, or a length is wrong.
+    pub fn forward_dynamics(
+        &self,
+        q: &[S],
+        qd: &[S],
+        tau: &[S],
+        qdd: &mut [S],
+    ) -> Result<(), CallError> {
+        self.function(Function::ForwardDynamics)?.one(&[q, qd, tau], qdd)
+    }
+
+    /// Computes the joint torques or forces `tau` of the accelerations `qdd` at coordinates `q` and velocities `qd`.
+    ///
+    /// # Errors
+    ///
+    /// The function was not compiled, or a length is wrong.
+    pub fn inverse_dynamics(
+        &self,
+        q: &[S],
+        qd: &[S],
+        qdd: &[S],
+        tau: &mut [S],
+    ) -> Result<(), CallError> {
+        self.function(Function::InverseDynamics)?.one(&[q, qd, qdd], tau)
+    }
+
+    /// Computes the mass matrix at coordinates `q`, by columns.
+    ///
+    /// # Errors
+    ///
+    /// The function was not compiled, or a length is wrong.
+    pub fn mass_matrix(&self, q: &[S], mass_matrix: &mut [S]) -> Result<(), CallError> {
+        self.function(Function::MassMatrix)?.one(&[q], mass_matrix)
+    }
+}
+
+impl<S: Real> fmt::Debug for Compiled<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let functions: Vec<&str> = self.functions().map(Function::name).collect();
+        f.debug_struct("Compiled")
+            .field("robot", &self.model.name())
+            .field("level", &self.level)
+            .field("functions", &functions)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Code of all functions in the making.
+struct Assembly<S> {
+    level: Level,
+    batches: bool,
+    helpers: Helpers,
+    code: Vec<u8>,
+    number: std::marker::PhantomData<S>,
+}
+
+impl<S: Real> Assembly<S> {
+    fn new(level: Level, batches: bool) -> Self {
+        let (helpers, number) = (Helpers::new::<S>(), std::marker::PhantomData);
+        Self { level, batches, helpers, code: Vec::new(), number }
+    }
+
+    fn function(&mut self, planned: &Planned, plan: &Plan) -> CompiledFunction {
+        let mut arrays: Vec<usize> =
+            planned.arguments.iter().map(|(_, shape)| shape.len()).collect();
+        arrays.extend((planned.parameters > 0).then_some(planned.parameters));
+        let mut size = CodeSize::default();
+        let mut kernel = |program: &Program, simd: Option<&Program>, arrays: &[usize]| {
+            self.kernel(program, simd, arrays, &mut size)
+        };
+        let placed = [&*arrays, &[Frames::PLACEMENT]].concat();
+        let kernels = match &planned.kernels {
+            Kernels::One(program) => CompiledKernels::One(kernel(program, None, &arrays)),
+            Kernels::Dispatched { scalar, simd } => {
+                CompiledKernels::One(kernel(scalar, Some(simd), &arrays))
+            }
+            Kernels::ByLink(programs) => {
+                let own = plan.frames.links_with_own_program().count();
+                let arrays = |k: usize| if k < own { &arrays } else { &placed };
+                let programs = programs.iter().enumerate();
+                let kernels = programs.map(|(k, program)| kernel(program, None, arrays(k)));
+                CompiledKernels::ByLink(by_link(&plan.frames), kernels.collect())
+            }
+            Kernels::Poses { bodies, placed, .. } => CompiledKernels::Poses {
+                bodies: kernel(bodies, None, &arrays),
+                placed: kernel(placed, None, &[Shape::pose().len(), Frames::PLACEMENT]),
+                links: by_link(&plan.frames),
+            },
+        };
+        CompiledFunction {
+            function: planned.function,
+            arguments: planned.arguments.clone(),
+            has_parameters: planned.parameters > 0,
+            result: planned.result.clone(),
+            kernels,
+            size,
+        }
+    }
+
+    /// A program as code: its vectors if there are some and the level has registers for four numbers, and the scalar
+    /// program with a state in each lane.
+    fn kernel(
+        &mut self,
+        scalar: &Program,
+        simd: Option<&Program>,
+        arrays: &[usize],
+        size: &mut CodeSize,
+    ) -> Kernel {
+        let single = match simd {
+            Some(simd) if self.level.vector(false) >= 4 * size_of::<S>() => simd,
+            _ => scalar,
+        };
+        let (single, bytes) = self.append(single, arrays, false);
+        *size += bytes;
+        let batch = self.batches.then(|| self.append(scalar, arrays, true).0);
+        Kernel { single, batch }
+    }
+
+    fn append(&mut self, program: &Program, arrays: &[usize], batch: bool) -> (Code, CodeSize) {
+        let values = lower::<S>(program, arrays, self.level, batch);
+        let generated = generate(&values, self.level, size_of::<S>(), arrays.len(), &self.helpers);
+        self.code.resize(self.code.len().next_multiple_of(64), 0xcc);
+        let entry = self.code.len();
+        self.code.extend_from_slice(&generated.code);
+        let lanes = if batch { self.level.vector(true) / size_of::<S>() } else { 1 };
+        let arguments = arrays.iter().map(|length| length * lanes).collect();
+        (Code { entry, arguments, results: program.results.len() * lanes }, generated.size)
+    }
+}
+
+/// For each link the number of its program, and the row of its placement if it shares the program.
+fn by_link(frames: &Frames) -> Vec<(usize, Option<usize>)> {
+    let own = frames.links_with_own_program().count();
+    let mut next = 0;
+    let program = |code: &LinkCode| match *code {
+        LinkCode::Own => {
+            next += 1;
+            (next - 1, None)
+        }
+        LinkCode::Shared { body, row } => (own + body, Some(row)),
+    };
+    frames.codes().iter().map(program).collect()
+}

@@ -1,0 +1,164 @@
+//! Errors of compiling and of calling.
+
+use std::{fmt, io};
+
+use modyn_codegen::Function;
+use modyn_codegen::diagnostics::Diagnostics;
+
+use crate::level::Level;
+
+/// The reason why a robot has no machine code.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum CompileError {
+    /// The description or an option is wrong.
+    Description(Diagnostics),
+    /// Machine code is made for x86-64 alone.
+    Architecture,
+    /// The processor lacks the vector instructions that were asked for.
+    Level {
+        /// The instructions that were asked for.
+        wanted: Level,
+        /// The best that the processor has.
+        available: Level,
+    },
+    /// The system gives no executable memory.
+    Memory(io::Error),
+}
+
+impl fmt::Display for CompileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let instead = "`modyn::Interpreter` computes the same quantities without machine code";
+        match self {
+            Self::Description(diagnostics) => diagnostics.fmt(f),
+            Self::Architecture => {
+                let found = std::env::consts::ARCH;
+                write!(f, "machine code is made for x86-64, and this is {found}; {instead}")
+            }
+            Self::Level { wanted, available } => write!(
+                f,
+                "this processor has no {wanted:?}, its best is {available:?}; leave the level out to have the best"
+            ),
+            Self::Memory(reason) => {
+                write!(f, "the system gives no executable memory ({reason}); {instead}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for CompileError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Description(diagnostics) => Some(diagnostics),
+            Self::Memory(reason) => Some(reason),
+            Self::Architecture | Self::Level { .. } => None,
+        }
+    }
+}
+
+impl From<Diagnostics> for CompileError {
+    fn from(diagnostics: Diagnostics) -> Self {
+        Self::Description(diagnostics)
+    }
+}
+
+/// The reason why a function was not called. Nothing has been written then.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum CallError {
+    /// The function was not compiled.
+    NotCompiled {
+        /// The function.
+        function: Function,
+        /// The functions that were.
+        compiled: Vec<Function>,
+    },
+    /// The function was compiled for one state at a time.
+    NoBatch {
+        /// The function.
+        function: Function,
+    },
+    /// The number of arguments is not that of the function.
+    Arguments {
+        /// The function.
+        function: Function,
+        /// The names of its arguments.
+        expected: Vec<&'static str>,
+        /// The number of arguments that were given.
+        found: usize,
+    },
+    /// An argument or the result has the wrong length.
+    Length {
+        /// The function.
+        function: Function,
+        /// The argument's name, or `result`.
+        name: &'static str,
+        /// The length that it has to have.
+        expected: usize,
+        /// The length that it has.
+        found: usize,
+    },
+    /// The length of an argument of a batch is no multiple of its length for one state.
+    States {
+        /// The function.
+        function: Function,
+        /// The argument's name.
+        name: &'static str,
+        /// Its length for one state.
+        one: usize,
+        /// The length that it has.
+        found: usize,
+    },
+    /// The function is one of a link, and none was given, or the other way round.
+    Link {
+        /// The function.
+        function: Function,
+        /// The link that was given.
+        link: Option<usize>,
+        /// The number of links; `None` if the function is not one of a link.
+        links: Option<usize>,
+    },
+}
+
+impl fmt::Display for CallError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotCompiled { function, compiled } => {
+                let name = function.name();
+                let names: Vec<&str> = compiled.iter().map(|function| function.name()).collect();
+                write!(f, "`{name}` was not compiled; compiled were: {}", names.join(", "))
+            }
+            Self::NoBatch { function } => {
+                let name = function.name();
+                write!(f, "`{name}` was compiled for one state at a time; set `Options::batches`")
+            }
+            Self::Arguments { function, expected, found } => {
+                let (name, expected) = (function.name(), expected.join(", "));
+                write!(f, "`{name}` takes the arguments {expected}, and {found} were given")
+            }
+            Self::Length { function, name, expected, found } => {
+                let function = function.name();
+                write!(f, "`{name}` of `{function}` has {expected} numbers, and {found} were given")
+            }
+            Self::States { function, name, one, found } => {
+                let function = function.name();
+                write!(
+                    f,
+                    "`{name}` of `{function}` has {one} numbers a state, and {found} are no multiple of that"
+                )
+            }
+            Self::Link { function, link: Some(_), links: None } => {
+                write!(f, "`{}` is not about one link; call it without", function.name())
+            }
+            Self::Link { function, link: None, .. } => {
+                write!(f, "`{}` is about one link; call it with the link's index", function.name())
+            }
+            Self::Link { function, link: Some(link), links: Some(links) } => {
+                let name = function.name();
+                write!(f, "`{name}` of link {link}: there are {links} links, the first is 0")
+            }
+        }
+    }
+}
+
+impl std::error::Error for CallError {}

@@ -1,0 +1,85 @@
+//! Functions that machine code calls: angles that are too large for the fast reduction, arctangents and logarithms.
+//!
+//! Unsafe code: the functions read and write through pointers. Only machine code calls them, which `generate` makes; it
+//! passes pointers to `lanes` numbers each. They point into the function's own stack frame, where nothing else
+//! refers to, except that of the angles, which may also point to the arguments or constants, where nobody writes.
+//! The functions do not unwind: a panic in them would end the process, and they have none.
+#![allow(unsafe_code)]
+
+use modyn_runtime::steps;
+
+use crate::real::Real;
+
+/// The calling convention of machine code, on every system.
+#[cfg(target_arch = "x86_64")]
+type Helper<S> = extern "sysv64" fn(*mut S, *mut S, *const S, u32);
+#[cfg(not(target_arch = "x86_64"))]
+type Helper<S> = extern "C" fn(*mut S, *mut S, *const S, u32);
+
+/// The addresses of the functions for one type of numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Helpers {
+    /// Writes the reduction of each angle that is too large, and leaves the others.
+    pub reduce: u64,
+    /// Writes the angle from the x axis to each point.
+    pub atan2: u64,
+    /// Writes the natural logarithm of each number.
+    pub logarithm: u64,
+}
+
+impl Helpers {
+    pub fn new<S: Real>() -> Self {
+        let address = |helper: Helper<S>| helper as usize as u64;
+        Self {
+            reduce: address(reduce::<S>),
+            atan2: address(atan2::<S>),
+            logarithm: address(logarithm::<S>),
+        }
+    }
+}
+
+macro_rules! helpers {
+    ($abi:literal) => {
+        extern $abi fn reduce<S: Real>(reduced: *mut S, turns: *mut S, angles: *const S, lanes: u32) {
+            for lane in 0..lanes as usize {
+                // SAFETY: see the header.
+                let angle = unsafe { angles.add(lane).read_unaligned() };
+                // `<` is false for NaN.
+                let is_near = modyn_runtime::Scalar::abs(angle) < steps::limit();
+                if !is_near {
+                    let far = steps::reduce_far(angle);
+                    // SAFETY: as above.
+                    unsafe {
+                        reduced.add(lane).write_unaligned(far[0]);
+                        turns.add(lane).write_unaligned(far[1]);
+                    }
+                }
+            }
+        }
+
+        extern $abi fn atan2<S: Real>(result: *mut S, y: *mut S, x: *const S, lanes: u32) {
+            for lane in 0..lanes as usize {
+                // SAFETY: see the header.
+                unsafe {
+                    let (y, x) = (y.add(lane).read_unaligned(), x.add(lane).read_unaligned());
+                    result.add(lane).write_unaligned(modyn_runtime::Scalar::atan2(y, x));
+                }
+            }
+        }
+
+        extern $abi fn logarithm<S: Real>(result: *mut S, x: *mut S, _: *const S, lanes: u32) {
+            for lane in 0..lanes as usize {
+                // SAFETY: see the header.
+                unsafe {
+                    let x = x.add(lane).read_unaligned();
+                    result.add(lane).write_unaligned(modyn_runtime::Scalar::ln(x));
+                }
+            }
+        }
+    };
+}
+
+#[cfg(target_arch = "x86_64")]
+helpers!("sysv64");
+#[cfg(not(target_arch = "x86_64"))]
+helpers!("C");

@@ -1,0 +1,60 @@
+//! Machine code at run time: a robot that is read at run time is computed by functions that are made for it, within
+//! milliseconds, without a compiler on the machine.
+//!
+//! ```
+//! use modyn_codegen::{Builder, Function};
+//! use modyn_jit::{Compiled, Options};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let urdf = r#"<robot name="pendulum"><link name="world"/>
+//! #   <joint name="pivot" type="continuous">
+//! #     <parent link="world"/><child link="rod"/><axis xyz="0 1 0"/>
+//! #   </joint>
+//! #   <link name="rod"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
+//! #     <inertia ixx="0.1" iyy="0.1" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
+//! let builder = Builder::new().urdf_text(urdf, "pendulum.urdf");
+//! # if modyn_jit::Level::detect().is_none() { return Ok(()) }
+//! let robot = Compiled::<f64>::build(&builder, Options::default())?;
+//! let mut qdd = [0.0];
+//! robot.forward_dynamics(&[0.3], &[0.0], &[0.0], &mut qdd)?;
+//! assert!((qdd[0] + 4.905 * 0.3_f64.sin() / 0.35).abs() < 1e-12);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! ```text
+//! Program ─ lower ─▶ values in registers' lanes ─ generate (registers, encode) ─▶ bytes ─▶ pages ─▶ calls
+//! ```
+//!
+//! The input is what printers have, a [`Program`](modyn_codegen::program::Program): one straight line with lanes and
+//! fused products. `lower` turns it into operations that there are instructions for. `generate` goes over them once: it
+//! takes the register whose value is needed last, and writes the instruction (`encode`). `machine` holds the pages.
+//!
+//! Results are those of the generated Rust code within rounding, and the same bits at each call. At a given
+//! [`Level`], they are the same bits as those of [`Program::evaluate`](modyn_codegen::program::Program::evaluate) on
+//! numbers that fuse products where the level does; that includes angles of any size, infinities and zeros. NaN is NaN,
+//! with any bits. Functions have no state: threads can call one robot at the same time.
+
+mod call;
+mod compiled;
+mod encode;
+mod error;
+mod generate;
+mod helper;
+mod level;
+mod lower;
+mod machine;
+mod opcodes;
+mod real;
+mod registers;
+mod values;
+
+#[cfg(test)]
+mod tests;
+
+pub use call::Call;
+pub use compiled::{Compiled, Options};
+pub use error::{CallError, CompileError};
+pub use generate::CodeSize;
+pub use level::Level;
+pub use real::Real;

@@ -1,0 +1,463 @@
+//! From a program to values: signs, fused products, sines as polynomials, lanes as the registers have them.
+
+use modyn_codegen::program::{
+    Addend, MultiplyAdd, Operand, Operation as Statement, Program, Source,
+};
+use modyn_runtime::steps::{self, Step as SineStep, Steps};
+
+use crate::level::Level;
+use crate::real::Real;
+use crate::values::{Definition, FarCheck, Operation, Reduced, Step, Value, Values};
+
+/// The lengths of the arrays that a function is given, in the order in which its program counts their numbers.
+pub(crate) type Arrays = [usize];
+
+/// The values of a program. In a batch, all lanes of a register are states.
+pub(crate) fn lower<S: Real>(
+    program: &Program,
+    arrays: &Arrays,
+    level: Level,
+    batch: bool,
+) -> Values {
+    let native = (level.vector(batch) / size_of::<S>()) as u8;
+    let mut lowering = Lowering::<S> {
+        values: Values::default(),
+        arrays,
+        fused: level.fuses(),
+        native,
+        scalar: if batch { native } else { 1 },
+        results: Vec::with_capacity(program.statements.len()),
+        reduction: Steps::reduction::<S>(),
+        polynomials: Steps::polynomials::<S>(),
+        number: std::marker::PhantomData,
+    };
+    for statement in &program.statements {
+        let results = lowering.statement(&statement.operation, statement.lanes);
+        lowering.results.push(results);
+    }
+    let results = program.results.iter().map(|result| lowering.scalar(result)).collect();
+    lowering.values.results = results;
+    lowering.values.remove_unused();
+    lowering.values
+}
+
+/// The registers of one value of a program: vectors that are longer than registers have several.
+type Registers = Vec<Value>;
+
+struct Lowering<'a, S> {
+    values: Values,
+    arrays: &'a Arrays,
+    /// Whether products are fused with sums.
+    fused: bool,
+    /// The lanes of the longest register.
+    native: u8,
+    /// The lanes of the program's scalars.
+    scalar: u8,
+    /// By statement and place.
+    results: Vec<Vec<Registers>>,
+    reduction: Steps,
+    polynomials: Steps,
+    number: std::marker::PhantomData<S>,
+}
+
+impl<S: Real> Lowering<'_, S> {
+    /// The lanes of each of the registers that hold so many lanes.
+    fn split(&self, lanes: u8) -> (usize, u8) {
+        match lanes {
+            1 => (1, self.scalar),
+            // There are no shorter vectors.
+            _ if usize::from(lanes) * size_of::<S>() < 16 => (lanes.into(), 1),
+            _ if lanes > self.native => (usize::from(lanes / self.native), self.native),
+            _ => (1, lanes),
+        }
+    }
+
+    /// The results of a statement, by place.
+    fn statement(&mut self, operation: &Statement, lanes: u8) -> Vec<Registers> {
+        let (count, width) = self.split(lanes);
+        let of = |result: Registers| vec![result];
+        match operation {
+            Statement::Add(a, b) => of(self.each(lanes, |this, k| this.sum(a, b, false, k))),
+            Statement::Subtract(a, b) => of(self.each(lanes, |this, k| this.sum(a, b, true, k))),
+            Statement::Multiply(a, b) => of(self.each(lanes, |this, k| {
+                let negated = a.negated != b.negated;
+                let [a, b] = [a, b].map(|x| this.magnitude(x, k));
+                let product = this.binary(Operation::Multiply, a, b);
+                this.signed(product, negated)
+            })),
+            Statement::MultiplyAdd(fused) => {
+                of(self.each(lanes, |this, k| this.multiply_add(fused, k)))
+            }
+            Statement::Reciprocal(a) => of(self.each(lanes, |this, k| {
+                let (one, a) = (this.constant(1.0, width), this.register(a, k));
+                this.binary(Operation::Divide, one, a)
+            })),
+            Statement::SinCos(angles) => {
+                let angles: Vec<Registers> = angles
+                    .iter()
+                    .map(|angle| (0..count).map(|k| self.register(angle, k)).collect())
+                    .collect();
+                self.sines_and_cosines(&angles)
+            }
+            Statement::Atan2(a, b) => of(self.each(lanes, |this, k| {
+                let [a, b] = [a, b].map(|x| this.register(x, k));
+                this.binary(Operation::Atan2, a, b)
+            })),
+            Statement::SquareRoot(a) => {
+                of(self.each(lanes, |this, k| this.unary(Operation::SquareRoot, a, k)))
+            }
+            Statement::Logarithm(a) => {
+                of(self.each(lanes, |this, k| this.unary(Operation::Logarithm, a, k)))
+            }
+            Statement::Absolute(a) => of(self.each(lanes, |this, k| {
+                let (a, bits) = (this.magnitude(a, k), !this.sign());
+                let mask = this.mask(bits, width);
+                this.binary(Operation::And, a, mask)
+            })),
+            Statement::Maximum(a, b) => of(self.each(lanes, |this, k| {
+                let [a, b] = [a, b].map(|x| this.register(x, k));
+                // The instruction gives its second operand where one is NaN.
+                let larger = this.binary(Operation::Maximum, b, a);
+                let nan = this.binary(Operation::Unordered, a, a);
+                this.choose(nan, b, larger)
+            })),
+            Statement::Select(a, b, c) => of(self.each(lanes, |this, k| {
+                let [a, b, c] = [a, b, c].map(|x| this.register(x, k));
+                let zero = this.constant(0.0, width);
+                let nonnegative = this.binary(Operation::LessOrEqual, zero, a);
+                this.choose(nonnegative, b, c)
+            })),
+            Statement::Pack(packed) => {
+                let scalars: Vec<Value> = packed.iter().map(|x| self.scalar(x)).collect();
+                of(scalars.chunks(width.into()).map(|scalars| self.pack(scalars)).collect())
+            }
+            Statement::Constants(packed) => {
+                let constants = |chunk: &[f64]| {
+                    let bits = chunk.iter().map(|&x| S::from_f64(x).bits()).collect();
+                    self.values.constants(bits, width)
+                };
+                of(packed.chunks(width.into()).map(constants).collect())
+            }
+            Statement::Unpack(vector) => {
+                let (_, width) = self.split(vector.lanes);
+                let lane = |this: &mut Self, lane: u8| {
+                    let register = this.register(vector, (lane / width).into());
+                    this.lane(register, lane % width)
+                };
+                (0..vector.lanes).map(|k| vec![lane(self, k)]).collect()
+            }
+            Statement::Call(_) => unreachable!("plans for machine code have no routines"),
+        }
+    }
+
+    /// A value for each of the registers that hold so many lanes.
+    fn each(&mut self, lanes: u8, value: impl Fn(&mut Self, usize) -> Value) -> Registers {
+        (0..self.split(lanes).0).map(|k| value(self, k)).collect()
+    }
+
+    /// Register `k` of an operand without its sign.
+    fn magnitude(&mut self, operand: &Operand, k: usize) -> Value {
+        let (_, width) = self.split(operand.lanes);
+        match operand.source {
+            Source::Constant(value) => self.constant(value, width),
+            Source::Argument(number) => {
+                let argument = self.argument(number);
+                self.wide(argument, width)
+            }
+            Source::Result(value) => {
+                let registers = &self.results[value.statement][value.place];
+                let register = if registers.len() == 1 { registers[0] } else { registers[k] };
+                self.wide(register, width)
+            }
+        }
+    }
+
+    /// Register `k` of an operand.
+    fn register(&mut self, operand: &Operand, k: usize) -> Value {
+        let magnitude = self.magnitude(operand, k);
+        self.signed(magnitude, operand.negated)
+    }
+
+    /// An operand that is a scalar.
+    fn scalar(&mut self, operand: &Operand) -> Value {
+        self.register(&Operand { lanes: 1, ..*operand }, 0)
+    }
+
+    /// A scalar argument.
+    fn argument(&mut self, number: usize) -> Value {
+        let mut first = number;
+        let mut array = 0;
+        while first >= self.arrays[array] {
+            first -= self.arrays[array];
+            array += 1;
+        }
+        let (array, first) = (array as u8, first as u32 * u32::from(self.scalar));
+        self.values.value(Definition::Argument { array, first }, self.scalar)
+    }
+
+    /// A value in so many lanes.
+    fn wide(&mut self, value: Value, lanes: u8) -> Value {
+        if self.values.lanes[value as usize] == lanes {
+            return value;
+        }
+        match self.values.bits(value) {
+            Some(bits) => {
+                let bits = vec![bits[0]; lanes.into()];
+                self.values.constants(bits, lanes)
+            }
+            None => self.values.operation(Operation::Broadcast, &[value], lanes),
+        }
+    }
+
+    fn constant(&mut self, value: f64, lanes: u8) -> Value {
+        self.values.constants(vec![S::from_f64(value).bits(); lanes.into()], lanes)
+    }
+
+    /// Bits for operations on bits, which read 16 bytes at least.
+    fn mask(&mut self, bits: u64, lanes: u8) -> Value {
+        let count = usize::from(lanes).max(16 / size_of::<S>());
+        self.values.constants(vec![bits; count], lanes)
+    }
+
+    /// The bit of the sign.
+    fn sign(&self) -> u64 {
+        1 << (8 * size_of::<S>() - 1)
+    }
+
+    fn lanes(&self, value: Value) -> u8 {
+        self.values.lanes[value as usize]
+    }
+
+    fn binary(&mut self, operation: Operation, a: Value, b: Value) -> Value {
+        let lanes = self.lanes(a);
+        self.values.operation(operation, &[a, b], lanes)
+    }
+
+    fn unary(&mut self, operation: Operation, operand: &Operand, k: usize) -> Value {
+        let a = self.register(operand, k);
+        let lanes = self.lanes(a);
+        self.values.operation(operation, &[a], lanes)
+    }
+
+    fn signed(&mut self, value: Value, negated: bool) -> Value {
+        if !negated {
+            return value;
+        }
+        let (lanes, sign) = (self.lanes(value), self.sign());
+        if let Some(bits) = self.values.bits(value) {
+            let bits = bits.iter().map(|bits| bits ^ sign).collect();
+            return self.values.constants(bits, lanes);
+        }
+        let mask = self.mask(sign, lanes);
+        self.binary(Operation::Xor, value, mask)
+    }
+
+    /// The second value where the mask has bits, else the third.
+    fn choose(&mut self, mask: Value, then: Value, otherwise: Value) -> Value {
+        let then = self.binary(Operation::And, mask, then);
+        let otherwise = self.binary(Operation::AndNot, mask, otherwise);
+        self.binary(Operation::Or, then, otherwise)
+    }
+
+    /// a + b, or a - b: signs become the choice between sum and difference where they can. All are exact, zeros too.
+    fn sum(&mut self, a: &Operand, b: &Operand, subtract: bool, k: usize) -> Value {
+        let negative = b.negated != subtract;
+        let [x, y] = [a, b].map(|x| self.magnitude(x, k));
+        match (a.negated, negative) {
+            (false, false) => self.binary(Operation::Add, x, y),
+            (false, true) => self.binary(Operation::Subtract, x, y),
+            (true, false) => self.binary(Operation::Subtract, y, x),
+            (true, true) => {
+                let x = self.signed(x, true);
+                self.binary(Operation::Subtract, x, y)
+            }
+        }
+    }
+
+    fn multiply_add(&mut self, fused: &MultiplyAdd, k: usize) -> Value {
+        let MultiplyAdd { negative_product, factors: [a, b], negative_addend, addend } = fused;
+        let (addend, negative) = match addend {
+            Addend::Value(c) => (self.magnitude(c, k), *negative_addend != c.negated),
+            Addend::Product(c, d) => {
+                let negative = *negative_addend != (c.negated != d.negated);
+                let [c, d] = [c, d].map(|x| self.magnitude(x, k));
+                (self.binary(Operation::Multiply, c, d), negative)
+            }
+        };
+        let signs = (*negative_product != (a.negated != b.negated), negative);
+        let [a, b] = [a, b].map(|x| self.magnitude(x, k));
+        self.product_and_sum([a, b], addend, signs)
+    }
+
+    /// (-) a b (+ or -) c, rounded once if the level fuses products, else twice.
+    fn product_and_sum(
+        &mut self,
+        [a, b]: [Value; 2],
+        c: Value,
+        (negative_product, negative_addend): (bool, bool),
+    ) -> Value {
+        let lanes = self.lanes(a);
+        if self.fused {
+            let operation = Operation::MultiplyAdd { negative_product, negative_addend };
+            return self.values.operation(operation, &[a, b, c], lanes);
+        }
+        let product = self.binary(Operation::Multiply, a, b);
+        match (negative_product, negative_addend) {
+            (false, false) => self.binary(Operation::Add, product, c),
+            (false, true) => self.binary(Operation::Subtract, product, c),
+            (true, false) => self.binary(Operation::Subtract, c, product),
+            (true, true) => {
+                let product = self.signed(product, true);
+                self.binary(Operation::Subtract, product, c)
+            }
+        }
+    }
+
+    /// Scalars as the lanes of a vector.
+    fn pack(&mut self, scalars: &[Value]) -> Value {
+        let lanes = scalars.len() as u8;
+        if lanes == 1 {
+            return scalars[0];
+        }
+        if scalars.iter().all(|&x| x == scalars[0]) {
+            return self.wide(scalars[0], lanes);
+        }
+        let bits: Option<Vec<u64>> =
+            scalars.iter().map(|&x| self.values.bits(x).map(|bits| bits[0])).collect();
+        if let Some(bits) = bits {
+            return self.values.constants(bits, lanes);
+        }
+        let is_vector = usize::from(lanes) * size_of::<S>() >= 16;
+        let definition = |k: usize| self.values.definitions[scalars[k] as usize];
+        match definition(0) {
+            Definition::Argument { array, first } if is_vector => {
+                let next = |k: usize| Definition::Argument { array, first: first + k as u32 };
+                if (0..scalars.len()).all(|k| definition(k) == next(k)) {
+                    return self.values.value(definition(0), lanes);
+                }
+            }
+            Definition::Lane(vector, 0) if self.lanes(vector) == lanes => {
+                let next = |k: usize| Definition::Lane(vector, k as u8);
+                if (0..scalars.len()).all(|k| definition(k) == next(k)) {
+                    return vector;
+                }
+            }
+            _ => {}
+        }
+        let (a, b) = scalars.split_at(scalars.len() / 2);
+        let halves = [self.pack_half(a), self.pack_half(b)];
+        self.values.operation(Operation::Join, &halves, lanes)
+    }
+
+    /// Scalars as half of a vector.
+    fn pack_half(&mut self, scalars: &[Value]) -> Value {
+        // Half of the shortest vector is no vector: it is only joined.
+        if scalars.len() == 2 && size_of::<S>() == 4 {
+            return self.values.operation(Operation::Join, scalars, 2);
+        }
+        self.pack(scalars)
+    }
+
+    fn lane(&mut self, register: Value, lane: u8) -> Value {
+        if self.lanes(register) == 1 {
+            return register;
+        }
+        if let Some(bits) = self.values.bits(register) {
+            let bits = vec![bits[usize::from(lane)]];
+            return self.values.constants(bits, 1);
+        }
+        if let Definition::Argument { array, first } = self.values.definitions[register as usize] {
+            let first = first + u32::from(lane);
+            return self.values.value(Definition::Argument { array, first }, 1);
+        }
+        self.values.value(Definition::Lane(register, lane), 1)
+    }
+
+    /// Sine and cosine of each angle: all are reduced, then those that are too large are reduced again. Scalars share
+    /// vectors.
+    fn sines_and_cosines(&mut self, angles: &[Registers]) -> Vec<Registers> {
+        let scalars = self.scalar == 1 && angles.iter().all(|x| self.lanes(x[0]) == 1);
+        if !scalars || angles.len() == 1 || angles[0].len() > 1 {
+            let all: Registers = angles.concat();
+            let both = self.reduced_and_evaluated(&all);
+            let of = |place: usize| {
+                move |chunk: &[[Value; 2]]| chunk.iter().map(|both| both[place]).collect()
+            };
+            let chunks = both.chunks(angles[0].len());
+            return chunks.flat_map(|chunk| [of(0)(chunk), of(1)(chunk)]).collect();
+        }
+        let shortest = 16 / size_of::<S>();
+        let lanes = angles.len().next_power_of_two().clamp(shortest, self.native.into());
+        // The last vector overlaps the one before, or repeats the last angle.
+        let last = angles.len().saturating_sub(lanes);
+        let starts: Vec<usize> =
+            (0..angles.len()).step_by(lanes).map(|start| start.min(last)).collect();
+        let vectors: Registers = starts
+            .iter()
+            .map(|start| {
+                let at = |k: usize| angles[(start + k).min(angles.len() - 1)][0];
+                let scalars: Vec<Value> = (0..lanes).map(at).collect();
+                self.pack(&scalars)
+            })
+            .collect();
+        let both = self.reduced_and_evaluated(&vectors);
+        let mut results = Vec::with_capacity(2 * angles.len());
+        for k in 0..angles.len() {
+            let vector = k / lanes;
+            for place in both[vector] {
+                results.push(vec![self.lane(place, (k - starts[vector]) as u8)]);
+            }
+        }
+        results
+    }
+
+    /// Sine and cosine of registers with as many lanes.
+    fn reduced_and_evaluated(&mut self, angles: &[Value]) -> Vec<[Value; 2]> {
+        let lanes = self.lanes(angles[0]);
+        let steps = self.reduction.clone();
+        let reduced: Vec<Reduced> = angles
+            .iter()
+            .map(|&angle| Reduced { angle, results: self.run(&steps, [angle, angle]) })
+            .collect();
+        let mut squares = None;
+        for &angle in angles {
+            squares = Some(match squares {
+                None => self.binary(Operation::Multiply, angle, angle),
+                Some(sum) => self.product_and_sum([angle, angle], sum, (false, false)),
+            });
+        }
+        let limit = steps::limit::<S>();
+        let limit = self.values.constants(vec![(limit * limit).bits(); lanes.into()], lanes);
+        if let Some(squares) = squares {
+            let check = FarCheck { squares, limit, angles: reduced.clone() };
+            self.values.steps.push(Step::Check(check));
+        }
+        let steps = self.polynomials.clone();
+        reduced.iter().map(|reduced| self.run(&steps, reduced.results)).collect()
+    }
+
+    /// The results of recorded steps.
+    fn run(&mut self, steps: &Steps, inputs: [Value; 2]) -> [Value; 2] {
+        let lanes = self.lanes(inputs[0]);
+        let mut values: Vec<Value> = Vec::with_capacity(steps.steps.len());
+        for step in &steps.steps {
+            let value = match *step {
+                SineStep::Input(number) => inputs[number],
+                SineStep::Constant(value) => self.constant(value, lanes),
+                SineStep::Add(a, b) => self.binary(Operation::Add, values[a], values[b]),
+                SineStep::Subtract(a, b) => self.binary(Operation::Subtract, values[a], values[b]),
+                SineStep::Multiply(a, b) => self.binary(Operation::Multiply, values[a], values[b]),
+                SineStep::MultiplyAdd(a, b, c) => {
+                    self.product_and_sum([values[a], values[b]], values[c], (false, false))
+                }
+                SineStep::FlipSign(a, b) => {
+                    let sign = [values[b]];
+                    let sign = self.values.operation(Operation::ShiftToSign, &sign, lanes);
+                    self.binary(Operation::Xor, values[a], sign)
+                }
+            };
+            values.push(value);
+        }
+        steps.results.map(|step| values[step])
+    }
+}

@@ -1,0 +1,76 @@
+//! Memory that holds machine code, and the calls of it.
+//!
+//! Pages are written first and made executable then; they are never both. Memory comes from `memmap2`.
+//!
+//! Unsafe code: a call of a function that `generate` has made. It is sound because
+//! - the bytes at the entry are a complete function for System V's calling convention: it restores the registers that
+//!   belong to its caller (rbx, rbp, rsp) and returns; the pages live as long as the value that calls;
+//! - the processor has the instructions: the level that the code is made for is one that `Level::detect` has found;
+//! - it reads numbers `0..length` of each array of arguments and writes numbers `0..length` of the results, which
+//!   [`Code::call`] has checked: the slices are as long, or longer. Further it touches its own stack frame alone, whose
+//!   pages it touches one after the other, so that a stack that is too short ends at its guard page;
+//! - arguments are shared slices and the results are an exclusive one, so that what it writes is none of what it reads.
+#![allow(unsafe_code)]
+
+use std::io;
+
+use memmap2::{Mmap, MmapMut};
+
+use crate::generate::MAX_ARRAYS;
+use crate::real::Real;
+
+#[cfg(target_arch = "x86_64")]
+type Function<S> = extern "sysv64" fn(*const *const S, *mut S);
+#[cfg(not(target_arch = "x86_64"))]
+type Function<S> = extern "C" fn(*const *const S, *mut S);
+
+/// Pages of machine code.
+pub(crate) struct Pages(Mmap);
+
+impl Pages {
+    /// Copies code into pages of its own and makes these executable.
+    ///
+    /// # Errors
+    ///
+    /// The system forbids executable memory, or has none left.
+    pub fn new(code: &[u8]) -> io::Result<Self> {
+        let mut pages = MmapMut::map_anon(code.len().max(1))?;
+        pages[..code.len()].copy_from_slice(code);
+        Ok(Self(pages.make_exec()?))
+    }
+}
+
+/// A function in pages of machine code.
+#[derive(Clone, Debug)]
+pub(crate) struct Code {
+    /// Where it begins.
+    pub entry: usize,
+    /// The numbers that each array of arguments has at least.
+    pub arguments: Vec<usize>,
+    /// The numbers of the results.
+    pub results: usize,
+}
+
+impl Code {
+    /// Calls the function, which was generated for numbers of this type at `entry` of these pages.
+    ///
+    /// # Panics
+    ///
+    /// If arrays are missing or too short.
+    pub fn call<S: Real>(&self, pages: &Pages, arguments: &[&[S]], results: &mut [S]) {
+        assert!(self.entry < pages.0.len() && arguments.len() == self.arguments.len());
+        assert!(results.len() >= self.results);
+        let mut pointers = [std::ptr::null(); MAX_ARRAYS];
+        for ((pointer, argument), &length) in
+            pointers.iter_mut().zip(arguments).zip(&self.arguments)
+        {
+            assert!(argument.len() >= length);
+            *pointer = argument.as_ptr();
+        }
+        // SAFETY: see the header.
+        let function = unsafe {
+            std::mem::transmute::<*const u8, Function<S>>(pages.0.as_ptr().add(self.entry))
+        };
+        function(pointers.as_ptr(), results.as_mut_ptr());
+    }
+}

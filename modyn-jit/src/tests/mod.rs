@@ -1,0 +1,3 @@
+//! Tests of the instructions: against a disassembler that shares nothing with the encoder.
+
+mod encoding;

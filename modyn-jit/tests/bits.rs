@@ -1,0 +1,107 @@
+//! Machine code computes the bits that its program's evaluation does, for all robots, at every level of the processor:
+//! for small and large angles, infinities and NaN, one state and many.
+
+mod common;
+
+use common::{Fuse, ROBOTS, evaluate, is_same, levels, numbers, plan, program, split};
+use modyn_codegen::{Function, Planning};
+use modyn_jit::{Compiled, Level, Options};
+
+const FUNCTIONS: [Function; 9] = [
+    Function::ForwardDynamics,
+    Function::InverseDynamics,
+    Function::MassMatrix,
+    Function::KineticEnergy,
+    Function::ForwardDynamicsDerivatives,
+    Function::ConstrainedForwardDynamics,
+    Function::Difference,
+    Function::Integrate,
+    Function::Random,
+];
+
+fn compile<F: Fuse>(planning: &Planning, level: Level) -> Compiled<F> {
+    let mut options = Options::default();
+    (options.level, options.batches) = (Some(level), true);
+    Compiled::from_plan(planning, options).expect("code")
+}
+
+/// States: small angles, angles about the limit of the fast reduction, larger ones, and one with infinities and NaN.
+fn states<F: Fuse>(count: usize) -> Vec<Vec<F>> {
+    let scales = [1.5, 30.0, 6e3, 3e5, 1e20].iter().zip(1..);
+    let mut states: Vec<Vec<F>> =
+        scales.map(|(&scale, seed)| numbers(seed, count, scale)).collect();
+    for (seed, special) in [(6, f64::INFINITY), (7, f64::NAN), (8, 0.0), (9, -0.0), (10, 1e-310)] {
+        let mut state: Vec<F> = numbers(seed, count, 2.0);
+        state[seed as usize % count] = F::from_f64(special);
+        states.push(state);
+    }
+    states
+}
+
+fn compare<F: Fuse>(name: &str, planning: &Planning, level: Level) -> usize {
+    let compiled = compile::<F>(planning, level);
+    assert_eq!(compiled.level(), level);
+    let mut compared = 0;
+    for function in compiled.functions() {
+        let call = compiled.function(function).expect("compiled");
+        let lengths: Vec<usize> = call.arguments().iter().map(|(_, shape)| shape.len()).collect();
+        let states = states::<F>(lengths.iter().sum());
+        // The processor's vectors hold four numbers at least.
+        let vectors = level.fuses() || size_of::<F>() == 4;
+        let mut many: Vec<Vec<F>> = vec![Vec::new(); lengths.len()];
+        for (k, state) in states.iter().enumerate() {
+            let arguments = split(state, &lengths);
+            let mut found = vec![F::from_f64(f64::NAN); call.result().len()];
+            call.one(&arguments, &mut found).expect("fits");
+            let program = program(planning, function, vectors).expect("not of a link");
+            let expected = evaluate(program, level, state);
+            for (i, (a, b)) in found.iter().zip(&expected).enumerate() {
+                let function = function.name();
+                assert!(is_same(*a, *b), "{name} {function} {level:?} {k} {i}: {a:?} {b:?}");
+                compared += 1;
+            }
+            for (all, argument) in many.iter_mut().zip(arguments) {
+                all.extend_from_slice(argument);
+            }
+        }
+        let arguments: Vec<&[F]> = many.iter().map(Vec::as_slice).collect();
+        let one = call.result().len();
+        let mut found = vec![F::from_f64(f64::NAN); one * states.len()];
+        call.many(&arguments, &mut found).expect("fits");
+        let program = program(planning, function, false).expect("not of a link");
+        for (k, state) in states.iter().enumerate() {
+            let expected = evaluate(program, level, state);
+            for (i, (a, b)) in found[k * one..].iter().zip(&expected).enumerate() {
+                let function = function.name();
+                assert!(is_same(*a, *b), "{name} many {function} {level:?} {k} {i}: {a:?} {b:?}");
+                compared += 1;
+            }
+        }
+    }
+    compared
+}
+
+fn robots(robots: &[&str]) {
+    for name in robots {
+        let planning = plan(name, &FUNCTIONS);
+        for level in levels() {
+            let compared = [compare::<f64>, compare::<f32>].map(|of| of(name, &planning, level));
+            assert!(compared.iter().all(|&count| count > 500), "{name} {compared:?}");
+        }
+    }
+}
+
+#[test]
+fn small_robots() {
+    robots(&ROBOTS[..7]);
+}
+
+#[test]
+fn arms_and_loops() {
+    robots(&ROBOTS[7..10]);
+}
+
+#[test]
+fn a_humanoid() {
+    robots(&ROBOTS[10..]);
+}

@@ -1,0 +1,179 @@
+//! Machine code of random trees computes what the interpreter does: every function, of each link too, one state and many.
+
+mod common;
+
+use common::{levels, random};
+use modyn_codegen::{Builder, Function};
+use modyn_jit::{Call, Compiled, Level, Options};
+use modyn_runtime::model::{Model, ModuleTree};
+use modyn_tests::values::{self, Inputs, Values};
+
+/// The arguments of a function by name, as [`values::interpreted`] takes them.
+fn argument(
+    function: Function,
+    name: &str,
+    model: &Model,
+    (inputs, values): (&Inputs<f64>, &Values<f64>),
+) -> Vec<f64> {
+    let Inputs { q, qd, qdd, tau } = inputs;
+    let mut uniform = values::uniform::<f64>();
+    match (function, name) {
+        // Quaternions too long.
+        (Function::Normalize, _) => q.iter().map(|x| x + x).collect(),
+        (_, "q" | "from") => q.clone(),
+        (_, "to") => values.other("random").to_vec(),
+        (_, "qd" | "v") => qd.clone(),
+        (_, "qdd") => qdd.clone(),
+        (_, "tau") => tau.clone(),
+        (_, "uniforms") => (0..model.nv()).map(|_| uniform()).collect(),
+        (_, "forces") => {
+            let wrench = |link| values::wrench::<f64>(link);
+            let links = (0..model.frames().len()).map(wrench);
+            links.flat_map(|wrench| [wrench.moment.0, wrench.force.0].concat()).collect()
+        }
+        _ => panic!("{name} of {function:?}"),
+    }
+}
+
+/// The interpreter's numbers of a function; of a function of a link those of all links.
+fn expected(function: Function, values: &Values<f64>) -> Vec<f64> {
+    let several = |names: &[&str]| -> Vec<f64> {
+        names.iter().flat_map(|name| values.other(name)).copied().collect()
+    };
+    match function {
+        Function::ForwardDynamicsDerivatives => {
+            several(&["qdd", "dqdd_dq", "dqdd_dqd", "dqdd_dtau"])
+        }
+        Function::InverseDynamicsDerivatives => several(&["dtau_dq", "dtau_dqd"]),
+        _ => {
+            let named = values.named();
+            let found = named.iter().find(|(name, _)| *name == function.name());
+            found.unwrap_or_else(|| panic!("{}", function.name())).1.clone()
+        }
+    }
+}
+
+fn computed(call: &Call<'_, f64>, arguments: &[&[f64]], links: usize) -> Vec<f64> {
+    let one = call.result().len();
+    let mut result = vec![f64::NAN; one];
+    if call.one(arguments, &mut result).is_ok() {
+        let states = 11;
+        let repeated: Vec<Vec<f64>> = arguments.iter().map(|x| x.repeat(states)).collect();
+        let repeated: Vec<&[f64]> = repeated.iter().map(Vec::as_slice).collect();
+        let mut many = vec![f64::NAN; one * states];
+        call.many(&repeated, &mut many).expect("fits");
+        for state in many.chunks(one.max(1)) {
+            close("many", state, &result);
+        }
+        return result;
+    }
+    let of_link = |link| {
+        let (mut result, mut many) = (vec![f64::NAN; one], vec![f64::NAN; one]);
+        call.link(link, arguments, &mut result).expect("a link");
+        call.many_link(link, arguments, &mut many).expect("a link");
+        close("many", &many, &result);
+        result
+    };
+    (0..links).flat_map(of_link).collect()
+}
+
+fn close(name: &str, found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len(), "{name}");
+    let size = expected.iter().fold(1.0, |size: f64, x| size.max(x.abs()));
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() <= 1e-9 * size, "{name}: {found} {expected}");
+    }
+}
+
+/// All functions that the interpreter's values have.
+fn functions() -> impl Iterator<Item = Function> {
+    let all = Function::ALL.iter().copied();
+    all.filter(|f| f.batched().is_none() && !f.is_of_constraints() && *f != Function::Brge)
+}
+
+fn agrees(model: &Model, seed: u64) {
+    let planning = Builder::new().model(model.clone()).functions(functions()).plan().expect("good");
+    let inputs = Inputs::from(&random::state(seed, model));
+    let values = values::interpreted(model, &ModuleTree::chains(model), &inputs, true);
+    for level in levels() {
+        let mut options = Options::default();
+        (options.level, options.batches) = (Some(level), true);
+        let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
+        assert_eq!(compiled.functions().count(), functions().count());
+        for function in compiled.functions() {
+            let call = compiled.function(function).expect("compiled");
+            let names = call.arguments().iter().map(|(name, _)| *name);
+            let arguments: Vec<Vec<f64>> =
+                names.map(|name| argument(function, name, model, (&inputs, &values))).collect();
+            let arguments: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
+            let found = computed(&call, &arguments, model.frames().len());
+            close(function.name(), &found, &expected(function, &values));
+        }
+    }
+}
+
+#[test]
+fn random_trees() {
+    for seed in 0..4 {
+        agrees(&random::mixed_zoo(seed, 5), seed);
+    }
+}
+
+/// More than eight links on one body share code, which is given their placements.
+#[test]
+fn links_that_share_code() {
+    use std::fmt::Write as _;
+    let mut urdf = String::from(
+        "<robot name='mast'><link name='ground'/>\
+         <joint name='turn' type='revolute'><parent link='ground'/><child link='mast'/>\
+         <origin xyz='0.1 0.2 0.3' rpy='0.3 -0.2 0.5'/><axis xyz='0.6 0 0.8'/>\
+         <limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
+         <link name='mast'><inertial><origin xyz='0.1 0.3 -0.2'/><mass value='2'/>\
+         <inertia ixx='0.3' iyy='0.4' izz='0.5' ixy='0.01' ixz='0.02' iyz='0.03'/></inertial></link>",
+    );
+    for i in 0..12 {
+        let _ = write!(
+            urdf,
+            "<link name='lamp{i}'/><joint name='lamp{i}' type='fixed'><parent link='mast'/>\
+             <child link='lamp{i}'/><origin xyz='0.{i} 0.2 -0.1' rpy='0.{i} 0.4 -0.3'/></joint>"
+        );
+    }
+    let reading =
+        modyn_codegen::read(&(urdf + "</robot>"), "mast.urdf", &Default::default()).expect("good");
+    agrees(&reading.model, 3);
+}
+
+/// Machine code keeps no state: threads share a robot.
+#[test]
+fn threads_share_a_robot() {
+    let model = common::robot("arm7");
+    let compiled = Compiled::<f64>::new(&model, [Function::ForwardDynamics]).expect("code");
+    let one = |seed: u64| {
+        let random::State { q, qd, tau, .. } = random::state(seed, &model);
+        let mut qdd = vec![f64::NAN; model.nv()];
+        compiled.forward_dynamics(&q, &qd, &tau, &mut qdd).expect("fits");
+        qdd
+    };
+    let alone: Vec<Vec<f64>> = (0..8).map(one).collect();
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..4)
+            .map(|_| scope.spawn(|| (0..100).map(|i| one(i % 8)).collect::<Vec<_>>()))
+            .collect();
+        for thread in threads {
+            let found = thread.join().expect("no panic");
+            assert!(found.iter().zip(alone.iter().cycle()).all(|(a, b)| a == b));
+        }
+    });
+}
+
+#[test]
+fn a_level_above_the_processor_is_refused() {
+    let planning = common::plan("double_pendulum", &[Function::ForwardDynamics]);
+    let best = Level::detect().expect("x86-64");
+    for level in Level::ALL.into_iter().filter(|&level| level > best) {
+        let mut options = Options::default();
+        options.level = Some(level);
+        let error = Compiled::<f64>::from_plan(&planning, options).expect_err("too high");
+        assert!(error.to_string().contains(&format!("{best:?}")), "{error}");
+    }
+}

@@ -1,3 +1,0 @@
-modyn::modyn!("no-inertia-felt.urdf");
-
-fn main() {}

@@ -1,0 +1,3 @@
+modyn::modyn!("singular-joint.urdf");
+
+fn main() {}
