@@ -1,9 +1,9 @@
-//! The table of docs/batch.md (`tools/record` makes `docs/data/batch.tsv` of it): many states at a time, on each level of vector instructions that this machine
-//! has, beside one state after the other on numbers without vectors; ns a state. The least of many runs, so
-//! that what else the machine does matters little; Criterion's averages would have it in them.
+//! Measures functions of many states on each level of vector instructions of this machine, beside one state after the
+//! other without vectors, in ns for each state. docs/batch.md has the table; `tools/record` makes `docs/data/batch.tsv`
+//! from it. Each time is the minimum of many runs, so that other load of the machine has little effect.
 //!
-//! `cargo bench -p modyn-benches --bench batch`; with `RUSTFLAGS="-C target-cpu=native"` products are fused one by one too (and
-//! lower levels are left out).
+//! `cargo bench -p modyn-benches --bench batch`; with `RUSTFLAGS="-C target-cpu=native"` functions of one state also use
+//! fused products, and lower levels are left out.
 
 #[path = "../tests/src/plain.rs"]
 mod plain;
@@ -32,10 +32,10 @@ modyn::modyn! { Humanoid = "../robots/humanoid.urdf", functions = [
     forward_dynamics, forward_dynamics_batch
 ] }
 
-/// States a call. Columns so far apart do not hinder each other in the cache.
+/// The number of states of a call. Columns at this distance do not share cache sets.
 const STATES: usize = 1000;
 
-/// Numbers of that size, the same on every machine: a linear congruential generator.
+/// Returns numbers of at most this magnitude, the same on every machine: a linear congruential generator.
 fn numbers<T: modyn::Scalar, const N: usize>(size: f64) -> Vec<[T; N]> {
     let mut seed = 1u64;
     let mut next = || {
@@ -45,7 +45,7 @@ fn numbers<T: modyn::Scalar, const N: usize>(size: f64) -> Vec<[T; N]> {
     (0..STATES).map(|_| from_fn(|_| next())).collect()
 }
 
-/// One column for each number of a state, one behind the other.
+/// Returns one column for each number of a state, one after the other.
 fn columns<T: Copy, const N: usize>(states: &[[T; N]]) -> Vec<T> {
     (0..N).flat_map(|j| states.iter().map(move |state| state[j])).collect()
 }
@@ -54,7 +54,7 @@ fn slices<T, const N: usize>(columns: &[T]) -> [&[T]; N] {
     from_fn(|j| &columns[j * STATES..][..STATES])
 }
 
-/// The next columns, to write to.
+/// Returns the next columns of the result.
 fn vector<'a, T, const N: usize>(rest: &mut impl Iterator<Item = &'a mut [T]>) -> [&'a mut [T]; N] {
     from_fn(|_| rest.next().expect("as many"))
 }
@@ -65,7 +65,7 @@ fn matrix<'a, T, const N: usize>(
     from_fn(|_| vector(rest))
 }
 
-/// What is measured: this long in each of the rounds, or once for a test.
+/// The duration of the measurement in each round; a test calls each function once.
 struct Bench {
     levels: Vec<SimdLevel>,
     round: Duration,
@@ -91,7 +91,7 @@ impl Bench {
         Self { levels, round: Duration::from_millis(if measured { 300 } else { 0 }) }
     }
 
-    /// The least time of many calls, ns a state.
+    /// Updates the minimal time of many calls, ns for each state.
     fn time(&self, f: &mut dyn FnMut(), best: &mut f64) {
         let start = Instant::now();
         loop {
@@ -104,7 +104,7 @@ impl Bench {
         }
     }
 
-    /// Prints a row: all levels by columns, the last one by states too.
+    /// Prints a row: all levels by columns, and the last level also by states.
     fn row(
         &self,
         name: &str,
@@ -128,8 +128,8 @@ impl Bench {
     }
 }
 
-/// A row of a function of `$state`s, whose results are `$empty` at first and have `$numbers` each, put into
-/// columns by the arguments `$out` of the rest of them.
+/// Measures a function of `$state`s. Its results, initially `$empty`, have `$numbers` each; the arguments `$out` of the
+/// remaining columns receive them.
 macro_rules! row {
     (
         $bench:ident, $name:literal, $Robot:ident on $T:ty;

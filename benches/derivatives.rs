@@ -1,5 +1,5 @@
-//! Derivatives: generated in closed form, by dual numbers through the generated dynamics (one pass,
-//! a tangent for each of q and qd), and interpreted; on the same states.
+//! Compares derivatives on the same states: generated in closed form, by dual numbers through the generated dynamics
+//! (one pass with a tangent for each entry of q and qd), and interpreted.
 //!
 //! `cargo bench -p modyn-benches --bench derivatives`
 
@@ -25,7 +25,7 @@ modyn::modyn! {
 
 const STATES: usize = 64;
 
-/// Numbers in -1..1, the same on every machine: a linear congruential generator.
+/// Returns numbers in -1..1, the same on every machine: a linear congruential generator.
 fn numbers() -> impl FnMut() -> f64 {
     let mut state = 1u64;
     move || {

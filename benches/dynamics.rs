@@ -1,5 +1,5 @@
-//! Forward dynamics, inverse dynamics, mass matrix and BRGE of the robots in `robots/`, generated
-//! beside interpreted, on the same states.
+//! Compares generated and interpreted code on the same states: forward dynamics, inverse dynamics, mass matrix and BRGE
+//! of the robots in `robots/`.
 //!
 //! `cargo bench -p modyn-benches --bench dynamics`; with `RUSTFLAGS="-C target-cpu=native"` for this machine's instructions.
 
@@ -16,10 +16,10 @@ modyn::modyn!("../robots/arm7.urdf");
 modyn::modyn!("../robots/quadruped.urdf");
 modyn::modyn!("../robots/humanoid.urdf");
 
-/// How many states a benchmark goes through, over and over.
+/// The number of states of a benchmark, which are used in turn.
 const STATES: usize = 64;
 
-/// Numbers in -1..1, the same on every machine: a linear congruential generator.
+/// Returns numbers in -1..1, the same on every machine: a linear congruential generator.
 fn numbers() -> impl FnMut() -> f64 {
     let mut state = 1u64;
     move || {
@@ -29,7 +29,7 @@ fn numbers() -> impl FnMut() -> f64 {
     }
 }
 
-/// Times `f` on one state after the other.
+/// Measures `f` on one state after the other.
 fn time<const N: usize, R>(
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: &str,

@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let name = format!("Chain{n}");
         let generated = Builder::new()
             .model(robots::chain(n))
-            // What limits size is the factorization by the user's modules, which is not made here.
+            // The factorization by the user's modules limits the size; it is not generated here.
             .modules(ModuleChoice::Links)
             .type_name(&name)
             .functions([Function::ForwardDynamics])

@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let model = read(&text, &file, &ReadOptions::default())?.model;
         let model = if name == "leg" { first_leg(&model)? } else { model };
         for (float, scalar) in [(FloatType::F32, "f32"), (FloatType::F64, "f64")] {
-            let mut builder = Builder::new().model(model.clone()).float(float).functions(FUNCTIONS);
+            let mut builder = Builder::new().model(model.clone()).scalar(float).functions(FUNCTIONS);
             if name == "legs_shared" {
                 builder = builder.share();
             }
@@ -44,9 +44,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         if name == "arm7" {
             for (float, scalar) in [(FloatType::F32, "f32"), (FloatType::F64, "f64")] {
-                let builder = Builder::new().model(model.clone()).krate("::modyn_runtime");
+                let builder = Builder::new().model(model.clone()).crate_("::modyn_runtime");
                 let file = Path::new(&out).join(format!("ordinary_{scalar}.rs"));
-                let builder = builder.float(float).functions([Function::ForwardDynamics]);
+                let builder = builder.scalar(float).functions([Function::ForwardDynamics]);
                 builder.write(&file)?;
                 let loaded = builder.runtime_gravity().runtime_inertia(["link7"]).payload(["hand"]);
                 loaded.write(Path::new(&out).join(format!("loaded_{scalar}.rs")))?;

@@ -34,7 +34,7 @@ fuzz_target!(|data: &[u8]| {
         builder = builder.self_contained().c_functions("robot");
     }
     if flag(5) {
-        builder = builder.float(FloatType::F32).mimic(Mimic::Independent);
+        builder = builder.scalar(FloatType::F32).mimic(Mimic::Independent);
     }
     if flag(6) {
         builder = builder.base(Base::Floating);

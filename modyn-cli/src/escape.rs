@@ -1,9 +1,9 @@
-//! What comes from a description may hold anything: here it is made harmless for where it goes.
+//! Escapes names of a description, which may contain any character, for the format of the output.
 //!
-//! JSON is escaped by serde_json, quotes in CSV by csv, text in pictures by [`markup`]; for a terminal there is
+//! serde_json escapes JSON, csv escapes quotes in CSV, and [`markup`] escapes text in pictures. For terminals there is
 //! `modyn_codegen::diagnostics::sanitize_for_display`.
 
-/// As text or an attribute's value in SVG and HTML.
+/// Returns text, or an attribute's value, escaped for SVG and HTML.
 pub fn markup(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -13,7 +13,7 @@ pub fn markup(text: &str) -> String {
             '>' => escaped += "&gt;",
             '"' => escaped += "&quot;",
             '\'' => escaped += "&#39;",
-            // What XML cannot have at all.
+            // Characters that XML forbids.
             c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => escaped.push('\u{fffd}'),
             _ => escaped.push(c),
         }
@@ -21,14 +21,14 @@ pub fn markup(text: &str) -> String {
     escaped
 }
 
-/// As a cell of a table: a spreadsheet takes what begins like a formula for one.
+/// Returns a cell of a table; a spreadsheet would take text that starts like a formula for one.
 #[cfg(feature = "command")]
 pub fn cell(text: &str) -> String {
     let text = modyn_codegen::diagnostics::sanitize_for_display(text);
     if text.starts_with(['=', '+', '-', '@']) { format!("'{text}") } else { text }
 }
 
-/// The text, with its middle left out if it is longer than `most` characters.
+/// Returns the text; characters in the middle are left out if it is longer than `most`.
 #[cfg(feature = "command")]
 pub fn shortened(text: &str, most: usize) -> String {
     let characters: Vec<char> = text.chars().collect();

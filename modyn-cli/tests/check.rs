@@ -1,4 +1,4 @@
-//! `modyn check`: exit codes, what is shown, JSON.
+//! `modyn check`: exit codes, displayed text, JSON.
 #![cfg(feature = "command")]
 
 mod common;
@@ -73,7 +73,7 @@ fn what_cannot_be_read_is_another_matter_than_what_is_refused() {
     assert_eq!(modyn(&["check"]).code, 2);
     assert_eq!(modyn(&["check", "robots/arm6.urdf", "--base", "flying"]).code, 2);
     assert_eq!(modyn(&["check", "robots/arm6.urdf", "--gravity", "1,2"]).code, 2);
-    let rotor = modyn(&["check", "robots/arm6.urdf", "--rotor", "nobody=1,1"]);
+    let rotor = modyn(&["check", "robots/arm6.urdf", "--rotors", "nobody: (1, 1)"]);
     assert_eq!(rotor.code, 1);
     assert!(rotor.out.contains("nobody"), "{}", rotor.out);
 }

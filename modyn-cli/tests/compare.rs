@@ -1,4 +1,4 @@
-//! `modyn compare`: generated code against the interpreter, on the spot.
+//! `modyn compare`: compiles and runs generated code, and compares it with the interpreter.
 #![cfg(feature = "command")]
 
 mod common;

@@ -1,4 +1,4 @@
-//! The commands that the documentation shows, run as they stand there.
+//! The commands of the documentation run as they are printed.
 #![cfg(feature = "command")]
 
 mod common;
@@ -7,7 +7,7 @@ use std::path::Path;
 
 use common::{command, root, run};
 
-/// The lines of all blocks of commands in a page that begin with `modyn`, without remarks.
+/// Returns the lines of all command blocks of a page that start with `modyn`, without comments.
 fn commands(page: &str) -> Vec<String> {
     let mut found = Vec::new();
     for block in page.split("```console\n").skip(1) {
@@ -40,7 +40,7 @@ fn commands_in_the_documentation_run() {
         for line in commands(&std::fs::read_to_string(page).expect("a page")) {
             let mut arguments: Vec<&str> = line.split_whitespace().skip(1).collect();
             if let Some(at) = arguments.iter().position(|one| *one == "robots/*.urdf") {
-                // As a shell does.
+                // A shell would do the same.
                 let urdf =
                     |one: &&String| Path::new(one).extension().is_some_and(|end| end == "urdf");
                 arguments.splice(at..=at, names.iter().filter(urdf).map(String::as_str));
@@ -85,7 +85,7 @@ fn the_c_program_runs() {
     assert_eq!(text(&output.stdout), block(&page, "```c\n", "text"));
 }
 
-/// What stands in backticks.
+/// Returns the texts in backticks.
 fn quoted(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
@@ -100,14 +100,14 @@ fn the_page_on_extending_names_what_there_is() {
         let path = quoted(file).next().expect("a file");
         let text = std::fs::read_to_string(root().join(path)).unwrap_or_else(|_| panic!("{path}"));
         for word in quoted(what) {
-            // Folders and files are there, words stand in the file.
+            // Names of folders and files exist; other words occur in the file.
             let found = text.contains(word) || root().join(word).exists();
             assert!(found || ["bad", "good"].contains(&word), "{path} has no {word}");
         }
         rows += 1;
     }
     assert!(rows > 30, "{rows}");
-    // Links lead somewhere.
+    // The target of each link exists.
     for page in ["README.md", "ARCHITECTURE.md"].map(String::from).into_iter().chain(
         std::fs::read_dir(root().join("docs"))
             .expect("docs")

@@ -8,7 +8,7 @@ use std::process::Command;
 
 use common::{modyn, root};
 
-/// The path of a file in a folder, as an argument.
+/// Returns the path of a file in a folder, as an argument.
 fn at(folder: &Path, name: &str) -> String {
     folder.join(name).to_string_lossy().into_owned()
 }
@@ -99,19 +99,19 @@ fn a_build_script_would_write_the_same() {
         "front_left_foot",
         "--payload",
         "trunk",
-        "--rotor",
-        "front_left_knee=0.0001,100",
-        "--loop",
-        "rod=revolute:trunk:0.1,0,-0.2:front_left_foot:0,0,0,0,0,1.5:0,2,0",
+        "--rotors",
+        "front_left_knee: (0.0001, 100)",
+        "--loops",
+        "rod: revolute(trunk, [0.1, 0, -0.2], front_left_foot, [0, 0, 0], [0, 0, 1.5], axis = [0, 2, 0])",
     ];
     let found = options("robots/quadruped.urdf", &extra);
     assert_eq!(found.code, 0, "{}", found.err);
     let builder = modyn_codegen::Builder::new()
         .urdf(root().join("robots/quadruped.urdf").canonicalize().expect("a robot"))
-        .float(modyn_codegen::FloatType::F32)
+        .scalar(modyn_codegen::FloatType::F32)
         .base(modyn_codegen::Base::Floating)
-        .rotor("front_left_knee", 0.0001, 100.0)
-        .loop_joint(modyn_codegen::Loop {
+        .rotors([modyn_codegen::Rotor::new("front_left_knee", 0.0001, 100.0)])
+        .loops([modyn_codegen::Loop {
             name: "rod".into(),
             kind: modyn_codegen::LoopConstraintKind::Revolute([0.0, 2.0, 0.0]),
             ends: [("trunk", [0.1, 0.0, -0.2], 0.0), ("front_left_foot", [0.0; 3], 1.5)].map(
@@ -121,7 +121,7 @@ fn a_build_script_would_write_the_same() {
                     rpy: [0.0, 0.0, yaw],
                 },
             ),
-        })
+        }])
         .friction(modyn_codegen::Friction::Smooth(0.01))
         .gravity([0.0, 0.0, -1.62])
         .modules(modyn_codegen::ModuleChoice::Links)
@@ -130,7 +130,7 @@ fn a_build_script_would_write_the_same() {
         .runtime_gravity()
         .type_name("Hand")
         .visibility("pub(crate)")
-        .krate("::other")
+        .crate_("::other")
         .functions(
             modyn_codegen::Function::DEFAULT
                 .iter()
@@ -237,7 +237,24 @@ fn options_that_are_wrong_are_usage_and_refused_models_are_not() {
     assert_eq!(code(&["-o", "no/such/folder/arm.rs"]), 2);
     assert_eq!(modyn(&["generate", "no_such.urdf"]).code, 2);
     assert_eq!(modyn(&["generate", "modyn-codegen/tests/bad/cycle.urdf"]).code, 1);
-    // Diagnostics call the file as the user does.
+    // Diagnostics name the file as the user did.
     let found = modyn(&["generate", "modyn-codegen/tests/bad/cycle.urdf"]);
     assert!(found.err.contains("--> modyn-codegen/tests/bad/cycle.urdf:"), "{}", found.err);
+}
+
+#[test]
+fn kernels_for_graphics_processors() {
+    let shown = modyn(&["generate", "robots/arm6.urdf", "--target", "wgsl"]);
+    assert_eq!(shown.code, 0, "{}", shown.err);
+    assert!(shown.out.contains("fn arm6_forward_dynamics(@builtin(global_invocation_id)"));
+    let refused = modyn(&["generate", "robots/arm6.urdf", "--target", "cuda", "--self-contained"]);
+    assert_eq!(refused.code, 2);
+    assert!(refused.err.contains("`--self-contained` is about Rust, not `--target cuda`"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("arm.cu").display().to_string();
+    let write = ["generate", "robots/arm6.urdf", "--target", "cuda", "-o", &file];
+    assert_eq!(modyn(&write).code, 0);
+    let check =
+        |robot| modyn(&["generate", robot, "--target", "cuda", "-o", &file, "--check"]).code;
+    assert_eq!((check("robots/arm6.urdf"), check("robots/gripper.urdf")), (0, 1));
 }

@@ -1,4 +1,4 @@
-//! Names may hold anything: none gets out of where it is shown.
+//! Names may contain any characters, and they are escaped in every output.
 #![cfg(feature = "command")]
 
 mod common;
@@ -6,7 +6,7 @@ mod common;
 use common::{command, run};
 use roxmltree::Document;
 
-/// A robot with the worst names.
+/// A robot with hostile names.
 const ROBOT: &str =
     "<robot name='&lt;script&gt;alert(1)&lt;/script&gt;&#x9b;31m &amp;amp; __MOTION__'>
   <link name='base'/>
@@ -21,7 +21,7 @@ const ROBOT: &str =
   </link>
 </robot>";
 
-/// Runs the command on the robot, with colours forced as in a terminal.
+/// Runs the command on the robot, with colours as in a terminal.
 fn modyn(arguments: &[&str]) -> (String, String) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("robot.urdf");
@@ -33,7 +33,7 @@ fn modyn(arguments: &[&str]) -> (String, String) {
     (found.out, found.err)
 }
 
-/// Whether a text commands a terminal to do more than colours.
+/// Returns whether the text contains no escape sequence of a terminal except colours.
 fn is_tame(text: &str) -> bool {
     let mut rest = text;
     while let Some(at) = rest.find('\u{1b}') {
@@ -57,7 +57,7 @@ fn a_terminal_is_not_commanded() {
         assert!(out.contains('\u{fffd}') || arguments == ["check"], "{out}");
     }
     assert!(!is_tame("\u{1b}]0;x") && !is_tame("\u{7}") && is_tame("\u{1b}[1mx\u{1b}[0m\n"));
-    // Where the command is refused, the names are shown as well.
+    // Error messages contain the names, too.
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("robot.urdf");
     std::fs::write(&path, ROBOT.replace("mass value='1'", "mass value='-1'")).expect("writes");
@@ -65,7 +65,7 @@ fn a_terminal_is_not_commanded() {
     bad.arg(&path).env("CLICOLOR_FORCE", "1");
     let found = run(bad);
     assert!(found.code == 1 && found.out.contains("negative-mass") && is_tame(&found.out));
-    // So is a line that is no XML.
+    // So does the quoted line of a file that is not XML.
     std::fs::write(&path, ROBOT.replace("<mass", "\u{1b}]0;x\u{7}<<mass")).expect("writes");
     let mut bad = command(&["check"]);
     bad.arg(&path).env("CLICOLOR_FORCE", "1");
@@ -101,7 +101,7 @@ fn files_are_what_they_should_be() {
         assert!(text.contains("&lt;script&gt;"), "{name}");
     }
     let html = read("a.html");
-    // The page's own two, and none more.
+    // The page's own two scripts, and no others.
     assert_eq!(html.matches("<script").count(), 2);
     assert_eq!(html.matches("</script").count(), 2);
     assert!(html.contains("<title>&lt;script&gt;alert(1)"));

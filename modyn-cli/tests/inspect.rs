@@ -1,4 +1,4 @@
-//! `modyn inspect`: what is shown, JSON, the picture.
+//! `modyn inspect`: displayed text, JSON, the picture.
 #![cfg(feature = "command")]
 
 mod common;
@@ -61,7 +61,7 @@ fn json_has_what_the_terminal_shows() {
     assert!((found["mass"].as_f64().expect("a mass") - 5.0).abs() < 1e-12);
 }
 
-/// Damping and friction are shown with whether they act, and there is no warning once that was chosen.
+/// The output says whether damping and friction act; with the option set, there is no warning.
 #[test]
 fn friction_that_does_not_act_is_said_to() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -121,14 +121,14 @@ fn the_picture_shows_modules_and_sparsity() {
     for wanted in ["gripper", "base", "link11", "to link22", "U", "D"] {
         assert!(texts.contains(&wanted), "{wanted}: {texts:?}");
     }
-    // The paper's gripper: fingers 2 and 3 do not meet, and U has nothing below its blocks.
+    // The paper's gripper: fingers 2 and 3 share no joint, and U is zero below its blocks.
     let counts: Vec<&&str> = texts.iter().filter(|text| text.contains("are not zero")).collect();
     let expected = [12, 7, 6].map(|count| format!("{count} of 16 entries are not zero"));
     assert!(counts.iter().zip(&expected).all(|(a, b)| **a == b), "{counts:?}");
     assert_eq!(counts.len(), 3);
 }
 
-/// The README shows what the command draws.
+/// The README contains the picture that the command draws.
 #[test]
 fn the_readmes_picture_is_what_is_drawn() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -194,7 +194,7 @@ fn what_is_probably_not_meant_is_said() {
     ] {
         assert!(about(name).contains(what), "{name}: {}", about(name));
     }
-    // The robots in this repository are as they are meant.
+    // The robots of this repository have no findings.
     for robot in ["arm6", "arm7", "gripper", "quadruped", "mimic_gripper"] {
         let path = format!("robots/{robot}.urdf");
         let found = modyn(&["inspect", "--json", "--functions", "mass_matrix", &path]).json();
@@ -225,7 +225,7 @@ fn a_robot_too_large_for_code_is_inspected_all_the_same() {
     assert_eq!(modyn(&["generate", &path]).code, 1);
 }
 
-/// The estimate is of the same size as what `docs/functions.md` has measured; there is none for batches.
+/// The estimate has the order of magnitude of the measured size in `docs/functions.md`; batches have no estimate.
 #[test]
 fn code_is_estimated_within_a_factor_of_two_and_a_half() {
     let table = std::fs::read_to_string(root().join("docs/functions.md")).expect("a page");

@@ -1,4 +1,4 @@
-//! Every command takes `MuJoCo`'s models, too.
+//! Every command also reads MuJoCo's models.
 #![cfg(feature = "mjcf")]
 
 mod common;

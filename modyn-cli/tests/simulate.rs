@@ -9,7 +9,7 @@ use common::modyn;
 use roxmltree::Document;
 use serde_json::Value;
 
-/// A table: its head, and its rows.
+/// Returns the head and the rows of a table.
 fn table(text: &str) -> (Vec<String>, Vec<Vec<f64>>) {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let head = reader.headers().expect("a head").iter().map(String::from).collect();
@@ -22,7 +22,7 @@ fn column(head: &[String], name: &str) -> usize {
     head.iter().position(|found| found == name).unwrap_or_else(|| panic!("{name}: {head:?}"))
 }
 
-/// The largest change of what the energies come to.
+/// Returns the largest deviation of the total energy.
 fn drift(text: &str) -> f64 {
     let (head, rows) = table(text);
     let [kinetic, potential, work, dissipated] =
@@ -54,7 +54,7 @@ fn free_fall_keeps_energy_and_smaller_steps_keep_it_better() {
         };
         let (coarse, fine) = (run("0.002"), run("0.0005"));
         assert!(fine < 1e-6, "{robot}: {fine}");
-        // Of fourth order, until rounding.
+        // The error is of fourth order, until rounding dominates.
         assert!(fine < coarse / 50.0 || fine < 1e-12, "{robot}: {coarse} {fine}");
     }
 }
@@ -108,7 +108,7 @@ fn torques_come_from_a_table_and_do_work() {
     assert!((at(0.24)[tau] - 0.96).abs() < 1e-9 && (at(0.5)[tau] - 2.0).abs() < 1e-9);
     assert!(at(0.5)[work] > 0.01);
     assert!(drift(&plain.out) < 1e-6, "{}", drift(&plain.out));
-    // Named columns may stand in any order, or be left out.
+    // Named columns may be in any order, or be omitted.
     let named = run(&file("named.csv", "time,elbow\n0,0\n0.25,1\n1,4\n"));
     assert_eq!(named.out, plain.out, "{}", named.err);
     for (text, line) in [
@@ -138,7 +138,7 @@ fn what_is_given_is_checked() {
     assert_eq!(code(&["--time", "1e9"]), 2);
     assert_eq!(code(&["--csv", "no/such/folder.csv"]), 2);
     assert_eq!(code(&["--time", "0.1", "--q", "-0.1,0,0,0", "--qd", "-1,0,0,0"]), 0);
-    // Too fast for the step: it does not pretend.
+    // The motion is too fast for the step: the command reports that.
     let wild = modyn(&[
         "simulate",
         "robots/arm6.urdf",
@@ -153,7 +153,7 @@ fn what_is_given_is_checked() {
     assert!(wild.err.contains("leaves all bounds"), "{}", wild.err);
 }
 
-/// What the page of a robot's motion holds.
+/// Returns the data in the page of a robot's motion.
 fn motion(html: &str) -> Value {
     let mark = "<script type=\"application/json\" id=\"motion\">";
     let data = html.split(mark).nth(1).and_then(|rest| rest.split("</script>").next());
@@ -190,7 +190,7 @@ fn the_page_has_the_skeleton_in_motion() {
     let points = |frame: &Value| -> Vec<f64> {
         frame.as_array().expect("points").iter().map(|x| x.as_f64().expect("a number")).collect()
     };
-    // Rods are rigid: no line changes its length; and the robot moves.
+    // Links are rigid, so no line changes its length; and the robot moves.
     let length = |p: &[f64], edge: &Value| {
         let [a, b] = [0, 1].map(|k| edge[k].as_u64().expect("an index") as usize);
         (0..3).map(|k| (p[3 * a + k] - p[3 * b + k]).powi(2)).sum::<f64>().sqrt()
@@ -237,7 +237,7 @@ fn the_page_has_the_skeleton_in_motion() {
 fn whatever_moves_can_be_drawn() {
     let folder = tempfile::tempdir().expect("a folder");
     let svg = folder.path().join("a.svg").to_string_lossy().into_owned();
-    // What does not move at all, and what moves beyond all measure.
+    // A robot that does not move, and a robot that moves without bound.
     for (qd, bounded) in
         [("0,0", true), ("1e-200,0", true), ("1e60,-1e60", false), ("1e140,1e140", false)]
     {
@@ -268,7 +268,7 @@ fn loops_stay_closed() {
         assert!(x.hypot(z) < 1e-8, "{x} {z}");
     }
     assert!((rows[0][crank] - rows[rows.len() - 1][crank]).abs() > 0.1);
-    // Stretched out there is no way to turn.
+    // A linkage that is stretched out has no rank to move.
     let found = modyn(&["simulate", "robots/four_bar.urdf"]);
     assert_eq!(found.code, 1);
     assert!(found.err.contains("joint `rocker_pin`"), "{}", found.err);

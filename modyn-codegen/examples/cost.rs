@@ -43,7 +43,7 @@ fn main() -> Result<()> {
         let robot = Path::new(&path).file_stem().unwrap_or_default().to_string_lossy();
         let path = std::env::current_dir()?.join(&path);
         let generate = |functions: &[Function]| {
-            let builder = Builder::new().urdf(&path).krate("::modyn_runtime");
+            let builder = Builder::new().urdf(&path).crate_("::modyn_runtime");
             builder.functions(functions.iter().copied()).generate()
         };
         let alone = generate(&[])?.text;

@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let builder = Builder::new().urdf(&path).functions(Function::ALL.iter().copied());
             let kinds = [
                 ("f64", builder.clone()),
-                ("f32", builder.clone().float(FloatType::F32)),
+                ("f32", builder.clone().scalar(FloatType::F32)),
                 ("shared", builder.clone().share()),
                 ("self-contained", builder.self_contained().runtime_gravity().c_functions("robot")),
             ];

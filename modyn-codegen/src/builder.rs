@@ -12,25 +12,15 @@ use modyn_runtime::model::{Friction, Model, ModuleError, ModuleTree};
 use crate::check::{check_model, conditioning_warning, gravity_error};
 use crate::description::{Base, Contact, Loop, Mimic, ReadOptions, Rotor};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
-use crate::emit::{CSource, EmitOptions, Emitted, FloatType, emit, emit_c};
+use crate::emit::{
+    CSource, EmitOptions, Emitted, FloatType, GpuLanguage, GpuSource, emit, emit_c, emit_gpu,
+};
 use crate::names;
+use crate::options::{Fault, ModuleChoice, Options, Value, option_table};
 use crate::plan::{Function, Plan};
 use crate::read::file::read_first;
 use crate::read::{Format, Reading};
 use crate::size::too_large;
-
-/// The partition of a robot into kinematic modules; see [`ModuleTree`].
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum ModuleChoice {
-    /// Maximal serial chains.
-    #[default]
-    Chains,
-    /// Modules of one link each.
-    Links,
-    /// Modules of these links, by name, each from its parent to its tip.
-    List(Vec<Vec<String>>),
-}
 
 /// Compiles a robot description.
 ///
@@ -70,21 +60,7 @@ pub struct Builder {
     source: Source,
     /// `None` detects the format from the text.
     format: Option<Format>,
-    read: ReadOptions,
-    modules: ModuleChoice,
-    type_name: Option<String>,
-    visibility: Option<String>,
-    krate: Option<String>,
-    float: FloatType,
-    /// `None` for the default, or a model's own.
-    runtime_gravity: bool,
-    runtime_inertia: Vec<String>,
-    payload: Vec<String>,
-    /// `None` selects the default functions.
-    functions: Option<Vec<Function>>,
-    share: bool,
-    self_contained: bool,
-    c_prefix: Option<String>,
+    options: Options,
 }
 
 /// The source of the robot.
@@ -135,9 +111,36 @@ pub struct Planning {
     pub plan: Plan,
     /// The robot.
     pub model: Model,
-    /// What was found odd, but taken.
+    /// The warnings about the description.
     pub warnings: Vec<Diagnostic>,
 }
+
+/// A method for each option of the table.
+macro_rules! methods {
+    ($($stage:ident { $(
+        $(#[doc = $docs:literal])+
+        $name:literal $method:ident($($argument:ident: $type:ty)?)
+            $field:ident: $field_type:ty, $target:ident => $set:expr,
+            $form:literal, $default:literal, $example:literal $(, $entries:ident)?;
+    )* })*) => {
+        /// The options, as in [`OPTIONS`](crate::options::OPTIONS).
+        impl Builder {
+            $($(
+                $(#[doc = $docs])+
+                #[doc = ""]
+                #[doc = concat!("The default: ", $default, ".")]
+                #[must_use]
+                pub fn $method(mut self $(, $argument: $type)?) -> Self {
+                    let $target = &mut self.options.$stage.$field;
+                    $set;
+                    self
+                }
+            )*)*
+        }
+    };
+}
+
+option_table!(methods);
 
 impl Builder {
     /// Returns a builder with default options and without a robot.
@@ -210,165 +213,20 @@ impl Builder {
         self
     }
 
-    /// Sets the name of the generated type, in upper camel case; by default it is derived from the robot's name.
-    #[must_use]
-    pub fn type_name(mut self, name: impl Into<String>) -> Self {
-        self.type_name = Some(name.into());
-        self
-    }
-
-    /// Sets the visibility of the generated types in Rust's syntax (`pub(crate)`; empty for private); `pub` by
-    /// default.
-    #[must_use]
-    pub fn visibility(mut self, visibility: impl Into<String>) -> Self {
-        self.visibility = Some(visibility.into());
-        self
-    }
-
-    /// Sets the path of the crate `modyn` in the crate that includes the text; `::modyn` by default.
-    #[must_use]
-    pub fn krate(mut self, path: impl Into<String>) -> Self {
-        self.krate = Some(path.into());
-        self
-    }
-
-    /// Sets gravity: the acceleration of free fall in world axes, m/s^2. The default is (0, 0, -9.81) for a URDF, and
-    /// the description's own for an MJCF or a [model](Self::model).
-    #[must_use]
-    pub fn gravity(mut self, gravity: [f64; 3]) -> Self {
-        self.read.gravity = Some(gravity);
-        self
-    }
-
-    /// Sets the kinematic modules; maximal serial chains by default.
-    #[must_use]
-    pub fn modules(mut self, modules: ModuleChoice) -> Self {
-        self.modules = modules;
-        self
-    }
-
-    /// Sets the severity of inertias that no rigid body has; errors by default. A negative mass is always an
-    /// error.
-    #[must_use]
-    pub fn unphysical_inertia(mut self, severity: Severity) -> Self {
-        self.read.unphysical_inertia = severity;
-        self
-    }
-
-    /// Sets whether the base is fixed or floats; by default the root link is fixed to the world.
-    #[must_use]
-    pub fn base(mut self, base: Base) -> Self {
-        self.read.base = base;
-        self
-    }
-
-    /// Sets the rotor of a joint's drive, in place of the description's: its inertia (kg m^2) and the gear
-    /// ratio.
-    #[must_use]
-    pub fn rotor(mut self, joint: impl Into<String>, inertia: f64, gear_ratio: f64) -> Self {
-        self.read.rotors.push(Rotor { joint: joint.into(), inertia, gear_ratio });
-        self
-    }
-
-    /// Sets which of the description's damping and friction act on the joints. By default neither acts, and there is a
-    /// warning if the description has some. [`Friction::None`] has the same effect without a warning.
-    #[must_use]
-    pub fn friction(mut self, friction: Friction) -> Self {
-        self.read.friction = Some(friction);
-        self
-    }
-
-    /// Adds a joint that closes a loop, besides the `<loop_joint>`s of the description. ([Models](Self::model) have
-    /// their own: [`Model::with_loop_constraints`].)
-    #[must_use]
-    pub fn loop_joint(mut self, closing: Loop) -> Self {
-        self.read.loops.push(closing);
-        self
-    }
-
-    /// A frame of a link that may touch the world. (A [model](Self::model) has its own: [`Model::with_contacts`].)
-    #[must_use]
-    pub fn contact(mut self, contact: Contact) -> Self {
-        self.read.contacts.push(contact);
-        self
-    }
-
-    /// Sets the treatment of mimic joints; by default they follow their leader and have no coordinate of their
-    /// own.
-    #[must_use]
-    pub fn mimic(mut self, mimic: Mimic) -> Self {
-        self.read.mimic = mimic;
-        self
-    }
-
-    /// Sets the scalar of the type's own functions; `f64` by default.
-    #[must_use]
-    pub fn float(mut self, float: FloatType) -> Self {
-        self.float = float;
-        self
-    }
-
-    /// Makes gravity a run-time parameter, in the robot's `Params`; the builder's value is the default.
-    #[must_use]
-    pub fn runtime_gravity(mut self) -> Self {
-        self.runtime_gravity = true;
-        self
-    }
-
-    /// Makes the inertias of these links run-time parameters, in the robot's `Params`. Each is the inertia of the link
-    /// alone, without links that are fixed to it, and replaces the description's, which is the default.
-    #[must_use]
-    pub fn runtime_inertia(mut self, links: impl IntoIterator<Item = impl Into<String>>) -> Self {
-        self.runtime_inertia.extend(links.into_iter().map(Into::into));
-        self
-    }
-
-    /// Adds a payload to each of these links: an additional inertia that is a run-time parameter, in the robot's
-    /// `Params`. The default is no inertia.
-    #[must_use]
-    pub fn payload(mut self, links: impl IntoIterator<Item = impl Into<String>>) -> Self {
-        self.payload.extend(links.into_iter().map(Into::into));
-        self
-    }
-
-    /// Sets the functions of the robot, in place of [`Function::DEFAULT`]. The dynamics of a large robot take seconds
-    /// to compile; functions that are not selected cost nothing.
-    #[must_use]
-    pub fn functions(mut self, functions: impl IntoIterator<Item = Function>) -> Self {
-        self.functions = Some(functions.into_iter().collect());
-        self
-    }
-
-    /// Makes equal limbs (legs, arms, fingers) share one function, with a table of constants for each limb: the
-    /// smallest code.
+    /// Takes the value of the option of this name, as the macro and the command line do.
     ///
-    /// Without this option equal limbs are packed into vectors on processors that have them, and computed one after the
-    /// other elsewhere. A limb with a [`payload`](Self::payload) or a [`runtime_inertia`](Self::runtime_inertia) is not
-    /// equal to others; such limbs are computed one after the other.
-    #[must_use]
-    pub fn share(mut self) -> Self {
-        self.share = true;
-        self
-    }
-
-    /// Makes the text depend on `core` only: it carries the parts of the runtime that it needs in a module `runtime`.
-    /// Include it as a module of its own (`mod arm;` for a file `arm.rs`). The type has its functions, but neither the
-    /// trait `Robot` nor batches.
-    #[must_use]
-    pub fn self_contained(mut self) -> Self {
-        self.self_contained = true;
-        self
-    }
-
-    /// Adds functions for C, named `prefix_function`: `extern "C"`, with pointers to arrays of fixed sizes.
+    /// # Errors
     ///
-    /// Pointers must be valid and aligned, and `out` must not overlap any argument, as usual in C. The functions are
-    /// `#[unsafe(no_mangle)]`, so the crate cannot `forbid(unsafe_code)`, and the linker reports two functions of the
-    /// same name. [`Generated::c_header`] is their header.
+    /// If there is no such option, or the value has another form.
+    pub fn set(mut self, option: &str, value: &Value) -> Result<Self, Fault> {
+        self.options.set(option, value)?;
+        Ok(self)
+    }
+
+    /// The options about reading, for [`read`](crate::read()) alone.
     #[must_use]
-    pub fn c_functions(mut self, prefix: impl Into<String>) -> Self {
-        self.c_prefix = Some(prefix.into());
-        self
+    pub fn read_options(&self) -> &ReadOptions {
+        &self.options.read
     }
 
     /// Returns the generated text, without writing a file.
@@ -425,7 +283,25 @@ impl Builder {
         Ok(Planning { plan, model, warnings: options.warnings })
     }
 
-    /// The C source whose header file has this name, and the warnings.
+    /// Returns kernels for graphics processors, without writing anything, and the warnings. The text is CUDA C++ or WGSL,
+    /// with a kernel for each function, which computes it for many states with a thread for each state.
+    ///
+    /// # Errors
+    ///
+    /// Returns all errors of the description and the options; WGSL has single precision alone.
+    pub fn generate_gpu(
+        &self,
+        language: GpuLanguage,
+    ) -> Result<(GpuSource, Vec<Diagnostic>), Diagnostics> {
+        let builder = match language {
+            GpuLanguage::Wgsl => self.clone().scalar(FloatType::F32),
+            GpuLanguage::Cuda => self.clone(),
+        };
+        let (model, modules, options) = builder.compiled()?;
+        Ok((emit_gpu(&model, &modules, &options, language), options.warnings))
+    }
+
+    /// Returns the C source whose header file has this name, and the warnings.
     fn c_source(&self, header: Option<&str>) -> Result<(CSource, Vec<Diagnostic>), Diagnostics> {
         let (model, modules, options) = self.compiled()?;
         Ok((emit_c(&model, &modules, &options, header), options.warnings))
@@ -439,12 +315,12 @@ impl Builder {
             self.module_tree(&reading.model).map_err(|found| errors.extend(found)).ok()
         });
         if let (Some(Reading { model, .. }), Some(modules)) = (&reading, &modules) {
-            let functions = self.functions.as_deref().unwrap_or(Function::DEFAULT);
+            let functions = self.options.code.functions.as_deref().unwrap_or(Function::DEFAULT);
             errors.extend(too_large(model, modules, functions));
         }
         let inertias = [
-            ("runtime_inertia", Code::RuntimeInertia, &self.runtime_inertia),
-            ("payload", Code::Payload, &self.payload),
+            ("runtime_inertia", Code::RuntimeInertia, &self.options.code.runtime_inertia),
+            ("payload", Code::Payload, &self.options.code.payload),
         ];
         let [runtime_inertia, payload] = inertias.map(|(option, code, names)| {
             reading.as_ref().and_then(|reading| {
@@ -458,20 +334,20 @@ impl Builder {
             return Err(Diagnostics::new(errors));
         };
         warnings.extend(self.name_conflict(&model, &warnings));
-        if self.float == FloatType::F32 {
+        if self.options.code.scalar == FloatType::F32 {
             warnings.extend(conditioning_warning(&model));
         }
         let defaults = EmitOptions::default();
         let options = EmitOptions {
-            type_name: self.type_name.clone(),
-            visibility: self.visibility.clone().unwrap_or(defaults.visibility),
-            krate: self.krate.clone().unwrap_or(defaults.krate),
-            float: self.float,
-            share: self.share,
-            self_contained: self.self_contained,
-            c_prefix: self.c_prefix.clone(),
-            functions: self.functions.clone().unwrap_or(defaults.functions),
-            runtime_gravity: self.runtime_gravity,
+            type_name: self.options.code.type_name.clone(),
+            visibility: self.options.code.visibility.clone().unwrap_or(defaults.visibility),
+            crate_path: self.options.code.crate_path.clone().unwrap_or(defaults.crate_path),
+            scalar: self.options.code.scalar,
+            share: self.options.code.share,
+            self_contained: self.options.code.self_contained,
+            c_prefix: self.options.code.c_functions.clone(),
+            functions: self.options.code.functions.clone().unwrap_or(defaults.functions),
+            runtime_gravity: self.options.code.runtime_gravity,
             runtime_inertia: runtime_inertia.unwrap_or_default(),
             payload: payload.unwrap_or_default(),
             warnings,
@@ -500,7 +376,7 @@ impl Builder {
         let folder = std::env::var_os("OUT_DIR").ok_or_else(|| {
             error("OUT_DIR is not set: `compile` is for build scripts".into(), "call `generate`")
         })?;
-        let stem = match (&self.type_name, &self.source) {
+        let stem = match (&self.options.code.type_name, &self.source) {
             (None, Source::File(path)) => path.file_stem().map(|stem| stem.to_string_lossy()),
             _ => None,
         };
@@ -528,8 +404,8 @@ impl Builder {
 
     fn read(&self) -> Result<Reading, Diagnostics> {
         // An invalid gravity is among the errors of the options.
-        let gravity = self.read.gravity.filter(|&gravity| gravity_error(gravity).is_none());
-        let options = ReadOptions { gravity, ..self.read.clone() };
+        let gravity = self.options.read.gravity.filter(|&gravity| gravity_error(gravity).is_none());
+        let options = ReadOptions { gravity, ..self.options.read.clone() };
         match &self.source {
             Source::None => {
                 let missing =
@@ -573,7 +449,7 @@ impl Builder {
         let name = names::type_name(model.name());
         // A robot without a name already has a warning.
         let said = warnings.iter().any(|w| w.code == Code::MissingAttribute && w.subject.is_none());
-        (self.type_name.is_none() && name == "Robot" && !said).then(|| {
+        (self.options.code.type_name.is_none() && name == "Robot" && !said).then(|| {
             let message = "the type `Robot` will collide with `use modyn::Robot`";
             let help = "name it: `modyn!(pub MyArm = \"...\")`, or `Builder::type_name`";
             let subject = Subject::Robot(model.name().into());
@@ -583,7 +459,7 @@ impl Builder {
     }
 
     fn module_tree(&self, model: &Model) -> Result<ModuleTree, Diagnostics> {
-        match &self.modules {
+        match &self.options.code.modules {
             ModuleChoice::Chains => Ok(ModuleTree::chains(model)),
             ModuleChoice::Links => Ok(ModuleTree::links(model)),
             ModuleChoice::List(list) => ModuleTree::from_names(model, list).map_err(|errors| {
@@ -610,7 +486,8 @@ impl Builder {
         let mut error = |code, message: String, help: String| {
             errors.push(Diagnostic::error(code, message).with_help(help));
         };
-        if let Some(name) = self.type_name.as_ref().filter(|&name| names::type_name(name) != *name)
+        if let Some(name) =
+            self.options.code.type_name.as_ref().filter(|&name| names::type_name(name) != *name)
         {
             error(
                 Code::TypeName,
@@ -618,54 +495,58 @@ impl Builder {
                 format!("`{}` is one", names::type_name(name)),
             );
         }
-        if let Some(visibility) = self.visibility.as_ref().filter(|text| !is_visibility(text)) {
+        if let Some(visibility) =
+            self.options.code.visibility.as_ref().filter(|text| !is_visibility(text))
+        {
             error(
                 Code::Option,
                 format!("{visibility:?} is not a visibility"),
                 "`pub`, `pub(crate)`, `pub(super)`, `pub(in path)`, or nothing for private".into(),
             );
         }
-        if let Some(krate) = self.krate.as_ref().filter(|text| !is_path(text)) {
+        if let Some(path) = self.options.code.crate_path.as_ref().filter(|text| !is_path(text)) {
             error(
                 Code::Option,
-                format!("{krate:?} is not the path of a crate or module"),
+                format!("{path:?} is not the path of a crate or module"),
                 "give the path of `modyn`, such as `::modyn` or `crate::robots::modyn`".into(),
             );
         }
-        if let Some(prefix) = self.c_prefix.as_ref().filter(|name| !is_c_prefix(name)) {
+        if let Some(prefix) =
+            self.options.code.c_functions.as_ref().filter(|name| !is_c_prefix(name))
+        {
             error(
                 Code::Option,
                 format!("{prefix:?} is not a prefix of C functions"),
                 "use a letter, then letters, digits and underscores".into(),
             );
         }
-        if self.self_contained && self.krate.is_some() {
+        if self.options.code.self_contained && self.options.code.crate_path.is_some() {
             error(
                 Code::Option,
-                "a self-contained file does not use the crate `modyn`, so `krate` has no effect"
+                "a self-contained file does not use the crate `modyn`, so `crate` has no effect"
                     .into(),
-                "remove `krate` or `self_contained`".into(),
+                "remove `crate` or `self_contained`".into(),
             );
         }
-        if matches!(self.source, Source::Model(_)) && !self.read.loops.is_empty() {
+        if matches!(self.source, Source::Model(_)) && !self.options.read.loops.is_empty() {
             error(
                 Code::Option,
                 "a `Model` has its own loop constraints".into(),
                 "set them with `Model::with_loop_constraints`".into(),
             );
         }
-        if matches!(self.source, Source::Model(_)) && !self.read.contacts.is_empty() {
+        if matches!(self.source, Source::Model(_)) && !self.options.read.contacts.is_empty() {
             error(
                 Code::Option,
                 "a model that is given as one has its own contacts".into(),
-                "give them by `Model::with_contacts`".into(),
+                "set them with `Model::with_contacts`".into(),
             );
         }
-        let read = &self.read;
+        let read = &self.options.read;
         let of_reading = [
             ("base", read.base != Base::default()),
             ("mimic", read.mimic != Mimic::default()),
-            ("rotor", !read.rotors.is_empty()),
+            ("rotors", !read.rotors.is_empty()),
             ("friction", read.friction.is_some()),
         ];
         let given = of_reading.iter().filter(|(_, given)| *given);
@@ -1018,7 +899,7 @@ mod tests {
     #[test]
     fn all_that_is_wrong_is_said_at_once() {
         let builder = Builder::new().urdf("no such.urdf").type_name("my arm");
-        let errors = builder.krate("a b").visibility("x").gravity([f64::NAN; 3]).generate();
+        let errors = builder.crate_("a b").visibility("x").gravity([f64::NAN; 3]).generate();
         let errors = errors.expect_err("all wrong");
         let codes: Vec<Code> = errors.iter().map(|error| error.code).collect();
         let options = [Code::TypeName, Code::Option, Code::Option, Code::Gravity];

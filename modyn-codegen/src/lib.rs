@@ -19,6 +19,7 @@ pub mod diagnostics;
 pub mod emit;
 pub mod graph;
 pub mod names;
+pub mod options;
 pub mod passes;
 pub mod plan;
 pub mod program;
@@ -26,11 +27,12 @@ pub mod read;
 mod size;
 pub mod trace;
 
-pub use builder::{Builder, Generated, ModuleChoice, Planning};
+pub use builder::{Builder, Generated, Planning};
 pub use check::{CARRIED_BY_F32, condition_number};
 pub use description::{Base, Contact, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
-pub use emit::{CSource, FloatType};
+pub use emit::{CSource, FloatType, GpuLanguage, GpuSource};
 pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
+pub use options::ModuleChoice;
 pub use plan::Function;
 #[cfg(feature = "mjcf")]
 pub use read::read_mjcf;

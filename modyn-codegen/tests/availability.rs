@@ -1,12 +1,12 @@
-//! A function that was not generated can be named, and not called: the generated type has one of its name with
-//! as many arguments, whose bound does not hold.
+//! A function that was not generated can be named but not called. The generated type has a method with the name and
+//! the number of arguments of that function, and the method's bound does not hold.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use modyn_codegen::{Builder, Function};
 
-/// The functions of the robot's type by name, with their number of arguments; hidden ones or others.
+/// Returns the functions of the robot's type by name, with their number of arguments: the hidden ones or the others.
 fn functions(text: &str, hidden: bool) -> BTreeMap<String, usize> {
     fn walk(items: &[syn::Item], hidden: bool, found: &mut BTreeMap<String, usize>) {
         for item in items {
@@ -56,7 +56,7 @@ fn missing_functions_have_the_arguments_of_those_that_are_there() {
             let all = all.expect("good").text;
             let there = functions(&all, false);
             assert!(there.len() > 40, "{there:?}");
-            // What is no function of the option: the check of unit quaternions.
+            // The check of unit quaternions belongs to no function of the option.
             let always = functions(&none, false);
             assert!(always.keys().all(|name| name == "check_configuration"), "{always:?}");
             let missing = functions(&none, true);
@@ -64,14 +64,14 @@ fn missing_functions_have_the_arguments_of_those_that_are_there() {
                 let found = missing.get(name).or_else(|| always.get(name));
                 assert_eq!(found, Some(arguments), "{robot}: {name}");
             }
-            // A tree has no constraints to meet, whatever is selected.
+            // A tree has no constraints, so functions of constraints are never selected.
             let of_constraints = |name: &String| {
                 Function::from_name(name.trim_end_matches("_with"))
                     .is_some_and(Function::is_of_constraints)
             };
             let rest = missing.keys().filter(|name| !there.contains_key(*name));
             assert!(rest.clone().all(of_constraints), "{:?}", rest.collect::<Vec<_>>());
-            // What is there is not missing too, and the traits are those of what is there.
+            // A generated function is not also a missing one, and the traits are those of the generated functions.
             let hidden = functions(&all, true);
             assert!(hidden.keys().all(|name| !there.contains_key(name)), "{hidden:?}");
             for function in Function::ALL {

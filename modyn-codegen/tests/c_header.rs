@@ -1,4 +1,4 @@
-//! The header of the functions for C, taken by a C compiler without a word.
+//! A C compiler accepts the header of the functions for C without a diagnostic.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,7 +11,7 @@ fn folder() -> PathBuf {
     folder
 }
 
-/// A robot whose names end comments, begin others and are one identifier.
+/// A robot whose names end comments, start comments, and become the same identifier.
 const HOSTILE: &str = r#"<robot name='a*/ int x; /* ??/ \'><link name='b*/'/><link name='int'/>
     <joint name='j' type='continuous'><parent link='b*/'/><child link='int'/></joint>
     <link name='/*x'/><joint name='k' type='fixed'><parent link='int'/><child link='/*x'/></joint>
@@ -27,7 +27,7 @@ fn header(builder: Builder) -> String {
     generated.c_header.expect("functions for C")
 }
 
-/// A C program that takes the address of each function, with plain pointers to numbers, and calls one.
+/// Returns a C program that takes the address of each function, with plain pointers to numbers, and calls one.
 fn program(header: &str, number: &str) -> String {
     let mut text = String::from("#include \"rob.h\"\n#include \"rob.h\"\n");
     let mut declared = 0;
@@ -65,7 +65,7 @@ fn compilers_take_it_without_a_word() {
     }
     let robot = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots").join(name);
     let arm = Builder::new().urdf(robot("joint_zoo.urdf"));
-    let bar = Builder::new().urdf(robot("four_bar.urdf")).float(FloatType::F32);
+    let bar = Builder::new().urdf(robot("four_bar.urdf")).scalar(FloatType::F32);
     let massive = HOSTILE.replace(
         "<link name='int'/>",
         "<link name='int'><inertial><mass value='1'/>\
@@ -88,7 +88,7 @@ fn compilers_take_it_without_a_word() {
     }
 }
 
-/// What a function does not need is not included, and links are named.
+/// The header includes no file that its functions do not need, and links are named.
 #[test]
 fn links_are_an_enum_and_nothing_unused_is_included() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots/gripper.urdf");

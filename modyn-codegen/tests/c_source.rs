@@ -1,4 +1,4 @@
-//! Generated C: it compiles without a warning, and computes what generated Rust does, bit for bit.
+//! Generated C compiles without a warning, and returns the same bits as generated Rust.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Runs a command, and returns its output.
+/// Runs a command and returns its output.
 fn run(command: &mut Command) -> String {
     let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -33,7 +33,7 @@ fn run(command: &mut Command) -> String {
 const STRICT: [&str; 6] =
     ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off"];
 
-/// The compilers that are here; gcc must be.
+/// Returns the installed C compilers; gcc must be one of them.
 fn compilers() -> Vec<&'static str> {
     let runs = |name: &&&str| Command::new(name).arg("--version").output().is_ok();
     let found: Vec<&str> = ["gcc", "clang"].iter().filter(runs).copied().collect();
@@ -41,7 +41,7 @@ fn compilers() -> Vec<&'static str> {
     found
 }
 
-/// Writes `builder`'s C to a folder, and compiles it with each compiler; returns the folder and the header.
+/// Writes `builder`'s C to a folder and compiles it with each compiler; returns the folder and the header.
 fn compiled(name: &str, builder: &Builder) -> (PathBuf, String) {
     let (found, _) = builder.clone().type_name("Ours").generate_c().expect("good");
     let folder = folder(name);
@@ -65,20 +65,21 @@ fn compiled(name: &str, builder: &Builder) -> (PathBuf, String) {
 #[derive(Debug)]
 struct Declared {
     name: String,
-    /// Of its arguments and its result.
+    /// The lengths of its arguments and its result.
     lengths: Vec<usize>,
-    /// The argument that says which contacts are active.
+    /// The index of the argument that has the active contacts.
     switches: Option<usize>,
+    /// Whether one argument is a link.
     by_link: bool,
 }
 
-/// The functions of the header that Rust exports, too.
+/// Returns the functions of the header that Rust exports, too.
 fn functions(header: &str) -> Vec<Declared> {
     let mut functions = Vec::new();
     for line in header.lines().filter(|line| line.ends_with(");")) {
         let (head, arguments) = line.split_once('(').expect("a declaration");
         let name = head.split(' ').next_back().expect("a name").trim_start_matches("ours_");
-        // Rust has no functions for C of these.
+        // Rust exports no C functions for these.
         if name.starts_with("brge") || name == "random" || name.ends_with("_with") {
             continue;
         }
@@ -91,8 +92,9 @@ fn functions(header: &str) -> Vec<Declared> {
     functions
 }
 
-/// A program that calls the functions of both with the same numbers, in general position, and compares the results. The
-/// numbers are near zero, some turns away from it, close to the limit of the fast reduction of angles, and beyond it.
+/// Returns a program that calls the functions of both with the same numbers, in general position, and compares the
+/// results. The numbers are close to zero, some multiples of 2 pi, close to the limit of the fast reduction of angles,
+/// and beyond that limit.
 fn harness(functions: &[Declared], real: &str) -> String {
     let mut text = format!(
         "#include <math.h>\n#include <stddef.h>\n#include <stdio.h>\n#include <string.h>\n#include \"ours.h\"\n\
@@ -124,7 +126,7 @@ fn harness(functions: &[Declared], real: &str) -> String {
         let _ = writeln!(text, "{prototype}");
         let _ = writeln!(main, "for (round = 0; round < 12; ++round) {{");
         for (i, length) in arguments.iter().enumerate() {
-            // Of contacts a number says whether they are active.
+            // A contact is active (1) or not (0).
             let number = if switches == &Some(i) { "number(round) > 0" } else { "number(round)" };
             let _ = writeln!(
                 main,
@@ -155,12 +157,12 @@ fn harness(functions: &[Declared], real: &str) -> String {
     )
 }
 
-/// Functions of which Rust returns the number.
+/// The functions that return one number.
 const SCALARS: [&str; 2] = ["kinetic_energy", "potential_energy"];
 
-/// Compares the C with self-contained Rust.
+/// Compares generated C with self-contained generated Rust.
 fn compare(name: &str, builder: &Builder, float: FloatType) {
-    let builder = builder.clone().float(float);
+    let builder = builder.clone().scalar(float);
     let (folder, header) = compiled(name, &builder);
     let rust = builder.type_name("Theirs").self_contained().c_functions("theirs");
     rust.write(folder.join("theirs.rs")).expect("good");
@@ -225,9 +227,10 @@ fn contacts_compute_what_rust_does() {
         Function::ConstraintBiasAcceleration,
         Function::OperationalInertia,
     ]));
-    let builder = builder
-        .contact(point("left", "front_left_foot", [0.0, 0.01, -0.02]))
-        .contact(point("right", "hind_right_foot", [0.03, -0.01, 0.02]));
+    let builder = builder.contacts([
+        point("left", "front_left_foot", [0.0, 0.01, -0.02]),
+        point("right", "hind_right_foot", [0.03, -0.01, 0.02]),
+    ]);
     let (found, _) = builder.generate_c().expect("good");
     let declared = "const double contacts[2], const double settings[52], double out[43]";
     assert!(found.header.contains(declared), "{}", found.header);
@@ -240,7 +243,7 @@ fn shared_limbs_compute_what_rust_does() {
     compare("quadruped", &robot("quadruped").share().functions(LIMBS), FloatType::F64);
 }
 
-/// Links beyond the eighth of a body share a function and have a row of a table each.
+/// On each body, the links after the eighth share a function; each has a row of a table.
 #[test]
 fn many_links_of_one_body_compute_what_rust_does() {
     let mut text = String::from("<robot name='comb'><link name='b0'/>");
@@ -279,7 +282,7 @@ fn many_links_of_one_body_compute_what_rust_does() {
     compare("comb_f32", &builder, FloatType::F32);
 }
 
-/// Functions of limbs, and cheap ones.
+/// Functions of equal limbs, and cheap functions.
 const LIMBS: [Function; 21] = [
     Function::ForwardDynamics,
     Function::InverseDynamics,
@@ -315,7 +318,7 @@ fn run_time_parameters_compile_and_have_their_defaults() {
     assert!(header.contains(
         "void ours_gravity_torques_with(const double q[4], const double params[23], double out[4]);"
     ));
-    // Gravity, the inertia as the description has it, and no load.
+    // Gravity, the inertia of the description, and no payload.
     let source = std::fs::read_to_string(folder.join("ours.c")).expect("the source");
     let (_, defaults) = source.split_once("ours_default_parameters[23] = { ").expect("defaults");
     let defaults = defaults.split_once(" };").expect("an end").0.split(", ");
@@ -331,7 +334,7 @@ fn run_time_parameters_compile_and_have_their_defaults() {
     assert!(header.contains("void ours_brge_solve(const double factors["));
 }
 
-/// Names of a description become part of identifiers alone.
+/// The description's names become parts of identifiers and nothing else.
 #[test]
 fn names_cannot_break_out() {
     let text = r#"<robot name="a */ #error b"><link name="w */ x"/>

@@ -1,5 +1,5 @@
-//! Every file in `bad/` is refused, and every file in `good/` is read, with exactly the
-//! diagnostics that are marked in the file, in the line where the mark stands:
+//! Every file in `bad/` is refused, and every file in `good/` is read, with exactly the diagnostics that are marked in
+//! the file, on the line of the mark:
 //!
 //! `<!-- ERROR code: part of the text -->`, `<!-- WARNING code: part of the text -->`.
 //!
@@ -13,7 +13,7 @@ use modyn_codegen::{
     read_urdf as read,
 };
 
-/// What a file says about itself.
+/// The marks of a file.
 #[derive(Debug)]
 struct Mark {
     line: usize,
@@ -56,7 +56,7 @@ fn options(text: &str) -> ReadOptions {
     options
 }
 
-/// Runs all files of a folder; the codes that were seen.
+/// Runs all files of a folder; returns the codes that were reported.
 fn run(folder: &str, refused: bool) -> BTreeSet<Code> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(folder);
     let mut files: Vec<_> =
@@ -113,7 +113,7 @@ fn run(folder: &str, refused: bool) -> BTreeSet<Code> {
 #[test]
 fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
     let seen = run("bad", true);
-    // Warnings are in `good`; these have no file.
+    // Files with warnings are in `good`; no file reports these codes.
     let elsewhere = [
         Code::MissingFile,
         Code::Gravity,

@@ -1,11 +1,11 @@
-//! `docs/errors.md` is what the table of diagnostics says.
+//! `docs/errors.md` is the table of diagnostics.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
 use modyn_codegen::diagnostics::Code;
 
-/// The page.
+/// Returns the text of the page.
 fn page() -> String {
     let mut page = String::from(
         "# Errors and warnings\n\n\
@@ -35,7 +35,7 @@ fn every_code_has_a_cause_and_a_remedy() {
     assert_eq!(Code::from_name("no-such-code"), None);
 }
 
-/// With the variable `UPDATE_SNAPSHOTS`, it is written.
+/// With the variable `UPDATE_SNAPSHOTS`, the test writes the page.
 #[test]
 fn the_page_is_what_the_table_says() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/errors.md");

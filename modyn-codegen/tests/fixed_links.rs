@@ -1,5 +1,4 @@
-//! Many links that are fixed to one body: they share the code of their functions, and the numbers are those of
-//! the interpreter.
+//! Many links that are fixed to one body share the code of their functions. Their results are those of the interpreter.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -20,7 +19,7 @@ const OF_LINKS: [Function; 9] = [
     Function::LocalBiasAcceleration,
 ];
 
-/// A chain of joints in general position, with so many links fixed to the world and to each moving link.
+/// Returns a chain of joints in general position, with these numbers of links fixed to the world and to each moving link.
 fn urdf(joints: usize, fixed: &[usize]) -> String {
     let mut text = String::from("<robot name='comb'><link name='b0'/>");
     let fix = |body: usize, text: &mut String| {
@@ -65,7 +64,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// What a program prints that has the generated file as a module and this body of `main`.
+/// Returns the numbers that a program prints; it has the generated file as a module, and this body of `main`.
 fn run(folder: &Path, text: &str, main: &str) -> Vec<f64> {
     std::fs::write(folder.join("comb.rs"), text).expect("writes");
     let main = format!("mod comb;\nuse comb::*;\nfn main() {{\n{main}\n}}\n");
@@ -81,7 +80,7 @@ fn run(folder: &Path, text: &str, main: &str) -> Vec<f64> {
     printed.lines().map(|line| line.parse().expect("a number")).collect()
 }
 
-/// A program's `main` that prints all numbers of all functions of all links.
+/// Returns the `main` of a program that prints all numbers of all functions of all links.
 fn main_of(scalar: &str) -> String {
     format!(
         "let (q, qd, qdd): ([{scalar}; 3], [{scalar}; 3], [{scalar}; 3]) = ({Q:?}, {QD:?}, {QDD:?});
@@ -106,7 +105,7 @@ const Q: [f64; 3] = [0.7, -0.4, 1.3];
 const QD: [f64; 3] = [0.9, 0.6, -0.8];
 const QDD: [f64; 3] = [-0.5, 1.2, 0.3];
 
-/// The same by the interpreter.
+/// Returns the same numbers from the interpreter.
 fn interpreted(urdf: &str) -> Vec<f64> {
     let reading = modyn_codegen::read(urdf, "comb.urdf", &Default::default()).expect("good");
     let mut robot = Interpreter::<f64>::new(reading.model);
@@ -148,7 +147,7 @@ fn links_that_share_code_have_their_own_numbers() {
         (modyn_codegen::FloatType::F64, "f64", 1e-12),
         (modyn_codegen::FloatType::F32, "f32", 2e-5),
     ] {
-        let generated = builder.clone().float(float).generate().expect("good");
+        let generated = builder.clone().scalar(float).generate().expect("good");
         assert!(generated.text.contains("link_pose_on_"), "links share code");
         let found =
             run(&folder(&format!("fixed_links_{scalar}")), &generated.text, &main_of(scalar));
@@ -159,7 +158,7 @@ fn links_that_share_code_have_their_own_numbers() {
     }
 }
 
-/// Default functions of ten joints: each further link takes a row of a table, and what it is called.
+/// Default functions of ten joints: each further link adds a row of a table and its name.
 #[test]
 fn text_grows_by_little_for_each_fixed_link() {
     let generated = |links: usize| {
@@ -170,7 +169,7 @@ fn text_grows_by_little_for_each_fixed_link() {
     let (few, many) = (generated(1000), generated(2000));
     let growth = (many.text.len() - few.text.len()) / 1000;
     assert!(growth < 1500, "{growth} bytes a link");
-    // All that is not the one function for all links has the operations that it had.
+    // All functions except the one shared by the links have the same operations as before.
     let operations = |generated: &modyn_codegen::Generated| -> Vec<_> {
         let of_one = generated.static_operations.iter().filter(|(name, _)| *name != "link_poses");
         of_one.copied().collect()
@@ -178,7 +177,7 @@ fn text_grows_by_little_for_each_fixed_link() {
     assert_eq!(operations(&few), operations(&many));
 }
 
-/// A few links of a body keep functions of their own: nothing is slower for ordinary robots.
+/// A body with few links keeps a function for each link, so nothing is slower for ordinary robots.
 #[test]
 fn few_links_have_functions_of_their_own() {
     let urdf = urdf(2, &[7, 7, 7]);

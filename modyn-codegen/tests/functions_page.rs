@@ -1,10 +1,11 @@
-//! The table of functions, against everything that must have a place for each: the page, the trait, the interpreter.
+//! The table of functions is complete: the page, the trait and the interpreter have an entry for each function.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
 use modyn_codegen::Function;
+use modyn_codegen::plan::CForm;
 
 fn file(path: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path);
@@ -15,13 +16,13 @@ fn page() -> String {
     file("docs/functions.md").replace("\r\n", "\n")
 }
 
-/// The part of `text` between two strings.
+/// Returns the part of `text` between two strings.
 fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
     let (_, rest) = text.split_once(start).unwrap_or_else(|| panic!("no {start:?}"));
     rest.split_once(end).unwrap_or_else(|| panic!("no {end:?}")).0
 }
 
-/// The names in backquotes that are functions' or could be.
+/// Returns the names in backquotes that are, or could be, names of functions.
 fn names(text: &str) -> Vec<&str> {
     let quoted = text.split('`').skip(1).step_by(2);
     let name = |text: &&str| text.bytes().all(|c| c.is_ascii_lowercase() || c == b'_');
@@ -44,7 +45,7 @@ fn the_default_functions_are_listed() {
     assert_eq!(sorted(found), named(Function::DEFAULT));
 }
 
-/// Each function has a row for each robot of the table, or is named as having none.
+/// Each function has a row for each robot of the table, or is in the list of functions without a row.
 #[test]
 fn each_function_has_its_costs_or_is_said_to_have_none() {
     let page = page();
@@ -62,10 +63,10 @@ fn each_function_has_its_costs_or_is_said_to_have_none() {
 const BEGIN: &str = "<!-- The table of functions; `functions_page` writes it. -->\n";
 const END: &str = "<!-- End of the table. -->\n";
 
-/// The table as the page has it.
+/// Returns the table in the page's form.
 fn table() -> String {
     let mut text = String::from(
-        "| function | arguments | result | default | `_with` parameters | batch |\n|---|---|---|---|---|---|\n",
+        "| function | arguments | result | default | `_with` parameters | batch | C |\n|---|---|---|---|---|---|---|\n",
     );
     let one = Function::ALL.iter().filter(|function| function.batched().is_none());
     for function in one {
@@ -81,17 +82,22 @@ fn table() -> String {
         let docs = row.docs.replace('\n', " ");
         let _ = writeln!(
             text,
-            "| `{}` | {} | {docs} | {default} | {} | {} |",
+            "| `{}` | {} | {docs} | {default} | {} | {} | {} |",
             function.name(),
             arguments.join(", "),
             of(row.depends_on_parameters),
-            of(batch)
+            of(batch),
+            match row.c_form {
+                CForm::SourceAndExport => "yes",
+                CForm::Source => "C99 alone",
+                CForm::None => "",
+            }
         );
     }
     text
 }
 
-/// With the variable `UPDATE_SNAPSHOTS`, it is written.
+/// With the variable `UPDATE_SNAPSHOTS`, the test writes the table.
 #[test]
 fn the_page_has_the_table() {
     let page = page();
@@ -105,7 +111,7 @@ fn the_page_has_the_table() {
     assert_eq!(found, table());
 }
 
-/// The trait has each function of one state, and with parameters where these matter.
+/// The trait has a method for each function of one state, and a second one with run-time parameters where they matter.
 #[test]
 fn the_trait_has_each_function() {
     let text = file("modyn-runtime/src/robot/functions.rs");
@@ -119,7 +125,7 @@ fn the_trait_has_each_function() {
     }
 }
 
-/// So has the interpreter; wrenches in either axes are one argument of it.
+/// The interpreter has a method for each function of one state; there the axes of wrenches are an argument.
 #[test]
 fn the_interpreter_has_each_function() {
     let files = [
@@ -143,7 +149,7 @@ fn the_interpreter_has_each_function() {
     }
 }
 
-/// A batch computes what the function of one state does.
+/// A function of many states computes the same as the function of one state.
 #[test]
 fn a_batch_has_its_functions_arguments() {
     for function in Function::ALL {

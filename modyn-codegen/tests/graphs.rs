@@ -1,5 +1,4 @@
-//! Graphs keep the value of what was traced: through the rewrites made while they grow, and
-//! through each pass.
+//! A graph keeps the values of the traced program: through the rewrites at insertion, and through each pass.
 
 use std::f64::consts::PI;
 
@@ -9,9 +8,8 @@ use modyn_runtime::Scalar;
 
 const INPUTS: usize = 4;
 
-/// A program of random operations, the same for each scalar that it runs on. Constants are such
-/// that rewrites about 0, 1, -1 and 2 are met; few values are in play, so equal and opposite
-/// operands are common.
+/// Runs a program of random operations, which is the same for each scalar. Its constants trigger the rewrites about 0,
+/// 1, -1 and 2. Few values are in use, so equal and opposite operands are common.
 fn program<S: Scalar>(seed: u64, inputs: &[S]) -> Vec<S> {
     let mut state = seed;
     let mut pick = |count: usize| {
@@ -22,7 +20,7 @@ fn program<S: Scalar>(seed: u64, inputs: &[S]) -> Vec<S> {
     values.extend([0.0, 1.0, -1.0, 2.0, -0.5, 3.0].map(S::from_f64));
     for _ in 0..60 {
         let (a, b) = (values[pick(values.len())], values[pick(values.len())]);
-        // Every result is kept within bounds, so that rounding stays small.
+        // Every result is bounded, so that rounding errors stay small.
         let value = match pick(14) {
             0..=2 => a + b,
             3..=5 => a - b,
@@ -59,7 +57,7 @@ fn assert_close(seed: u64, found: &[f64], expected: &[f64]) {
     for (found, expected) in found.iter().zip(expected) {
         let scale = expected.abs().max(1.0);
         let close = (found - expected).abs() <= 1e-9 * scale;
-        // Products of products may overflow or lose all digits; both sides then do.
+        // Products of products may overflow or lose all digits; then both sides do.
         let lost = !expected.is_finite() || scale > 1e6;
         assert!(close || lost, "seed {seed}: {found} instead of {expected}");
     }
@@ -138,7 +136,7 @@ fn a_trace_inside_a_trace_does_not_disturb_it() {
     assert_eq!(graph.evaluate(&[5.0]), [10.0]);
 }
 
-/// An expression of another trace would name any node: the trace says so and gives no graph.
+/// An expression of another trace has an index that means another node here. The trace reports an error and no graph.
 #[test]
 fn expressions_belong_to_their_trace() {
     let mut kept = None;
@@ -158,7 +156,7 @@ fn expressions_belong_to_their_trace() {
     ];
     for (i, of) in uses.iter().enumerate() {
         assert_eq!(Graph::try_trace(|| vec![of(kept)]).err(), Some(ForeignExpr), "{i}");
-        // Also if nothing comes of it, and from an outer trace.
+        // The error is also reported if the result is unused, and from an outer trace.
         let dropped = Graph::try_trace(|| {
             let outer = Expr::input(0);
             let inner = Graph::try_trace(|| vec![of(outer)]);
@@ -166,7 +164,7 @@ fn expressions_belong_to_their_trace() {
             let _ = of(kept);
             vec![outer]
         });
-        // Handed through, it takes part in nothing.
+        // An expression that is only passed through is no operand of any operation.
         assert_eq!(dropped.is_err(), i > 0, "{i}");
     }
     assert!(

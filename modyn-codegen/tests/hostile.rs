@@ -1,7 +1,7 @@
-//! Descriptions made to do harm: refused in a word, or read in linear time.
+//! Hostile descriptions are refused with a short message, or read in linear time.
 //!
-//! What is linear is shown by size, not by a clock: with a million of something, a loop in a loop
-//! would not end. Long chains of joints and of mimics, and depth, are in `reading.rs` too.
+//! Size shows linearity, not a clock: with a million elements, a quadratic loop would not end. Long chains of joints
+//! and of mimics, and deep nesting, are in `reading.rs`.
 
 use std::fmt::Write as _;
 
@@ -10,14 +10,14 @@ use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::diagnostics::{Code, Diagnostics};
 use modyn_codegen::{ReadOptions, read};
 
-/// How many: `MODYN_TEST_MANY=1000000 cargo test --release` takes a million.
+/// The number of repetitions: `MODYN_TEST_MANY=1000000 cargo test --release` sets a million.
 fn many() -> usize {
     std::env::var("MODYN_TEST_MANY").ok().and_then(|many| many.parse().ok()).unwrap_or(100_000)
 }
 
 fn refused(text: &str) -> Diagnostics {
     let found = read(text, "hostile.urdf", &ReadOptions::default()).expect_err("refused");
-    // What a user gets to see has an end, however much there is.
+    // The displayed text has a bound, for any number of errors.
     assert!(found.to_string().len() < 100_000, "{} bytes", found.to_string().len());
     found
 }
@@ -30,7 +30,7 @@ fn robot(inside: &str) -> String {
     format!("<robot name='r'>{inside}</robot>")
 }
 
-/// A pattern with `#` for the number, many times.
+/// Returns a pattern many times, with `#` replaced by the number.
 fn repeated(count: usize, pattern: &str) -> String {
     (0..count).fold(String::new(), |text, i| text + &pattern.replace('#', &i.to_string()))
 }
@@ -44,11 +44,11 @@ fn entities_do_not_expand() {
     }
     laughs += "]>";
     assert_eq!(codes(&refused(&(laughs + &robot("<link name='&l9;'/>")))), [Code::Dtd]);
-    // One that none declared is no text either.
+    // An undeclared entity is an error, too.
     assert_eq!(codes(&refused(&robot("<link name='&l9;'/>"))), [Code::MalformedXml]);
 }
 
-/// A file that names others: none of them is opened, and the names are no error either.
+/// A file that names other files: the reader opens none of them, and their names are no error.
 #[test]
 fn nothing_else_is_read() {
     for outside in [
@@ -75,7 +75,7 @@ const PENDULUM: &str = "<robot name='r'><link name='a'/><link name='b'><inertial
     <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>\
     <joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint></robot>";
 
-/// The XML parser compares each attribute with those before it: 170 kB took minutes.
+/// The XML parser compares each attribute with the attributes before it; reading 170 kB took minutes.
 #[test]
 fn attributes_and_namespaces_have_an_end() {
     let attributes = repeated(many(), " a#=''");
@@ -83,13 +83,13 @@ fn attributes_and_namespaces_have_an_end() {
     for many in [attributes, namespaces] {
         assert_eq!(codes(&refused(&format!("<robot name='r'{many}/>"))), [Code::Excessive]);
     }
-    // As many elements as one likes may declare those that there are.
+    // Any number of elements may declare few attributes each.
     let few = repeated(many(), "<link xmlns:x='u' name='l'/>");
     assert!(codes(&refused(&robot(&few))).iter().all(|&code| code != Code::Excessive));
     let all = repeated(255, " xmlns:a#='u#'");
     let copies = format!("<robot name='r'{all}>{}</robot>", "<x xmlns:q='1'/>".repeat(10_000));
     assert_eq!(codes(&refused(&copies)), [Code::NoLink]);
-    // What looks like attributes but is text, a comment or a value is none.
+    // Text, comments and values that look like attributes are not counted.
     let quotes = "''".repeat(1000);
     let text =
         PENDULUM.replace("<link name='a'/>", &format!("<!--{quotes}-->{quotes}<link name='a'/>"));
@@ -128,7 +128,7 @@ fn very_much_in_one_place() {
     refused(&PENDULUM.replace("<parent", &format!("{parts}<parent")));
 }
 
-/// Long names are names; in the text that is generated they stand a few times.
+/// Long names are allowed; the generated text repeats each of them a few times.
 #[test]
 fn names_without_end() {
     let name = "\u{202e}\"x".repeat(many() / 5);
@@ -141,7 +141,7 @@ fn names_without_end() {
     );
 }
 
-/// Each has errors of its own; all are found, the first hundred are shown.
+/// Each element has errors of its own. All are found; the first hundred are shown.
 #[test]
 fn as_many_errors_as_parts() {
     let n = many() / 2;
@@ -151,7 +151,7 @@ fn as_many_errors_as_parts() {
             .replace('K', kind)
             .replace('P', parent)
     };
-    // The last link is the root, and nothing that moves has inertia.
+    // The last link is the root, and no moving link has inertia.
     let massless = links.clone() + &joints("revolute", &format!("l{}", n - 1));
     for (text, least) in [
         (robot(&"<joint/>".repeat(n / 4)), n),
@@ -165,7 +165,7 @@ fn as_many_errors_as_parts() {
     }
 }
 
-/// The interpreter takes them; code is refused before any of it is made.
+/// The interpreter accepts these robots; the compiler refuses them before it generates any code.
 #[test]
 fn a_forest_of_joints() {
     let mut text = String::from("<robot name='r'><link name='l0'/>");

@@ -1,12 +1,12 @@
-//! Names are data: whatever they hold, the text is that of the same robot with plain names, but for
-//! what stands in strings, documentation and the variants of enums.
+//! Names are data. With any names, the generated text is that of the same robot with plain names, except for strings,
+//! documentation and the variants of enums.
 
 use modyn_codegen::names;
 use modyn_codegen::{Builder, Function};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use proptest::prelude::*;
 
-/// Two joints; the warning about the axis goes into the documentation.
+/// Returns a robot with two joints; the warning about an axis is part of the documentation.
 fn urdf([robot, base, link, joint, tip, wrist]: [&str; 6]) -> String {
     let escape =
         |name: &str| name.chars().map(|c| format!("&#{};", u32::from(c))).collect::<String>();
@@ -22,7 +22,7 @@ fn urdf([robot, base, link, joint, tip, wrist]: [&str; 6]) -> String {
     )
 }
 
-/// The tokens: strings as one sign, documentation line by line, identifiers that come from names as another.
+/// Returns the tokens: a string as one symbol, documentation line by line, an identifier from a name as another symbol.
 fn skeleton(text: &str, variants: &[String]) -> Vec<String> {
     fn walk(tokens: TokenStream, variants: &[String], found: &mut Vec<String>) {
         for token in tokens {
@@ -55,7 +55,7 @@ fn skeleton(text: &str, variants: &[String]) -> Vec<String> {
     found
 }
 
-/// The lines of the documentation that begin or end code, which rustdoc would run.
+/// Returns the lines of the documentation that start or end a code block; rustdoc would run such a block.
 fn fences(text: &str) -> Vec<&str> {
     text.lines()
         .map(str::trim_start)
@@ -94,7 +94,7 @@ const PLAIN: [&str; 6] = ["r0", "b0", "l0", "j0", "t0", "w0"];
 fn check(named: [&str; 6], self_contained: bool) {
     let (text, variants) = compiled(named, self_contained);
     syn::parse_file(&text).expect("Rust");
-    // What a variant is called may be called something else in the plain text too, such as `q`.
+    // The plain text may use the name of a variant for something else, such as `q`.
     let (plain, mut all) = compiled(PLAIN, self_contained);
     all.extend(variants);
     assert_eq!(skeleton(&text, &all), skeleton(&plain, &all), "{named:?}");
@@ -103,7 +103,7 @@ fn check(named: [&str; 6], self_contained: bool) {
     assert_eq!(text.chars().find(seen), None, "{named:?}");
 }
 
-/// A warning quotes the names that it is about, and rustdoc runs what stands in backticks.
+/// A warning quotes names of the description, and rustdoc runs code blocks in backticks.
 #[test]
 fn documentation_runs_nothing() {
     for name in [
@@ -117,7 +117,7 @@ fn documentation_runs_nothing() {
     }
 }
 
-/// The names of all items inside of the block of generated functions.
+/// Returns the names of all items inside of the block of generated functions.
 fn helpers(text: &str) -> Vec<String> {
     let name = |item: &syn::Item| match item {
         syn::Item::Struct(item) => Some(item.ident.to_string()),
@@ -145,7 +145,7 @@ fn helpers(text: &str) -> Vec<String> {
     inside.collect()
 }
 
-/// A type of the text's own would hide a robot's of that name: none is called as a robot's type can be.
+/// A helper type of the generated text would hide a robot's type with the same name; the names are disjoint.
 #[test]
 fn no_helper_is_called_as_a_robot_can_be() {
     let robot = |name: &str| format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
@@ -155,7 +155,7 @@ fn no_helper_is_called_as_a_robot_can_be() {
         let builder = if share { builder.share() } else { builder };
         let found = helpers(&builder.generate().expect("good").text);
         for helper in &found {
-            // A robot's type is what its name becomes.
+            // The type of a robot is named by `type_name`.
             assert_ne!(names::type_name(helper), *helper);
         }
         let kind = |end: &str| found.iter().filter(|helper| helper.contains(end)).count();
@@ -165,7 +165,7 @@ fn no_helper_is_called_as_a_robot_can_be() {
     assert!(kinds.iter().all(|&count| count > 0), "{kinds:?}");
 }
 
-/// Names that the prelude, the text's generic parameters and the file's module have, too.
+/// Names that are also in the prelude, in the text's generic parameters, or in the file's module.
 #[test]
 fn robots_may_be_called_as_what_the_text_mentions() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("mentioned");
@@ -191,7 +191,7 @@ fn robots_may_be_called_as_what_the_text_mentions() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// Parts of names that mean something where they could get to.
+/// Parts of names that have a meaning in a place that a name could reach.
 const PARTS: &[&str] = &[
     "\"",
     "'",
@@ -253,7 +253,7 @@ const PARTS: &[&str] = &[
     "include!(\"/etc/passwd\")",
 ];
 
-/// Any name: parts and letters; the number keeps them apart.
+/// Returns any name: parts and letters; the number makes the names distinct.
 fn name(number: usize) -> impl Strategy<Value = String> {
     let part = prop_oneof![
         4 => prop::sample::select(PARTS).prop_map(String::from),
@@ -261,7 +261,7 @@ fn name(number: usize) -> impl Strategy<Value = String> {
     ];
     let name = prop::collection::vec(part, 0..8)
         .prop_map(move |parts| format!("{}{number}", parts.concat()));
-    // Those are refused.
+    // xacro's expressions are refused.
     name.prop_filter("not xacro's", |name| !name.contains("${") && !name.contains("$("))
 }
 

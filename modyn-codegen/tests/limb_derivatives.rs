@@ -1,4 +1,4 @@
-//! Derivatives of equal limbs side by side, and by columns side by side, are the interpreter's, by fewer
+//! Derivatives with equal limbs, and with columns, packed into vectors are those of the interpreter, with fewer
 //! operations.
 
 use modyn_codegen::graph::Graph;
@@ -17,8 +17,8 @@ fn read(text: &str, name: &str, base: Base) -> Model {
     modyn_codegen::read(text, name, &options).expect("a good robot").model
 }
 
-/// Three forked legs on a body, a tail, a waist behind them, and two arms on that: limbs of several modules,
-/// groups of different numbers of limbs, and trunk on both sides of them.
+/// Three forked legs on a body, a tail, a waist after them, and two arms on the torso: limbs of several modules,
+/// groups of different numbers of limbs, and a trunk on both sides of the groups.
 fn centaur() -> String {
     let link = |name: &str, k: f64| {
         let (mass, x, i) = (0.5 + 0.1 * k, 0.02 * k, 0.02 + 0.003 * k);
@@ -70,7 +70,7 @@ fn robots() -> Vec<(&'static str, Model)> {
     ]
 }
 
-/// Coordinates, then three joint vectors.
+/// Returns coordinates, then three joint vectors.
 fn state(model: &Model, seed: f64) -> [Vec<f64>; 4] {
     let vector = |n: usize, k: f64| -> Vec<f64> {
         let numbers = 0_u32..u32::try_from(n).expect("few");
@@ -94,7 +94,7 @@ fn assert_close(what: &str, found: &[f64], expected: &[f64], tolerance: f64) {
     }
 }
 
-/// The condition number of a symmetric matrix, given its inverse, by the sums of rows.
+/// Returns the condition number of a symmetric matrix in the infinity norm, from the matrix and its inverse.
 fn condition(matrix: &[f64], inverse: &[f64], n: usize) -> f64 {
     let norm = |matrix: &[f64]| {
         let sums = matrix.chunks(n).map(|column| column.iter().map(|x| x.abs()).sum::<f64>());
@@ -194,7 +194,7 @@ fn operations_of_derivatives_are_those_of_the_page() {
     assert_eq!(rows, 4);
 }
 
-/// The table of columns side by side in `docs/derivatives.md`.
+/// The table of packed columns in `docs/derivatives.md`.
 #[test]
 fn operations_by_columns_are_those_of_the_page() {
     let page = include_str!("../../docs/derivatives.md");
@@ -219,7 +219,7 @@ fn operations_by_columns_are_those_of_the_page() {
     }
 }
 
-/// Legs on one branch, arms alike on another: what they leave is not carried on together.
+/// Legs on one branch and equal arms on another: their results are not propagated together.
 #[test]
 fn limbs_on_two_branches_share_no_root_path() {
     let part = |parent: &str, child: &str, kind: &str, axis: &str| {
@@ -246,7 +246,7 @@ fn limbs_on_two_branches_share_no_root_path() {
     let mechanism = Mechanism::new(&model);
     let joined = LimbPacking::joined(&mechanism).expect("limbs that can join");
     assert!(!joined.share_root_path(&mechanism));
-    // So they join for torques, but not where columns are carried.
+    // They are therefore packed for torques, but not where columns are propagated.
     let joins = |function| {
         let builder = Builder::new().urdf_text(&text, "two.urdf").functions([function]);
         builder.generate().expect("a good robot").text.contains("Beside<A, 4>")

@@ -1,4 +1,4 @@
-//! Equal limbs side by side give what they give one after the other, by fewer operations.
+//! Equal limbs in vectors give the results of limbs computed one after the other, with fewer operations.
 
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::optimize;
@@ -11,7 +11,7 @@ use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_runtime::{LaneScalar, Scalar};
 
-/// Three unequal fingers on a turning palm, and two on it that are no fingers.
+/// Three fingers with the same joints and different constants on a rotating palm, and a thumb.
 const HAND: &str = r#"
 <robot name="hand">
   <link name="world">MASS</link>
@@ -26,7 +26,7 @@ const HAND: &str = r#"
   FINGER(c, 0 0 0.3, 0 0 0, 0.04)
 </robot>"#;
 
-/// The hand, with its short forms written out.
+/// Returns the description of the hand: `MASS` and `FINGER` are replaced by elements.
 fn hand() -> String {
     let mass = "<inertial><origin xyz=\"0.01 0.02 0.1\"/><mass value=\"0.3\"/>\
                 <inertia ixx=\"0.02\" iyy=\"0.03\" izz=\"0.02\" ixy=\"0.001\" ixz=\"0\" iyz=\"0\"/></inertial>";
@@ -39,7 +39,7 @@ fn hand() -> String {
         };
         let [name, xyz, rpy, armature] =
             list.split(", ").collect::<Vec<_>>().try_into().expect("four");
-        // A rotor on some fingers' last joints only.
+        // Some fingers have a rotor at the last joint.
         let rotor = if name == "b" {
             String::new()
         } else {
@@ -60,7 +60,7 @@ fn read(text: &str, name: &str, base: Base) -> Model {
     modyn_codegen::read(text, name, &options).expect("a good robot").model
 }
 
-/// Robots with equal limbs, and whether their limbs are independent of each other.
+/// Returns robots with equal limbs, and whether their limbs are independent of each other.
 fn robots() -> Vec<(&'static str, Model, bool)> {
     let quadruped = include_str!("../../robots/quadruped.urdf");
     let humanoid = include_str!("../../robots/humanoid.urdf");
@@ -74,7 +74,7 @@ fn robots() -> Vec<(&'static str, Model, bool)> {
     ]
 }
 
-/// The same outputs; returns the operations of both.
+/// Checks that both graphs have the same outputs; returns the operations of both.
 fn compare(name: &str, quantity: &str, alone: Graph, packed: Graph) -> [usize; 2] {
     let (alone, packed) = (optimize(alone), optimize(packed));
     for seed in 0..3 {
@@ -182,7 +182,7 @@ fn limbs_on_different_bodies_side_by_side_give_the_same() {
     }
 }
 
-/// Two limbs of `low` joints on a trunk, then a waist and two of `high` ones on the torso.
+/// Returns a robot with two limbs of `low` joints on a trunk, then a waist and two limbs of `high` joints on the torso.
 fn upright(low: usize, high: usize) -> String {
     let mass = |x: f64| {
         format!(
@@ -261,7 +261,7 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
             }
         }
     }
-    // Three joints more are too many to be made up for.
+    // Three further joints cost more than the vectors gain.
     let read = modyn_codegen::read(&upright(2, 5), "upright", &ReadOptions::default());
     assert_eq!(LimbPacking::joined(&Mechanism::new(&read.expect("a good robot").model)), None);
 }
@@ -328,7 +328,7 @@ fn lanes_are_put_together_and_taken_apart() {
         ]
     });
     assert_eq!(graph.evaluate(&[2.0, 3.0, 5.0, 7.0]), [9.0, 22.0, 44.0, -13.0]);
-    // A product and a sum, of four lanes each, and a sum over three.
+    // A product and a sum of four lanes each, and a sum over three lanes.
     assert_eq!(graph.count().total(), 4);
 }
 

@@ -1,6 +1,6 @@
-//! Closed loops: the four-bar linkage and the five-bar robot against their closed-form positions and
-//! Lagrange's equation in as many coordinates as they have degrees of freedom; any robot against
-//! differences; what the interpreter computes against what gets compiled.
+//! Closed loops. The four-bar linkage and the five-bar robot are compared with their closed-form positions and with
+//! Lagrange's equation in as many coordinates as they have degrees of freedom. Any robot is compared with finite
+//! differences, and the interpreter with the generated code.
 
 use std::f64::consts::PI;
 
@@ -27,10 +27,10 @@ fn model_with(text: &str, options: &ReadOptions) -> Model {
     read(text, "loop.urdf", options).unwrap_or_else(|errors| panic!("{errors}")).model
 }
 
-/// A uniform bar 0.02 m wide and high, of 1 kg/m.
+/// A uniform bar, 0.02 m wide and high, with 1 kg/m.
 struct Bar {
     length: f64,
-    /// The inertia of its rotor.
+    /// The inertia of the bar's rotor.
     armature: f64,
 }
 
@@ -40,17 +40,17 @@ impl Bar {
     }
 }
 
-/// Where a bar begins, and its angle.
+/// The start of a bar, and the bar's angle.
 type Place = ([f64; 2], f64);
 
-/// A planar linkage by its geometry alone.
+/// A planar linkage, described by its geometry alone.
 struct Linkage {
     bars: Vec<Bar>,
-    /// From the driving angles.
+    /// Returns the places of the bars from the driving angles.
     place: fn(&[f64]) -> Vec<Place>,
-    /// The coordinates of the tree, from the bars' angles.
+    /// Returns the coordinates of the tree from the angles of the bars.
     coordinates: fn(&[f64]) -> Vec<f64>,
-    /// Where the driving angles stand in those.
+    /// The indices of the driving angles in these coordinates.
     driven: &'static [usize],
 }
 
@@ -58,7 +58,8 @@ fn tip(([x, z], angle): Place, length: f64) -> [f64; 2] {
     [x + length * angle.cos(), z + length * angle.sin()]
 }
 
-/// The angle at `from` of a triangle on the way to `to`, with sides `own` and `other`, to the left.
+/// Returns the angle at `from` of a triangle with the base from `from` to `to` and the sides `own` and `other`; the
+/// triangle is on the left.
 fn triangle(from: [f64; 2], to: [f64; 2], own: f64, other: f64) -> f64 {
     let [x, z] = [to[0] - from[0], to[1] - from[1]];
     let way = x.hypot(z);
@@ -100,7 +101,7 @@ fn five_bar() -> Linkage {
     }
 }
 
-/// The slope of `f` by entry `k`, by differences of fourth order.
+/// Returns the derivative of `f` by entry `k`, by differences of fourth order.
 fn slope(f: &dyn Fn(&[f64]) -> Vec<f64>, at: &[f64], k: usize, step: f64) -> Vec<f64> {
     let value = |by: f64| {
         let mut x = at.to_vec();
@@ -125,7 +126,7 @@ impl Linkage {
         (self.coordinates)(&self.angles(theta))
     }
 
-    /// dq/dt at these rates of the driving angles.
+    /// Returns dq/dt at these rates of the driving angles.
     fn qd(&self, theta: &[f64], rates: &[f64]) -> Vec<f64> {
         let along = |t: &[f64]| {
             let there: Vec<f64> = theta.iter().zip(rates).map(|(x, v)| x + v * t[0]).collect();
@@ -134,7 +135,7 @@ impl Linkage {
         slope(&along, &[0.0], 0, 1e-3)
     }
 
-    /// The middles and angles of the bars, and their angles against what carries them.
+    /// Returns the centres and angles of the bars, and their angles relative to the bars that carry them.
     fn points(&self, theta: &[f64]) -> Vec<f64> {
         let places = (self.place)(theta).into_iter().zip(&self.bars);
         let points = places.flat_map(|(place, bar)| {
@@ -144,7 +145,7 @@ impl Linkage {
         points.chain(self.q(theta)).collect()
     }
 
-    /// The mass matrix in the driving angles.
+    /// Returns the mass matrix in the driving angles.
     fn inertia(&self, theta: &[f64]) -> Vec<f64> {
         let slopes: Vec<Vec<f64>> =
             (0..theta.len()).map(|k| slope(&|x| self.points(x), theta, k, 1e-3)).collect();
@@ -169,7 +170,7 @@ impl Linkage {
         self.bars.iter().enumerate().map(|(i, bar)| 9.81 * bar.length * points[3 * i + 1]).sum()
     }
 
-    /// Lagrange's equation: the accelerations of the driving angles under the tree's torques.
+    /// Returns the accelerations of the driving angles under the tree's torques, by Lagrange's equation.
     fn accelerations(&self, theta: &[f64], rates: &[f64], tau: &[f64]) -> Vec<f64> {
         let n = theta.len();
         let matrix = self.inertia(theta);
@@ -204,7 +205,7 @@ impl Linkage {
         }
     }
 
-    /// The accelerations of all the tree's joints.
+    /// Returns the accelerations of all joints of the tree.
     fn qdd(&self, theta: &[f64], rates: &[f64], tau: &[f64]) -> Vec<f64> {
         let accelerations = self.accelerations(theta, rates, tau);
         let rate = |t: &[f64]| {
@@ -217,7 +218,7 @@ impl Linkage {
     }
 }
 
-/// Numbers in [-1, 1).
+/// Pseudo-random numbers in [-1, 1).
 struct Random(u64);
 
 impl Random {
@@ -231,7 +232,7 @@ impl Random {
     }
 }
 
-/// The accelerations, and the wrenches that close the loops.
+/// Returns the accelerations, and the wrenches that close the loops.
 fn constrained(
     interpreter: &mut Interpreter,
     state: (&[f64], &[f64], &[f64]),
@@ -241,7 +242,7 @@ fn constrained(
     (qdd, wrenches)
 }
 
-/// The accelerations, the wrenches that close the loops, the residuals and the rank.
+/// The accelerations, the wrenches that close the loops, the residuals, and the rank.
 type Constrained = (Vec<f64>, Vec<Wrench<f64>>, Vec<Twist<f64>>, f64);
 
 fn constrained_with_rank(
@@ -258,7 +259,7 @@ fn constrained_with_rank(
     (qdd, wrenches, residuals, rank)
 }
 
-/// What the loop constraints are apart, and how fast they part.
+/// Returns the displacements and the velocities of the constrained directions of all loops.
 fn errors(interpreter: &mut Interpreter, q: &[f64], qd: &[f64]) -> [Vec<f64>; 2] {
     let twists = || vec![Twist::zero(); interpreter.model().loop_constraints().len()];
     let (mut displacements, mut velocities) = (twists(), twists());
@@ -276,7 +277,7 @@ fn assert_near(found: &[f64], expected: &[f64], within: f64) {
     }
 }
 
-/// Driving angles at which the linkage can be put together, far from where it locks.
+/// Returns driving angles at which the linkage can be assembled, far from singular configurations.
 fn angles(linkage: &Linkage, random: &mut Random) -> Vec<f64> {
     if linkage.driven.len() == 1 {
         return vec![PI * random.next()];
@@ -299,7 +300,7 @@ fn against_closed_form(text: &str, linkage: &Linkage) {
         let settings = ConstraintSettings::<f64>::EXACT;
         let (qdd, _) = constrained(&mut interpreter, (&q, &qd, &tau), &settings);
         assert_near(&qdd, &expected, 1e-7);
-        // A tree would move otherwise.
+        // Without the loop constraint, the accelerations are different.
         let mut free = vec![0.0; q.len()];
         interpreter.forward_dynamics(&q, &qd, &tau, &mut free).expect("fits");
         let apart = free.iter().zip(&qdd).any(|(a, b)| (a - b).abs() > 1e-3 * b.abs());
@@ -317,8 +318,8 @@ fn the_five_bar_robot_moves_as_lagranges_equation_says() {
     against_closed_form(FIVE_BAR, &five_bar());
 }
 
-/// The four-bar linkage with its coupler sawn through in the middle, welded together as a rigid
-/// loop constraint: three rows of six are redundant.
+/// Returns the four-bar linkage with its coupler cut in the middle and welded by a rigid loop constraint: three of its
+/// six rows are redundant.
 fn sawn() -> String {
     let half = |name: &str| {
         format!(
@@ -357,7 +358,7 @@ fn redundant_rows_change_no_acceleration() {
         let (expected, _) = constrained(&mut hinge, (&q, &qd, &tau), &settings);
         let (qdd, _) = constrained(&mut ball, (&q, &qd, &tau), &settings);
         assert_near(&qdd, &expected, 1e-11);
-        // The second half of the coupler points back at the first.
+        // The second half of the coupler points in the opposite direction.
         let back = q[0] + q[1] - q[2] + PI;
         let rate = qd[0] + qd[1] - qd[2];
         let (q, qd) = ([q[0], q[1], q[2], back], [qd[0], qd[1], qd[2], rate]);
@@ -370,8 +371,7 @@ fn redundant_rows_change_no_acceleration() {
     }
 }
 
-/// A mount that rotates the linkage, or an axis that is off by what four decimals of pi leave, must not
-/// lock it.
+/// Neither a mount that rotates the linkage, nor an axis with the error of four decimals of pi, locks the linkage.
 #[test]
 fn a_mounted_linkage_is_not_locked() {
     let linkage = four_bar();
@@ -419,8 +419,8 @@ fn two_constraints_of_one_joint_share_its_forces() {
     }
 }
 
-/// These of three loop constraints on a robot that floats and has joints of all types, one of which follows
-/// another: with all three there are more rows than joints.
+/// Returns a floating robot with joints of all types, one mimic joint, and the selected ones of three loop constraints.
+/// With all three there are more rows than joints.
 fn bound_zoo(which: &[usize]) -> Model {
     let end = |link: &str, xyz, rpy| LoopEnd { link: link.into(), xyz, rpy };
     let (straight, turned) = ([0.0; 3], [0.9, -0.4, 1.3]);
@@ -454,7 +454,7 @@ fn bound_zoo(which: &[usize]) -> Model {
     model_with(&text, &ReadOptions { base: Base::Floating, loops, ..Default::default() })
 }
 
-/// A state with quaternions of unit length.
+/// Returns a state with quaternions of unit length.
 fn state(interpreter: &mut Interpreter, random: &mut Random) -> [Vec<f64>; 3] {
     let (nq, nv) = (interpreter.model().nq(), interpreter.model().nv());
     let mut q = random.vector(nq, 1.0);
@@ -477,7 +477,7 @@ fn what_parts_changes_as_its_rate_says() {
         };
         let [before, after] = [there(-1.0), there(1.0)];
         let [_, velocities] = errors(&mut interpreter, &q, &qd);
-        // Rotations that have happened are no vectors: their slope is the velocity near zero alone.
+        // Angular displacements are no vectors: their derivative is the velocity only near zero.
         for (i, expected) in velocities.iter().enumerate().filter(|(i, _)| i % 6 >= 3) {
             let slope = (after[0][i] - before[0][i]) / (2.0 * step);
             assert!((slope - expected).abs() < 1e-5, "{i}: {slope} instead of {expected}");
@@ -516,7 +516,7 @@ fn keeps_what_is_held(interpreter: &mut Interpreter) {
     }
 }
 
-/// The forces, applied from outside, leave the joints the torques that were given.
+/// If the loop's forces act as external forces, inverse dynamics returns the given torques.
 #[test]
 fn the_forces_are_those_that_close_the_loops() {
     for text in [FOUR_BAR, FIVE_BAR] {
@@ -564,7 +564,7 @@ fn forces_close(model: Model) {
     }
 }
 
-/// One step of Runge and Kutta's fourth order; no torques act.
+/// Integrates one step by the Runge-Kutta method of fourth order; the torques are zero.
 fn step(interpreter: &mut Interpreter, state: &mut [Vec<f64>; 2], h: f64) {
     let settings = ConstraintSettings::<f64>::DEFAULT;
     let tau = vec![0.0; state[1].len()];
@@ -582,7 +582,7 @@ fn step(interpreter: &mut Interpreter, state: &mut [Vec<f64>; 2], h: f64) {
     }
 }
 
-/// What a second of falling changes of the energy, in steps of `h`; the loops are closed behind it.
+/// Returns the relative change of energy in one second of free motion, in steps of `h`; the loops must remain closed.
 fn energy_lost(text: &str, linkage: &Linkage, theta: &[f64], h: f64) -> f64 {
     let mut interpreter = Interpreter::new(model(text));
     let energy = |interpreter: &mut Interpreter, [q, qd]: &[Vec<f64>; 2]| {
@@ -609,12 +609,12 @@ fn energy_is_kept_and_the_loops_stay_closed() {
         [(FOUR_BAR, four_bar(), vec![1.2]), (FIVE_BAR, five_bar(), vec![1.9, 1.2])]
     {
         let [coarse, fine] = [1e-3, 2.5e-4].map(|h| energy_lost(text, &linkage, &theta, h));
-        // What is lost is the integrator's, of fourth order.
+        // The lost energy is the error of the integrator, which is of fourth order.
         assert!(fine < 1e-7 && fine < coarse / 50.0, "{fine} {coarse}");
     }
 }
 
-/// Baumgarte: phi'' = -2 alpha phi' - beta^2 phi, whatever the torques.
+/// Baumgarte stabilization: phi'' = -2 alpha phi' - beta^2 phi, for any torques.
 #[test]
 fn what_is_apart_comes_together() {
     let linkage = five_bar();
@@ -710,7 +710,7 @@ fn steps_close_the_loops() {
             interpreter.project_constraints((q, qd), &[], &settings, into).expect("fits");
             let [apart, parting] = errors(&mut interpreter, q, qd);
             let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
-            // The smallest change in the metric of kinetic energy takes off energy alone.
+            // The smallest change in the metric of kinetic energy only removes kinetic energy.
             let energy = interpreter.kinetic_energy(q, qd).expect("fits");
             let taken = interpreter.kinetic_energy(q, &dqd).expect("fits");
             let closed: Vec<f64> = qd.iter().zip(&dqd).map(|(v, d)| v + d).collect();
@@ -762,11 +762,11 @@ fn generated_code_says_which_loops_it_closes() {
     ] {
         assert!(closed.text.contains(part), "{part}\n{}", closed.text);
     }
-    // The zero rows of an aligned linkage are folded away; docs/loops.md says so. With rows in a fixed order and
-    // without rank and residuals it was 186 and 4: pivoting and the norm of the forces are the rest.
+    // The zero rows of an aligned linkage are folded away; docs/loops.md says so. With rows in a fixed order, and
+    // without rank and residuals, the counts were 186 and 4; pivoting and the norm of the forces add the rest.
     let count = closed.operations.iter().find(|(name, _)| *name == "constrained_forward_dynamics");
     assert_eq!(count.map(|(_, count)| (count.total(), count.others)), Some((322, 39)));
-    // A tree has no such functions, even if it is to have all.
+    // A tree has no such functions, even if all functions are selected.
     let tree = FOUR_BAR.split_once("<loop_joint").expect("a loop").0.to_owned() + "</robot>";
     let tree = Builder::new().urdf_text(tree, "tree.urdf").functions(Function::ALL.iter().copied());
     let tree = tree.generate().expect("good");
@@ -848,9 +848,9 @@ fn an_options_loop_is_checked_as_a_descriptions() {
     );
     let far = LoopEnd { rpy: [0.0, f64::INFINITY, 0.0], ..end("crank") };
     assert_eq!(codes("a", LoopConstraintKind::Point, [far, end("ground")]), [Code::NotFinite]);
-    // A model has its own.
+    // A model contains its loop constraints already.
     let closing = Loop { name: "a".into(), kind: LoopConstraintKind::Point, ends: good() };
-    let builder = Builder::new().model(model(FOUR_BAR)).loop_joint(closing);
+    let builder = Builder::new().model(model(FOUR_BAR)).loops([closing]);
     let errors = builder.generate().expect_err("refused");
     assert_eq!(errors.iter().map(|error| error.code).collect::<Vec<_>>(), [Code::Option]);
     let moon = Builder::new().model(model(FOUR_BAR)).gravity([0.0, 0.0, -1.62]);

@@ -1,5 +1,5 @@
-//! MuJoCo's models (MJCF): the same robot gives the same numbers as its URDF, and what would change the dynamics but
-//! is not read is refused where it stands.
+//! MuJoCo's models (MJCF). The same robot gives the same numbers as its URDF. An element that would change the dynamics
+//! and is not supported is refused, with its line.
 
 use modyn_codegen::diagnostics::{Code, Diagnostics, Severity};
 use modyn_codegen::{Base, ReadOptions};
@@ -11,7 +11,7 @@ fn read(text: &str) -> Result<Model, Diagnostics> {
         .map(|reading| reading.model)
 }
 
-/// The largest differences of accelerations, torques and mass matrix at some states.
+/// Compares accelerations, torques and mass matrices of two models at some states.
 fn assert_same_numbers(a: Model, b: Model) {
     assert_eq!((a.nq(), a.nv()), (b.nq(), b.nv()));
     let (nq, n) = (a.nq(), a.nv());
@@ -43,8 +43,8 @@ fn assert_same_numbers(a: Model, b: Model) {
     }
 }
 
-/// An arm of hinges and a slide, with everything that is written in several ways: angles in degrees, classes,
-/// a frame, inertias by diagonal and in full, anchors beside the body's frame.
+/// An arm with revolute and prismatic joints. It has each element that can be written in several ways: angles in
+/// degrees, classes, a frame, diagonal and full inertias, and joint anchors away from the body's frame.
 const ARM: &str = include_str!("mjcf/arm.xml");
 
 const ARM_URDF: &str = r#"<robot name="arm">
@@ -93,14 +93,14 @@ fn the_same_arm_gives_the_same_numbers() {
             };
             assert_eq!(range(a.joint.limits), range(b.joint.limits));
         }
-        // A body's frame is where MuJoCo has it, beside the elbow's anchor.
+        // The body's frame is MuJoCo's frame, which is not at the elbow's anchor.
         let lower = ours.frames().iter().find(|frame| frame.name == "lower").expect("its link");
         assert_eq!(lower.pose.translation, [-0.02, 0.0, -0.01]);
         assert_same_numbers(ours, theirs);
     }
 }
 
-/// The models in `mjcf/`, and what `MuJoCo` computes for them: `mjcf/golden.py` wrote it.
+/// The models in `mjcf/` give MuJoCo's results, which `mjcf/golden.py` wrote.
 #[test]
 fn the_numbers_are_those_of_mujoco() {
     for (text, golden) in [
@@ -177,7 +177,7 @@ fn a_free_body_is_a_floating_base() {
     assert_same_numbers(model.expect("an MJCF"), theirs);
 }
 
-/// What stands where is refused, for this reason, at the line 2 that it stands in.
+/// Asserts that a piece of the text is refused with this code, at line 2, where the piece is.
 fn assert_refused(before: &str, bad: &str, after: &str, code: Code) {
     let text = format!("<mujoco model=\"m\">{before}\n{bad}\n{after}</mujoco>");
     let found = read(&text).expect_err(bad).into_vec();
@@ -232,7 +232,7 @@ fn what_would_go_unread_is_refused() {
         let before = format!("<worldbody><body name=\"a\">{inertial}");
         assert_refused(&before, bad, "</body></worldbody>", code);
     }
-    // mjcf-rs does not say where.
+    // mjcf-rs reports no line.
     for bad in [r#"<joint pos="0 0"/>"#, r#"<joint type="screw"/>"#] {
         let text = format!(
             "<mujoco model=\"m\"><worldbody><body>{inertial}{bad}</body></worldbody></mujoco>"
@@ -242,7 +242,8 @@ fn what_would_go_unread_is_refused() {
     assert_eq!(read("<robot/>").expect_err("a URDF").into_vec()[0].code, Code::NotMjcf);
 }
 
-/// It is reported in its place, and joints without inertia elsewhere all the same; a body with it is not judged.
+/// A number that cannot be read is reported at its line, and so are joints without inertia elsewhere. The body with
+/// that number is not checked for inertia.
 #[test]
 fn a_bad_number_hides_nothing_else() {
     let text = r#"<mujoco model="m"><worldbody>
@@ -276,7 +277,7 @@ fn depth_ends_in_a_refusal_and_not_on_the_stack() {
     assert_eq!(nested(50_000).expect_err("too deep").into_vec()[0].code, Code::NotRead);
 }
 
-/// Texts with a piece cut out, put elsewhere or exchanged: read or refused, but there is an answer.
+/// Texts with parts deleted, moved or exchanged are read or refused; the reader does not panic.
 #[test]
 fn no_mutation_panics() {
     let models = [ARM, include_str!("mjcf/rotations.xml"), include_str!("mjcf/shapes.xml")];
@@ -306,8 +307,8 @@ fn no_mutation_panics() {
     assert!(usable > 100, "only {usable} reach the end");
 }
 
-/// Rotations become part of the generated text: their sines are libm's, which are the same on every host, and not
-/// the system's.
+/// Rotations become constants of the generated text. Their sines are those of libm, which are the same on every host,
+/// and not those of the system.
 #[test]
 fn rotations_are_the_same_on_every_host() {
     let angles: Vec<f64> = (0..2000).map(|i| 0.001 + 0.0015 * f64::from(i)).collect();

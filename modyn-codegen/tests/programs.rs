@@ -1,4 +1,4 @@
-//! Programs compute what their graphs do, and a broken program is found before it is printed.
+//! Programs compute the same as their graphs, and an invalid program is found before it is printed.
 
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::{balance, optimize};
@@ -22,14 +22,14 @@ fn inputs(count: usize) -> Vec<f64> {
     (0..count).map(|i| libm::sin(1.7 * i as f64 + 0.3) * 1.4).collect()
 }
 
-/// The same bits, whatever the target: no product is fused in this build's numbers.
+/// Asserts that the program returns the same bits as the graph, for each target; this build fuses no product.
 fn same(graph: &Graph, program: &Program) {
     assert_eq!(program.validate(), Ok(()));
     let inputs = inputs(program.arguments);
     let (expected, found) = (graph.evaluate(&inputs), program.evaluate(&inputs));
     assert!(expected.iter().any(|x| *x != 0.0) && expected.iter().all(|x| x.is_finite()));
     for (expected, found) in expected.iter().zip(&found) {
-        // An instruction for fused products rounds once.
+        // A fused multiply-add rounds once.
         let fused = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
         let tolerance = if fused { 1e-9 * (1.0 + expected.abs()) } else { 0.0 };
         assert!((expected - found).abs() <= tolerance, "{expected} {found}");
@@ -37,7 +37,7 @@ fn same(graph: &Graph, program: &Program) {
     assert_eq!(found.len(), expected.len());
 }
 
-/// Derivatives, which are cut into chunks, and forward dynamics.
+/// Derivatives, which are split into chunks, and forward dynamics.
 #[test]
 fn programs_on_scalars_compute_what_graphs_do() {
     let mut cut = 0;
@@ -85,7 +85,7 @@ fn packed_and_repeated_programs_compute_what_graphs_do() {
     }
 }
 
-/// Each kind of operation that a robot's equations may or may not have.
+/// Each kind of operation, including those that few robots' equations contain.
 #[test]
 fn every_operation_is_lowered() {
     let graph = Graph::trace(|| {

@@ -1,6 +1,6 @@
-//! What comes out of reading: merged bodies, order, frames, and never a panic.
+//! The model that a description gives: merged bodies, order, frames; no description makes the reader panic.
 
-#![allow(clippy::float_cmp)] // Figures that must come through as they are written.
+#![allow(clippy::float_cmp)] // Numbers of the description must keep their value exactly.
 
 use std::{fmt::Write, fs, path::Path};
 
@@ -48,13 +48,13 @@ fn close(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12)
 }
 
-/// The file of this name in `good/`.
+/// Returns the model of a file in `good/`.
 fn good(name: &str, options: &ReadOptions) -> Model {
     let (_, text) = good_files().into_iter().find(|(file, _)| file.ends_with(name)).expect("file");
     read(&text, name, options).unwrap_or_else(|e| panic!("{e}")).model
 }
 
-/// A pendulum: joint `j` from link `a` to link `b`.
+/// Returns a pendulum: joint `j` from link `a` to link `b`.
 fn pendulum() -> String {
     format!(
         "<robot name='r'>{}{}{}</robot>",
@@ -64,7 +64,7 @@ fn pendulum() -> String {
     )
 }
 
-/// A rod along x with a ball at the end, behind two fixed joints, the first of them turned.
+/// A rod along x with a ball at its end, after two fixed joints; the first of them rotates the ball's frame.
 #[test]
 fn fixed_links_are_merged_into_the_link_that_carries_them() {
     const HALF_PI: &str = "1.5707963267948966";
@@ -93,12 +93,12 @@ fn fixed_links_are_merged_into_the_link_that_carries_them() {
         (limits.lower, limits.upper, limits.velocity, limits.effort),
         (Some(-1.), Some(2.), Some(3.), Some(4.))
     );
-    // The ball stands at [1 0 0] + Rz(90) [0 1 0] = [0 0 0], its centre at Rz(90) [0.5 0 0] from there.
-    // So the centres are at [0.5 0 0] and [0 0.5 0], and that of both at [0.25 0.25 0].
+    // The ball's frame is at [1 0 0] + Rz(90) [0 1 0] = [0 0 0], and its centre of mass is at Rz(90) [0.5 0 0] from there.
+    // So the centres are at [0.5 0 0] and [0 0.5 0], and the common centre is at [0.25 0.25 0].
     assert_eq!(rod.inertial.mass, 4.0);
     assert!(close(&rod.inertial.center_of_mass, &[0.25, 0.25, 0.0]));
-    // Each 2 kg body is off by [0.25 -0.25 0] or [-0.25 0.25 0]: 4 kg / 16 = 0.25 about x and y,
-    // twice that about z, and ixy = -sum m x y = +0.25.
+    // Each 2 kg body is displaced by [0.25 -0.25 0] or [-0.25 0.25 0]: 4 kg / 16 = 0.25 about x and y, twice that about
+    // z, and ixy = -sum m x y = +0.25.
     let [xx, xy, xz, yy, yz, zz] = [0.5 + 0.25, 0.25, 0.0, 0.75 + 0.25, 0.0, 0.875 + 0.5];
     assert!(close(&rod.inertial.inertia, &[xx, xy, xz, yy, yz, zz]), "{:?}", rod.inertial);
 
@@ -143,8 +143,7 @@ fn roll_pitch_yaw_turns_about_x_then_y_then_z() {
     assert!(close(&rotation.concat(), &product.concat()));
 }
 
-/// Children in the order of their joints in the file, also where a fixed link lies between, and
-/// whatever the order of the links.
+/// Children are in the order of their joints in the file, also after a fixed link, and for any order of the links.
 #[test]
 fn links_stand_depth_first_in_the_order_of_the_joints() {
     let mut text = String::from("<robot name='r'>");
@@ -279,7 +278,7 @@ fn bad_options_are_errors_without_a_place() {
             rotor("weld", 1.0, 1.0),
             "joint `weld`: the options give it a rotor, but it does not move",
         ),
-        (rotor("j", -1.0, 1.0), "joint `j`: no rotor has inertia -1"),
+        (rotor("j", -1.0, 1.0), "joint `j`: inertia -1 and gear ratio 1 are not those of a rotor"),
         (rotor("j", f64::NAN, 1.0), "inertia NaN"),
         (rotor("j", 0.0, f64::INFINITY), "gear ratio inf"),
         (rotor("j", 1.0, 1e40), "gear ratio 1000"),
@@ -288,7 +287,7 @@ fn bad_options_are_errors_without_a_place() {
         let errors = refused(&fixed, options);
         assert!(errors.len() == 1 && errors[0].contains(text), "{errors:?}");
     }
-    // All at once, and in no more than linear time.
+    // All errors are reported at once, in linear time.
     let rotors = (0..50_000).map(|i| rotor(&format!("x{i}"), -1.0, 1.0)).collect();
     let options =
         ReadOptions { rotors, friction: Some(Friction::Smooth(0.0)), ..ReadOptions::default() };
@@ -320,10 +319,10 @@ fn a_base_that_floats_is_a_link_that_moves() {
     let [base, arm] = model.links() else { panic!("two links move") };
     assert_eq!((base.name.as_str(), base.parent), ("base", None));
     assert_eq!(base.joint.joint_type, JointType::Floating);
-    // The name is taken by the arm's joint.
+    // The arm's joint already has the name.
     assert_eq!(base.joint.name, "floating_base_1");
     assert_eq!((arm.joint.name.as_str(), arm.parent), ("floating_base", Some(0)));
-    // The trunk is fixed to it, 1 m higher.
+    // The trunk is fixed to the base, 1 m higher.
     assert_eq!((base.inertial.mass, base.inertial.center_of_mass), (1.0, [0.0, 0.0, 1.0]));
     assert_eq!(arm.joint.origin.translation, [0.0, 0.0, 1.0]);
     let frames: Vec<_> = model.frames().iter().map(|f| (f.name.as_str(), f.link)).collect();
@@ -348,8 +347,8 @@ fn frames_have_the_inertia_of_their_own_link() {
     }
 }
 
-/// Neither the call stack nor a quadratic loop stands in the way, be it one line or many; and
-/// the deep end of a long chain still feels what it carries.
+/// Neither the call stack nor a quadratic loop limits the length, on one line or on many. The first joint still moves
+/// the inertia at the chain's end.
 #[test]
 #[ignore = "slow: long chains in an unoptimized reader"]
 fn a_chain_of_100_000_joints() {
@@ -373,13 +372,13 @@ fn a_chain_of_100_000_joints() {
     let model = reading(&text).model;
     assert_eq!((model.nq(), model.frames().len()), (66_667, N + 1));
 
-    // And a cycle of as many.
+    // A cycle of the same length.
     let closed = text.replace("<child link='l100000'/>", "<child link='l0'/>");
     let errors = read(&closed, "test.urdf", &ReadOptions::default()).expect_err("refused");
     assert!(errors.iter().any(|d| d.code == Code::Cycle));
 }
 
-/// Each joint follows the next, or all stand in a circle.
+/// Each joint follows the next one, or all of them form a cycle.
 #[test]
 #[ignore = "slow: long chains in an unoptimized reader"]
 fn a_chain_of_100_000_mimics() {
@@ -429,11 +428,11 @@ fn a_chain_of_20_000_joints_of_all_types() {
     assert_eq!((model.links().len(), model.nv()), (N, N / 5 * 15));
 }
 
-/// urdf-rs reads the same figures from the same text: an independent witness.
+/// urdf-rs reads the same numbers from the same text: an independent implementation.
 #[test]
 fn figures_are_those_that_urdf_rs_reads() {
     let mut compared = 0;
-    // urdf-rs knows no base that floats.
+    // urdf-rs has no floating base.
     for (file, text) in good_files().into_iter().filter(|(_, text)| !text.contains("base = ")) {
         let follows = !text.contains("mimic = independent");
         let options = ReadOptions {
@@ -442,7 +441,7 @@ fn figures_are_those_that_urdf_rs_reads() {
             ..ReadOptions::default()
         };
         let Ok(reading) = read(&text, &file, &options) else { panic!("{file}") };
-        // urdf-rs refuses some files for what does not concern the dynamics.
+        // urdf-rs refuses some files because of elements that the dynamics does not need.
         let Ok(robot) = urdf_rs::read_from_string(&text) else { continue };
         assert_eq!(
             reading.model.frames().iter().map(|f| &f.name).collect::<Vec<_>>(),
@@ -478,7 +477,7 @@ fn figures_are_those_that_urdf_rs_reads() {
             if moves(&joint.parent.link) {
                 assert!(close(&link.joint.origin.translation, &*joint.origin.xyz), "{file}");
             }
-            // Bodies to which nothing is fixed: the figures as they are written.
+            // Bodies without fixed links have the numbers of the file.
             if !robot.joints.iter().any(|j| j.parent.link == link.name && !moves(&j.child.link)) {
                 let own = robot.links.iter().find(|l| l.name == link.name).expect("link");
                 assert!(close(&[link.inertial.mass], &[own.inertial.mass.value]), "{file}");
@@ -493,7 +492,7 @@ fn figures_are_those_that_urdf_rs_reads() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Files with lines and bytes deleted, repeated, exchanged and made up.
+    /// Files with lines and bytes deleted, repeated, exchanged and inserted.
     #[test]
     fn no_text_makes_it_panic(
         file in any::<prop::sample::Index>(),
@@ -512,7 +511,7 @@ proptest! {
                 2 => text.swap(i, j),
                 3 => text.truncate(i),
                 4 => {
-                    // Lines, which keeps most of the document well-formed.
+                    // Whole lines change, which keeps most of the document well-formed.
                     let mut lines: Vec<&[u8]> = text.split(|&b| b == b'\n').collect();
                     let (i, j) = (a.index(lines.len()), b.index(lines.len()));
                     match byte % 3 {
@@ -523,7 +522,7 @@ proptest! {
                     text = lines.join(&b'\n');
                 }
                 _ => {
-                    // A figure or a name in quotes becomes another one.
+                    // A number or a name in quotes is replaced by another one.
                     let Some(open) = text[i..].iter().position(|&b| b == b'"').map(|k| i + k + 1) else { continue };
                     let Some(close) = text[open..].iter().position(|&b| b == b'"').map(|k| open + k) else { continue };
                     let words: [&[u8]; 12] = [

@@ -1,14 +1,14 @@
-//! The generated code of many robots is frozen: `same_text.hashes` has a hash for each robot and set of options.
+//! The generated code of many robots is fixed: `same_text.hashes` has a hash for each robot and set of options.
 //!
-//! A change that is not meant to change generated code leaves the file alone. One that is meant to writes it anew:
+//! A change that should not alter generated code must leave that file unchanged. Any other change writes it again:
 //!
 //! ```console
 //! UPDATE_SNAPSHOTS=1 cargo test --release -p modyn-codegen --test same_text
 //! ```
 //!
-//! With `MODYN_TEXTS=folder` the texts are written there, to be compared with those of another commit. Comments and
-//! the part of the runtime that self-contained files carry are not part of the hash. A build with debug assertions
-//! looks at the smaller robots alone.
+//! With `MODYN_TEXTS=folder` the test writes the texts to that folder, for a comparison with another commit. The hash
+//! covers neither comments nor the part of the runtime in self-contained files. A build with debug assertions checks
+//! the smaller robots only.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -17,21 +17,21 @@ use std::path::{Path, PathBuf};
 use modyn_codegen::Base;
 use modyn_codegen::{Builder, FloatType, Function, Generated};
 
-/// Robots that take an unoptimised build too long.
+/// Robots that take too long in an unoptimized build.
 const LARGE: &[&str] = &["g1", "humanoid", "solo12", "quadruped", "biped"];
 
-/// Sets of options, by name.
+/// Sets of options, with their names.
 type Options = (&'static str, fn(Builder) -> Builder);
 
 const OPTIONS: &[Options] = &[
     ("default", |b| b),
     ("all", all),
-    ("all f32", |b| all(b).float(FloatType::F32)),
+    ("all f32", |b| all(b).scalar(FloatType::F32)),
     ("all floating", |b| all(b).base(Base::Floating)),
     ("all share", |b| all(b).share()),
-    ("all floating share f32", |b| all(b).base(Base::Floating).share().float(FloatType::F32)),
+    ("all floating share f32", |b| all(b).base(Base::Floating).share().scalar(FloatType::F32)),
     ("all self_contained", |b| all(b).self_contained()),
-    ("all self_contained share f32", |b| all(b).self_contained().share().float(FloatType::F32)),
+    ("all self_contained share f32", |b| all(b).self_contained().share().scalar(FloatType::F32)),
     ("all gravity c", |b| all(b).runtime_gravity().c_functions("robot")),
     ("all parameters", |b| with_inertia(all(b).runtime_gravity())),
     ("floating self_contained parameters c", |b| {
@@ -43,7 +43,7 @@ fn all(builder: Builder) -> Builder {
     builder.functions(Function::ALL.iter().copied())
 }
 
-/// The inertia of the last link that moves is an argument, and a payload of the first one.
+/// Makes the inertia of the last moving link an argument, and a payload of the first one.
 fn with_inertia(builder: Builder) -> Builder {
     let only = builder.clone().functions([Function::PotentialEnergy]).generate();
     let model = only.ok().map(|only| only.model);
@@ -52,7 +52,7 @@ fn with_inertia(builder: Builder) -> Builder {
     builder.runtime_inertia(name(links.last())).payload(name(links.first()))
 }
 
-/// The robots, by name.
+/// Returns the paths of the robots, by name.
 fn robots() -> BTreeMap<String, PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let folders = ["robots", "tests/golden"].map(|folder| root.join(folder));
@@ -62,7 +62,7 @@ fn robots() -> BTreeMap<String, PathBuf> {
     robots.map(|file| (file.file_stem().expect("a name").to_string_lossy().into(), file)).collect()
 }
 
-/// Generated items without comments and without the runtime.
+/// Returns the generated items without comments and without the runtime.
 fn code(generated: &Generated) -> String {
     let own = generated.text.split("\npub mod runtime {").next().unwrap_or_default();
     let lines = own.lines().filter(|line| !line.trim_start().starts_with("//"));
@@ -73,7 +73,7 @@ fn code(generated: &Generated) -> String {
     code
 }
 
-/// FNV-1a, 64 bits.
+/// Returns the FNV-1a hash, 64 bits.
 fn hash(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
@@ -92,7 +92,7 @@ fn generated_code_is_the_same() {
         }
         for (options, with) in OPTIONS {
             let builder = with(Builder::new().urdf(&file));
-            // A robot that cannot float stays refused.
+            // A robot that cannot have a floating base remains refused.
             let code = builder
                 .generate()
                 .map_or_else(|e| e.to_string().replace(&*file.to_string_lossy(), ""), |g| code(&g));

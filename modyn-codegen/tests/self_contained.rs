@@ -1,4 +1,4 @@
-//! Files that depend on `core` alone, and how they are kept.
+//! Files that depend on `core` alone, and files in version control that are compared with generated text.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -15,7 +15,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Whether rustc takes the file as a module of a crate with these attributes.
+/// Returns whether rustc accepts the file as a module of a crate with these attributes.
 fn compiles(file: &Path, attributes: &str) -> bool {
     let root = file.with_extension("crate.rs");
     let module = file.file_stem().expect("a name").to_string_lossy();
@@ -44,7 +44,7 @@ fn a_file_needs_nothing_but_core() {
     let robots =
         [("joint_zoo", FloatType::F32), ("gripper", FloatType::F64), ("four_bar", FloatType::F32)];
     for (name, float) in robots {
-        let builder = Builder::new().urdf(robot(&format!("{name}.urdf"))).float(float);
+        let builder = Builder::new().urdf(robot(&format!("{name}.urdf"))).scalar(float);
         let builder = builder.functions(Function::ALL.iter().copied()).self_contained();
         let file = folder.join(format!("{name}.rs"));
         builder.write(&file).expect("good");
@@ -54,7 +54,7 @@ fn a_file_needs_nothing_but_core() {
         }
         syn::parse_file(&text).expect("Rust");
         assert!(compiles(&file, "#![forbid(unsafe_code)]\n#![deny(warnings, missing_docs)]"));
-        // Payloads bring more of the runtime with them.
+        // Payloads need further parts of the runtime.
         let link = builder.generate().expect("good").model.links()[0].name.clone();
         let file = folder.join(format!("{name}_payload.rs"));
         builder
@@ -67,7 +67,7 @@ fn a_file_needs_nothing_but_core() {
     }
 }
 
-/// By itself, as `rustc --crate-type lib` takes it without a word about editions: that is 2015.
+/// The file alone compiles with `rustc --crate-type lib`, whose default edition is 2015.
 #[test]
 fn a_file_compiles_in_every_edition() {
     let folder = folder("editions");
@@ -118,7 +118,7 @@ fn a_file_says_how_it_was_made_and_knows_when_it_is_stale() {
     let description = std::fs::read_to_string(robot("gripper.urdf")).expect("a robot");
     std::fs::write(&urdf, &description).expect("writes");
     let _ = std::fs::remove_file(&file);
-    let builder = Builder::new().urdf(&urdf).float(FloatType::F32).self_contained();
+    let builder = Builder::new().urdf(&urdf).scalar(FloatType::F32).self_contained();
     let builder = builder.functions([Function::ForwardDynamics]);
     assert!(builder.is_stale(&file).expect("good"), "there is none yet");
     builder.write(&file).expect("good");
@@ -127,20 +127,20 @@ fn a_file_says_how_it_was_made_and_knows_when_it_is_stale() {
     let text = std::fs::read_to_string(&file).expect("written");
     let head =
         text.lines().take_while(|line| line.starts_with("//")).collect::<Vec<_>>().join("\n");
-    assert!(head.contains(env!("CARGO_PKG_VERSION")) && head.contains(".float(FloatType::F32)"));
+    assert!(head.contains(env!("CARGO_PKG_VERSION")) && head.contains(".scalar(FloatType::F32)"));
     assert!(
         head.contains(".urdf(\"gripper.urdf\")") && head.contains(".self_contained()"),
         "{head}"
     );
     assert!(!text.contains(&*folder.to_string_lossy()), "no path of this machine");
 
-    // How a checkout ends lines is no matter; anything else is.
+    // Line ends of the checkout do not matter; any other difference does.
     std::fs::write(&file, text.replace('\n', "\r\n")).expect("writes");
     assert!(!builder.is_stale(&file).expect("good"));
     std::fs::write(&file, text.replacen("0.", "1.", 1)).expect("writes");
     assert!(builder.is_stale(&file).expect("good"), "edited by hand");
     builder.write(&file).expect("good");
-    assert!(builder.clone().float(FloatType::F64).is_stale(&file).expect("good"), "an option");
+    assert!(builder.clone().scalar(FloatType::F64).is_stale(&file).expect("good"), "an option");
     std::fs::write(&urdf, format!("{description}<!-- more -->")).expect("writes");
     assert!(builder.is_stale(&file).expect("good"), "another description");
     assert!(builder.write(folder.join("no/such/folder.rs")).is_err());

@@ -1,4 +1,4 @@
-//! How many digits forward dynamics keeps in single precision, for every robot of `robots/`.
+//! The number of digits that forward dynamics keeps in single precision, for every robot of `robots/`.
 
 use modyn_codegen::plan::partition::{Choice, choose};
 use modyn_codegen::trace::Tracer;
@@ -17,8 +17,8 @@ fn model(name: &str) -> Model {
     read(&text(name), name, &ReadOptions::default()).expect("good").model
 }
 
-/// The largest error of an acceleration over 200 states, relative to the largest acceleration of its
-/// state; `f64` sees the same rounded inputs.
+/// Returns the largest error of an acceleration over 200 states, relative to the largest acceleration of the same
+/// state. Both precisions have the same inputs, rounded to `f32`.
 fn error(model: &Model) -> f64 {
     let mechanism = Mechanism::new(model);
     let tracer = Tracer::new(&mechanism);
@@ -44,7 +44,7 @@ fn error(model: &Model) -> f64 {
     worst
 }
 
-/// The bounds stand in docs/firmware.md.
+/// The bounds are those of docs/firmware.md.
 #[test]
 fn forward_dynamics_keeps_its_digits() {
     let bounds = [
@@ -65,15 +65,15 @@ fn forward_dynamics_keeps_its_digits() {
         if found > bound {
             failures.push(name);
         }
-        let builder = Builder::new().model(model).float(FloatType::F32).functions([]);
+        let builder = Builder::new().model(model).scalar(FloatType::F32).functions([]);
         let warnings = builder.generate().expect("good").warnings;
         assert!(warnings.iter().all(|w| w.code != Code::IllConditioned), "{name}");
     }
     assert!(failures.is_empty(), "{failures:?}");
 }
 
-/// A light link between two parallel joints that are `offset` m apart, and a heavy one a metre long:
-/// which of them moves can hardly be told.
+/// Returns a light link between two parallel joints that are `offset` m apart, and a heavy link of one metre. The two
+/// joints cause nearly the same motion.
 fn light_between(offset: f64) -> String {
     let link = |name: &str, x: f64, mass: f64, inertia: f64| {
         format!(
@@ -95,17 +95,17 @@ fn light_between(offset: f64) -> String {
 #[test]
 fn a_robot_that_single_precision_does_not_carry_is_warned_of() {
     let warned = |offset: f64, float: FloatType| {
-        let builder = Builder::new().urdf_text(light_between(offset), "a.urdf").float(float);
+        let builder = Builder::new().urdf_text(light_between(offset), "a.urdf").scalar(float);
         let generated = builder.functions([]).generate().expect("good");
         let warned = generated.warnings.iter().any(|w| w.code == Code::IllConditioned);
-        // It stands in the type's documentation too.
+        // The type's documentation contains the warning, too.
         assert_eq!(warned, generated.text.contains("ill-conditioned"));
         warned
     };
     assert!(warned(1e-3, FloatType::F32));
     assert!(!warned(1e-3, FloatType::F64));
     assert!(!warned(0.3, FloatType::F32));
-    // The number bounds what is lost; what is lost is often far less.
+    // The estimate is an upper bound of the loss, which is often much smaller.
     for offset in [1e-3, 1e-2, 0.3] {
         let reading = read(&light_between(offset), "a.urdf", &ReadOptions::default());
         let model = reading.expect("good").model;

@@ -1,4 +1,4 @@
-//! An inertia is refused at run time where a description with it is refused.
+//! An inertia is refused at run time if and only if a description with this inertia is refused.
 
 use modyn_codegen::Builder;
 use modyn_codegen::diagnostics::Code;
@@ -6,7 +6,7 @@ use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Frame, Joint, Link, Model};
 use modyn_runtime::{Inertial, Interpreter, Pose};
 
-/// Small numbers that look random.
+/// A source of pseudo-random small numbers.
 struct Dice(u64);
 
 impl Dice {
@@ -15,13 +15,13 @@ impl Dice {
         usize::try_from(self.0 >> 40).unwrap_or(0) % n
     }
 
-    /// One of few directions, so that some axes are parallel; oblique, so that rounding shows.
+    /// Returns one of few directions, so that some axes are parallel; they are oblique, so that rounding errors occur.
     fn axis(&mut self) -> [f64; 3] {
         let (a, b) = (1.0 / 3.0, 2.0 / 3.0);
         [[b, -a, b], [a, b, b], [0.6, 0.0, -0.8]][self.below(3)]
     }
 
-    /// Nothing, a point mass, a rod along an axis, or a full body.
+    /// Returns no mass, a point mass, a rod along an axis, or a full body.
     fn inertial(&mut self) -> Inertial {
         let on_axis = self.axis().map(|x| x * 0.2);
         let center_of_mass = [[0.0; 3], on_axis, [0.11, 0.07, -0.13]][self.below(3)];
@@ -36,7 +36,7 @@ impl Dice {
     }
 }
 
-/// A tree with these inertias of its links.
+/// Returns a tree with these inertias of its links.
 fn tree(seed: u64, inertias: &[Inertial]) -> Model {
     let mut dice = Dice(seed);
     let types =
@@ -80,7 +80,7 @@ fn at_run_time_as_in_a_description() {
                 false
             }
         };
-        // From a robot without such links, one after the other.
+        // From a robot with full inertias, one link after the other.
         let mut interpreter = Interpreter::<f64>::new(tree(seed, &vec![full; count]));
         let set: Result<Vec<()>, _> =
             (0..count).map(|i| interpreter.set_inertial(i, &inertias[i])).collect();

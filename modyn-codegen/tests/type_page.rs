@@ -65,7 +65,7 @@ fn it_lists_the_options() {
     let page = page(&changed);
     for option in [
         "- `functions = [mass_matrix, jacobian]`",
-        "- `gravity = runtime`",
+        "- `runtime_gravity = true`",
         "- `payload`: `nail`",
         "- `share = true`",
     ] {

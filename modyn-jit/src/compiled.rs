@@ -6,7 +6,7 @@ use modyn_codegen::diagnostics::Diagnostic;
 use modyn_codegen::plan::{Frames, Kernels, LinkCode, Plan, Planned, Shape};
 use modyn_codegen::program::Program;
 use modyn_codegen::{Builder, Function, Planning};
-use modyn_runtime::model::Model;
+use modyn_runtime::model::{Inertial, Model};
 
 use crate::call::Call;
 use crate::error::{CallError, CompileError};
@@ -15,6 +15,7 @@ use crate::helper::Helpers;
 use crate::level::Level;
 use crate::lower::lower;
 use crate::machine::{Code, Pages};
+use crate::parameters::{ParameterError, RunTimeParameters};
 use crate::real::Real;
 
 /// The choices about machine code; those about the robot are a [`Builder`]'s.
@@ -37,8 +38,7 @@ pub struct Compiled<S> {
     level: Level,
     pages: Pages,
     functions: Vec<CompiledFunction>,
-    /// The run-time parameters of the robot.
-    parameters: Vec<S>,
+    parameters: RunTimeParameters<S>,
     /// The placements of links that share code, a row each.
     placements: Vec<Vec<S>>,
 }
@@ -121,13 +121,12 @@ impl<S: Real> Compiled<S> {
         let functions = plan.functions.iter().map(|planned| assembly.function(planned, plan));
         let functions = functions.collect();
         let pages = Pages::new(&assembly.code).map_err(CompileError::Memory)?;
-        let parameters = plan.parameters.described(model.gravity());
         let number = |x: f64| S::from_f64(x);
         Ok(Self {
             level,
             pages,
             functions,
-            parameters: parameters.into_iter().map(number).collect(),
+            parameters: RunTimeParameters::new(plan, model),
             placements: plan.frames.placements().map(|row| row.map(number).to_vec()).collect(),
             model: model.clone(),
             warnings: warnings.clone(),
@@ -167,12 +166,47 @@ impl<S: Real> Compiled<S> {
             Some(compiled) => Ok(Call {
                 compiled,
                 pages: &self.pages,
-                parameters: &self.parameters,
+                parameters: &self.parameters.numbers,
                 placements: &self.placements,
                 lanes: self.level.vector(true) / size_of::<S>(),
             }),
             None => Err(CallError::NotCompiled { function, compiled: self.functions().collect() }),
         }
+    }
+
+    /// Sets the acceleration of free fall in world axes, m/s^2.
+    ///
+    /// # Errors
+    ///
+    /// [`Builder::runtime_gravity`] was not called, or a component is not finite.
+    pub fn set_gravity(&mut self, gravity: [S; 3]) -> Result<(), ParameterError<S>> {
+        self.parameters.set_gravity(gravity)
+    }
+
+    /// Sets the inertia of a link alone, in its own frame, in place of the description's.
+    ///
+    /// # Errors
+    ///
+    /// The link was not named in [`Builder::runtime_inertia`], no rigid body has this inertia, or a joint would move none.
+    pub fn set_inertia(
+        &mut self,
+        link: &str,
+        inertial: &Inertial<S>,
+    ) -> Result<(), ParameterError<S>> {
+        self.parameters.set_inertial(&self.model, false, link, inertial)
+    }
+
+    /// Sets the inertia that is added to a link, in the link's frame; none by default.
+    ///
+    /// # Errors
+    ///
+    /// The link was not named in [`Builder::payload`], no rigid body has this inertia, or a joint would move none.
+    pub fn set_payload(
+        &mut self,
+        link: &str,
+        inertial: &Inertial<S>,
+    ) -> Result<(), ParameterError<S>> {
+        self.parameters.set_inertial(&self.model, true, link, inertial)
     }
 
     /// Computes the joint accelerations `qdd` at coordinates `q` and velocities `qd` under the joint torques or forces

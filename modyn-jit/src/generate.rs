@@ -9,7 +9,7 @@
 //! slots of values.
 //!
 //! Angles that are too large for the fast reduction are found by one comparison after the reductions of a statement.
-//! Behind the function are the instructions that save the registers, reduce the angles by a call, and come back.
+//! A detour after the return saves the registers, reduces these angles by a call, and jumps back.
 
 use crate::encode::{Encoder, Encoding, Opcode, Operands, Place, RSP};
 use crate::helper::Helpers;
@@ -148,9 +148,11 @@ pub(crate) fn generate(
     generator.finish(&pool)
 }
 
-/// The stores of results: vectors whose lanes are results one after another, then all others. With each the distance
-/// from the beginning of the results.
-fn stores(values: &Values, size: usize) -> (Vec<(Value, u32)>, Vec<(Value, u32)>) {
+/// Values with the distances from the beginning of the results at which they are stored.
+type Stores = Vec<(Value, u32)>;
+
+/// The stores of results: vectors whose lanes are results one after another, then all others.
+fn stores(values: &Values, size: usize) -> (Stores, Stores) {
     let (mut runs, mut single) = (Vec::new(), Vec::new());
     let mut distance = 0;
     let mut k = 0;
@@ -440,12 +442,14 @@ impl Generator<'_> {
         for &operand in operands {
             let soon = self.registers.distance(operand).is_some_and(|distance| distance <= SOON);
             let absent = self.registers.register(operand) == NONE;
-            if soon && absent && operation != Operation::Broadcast {
-                if let Some(register) = self.registers.unoccupied(*pinned) {
-                    self.load(register, operand);
-                    self.registers.hold(register, operand);
-                    *pinned |= 1 << register;
-                }
+            if soon
+                && absent
+                && operation != Operation::Broadcast
+                && let Some(register) = self.registers.unoccupied(*pinned)
+            {
+                self.load(register, operand);
+                self.registers.hold(register, operand);
+                *pinned |= 1 << register;
             }
         }
     }
@@ -871,7 +875,7 @@ impl Generator<'_> {
             self.encoder.patch(from, start);
             self.save(occupied);
             for ([angle, reduced, turns], lanes) in angles {
-                // The angle first: it may be an argument, behind a register that the others overwrite.
+                // The angle first: it may be an argument, whose base register the others overwrite.
                 self.address(RDX, angle);
                 self.address(RDI, reduced);
                 self.address(RSI, turns);

@@ -45,10 +45,13 @@ mod level;
 mod lower;
 mod machine;
 mod opcodes;
+mod parameters;
 mod real;
 mod registers;
 mod values;
 
+#[cfg(test)]
+extern crate self as modyn_jit;
 #[cfg(test)]
 mod tests;
 
@@ -57,4 +60,5 @@ pub use compiled::{Compiled, Options};
 pub use error::{CallError, CompileError};
 pub use generate::CodeSize;
 pub use level::Level;
+pub use parameters::ParameterError;
 pub use real::Real;

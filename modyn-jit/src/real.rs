@@ -1,12 +1,18 @@
 //! The numbers that code computes on.
 
+use std::fmt::{Debug, Display, LowerExp};
+
 use modyn_runtime::batch::Float;
 
 /// A floating-point number that machine code is made for: `f64` or `f32`.
-pub trait Real: Float + PartialOrd + Default + std::fmt::Debug + sealed::Sealed {
+pub trait Real: Float + PartialOrd + Default + Debug + Display + LowerExp + sealed::Sealed {
     /// The bits of the number.
     #[doc(hidden)]
     fn bits(self) -> u64;
+
+    /// Whether the number is neither infinite nor NaN.
+    #[doc(hidden)]
+    fn has_value(self) -> bool;
 }
 
 mod sealed {
@@ -20,10 +26,18 @@ impl Real for f64 {
     fn bits(self) -> u64 {
         self.to_bits()
     }
+
+    fn has_value(self) -> bool {
+        self.is_finite()
+    }
 }
 
 impl Real for f32 {
     fn bits(self) -> u64 {
         self.to_bits().into()
+    }
+
+    fn has_value(self) -> bool {
+        self.is_finite()
     }
 }

@@ -31,7 +31,7 @@ pub(crate) struct Registers<'a> {
     /// The register of each value.
     register_of: Vec<u8>,
     homes: Vec<Home>,
-    /// The steps that read each value, and how many of them are behind.
+    /// The steps that read each value, and how many of them have passed.
     uses: Vec<Vec<u32>>,
     passed: Vec<u32>,
     /// How many values that are lanes of a vector are still to be read.

@@ -1,16 +1,13 @@
 //! The input of the macro: `[[visibility] Name =] "path" [, option = value]*`.
 
-use modyn_codegen::diagnostics::{Severity, suggest};
-use modyn_codegen::{
-    Base, Contact, ContactKind, Friction, Loop, LoopConstraintKind, LoopEnd, Mimic,
-};
-use modyn_codegen::{Builder, FloatType, Function, ModuleChoice};
-use proc_macro2::{Span, TokenTree};
+use modyn_codegen::Builder;
+use modyn_codegen::diagnostics::suggest;
+use modyn_codegen::options::{Entries, OPTIONS, Value};
+use proc_macro2::{Delimiter, Literal, Spacing, Span, TokenStream, TokenTree};
 use quote::ToTokens as _;
 use syn::ext::IdentExt as _;
 use syn::parse::{Parse, ParseStream};
-use syn::punctuated::Punctuated;
-use syn::{Error, Ident, Lit, LitBool, LitStr, Path, Result, Token, Visibility};
+use syn::{Error, Ident, Lit, LitStr, Result, Token, Visibility};
 
 /// The macro's input.
 pub(crate) struct Input {
@@ -63,26 +60,7 @@ impl Parse for Input {
     }
 }
 
-/// The names of all options.
-const OPTIONS: [&str; 15] = [
-    "gravity",
-    "runtime_inertia",
-    "payload",
-    "functions",
-    "modules",
-    "scalar",
-    "base",
-    "mimic",
-    "rotors",
-    "loops",
-    "contacts",
-    "friction",
-    "share",
-    "unphysical_inertia",
-    "crate",
-];
-
-/// Parses one `, name = value`, or a trailing comma.
+/// One `, name = value`, or a last comma.
 fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> Result<Builder> {
     input.parse::<Token![,]>()?;
     if input.is_empty() {
@@ -95,260 +73,121 @@ fn option(builder: Builder, given: &mut Vec<Ident>, input: ParseStream<'_>) -> R
     }
     given.push(name.clone());
     input.parse::<Token![=]>()?;
-    match name.to_string().as_str() {
-        "gravity" if input.peek(Ident) => {
-            choice(input, &[("runtime", ())]).map(|()| builder.runtime_gravity())
-        }
-        "gravity" => vector(input).map(|gravity| builder.gravity(gravity)),
-        "share" => input
-            .parse::<LitBool>()
-            .map_err(|error| Error::new(error.span(), "expected `true` or `false`"))
-            .map(|share| if share.value { builder.share() } else { builder }),
-        "runtime_inertia" => strings(input).map(|links| builder.runtime_inertia(links)),
-        "payload" => strings(input).map(|links| builder.payload(links)),
-        "functions" => functions(input).map(|functions| builder.functions(functions)),
-        "modules" => modules(input).map(|modules| builder.modules(modules)),
-        "scalar" => choice(input, &[("f64", FloatType::F64), ("f32", FloatType::F32)])
-            .map(|float| builder.float(float)),
-        "base" => choice(input, &[("fixed", Base::Fixed), ("floating", Base::Floating)])
-            .map(|base| builder.base(base)),
-        "friction" => friction(input).map(|friction| builder.friction(friction)),
-        "rotors" => rotors(builder, input),
-        "loops" => loops(builder, input),
-        "contacts" => contacts(builder, input),
-        "mimic" => {
-            let choices = [
-                ("follow", Mimic::Follow),
-                ("independent", Mimic::Independent),
-                ("refuse", Mimic::Refuse),
-            ];
-            choice(input, &choices).map(|mimic| builder.mimic(mimic))
-        }
-        "unphysical_inertia" => {
-            choice(input, &[("error", Severity::Error), ("warn", Severity::Warning)])
-                .map(|severity| builder.unphysical_inertia(severity))
-        }
-        "crate" => match input.call(Path::parse_mod_style) {
-            Ok(path) => Ok(builder.krate(path.to_token_stream().to_string())),
-            Err(error) => Err(Error::new(error.span(), "expected a path, such as `::modyn`")),
-        },
-        other => {
-            let help = match suggest(other, OPTIONS.iter().copied()) {
-                Some(meant) => format!("did you mean `{meant}`?"),
-                None => format!("options are {}", OPTIONS.join(", ")),
-            };
-            Err(Error::new(name.span(), format!("there is no option `{other}`; {help}")))
-        }
+    let option = name.to_string();
+    let value = Text::of_value(input)?;
+    let known = || OPTIONS.iter().filter(|row| row.entries == Entries::All).map(|row| row.name);
+    if !known().any(|known| known == option) {
+        let help = match suggest(&option, known()) {
+            Some(meant) => format!("did you mean `{meant}`?"),
+            None => format!("options are {}", known().collect::<Vec<_>>().join(", ")),
+        };
+        return Err(Error::new(name.span(), format!("there is no option `{option}`; {help}")));
     }
+    Value::parse(&value.text)
+        .and_then(|parsed| builder.set(&option, &parsed))
+        .map_err(|fault| Error::new(value.span_at(fault.at), fault.message))
 }
 
-/// Parses one of these words.
-fn choice<T: Copy>(input: ParseStream<'_>, choices: &[(&str, T)]) -> Result<T> {
-    let span = input.span();
-    let word = input.call(Ident::parse_any).ok();
-    let found = word.and_then(|word| choices.iter().find(|(name, _)| word == name));
-    found.map(|(_, value)| *value).ok_or_else(|| {
-        let names: Vec<String> = choices.iter().map(|(name, _)| format!("`{name}`")).collect();
-        Error::new(span, format!("expected {}", names.join(" or ")))
-    })
+/// The tokens of a value as the text that the table of options reads, with the place of each.
+struct Text {
+    text: String,
+    /// Where each token begins in the text.
+    spans: Vec<(usize, Span)>,
 }
 
-/// Parses `none`, `viscous`, `coulomb` or `smooth(0.01)`.
-fn friction(input: ParseStream<'_>) -> Result<Friction> {
-    let choices = [
-        ("none", Friction::None),
-        ("viscous", Friction::Viscous),
-        ("coulomb", Friction::Coulomb),
-        ("smooth", Friction::Smooth(f64::NAN)),
-    ];
-    let chosen = choice(input, &choices)?;
-    if !matches!(chosen, Friction::Smooth(_)) {
-        return Ok(chosen);
-    }
-    let content;
-    if !input.peek(syn::token::Paren) {
-        return Err(input.error("expected a velocity, rad/s or m/s: `smooth(0.01)`"));
-    }
-    syn::parenthesized!(content in input);
-    Ok(Friction::Smooth(number(&content)?))
-}
-
-/// Parses `["joint": (inertia, gear_ratio), ...]`.
-fn rotors(builder: Builder, input: ParseStream<'_>) -> Result<Builder> {
-    let content;
-    syn::bracketed!(content in input);
-    let rotor = |input: ParseStream<'_>| {
-        let joint: LitStr = input.parse()?;
-        input.parse::<Token![:]>()?;
-        let figures;
-        syn::parenthesized!(figures in input);
-        let inertia = number(&figures)?;
-        figures.parse::<Token![,]>()?;
-        Ok((joint.value(), inertia, number(&figures)?))
-    };
-    let rotors = Punctuated::<_, Token![,]>::parse_terminated_with(&content, rotor)?;
-    Ok(rotors.into_iter().fold(builder, |builder, (joint, inertia, gear_ratio)| {
-        builder.rotor(joint, inertia, gear_ratio)
-    }))
-}
-
-/// Parses `["name": type("link", [x, y, z], "link", [x, y, z], axis = [x, y, z]), ...]`; roll, pitch and yaw may follow
-/// each position.
-fn loops(builder: Builder, input: ParseStream<'_>) -> Result<Builder> {
-    let content;
-    syn::bracketed!(content in input);
-    let loops = Punctuated::<_, Token![,]>::parse_terminated_with(&content, loop_joint)?;
-    Ok(loops.into_iter().fold(builder, Builder::loop_joint))
-}
-
-fn loop_joint(input: ParseStream<'_>) -> Result<Loop> {
-    let name: LitStr = input.parse()?;
-    input.parse::<Token![:]>()?;
-    let types = ["spherical", "fixed", "revolute", "continuous", "prismatic"];
-    let joint_type = choice(input, &types.map(|joint_type| (joint_type, joint_type)))?;
-    let figures;
-    syn::parenthesized!(figures in input);
-    let first = loop_end(&figures)?;
-    figures.parse::<Token![,]>()?;
-    let ends = [first, loop_end(&figures)?];
-    figures.parse::<Option<Token![,]>>()?;
-    let mut axis = None;
-    if !figures.is_empty() {
-        let span = figures.span();
-        choice(&figures, &[("axis", ())])?;
-        figures.parse::<Token![=]>()?;
-        axis = Some((vector(&figures)?, span));
-        figures.parse::<Option<Token![,]>>()?;
-    }
-    let along = axis.map_or([1.0, 0.0, 0.0], |(axis, _)| axis);
-    let kind = LoopConstraintKind::of_joint(joint_type, along)
-        .ok_or_else(|| Error::new(name.span(), "expected the type of a joint"))?;
-    match axis {
-        Some((_, span)) if kind.axis().is_none() => {
-            Err(Error::new(span, format!("a loop joint of type `{joint_type}` has no axis")))
+impl Text {
+    /// The tokens up to the next comma.
+    fn of_value(input: ParseStream<'_>) -> Result<Self> {
+        let mut found = Self { text: String::new(), spans: vec![(0, input.span())] };
+        while !input.is_empty() && !input.peek(Token![,]) {
+            found.token(input.parse()?);
         }
-        _ if !figures.is_empty() => Err(figures.error("expected `)`")),
-        _ => Ok(Loop { name: name.value(), kind, ends }),
+        Ok(found)
     }
-}
 
-/// `["name": point("link"), "name": surface("link", [x, y, z], [roll, pitch, yaw]), ...]`
-fn contacts(builder: Builder, input: ParseStream<'_>) -> Result<Builder> {
-    let content;
-    syn::bracketed!(content in input);
-    let contacts = Punctuated::<_, Token![,]>::parse_terminated_with(&content, contact)?;
-    Ok(contacts.into_iter().fold(builder, Builder::contact))
-}
-
-fn contact(input: ParseStream<'_>) -> Result<Contact> {
-    let name: LitStr = input.parse()?;
-    input.parse::<Token![:]>()?;
-    let kind = choice(input, &[("point", ContactKind::Point), ("surface", ContactKind::Surface)])?;
-    let content;
-    syn::parenthesized!(content in input);
-    let link: LitStr = content.parse()?;
-    let mut numbers = [[0.0; 3]; 2];
-    for vector_of in &mut numbers {
-        content.parse::<Option<Token![,]>>()?;
-        if !content.is_empty() {
-            *vector_of = vector(&content)?;
+    fn token(&mut self, token: TokenTree) {
+        let span = match &token {
+            TokenTree::Group(group) => group.span_open(),
+            other => other.span(),
+        };
+        self.spans.push((self.text.len(), span));
+        match token {
+            TokenTree::Group(group) => {
+                let (open, close) = match group.delimiter() {
+                    Delimiter::Bracket => ("[", "]"),
+                    Delimiter::Parenthesis => ("(", ")"),
+                    Delimiter::Brace => ("{", "}"),
+                    Delimiter::None => ("", ""),
+                };
+                self.text += open;
+                self.tokens(group.stream());
+                self.spans.push((self.text.len(), group.span_close()));
+                self.text += close;
+            }
+            TokenTree::Punct(punct) => {
+                self.text.push(punct.as_char());
+                // A comma does not join what it separates, nor do signs and the colons of paths.
+                if punct.spacing() == Spacing::Alone && matches!(punct.as_char(), ',' | '=') {
+                    self.text.push(' ');
+                }
+            }
+            TokenTree::Ident(word) => self.word(&word.unraw().to_string()),
+            TokenTree::Literal(literal) => self.word(&literal_text(&literal)),
         }
     }
-    content.parse::<Option<Token![,]>>()?;
-    if !content.is_empty() {
-        return Err(content.error("expected `)`: a link, then a place and roll, pitch, yaw"));
+
+    fn tokens(&mut self, tokens: TokenStream) {
+        tokens.into_iter().for_each(|token| self.token(token));
     }
-    let [xyz, rpy] = numbers;
-    Ok(Contact { name: name.value(), kind, end: LoopEnd { link: link.value(), xyz, rpy } })
-}
 
-/// Parses `"link", [x, y, z]` or `"link", [x, y, z], [roll, pitch, yaw]`.
-fn loop_end(input: ParseStream<'_>) -> Result<LoopEnd> {
-    let link: LitStr = input.parse()?;
-    input.parse::<Token![,]>()?;
-    let xyz = vector(input)?;
-    let mut rpy = [0.0; 3];
-    if input.peek(Token![,]) && input.peek2(syn::token::Bracket) {
-        input.parse::<Token![,]>()?;
-        rpy = vector(input)?;
-    }
-    Ok(LoopEnd { link: link.value(), xyz, rpy })
-}
-
-/// Parses `["a", "b"]`.
-fn strings(input: ParseStream<'_>) -> Result<Vec<String>> {
-    let content;
-    syn::bracketed!(content in input);
-    let strings = Punctuated::<LitStr, Token![,]>::parse_terminated(&content)?;
-    Ok(strings.iter().map(LitStr::value).collect())
-}
-
-/// Parses `all`, `default`, or a list of names of functions that may contain these two.
-fn functions(input: ParseStream<'_>) -> Result<Vec<Function>> {
-    if !input.peek(syn::token::Bracket) {
-        return function(input);
-    }
-    let content;
-    syn::bracketed!(content in input);
-    let lists = Punctuated::<_, Token![,]>::parse_terminated_with(&content, function)?;
-    Ok(lists.into_iter().flatten().collect())
-}
-
-fn function(input: ParseStream<'_>) -> Result<Vec<Function>> {
-    let name = Ident::parse_any(input).map_err(|error| {
-        Error::new(error.span(), "expected names of functions, `default` or `all`")
-    })?;
-    match name.to_string().as_str() {
-        "all" => Ok(Function::ALL.to_vec()),
-        "default" => Ok(Function::DEFAULT.to_vec()),
-        other => Function::from_name(other)
-            .map(|function| vec![function])
-            .ok_or_else(|| Error::new(name.span(), Function::unknown(other))),
-    }
-}
-
-/// Parses `[x, y, z]`.
-fn vector(input: ParseStream<'_>) -> Result<[f64; 3]> {
-    let span = input.span();
-    let content;
-    syn::bracketed!(content in input);
-    let numbers = Punctuated::<_, Token![,]>::parse_terminated_with(&content, number)?;
-    let count = numbers.len();
-    let numbers: Vec<f64> = numbers.into_iter().collect();
-    numbers
-        .try_into()
-        .map_err(|_| Error::new(span, format!("expected three numbers, there are {count}")))
-}
-
-/// Parses a number with an optional sign.
-fn number(input: ParseStream<'_>) -> Result<f64> {
-    let span = input.span();
-    let sign = if input.parse::<Option<Token![-]>>()?.is_some() { -1.0 } else { 1.0 };
-    let magnitude = match input.parse() {
-        Ok(Lit::Float(number)) if matches!(number.suffix(), "" | "f32" | "f64") => {
-            number.base10_parse::<f64>().ok()
+    /// A word; two in a row stay two.
+    fn word(&mut self, word: &str) {
+        if self.text.ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '"' | ']' | ')'))
+        {
+            self.text.push(' ');
+            if let Some((at, _)) = self.spans.last_mut() {
+                *at += 1;
+            }
         }
-        Ok(Lit::Int(number)) if number.suffix().is_empty() => number.base10_parse::<f64>().ok(),
-        _ => None,
-    };
-    let magnitude = magnitude.ok_or_else(|| Error::new(span, "expected a number"))?;
-    Ok(sign * magnitude)
+        self.text += word;
+    }
+
+    /// The token at this place of the text.
+    fn span_at(&self, at: usize) -> Span {
+        let token = self.spans.iter().rev().find(|(start, _)| *start <= at);
+        token.map_or_else(Span::call_site, |(_, span)| *span)
+    }
 }
 
-/// Parses `chains`, `links` or `[["link", ...], ...]`.
-fn modules(input: ParseStream<'_>) -> Result<ModuleChoice> {
-    if input.peek(Ident) {
-        let (chains, links) = (&ModuleChoice::Chains, &ModuleChoice::Links);
-        return choice(input, &[("chains", chains), ("links", links)]).cloned();
+/// A literal in the syntax of options: numbers without suffixes, texts with quotes and backslashes escaped.
+fn literal_text(literal: &Literal) -> String {
+    match Lit::new(literal.clone()) {
+        Lit::Str(text) => {
+            format!("\"{}\"", text.value().replace('\\', "\\\\").replace('"', "\\\""))
+        }
+        Lit::Float(number) if matches!(number.suffix(), "" | "f32" | "f64") => {
+            number.base10_digits().into()
+        }
+        Lit::Int(number) if number.suffix().is_empty() => number.base10_digits().into(),
+        _ => literal.to_string(),
     }
-    let content;
-    syn::bracketed!(content in input);
-    let module = |module: ParseStream<'_>| {
-        let names;
-        syn::bracketed!(names in module);
-        let names = Punctuated::<LitStr, Token![,]>::parse_terminated(&names)?;
-        Ok(names.iter().map(LitStr::value).collect())
-    };
-    let list = Punctuated::<_, Token![,]>::parse_terminated_with(&content, module)?;
-    Ok(ModuleChoice::List(list.into_iter().collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use modyn_codegen::options::{Entries, OPTIONS};
+
+    use super::Input;
+
+    #[test]
+    fn the_macro_knows_each_option() {
+        for row in OPTIONS {
+            let text = format!("\"a.urdf\", {} = {}", row.name, row.example);
+            let found = syn::parse_str::<Input>(&text);
+            match row.entries {
+                Entries::All => drop(found.unwrap_or_else(|error| panic!("{text}: {error}"))),
+                Entries::Files => assert!(found.is_err(), "{text}"),
+            }
+        }
+    }
 }

@@ -25,23 +25,7 @@ use input::Input;
 /// the robot. Errors are compile errors. Warnings about the description are printed during the build, and are part of
 /// the type's documentation.
 ///
-/// | option | values | default |
-/// |---|---|---|
-/// | `gravity` | `[x, y, z]`, m/s^2 in world axes; or `runtime`: a run-time parameter in the type's `Params` | `[0.0, 0.0, -9.81]` |
-/// | `runtime_inertia` | names of links whose own inertia is a run-time parameter in `Params` | `[]` |
-/// | `payload` | names of links with a payload, an additional inertia that is a run-time parameter in `Params`; by default zero | `[]` |
-/// | `functions` | a list of names of functions, which may contain `default`; or `all` | `default` |
-/// | `modules` | `chains`, `links`, or a list of lists of link names, each from the parent to the tip | `chains` |
-/// | `scalar` | `f64`, `f32`: the scalar of the type's own functions | `f64` |
-/// | `base` | `fixed`, `floating` | `fixed` |
-/// | `mimic` | `follow`, `independent`, `refuse`: the treatment of mimic joints | `follow` |
-/// | `rotors` | `["joint": (inertia, gear_ratio), ...]`, kg m^2 | the description's |
-/// | `friction` | `none`, `viscous`, `coulomb`, `smooth(velocity)`: the part of the description's damping and friction that acts | `none`, with a warning if the description has any |
-/// | `loops` | `["name": spherical("link", [x, y, z], "link", [x, y, z]), ...]`, or `fixed`, `revolute`, `continuous`, `prismatic`: loop joints | the description's |
-/// | `contacts` | `["name": point("link"), "name": surface("link", [x, y, z], [roll, pitch, yaw]), ...]`: frames of links that may touch the world | none |
-/// | `share` | `true`, `false`: whether equal limbs share one function | `false` |
-/// | `unphysical_inertia` | `error`, `warn`: the severity of inertias that no rigid body has | `error` |
-/// | `crate` | the path of `modyn`, if it is not `::modyn` | `::modyn` |
+#[doc = include_str!("../options.md")]
 ///
 /// Names of the description become identifiers word by word; a word consists of ASCII letters and digits. `my-robot 2`
 /// becomes the type `MyRobot2`, the joint `arm/left.wrist` the variant `ArmLeftWrist`. An underscore remains between two

@@ -1,11 +1,11 @@
-//! Batches of every length up to several vectors, in memory of just that length and on all vectors that
-//! the processor has. Under a sanitizer or valgrind it shows that nothing beyond is touched.
+//! Batches of every length up to several vectors, in memory of exactly that length, on all vectors of the processor.
+//! Under a sanitizer or valgrind the test shows that no other memory is accessed.
 #![cfg(feature = "std")]
 
 use modyn_runtime::batch::{Argument, Float, Inputs, Kernel, Lanes, Outputs, SimdLevel};
 use modyn_runtime::batch::{force_level, run, run_each};
 
-/// Sum and product of two numbers.
+/// The sum and the product of two numbers.
 struct Both;
 
 impl<F: Float> Kernel<F, 2, 2> for Both {
@@ -22,7 +22,7 @@ const ARGUMENTS: &[Argument] = &[
     Argument { name: "out", numbers: 2, coordinates: &["a", "b"] },
 ];
 
-/// Whole numbers, so that nothing is rounded.
+/// Returns integers, so that no result is rounded.
 fn numbers<F: Float>(count: usize, step: f64) -> Box<[F]> {
     (0_u8..100).cycle().take(count).map(|i| F::from_f64(f64::from(i) * step)).collect()
 }

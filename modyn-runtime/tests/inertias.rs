@@ -2,10 +2,12 @@
 #![cfg(feature = "alloc")]
 
 use modyn_runtime::joint::JointType;
+use modyn_runtime::mechanism::{inertia_without, rigid_inertia};
 use modyn_runtime::model::{Frame, Joint, JointDynamics, Link, Mimic, Model};
+use modyn_runtime::spatial::RigidInertia;
 use modyn_runtime::{Inertial, InertialError, Interpreter, Pose, Scalar};
 
-/// A fixed stream of numbers in 0..1: SplitMix64 (Steele, Lea and Flood 2014).
+/// A fixed sequence of numbers in 0..1: SplitMix64 (Steele, Lea and Flood 2014).
 struct Random(u64);
 
 impl Random {
@@ -30,7 +32,7 @@ impl Random {
         v.map(|x| x / length)
     }
 
-    /// A pose in general position.
+    /// Returns a pose in general position.
     fn pose(&mut self) -> Pose<f64> {
         let q: [f64; 4] = std::array::from_fn(|_| self.between(0.2, 1.0));
         let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -48,7 +50,7 @@ impl Random {
     }
 }
 
-/// A chain of these joints in general position; to each link a tool is fixed.
+/// Returns a chain of these joints in general position; a tool is fixed to each link.
 fn chain(seed: u64, joints: &[JointType]) -> Model {
     let mut random = Random(seed);
     let mut frames = Vec::new();
@@ -74,7 +76,7 @@ const JOINTS: [JointType; 5] = [
     JointType::Universal,
 ];
 
-/// Every number that the inertias have a part in.
+/// Returns every number that depends on the inertias.
 fn numbers<S: Scalar>(interpreter: &mut Interpreter<S>) -> Vec<S> {
     let (nq, nv) = (interpreter.model().nq(), interpreter.model().nv());
     let mut random = Random(99);
@@ -95,7 +97,7 @@ fn numbers<S: Scalar>(interpreter: &mut Interpreter<S>) -> Vec<S> {
     all
 }
 
-/// The model with other own inertias of these links.
+/// Returns the model with other own inertias of these links.
 fn described(model: &Model, changes: &[(usize, Inertial)]) -> Model {
     let mut frames = model.frames().to_vec();
     changes.iter().for_each(|(frame, inertial)| frames[*frame].inertial = *inertial);
@@ -119,7 +121,7 @@ fn a_hundred_thousand_updates_leave_no_trace() {
     for step in 0..100_000 {
         let frame = step % model.frames().len();
         let mut inertial = random.inertial();
-        // From light to heavy, as in an estimate that has not converged.
+        // The masses go from light to heavy, as in an estimate that has not converged.
         inertial.mass *= 1e3;
         inertial.inertia = inertial.inertia.map(|x| x * 1e3);
         adapted.set_inertial(frame, &inertial.map(|x| x as f32)).expect("a body's");
@@ -127,14 +129,14 @@ fn a_hundred_thousand_updates_leave_no_trace() {
             last.push((frame, inertial));
         }
     }
-    // The last values alone count,
+    // The last values alone determine the results,
     let mut direct = fresh.clone();
     for (frame, inertial) in &last {
         direct.set_inertial(*frame, &inertial.map(|x| x as f32)).expect("a body's");
     }
     let bits = |x: Vec<f32>| x.into_iter().map(f32::to_bits).collect::<Vec<_>>();
     assert_eq!(bits(numbers(&mut adapted)), bits(numbers(&mut direct)));
-    // and the description's are the description.
+    // and the inertias of the description restore the described robot.
     for (frame, described) in model.frames().iter().enumerate() {
         adapted.set_inertial(frame, &described.inertial.map(|x| x as f32)).expect("a body's");
     }
@@ -178,7 +180,7 @@ fn a_payload_is_added() {
     assert_eq!(numbers(&mut loaded), expected);
 }
 
-/// The joint that `changed` would leave without inertia.
+/// Returns the joint that `changed` would leave without inertia.
 fn refused(changed: Result<(), InertialError>) -> String {
     match changed {
         Err(InertialError::NoInertia { joint }) => joint,
@@ -194,7 +196,7 @@ fn no_joint_is_left_without_inertia() {
         (JointType::Prismatic, none),
         (JointType::Universal, none),
         (JointType::Spherical, none),
-        // A point mass at the centre of a spherical joint, and a floating one.
+        // A point mass at the centre of a spherical joint, and at the centre of a floating joint.
         (JointType::Spherical, Inertial { mass: 1.0, ..none }),
         (JointType::Floating, Inertial { mass: 1.0, center_of_mass: [0.1, 0.2, 0.3], ..none }),
     ] {
@@ -206,7 +208,7 @@ fn no_joint_is_left_without_inertia() {
         let tool_alone = alone.transformed(&inverse(&model.frames()[tool].pose));
         assert_eq!(refused(interpreter.set_inertial(tool, &tool_alone)), "joint1", "{alone:?}");
         assert_eq!(numbers(&mut interpreter), before, "nothing has changed");
-        // A payload may carry it, and then must stay.
+        // A payload may give the joint its inertia; then the payload cannot be removed.
         let load = Random(6).inertial();
         interpreter.set_payload(link, &load).expect("a body's");
         interpreter.set_inertial(tool, &tool_alone).expect("the payload is felt");
@@ -215,7 +217,7 @@ fn no_joint_is_left_without_inertia() {
     }
 }
 
-/// The pose of the other frame in this one.
+/// Returns the inverse of a pose.
 fn inverse(pose: &Pose<f64>) -> Pose<f64> {
     let r = &pose.rotation;
     let rotation = std::array::from_fn(|i| std::array::from_fn(|j| r[j][i]));
@@ -237,7 +239,7 @@ fn a_point_mass_on_its_axis_is_not_felt() {
             center_of_mass: model.links()[1].joint.axis.map(|x| x * factor + beside),
             ..none
         };
-        // On the axis rounding alone is left of the moment of inertia.
+        // On the axis the moment of inertia consists of rounding errors.
         assert_eq!(refused(interpreter.set_inertial(2, &at(0.7, 0.0))), "joint1");
         let on_axis = at(0.7, 0.0).map(|x| x as f32);
         assert!(matches!(single.set_inertial(2, &on_axis), Err(InertialError::NoInertia { .. })));
@@ -247,8 +249,62 @@ fn a_point_mass_on_its_axis_is_not_felt() {
 }
 
 #[test]
+fn a_small_moment_of_inertia_is_no_rounding_of_the_mass() {
+    let none = Inertial::default();
+    for seed in 0..20 {
+        let model = chain(seed, &[JointType::Revolute, JointType::Revolute]);
+        let mut single = Interpreter::<f32>::new(model);
+        single.set_inertial(3, &Inertial::default()).expect("the link is left");
+        // A kilogram within 2 mm of its axis: the rounding of the mass is above its moment of inertia.
+        let within = Inertial { mass: 1.0, inertia: [4e-6, 0.0, 0.0, 4e-6, 0.0, 4e-6], ..none };
+        single.set_inertial(2, &within.map(|x| x as f32)).expect("a moment of inertia");
+    }
+}
+
+#[test]
+fn nothing_is_left_of_a_link_without_its_frames() {
+    for seed in 0..20 {
+        for size in [1e-3, 1.0, 1e3_f64] {
+            // Rods along each axis, of which the difference of two moments of inertia is zero.
+            for across in [[0, 3], [3, 5], [5, 0]] {
+                let mut random = Random(seed);
+                let frames = ["link", "tool", "camera"].map(|name| {
+                    let mass = random.between(0.5, 5.0) * size.powi(3);
+                    let mut inertial = Inertial { mass, ..Inertial::default() };
+                    across.iter().for_each(|&i| inertial.inertia[i] = mass * size * size);
+                    let mut pose = if name == "link" { Pose::identity() } else { random.pose() };
+                    pose.translation = pose.translation.map(|x| 1e-3 * size * x);
+                    Frame { name: name.into(), link: Some(0), pose, inertial }
+                });
+                let placed = frames.each_ref().map(|f| f.inertial.transformed(&f.pose));
+                let inertial = placed[0].merged(&placed[1]).merged(&placed[2]);
+                let joint =
+                    Joint::new("joint", JointType::Revolute, [0.0, 0.0, 1.0], random.pose());
+                let link = Link { name: "link".into(), parent: None, joint, inertial };
+                let model = Model::new("rods", [0.0; 3], vec![link], frames.into()).expect("sound");
+                let left = inertia_without(&model, 0, |_| true);
+                assert_eq!(left, RigidInertia::zero(), "seed {seed}, size {size}, rod {across:?}");
+                let left = inertia_without(&model, 0, |frame| frame == 1);
+                let expected = rigid_inertia(&placed[0].merged(&placed[2]));
+                let close = |found: f64, expected: f64, unit: f64| {
+                    assert!((found - expected).abs() <= 1e-12 * unit, "{found} {expected}");
+                };
+                let mass = expected.mass;
+                close(left.mass, mass, mass);
+                for i in 0..3 {
+                    let [found, expected] = [&left, &expected].map(|x| x.first_moment.0[i]);
+                    close(found, expected, mass * size);
+                    assert!(found != 0.0, "the camera's first moment");
+                }
+                close(left.second_moment.zz, expected.second_moment.zz, mass * size * size);
+            }
+        }
+    }
+}
+
+#[test]
 fn inertia_is_where_it_is_felt() {
-    // A link between joints about different lines needs none; one between joints about the same line does.
+    // A link between joints about different lines needs no inertia; a link between joints about the same line does.
     let mut links = chain(7, &[JointType::Revolute; 3]).links().to_vec();
     let frames = chain(7, &[JointType::Revolute; 3]).frames().to_vec();
     let none = Inertial::default();
@@ -263,7 +319,7 @@ fn inertia_is_where_it_is_felt() {
     let mut interpreter = Interpreter::<f64>::new(model);
     interpreter.set_inertial(2, &none).expect("the tool is left");
     assert_eq!(refused(interpreter.set_inertial(3, &none)), "joint1");
-    // A rotor is enough, and so is a joint that follows and moves something.
+    // A rotor is enough, and so is a mimic joint that moves an inertia.
     links[1].joint.drive = JointDynamics { armature: 0.1, ..JointDynamics::default() };
     let model = Model::new("rotor", [0.0; 3], links.clone(), frames.clone()).expect("sound");
     let mut interpreter = Interpreter::<f64>::new(model);
@@ -281,7 +337,7 @@ fn inertia_is_where_it_is_felt() {
 
 #[test]
 fn a_robot_without_inertia_keeps_its_defects() {
-    // A model that is singular as described may still be changed: no further joint loses its inertia.
+    // A model that is singular as described can be changed, if no further joint loses its inertia.
     let model = chain(8, &[JointType::Revolute; 2]);
     let none = Inertial::default();
     let massless = described(&model, &[(2, none), (3, none)]);

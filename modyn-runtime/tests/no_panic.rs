@@ -1,4 +1,4 @@
-//! No call panics, whatever sizes, indices, numbers and models it is given: it is refused, or it computes.
+//! No call panics, for any sizes, indices, numbers and models: it returns an error or a result.
 #![cfg(feature = "alloc")]
 
 use modyn_runtime::equations::identification::BaseParameters;
@@ -12,7 +12,7 @@ use modyn_runtime::{
     ConstraintSettings, Forces, ForwardDerivatives, Inertial, Interpreter, Pose, conventions,
 };
 
-/// Small numbers that look random.
+/// A source of pseudo-random small numbers.
 struct Dice(u64);
 
 impl Dice {
@@ -21,7 +21,7 @@ impl Dice {
         usize::try_from(self.0 >> 40).unwrap_or(0) % n
     }
 
-    /// Mostly usual numbers, some that are none.
+    /// Returns mostly ordinary numbers, and sometimes NaN, infinities and extreme ones.
     fn number(&mut self) -> f64 {
         const ODD: [f64; 8] = [
             f64::NAN,
@@ -43,7 +43,7 @@ impl Dice {
         std::array::from_fn(|_| self.number())
     }
 
-    /// An index that is mostly below `n`.
+    /// Returns an index that is mostly below `n`.
     fn index(&mut self, n: usize) -> usize {
         match self.below(20) {
             0 => usize::MAX,
@@ -86,16 +86,7 @@ impl Dice {
     }
 
     fn joint(&mut self, name: String, links: usize) -> Joint {
-        const TYPES: [JointType; 7] = [
-            JointType::Revolute,
-            JointType::Continuous,
-            JointType::Prismatic,
-            JointType::Universal,
-            JointType::Planar,
-            JointType::Spherical,
-            JointType::Floating,
-        ];
-        let joint_type = TYPES[self.below(TYPES.len())];
+        let joint_type = JointType::ALL[self.below(JointType::ALL.len())];
         let mut joint = Joint::new(name, joint_type, self.axis(), self.pose());
         joint.second_axis = self.axis();
         if self.below(3) == 0 {
@@ -113,7 +104,7 @@ impl Dice {
         joint
     }
 
-    /// The parts of a model, sound or not.
+    /// Returns a model from parts that may be invalid.
     fn model(&mut self) -> Option<Model> {
         let count = self.below(7);
         let links: Vec<Link> = (0..count)
@@ -163,11 +154,11 @@ impl Dice {
     }
 }
 
-/// Calls everything with slices of sizes that are right or wrong; the results are of no interest.
+/// Calls every method with slices of right and wrong sizes; the results are ignored.
 fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
     let model = interpreter.model().clone();
     let (nq, nv, frames) = (model.nq(), model.nv(), model.frames().len());
-    // Once in four sizes is wrong.
+    // One slice in four has a wrong size.
     let sizes: Vec<usize> = (0..64).map(|_| [0, 0, 0, 0, 0, 0, 1, 7][dice.below(8)]).collect();
     let mut next = sizes.into_iter().cycle();
     let mut size = |n: usize| match next.next() {
@@ -292,7 +283,7 @@ fn whatever_it_is_given() {
         let trees = [ModuleTree::links(&model), ModuleTree::chains(&model)];
         let mut interpreter =
             Interpreter::with_modules(model, trees[dice.below(2)].clone()).expect("its own");
-        // Factorizations and modules of other robots.
+        // Factorizations and module trees of other robots.
         let q = vec![0.3; interpreter.model().nq()];
         let mut brge = interpreter.brge(&q).expect("the length");
         for other in &before {

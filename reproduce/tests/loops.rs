@@ -11,7 +11,7 @@ modyn::modyn!("mechanisms/bennett.urdf");
 modyn::modyn! {
     Bound = "../../robots/arm6.urdf",
     functions = [constrained_forward_dynamics, constraint_residual, project_constraints],
-    gravity = runtime,
+    runtime_gravity = true,
     loops = [
         "hold": revolute("base_link", [0.4, 0.1, 0.5], [0.1, 0.2, 0.3], "tool", [0.0, 0.0, 0.1], axis = [0, 0, 2]),
     ]

@@ -1,4 +1,4 @@
-//! How property tests run: the same cases on every host and in every run.
+//! The configuration of property tests: the same cases on every host and in every run.
 
 use std::env::var_os;
 
@@ -8,7 +8,8 @@ use proptest::test_runner::{Config, RngSeed};
 
 use crate::random::{general_tree, general_zoo, tree, zoo};
 
-/// That many cases from a fixed seed; `PROPTEST_CASES` and `PROPTEST_RNG_SEED` choose others.
+/// Returns a configuration with this number of cases and a fixed seed; `PROPTEST_CASES` and `PROPTEST_RNG_SEED` replace
+/// them.
 #[must_use]
 pub fn cases(cases: u32) -> Config {
     let mut config = Config { failure_persistence: None, ..Config::default() };
@@ -21,21 +22,21 @@ pub fn cases(cases: u32) -> Config {
     config
 }
 
-/// A random robot, by seed and links, so that a failed case is printed in a line.
+/// A random robot, given by a seed and a number of links, so that a failed case prints as one line.
 #[derive(Clone, Copy, Debug)]
 pub enum Robot {
-    /// [`tree`].
+    /// The robot of [`tree`].
     Tree(u64, usize),
-    /// [`zoo`].
+    /// The robot of [`zoo`].
     Zoo(u64, usize),
-    /// [`general_tree`].
+    /// The robot of [`general_tree`].
     GeneralTree(u64, usize),
-    /// [`general_zoo`].
+    /// The robot of [`general_zoo`].
     GeneralZoo(u64, usize),
 }
 
 impl Robot {
-    /// The robot.
+    /// Returns the robot.
     #[must_use]
     pub fn model(self) -> Model {
         match self {
@@ -46,7 +47,7 @@ impl Robot {
         }
     }
 
-    /// A seed for whatever else is random.
+    /// Returns a seed for all other random numbers of the test.
     #[must_use]
     pub fn seed(self) -> u64 {
         let (Self::Tree(seed, _)
@@ -57,7 +58,7 @@ impl Robot {
     }
 }
 
-/// Random robots of up to that many links, those with all joint types up to half as many: that is
+/// Returns random robots with at most this number of links, and half of it for robots with all joint types, which gives
 /// about the same degrees of freedom. Half of the robots are in general position.
 pub fn robots(links: usize) -> impl Strategy<Value = Robot> {
     prop_oneof![
@@ -67,7 +68,7 @@ pub fn robots(links: usize) -> impl Strategy<Value = Robot> {
     ]
 }
 
-/// Random robots with all joint types of up to that many links; half of them in general position.
+/// Returns random robots with all joint types and at most this number of links; half of them are in general position.
 pub fn zoos(links: usize) -> impl Strategy<Value = Robot> {
     (any::<u64>(), 1..=links, any::<bool>()).prop_map(|(seed, links, general)| match general {
         false => Robot::Zoo(seed, links),

@@ -1,8 +1,8 @@
-//! Models with other figures.
+//! Models with changed inertias.
 
 use modyn_runtime::model::{Inertial, Model};
 
-/// The model with another inertia of frame `at`; a moving link's is the sum of its frames'.
+/// Returns the model with another inertia of frame `at`; the inertia of a moving link is the sum over its frames.
 #[must_use]
 pub fn changed(model: &Model, at: usize, inertial: Inertial) -> Model {
     let (mut links, mut frames) = (model.links().to_vec(), model.frames().to_vec());

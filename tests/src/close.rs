@@ -1,30 +1,30 @@
-//! Comparing to scale.
+//! Comparisons relative to the largest number.
 
-/// The largest difference, against 1 or the largest magnitude expected, whichever is more.
+/// Returns the largest difference, divided by the largest expected magnitude or 1, whichever is larger.
 ///
-/// Infinite where a number is missing or is none.
+/// The result is infinite if a number is missing or NaN.
 #[must_use]
 pub fn difference(found: &[f64], expected: &[f64]) -> f64 {
     worst(found, expected).1
 }
 
-/// Where the largest difference is, and what it is.
+/// Returns the index of the largest difference, and the difference.
 fn worst(found: &[f64], expected: &[f64]) -> (usize, f64) {
     if found.len() != expected.len() {
         return (found.len().min(expected.len()), f64::INFINITY);
     }
     let scale = expected.iter().fold(1.0, |scale: f64, x| scale.max(x.abs()));
     let differences = found.iter().zip(expected).map(|(a, b)| (a - b).abs() / scale);
-    // No comparison is true of NaN.
+    // Every comparison with NaN is false.
     let differences = differences.map(|x| if x.is_nan() { f64::INFINITY } else { x });
     differences.enumerate().fold((0, 0.0), |worst, one| if one.1 > worst.1 { one } else { worst })
 }
 
-/// Asserts that `found` is `expected` up to `tolerance`, to scale.
+/// Asserts that `found` differs from `expected` by at most `tolerance`, relative to the largest expected number.
 ///
 /// # Panics
 ///
-/// If it is not.
+/// Panics if the difference is larger.
 #[track_caller]
 pub fn assert_close(what: &str, found: &[f64], expected: &[f64], tolerance: f64) {
     let (at, difference) = worst(found, expected);

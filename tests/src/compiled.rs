@@ -1,5 +1,5 @@
-//! A robot of the [fleet](crate::fleet) as it was compiled, behind pointers to its functions. The packages in
-//! `tests/fleet/` compile the robots; the package `modyn-fleet` has a table of them, and tests that go through it.
+//! A compiled robot of the [fleet](crate::fleet), as a table of pointers to its functions. The packages in
+//! `tests/fleet/` compile the robots. The package `modyn-fleet` has the table of all robots, and the tests over it.
 
 use std::ops::Range;
 
@@ -8,38 +8,38 @@ use modyn_runtime::{JointLimits, KinematicModule, OperationCount};
 use crate::fleet::Spec;
 use crate::values::{Inputs, Values};
 
-/// A compiled robot, for tests that go through all of them.
+/// A compiled robot, for tests over all robots.
 #[derive(Clone, Copy, Debug)]
 pub struct Compiled {
-    /// What was compiled.
+    /// The description and the options of the robot.
     pub spec: Spec,
     /// The generated text.
     pub text: &'static str,
-    /// What the type and the trait say about the robot; they must say the same.
+    /// The constants of the type and of the trait, which must be equal.
     pub consts: [Consts; 2],
-    /// The acceleration of free fall.
+    /// The gravitational acceleration, m/s^2.
     pub gravity: [f64; 3],
-    /// The figures that the type alone has.
+    /// The constants that only the type has.
     pub figures: Figures,
-    /// What each function is said to take, by the function's name.
+    /// The announced operations of each function, by the function's name.
     pub operations: &'static [(&'static str, OperationCount)],
-    /// The enum of joints: each one's index and name.
+    /// Returns the enum of joints: the index and the name of each joint.
     pub joints: fn() -> Vec<(usize, &'static str)>,
-    /// Where each joint's coordinates and velocities stand.
+    /// Returns the entries of q and of qd that belong to each joint.
     pub ranges: fn() -> Vec<[Range<usize>; 2]>,
-    /// The coordinates that are neutral by the type and by the trait.
+    /// Returns the neutral coordinates of the type and of the trait.
     pub neutral: fn() -> [Vec<f64>; 2],
-    /// The enum of links.
+    /// Returns the enum of links: the index and the name of each link.
     pub links: fn() -> Vec<(usize, &'static str)>,
-    /// Through the trait [`Robot`](modyn_runtime::Robot), in double precision.
+    /// Calls the functions through the trait [`Robot`](modyn_runtime::Robot), in double precision.
     pub double: fn(&Inputs<f64>) -> Values<f64>,
-    /// Through the trait [`Robot`](modyn_runtime::Robot), in single precision.
+    /// Calls the functions through the trait [`Robot`](modyn_runtime::Robot), in single precision.
     pub single: fn(&Inputs<f32>) -> Values<f32>,
-    /// Through the type's own functions.
+    /// Calls the type's own functions.
     pub own: Own,
 }
 
-/// The type's own functions, in the scalar of its choice.
+/// The type's own functions, in the scalar that the type was compiled with.
 #[derive(Clone, Copy, Debug)]
 pub enum Own {
     /// In double precision.
@@ -48,7 +48,7 @@ pub enum Own {
     Single(fn(&Inputs<f32>) -> Values<f32>),
 }
 
-/// What is known about a robot without running it.
+/// The constants of a robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub struct Consts {
@@ -63,7 +63,7 @@ pub struct Consts {
     pub modules: &'static [KinematicModule],
 }
 
-/// Figures of a robot.
+/// The constants of a type that the trait does not have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub struct Figures {
@@ -74,17 +74,17 @@ pub struct Figures {
 }
 
 impl Compiled {
-    /// What to call it.
+    /// Returns the name of the robot in messages.
     #[must_use]
     pub fn name(&self) -> String {
         self.spec.module()
     }
 }
 
-/// The table `ROBOTS` of the robots that a package compiles; its build script writes the rows.
+/// Defines the table `ROBOTS` of the robots that a package compiles; the build script writes the rows.
 #[macro_export]
 macro_rules! compiled {
-    // The constants of a type or, given `as Robot`, of the trait.
+    // The constants of a type or, with `as Robot`, of the trait.
     (@consts $robot:ty) => {
         Consts {
             name: <$robot>::NAME,
@@ -111,7 +111,7 @@ macro_rules! compiled {
             modules: <$robot as modyn_runtime::Robot>::MODULES,
         }
     };
-    // The other quantities of a robot that has all functions.
+    // The further quantities of a robot with all functions.
     (@others all $others:expr) => { $others };
     (@others default $others:expr) => { Vec::new() };
     ($(

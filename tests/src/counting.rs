@@ -1,4 +1,4 @@
-//! An allocator that counts, thread by thread.
+//! An allocator that counts the allocations of each thread.
 #![allow(unsafe_code)]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -10,21 +10,21 @@ thread_local! {
     static PEAK: Cell<isize> = const { Cell::new(0) };
 }
 
-/// The system's allocator, counting what each thread asks of it.
+/// The system's allocator, with a count of each thread's allocations.
 pub struct Counting;
 
-/// What this thread has asked for since [`measure`] began.
+/// The allocations of this thread since the start of [`measure`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Allocated {
-    /// How often memory was asked for (or asked to grow).
+    /// The number of allocations and reallocations.
     pub calls: usize,
-    /// Bytes held at the end beyond those at the start.
+    /// The bytes allocated at the end, minus those at the start.
     pub kept: isize,
-    /// Bytes held at the worst moment beyond those at the start.
+    /// The largest number of bytes allocated, minus those at the start.
     pub peak: isize,
 }
 
-/// Runs `action` and counts what it allocates; needs [`Counting`] as the global allocator.
+/// Runs `action` and counts its allocations; [`Counting`] must be the global allocator.
 pub fn measure<T>(action: impl FnOnce() -> T) -> (T, Allocated) {
     let (calls, live) = (CALLS.get(), LIVE.get());
     PEAK.set(live);
@@ -35,7 +35,7 @@ pub fn measure<T>(action: impl FnOnce() -> T) -> (T, Allocated) {
 }
 
 fn took(bytes: usize) {
-    // A thread that is being torn down no longer counts.
+    // A thread that is ending no longer counts.
     let _ = CALLS.try_with(|calls| calls.set(calls.get() + 1));
     held(bytes.cast_signed());
 }
@@ -47,7 +47,7 @@ fn held(bytes: isize) {
     });
 }
 
-// SAFETY: every call goes to the system's allocator as it came; counting allocates nothing.
+// SAFETY: every call is passed on to the system's allocator unchanged; counting allocates nothing.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         took(layout.size());

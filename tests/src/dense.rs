@@ -1,13 +1,13 @@
-//! Dense matrices, for checks.
+//! Dense matrices for tests.
 
 use modyn_runtime::equations::paper::Dense;
 use nalgebra::DMatrix;
 
-/// A square matrix of its columns.
+/// Returns a square matrix from its numbers by columns.
 ///
 /// # Panics
 ///
-/// If that many numbers are no square.
+/// Panics if the number of entries is not a square.
 #[must_use]
 pub fn square(columns: &[f64]) -> DMatrix<f64> {
     let n = columns.len().isqrt();
@@ -15,19 +15,19 @@ pub fn square(columns: &[f64]) -> DMatrix<f64> {
     DMatrix::from_column_slice(n, n, columns)
 }
 
-/// One of the DeNOC matrices.
+/// Returns one of the DeNOC matrices.
 #[must_use]
 pub fn dense(matrix: &Dense<f64>) -> DMatrix<f64> {
     DMatrix::from_row_slice(matrix.rows, matrix.columns, &matrix.entries)
 }
 
-/// The numbers of an identity matrix.
+/// Returns the entries of an identity matrix.
 #[must_use]
 pub fn identity(n: usize) -> Vec<f64> {
     DMatrix::<f64>::identity(n, n).as_slice().to_vec()
 }
 
-/// The product of a matrix (by columns) and a vector.
+/// Returns the product of a matrix (by columns) and a vector.
 #[must_use]
 pub fn times(columns: &[f64], x: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; x.len()];
@@ -37,7 +37,7 @@ pub fn times(columns: &[f64], x: &[f64]) -> Vec<f64> {
     product
 }
 
-/// The scalar product.
+/// Returns the scalar product.
 #[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

@@ -1,4 +1,4 @@
-//! Numbers that carry a tangent: forward-mode differentiation, exact up to rounding.
+//! Dual numbers: forward-mode differentiation, exact within rounding.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -11,12 +11,12 @@ use modyn_runtime::model::Model;
 pub struct Tangent<S> {
     /// The number.
     pub x: S,
-    /// Its derivative.
+    /// The derivative of the number.
     pub dx: S,
 }
 
 impl<S: Scalar> Tangent<S> {
-    /// That of a function of slope `slope`, which is `x` here.
+    /// Returns the dual number of a function with value `x` and derivative `slope` at this number.
     fn chain(self, x: S, slope: S) -> Self {
         Self { x, dx: self.dx * slope }
     }
@@ -105,20 +105,20 @@ impl<S: Scalar> Scalar for Tangent<S> {
     }
 }
 
-/// `x`, all of whose derivatives are 0.
+/// Returns `x` with all derivatives zero.
 pub fn constant<S: Scalar>(x: &[S]) -> Vec<Tangent<S>> {
     x.iter().map(|&x| Tangent { x, dx: S::zero() }).collect()
 }
 
-/// `x` in the direction of its entry `k`.
+/// Returns `x` with the derivatives by its entry `k`.
 pub fn along<S: Scalar>(x: &[S], k: usize) -> Vec<Tangent<S>> {
     let mut seeded = constant(x);
     seeded[k].dx = S::one();
     seeded
 }
 
-/// The coordinates `q` in the direction of velocity `k`: of a quaternion by q (w, 0) / 2, of a
-/// floating joint's position by R v, else by the velocity itself.
+/// Returns the coordinates `q` with the derivatives along velocity `k`: q (w, 0) / 2 for a quaternion, R v for the
+/// position of a floating joint, and the velocity itself for other joints.
 pub fn along_velocity<S: Scalar>(model: &Model, q: &[S], k: usize) -> Vec<Tangent<S>> {
     let mut seeded = constant(q);
     for (i, link) in model.links().iter().enumerate() {
@@ -153,7 +153,7 @@ pub fn along_velocity<S: Scalar>(model: &Model, q: &[S], k: usize) -> Vec<Tangen
     seeded
 }
 
-/// Axis `k` turned by a unit quaternion.
+/// Returns axis `k`, rotated by a unit quaternion.
 fn axis<S: Scalar>([x, y, z, w]: [S; 4], k: usize) -> [S; 3] {
     let (one, two) = (S::one(), S::from_f64(2.0));
     match k {

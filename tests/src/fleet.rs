@@ -1,5 +1,5 @@
-//! The robots that are compiled for tests, and the package that compiles each of them. Needs `modyn_codegen`,
-//! `modyn_runtime` and [`random`](crate::random) alone, so that a build script can include this file.
+//! The robots that are compiled for tests, and the package that compiles each of them. The file uses `modyn_codegen`,
+//! `modyn_runtime` and [`random`](crate::random) only, so that a build script can include it.
 
 use std::path::{Path, PathBuf};
 
@@ -9,35 +9,35 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::random::{modules, tree, zoo};
 
-/// Where a robot comes from.
+/// The source of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// The reference data's robot of that name.
+    /// The robot of the reference data with this name.
     Golden(&'static str),
-    /// That file of `robots/`, without its extension.
+    /// The file of `robots/` with this name, without its extension.
     Described(&'static str),
-    /// The random tree of that seed and that many links.
+    /// The random tree with this seed and number of links.
     Random(u64, usize),
-    /// The random robot with all joint types of that seed and that many links.
+    /// The random robot with all joint types, this seed and this number of links.
     Zoo(u64, usize),
 }
 
-/// How a robot is divided into kinematic modules.
+/// The partition of a robot into kinematic modules.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Division {
     /// Maximal serial chains.
     Chains,
-    /// Every link its own module.
+    /// One module for each link.
     Links,
-    /// A list at random, of that seed.
+    /// A random list with this seed.
     List(u64),
 }
 
-/// The package in `tests/fleet/` that compiles a robot. One package is one run of rustc, on at most
-/// 10 MB of text: then 3 GB of memory suffice.
+/// The package in `tests/fleet/` that compiles a robot. One package is one run of rustc on at most 10 MB of text, for
+/// which 3 GB of memory suffice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// Small robots, which `cargo test --workspace` compiles.
+    /// Small robots; `cargo test --workspace` compiles them.
     Small,
     /// Large robots with legs.
     Legged,
@@ -48,10 +48,10 @@ pub enum Part {
 }
 
 impl Part {
-    /// All of them.
+    /// All parts.
     pub const ALL: [Self; 4] = [Self::Small, Self::Legged, Self::Trees, Self::Complete];
 
-    /// The name of its package.
+    /// Returns the name of the package.
     #[must_use]
     pub fn package(self) -> &'static str {
         match self {
@@ -63,28 +63,28 @@ impl Part {
     }
 }
 
-/// A robot as it is compiled.
+/// The source and the options of a compiled robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spec {
     /// The robot.
     pub source: Source,
     /// The package that compiles it.
     pub part: Part,
-    /// Its modules.
+    /// The partition into modules.
     pub division: Division,
     /// The scalar of the type's own functions.
     pub float: FloatType,
-    /// Whether it has all functions of single states, not just the default ones.
+    /// Whether the robot has all functions of one state, and not only the default ones.
     pub all: bool,
-    /// Whether its base floats.
+    /// Whether the base floats.
     pub floating: bool,
-    /// Whether equal limbs run through one function.
+    /// Whether equal limbs share one function.
     pub share: bool,
-    /// What resists its joints.
+    /// The friction of the joints.
     pub friction: Friction,
-    /// Rotors: joint, inertia and gear ratio.
+    /// The rotors: joint, inertia and gear ratio.
     pub rotors: &'static [(&'static str, f64, f64)],
-    /// The links whose inertia is an argument; gravity is one too if there are any.
+    /// The links with run-time inertias; if there are any, gravity is an argument, too.
     pub loaded: &'static [&'static str],
 }
 
@@ -93,8 +93,8 @@ use FloatType::{F32, F64};
 use Part::{Complete, Legged, Trees};
 use Source::{Described, Golden, Random, Zoo};
 
-/// All of them. Most of the text is that of a few: `cargo test --workspace` compiles [`Part::Small`] alone, and the
-/// feature `whole` of the package `modyn-fleet` the others, too.
+/// All robots. A few of them make up most of the text: `cargo test --workspace` compiles [`Part::Small`] only; the
+/// feature `whole` of the package `modyn-fleet` adds the others.
 pub const FLEET: &[Spec] = &[
     spec(Golden("double_pendulum"), Chains, F64).all(),
     spec(Golden("double_pendulum_continuous"), Links, F64),
@@ -197,7 +197,7 @@ impl Spec {
         self
     }
 
-    /// The file that describes the robot, if one does.
+    /// Returns the robot's description file, if there is one.
     fn file(&self) -> Option<PathBuf> {
         let file = match self.source {
             Golden(name) => format!("tests/golden/{name}.urdf"),
@@ -209,12 +209,12 @@ impl Spec {
         folders.find_map(|folder| Some(folder.join(&file)).filter(|file| file.is_file()))
     }
 
-    /// All functions of single states; batches have tests of their own.
+    /// Returns all functions of one state; functions of many states have tests of their own.
     pub fn all_functions() -> impl Iterator<Item = Function> {
         Function::ALL.iter().copied().filter(|function| function.batched().is_none())
     }
 
-    /// What [`Builder::compile`] calls the text in `OUT_DIR`, without the extension.
+    /// Returns the name that [`Builder::compile`] gives the text in `OUT_DIR`, without the extension.
     #[must_use]
     pub fn module(&self) -> String {
         let name = match self.source {
@@ -229,7 +229,7 @@ impl Spec {
         format!("{name}{floating}{loaded}{shared}")
     }
 
-    /// As the reference data has it, or as a description is taken by default.
+    /// Returns the mimic option: that of the reference data, or the default one of descriptions.
     fn mimic(&self) -> Mimic {
         if matches!(self.source, Golden(_)) { Mimic::Independent } else { Mimic::Follow }
     }
@@ -238,11 +238,11 @@ impl Spec {
         if self.floating { Base::Floating } else { Base::Fixed }
     }
 
-    /// The robot.
+    /// Returns the robot's model.
     ///
     /// # Panics
     ///
-    /// If its description cannot be read.
+    /// Panics if the description cannot be read.
     #[must_use]
     pub fn model(&self) -> Model {
         let file = match (self.file(), self.source) {
@@ -268,7 +268,7 @@ impl Spec {
         read(&text, &name, &options).unwrap_or_else(|errors| panic!("{errors}")).model
     }
 
-    /// The modules of `model`, which is this robot's.
+    /// Returns the modules of `model`, which is this robot's model.
     #[must_use]
     pub fn modules(&self, model: &Model) -> ModuleTree {
         match self.division {
@@ -278,11 +278,11 @@ impl Spec {
         }
     }
 
-    /// What compiles it: descriptions by their path, random robots by their model.
+    /// Returns the builder that compiles the robot: descriptions by their path, random robots by their model.
     #[must_use]
     pub fn builder(&self) -> Builder {
         let model = self.model();
-        let mut builder = Builder::new().float(self.float).modules(match self.division {
+        let mut builder = Builder::new().scalar(self.float).modules(match self.division {
             Chains => ModuleChoice::Chains,
             Links => ModuleChoice::Links,
             List(_) => {
@@ -295,9 +295,8 @@ impl Spec {
         builder = match self.file() {
             Some(file) => {
                 let file = builder.urdf(file).mimic(self.mimic()).base(self.base());
-                self.rotors.iter().fold(file.friction(self.friction), |builder, rotor| {
-                    builder.rotor(rotor.0, rotor.1, rotor.2)
-                })
+                let rotors = self.rotors.iter().map(|rotor| Rotor::new(rotor.0, rotor.1, rotor.2));
+                file.friction(self.friction).rotors(rotors)
             }
             None => builder.model(model),
         };
@@ -312,7 +311,7 @@ impl Spec {
             builder = builder.runtime_inertia(links()).payload(links()).runtime_gravity();
         }
         match self.source {
-            // Under the name that its description gives it.
+            // The builder derives the name from the description.
             Described(name) if name == self.module() => builder,
             _ => builder.type_name(modyn_codegen::names::type_name(&self.module())),
         }

@@ -1,11 +1,11 @@
-//! Robots taken off the ground.
+//! Robots with a floating base.
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Frame, Inertial, Joint, Link, Model};
 use modyn_runtime::spatial::Pose;
 
-/// The robot with a floating base: what was fixed to the world, with the mass that the frames
-/// there say (and `extra`), becomes its first link.
+/// Returns the robot with a floating base. The frames that were fixed to the world become its first link, with their
+/// masses and `extra`.
 #[must_use]
 pub fn floated(model: &Model, extra: Inertial) -> Model {
     let world = model.frames().iter().filter(|frame| frame.link.is_none());

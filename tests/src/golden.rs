@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use crate::floating::floated;
 
-/// The robots on a fixed base.
+/// The robots with a fixed base.
 pub const FIXED_BASE: [&str; 7] = [
     "double_pendulum",
     "double_pendulum_continuous",
@@ -23,7 +23,7 @@ pub const FIXED_BASE: [&str; 7] = [
     "g1",
 ];
 
-/// Robots on a floating base.
+/// The robots with a floating base.
 pub const FLOATING_BASE: [&str; 2] = ["solo12_ff", "g1_ff"];
 
 /// Random trees in general position with planar, spherical, floating and universal joints inside.
@@ -35,7 +35,7 @@ pub const PLANAR_LOOP: &str = "four_bar_general";
 /// Mechanisms in general position with one closed spatial loop each.
 pub const SPATIAL_LOOPS: [&str; 3] = ["loop_spherical", "loop_revolute", "loop_fixed"];
 
-/// A robot, with its quantities at a few states.
+/// A robot, with its quantities at several states.
 pub struct Golden {
     /// The robot.
     pub model: Model,
@@ -43,39 +43,39 @@ pub struct Golden {
     pub states: Vec<Quantities>,
 }
 
-/// What is known at one state, in the order of the model's joint vectors.
+/// The reference quantities at one state, in the order of the model's joint vectors.
 pub struct Quantities {
     state: Value,
     order: Order,
 }
 
-/// The order of the file's numbers.
+/// The order of the numbers in a file.
 #[derive(Clone, Default)]
 struct Order {
-    /// For a robot that is in Pinocchio's coordinates: how many a floating base has before the joints, and for each
-    /// of the model's joints of one coordinate its place in the file. Else the file has the model's coordinates.
+    /// For a robot in Pinocchio's coordinates: the number of coordinates of a floating base, which come first, and the
+    /// index in the file of each joint with one coordinate. `None` if the file has the model's coordinates.
     joints: Option<(usize, Vec<usize>)>,
-    /// For each of the model's velocities its place in the file.
+    /// The index in the file of each of the model's velocities.
     velocities: Vec<usize>,
-    /// For each of the model's moving links its place among the regressor's columns in the file.
+    /// The index in the file's regressor of each of the model's moving links.
     links: Vec<usize>,
 }
 
-/// A frame's placement.
+/// The placement of a frame.
 pub struct Placement {
     /// The frame's name.
     pub name: String,
     /// The rotation by rows, then the translation.
     pub numbers: Vec<f64>,
-    /// From velocities to that of the frame's origin: linear rows, then angular ones, world axes.
+    /// The Jacobian of the frame's origin: linear rows, then angular rows, in world axes.
     pub jacobian: DMatrix<f64>,
 }
 
-/// The robot of a URDF; joints that mimic another are independent.
+/// Returns the robot of a URDF; mimic joints are independent.
 ///
 /// # Panics
 ///
-/// If it cannot be read.
+/// Panics if the URDF cannot be read.
 #[must_use]
 pub fn model(path: &Path) -> Model {
     let text = text(path);
@@ -85,7 +85,7 @@ pub fn model(path: &Path) -> Model {
         .model
 }
 
-/// The URDF `name` of the reference data.
+/// Returns the text of the URDF `name` of the reference data.
 #[must_use]
 pub fn urdf(name: &str) -> PathBuf {
     file(name, "urdf")
@@ -100,11 +100,11 @@ fn text(path: &Path) -> String {
 }
 
 impl Golden {
-    /// Reads the robot `name` and its quantities; on a floating base where the name ends in `_ff`.
+    /// Reads the robot `name` and its quantities; the base floats if the name ends in `_ff`.
     ///
     /// # Panics
     ///
-    /// If a file cannot be read, or if the two do not have the same joints.
+    /// Panics if a file cannot be read, or if the two files have different joints.
     #[must_use]
     pub fn load(name: &str) -> Self {
         let data: Value = serde_json::from_str(&text(&file(name, "json")))
@@ -128,7 +128,7 @@ impl Golden {
 }
 
 impl Order {
-    /// Pinocchio's order, in which joints stand by name.
+    /// Returns Pinocchio's order, in which joints are sorted by name.
     fn by_name(data: &Value, model: &Model) -> Self {
         let floats = |joint: JointType| joint == JointType::Floating;
         let (bases, links): (Vec<_>, Vec<_>) =
@@ -153,7 +153,7 @@ impl Order {
 }
 
 impl Quantities {
-    /// The coordinates.
+    /// Returns the coordinates.
     #[must_use]
     pub fn q(&self) -> Vec<f64> {
         let mut q = numbers(self.get("q"));
@@ -166,7 +166,7 @@ impl Quantities {
         q
     }
 
-    /// The vector of that name, one number a velocity.
+    /// Returns the vector with this name; one number for each velocity.
     #[must_use]
     pub fn vector(&self, name: &str) -> Vec<f64> {
         let all = numbers(self.get(name));
@@ -174,7 +174,7 @@ impl Quantities {
         self.order.velocities.iter().map(|&k| all[k]).collect()
     }
 
-    /// The square matrix of that name, a row and a column a velocity.
+    /// Returns the square matrix with this name; a row and a column for each velocity.
     #[must_use]
     pub fn matrix(&self, name: &str) -> DMatrix<f64> {
         let (matrix, order) = (matrix(self.get(name)), &self.order.velocities);
@@ -182,7 +182,7 @@ impl Quantities {
         matrix.select_rows(order).select_columns(order)
     }
 
-    /// The 3 numbers of a position.
+    /// Returns the 3 numbers of a position.
     #[must_use]
     pub fn position(&self, name: &str) -> Vec<f64> {
         let position = numbers(self.get(name));
@@ -190,7 +190,7 @@ impl Quantities {
         position
     }
 
-    /// The momentum about the centre of mass: angular part first.
+    /// Returns the momentum about the centre of mass: angular part, then linear part.
     #[must_use]
     pub fn centroidal_momentum(&self) -> Vec<f64> {
         let momentum = numbers(self.get("hg"));
@@ -198,7 +198,7 @@ impl Quantities {
         [&momentum[3..], &momentum[..3]].concat()
     }
 
-    /// The matrix from velocities to the momentum about the centre of mass: 3 angular rows, then 3 linear ones.
+    /// Returns the centroidal momentum matrix: 3 angular rows, then 3 linear rows; a column for each velocity.
     #[must_use]
     pub fn centroidal_momentum_matrix(&self) -> DMatrix<f64> {
         let matrix = matrix(self.get("Ag")).select_columns(&self.order.velocities);
@@ -206,7 +206,7 @@ impl Quantities {
         matrix.select_rows(&[3, 4, 5, 0, 1, 2])
     }
 
-    /// The regressor: a row a velocity, ten columns a moving link. At some states of some robots.
+    /// Returns the regressor, a row for each velocity and ten columns for each moving link; some states have none.
     #[must_use]
     pub fn regressor(&self) -> Option<DMatrix<f64>> {
         let matrix = matrix(self.state.get("regressor")?);
@@ -217,12 +217,12 @@ impl Quantities {
         Some(matrix.select_rows(velocities).select_columns(&columns))
     }
 
-    /// The wrenches on links from outside, in the links' axes at their origins, in the order of `model`'s frames;
-    /// zero on a link that the file does not name.
+    /// Returns the external wrenches on the links, in link axes at the links' origins, in the order of `model`'s frames;
+    /// zero for a link that the file does not name.
     ///
     /// # Panics
     ///
-    /// If the file names a link that `model` does not have.
+    /// Panics if the file names a link that `model` does not have.
     #[must_use]
     pub fn wrenches(&self, model: &Model) -> Vec<Wrench<f64>> {
         let given = self.get("wrenches").as_object().expect("wrenches by link");
@@ -238,17 +238,17 @@ impl Quantities {
         wrenches
     }
 
-    /// The number of that name.
+    /// Returns the number with this name.
     ///
     /// # Panics
     ///
-    /// If there is none.
+    /// Panics if there is none.
     #[must_use]
     pub fn number(&self, name: &str) -> f64 {
         number(self.get(name))
     }
 
-    /// The placements of frames.
+    /// Returns the placements of frames.
     #[must_use]
     pub fn frames(&self) -> Vec<Placement> {
         let frames = self.get("frames").as_object().expect("frames by name");
@@ -278,7 +278,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     list(value).iter().map(number).collect()
 }
 
-/// A matrix of its rows.
+/// Returns a matrix from its rows.
 fn matrix(value: &Value) -> DMatrix<f64> {
     let rows: Vec<Vec<f64>> = list(value).iter().map(numbers).collect();
     let columns = rows.first().map_or(0, Vec::len);

@@ -1,8 +1,8 @@
-//! What the tests share: reference data, random robots, and a second opinion on the equations.
+//! The common parts of the tests: reference data, random robots, and an independent implementation of the equations.
 //!
-//! The equations of motion exist once, so the interpreter cannot catch a wrong one. They are held
-//! by [`golden`] (figures from other software), by the paper's printed numbers, by physical
-//! identities on [`random`] robots, and by [`naive`], which shares nothing with them.
+//! The equations of motion exist once, so the interpreter cannot reveal a wrong one. Four other sources check them:
+//! [`golden`] (numbers of other software), the paper's printed numbers, physical identities on [`random`] robots, and
+//! [`naive`], which shares no code with the equations.
 
 pub mod cases;
 pub mod changed;

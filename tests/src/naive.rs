@@ -1,5 +1,5 @@
-//! The same mechanics a second time, as a textbook has them: world axes, dense Jacobians, the
-//! model as it was written. Slow, and sharing nothing with modyn's equations.
+//! The same mechanics by the textbook: world axes, dense Jacobians, and the model as it was written. It is slow, and
+//! shares no code with modyn's equations.
 
 use modyn_runtime::equations::Forces;
 use modyn_runtime::joint::JointType;
@@ -10,24 +10,24 @@ use nalgebra::{
     Vector3,
 };
 
-/// A robot at a position.
+/// A robot in one configuration.
 pub struct Naive<'a> {
     model: &'a Model,
     rotations: Vec<Matrix3<f64>>,
     origins: Vec<Vector3<f64>>,
-    /// By link: the motions that its joint allows.
+    /// For each link, the motions that its joint allows.
     motions: Vec<Vec<Motion>>,
 }
 
-/// One motion that a joint allows, at unit rate, in world axes.
+/// One motion that a joint allows, at unit velocity, in world axes.
 struct Motion {
-    /// The entry of qd, and the ratio of the rate to it.
+    /// The entry of qd, and the ratio of the motion's velocity to that entry.
     v: usize,
     ratio: f64,
     /// The angular velocity, and the velocity of the link's origin.
     angular: Vector3<f64>,
     linear: Vector3<f64>,
-    /// How many of the joint's motions carry these two along.
+    /// The number of the joint's motions that move these two axes.
     carried_by: usize,
 }
 
@@ -37,12 +37,12 @@ struct Jacobian {
     linear: Matrix3xX<f64>,
 }
 
-/// Where a joint stands in q and qd.
+/// The entries of q and qd that belong to a joint.
 #[derive(Clone, Copy)]
 struct Place {
     q: usize,
     v: usize,
-    /// The joint's coordinate is so many times q's entry, and so much more.
+    /// The ratio of the joint's coordinate to q's entry, and the offset.
     ratio: f64,
     offset: f64,
 }
@@ -55,19 +55,19 @@ fn turn(axis: Vector3<f64>, angle: f64) -> Matrix3<f64> {
     *Rotation3::from_axis_angle(&Unit::new_normalize(axis), angle).matrix()
 }
 
-/// The rotation of a quaternion x, y, z, w.
+/// Returns the rotation of a quaternion x, y, z, w.
 fn attitude(q: &[f64]) -> Matrix3<f64> {
     let quaternion = Quaternion::new(q[3], q[0], q[1], q[2]);
     *UnitQuaternion::new_unchecked(quaternion).to_rotation_matrix().matrix()
 }
 
-/// The axes of the plane normal to `axis`.
+/// Returns two axes of the plane normal to `axis`, and the normal.
 fn plane(axis: Vector3<f64>) -> Matrix3<f64> {
     let smallest = Rotation3::rotation_between(&Vector3::z(), &axis);
     *smallest.unwrap_or_else(|| Rotation3::new(Vector3::x() * std::f64::consts::PI)).matrix()
 }
 
-/// Where the joint of link `i` stands, through whatever it follows.
+/// Returns the entries of the joint of link `i`, through all joints that it follows.
 fn place(model: &Model, i: usize) -> Place {
     let links = model.links();
     if let Some(mimic) = links[i].joint.mimic {
@@ -82,7 +82,7 @@ fn place(model: &Model, i: usize) -> Place {
 }
 
 impl<'a> Naive<'a> {
-    /// Puts the links of `model` where `q` has them.
+    /// Returns the robot at coordinates `q`.
     #[must_use]
     pub fn new(model: &'a Model, q: &[f64]) -> Self {
         let (rotations, origins, motions) = (Vec::new(), Vec::new(), Vec::new());
@@ -93,7 +93,7 @@ impl<'a> Naive<'a> {
         naive
     }
 
-    /// Puts link `i` where `q` has it; its parent stands there already.
+    /// Adds link `i` at coordinates `q`; its parent has been added before.
     fn add(&mut self, i: usize, q: &[f64]) {
         let link = &self.model.links()[i];
         let joint = &link.joint;
@@ -108,7 +108,7 @@ impl<'a> Naive<'a> {
         let zero = Vector3::zeros();
         let mut displacement = zero;
         let mut turned = at_joint;
-        // Angular, linear, and what carries them.
+        // The angular and the linear velocity, and the number of motions before.
         let mut motions = Vec::new();
         match joint.joint_type {
             JointType::Prismatic => {
@@ -155,7 +155,7 @@ impl<'a> Naive<'a> {
         self.motions.push(motions.collect());
     }
 
-    /// That of a link, or of the world.
+    /// Returns the pose of a link, or of the world.
     fn pose_of(&self, link: Option<usize>) -> (Matrix3<f64>, Vector3<f64>) {
         link.map_or((Matrix3::identity(), Vector3::zeros()), |i| {
             (self.rotations[i], self.origins[i])
@@ -171,14 +171,14 @@ impl<'a> Naive<'a> {
         self.model.links()[i].inertial.mass
     }
 
-    /// About the centre of mass, in world axes.
+    /// Returns the inertia about the centre of mass, in world axes.
     fn inertia(&self, i: usize) -> Matrix3<f64> {
         let [xx, xy, xz, yy, yz, zz] = self.model.links()[i].inertial.inertia;
         let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
         self.rotations[i] * own * self.rotations[i].transpose()
     }
 
-    /// Of the point of link `i` that is at `point` in the world.
+    /// Returns the Jacobians of the point of link `i` that is at `point` in the world.
     fn jacobian(&self, i: usize, point: Vector3<f64>) -> Jacobian {
         let n = self.model.nv();
         let (mut angular, mut linear) = (Matrix3xX::zeros(n), Matrix3xX::zeros(n));
@@ -200,7 +200,7 @@ impl<'a> Naive<'a> {
         0..self.model.links().len()
     }
 
-    /// The poses of all frames.
+    /// Returns the poses of all frames.
     #[must_use]
     pub fn poses(&self) -> Vec<Pose<f64>> {
         let pose = |rotation: Matrix3<f64>, origin: Vector3<f64>| {
@@ -218,7 +218,7 @@ impl<'a> Naive<'a> {
         frames.collect()
     }
 
-    /// The mass matrix, as the sum of J^T M J over the links, and the rotors.
+    /// Returns the mass matrix: the sum of J^T M J over the links, and the rotors' part.
     #[must_use]
     pub fn mass_matrix(&self) -> DMatrix<f64> {
         let mut sum = self.rotors();
@@ -230,7 +230,7 @@ impl<'a> Naive<'a> {
         sum
     }
 
-    /// What the rotors add to the mass matrix.
+    /// Returns the rotors' part of the mass matrix.
     #[must_use]
     pub fn rotors(&self) -> DMatrix<f64> {
         let mut sum = DMatrix::zeros(self.model.nv(), self.model.nv());
@@ -242,7 +242,7 @@ impl<'a> Naive<'a> {
         sum
     }
 
-    /// The kinetic energy, link by link, and the rotors'.
+    /// Returns the kinetic energy of the links and the rotors.
     #[must_use]
     pub fn kinetic_energy(&self, qd: &[f64]) -> f64 {
         let qd = DVector::from_column_slice(qd);
@@ -254,14 +254,14 @@ impl<'a> Naive<'a> {
         self.links().map(energy).sum::<f64>() + 0.5 * (self.rotors() * &qd).dot(&qd)
     }
 
-    /// The potential energy, link by link.
+    /// Returns the potential energy of the links.
     #[must_use]
     pub fn potential_energy(&self) -> f64 {
         let gravity = Vector3::from(self.model.gravity());
         self.links().map(|i| -self.mass(i) * gravity.dot(&self.center(i))).sum()
     }
 
-    /// The torques that damping and friction take.
+    /// Returns the torques of damping and friction.
     #[must_use]
     pub fn dissipation(&self, qd: &[f64]) -> Vec<f64> {
         let mut tau = vec![0.0; qd.len()];
@@ -284,7 +284,7 @@ impl<'a> Naive<'a> {
         tau
     }
 
-    /// The torques that do what forces from outside do.
+    /// Returns the joint torques that are equivalent to external forces.
     #[must_use]
     pub fn external(&self, forces: Forces<'_, f64>) -> Vec<f64> {
         let mut tau = DVector::zeros(self.model.nv());
@@ -304,8 +304,8 @@ impl<'a> Naive<'a> {
         tau.as_slice().to_vec()
     }
 
-    /// The joint torques of a motion: each link's Newton and Euler, projected by its Jacobians, the
-    /// rotors and what resists.
+    /// Returns the joint torques of a motion: each link's Newton-Euler equations, projected by its Jacobians, the rotors'
+    /// part, damping and friction.
     #[must_use]
     pub fn inverse_dynamics(&self, qd: &[f64], qdd: &[f64]) -> Vec<f64> {
         let gravity = Vector3::from(self.model.gravity());
@@ -321,7 +321,7 @@ impl<'a> Naive<'a> {
             let [omega, mut alpha, mut a] = parent;
             let arm = self.origins[i] - origin;
             a += alpha.cross(&arm) + omega.cross(&omega.cross(&arm));
-            // What carries each of the joint's motions along turns with this.
+            // The body that moves each of the joint's axes has this angular velocity.
             let mut turning = vec![omega];
             for Motion { v, ratio, angular, .. } in &self.motions[i] {
                 turning.push(turning[turning.len() - 1] + angular * (ratio * qd[*v]));
@@ -330,7 +330,7 @@ impl<'a> Naive<'a> {
                 let (rate, change) = (ratio * qd[v], ratio * qdd[v]);
                 let carrier = turning[carried_by];
                 alpha += angular * change + carrier.cross(&angular) * rate;
-                // The arm from the parent grows along the motion, and turns with the parent.
+                // The vector from the parent changes along the motion and rotates with the parent.
                 a += linear * change + (carrier + omega).cross(&linear) * rate;
             }
             let omega = turning[turning.len() - 1];

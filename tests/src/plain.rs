@@ -1,5 +1,5 @@
-//! Numbers without vector instructions: generated code computes equal limbs one after the other, and
-//! rounds each product.
+//! Numbers without vector instructions: generated code computes equal limbs one after the other, and rounds each
+//! product.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -9,13 +9,13 @@ use modyn_runtime::Scalar;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plain<T>(pub T);
 
-/// Numbers as such.
+/// Returns plain numbers as this type.
 #[must_use]
 pub fn plain<T: Copy, const N: usize>(numbers: &[T; N]) -> [Plain<T>; N] {
     numbers.map(Plain)
 }
 
-/// And back.
+/// Returns numbers of this type as plain numbers.
 #[must_use]
 pub fn number<T: Copy, const N: usize>(numbers: [Plain<T>; N]) -> [T; N] {
     numbers.map(|plain| plain.0)

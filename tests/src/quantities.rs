@@ -1,9 +1,9 @@
-//! An interpreter's quantities as values, for tests that do not mind allocating.
+//! The quantities of an interpreter as returned values, for tests that may allocate.
 
 use modyn_runtime::spatial::Pose;
 use modyn_runtime::{Forces, Interpreter, Scalar, UduFactorization};
 
-/// The interpreter's calls, returning what they fill in; each panics if a length is wrong.
+/// The interpreter's methods with their results as return values; each panics if a length is wrong.
 #[allow(missing_docs)]
 pub trait Quantities<S> {
     fn qdd(&mut self, q: &[S], qd: &[S], tau: &[S]) -> Vec<S>;
@@ -84,7 +84,7 @@ impl<S: Scalar> Quantities<S> for Interpreter<S> {
     }
 }
 
-/// The twelve numbers of a pose: the rotation by rows, then the translation.
+/// Returns the twelve numbers of a pose: the rotation by rows, then the translation.
 #[must_use]
 pub fn numbers<S: Scalar>(pose: &Pose<S>) -> Vec<S> {
     [pose.rotation.concat(), pose.translation.to_vec()].concat()

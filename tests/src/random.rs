@@ -1,6 +1,5 @@
-//! Random robots and states: the same for a seed on every host, so no sine or cosine is taken
-//! here, whose last digit is the system's to choose. Needs `modyn_runtime` alone, so that a build
-//! script can include this file.
+//! Random robots and states, which are the same for a seed on every host. The file calls no sine or cosine, since their
+//! last digit depends on the system. It uses `modyn_runtime` only, so that a build script can include it.
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{
@@ -9,18 +8,18 @@ use modyn_runtime::model::{
 };
 use modyn_runtime::spatial::Pose;
 
-/// A stream of numbers: SplitMix64 (Steele, Lea and Flood 2014).
+/// A sequence of numbers: SplitMix64 (Steele, Lea and Flood 2014).
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
 impl Random {
-    /// The stream of a seed.
+    /// Returns the sequence of a seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// The next 64 bits.
+    /// Returns the next 64 bits.
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -28,25 +27,25 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// A number in `low..high`.
+    /// Returns a number in `low..high`.
     #[allow(clippy::cast_precision_loss)]
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         let unit = (self.bits() >> 11) as f64 / (1u64 << 53) as f64;
         low + (high - low) * unit
     }
 
-    /// An index below `n`, which must not be 0.
+    /// Returns an index below `n`, which must not be 0.
     #[allow(clippy::cast_possible_truncation)]
     pub fn below(&mut self, n: usize) -> usize {
         (self.bits() % n as u64) as usize
     }
 
-    /// True in that part of all cases.
+    /// Returns true with this probability.
     pub fn chance(&mut self, part: f64) -> bool {
         self.between(0.0, 1.0) < part
     }
 
-    /// A point of the ball, evenly spread, not at its centre.
+    /// Returns a point of the unit ball, uniformly distributed and not at its centre, and its norm.
     fn in_ball<const N: usize>(&mut self) -> ([f64; N], f64) {
         loop {
             let point: [f64; N] = std::array::from_fn(|_| self.between(-1.0, 1.0));
@@ -62,7 +61,7 @@ impl Random {
         point.map(|x| x / length)
     }
 
-    /// Along an axis of the frame or slanted.
+    /// Returns an axis of the frame, or an oblique one.
     fn axis(&mut self) -> [f64; 3] {
         if self.chance(0.5) {
             return self.unit();
@@ -72,7 +71,7 @@ impl Random {
         axis
     }
 
-    /// None, by right angles, about one axis, or any.
+    /// Returns no rotation, a rotation by right angles, one about an axis of the frame, or any rotation.
     fn rotation(&mut self) -> [[f64; 3]; 3] {
         match self.below(4) {
             0 => Pose::identity().rotation,
@@ -89,7 +88,7 @@ impl Random {
         }
     }
 
-    /// Of no special angle.
+    /// Returns a rotation in general position.
     fn any_rotation(&mut self) -> [[f64; 3]; 3] {
         let [w, x, y, z] = self.unit();
         let (xx, yy, zz) = (2.0 * x * x, 2.0 * y * y, 2.0 * z * z);
@@ -102,13 +101,13 @@ impl Random {
         ]
     }
 
-    /// A signed permutation that keeps handedness.
+    /// Returns a signed permutation with determinant 1.
     fn right_angles(&mut self) -> [[f64; 3]; 3] {
         let start = self.below(3);
         let swapped = self.chance(0.5);
         let sign = |negative| if negative { -1.0 } else { 1.0 };
         let (a, b) = (sign(self.chance(0.5)), sign(self.chance(0.5)));
-        // An odd permutation changes handedness once more.
+        // An odd permutation changes the sign of the determinant.
         let c = a * b * sign(swapped);
         let (second, third) = if swapped { (2, 1) } else { (1, 2) };
         let mut rows = [[0.0; 3]; 3];
@@ -118,7 +117,7 @@ impl Random {
         rows
     }
 
-    /// None, along one axis, or any.
+    /// Returns no translation, a translation along one axis, or any translation.
     fn translation(&mut self) -> [f64; 3] {
         let mut translation = [0.0; 3];
         match self.below(4) {
@@ -129,7 +128,7 @@ impl Random {
         translation
     }
 
-    /// A pose with no entry that is special.
+    /// Returns a pose in general position.
     fn any_pose(&mut self) -> Pose<f64> {
         let translation = std::array::from_fn(|_| self.between(-0.4, 0.4));
         Pose { rotation: self.any_rotation(), translation }
@@ -139,7 +138,7 @@ impl Random {
         Pose { rotation: self.rotation(), translation: self.translation() }
     }
 
-    /// That of a few point masses, so it is a rigid body's.
+    /// Returns the inertia of a few point masses, which is the inertia of a rigid body.
     pub fn inertial(&mut self) -> Inertial {
         let about = self.translation();
         let points: Vec<(f64, [f64; 3])> = (0..5 + self.below(4))
@@ -161,7 +160,7 @@ impl Random {
         Inertial { mass, center_of_mass, inertia }
     }
 
-    /// Of one coordinate.
+    /// Returns a joint with one coordinate.
     fn joint(&mut self, number: usize) -> Joint {
         let joint_type =
             [JointType::Revolute, JointType::Revolute, JointType::Continuous, JointType::Prismatic]
@@ -179,7 +178,7 @@ impl Random {
         Joint { limits, ..Joint::new(format!("joint{number}"), joint_type, axis, origin) }
     }
 
-    /// Of any type; on the world often a floating one.
+    /// Returns a joint of any type; on the world it is often a floating joint.
     fn any_joint(&mut self, number: usize, parent: Option<usize>) -> Joint {
         let several =
             [JointType::Universal, JointType::Planar, JointType::Spherical, JointType::Floating];
@@ -198,7 +197,7 @@ impl Random {
         }
     }
 
-    /// An axis at an angle to that one, often not a right one.
+    /// Returns an axis at an angle to `axis`, often not a right angle.
     fn across(
         &mut self,
         axis: [f64; 3],
@@ -213,22 +212,21 @@ impl Random {
         }
     }
 
-    /// A figure above 0 in that part of all cases, else 0.
+    /// Returns a positive number below `high` with this probability, else 0.
     fn some(&mut self, part: f64, high: f64) -> f64 {
         if self.chance(part) { self.between(0.1 * high, high) } else { 0.0 }
     }
 }
 
-/// A tree of that many links (at least one): serial, branching a little or a lot, several branches
-/// on the world among them; with fixed frames on links and on the world. Joints have one
-/// coordinate each, and no drives.
+/// Returns a tree with this number of links (at least one). It is serial or has few or many branches, also on the world;
+/// fixed frames are on links and on the world. Joints have one coordinate each, and no drives.
 #[must_use]
 pub fn tree(seed: u64, links: usize) -> Model {
     let parts = grow(seed, links, serial(seed), |random, i, _| random.joint(i));
     parts.model(format!("tree{seed}_{links}"))
 }
 
-/// Such a tree in general position: no axis is a coordinate axis, no frame is parallel to another.
+/// Returns such a tree in general position: no axis is a coordinate axis, and no two frames are parallel.
 #[must_use]
 pub fn general_tree(seed: u64, links: usize) -> Model {
     let mut parts = grow(seed, links, serial(seed), |random, i, _| random.joint(i));
@@ -236,22 +234,22 @@ pub fn general_tree(seed: u64, links: usize) -> Model {
     parts.model(format!("general_tree{seed}_{links}"))
 }
 
-/// A chain of that many links (at least one).
+/// Returns a chain with this number of links (at least one).
 #[must_use]
 pub fn chain(seed: u64, links: usize) -> Model {
     let parts = grow(seed, links, 1.0, |random, i, _| random.joint(i));
     parts.model(format!("tree{seed}_{links}"))
 }
 
-/// Such a tree with joints of all types; some follow others, in any direction through the tree,
-/// some have drives and bearings that resist, smoothly; fixed frames have inertias.
+/// Returns such a tree with joints of all types. Some joints follow others, in any direction through the tree; some have
+/// drives, damping and smooth friction; fixed frames have inertias.
 #[must_use]
 pub fn zoo(seed: u64, links: usize) -> Model {
     let parts = grow(seed, links, serial(seed), Random::any_joint);
     furnished(parts, seed, format!("zoo{seed}_{links}"))
 }
 
-/// Such a tree in general position.
+/// Returns such a tree with all joint types in general position.
 #[must_use]
 pub fn general_zoo(seed: u64, links: usize) -> Model {
     let mut parts = grow(seed, links, serial(seed), Random::any_joint);
@@ -259,19 +257,19 @@ pub fn general_zoo(seed: u64, links: usize) -> Model {
     furnished(parts, seed, format!("general_zoo{seed}_{links}"))
 }
 
-/// [`tree`], or of every second seed [`general_tree`].
+/// Returns [`tree`], or [`general_tree`] for every second seed.
 #[must_use]
 pub fn mixed_tree(seed: u64, links: usize) -> Model {
     if seed.is_multiple_of(2) { tree(seed, links) } else { general_tree(seed, links) }
 }
 
-/// [`zoo`], or of every second seed [`general_zoo`].
+/// Returns [`zoo`], or [`general_zoo`] for every second seed.
 #[must_use]
 pub fn mixed_zoo(seed: u64, links: usize) -> Model {
     if seed.is_multiple_of(2) { zoo(seed, links) } else { general_zoo(seed, links) }
 }
 
-/// The model of these parts with mimics, drives, friction, and inertias of fixed frames.
+/// Returns the model of these parts with mimic joints, drives, friction, and inertias of fixed frames.
 fn furnished(mut parts: Parts, seed: u64, name: String) -> Model {
     let mut random = Random::new(seed ^ 0x005a_4f4f);
     parts.weigh_frames(&mut random);
@@ -290,19 +288,19 @@ fn furnished(mut parts: Parts, seed: u64, name: String) -> Model {
     model.with_friction(friction).expect("sound friction")
 }
 
-/// In which part of all cases a link hangs on the one before it.
+/// Returns the probability that a link's parent is the link before it.
 fn serial(seed: u64) -> f64 {
     [1.0, 0.8, 0.4][Random::new(!seed).below(3)]
 }
 
-/// What a model is made of.
+/// The parts of a model.
 struct Parts {
     gravity: [f64; 3],
     links: Vec<Link>,
     frames: Vec<Frame>,
 }
 
-/// A tree in which a link hangs on the one before it in that part of all cases, by that joint.
+/// Returns a tree in which a link's parent is the link before it with this probability; `joint` makes the joints.
 fn grow(
     seed: u64,
     count: usize,
@@ -321,7 +319,7 @@ fn grow(
         inertial: Inertial::default(),
     };
     let (mut links, mut frames) = (Vec::with_capacity(count), vec![base]);
-    // From the world to the link before; what comes next leaves one of them.
+    // From the world to the link before; the next link is connected to one of them.
     let mut path: Vec<usize> = Vec::new();
     for i in 0..count {
         if !random.chance(serial) {
@@ -355,7 +353,7 @@ impl Parts {
             .unwrap_or_else(|errors| panic!("{name}: {errors:?}"))
     }
 
-    /// Gives joints and fixed frames other axes and poses, none of them special.
+    /// Replaces the axes and poses of joints and fixed frames by ones in general position.
     fn unalign(&mut self, seed: u64) {
         let mut random = Random::new(seed ^ 0x0047_454e);
         for Link { joint, .. } in &mut self.links {
@@ -368,7 +366,7 @@ impl Parts {
         }
     }
 
-    /// Gives fixed frames inertias, which their links then have, too.
+    /// Gives inertias to fixed frames, which are then part of their links.
     fn weigh_frames(&mut self, random: &mut Random) {
         for frame in self.frames.iter_mut().filter(|frame| frame.name.starts_with("fixed")) {
             frame.inertial = random.inertial();
@@ -379,7 +377,7 @@ impl Parts {
         }
     }
 
-    /// Lets joints of one coordinate follow others.
+    /// Makes some joints with one coordinate follow others.
     fn follow(&mut self, random: &mut Random) {
         let single = |link: &Link| link.joint.joint_type.nq() == 1;
         let all = self.links.iter().enumerate();
@@ -395,7 +393,7 @@ impl Parts {
         }
     }
 
-    /// Whether joint `i` is joint `leader` or follows it.
+    /// Returns whether joint `i` is joint `leader` or follows it.
     fn follows(&self, mut i: usize, leader: usize) -> bool {
         while i != leader {
             match &self.links[i].joint.mimic {
@@ -406,7 +404,7 @@ impl Parts {
         true
     }
 
-    /// Gives joints drives.
+    /// Gives drives to joints.
     fn drive(&mut self, random: &mut Random) {
         for link in &mut self.links {
             link.joint.drive = JointDynamics {
@@ -418,7 +416,7 @@ impl Parts {
     }
 }
 
-/// A random partition into modules: the maximal chains, cut in places.
+/// Returns a random partition into modules: the maximal chains, divided at some links.
 #[must_use]
 pub fn modules(seed: u64, model: &Model) -> ModuleTree {
     let mut random = Random::new(seed);
@@ -442,15 +440,15 @@ pub fn modules(seed: u64, model: &Model) -> ModuleTree {
 pub struct State {
     /// Positions, rad or m.
     pub q: Vec<f64>,
-    /// Velocities.
+    /// Velocities, rad/s or m/s.
     pub qd: Vec<f64>,
-    /// Accelerations.
+    /// Accelerations, rad/s^2 or m/s^2.
     pub qdd: Vec<f64>,
-    /// Torques and forces, not those of these accelerations.
+    /// Torques and forces, independent of these accelerations.
     pub tau: Vec<f64>,
 }
 
-/// A random state of `model`; its quaternions are of length 1.
+/// Returns a random state of `model`; its quaternions have unit length.
 #[must_use]
 pub fn state(seed: u64, model: &Model) -> State {
     let mut random = Random::new(seed ^ 0x5354_4154_4553);
@@ -463,7 +461,7 @@ pub fn state(seed: u64, model: &Model) -> State {
     State { q, qd: vector(nv, 1.5), qdd: vector(nv, 3.0), tau: vector(nv, 10.0) }
 }
 
-/// Makes the quaternions in `q` those of rotations.
+/// Scales the quaternions in `q` to unit length.
 pub fn normalize(model: &Model, q: &mut [f64]) {
     for (i, link) in model.links().iter().enumerate() {
         let range = model.q_range(i);

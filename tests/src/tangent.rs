@@ -1,4 +1,4 @@
-//! What velocities do to coordinates, for differences along a motion.
+//! The coordinates along a motion, for finite differences.
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::Model;
@@ -6,8 +6,8 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::random::normalize;
 
-/// The rates of the coordinates at `q` and velocities `qd`: of a quaternion q (w, 0) / 2, of a
-/// floating joint's position R v, else the velocities themselves.
+/// Returns dq/dt at `q` and velocities `qd`: q (w, 0) / 2 for a quaternion, R v for the position of a floating joint,
+/// and the velocities themselves for other joints.
 #[must_use]
 pub fn rates(model: &Model, q: &[f64], qd: &[f64]) -> Vec<f64> {
     let mut rates = Vec::with_capacity(q.len());
@@ -29,8 +29,8 @@ pub fn rates(model: &Model, q: &[f64], qd: &[f64]) -> Vec<f64> {
     rates
 }
 
-/// `q` moved with velocities `qd` for `time`: up to terms in the square of the time the motion that
-/// keeps them, and for coordinates without a quaternion that one.
+/// Returns `q` after a motion with velocities `qd` for `time`. The result is exact for coordinates without a quaternion,
+/// and exact to first order in the time for quaternions.
 #[must_use]
 pub fn along(model: &Model, q: &[f64], time: f64, qd: &[f64]) -> Vec<f64> {
     let mut moved = rates(model, q, qd);
@@ -44,7 +44,7 @@ fn turning(q: &[f64], omega: &[f64]) -> [f64; 4] {
     rate.coords.into()
 }
 
-/// Of x, y, z, w.
+/// Returns the quaternion with components x, y, z, w.
 fn quaternion(q: &[f64]) -> Quaternion<f64> {
     Quaternion::new(q[3], q[0], q[1], q[2])
 }

@@ -22,7 +22,7 @@ macro_rules! robots {
 
 robots! {
     Gripper = "../../robots/gripper.urdf";
-    Arm = "../../robots/arm7.urdf", gravity = runtime, payload = ["link7"];
+    Arm = "../../robots/arm7.urdf", runtime_gravity = true, payload = ["link7"];
     Single = "../../robots/arm7.urdf", scalar = f32;
     Mimic = "../../robots/mimic_gripper.urdf";
     Zoo = "../../robots/joint_zoo.urdf";
@@ -55,7 +55,7 @@ mod several {
     }
 
     robots! {
-        Arm = "../../robots/arm7.urdf", gravity = runtime, payload = ["link7"];
+        Arm = "../../robots/arm7.urdf", runtime_gravity = true, payload = ["link7"];
         Mimic = "../../robots/mimic_gripper.urdf";
         Single = "../../robots/double_pendulum.urdf", scalar = f32;
     }

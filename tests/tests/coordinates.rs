@@ -330,8 +330,8 @@ fn random_coordinates_take_one_number_a_degree_of_freedom() {
 
 #[test]
 fn limits_on_one_side_leave_a_range_on_the_other() {
-    let range = |lower, upper| {
-        let joint = Joint::new("joint", JointType::Prismatic, [0.0, 0.0, 1.0], Pose::identity());
+    let range_of = |joint_type, lower, upper| {
+        let joint = Joint::new("joint", joint_type, [0.0, 0.0, 1.0], Pose::identity());
         let limits = Some(Limits { lower, upper, velocity: None, effort: None });
         let joint = Joint { limits, ..joint };
         let name = "link".into();
@@ -342,9 +342,13 @@ fn limits_on_one_side_leave_a_range_on_the_other() {
             other => panic!("{other:?}"),
         }
     };
+    let range = |lower, upper| range_of(JointType::Prismatic, lower, upper);
     assert_eq!(range(Some(3.0), None), (3.0, 5.0));
     assert_eq!(range(None, Some(-3.0)), (-5.0, -3.0));
     assert_eq!(range(Some(f64::NEG_INFINITY), Some(f64::INFINITY)), (-1.0, 1.0));
+    let turn = |lower, upper| range_of(JointType::Revolute, lower, upper);
+    assert_eq!(turn(Some(1.0), None), (1.0, 1.0 + 2.0 * PI));
+    assert_eq!(turn(None, Some(-1.0)), (-1.0 - 2.0 * PI, -1.0));
 }
 
 #[test]

@@ -201,6 +201,18 @@ fn counts_are_as_frozen() {
     );
 }
 
+/// The page on derivatives shows these counts.
+#[test]
+fn the_pages_data_have_the_frozen_counts() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/data/tangents.tsv");
+    let text = std::fs::read_to_string(path).expect("data");
+    for counts in FROZEN {
+        let name = format!("{}{}\t", counts.robot, if counts.floating { "_ff" } else { "" });
+        let row = text.lines().find_map(|line| line.strip_prefix(&name)).expect("a row");
+        assert_eq!(row.split('\t').next(), Some(&*counts.tangents.to_string()), "{name}");
+    }
+}
+
 /// The derivatives of inverse dynamics by tangents, one direction after the other.
 fn tangents(model: &Model) -> Graph {
     let mechanism = Mechanism::new(model);

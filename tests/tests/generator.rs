@@ -108,15 +108,7 @@ fn robots_are_various() {
 fn zoos_have_all_there_is() {
     let zoos: Vec<Model> = (0..50).map(|seed| zoo(seed, 10)).collect();
     let count = |is_so: &dyn Fn(&Model) -> bool| zoos.iter().filter(|model| is_so(model)).count();
-    for joint_type in [
-        JointType::Revolute,
-        JointType::Continuous,
-        JointType::Prismatic,
-        JointType::Universal,
-        JointType::Planar,
-        JointType::Spherical,
-        JointType::Floating,
-    ] {
+    for joint_type in JointType::ALL {
         let has = |model: &Model| model.links().iter().any(|l| l.joint.joint_type == joint_type);
         assert!((20..=50).contains(&count(&has)), "{joint_type:?}");
     }

@@ -382,7 +382,7 @@ fn a_broken_model_is_not_deserialized() {
     let mut json = serde_json::to_value(model()).expect("plain data");
     json["friction"] = serde_json::json!({ "Smooth": -0.1 });
     let error = serde_json::from_value::<Model>(json).expect_err("no velocity").to_string();
-    assert!(error.contains("smooths friction"), "{error}");
+    assert!(error.contains("smooth friction"), "{error}");
 }
 
 #[test]

@@ -18,7 +18,7 @@ modyn::modyn!(
     "../../robots/joint_zoo.urdf",
     functions = all,
     friction = smooth(0.01),
-    gravity = runtime,
+    runtime_gravity = true,
     runtime_inertia = ["tip"],
     payload = ["tip"],
 );

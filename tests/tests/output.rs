@@ -45,7 +45,7 @@ fn everything() -> String {
     for path in robots() {
         all += &compiled(&path).text;
         all.extend(complete(&path, 5).map(|complete| complete.text));
-        let others = Builder::new().urdf(&path).float(FloatType::F32).modules(ModuleChoice::Links);
+        let others = Builder::new().urdf(&path).scalar(FloatType::F32).modules(ModuleChoice::Links);
         all += &others.gravity([0.1, 0.2, 0.3]).generate().expect("a good robot").text;
     }
     all

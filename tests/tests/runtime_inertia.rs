@@ -6,7 +6,7 @@ use modyn_runtime::num_dual::Dual64;
 
 modyn::modyn! {
     Arm = "../../robots/arm7.urdf",
-    gravity = runtime,
+    runtime_gravity = true,
     runtime_inertia = ["link7", "hand", "link4"],
     payload = ["hand"],
     functions = [default, forward_dynamics_derivatives]
@@ -14,7 +14,7 @@ modyn::modyn! {
 modyn::modyn! {
     Single = "../../robots/arm7.urdf",
     scalar = f32,
-    gravity = runtime,
+    runtime_gravity = true,
     runtime_inertia = ["link4"],
     payload = ["hand"],
     functions = [forward_dynamics, inverse_dynamics]

@@ -9,7 +9,7 @@ modyn::modyn! {
     unphysical_inertia = ignore,
     friction = smooth,
     rotors = ["elbow": 1e-4],
-    payload = hand,
+    payload = [7],
     functions = [default, forward_kinematics],
     colour = red,
     gravty = runtime,
@@ -21,7 +21,7 @@ modyn::modyn!("good.urdf", scalar = f32 base = fixed);
 modyn::modyn!("good.urdf",, scalar = f32);
 modyn::modyn!("good.urdf", friction = sticky);
 modyn::modyn!("good.urdf", friction = smooth(slow));
-modyn::modyn!("good.urdf", rotors = [elbow: (1e-4, 100.0)]);
+modyn::modyn!("good.urdf", rotors = ["elbow"]);
 modyn::modyn!("good.urdf", functions = "all");
 modyn::modyn!("good.urdf", functions = [mas_matrix]);
 

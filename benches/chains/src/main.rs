@@ -1,6 +1,5 @@
-//! Time of forward dynamics against the length of a chain, generated (4 to 112 joints) and interpreted
-//! (to 100,000 links), as a table (`tools/record` makes
-//! `docs/data/chains.tsv` of it) and a plot:
+//! Measures forward dynamics for chains of increasing length, generated (4 to 112 joints) and interpreted (to 100,000
+//! links). Writes a table (`tools/record` makes `docs/data/chains.tsv` from it) and a plot:
 //!
 //! `RUSTFLAGS="-C target-cpu=native" cargo run --release --manifest-path benches/chains/Cargo.toml -- FOLDER`
 
@@ -12,14 +11,14 @@ use modyn_reproduce::complexity::seconds;
 use modyn_reproduce::plot::{Axis, Chart, Line};
 use modyn_reproduce::robots;
 
-/// A chain that was measured.
+/// A measured chain.
 struct Measured {
     n: usize,
     operations: usize,
     ns: f64,
 }
 
-/// The median time of a call, ns, of 31 repetitions of about a millisecond over 64 states.
+/// Returns the median time of a call in ns, of 31 repetitions of about a millisecond over 64 states.
 fn time<const N: usize>(function: impl Fn(&[f64; N], &[f64; N], &[f64; N]) -> [f64; N]) -> f64 {
     let numbers: Vec<f64> = robots::spread(N).take(64 * 3 * N).collect();
     let vectors: &[[f64; N]] = numbers.as_chunks().0;

@@ -1,10 +1,10 @@
-//! Several numbers as an array, worked on by plain loops: what the compiler makes of them is its own matter.
+//! Several numbers as an array with plain loops, which the compiler may or may not vectorize.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use modyn::Scalar;
 
-/// Numbers side by side.
+/// An array of lanes.
 #[derive(Clone, Copy)]
 pub struct Loop<const N: usize>(pub [f64; N]);
 

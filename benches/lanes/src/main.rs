@@ -1,5 +1,5 @@
-//! Many states in lanes: the runtime's vectors, newtypes over `core::arch`, beside arrays with plain loops and
-//! beside one state after the other. Which of them is compiled is a feature; `run` builds and times all.
+//! Compares functions of many states in lanes: the runtime's vectors (newtypes of `core::arch`), arrays with plain
+//! loops, and one state after the other. A feature selects the variant; `run` builds and measures all of them.
 
 #[cfg(any(feature = "loops4", feature = "loops8", feature = "loops16"))]
 mod loops;
@@ -19,18 +19,18 @@ modyn::modyn! {
 modyn::modyn! { Arm = "../../../robots/arm7.urdf", functions = [forward_dynamics, inverse_dynamics] }
 
 const N: usize = Arm::NV;
-/// A multiple of all lanes; columns don't begin at multiples of 4,096 bytes.
+/// A multiple of all numbers of lanes; columns do not begin at multiples of 4,096 bytes.
 const STATES: usize = 1008;
 
-/// For each coordinate the numbers of all states, and the same state by state.
-#[allow(dead_code)] // Each contender takes one of both.
+/// The numbers of all states for each coordinate, and the same numbers state by state.
+#[allow(dead_code)] // Each variant uses one of the two.
 struct Numbers {
     columns: [Vec<f64>; N],
     states: Vec<[f64; N]>,
 }
 
 impl Numbers {
-    /// Numbers of that size, the same on every machine: a linear congruential generator.
+    /// Returns numbers of at most this magnitude, the same on every machine: a linear congruential generator.
     fn new(size: f64) -> Self {
         let mut seed = 1u64;
         let mut next = || {
@@ -45,7 +45,7 @@ impl Numbers {
     }
 }
 
-/// Prints the least time of many calls, ns a state.
+/// Prints the minimal time of many calls, ns for each state.
 fn time(name: &str, mut f: impl FnMut()) {
     let (start, mut best) = (Instant::now(), Duration::MAX);
     while start.elapsed() < Duration::from_millis(1500) {

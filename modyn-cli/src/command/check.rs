@@ -9,8 +9,9 @@ use modyn_codegen::diagnostics::{Diagnostics, Severity};
 use serde_json::json;
 
 use crate::command::diagnostics;
+use crate::command::options::ReadingOptions;
 use crate::command::outcome::{Failure, to_stdout};
-use crate::command::robot::{Description, Options};
+use crate::command::robot::Description;
 
 /// Report the faults of descriptions
 ///
@@ -27,7 +28,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    options: Options,
+    options: ReadingOptions,
 }
 
 /// The result of one file.

@@ -11,7 +11,7 @@ use crate::command::outcome::{Failure, to_stdout};
 /// The exit code is 0, or 2 for an unknown code.
 #[derive(Args)]
 pub struct Arguments {
-    /// The code that stands in brackets, such as `singular-joint`; all of them without it
+    /// The code in brackets, such as `singular-joint`; without it, all codes are printed
     code: Option<String>,
 }
 

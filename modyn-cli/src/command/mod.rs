@@ -8,6 +8,7 @@ mod explain;
 mod generate;
 mod inspect;
 mod numbers;
+mod options;
 mod outcome;
 mod progress;
 mod random;

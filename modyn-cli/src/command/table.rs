@@ -1,4 +1,4 @@
-//! Tables of text.
+//! Tables as text.
 
 use unicode_width::UnicodeWidthStr;
 
@@ -7,44 +7,44 @@ use crate::escape::shortened;
 /// The width of a line, without the indentation of a section.
 pub const WIDTH: usize = 98;
 
-/// The least width of a column that is shortened to fit.
+/// The minimal width of a column that is shortened to fit.
 const LEAST: usize = 12;
 
-/// Rows under a head, in columns that are as wide as they must be.
+/// Rows under a header, in columns of minimal width.
 pub struct Table {
     rows: Vec<Vec<String>>,
-    /// The first column that is flush right.
+    /// The first column that is aligned to the right.
     right: usize,
-    /// Whether the last column is remarks, which are wrapped.
+    /// Whether the last column has remarks, which are wrapped.
     remarks: bool,
 }
 
 impl Table {
-    /// With this head.
+    /// Returns a table with this header.
     pub fn new(head: &[&str]) -> Self {
         let head = head.iter().map(ToString::to_string).collect();
         Self { rows: vec![head], right: usize::MAX, remarks: false }
     }
 
-    /// Takes a row.
+    /// Adds a row.
     pub fn row<const N: usize>(&mut self, row: [String; N]) {
         self.rows.push(row.into());
     }
 
-    /// With figures from this column on.
+    /// Aligns the columns from `column` on to the right, as for numbers.
     pub fn right_aligned_from(mut self, column: usize) -> Self {
         self.right = column;
         self
     }
 
-    /// With remarks in the last column.
+    /// Makes the last column a column of remarks.
     pub fn with_remarks(mut self) -> Self {
         self.remarks = true;
         self
     }
 
-    /// The table in lines of at most [`WIDTH`]: remarks that do not fit continue below their row, and names that are
-    /// too long lose their middle.
+    /// Returns the table in lines of at most [`WIDTH`]. Remarks that do not fit continue below their row; the middle of
+    /// long names is left out.
     pub fn fitted(mut self) -> String {
         let columns = self.rows[0].len();
         let mut remarks = Vec::new();
@@ -85,7 +85,7 @@ impl Table {
         out
     }
 
-    /// The width of a column.
+    /// Returns the width of a column.
     fn width(&self, column: usize) -> usize {
         self.rows
             .iter()
@@ -95,7 +95,7 @@ impl Table {
             .unwrap_or(0)
     }
 
-    /// Line by line.
+    /// Returns the table's lines.
     pub fn text(&self) -> String {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
         let widths: Vec<usize> = (0..columns).map(|column| self.width(column)).collect();
@@ -115,7 +115,7 @@ impl Table {
     }
 }
 
-/// The words in lines of at most `width`, with `between` between two on a line.
+/// Returns the words in lines of at most `width`, separated by `between`.
 pub fn wrapped<'a>(
     words: impl IntoIterator<Item = &'a str>,
     between: &str,

@@ -1,13 +1,13 @@
-//! Running the command.
+//! Runs the command in tests.
 
-#![allow(dead_code)] // Each test file uses its share.
+#![allow(dead_code)] // Each test file uses some of these functions.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value;
 
-/// What a run of the command gave.
+/// The result of a run of the command.
 pub struct Output {
     pub code: i32,
     pub out: String,
@@ -15,25 +15,25 @@ pub struct Output {
 }
 
 impl Output {
-    /// Standard output as JSON.
+    /// Returns standard output as JSON.
     pub fn json(&self) -> Value {
         serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}: {}{}", self.out, self.err))
     }
 }
 
-/// The folder above this crate.
+/// Returns the root folder of the repository.
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The command, to be run there.
+/// Returns the command, with the repository's root as the working folder.
 pub fn command(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_modyn"));
     command.args(arguments).current_dir(root()).env_remove("CLICOLOR_FORCE");
     command
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn run(mut command: Command) -> Output {
     let output = command.output().expect("the command runs");
     let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
@@ -41,12 +41,12 @@ pub fn run(mut command: Command) -> Output {
     Output { code, out: text(output.stdout), err: text(output.stderr) }
 }
 
-/// Runs the command with these arguments.
+/// Runs `modyn` with these arguments.
 pub fn modyn(arguments: &[&str]) -> Output {
     run(command(arguments))
 }
 
-/// The descriptions in a folder of the compiler's tests, and what options they say they need.
+/// Returns the descriptions in a folder of the compiler's tests, with the options that they declare.
 pub fn descriptions(folder: &str) -> Vec<(String, Vec<String>)> {
     let place = format!("modyn-codegen/tests/{folder}");
     let mut all: Vec<_> = std::fs::read_dir(root().join(&place))
@@ -68,7 +68,7 @@ pub fn descriptions(folder: &str) -> Vec<(String, Vec<String>)> {
     all
 }
 
-/// Compares with a file of this crate; the variable `UPDATE_SNAPSHOTS` writes it instead.
+/// Compares a text with a file of this crate; with the variable `UPDATE_SNAPSHOTS`, writes that file instead.
 pub fn assert_snapshot(name: &str, found: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/snapshots").join(name);
     if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {

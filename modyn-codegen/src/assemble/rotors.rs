@@ -18,7 +18,7 @@ pub fn apply(description: &mut Description, rotors: &[Rotor], report: &mut Repor
         let good = rotor.inertia >= 0.0 && armature < MAX_NUMBER;
         if !good {
             let message = format!(
-                "inertia {} and gear ratio {} are no valid rotor",
+                "inertia {} and gear ratio {} are not those of a rotor",
                 rotor.inertia, rotor.gear_ratio
             );
             error(message, "give kg m^2 (or kg) of at least 0, and a finite ratio");

@@ -3,10 +3,8 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::{Builder, Generated, ModuleChoice, Source, resolve_path};
-use crate::FloatType;
-use crate::description::{Base, Mimic};
-use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
+use super::{Builder, Generated, Source, resolve_path};
+use crate::diagnostics::{Code, Diagnostic, Diagnostics};
 use crate::read::Format;
 
 /// The files of a C source.
@@ -131,69 +129,7 @@ impl Builder {
             }
             _ => call("model(model)".into()),
         }
-        if let Some(name) = &self.type_name {
-            call(format!("type_name({name:?})"));
-        }
-        if let Some(visibility) = &self.visibility {
-            call(format!("visibility({visibility:?})"));
-        }
-        if let Some(krate) = &self.krate {
-            call(format!("krate({krate:?})"));
-        }
-        if let Some(gravity) = self.read.gravity {
-            call(format!("gravity({gravity:?})"));
-        }
-        match &self.modules {
-            ModuleChoice::Chains => {}
-            ModuleChoice::Links => call("modules(ModuleChoice::Links)".into()),
-            ModuleChoice::List(list) => call(format!("modules(ModuleChoice::List({list:?}))")),
-        }
-        if self.read.unphysical_inertia != Severity::Error {
-            call(format!("unphysical_inertia(Severity::{:?})", self.read.unphysical_inertia));
-        }
-        if self.read.base != Base::default() {
-            call(format!("base(Base::{:?})", self.read.base));
-        }
-        for rotor in &self.read.rotors {
-            call(format!("rotor({:?}, {:?}, {:?})", rotor.joint, rotor.inertia, rotor.gear_ratio));
-        }
-        for closing in &self.read.loops {
-            call(format!("loop_joint({closing:?})"));
-        }
-        for contact in &self.read.contacts {
-            call(format!("contact({contact:?})"));
-        }
-        if let Some(friction) = self.read.friction {
-            call(format!("friction(Friction::{friction:?})"));
-        }
-        if self.read.mimic != Mimic::default() {
-            call(format!("mimic(Mimic::{:?})", self.read.mimic));
-        }
-        if self.float != FloatType::default() {
-            call(format!("float(FloatType::{:?})", self.float));
-        }
-        if self.runtime_gravity {
-            call("runtime_gravity()".into());
-        }
-        if !self.runtime_inertia.is_empty() {
-            call(format!("runtime_inertia({:?})", self.runtime_inertia));
-        }
-        if !self.payload.is_empty() {
-            call(format!("payload({:?})", self.payload));
-        }
-        if let Some(functions) = &self.functions {
-            let names: Vec<String> = functions.iter().map(|f| format!("Function::{f:?}")).collect();
-            call(format!("functions([{}])", names.join(", ")));
-        }
-        if self.share {
-            call("share()".into());
-        }
-        if self.self_contained {
-            call("self_contained()".into());
-        }
-        if let Some(prefix) = &self.c_prefix {
-            call(format!("c_functions({prefix:?})"));
-        }
+        calls.extend(self.options.calls());
         // A line break in a name must not end the comment.
         calls.iter().map(|text| text.replace(char::is_control, " ")).collect()
     }

@@ -57,7 +57,7 @@ pub fn condition_number(model: &Model) -> Option<f64> {
 pub(crate) fn warning(model: &Model) -> Option<Diagnostic> {
     let number = condition_number(model).filter(|&number| number > CARRIED_BY_F32)?;
     let message = format!(
-        "single precision may be left no digits of the accelerations: the condition number of the \
+        "single precision may keep no digits of the accelerations: the condition number of the \
          mass matrix (scaled to a diagonal of ones) reaches {number:.1e}"
     );
     let help = "use f64, or compare with it at states that matter: the number bounds what is lost, \

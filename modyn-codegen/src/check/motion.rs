@@ -58,14 +58,14 @@ pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
         let Some(link) = body.links.first() else { continue };
         if let Some(joint) = &body.joint {
             let message = format!(
-                "nothing that it moves has inertia that it alone would feel (it carries link `{}`), so its \
+                "no inertia opposes its motion while the joints after it are free (it carries link `{}`), so its \
                  acceleration is undefined",
                 link.name
             );
             let help = "give the link a mass (and, if it turns, a rotational inertia), or make the joint `fixed`";
             report.error(code, joint.at, Some(&joint.subject()), message, help);
         } else {
-            let message = "the base floats, but nothing that it moves has inertia that it alone would feel, so its \
+            let message = "the base floats, but no inertia opposes its motion while the joints are free, so its \
                            acceleration is undefined";
             let help = "give the link, or one that is fixed to it, a mass and a rotational inertia, or let the base \
                         be fixed";

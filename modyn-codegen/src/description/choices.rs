@@ -5,7 +5,7 @@ use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 use crate::diagnostics::Severity;
 
 /// The options of reading.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// The acceleration of free fall in world axes, m/s^2. `None` takes the description's, if its format has it, else
     /// [`DEFAULT_GRAVITY`](modyn_runtime::model::DEFAULT_GRAVITY).
@@ -23,23 +23,8 @@ pub struct ReadOptions {
     pub friction: Option<Friction>,
     /// The joints that close loops, besides those of the description.
     pub loops: Vec<Loop>,
-    /// The frames of links that may touch the world.
+    /// The frames of links that can touch the world.
     pub contacts: Vec<Contact>,
-}
-
-impl Default for ReadOptions {
-    fn default() -> Self {
-        Self {
-            gravity: None,
-            unphysical_inertia: Severity::Error,
-            mimic: Mimic::default(),
-            base: Base::default(),
-            rotors: Vec::new(),
-            friction: None,
-            loops: Vec::new(),
-            contacts: Vec::new(),
-        }
-    }
 }
 
 /// The treatment of mimic joints.
@@ -77,6 +62,14 @@ pub struct Rotor {
     pub gear_ratio: f64,
 }
 
+impl Rotor {
+    /// Returns the rotor of the drive of this joint.
+    #[must_use]
+    pub fn new(joint: impl Into<String>, inertia: f64, gear_ratio: f64) -> Self {
+        Self { joint: joint.into(), inertia, gear_ratio }
+    }
+}
+
 /// A joint that closes a loop, as `<loop_joint>` does: a constraint between two frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loop {
@@ -88,7 +81,7 @@ pub struct Loop {
     pub ends: [LoopEnd; 2],
 }
 
-/// A frame that a [`Loop`] holds, or that a [`Contact`] is.
+/// A frame of a [`Loop`] or a [`Contact`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoopEnd {
     /// The link's name.
@@ -99,12 +92,12 @@ pub struct LoopEnd {
     pub rpy: [f64; 3],
 }
 
-/// A frame of a link that may touch the world.
+/// A frame of a link that can touch the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contact {
-    /// Its name, which no other contact has.
+    /// The name, which no other constraint has.
     pub name: String,
-    /// The motions that it prevents.
+    /// The motions that the contact stops.
     pub kind: ContactKind,
     /// The frame, on a link that moves.
     pub end: LoopEnd,

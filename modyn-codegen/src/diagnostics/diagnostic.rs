@@ -6,9 +6,10 @@ use super::code::Code;
 use super::display::sanitize_for_display;
 
 /// The severity of a diagnostic.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
     /// An error: nothing is compiled.
+    #[default]
     Error,
     /// A warning: the result is usable, but probably not what was intended.
     Warning,
@@ -298,13 +299,17 @@ impl std::error::Error for Diagnostics {}
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_diagnostic_reads_as_compilers_do() {
-        let diagnostic = Diagnostic::error(Code::NegativeMass, "the mass is -1 kg")
+    fn negative_mass() -> Diagnostic {
+        Diagnostic::error(Code::NegativeMass, "the mass is -1 kg")
             .in_file("robots/foo.urdf")
             .at(Position { line: 12, column: 7 })
             .with_subject(Subject::Link("arm".into()))
-            .with_help("write a mass of at least 0");
+            .with_help("write a mass of at least 0")
+    }
+
+    #[test]
+    fn a_diagnostic_reads_as_compilers_do() {
+        let diagnostic = negative_mass();
         assert_eq!(
             diagnostic.to_string(),
             "robots/foo.urdf:12:7: error[negative-mass]: link `arm`: the mass is -1 kg\n  help: write a mass of at least 0"
@@ -322,11 +327,7 @@ mod tests {
     /// Rustc and `main` write `error: ` before a text.
     #[test]
     fn error_is_said_once() {
-        let diagnostic = Diagnostic::error(Code::NegativeMass, "the mass is -1 kg")
-            .in_file("robots/foo.urdf")
-            .at(Position { line: 12, column: 7 })
-            .with_subject(Subject::Link("arm".into()))
-            .with_help("write a mass of at least 0");
+        let diagnostic = negative_mass();
         assert_eq!(
             diagnostic.without_severity().to_string(),
             "robots/foo.urdf:12:7: link `arm`: the mass is -1 kg [negative-mass]\nhelp: write a mass of at least 0"

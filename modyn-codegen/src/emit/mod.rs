@@ -1,9 +1,11 @@
 //! Back ends: from a [`Plan`] to text, one folder for each language. Back ends make no decisions.
 
 mod c;
+mod gpu;
 mod rust;
 
 pub use c::CSource;
+pub use gpu::{GpuArgument, GpuKernel, GpuLanguage, GpuSource};
 
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Model, ModuleTree};
@@ -41,9 +43,9 @@ pub struct EmitOptions {
     /// The visibility of the type: `pub`, `pub(crate)` or nothing.
     pub visibility: String,
     /// The path of the crate `modyn`.
-    pub krate: String,
+    pub crate_path: String,
     /// The scalar of the type's own functions.
-    pub float: FloatType,
+    pub scalar: FloatType,
     /// Whether the text carries the parts of the runtime that it needs, and depends on `core` only.
     pub self_contained: bool,
     /// The prefix of functions for C; `None` for no such functions.
@@ -67,8 +69,8 @@ impl Default for EmitOptions {
         Self {
             type_name: None,
             visibility: "pub".into(),
-            krate: "::modyn".into(),
-            float: FloatType::default(),
+            crate_path: "::modyn".into(),
+            scalar: FloatType::default(),
             self_contained: false,
             c_prefix: None,
             functions: Function::DEFAULT.to_vec(),
@@ -89,10 +91,14 @@ impl EmitOptions {
             (false, true) => Strategy::Scalar,
             (false, false) => Strategy::Vectors,
         };
+        self.plan_by(model, modules, strategy)
+    }
+
+    fn plan_by(&self, model: &Model, modules: &ModuleTree, strategy: Strategy) -> Plan {
         let choices = Choices {
             functions: &self.functions,
             strategy,
-            batches: !self.self_contained,
+            batches: !self.self_contained && strategy != Strategy::Threads,
             runtime_gravity: self.runtime_gravity,
             runtime_inertia: &self.runtime_inertia,
             payload: &self.payload,
@@ -149,5 +155,18 @@ pub fn emit_c(
     let options = EmitOptions { self_contained: true, ..options.clone() };
     let prefix = names::snake(&options.type_name(model));
     let header = header.map_or_else(|| format!("{prefix}.h"), String::from);
-    c::print(&options.plan(model, modules), model, (&prefix, &header), options.float)
+    c::print(&options.plan(model, modules), model, (&prefix, &header), options.scalar)
+}
+
+/// Compiles `model` to kernels for graphics processors, whose names begin with the type's name in snake case.
+#[must_use]
+pub fn emit_gpu(
+    model: &Model,
+    modules: &ModuleTree,
+    options: &EmitOptions,
+    language: GpuLanguage,
+) -> GpuSource {
+    let prefix = names::snake(&options.type_name(model));
+    let plan = options.plan_by(model, modules, Strategy::Threads);
+    gpu::print(&plan, model, &prefix, language, options.scalar)
 }

@@ -102,7 +102,7 @@ impl Frames {
         })
     }
 
-    /// Returns the layout of the results of the first program of [`poses`](Self::poses).
+    /// Returns the layout of the results of the first program of `poses`.
     #[must_use]
     pub fn poses_of_bodies(&self) -> Shape {
         Shape::pose().array(self.codes.len() - self.rows() + self.shared.len())

@@ -37,6 +37,19 @@ pub struct Row {
     pub packing: Packing,
     /// The function of one state, if this function computes it for many states.
     pub batch_of: Option<Function>,
+    /// The forms that C can call.
+    pub c_form: CForm,
+}
+
+/// The forms of a function that C can call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CForm {
+    /// C99 source, and a function that Rust exports.
+    SourceAndExport,
+    /// C99 source alone: in Rust its arguments or results are not arrays of numbers of one state.
+    Source,
+    /// None.
+    None,
 }
 
 /// The way the graphs of a function are traced.
@@ -94,6 +107,7 @@ impl Row {
             hot: false,
             packing: Packing::Never,
             batch_of: None,
+            c_form: CForm::SourceAndExport,
         }
     }
 
@@ -124,6 +138,7 @@ impl Row {
             packing: Packing::Never,
             hot: false,
             batch_of: Some(function),
+            c_form: CForm::None,
             ..one
         }
     }
@@ -148,6 +163,10 @@ impl Row {
 
     const fn without_parameters(self) -> Self {
         Self { depends_on_parameters: false, ..self }
+    }
+
+    const fn not_exported(self) -> Self {
+        Self { c_form: CForm::Source, ..self }
     }
 
     const fn hot(self) -> Self {
@@ -261,7 +280,8 @@ functions! {
          Gaussian elimination.",
         |t, s| t.brge(s.layout),
     )
-        .by_default();
+        .by_default()
+        .not_exported();
     /// Kinetic energy.
     KineticEnergy "kinetic_energy" = Row::one(
         &[Q, QD],
@@ -611,7 +631,8 @@ functions! {
         |t, _| t.random(),
     )
         .by_default()
-        .without_parameters();
+        .without_parameters()
+        .not_exported();
     /// `forward_dynamics` of many states at a time.
     ForwardDynamicsBatch "forward_dynamics_batch" =
         Row::many(ForwardDynamics, Function::ForwardDynamics);

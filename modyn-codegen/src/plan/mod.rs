@@ -26,7 +26,7 @@ use modyn_runtime::model::{Model, ModuleTree};
 pub use factorization::FactorFunction;
 pub(crate) use frames::MAX_OWN_FUNCTIONS;
 pub use frames::{Frames, LinkCode};
-pub use functions::{Argument, Function, Row, Trace};
+pub use functions::{Argument, CForm, Function, Row, Trace};
 pub use packing::Packing;
 pub use shape::{Record, Shape, Sizes};
 
@@ -45,6 +45,8 @@ pub enum Strategy {
     Routines,
     /// Packed into vectors, on processors that have them.
     Vectors,
+    /// One after another, one state in each thread of a graphics processor.
+    Threads,
 }
 
 /// The choices of a user that a plan depends on.
@@ -115,8 +117,8 @@ pub enum Kernels {
         simd: Program,
     },
     /// The programs of a function of one link: one for each link with a program of its own, in the order of
-    /// [`Frames::links_with_own_program`], then one for each body with a shared program. Shared programs have the link's placement as a
-    /// further argument.
+    /// [`Frames::links_with_own_program`], then one for each body with a shared program. Shared programs have the
+    /// link's placement as a further argument.
     ByLink(Vec<Program>),
     /// The programs of the poses of all links, if some links share a program.
     Poses {
@@ -215,7 +217,7 @@ impl Plan {
             partition::choose(model, &mechanism, &tracer);
         let layout = UduLayout::new(&mechanism, modules);
         // Limbs with run-time inertias are never equal.
-        let packs = choices.strategy != Strategy::Scalar && described;
+        let packs = matches!(choices.strategy, Strategy::Routines | Strategy::Vectors) && described;
         let joins = choices.strategy == Strategy::Vectors;
         let limbs = if packs { LimbPacking::candidates(&mechanism, joins) } else { Vec::new() };
         // The cheapest partition on scalars may not be the cheapest for packed limbs.
@@ -285,9 +287,10 @@ impl Plan {
     }
 }
 
-/// The scalar graphs of selected functions whose batch forms are selected, too: each is traced once for both.
+/// The scalar graphs of the selected functions that also have a selected batch form. Each graph is traced once, for
+/// the function and its batch form.
 struct Graphs {
-    /// The functions whose graphs are kept for their batch forms.
+    /// The functions with a selected batch form; their graphs are kept.
     batched: BTreeSet<Function>,
     kept: BTreeMap<Function, Graph>,
 }
@@ -298,7 +301,7 @@ impl Graphs {
         Self { batched, kept: BTreeMap::new() }
     }
 
-    /// Returns the optimized and balanced graph of a function or of its batch form, which is traced at the first call.
+    /// Returns the optimized and balanced graph of a function or of its batch form. The first call traces the graph.
     fn scalar(
         &mut self,
         function: Function,
@@ -310,7 +313,7 @@ impl Graphs {
             return graph.clone();
         }
         let graph = packing::balanced(match one {
-            // The search for its modules has optimized it.
+            // The search for the partition has already optimized this graph.
             Function::ForwardDynamics => tracing.forward_dynamics.clone(),
             _ => optimize(trace(tracing.tracer, tracing)),
         });
@@ -334,34 +337,38 @@ impl Planned {
         let parameters = if row.depends_on_parameters { parameters } else { 0 };
         let scalars = parameters + arguments.iter().map(|(_, shape)| shape.len()).sum::<usize>();
         let program = |graph: &Graph, target| Program::new(graph, scalars, target);
+        let alone = |graph: &Graph, scalars| match strategy {
+            Strategy::Threads => Program::for_threads(graph, scalars),
+            _ => Program::new(graph, scalars, Target::Scalar),
+        };
         let kernels = match row.trace {
             Trace::ByLink(trace) => {
                 let graphs = tracing.frames.kernels(|tracer| optimize(trace(tracer)));
                 let (own, shared) =
                     graphs.split_at(tracing.frames.links_with_own_program().count());
-                let own = own.iter().map(|graph| program(graph, Target::Scalar));
+                let own = own.iter().map(|graph| alone(graph, scalars));
                 let placed = scalars + Frames::PLACEMENT;
-                let shared = shared.iter().map(|graph| Program::new(graph, placed, Target::Scalar));
+                let shared = shared.iter().map(|graph| alone(graph, placed));
                 Kernels::ByLink(own.chain(shared).collect())
             }
-            Trace::Poses if tracing.frames.any_shared() => {
+            Trace::Poses if strategy != Strategy::Threads && tracing.frames.any_shared() => {
                 let [bodies, placed] = tracing.frames.poses().map(optimize);
                 let placed_arguments = Shape::pose().len() + Frames::PLACEMENT;
                 Kernels::Poses {
-                    bodies: program(&bodies, Target::Scalar),
+                    bodies: alone(&bodies, scalars),
                     placed: Program::new(&placed, placed_arguments, Target::Scalar),
                     rows: tracing.frames.rows(),
                 }
             }
             Trace::Poses => {
                 let graph = packing::balanced(optimize(tracing.all_links.link_poses()));
-                Kernels::One(program(&graph, Target::Scalar))
+                Kernels::One(alone(&graph, scalars))
             }
             Trace::One(trace) => {
                 let graph = graphs.scalar(function, trace, tracing);
                 match packing::packed(function, tracing, &graph) {
                     _ if row.batch_of.is_some() => Kernels::One(program(&graph, Target::Batch)),
-                    None => Kernels::One(program(&graph, Target::Scalar)),
+                    None => Kernels::One(alone(&graph, scalars)),
                     Some(packed) if strategy == Strategy::Routines => {
                         Kernels::One(Program::repeated(&packed, scalars))
                     }

@@ -11,10 +11,26 @@ impl Program {
     /// Returns the program of a graph over `arguments` scalars.
     #[must_use]
     pub fn new(graph: &Graph, arguments: usize, target: Target) -> Self {
+        let mut program = Self::lowered(graph, arguments, target);
+        program.finish();
+        program
+    }
+
+    /// The program of a graph for a thread of a graphics processor, which stores results as soon as they are known, as
+    /// a [`Target::Batch`] does, but takes longer functions.
+    #[must_use]
+    pub fn for_threads(graph: &Graph, arguments: usize) -> Self {
+        let mut program = Self::lowered(graph, arguments, Target::Batch);
+        program.finish_with(Some(&outline::THREAD));
+        program
+    }
+
+    /// The statements and results.
+    fn lowered(graph: &Graph, arguments: usize, target: Target) -> Self {
         let lowering = Lowering::new(graph);
         let statements = lowering.order.iter().map(|item| lowering.statement(item)).collect();
         let results = graph.outputs.iter().map(|&id| lowering.operand(id, 1)).collect();
-        let mut program = Self {
+        Self {
             target,
             arguments,
             statements,
@@ -22,13 +38,16 @@ impl Program {
             first_stores: Vec::new(),
             chunks: Vec::new(),
             routines: Vec::new(),
-        };
-        program.finish();
-        program
+        }
     }
 
     /// Computes the last use of each value, and cuts the statements into chunks.
     pub(super) fn finish(&mut self) {
+        self.finish_with(None);
+    }
+
+    /// The same, with chunks of these lengths in place of those of the target.
+    fn finish_with(&mut self, limits: Option<&outline::Limits>) {
         if self.target == Target::Batch {
             for result in 0..self.results.len() {
                 match self.results[result].value() {
@@ -47,7 +66,7 @@ impl Program {
                 self.statements[value.statement].last_use = usize::MAX;
             }
         }
-        self.chunks = outline::chunks(self);
+        self.chunks = outline::chunks(self, limits);
         assert_eq!(self.validate(), Ok(()), "a fault of modyn: please report it");
     }
 }

@@ -13,7 +13,7 @@ use super::{Chunk, Program, Scope, Target, Value};
 const MAX_SCOPE: usize = 250;
 
 /// The lengths of functions, in statements.
-struct Limits {
+pub(super) struct Limits {
     /// A program up to this length stays one chunk.
     whole: usize,
     /// The largest number of statements in a chunk of a longer program.
@@ -31,14 +31,20 @@ const SCALAR: Limits = Limits { whole: 1500, chunk: 500 };
 /// but take rustc twice as long. Chunks of 800 are as fast as any longer chunks.
 const PACKED: Limits = Limits { whole: 3000, chunk: 800 };
 
-/// Returns the statements of a program in chunks of about equal length.
-pub(super) fn chunks(program: &Program) -> Vec<Chunk> {
+/// In a thread of a graphics processor: values that cross a cut go through memory, and compilers take a function of
+/// 5,000 statements well.
+pub(super) const THREAD: Limits = Limits { whole: 5000, chunk: 2500 };
+
+/// Returns the statements of a program in chunks of about equal length. The lengths are those of `limits`, else those of
+/// the target.
+pub(super) fn chunks(program: &Program, limits: Option<&Limits>) -> Vec<Chunk> {
     let count = program.statements.len();
-    let Limits { whole, chunk } = match program.target {
+    let of_target = match program.target {
         Target::Batch => BATCH,
         Target::Simd if program.widths().len() > 1 => PACKED,
         Target::Scalar | Target::Simd => SCALAR,
     };
+    let Limits { whole, chunk } = *limits.unwrap_or(&of_target);
     let parts = if count <= whole { 1 } else { count.div_ceil(chunk) };
     let ranges: Vec<Range<usize>> =
         (0..parts).map(|k| k * count / parts..(k + 1) * count / parts).collect();

@@ -1,6 +1,6 @@
-//! Closed loops in general position: mechanisms rotated at random and scaled, interpreted and traced, in
-//! double and single precision, against the aligned mechanism and against a dense solution by other
-//! means (`reference.rs`).
+//! Closed loops in general position: mechanisms rotated at random and scaled, interpreted and traced, in double and
+//! single precision. They are compared with the aligned mechanism, and with a dense solution by independent means
+//! (`reference.rs`).
 
 mod mechanisms;
 mod reference;
@@ -10,8 +10,12 @@ use modyn_codegen::graph::Graph;
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::brge::UduLayout;
-use modyn_runtime::model::{Model, ModuleTree};
-use modyn_runtime::spatial::{Twist, Wrench};
+use modyn_runtime::joint::JointType;
+use modyn_runtime::model::{
+    Frame, Inertial, Joint, Link, LoopConstraint, LoopConstraintEnd, LoopConstraintKind, Model,
+    ModuleTree,
+};
+use modyn_runtime::spatial::{Pose, Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, Interpreter, Scalar};
 use nalgebra::{Matrix3, Vector3};
 use reference::{Reference, Solution};
@@ -21,7 +25,7 @@ const SIZES: [f64; 3] = [1.0, 0.02, 50.0];
 const ALPHA: f64 = 3.0;
 const BETA: f64 = 5.0;
 
-/// A scalar that mechanisms are computed in.
+/// A scalar for the computation of mechanisms.
 trait Precision: Scalar {
     fn to_f64(self) -> f64;
     fn settings() -> ConstraintSettings<Self>;
@@ -58,7 +62,7 @@ fn six<S: Precision>(x: [S; 6]) -> [f64; 6] {
     x.map(S::to_f64)
 }
 
-/// The interpreter's solution.
+/// Returns the interpreter's solution.
 fn interpreted<S: Precision>(model: &Model, [q, qd, tau]: &[Vec<f64>; 3]) -> Solution {
     let (n, loops) = (model.nv(), model.loop_constraints().len());
     let mut interpreter = Interpreter::<S>::new(model.clone());
@@ -82,7 +86,7 @@ fn count(rank: f64) -> usize {
     rank as usize
 }
 
-/// Traced as for generated code: forward dynamics and projection.
+/// Forward dynamics and projection, traced as for generated code.
 struct Traced {
     forward_dynamics: Graph,
     projection: Graph,
@@ -122,7 +126,7 @@ impl Traced {
     }
 }
 
-/// The solution of a mechanism that was rotated and scaled back: that of the aligned one.
+/// Returns the solution of the aligned mechanism from the solution of the rotated and scaled one.
 fn aligned(solution: &Solution, r: &Matrix3<f64>, scale: f64, lengths: &[bool]) -> Solution {
     let back = |six: &[f64; 6], angular: f64, linear: f64| {
         let turned = |at: usize| r.transpose() * Vector3::new(six[at], six[at + 1], six[at + 2]);
@@ -138,14 +142,14 @@ fn aligned(solution: &Solution, r: &Matrix3<f64>, scale: f64, lengths: &[bool]) 
     }
 }
 
-/// The largest difference of two solutions, each kind of number against the largest of its kind.
+/// Returns the largest difference of two solutions, each kind of number relative to the largest of its kind.
 fn difference(found: &Solution, expected: &Solution) -> f64 {
     assert_eq!(found.rank, expected.rank);
     let against = |found: &[f64], expected: &[f64]| {
         assert_eq!(found.len(), expected.len());
         let size = expected.iter().fold(1.0_f64, |size, x| size.max(x.abs()));
         let pairs = found.iter().zip(expected);
-        // A sum keeps what is not a number.
+        // A sum propagates NaN.
         pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt() / size
     };
     against(&found.qdd, &expected.qdd)
@@ -153,7 +157,7 @@ fn difference(found: &Solution, expected: &Solution) -> f64 {
         + against(&found.residuals.concat(), &expected.residuals.concat())
 }
 
-/// Projects on the loops; the rank of the last step.
+/// Projects to the closed loops; returns the rank of the last step.
 fn project(model: &Model, q: &mut [f64], qd: &mut [f64], steps: usize) -> usize {
     let mut interpreter = Interpreter::new(model.clone());
     let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
@@ -174,18 +178,18 @@ fn apart(model: &Model, q: &[f64]) -> f64 {
     (0..model.loop_constraints().len()).map(|c| reference.displacement(q, c).norm()).sum()
 }
 
-/// A state of the aligned mechanism, with the loops closed if they can be.
+/// Returns a state of the aligned mechanism, with closed loops if they can be closed.
 fn state(mechanism: &Mechanism, random: &mut Random) -> [Vec<f64>; 3] {
     let n = mechanism.model.nv();
     let (mut q, mut qd) = (mechanism.q.clone(), random.vector(n, 1.0));
     if mechanism.closes {
-        // An open loop may be locked: velocities come after coordinates.
+        // An open loop may be locked, so coordinates are projected before velocities.
         project(&mechanism.model, &mut q, &mut vec![0.0; n], 40);
         project(&mechanism.model, &mut q.clone(), &mut qd, 1);
         let apart = apart(&mechanism.model, &q);
         assert!(apart < 1e-13, "{}: {apart}", mechanism.name);
     }
-    // Torques that accelerate light links no more than heavy ones.
+    // The torques accelerate light links no more than heavy ones.
     let mut mass = vec![0.0; n * n];
     let mut interpreter = Interpreter::new(mechanism.model.clone());
     interpreter.mass_matrix(&q, &mut mass).expect("fits");
@@ -196,7 +200,7 @@ fn state(mechanism: &Mechanism, random: &mut Random) -> [Vec<f64>; 3] {
     [q, qd, tau]
 }
 
-/// The same state of the scaled mechanism.
+/// Returns the same state of the scaled mechanism.
 fn scaled([q, qd, tau]: &[Vec<f64>; 3], scale: f64, lengths: &[bool]) -> [Vec<f64>; 3] {
     let by = |x: &[f64], length: f64, angle: f64| {
         let x = x.iter().zip(lengths);
@@ -301,7 +305,7 @@ fn projection_assembles_mechanisms_in_general_position() {
                 moved.map(|((a, b), &length)| ((a - b) / if length { size } else { 1.0 }).abs());
             let moved = moved.fold(0.0, f64::max);
             assert!(moved < 3.0, "{name} {k}: {moved}");
-            // A linkage that is put together from near a singular place may leave it.
+            // A linkage that is assembled close to a singular configuration may leave it.
             assert!(rank == mechanism.rank || name == "flat", "{name} {k}: {rank}");
         }
     });
@@ -321,4 +325,27 @@ fn the_characteristic_length_is_as_documented() {
             }
         }
     });
+}
+
+#[test]
+fn a_loop_without_extent_has_a_length_of_a_metre() {
+    let joint = Joint::new("joint", JointType::Spherical, [0.0, 0.0, 1.0], Pose::identity());
+    let link = Link { name: "link".into(), parent: None, joint, inertial: Inertial::default() };
+    let frame = |name: &str, link| Frame {
+        name: name.into(),
+        link,
+        pose: Pose::identity(),
+        inertial: Inertial::default(),
+    };
+    let end = |frame| LoopConstraintEnd { frame, pose: Pose::identity() };
+    let constraint = LoopConstraint {
+        name: "closed".into(),
+        ends: [end(0), end(1)],
+        kind: LoopConstraintKind::Rigid,
+    };
+    let frames = vec![frame("world", None), frame("link", Some(0))];
+    let model = Model::new("point", [0.0; 3], vec![link], frames)
+        .and_then(|model| model.with_loop_constraints(vec![constraint]))
+        .expect("sound parts");
+    assert!((model.characteristic_length(0) - 1.0).abs() < 1e-15);
 }

@@ -9,7 +9,7 @@ use modyn_runtime::model::{
 use modyn_runtime::spatial::Pose;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// Numbers in [-1, 1).
+/// Pseudo-random numbers in [-1, 1).
 pub struct Random(pub u64);
 
 impl Random {
@@ -28,12 +28,12 @@ impl Random {
     }
 }
 
-/// A mechanism near a closed configuration.
+/// A mechanism, and coordinates near a closed configuration.
 pub struct Mechanism {
     pub name: &'static str,
     pub model: Model,
     pub q: Vec<f64>,
-    /// The number of independent rows where the loops are closed.
+    /// The number of independent constraint rows in closed configurations.
     pub rank: usize,
     /// Whether the loops can be closed.
     pub closes: bool,
@@ -47,7 +47,7 @@ fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| m[(i, j)]))
 }
 
-/// The pose of a frame translated by (a, 0, 0) and then rotated by `twist` about x.
+/// Returns the pose of a frame translated by (a, 0, 0) and then rotated by `twist` about x.
 fn link_end(a: f64, twist: f64) -> Pose<f64> {
     let (sin, cos) = twist.sin_cos();
     Pose {
@@ -66,7 +66,8 @@ fn along(pose: &Pose<f64>, distance: f64) -> Pose<f64> {
     pose.compose(&Pose { translation: [0.0, 0.0, distance], ..Pose::identity() })
 }
 
-/// A bar of this mass from the link's origin to `end`, 1/20 of its length (at least 0.1 m) thick.
+/// Returns the inertia of a bar of this mass from the link's origin to `end`. Its thickness is 1/20 of its length, and
+/// at least 1/20 of 0.1 m.
 fn bar(mass: f64, end: [f64; 3]) -> Inertial {
     let end = Vector3::from(end);
     let square = end.norm_squared().max(0.01);
@@ -79,7 +80,7 @@ fn bar(mass: f64, end: [f64; 3]) -> Inertial {
     }
 }
 
-/// A model that is still being put together.
+/// A model under construction.
 #[derive(Default)]
 struct Parts {
     links: Vec<Link>,
@@ -104,16 +105,16 @@ impl Parts {
     }
 
     fn close(&mut self, kind: LoopConstraintKind, ends: [(Option<usize>, Pose<f64>); 2]) {
-        // The world is the last frame, which is the first in the model.
+        // The world is the last frame here and the first frame of the model.
         let ends =
             ends.map(|(link, pose)| LoopConstraintEnd { frame: link.map_or(0, |i| i + 1), pose });
         let name = format!("loop{}", self.constraints.len());
         self.constraints.push(LoopConstraint { name, kind, ends });
     }
 
-    /// A chain of revolute joints about z on `base` at `at`: link i ends at a_i along x, twisted by
-    /// alpha_i about x. The chain's end, `offset` along its z, is held on the base where the
-    /// transform `closing` leads on to the chain's start.
+    /// Adds a chain of revolute joints about z on `base` at `at`: link i ends at a_i along x, rotated by alpha_i about
+    /// x. The chain's end, moved by `offset` along its z, is held on the base. There the transform `closing` leads to
+    /// the start of the chain.
     fn chain(
         &mut self,
         (base, at): (Option<usize>, Pose<f64>),
@@ -153,7 +154,7 @@ impl Parts {
 const HINGE: LoopConstraintKind = LoopConstraintKind::Revolute(Z);
 const WORLD: Option<usize> = None;
 
-/// Kinematic loops of revolute joints alone: link lengths, twists and masses, the fixed link last.
+/// Returns kinematic loops of revolute joints from link lengths, twists and masses; the fixed link is the last.
 fn ring(
     (name, rank): (&'static str, usize),
     links: &[(f64, f64, f64)],
@@ -167,7 +168,7 @@ fn ring(
     Mechanism { name, model: parts.model(), q: q.to_vec(), rank, closes: true }
 }
 
-/// Crank 0.2, coupler 0.5, rocker 0.4, ground 0.5; the rocker carries the second frame's side.
+/// Crank 0.2, coupler 0.5, rocker 0.4, ground 0.5; the second frame of the loop belongs to the rocker.
 const FOUR_BAR: [(f64, f64, f64); 3] = [(0.2, 0.0, 0.2), (0.5, 0.0, 0.5), (0.4, 0.0, 0.4)];
 const FOUR_BAR_Q: [f64; 3] = [1.0, -0.6, -1.8];
 
@@ -189,7 +190,7 @@ fn bennett(kind: LoopConstraintKind, name: &'static str) -> Mechanism {
     ring((name, 2), &links, (b, beta), kind, 0.0, &q)
 }
 
-/// Three parallel cranks of equal length carry a bar, which one of them holds in vain.
+/// Returns a bar on three parallel cranks of equal length, one of which is redundant.
 fn three_cranks() -> Mechanism {
     let mut parts = Parts::default();
     let place = |x: f64| Pose { translation: [x, 0.0, 0.0], ..Pose::identity() };
@@ -207,7 +208,7 @@ fn three_cranks() -> Mechanism {
     Mechanism { name: "three cranks", model: parts.model(), q, rank: 3, closes: true }
 }
 
-/// A four-bar linkage of 2 kg with one of 0.5 g on its coupler, smaller and in another plane.
+/// Returns a four-bar linkage of 2 kg with a four-bar linkage of 0.5 g on its coupler, smaller and in another plane.
 fn heavy_and_light() -> Mechanism {
     let mut parts = Parts::default();
     let first =
@@ -226,7 +227,7 @@ fn heavy_and_light() -> Mechanism {
     Mechanism { name: "2 kg and 0.5 g", model: parts.model(), q, rank: 4, closes: true }
 }
 
-/// The same linkages with their loop constraints in the other order.
+/// Returns the same linkages with their loop constraints in the other order.
 fn light_and_heavy() -> Mechanism {
     let mechanism = heavy_and_light();
     let mut constraints = mechanism.model.loop_constraints().to_vec();
@@ -235,7 +236,8 @@ fn light_and_heavy() -> Mechanism {
     Mechanism { name: "0.5 g and 2 kg", model, ..mechanism }
 }
 
-/// A platform that floats on six single joints, on six legs that turn universally and slide.
+/// Returns a platform on six legs. Six joints of one degree of freedom move the platform; each leg has a universal
+/// joint and a prismatic one.
 fn stewart() -> Mechanism {
     let mut parts = Parts::default();
     let mut platform = WORLD;
@@ -269,7 +271,7 @@ fn stewart() -> Mechanism {
     Mechanism { name: "Stewart", model: parts.model(), q, rank: 18, closes: true }
 }
 
-/// Two cranks in different planes with a thin rod between balls, which spins freely.
+/// Returns two cranks in different planes with a thin rod on ball joints, which rotates freely about its axis.
 fn thin_rod() -> Mechanism {
     let mut parts = Parts::default();
     let crank =
@@ -293,8 +295,8 @@ fn thin_rod() -> Mechanism {
     Mechanism { name: "thin rod", model: parts.model(), q, rank: 3, closes: true }
 }
 
-/// The four-bar linkage with a second hinge 10 cm from its last one: three joints cannot obey
-/// four rows in the plane.
+/// Returns the four-bar linkage with a second hinge 10 cm from its last one: three joints cannot satisfy four rows in
+/// the plane.
 fn contradictory() -> Mechanism {
     let mut mechanism = ring(("contradictory", 3), &FOUR_BAR, (0.5, 0.0), HINGE, 0.0, &FOUR_BAR_Q);
     let mut constraints = mechanism.model.loop_constraints().to_vec();
@@ -306,7 +308,7 @@ fn contradictory() -> Mechanism {
     Mechanism { closes: false, ..mechanism }
 }
 
-/// The four-bar linkage with a last hinge that is tilted by 0.01 rad: it can never be met.
+/// Returns the four-bar linkage with its last hinge tilted by 0.01 rad: that constraint can never be satisfied.
 fn tilted() -> Mechanism {
     let mut mechanism = ring(("tilted", 2), &FOUR_BAR, (0.5, 0.0), HINGE, 0.0, &FOUR_BAR_Q);
     let mut constraints = mechanism.model.loop_constraints().to_vec();
@@ -316,7 +318,7 @@ fn tilted() -> Mechanism {
     Mechanism { closes: false, ..mechanism }
 }
 
-/// A parallelogram that lies flat: one row less is independent than anywhere else.
+/// Returns a parallelogram in its flat configuration, where the rank is lower by one than elsewhere.
 fn flat() -> Mechanism {
     let links = [(0.2, 0.0, 0.2), (0.5, 0.0, 0.5), (0.2, 0.0, 0.3)];
     let q = [PI, 0.0, PI];
@@ -362,8 +364,8 @@ pub fn all() -> Vec<Mechanism> {
     ]
 }
 
-/// The model with every vector rotated and every length scaled; gravity is scaled too, so that its
-/// motion takes the same time.
+/// Returns the model with every vector rotated and every length scaled. Gravity is scaled, too, so that the motion has
+/// the same duration.
 pub fn rotated(model: &Model, r: &Matrix3<f64>, scale: f64) -> Model {
     let direction = |v: [f64; 3]| -> [f64; 3] { (r * Vector3::from(v)).into() };
     let point = |v: [f64; 3]| direction(v).map(|x| x * scale);
@@ -410,7 +412,7 @@ pub fn rotated(model: &Model, r: &Matrix3<f64>, scale: f64) -> Model {
     model.with_loop_constraints(constraints).expect("loops")
 }
 
-/// By entry of q and qd: whether it is a displacement.
+/// Returns, for each entry of q and qd, whether it is a displacement.
 pub fn lengths(model: &Model) -> Vec<bool> {
     model
         .links()

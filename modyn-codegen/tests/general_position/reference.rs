@@ -1,5 +1,5 @@
-//! Constrained forward dynamics by other means: Jacobians from joint axes in the world, bias
-//! accelerations by differences, and the pseudo-inverse by nalgebra's singular values.
+//! Constrained forward dynamics by independent means: Jacobians from joint axes in world axes, bias accelerations by
+//! differences, and the pseudo-inverse from nalgebra's singular values.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::joint::JointType;
@@ -11,14 +11,14 @@ use crate::mechanisms::matrix;
 
 pub struct Solution {
     pub qdd: Vec<f64>,
-    /// By constraint: moment and force.
+    /// For each constraint: moment and force.
     pub wrenches: Vec<[f64; 6]>,
-    /// By constraint: angular and linear.
+    /// For each constraint: angular and linear residual.
     pub residuals: Vec<[f64; 6]>,
     pub rank: usize,
 }
 
-/// A pose in the world.
+/// A pose in the world frame.
 struct Placed {
     axes: Matrix3<f64>,
     origin: Vector3<f64>,
@@ -50,7 +50,7 @@ impl<'a> Reference<'a> {
         })
     }
 
-    /// The moving link of a constraint's frame, and the frame in the world.
+    /// Returns the moving link of a constraint's frame, and the frame's pose in the world frame.
     fn end(&mut self, q: &[f64], constraint: usize, end: usize) -> (Option<usize>, Placed) {
         let end = self.model.loop_constraints()[constraint].ends[end].clone();
         let frame = &self.model.frames()[end.frame];
@@ -96,7 +96,7 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// The relative twist's Jacobian in the first frame's axes, without the free directions.
+    /// Returns the Jacobian of the relative twist in the first frame's axes, without the free directions.
     fn jacobian(&mut self, q: &[f64], constraint: usize) -> DMatrix<f64> {
         let mut jacobian = DMatrix::zeros(6, self.model.nv());
         let [(a, first), (b, second)] = [0, 1].map(|end| self.end(q, constraint, end));
@@ -109,7 +109,7 @@ impl<'a> Reference<'a> {
         DMatrix::from_column_slice(6, 6, axes.as_slice()) * jacobian
     }
 
-    /// The projection that leaves a twist's constrained part.
+    /// Returns the projection to the constrained part of a twist.
     fn constrained(&self, constraint: usize) -> Matrix6<f64> {
         let mut projection = Matrix6::identity();
         let across = |axis: [f64; 3]| {
@@ -146,7 +146,7 @@ impl<'a> Reference<'a> {
         self.constrained(constraint) * both
     }
 
-    /// The rate of J qd at constant qd, by differences of sixth order.
+    /// Returns the derivative of J qd by time at constant qd, by differences of sixth order.
     fn bias_acceleration(&mut self, q: &[f64], qd: &[f64], constraint: usize) -> DVector<f64> {
         let step = 1e-3;
         let mut sum = DVector::zeros(6);
@@ -162,7 +162,7 @@ impl<'a> Reference<'a> {
         sum
     }
 
-    /// The documented length, from places in the world.
+    /// Returns the documented length, from positions in the world frame.
     pub fn length(&mut self, q: &[f64], constraint: usize) -> f64 {
         let [a, b] = [0, 1].map(|end| self.end(q, constraint, end));
         let paths = [a, b].map(|(link, placed)| {
@@ -198,7 +198,7 @@ impl<'a> Reference<'a> {
         length + (meets[0] - meets[1]).norm()
     }
 
-    /// The accelerations and the wrenches of smallest norm, (moment / l)^2 + force^2.
+    /// Returns the accelerations, and the wrenches with the smallest norm (moment / l)^2 + force^2.
     pub fn solve(
         &mut self,
         (q, qd, tau): (&[f64], &[f64], &[f64]),

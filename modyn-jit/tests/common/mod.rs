@@ -82,11 +82,16 @@ pub struct Fused<F>(pub F);
 pub trait Fuse: Real {
     fn fused(self, a: Self, b: Self) -> Self;
     fn low_bit(self) -> bool;
+    fn of_bits(bits: u64) -> Self;
 }
 
 impl Fuse for f64 {
     fn fused(self, a: Self, b: Self) -> Self {
         f64::mul_add(self, a, b)
+    }
+
+    fn of_bits(bits: u64) -> Self {
+        Self::from_bits(bits)
     }
 
     fn low_bit(self) -> bool {
@@ -97,6 +102,10 @@ impl Fuse for f64 {
 impl Fuse for f32 {
     fn fused(self, a: Self, b: Self) -> Self {
         f32::mul_add(self, a, b)
+    }
+
+    fn of_bits(bits: u64) -> Self {
+        Self::from_bits(bits as u32)
     }
 
     fn low_bit(self) -> bool {

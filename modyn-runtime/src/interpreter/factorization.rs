@@ -12,7 +12,7 @@ use crate::model::ModuleTree;
 
 impl<S: Scalar> Interpreter<S> {
     /// Returns the factorization I = U D U^T of the mass matrix by modules at `q`, (35)-(49) of the paper.
-    /// Allocates the result; [`Brge::update`] uses the memory of an earlier one.
+    /// Allocates the result; [`UduFactorization::update`] uses the memory of an earlier one.
     ///
     /// ```
     /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));

@@ -41,7 +41,7 @@ impl<S: fmt::Display + fmt::LowerExp> fmt::Display for InertialError<S> {
             Self::Defect(defect) => defect.fmt(f),
             Self::NoInertia { joint } => write!(
                 f,
-                "joint `{joint}` would move no inertia that it alone would feel, so its acceleration would be \
+                "no inertia would oppose the motion of joint `{joint}` while the joints after it are free, so its acceleration would be \
                  infinite; give a link that it moves a mass, and a rotational inertia if it turns"
             ),
         }

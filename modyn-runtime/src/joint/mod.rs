@@ -58,6 +58,17 @@ pub enum JointType {
 }
 
 impl JointType {
+    /// All types.
+    pub const ALL: [Self; 7] = [
+        Self::Revolute,
+        Self::Continuous,
+        Self::Prismatic,
+        Self::Universal,
+        Self::Planar,
+        Self::Spherical,
+        Self::Floating,
+    ];
+
     /// Returns the type's name in URDF.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -122,11 +122,9 @@ impl Model {
     /// sqrt(|c|^2 + (Ixx + Iyy + Izz) / 2m) with the centre of mass c. The link that carries both sides of the
     /// loop adds the distance between their first joints. If all of these are zero, the length is 1 m. It does
     /// not depend on the coordinates, nor on inertias that are set at run time.
-    /// these are zero, and does not depend on the coordinates, nor on inertias that are set at run time.
     ///
     /// # Panics
     /// If there is no loop constraint with this index.
-    /// If there is no loop constraint of that index.
     #[must_use]
     pub fn characteristic_length(&self, constraint: usize) -> f64 {
         let frames = self.loop_constraints[constraint].ends.each_ref().map(|end| {

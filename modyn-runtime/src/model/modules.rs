@@ -97,7 +97,7 @@ impl fmt::Display for ModuleError {
             }
             Self::NotSerial { before, link, parent } => write!(
                 f,
-                "link `{link}` follows `{before}` in a module but hangs on `{parent}`; \
+                "link `{link}` follows `{before}` in a module, but its parent is `{parent}`; \
                  a module is a serial chain, listed from its parent outwards"
             ),
             Self::BranchInside { at, leaving } => write!(

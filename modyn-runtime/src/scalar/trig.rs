@@ -1,41 +1,40 @@
-//! Sine and cosine without a branch on the common path and without a system library.
+//! Sine and cosine without a branch for common angles, and without a system library.
 //!
-//! The angle is reduced modulo pi to [-pi/2, pi/2] by Cody and Waite's method: pi is the sum of several parts,
-//! all but the last short enough that their products with the multiple are exact, so that sines near
-//! multiples of pi keep their digits, with fused products or without. Both functions are
-//! polynomials there (near-minimax, Taylor-like coefficients), and an odd multiple flips both
-//! signs by a bit operation. Beyond a limit (or where the argument is NaN or infinite)
-//! integers reduce it: the one branch on a value here. They take a fixed number of
-//! steps, whatever the angle. `f32` never passes through `f64`.
+//! The angle is reduced modulo pi to [-pi/2, pi/2] by Cody and Waite's method. pi is the sum of several parts.
+//! All but the last are so short that their products with the multiple are exact. Sines close to multiples of pi
+//! therefore keep their digits, with fused products or without. Sine and cosine of the reduced angle are
+//! polynomials (near-minimax, Taylor-like coefficients). An odd multiple flips both signs by a bit operation.
+//! Angles beyond a limit, NaN and infinities are reduced with integers: the only branch on a value here. That
+//! reduction takes a fixed number of steps for any angle. `f32` is never converted to `f64`.
 
 #![allow(clippy::excessive_precision, clippy::unreadable_literal, clippy::cast_possible_truncation)]
 #![allow(clippy::cast_possible_wrap, clippy::cast_precision_loss, clippy::cast_sign_loss)]
 
 use super::Scalar;
 
-/// What the reduction needs besides arithmetic.
+/// The bit operation that the reduction needs besides arithmetic.
 pub(crate) trait FlipSign: Scalar {
-    /// Minus self where the lowest bit of `by` is set.
+    /// Returns -self if the lowest bit of `by` is set, else self.
     #[must_use]
     fn flip_sign(self, by: Self) -> Self;
 }
 
-/// A floating-point type, with the polynomials of its precision; they serve lanes of it too.
+/// A floating-point type with the polynomials of its precision, which serve its vectors, too.
 pub(crate) trait Precision: FlipSign + PartialOrd {
-    /// Arguments of the fast reduction are smaller.
+    /// The exclusive bound of angles for the fast reduction, rad.
     const LIMIT: Self;
 
-    /// For x below the limit, the angle in [-pi/2, pi/2] that differs from it by a multiple of pi, and
-    /// a number whose lowest bit is the multiple's.
+    /// Returns, for x below the limit, the angle in [-pi/2, pi/2] that differs from x by a multiple of pi, and a
+    /// number whose lowest bit is the multiple's lowest bit.
     fn reduce_small<S: FlipSign>(x: S) -> (S, S);
 
-    /// The same for any other x; NaN if it is not finite.
+    /// Returns sine and cosine of any other x; NaN if x is not finite.
     fn reduce_large(self) -> (Self, Self);
 
-    /// sin and cos of an angle in [-pi/2, pi/2]; both signs flipped by the lowest bit of `turns`.
+    /// Returns sin and cos of an angle in [-pi/2, pi/2]; the lowest bit of `turns` flips both signs.
     fn polynomials<S: FlipSign>(r: S, turns: S) -> (S, S);
 
-    /// sin and cos of an angle below the limit.
+    /// Returns sin and cos of an angle below the limit.
     #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
     #[inline(always)]
     fn reduced<S: FlipSign>(x: S) -> (S, S) {
@@ -43,7 +42,7 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
         Self::polynomials(r, turns)
     }
 
-    /// sin and cos of any other one.
+    /// Returns sin and cos of any other angle.
     #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
     #[inline]
     fn unreduced(self) -> (Self, Self) {
@@ -52,8 +51,8 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
     }
 }
 
-/// sin and cos of `x` in rad. Absolute error: at most 3e-16 in double precision, 1.5e-7 in single precision.
-/// Relative error of the sine: at most 3.5e-16 and 2e-7; the cosine has no such bound near its zeros.
+/// Returns sin and cos of `x` in rad. Absolute error: at most 3e-16 in double precision, 1.5e-7 in single precision.
+/// Relative error of the sine: at most 3.5e-16 and 2e-7; the cosine has no such bound close to its zeros.
 #[inline]
 pub(super) fn sin_cos<F: Precision>(x: F) -> (F, F) {
     // `<` is false for NaN.
@@ -61,7 +60,7 @@ pub(super) fn sin_cos<F: Precision>(x: F) -> (F, F) {
     F::polynomials(r, turns)
 }
 
-/// The same for several angles, without a branch between them.
+/// Returns sin and cos of several angles, without a branch between them.
 #[inline]
 pub(super) fn sin_cos_all<F: Precision, const N: usize>(angles: [F; N]) -> [(F, F); N] {
     let small = angles.iter().fold(true, |all, x| all & (x.abs() < F::LIMIT));
@@ -69,14 +68,14 @@ pub(super) fn sin_cos_all<F: Precision, const N: usize>(angles: [F; N]) -> [(F, 
     reduced.map(|(r, turns)| F::polynomials(r, turns))
 }
 
-/// The reduction where some angles are beyond the limit.
+/// Returns sin and cos of several angles, some of which are beyond the limit.
 #[cold]
 #[inline(never)]
 fn reduce_any<F: Precision, const N: usize>(angles: [F; N]) -> [(F, F); N] {
     angles.map(|x| if x.abs() < F::LIMIT { F::reduce_small(x) } else { x.reduce_large() })
 }
 
-/// Puts right what the fast reduction made of angles beyond the limit, lane by lane.
+/// Corrects the results of the fast reduction for angles beyond the limit, lane by lane.
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))] // Others have no lanes.
 #[cold]
 #[inline(never)]
@@ -89,12 +88,12 @@ pub(crate) fn correct<F: Precision>(angles: &[F], sines: &mut [F], cosines: &mut
     }
 }
 
-/// The value of a polynomial, the highest coefficient first.
+/// Returns the value of a polynomial; the highest coefficient comes first.
 #[inline(always)]
 fn polynomial<S: Scalar, const N: usize>(z: S, coefficients: [S; N]) -> S {
     let mut sum = coefficients[0];
     let mut i = 1;
-    // No iterator: what is not sure to be inlined would lose the caller's instruction set.
+    // No iterator: code that is not inlined is compiled without the caller's instruction set.
     while i < N {
         sum = z.mul_add(sum, coefficients[i]);
         i += 1;
@@ -102,8 +101,8 @@ fn polynomial<S: Scalar, const N: usize>(z: S, coefficients: [S; N]) -> S {
     sum
 }
 
-/// sin and cos of r, from the coefficients of (sin r / r - 1) / z and of (cos r - 1 + z / 2) / z^2 in
-/// z = r^2; both signs flipped by the lowest bit of `turns`.
+/// Returns sin and cos of r, from the coefficients of (sin r / r - 1) / z and of (cos r - 1 + z / 2) / z^2 in
+/// z = r^2; the lowest bit of `turns` flips both signs.
 #[inline(always)]
 fn sine_and_cosine<S: FlipSign, const M: usize, const N: usize>(
     r: S,
@@ -117,22 +116,23 @@ fn sine_and_cosine<S: FlipSign, const M: usize, const N: usize>(
     (sin.flip_sign(turns), cos.flip_sign(turns))
 }
 
-/// The numbers by which sine and cosine are computed in one precision: every back end has them from here.
+/// The constants of sine and cosine in one precision. The runtime and the generated C use the same constants.
 #[derive(Clone, Copy, Debug)]
 pub struct SinCosNumbers<const P: usize, const M: usize, const N: usize> {
-    /// Angles of the fast reduction are smaller.
+    /// The exclusive bound of angles for the fast reduction, rad.
     pub limit: f64,
-    /// Adding this number rounds to the nearest integer, whose lowest bit is then the lowest bit of the sum.
+    /// A number whose addition rounds to the nearest integer; the lowest bit of the sum is then that of the integer.
     pub round: f64,
-    /// Minus pi in parts. All parts but the last are short enough that their products with a multiple are exact.
+    /// -pi as a sum of parts. All parts but the last are so short that their products with the multiple are exact.
     pub minus_pi: [f64; P],
-    /// The coefficients of (sin r / r - 1) / r^2 in r^2, the highest first.
+    /// The coefficients of (sin r / r - 1) / r^2 in powers of r^2; the highest comes first.
     pub sine: [f64; M],
-    /// The coefficients of (cos r - 1 + r^2 / 2) / r^4 in r^2, the highest first.
+    /// The coefficients of (cos r - 1 + r^2 / 2) / r^4 in powers of r^2; the highest comes first.
     pub cosine: [f64; N],
 }
 
-/// The numbers of double precision. The multiple of pi has at most 17 bits, the first two parts of pi have 36.
+/// The constants of sine and cosine in double precision. The multiple of pi has at most 17 bits; the first two parts
+/// of pi have 36 bits.
 pub const SIN_COS_F64: SinCosNumbers<3, 8, 7> = SinCosNumbers {
     limit: 262_144.0,
     round: 6755399441055744.0,
@@ -158,7 +158,8 @@ pub const SIN_COS_F64: SinCosNumbers<3, 8, 7> = SinCosNumbers {
     ],
 };
 
-/// The numbers of single precision. The multiple of pi has at most 11 bits, the first three parts of pi have 13.
+/// The constants of sine and cosine in single precision. The multiple of pi has at most 11 bits; the first three
+/// parts of pi have 13 bits.
 pub const SIN_COS_F32: SinCosNumbers<4, 4, 4> = SinCosNumbers {
     limit: 4096.0,
     round: 12582912.0,
@@ -190,15 +191,18 @@ impl FlipSign for f64 {
 }
 
 impl Precision for f64 {
+    /// At this limit the multiple of pi has at most 17 bits.
     const LIMIT: Self = SIN_COS_F64.limit;
 
     #[inline(always)]
     fn reduce_small<S: FlipSign>(x: S) -> (S, S) {
         let k = S::from_f64;
+        // Adding 1.5 * 2^52 rounds to the nearest integer; its lowest bit is then the lowest bit of the sum.
         let round = k(SIN_COS_F64.round);
         let shifted = x.mul_add(k(core::f64::consts::FRAC_1_PI), round);
         let n = shifted - round;
         let [first, second, third] = SIN_COS_F64.minus_pi;
+        // pi in three parts, the first two with 36 bits.
         let r = n.mul_add(k(first), x);
         let r = n.mul_add(k(second), r);
         (n.mul_add(k(third), r), shifted)
@@ -221,7 +225,7 @@ impl Precision for f64 {
 
     #[inline(always)]
     fn polynomials<S: FlipSign>(r: S, turns: S) -> (S, S) {
-        // Each is converted by name: a loop over them would do it at run time.
+        // Each constant is converted by name; a loop would convert them at run time.
         let k = S::from_f64;
         let [a, b, c, d, e, f, g, h] = SIN_COS_F64.sine;
         let sine = [k(a), k(b), k(c), k(d), k(e), k(f), k(g), k(h)];
@@ -238,6 +242,7 @@ impl FlipSign for f32 {
 }
 
 impl Precision for f32 {
+    /// At this limit the multiple of pi has at most 11 bits.
     const LIMIT: Self = SIN_COS_F32.limit as Self;
 
     #[inline(always)]
@@ -247,6 +252,7 @@ impl Precision for f32 {
         let shifted = x.mul_add(k(core::f32::consts::FRAC_1_PI.into()), round);
         let n = shifted - round;
         let [first, second, third, fourth] = SIN_COS_F32.minus_pi;
+        // pi in four parts, the first three with 13 bits.
         let r = n.mul_add(k(first), x);
         let r = n.mul_add(k(second), r);
         let r = n.mul_add(k(third), r);
@@ -263,7 +269,7 @@ impl Precision for f32 {
         let (fraction, exponent) = (bits & ((1 << 23) - 1), (bits >> 23) & 0xff);
         let Reduced { odd, negative, angle, zeros } =
             reduce((fraction | (1 << 23)).into(), exponent as i32 - 150);
-        // Its upper half has more bits than the result.
+        // The upper half of `angle` has more bits than the result.
         let r = (angle >> 32) as u32 as Self * Self::from_bits((127 - 30 - zeros) << 23);
         let sign = Self::from_bits(u32::from(negative) ^ (bits >> 31));
         (r.flip_sign(sign), Self::from_bits(odd.into()))
@@ -271,7 +277,7 @@ impl Precision for f32 {
 
     #[inline(always)]
     fn polynomials<S: FlipSign>(r: S, turns: S) -> (S, S) {
-        // Each is converted by name: a loop over them would do it at run time.
+        // Each constant is converted by name; a loop would convert them at run time.
         let k = S::from_f64;
         let [a, b, c, d] = SIN_COS_F32.sine;
         let sine = [k(a), k(b), k(c), k(d)];
@@ -280,8 +286,8 @@ impl Precision for f32 {
     }
 }
 
-/// What is left of an angle: it is `odd` pi (and even multiples) plus or minus
-/// `angle` 2^-(62 + zeros), at most pi/2.
+/// A reduced angle: the angle is `odd` times pi (plus even multiples), plus or minus `angle` 2^-(62 + zeros), which
+/// is at most pi/2.
 struct Reduced {
     odd: bool,
     negative: bool,
@@ -289,7 +295,7 @@ struct Reduced {
     zeros: u32,
 }
 
-/// 1 / pi in binary, behind 64 zeros.
+/// The bits of 1 / pi, after 64 zeros.
 const FRAC_1_PI_BITS: [u64; 20] = [
     0x0000000000000000,
     0x517cc1b727220a94,
@@ -316,25 +322,25 @@ const FRAC_1_PI_BITS: [u64; 20] = [
 /// pi 2^62.
 const PI_BITS: u64 = 0xc90fdaa22168c235;
 
-/// Reduces m 2^e (m below 2^53, -62 < e < 972) modulo pi after Payne and Hanek 1983, "Radian
-/// reduction for trigonometric functions": of m 2^e / pi, the bits of 1 / pi that make even integers are
-/// left out, and so are those that are too small to matter.
+/// Reduces m 2^e (m below 2^53, -62 < e < 972) modulo pi, as in Payne and Hanek 1983, "Radian reduction for
+/// trigonometric functions". In m 2^e / pi, the bits of 1 / pi that contribute even integers are omitted, and so
+/// are bits that are too small to matter.
 fn reduce(m: u64, e: i32) -> Reduced {
-    // From the bit of 1 / pi that m 2^e brings to 1: 192 bits.
+    // From the bit of 1 / pi that m 2^e scales to 1: 192 bits.
     let start = (e + 63) as u32;
     let limb = |i: u32| {
         let at = |i: u32| FRAC_1_PI_BITS.get(i as usize).copied().unwrap_or_default();
         let (word, shift) = (start / 64 + i, start % 64);
         at(word) << shift | at(word + 1) >> 1 >> (63 - shift)
     };
-    // Their product with m, of which the uppermost bit counts ones and the others are the fraction.
+    // The product with m: its uppermost bit counts ones, the other bits are the fraction.
     let wide = |i: u32| u128::from(m) * u128::from(limb(i));
     let low = wide(2);
     let middle = wide(1) + (low >> 64);
     let high = m.wrapping_mul(limb(0)).wrapping_add((middle >> 64) as u64);
     let fraction =
         u128::from(high) << 65 | (middle as u64 as u128) << 1 | (low as u64 >> 63) as u128;
-    // A fraction from 1/2 on is the next multiple, less something.
+    // A fraction of at least 1/2 is the next multiple minus a remainder.
     let nearest = fraction as i128;
     let magnitude = nearest.unsigned_abs();
     let zeros = magnitude.leading_zeros().min(62);
@@ -355,7 +361,7 @@ mod tests {
     const LIMIT_F64: f64 = <f64 as Precision>::LIMIT;
     const LIMIT_F32: f32 = <f32 as Precision>::LIMIT;
 
-    /// Evenly and unevenly spread angles within `limit`, both signs.
+    /// Returns evenly and unevenly spread angles within `limit`, of both signs.
     fn angles(limit: f64) -> impl Iterator<Item = f64> {
         (0..200_000u32).flat_map(move |i| {
             let t = f64::from(i) / 200_000.0;
@@ -363,12 +369,12 @@ mod tests {
         })
     }
 
-    /// Numbers of all sizes from `limit` on, and some that are very near to multiples of pi/2.
+    /// Returns numbers of all sizes from `limit` on, and some that are very close to multiples of pi/2.
     fn reduce_large(limit: f64, largest: f64) -> impl Iterator<Item = f64> {
         let steps = 200_000;
         let factor = libm::exp(libm::log(largest / limit) / f64::from(steps));
         let spread = (0..steps).map(move |i| limit * libm::pow(factor, f64::from(i)));
-        // 6381956970095103 * 2^797 is within 5e-19 of one: the nearest double.
+        // 6381956970095103 * 2^797 is the double closest to a multiple, within 5e-19.
         let near =
             [6381956970095103.0 * libm::pow(2.0, 797.0), 355.0, 5_419_351.0, 1_725_033.0 * 1e6];
         let pi = |k: u32| f64::from(k) * core::f64::consts::FRAC_PI_2;
@@ -402,8 +408,8 @@ mod tests {
         assert!(worst <= 1.5e-7, "{worst:e}");
     }
 
-    /// The sine's relative error on the fast path: next to every multiple of pi, against libm, and next to selected
-    /// ones, against mpmath.
+    /// The sine's relative error of the fast reduction: close to every multiple of pi, against libm, and close to
+    /// selected ones, against mpmath.
     #[test]
     fn sines_near_multiples_of_pi_keep_their_digits() {
         let mut worst: f64 = 0.0;
@@ -457,7 +463,7 @@ mod tests {
         assert!(double <= 3.5e-16 && single <= 2e-7, "{double:e}, {single:e}");
     }
 
-    /// Not only to the last place of 1, but of the sine itself.
+    /// The error is small relative to the sine itself, not only relative to 1.
     #[test]
     fn far_angles_near_multiples_of_pi_keep_their_digits() {
         for k in (1..4_000_000_000_u64).step_by(999_983) {

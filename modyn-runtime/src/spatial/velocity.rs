@@ -9,7 +9,6 @@ use crate::Scalar;
 ///
 /// The velocities x' are relative to the frame or to fixed axes, by choice of the caller;
 /// [`with_angular_velocity`](Self::with_angular_velocity) converts from the former to the latter.
-/// goes from the former to the latter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VelocityMoments<S> {
     /// Twice the integral of x', kg m/s.

@@ -19,16 +19,6 @@ const TOLERANCE: f64 = 1e-11;
 /// Of what a single precision calculation of many steps keeps.
 const SINGLE: f64 = 2e-5;
 
-const ALL_TYPES: [JointType; 7] = [
-    JointType::Revolute,
-    JointType::Continuous,
-    JointType::Prismatic,
-    JointType::Universal,
-    JointType::Planar,
-    JointType::Spherical,
-    JointType::Floating,
-];
-
 const STATES: u64 = 4;
 
 struct Subject {
@@ -84,7 +74,7 @@ fn the_fleet_is_various() {
     assert!(count(&|s| matches!(s.robot.own, Own::Single(_))) >= 4, "single precision");
 
     let all: Vec<Subject> = subjects().filter(|s| s.robot.spec.all).collect();
-    for joint_type in ALL_TYPES {
+    for joint_type in JointType::ALL {
         let is_so = |s: &Subject| s.model.links().iter().any(|l| l.joint.joint_type == joint_type);
         assert!(all.iter().any(is_so), "{joint_type:?}");
     }

@@ -6,7 +6,7 @@ mod b {
     modyn::modyn!(pub ForwardDynamicsAbreast = "../good.urdf", functions = all, crate = modyn);
 }
 mod c {
-    modyn::modyn!(pub T = "../good.urdf", functions = all, gravity = runtime);
+    modyn::modyn!(pub T = "../good.urdf", functions = all, runtime_gravity = true);
 }
 mod d {
     modyn::modyn!(pub Some = "../good.urdf", functions = all);

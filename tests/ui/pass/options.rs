@@ -23,7 +23,7 @@ modyn::modyn!(Following = "../mimic.urdf", mimic = follow, friction = none);
 modyn::modyn!(
     Floating = "../floating.urdf",
     base = floating,
-    gravity = runtime,
+    runtime_gravity = true,
     runtime_inertia = ["hand"],
     payload = ["hand", "arm"],
     functions = all,

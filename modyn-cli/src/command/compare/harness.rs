@@ -55,7 +55,7 @@ pub struct Harness<'a> {
     pub rustc: &'a Rustc,
     pub robot: &'a str,
     pub type_name: &'a str,
-    pub quantities: &'a [&'static Quantity],
+    pub quantities: &'a [Quantity],
     pub native: bool,
     pub keep: Option<&'a Path>,
 }
@@ -125,7 +125,7 @@ impl Harness<'_> {
     fn main(&self, model: &Model) -> String {
         let mut calls = String::new();
         for quantity in self.quantities {
-            let call = quantity.call;
+            let call = &quantity.call;
             let _ = writeln!(calls, "    run(&states, |s| Robot::{call});");
         }
         let has = |function| self.quantities.iter().any(|one| one.function == function);

@@ -16,14 +16,15 @@ use modyn_runtime::model::Model;
 use modyn_runtime::{Interpreter, ShapeError};
 use serde_json::{Value, json};
 
-use crate::command::choices::{Functions, functions, module_tree, modules};
+use crate::command::choices::module_tree;
+use crate::command::options::{Functions, functions, modules};
 use crate::command::outcome::{Failure, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::random::Random;
 use crate::command::robot::Robot;
 use crate::command::table::Table;
 use harness::Harness;
-use quantities::{QUANTITIES, Quantity, State};
+use quantities::{Quantity, State, quantities};
 
 /// Compile a robot's code with rustc and compare it with the interpreter on random states
 ///
@@ -131,13 +132,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
-    fn quantities(&self) -> Result<Vec<&'static Quantity>, Failure> {
+    fn quantities(&self) -> Result<Vec<Quantity>, Failure> {
         let chosen = |function: Function| {
             self.functions.as_ref().is_none_or(|Functions(list)| list.contains(&function))
         };
-        let quantities: Vec<_> = QUANTITIES.iter().filter(|one| chosen(one.function)).collect();
+        let quantities: Vec<_> = quantities().filter(|one| chosen(one.function)).collect();
         if quantities.is_empty() {
-            let names: Vec<&str> = QUANTITIES.iter().map(|one| one.function.name()).collect();
+            let names: Vec<&str> =
+                quantities::quantities().map(|one| one.function.name()).collect();
             return Err(Failure::usage(format!("error: compared can be: {}", names.join(", "))));
         }
         Ok(quantities)

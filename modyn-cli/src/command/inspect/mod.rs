@@ -1,4 +1,4 @@
-//! `modyn inspect`: what a robot is, and what its functions cost.
+//! `modyn inspect`: describes a robot, and the cost of its functions.
 
 mod advice;
 mod json;
@@ -17,17 +17,18 @@ use modyn_codegen::{Builder, Function, ModuleChoice, condition_number};
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Model, ModuleTree};
 
-use crate::command::choices::{Functions, functions, module_tree, modules};
+use crate::command::choices::module_tree;
 use crate::command::diagnostics;
+use crate::command::options::{Functions, functions, modules};
 use crate::command::outcome::{Failure, to_file, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::Robot;
 use advice::Advice;
 use sparsity::Sparsity;
 
-/// Show a robot: joints, masses, modules, suspicious values; with `--functions`, the cost of functions
+/// Show a robot: joints, masses, modules, suspicious properties; with `--functions`, the cost of functions
 ///
-/// Exit code 0 where the description is usable, 1 where it is refused.
+/// The exit code is 0 if the description is valid, 1 if it is rejected.
 #[derive(Args)]
 pub struct Arguments {
     /// Print JSON
@@ -36,7 +37,7 @@ pub struct Arguments {
     /// Draw the module tree and the sparsity of the mass matrix and its factors U and D
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
-    /// Show the operations and the code size of these functions: their names with commas, `default`, `all`
+    /// Show the operations and the code size of these functions: names separated by commas, `default`, `all`
     #[arg(long, value_name = "NAMES", value_parser = functions)]
     functions: Option<Functions>,
     /// The kinematic modules: `chains`, `links`, or a list such as [["a", "b"], ["c"]]
@@ -46,28 +47,28 @@ pub struct Arguments {
     robot: Robot,
 }
 
-/// All that is shown.
+/// The contents of the output.
 struct Inspection {
     model: Model,
     modules: ModuleTree,
     warnings: Vec<Diagnostic>,
     advice: Vec<Advice>,
-    /// The scaled mass matrix's, if the robot is not too large for it.
+    /// The condition number of the scaled mass matrix; `None` if the robot is too large to compute it.
     condition: Option<f64>,
-    /// The costs of the functions, or the reason why the robot is too large for code; none if they were not asked for.
+    /// The cost of each function, or the reason why the robot is too large to compile; `None` without `--functions`.
     costs: Option<Result<Vec<Cost>, Diagnostics>>,
 }
 
-/// What a function costs.
+/// The cost of a function.
 struct Cost {
     name: &'static str,
-    /// Of a call.
+    /// The operations of a call.
     operations: OperationCount,
-    /// Of its machine code, about; batches have code for each kind of processor.
+    /// The estimated bytes of machine code; `None` for batches, which have code for each instruction set.
     bytes: Option<f64>,
 }
 
-/// Shows it.
+/// Prints the inspection.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
     let reading = description.read(&arguments.robot.options.read_options());
@@ -111,7 +112,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     to_stdout(&(text::of(&inspection) + &warnings))
 }
 
-/// The costs by function, or the reason why there can be no code. JSON has all functions but batches by default.
+/// Returns the cost of each function, or the reason why the robot cannot be compiled. JSON has all functions except
+/// batches by default.
 fn costs(
     builder: Builder,
     arguments: &Arguments,

@@ -1,4 +1,4 @@
-//! The module tree and the sparsity that comes of it, for a slide.
+//! Draws the module tree and the sparsity of the mass matrix and its factors.
 
 use std::fmt::Write as _;
 
@@ -7,30 +7,30 @@ use modyn_runtime::model::{Link, Model, ModuleTree};
 use super::sparsity::Sparsity;
 use crate::escape::{markup, shortened};
 
-/// Tints that can be told apart by colour-blind readers (Okabe and Ito), light; numbers say the same.
+/// Light colours that colour-blind readers can distinguish (Okabe and Ito); numbers identify modules, too.
 const TINTS: [&str; 7] =
     ["#cfe3f3", "#f9dcc4", "#cbe9de", "#f3d9e6", "#fbf3c0", "#d9e2f7", "#e9d5c6"];
 const INK: &str = "#1d2733";
 const LINE: &str = "#7b8794";
-/// Of entries that are not zero.
+/// The colour of nonzero entries.
 const ENTRY: &str = "#2f5673";
 
 const MARGIN: f64 = 40.0;
 const TITLE: f64 = 70.0;
-/// The least width of a module's box, and its height.
+/// The minimal width of a module's box, and its height.
 const BOX: (f64, f64) = (140.0, 46.0);
-/// From a box to the next one: the gap between columns, and the distance of rows.
+/// The gap between two columns of boxes, and the distance between two rows.
 const STEP: (f64, f64) = (36.0, 62.0);
-/// The width of a letter in a box, and the room beside the name.
+/// The width of a letter in a box, and the space beside the name.
 const LETTER: f64 = 6.7;
 const BESIDE: f64 = 44.0;
 /// The longest name that is drawn in full, in characters.
 const MAX_NAME_LENGTH: usize = 60;
-/// Of a matrix, and from one to the next.
+/// The size of a matrix, and the gap to the next.
 const MATRIX: f64 = 250.0;
 const BETWEEN: f64 = 46.0;
 
-/// The picture, as SVG.
+/// Returns the picture as SVG.
 pub fn draw(model: &Model, modules: &ModuleTree, sparsity: &Sparsity) -> String {
     let places = places(modules);
     let columns = places.iter().map(|&(column, _)| column + 1).max().unwrap_or(0);
@@ -77,12 +77,12 @@ pub fn draw(model: &Model, modules: &ModuleTree, sparsity: &Sparsity) -> String 
     out + "</svg>\n"
 }
 
-/// By module: its column, which is its depth, and its row, amid those of its children.
+/// Returns the place of each module: its column, which is its depth, and its row, in the middle of its children's rows.
 fn places(tree: &ModuleTree) -> Vec<(usize, f64)> {
     let modules = tree.modules();
     let mut places = vec![(0, 0.0); modules.len()];
     let mut next = 0.0;
-    // In depth-first order a module without children is above all that come after it.
+    // In depth-first order a module without children is above all later ones.
     for (m, module) in modules.iter().enumerate() {
         places[m].0 = module.parent.map_or(0, |parent| places[parent].0 + 1);
         if module.children.is_empty() {
@@ -102,11 +102,11 @@ fn tint(module: usize) -> &'static str {
     TINTS[module % TINTS.len()]
 }
 
-/// The width of the boxes, which their names fit into.
+/// Returns the width of the boxes, in which every name fits.
 fn box_width(model: &Model, modules: &ModuleTree) -> f64 {
     let ends = modules.modules().iter().flat_map(|module| {
         let links = &model.links()[module.links.clone()];
-        [(links.first(), 0), (links.last(), 3)] // "to " before the last
+        [(links.first(), 0), (links.last(), 3)] // "to " precedes the last name.
     });
     let letters = ends
         .filter_map(|(link, more)| Some(link?.name.chars().count().min(MAX_NAME_LENGTH) + more));
@@ -172,7 +172,7 @@ fn draw_tree(
     }
 }
 
-/// By module: its own rows and columns; none for one whose joints all follow others.
+/// Returns the rows and columns of each module; none for a module of mimic joints.
 fn blocks(model: &Model, tree: &ModuleTree) -> Vec<std::ops::Range<usize>> {
     let own = |link: &usize| model.mimic(*link).is_none();
     let block = |links: std::ops::Range<usize>| {

@@ -1,4 +1,4 @@
-//! The entries of the mass matrix and of its factors U and D that are zero at all coordinates.
+//! Finds the entries of the mass matrix and of its factors U and D that are zero at all coordinates.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
@@ -16,7 +16,7 @@ const MAX_VELOCITIES: usize = 400;
 pub struct Sparsity {
     /// The number of rows and columns.
     pub n: usize,
-    /// The pattern mass matrix.
+    /// The pattern of the mass matrix.
     pub mass_matrix: Vec<bool>,
     /// The pattern of U.
     pub u: Vec<bool>,

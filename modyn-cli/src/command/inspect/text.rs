@@ -1,4 +1,4 @@
-//! For a terminal.
+//! The output of `modyn inspect` for terminals.
 
 use std::fmt::Write as _;
 
@@ -11,19 +11,19 @@ use super::{Cost, Inspection, advice};
 use crate::command::numbers::four_digits;
 use crate::command::table::{Table, WIDTH, wrapped};
 
-/// Of 24 bits.
+/// The decimal digits of 24 bits.
 const F32_DIGITS: f64 = 7.2;
 
-/// So many modules are drawn: the tree of a chain is as wide as it is high.
+/// The largest number of modules that are drawn: the tree of a chain is as wide as it is high.
 const MAX_DRAWN: usize = 1000;
 
-/// The least room for a module's links: the tree of a deep robot grows to the right.
+/// The minimal width of a module's list of links; the tree of a deep robot grows to the right.
 const LEAST_NAMES: usize = 30;
 
-/// So many are told; JSON has all.
+/// The largest number of pieces of advice that are shown; JSON has all.
 const MAX_ADVICE: usize = 40;
 
-/// All of it.
+/// Returns the inspection as text.
 pub fn of(inspection: &Inspection) -> String {
     let Inspection { model, modules, advice, condition, costs, .. } = inspection;
     let mut out = format!(
@@ -69,7 +69,7 @@ pub fn of(inspection: &Inspection) -> String {
     out
 }
 
-/// The frames that may touch the world.
+/// Returns the contacts, one on a line.
 fn contacts(model: &Model) -> String {
     let line = |contact: &Contact| {
         let link = sanitize_for_display(&model.frames()[contact.end.frame].name);
@@ -78,7 +78,7 @@ fn contacts(model: &Model) -> String {
     model.contacts().iter().map(line).collect()
 }
 
-/// What closes loops.
+/// Returns the loop joints, one on a line.
 fn loops(model: &Model) -> String {
     let line = |constraint: &LoopConstraint| {
         let [first, second] = constraint
@@ -94,14 +94,14 @@ fn loops(model: &Model) -> String {
     model.loop_constraints().iter().map(line).collect()
 }
 
-/// A sentence in lines that fit.
+/// Returns a sentence, wrapped to the width of the output.
 fn paragraph(text: &str) -> String {
     let lines = wrapped(text.trim_end().split(' '), " ", WIDTH - 4);
     lines.join("\n    ") + "\n"
 }
 
 fn section(out: &mut String, title: &str, body: &str) {
-    // Bold, where there is a terminal.
+    // Bold on terminals.
     let _ = writeln!(out, "\n\u{1b}[1m{title}\u{1b}[0m");
     body.lines().for_each(|line| {
         let _ = writeln!(out, "  {line}");
@@ -148,13 +148,13 @@ fn parent(model: &Model, link: &Link) -> String {
     link.parent.map_or_else(|| "the base".into(), |p| sanitize_for_display(&model.links()[p].name))
 }
 
-/// Whether damping acts, and whether Coulomb friction does.
+/// Returns whether damping acts, and whether Coulomb friction acts.
 pub fn active_friction(model: &Model) -> [bool; 2] {
     let friction = model.friction();
     [friction != Friction::None, !matches!(friction, Friction::None | Friction::Viscous)]
 }
 
-/// What a joint has besides.
+/// Returns notes on a joint: mimic relation, armature, damping, friction.
 fn notes(model: &Model, link: usize) -> String {
     let joint = &model.links()[link].joint;
     let mut notes = Vec::new();
@@ -197,7 +197,7 @@ fn links(model: &Model) -> String {
     table.with_remarks().fitted()
 }
 
-/// The modules as a tree, without recursion: a chain of them may be long.
+/// Returns the modules as a tree, without recursion, since a chain of modules may be long.
 fn tree(model: &Model, tree: &ModuleTree) -> String {
     let modules = tree.modules();
     if modules.len() > MAX_DRAWN {
@@ -220,7 +220,7 @@ fn tree(model: &Model, tree: &ModuleTree) -> String {
         let start = format!("{indent}{branch} {m}: ");
         let room = WIDTH.saturating_sub(start.width()).max(LEAST_NAMES);
         let names = wrapped(names.iter().map(String::as_str), " ─ ", room);
-        // Links that continue on the next line stand below the first.
+        // Links that continue on the next line are aligned with the first link.
         let bar = if modules[m].children.is_empty() { "" } else { "│" };
         let rest = format!("{indent}{below}{bar}");
         for (i, names) in names.iter().enumerate() {
@@ -256,12 +256,12 @@ fn conditioning(condition: Option<f64>) -> String {
     match condition {
         None => "not computed: the robot is too large\n".into(),
         Some(number) => format!(
-            "mass matrix, scaled to a diagonal of ones: up to {number:.1e}; f32 {}\n",
+            "mass matrix, scaled to a unit diagonal: up to {number:.1e}; f32 {}\n",
             if number > CARRIED_BY_F32 {
-                "may be left no digits of the accelerations: use f64, or compare with it".into()
+                "may keep no digits of the accelerations: use f64, or compare with it".into()
             } else {
                 let digits = (F32_DIGITS - number.log10()).floor();
-                format!("is left about {digits} digits of the accelerations")
+                format!("keeps about {digits} digits of accelerations")
             }
         ),
     }

@@ -31,8 +31,9 @@ const MAX_SAMPLES: f64 = 1e6;
 /// Simulate a robot in free fall, or under joint forces from a file
 ///
 /// Loops are closed before the start if they are nearly closed, and stay closed. Joint limits are not enforced. Without
-/// `--csv`, `--plot` and `--html` the table is written to standard output. The exit code is 1 if the description is rejected
-/// or the motion diverges.
+/// `--csv`, `--plot` and `--html` the table is written to standard output.
+///
+/// The exit code is 1 if the description is rejected or the motion diverges.
 #[derive(Args)]
 pub struct Arguments {
     /// The duration, s

@@ -65,8 +65,9 @@ struct Dynamics<'a> {
     smooth: Option<Interpreter<f64>>,
     torques: &'a Torques,
     tau: Vec<f64>,
-    /// Stabilization; no contact is active.
-    settings: ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
+    /// The stabilization of the loops.
+    constraint_settings: ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
+    /// For each contact whether it is active: none is.
     inactive: Vec<bool>,
     /// The wrench and the residual of each constraint.
     constraints: (Vec<Wrench<f64>>, Vec<Twist<f64>>),
@@ -88,9 +89,17 @@ impl Motion {
         let tau = vec![0.0; model.nv()];
         let count = model.constraints();
         let constraints = (vec![Wrench::zero(); count], vec![Twist::zero(); count]);
-        let (settings, inactive) = (settings_of(model), vec![false; model.contacts().len()]);
-        let mut dynamics =
-            Dynamics { interpreter, smooth, torques, tau, settings, inactive, constraints };
+        let inactive = vec![false; model.contacts().len()];
+        let constraint_settings = settings_of(model);
+        let mut dynamics = Dynamics {
+            interpreter,
+            smooth,
+            torques,
+            tau,
+            constraint_settings,
+            inactive,
+            constraints,
+        };
         let mut state = State { q, qd, energy: [0.0; 2] };
         let mut samples = vec![dynamics.sample(0.0, &state).map_err(shape)?];
         for i in 1..=settings.steps {
@@ -172,9 +181,9 @@ impl Dynamics<'_> {
         if into.1.len() == self.inactive.len() {
             self.interpreter.forward_dynamics(q, qd, &self.tau, into.0)?;
         } else {
-            let Self { settings, inactive, .. } = self;
             let state = (q.as_slice(), qd.as_slice(), self.tau.as_slice());
-            self.interpreter.constrained_forward_dynamics(state, inactive, settings, into)?;
+            let settings = &self.constraint_settings;
+            self.interpreter.constrained_forward_dynamics(state, &self.inactive, settings, into)?;
         }
         rates.energy = [power(&self.tau, qd), self.friction_power(q, qd)?];
         Ok(rates)
@@ -228,7 +237,7 @@ pub fn place(
     done.map(|()| q).map_err(|error| Failure::usage(format!("error: {error}")))
 }
 
-/// The settings of the constraints of a robot.
+/// Returns the default settings of a robot's constraints.
 fn settings_of(model: &Model) -> ConstraintSettings<f64, Vec<ContactTarget<f64>>> {
     let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
         ConstraintSettings::<f64>::DEFAULT;

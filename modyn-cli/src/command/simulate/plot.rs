@@ -1,4 +1,4 @@
-//! A motion as small plots, one for each coordinate, velocity and torque, and one of the energies.
+//! Draws a motion as small plots: one for each coordinate, velocity and torque, and one for the energies.
 
 use std::fmt::Write as _;
 
@@ -9,37 +9,37 @@ use super::units::{self, Kind};
 use crate::command::numbers::four_digits;
 use crate::escape::{markup, shortened};
 
-/// Curves that can be told apart, also by colour-blind readers (Okabe and Ito).
+/// The colours of the curves, which colour-blind readers can distinguish, too (Okabe and Ito).
 const COLORS: [&str; 5] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#1d2733"];
 const INK: &str = "#1d2733";
 const GREY: &str = "#66717e";
 const GRID: &str = "#e3e7eb";
 
-/// The most points of a curve: more cannot be seen.
+/// The largest number of points of a curve; more points cannot be distinguished.
 const POINTS: usize = 500;
-/// Values beyond this are left out: axes have no end otherwise.
+/// The largest magnitude that is drawn.
 const MAX_VALUE: f64 = 1e100;
 
 const WIDTH: f64 = 1280.0;
 const MARGIN: f64 = 36.0;
-/// Of the values at an axis.
+/// The width of the values at an axis.
 const LABELS: f64 = 52.0;
 const PANEL: f64 = 130.0;
 const GAP: (f64, f64) = (18.0, 34.0);
 const HEADING: f64 = 58.0;
-/// The most panels in a row.
+/// The largest number of panels in a row.
 const MAX_COLUMNS: usize = 6;
-/// Of the energies: their height, and the room for their names.
+/// The height of the panel of energies, and the width of their names.
 const ENERGIES: (f64, f64) = (220.0, 130.0);
 
-/// Panels of one quantity, which share their axes.
+/// The panels of one quantity, which share their axes.
 struct Block {
     title: String,
     color: &'static str,
     panels: Vec<(String, Vec<f64>)>,
 }
 
-/// The plots as SVG: coordinates, velocities, torques if there are some, and energies.
+/// Returns the plots as SVG: coordinates, velocities, torques if any is nonzero, and energies.
 pub fn of(model: &Model, motion: &Motion) -> String {
     let step = motion.samples.len().div_ceil(POINTS).max(1);
     let last = motion.samples.len() - 1;
@@ -94,7 +94,7 @@ fn blocks(model: &Model, samples: &[&Sample]) -> Vec<Block> {
     blocks
 }
 
-/// The entries of each unit.
+/// Returns the entries, grouped by unit.
 fn grouped(
     title: &str,
     (names, kinds): (&[String], &[Kind]),
@@ -117,7 +117,7 @@ fn grouped(
     blocks.into_iter().filter(|block| !block.panels.is_empty()).collect()
 }
 
-/// The energies that are not zero throughout.
+/// Returns the names and values of the energies that are not always zero.
 fn energies(samples: &[&Sample]) -> Vec<(String, Vec<f64>)> {
     let curve = |name: &str, get: fn(&Sample) -> f64| {
         (name.to_owned(), samples.iter().map(|sample| get(sample)).collect::<Vec<f64>>())
@@ -133,7 +133,7 @@ fn energies(samples: &[&Sample]) -> Vec<(String, Vec<f64>)> {
     curves
 }
 
-/// A rectangle of the picture, and what its axes span.
+/// A rectangle of the picture, and the intervals of its axes.
 struct Axes {
     left: f64,
     top: f64,
@@ -153,7 +153,7 @@ impl Axes {
         self.top + self.height * (self.high - value) / (self.high - self.low)
     }
 
-    /// The grid; the values at the left if `values`, the times below if `times`.
+    /// Draws the grid, with the values at the left if `values`, and the times below if `times`.
     fn draw(&self, out: &mut String, values: bool, times: bool) {
         let &Self { left, top, width, height, end, low, high } = self;
         let (right, bottom) = (left + width, top + height);
@@ -189,7 +189,7 @@ impl Axes {
         );
     }
 
-    /// A curve, in pieces where values cannot be drawn.
+    /// Draws a curve; it has gaps at values that cannot be drawn.
     fn curve(&self, out: &mut String, times: &[f64], values: &[f64], color: &str) {
         let points: Vec<Option<(f64, f64)>> = times
             .iter()
@@ -206,8 +206,8 @@ impl Axes {
     }
 }
 
-/// The path of cubic curves through points from left to right. Between two points a curve stays between their heights
-/// (Fritsch and Butland 1984), so that it shows no peak that was not computed.
+/// Returns the path of cubic curves through points from left to right. Between two points a curve stays between their
+/// heights (Fritsch and Butland 1984), so it shows no peak that was not computed.
 fn smooth<'a>(points: impl Iterator<Item = &'a (f64, f64)>) -> String {
     let points: Vec<(f64, f64)> = points.copied().collect();
     let secant = |i: usize| (points[i + 1].1 - points[i].1) / (points[i + 1].0 - points[i].0);
@@ -239,11 +239,11 @@ fn heading(out: &mut String, title: &str, top: f64) {
     );
 }
 
-/// Draws a block of panels from `top` on, and returns where it ends.
+/// Draws a block of panels below `top`, and returns its lower edge.
 fn draw_block(out: &mut String, block: &Block, times: &[f64], end: f64, top: f64) -> f64 {
     heading(out, &block.title, top);
     let count = block.panels.len();
-    // As many rows as the columns need, then as few columns as these rows need.
+    // The number of columns determines the rows; then the columns are reduced to those that the rows need.
     let rows = count.div_ceil(MAX_COLUMNS);
     let columns = count.div_ceil(rows);
     let width = (WIDTH - 2.0 * MARGIN - LABELS + GAP.0) / columns as f64 - GAP.0;
@@ -261,7 +261,7 @@ fn draw_block(out: &mut String, block: &Block, times: &[f64], end: f64, top: f64
         };
         axes.draw(out, column == 0, i + columns >= count);
         axes.curve(out, times, values, block.color);
-        // A letter is about 7 wide.
+        // A letter is about 7 units wide.
         let longest = (width / 7.0) as usize;
         let _ = writeln!(
             out,
@@ -274,7 +274,7 @@ fn draw_block(out: &mut String, block: &Block, times: &[f64], end: f64, top: f64
     top + HEADING + rows as f64 * (PANEL + GAP.1) + 6.0
 }
 
-/// Draws the energies in one panel, each with its name at its end.
+/// Draws the energies in one panel, with the name of each curve at its end.
 fn draw_energies(
     out: &mut String,
     curves: &[(String, Vec<f64>)],
@@ -294,7 +294,7 @@ fn draw_energies(
         let last = values.iter().rev().find(|x| drawn(**x)).map_or(high, |&x| x);
         names.push((axes.y(last) + 4.0, name, color));
     }
-    // Names that would cover each other move down.
+    // Names that would overlap move down.
     names.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut free = f64::MIN;
     for (y, name, color) in names {
@@ -309,7 +309,7 @@ fn draw_energies(
     axes.top + ENERGIES.0 + GAP.1 + 8.0
 }
 
-/// What an axis spans, with some room: also where values are constant, or zero but for rounding.
+/// Returns the interval of an axis with a margin, also for values that are constant, or zero within rounding.
 fn span<'a>(values: impl Iterator<Item = &'a f64>) -> (f64, f64) {
     let (low, high) =
         values.filter(|x| drawn(**x)).fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
@@ -319,22 +319,22 @@ fn span<'a>(values: impl Iterator<Item = &'a f64>) -> (f64, f64) {
     (low - room, high + room)
 }
 
-/// At most `most` + 1 round values between two.
+/// Returns at most `most` + 1 round values between `low` and `high`.
 fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
     let least = (high - low) / most as f64;
     let power = 10.0_f64.powf(least.log10().floor());
     let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
     let step = steps.into_iter().find(|&step| step >= least * (1.0 - 1e-9)).unwrap_or(steps[3]);
     let first = (low / step).ceil();
-    // Where the numbers' own spacing is wider than the steps there is nothing to mark.
+    // If the spacing of floating-point numbers is wider than the steps, there is nothing to mark.
     let count = ((high / step).floor() - first).clamp(0.0, most as f64) as u32;
     let tick = |i: u32| (first + f64::from(i)) * step;
     let ticks = (0..=count).map(tick).map(|x| if x.abs() < step * 1e-9 { 0.0 } else { x });
-    // Rounding may put the first or the last one outside.
+    // Rounding may move the first or the last value outside.
     ticks.filter(|x| (low..=high).contains(x)).collect()
 }
 
-/// Whether a value can be drawn.
+/// Returns whether a value can be drawn.
 fn drawn(x: f64) -> bool {
     x.abs() < MAX_VALUE
 }
@@ -343,7 +343,7 @@ fn drawn(x: f64) -> bool {
 mod tests {
     use super::*;
 
-    /// The heights of the ends and of the control points.
+    /// Returns the heights of the end points and of the control points.
     fn heights(path: &str) -> Vec<f64> {
         let numbers = path.split(['M', 'C', ' ']).filter(|text| !text.is_empty());
         numbers.skip(1).step_by(2).map(|text| text.parse().expect("a number")).collect()

@@ -9,7 +9,7 @@ use super::literal;
 
 /// A support function, in the order in which C must define them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Support {
+pub(in crate::emit) enum Support {
     Bits,
     FromBits,
     SinCos,
@@ -41,7 +41,7 @@ impl Support {
 
 /// Returns the text of these functions and of those that they call. In the templates, words in capitals depend on the
 /// precision, and `R(..)` is a literal.
-pub(super) fn text(used: &BTreeSet<Support>, float: FloatType) -> String {
+pub(in crate::emit) fn text(used: &BTreeSet<Support>, float: FloatType) -> String {
     let needed = used.iter().flat_map(|support| support.dependencies());
     let all: BTreeSet<Support> = needed.chain(used).copied().collect();
     if all.is_empty() {
@@ -58,8 +58,8 @@ pub(super) fn text(used: &BTreeSet<Support>, float: FloatType) -> String {
     literals(&text, float)
 }
 
-/// Returns the words that depend on the precision. Those of the arctangent and the logarithm are the numbers of
-/// `scalar/elementary.rs`.
+/// Returns the words that depend on the precision. The numbers of the arctangent and the
+/// logarithm are those of `scalar/elementary.rs`.
 fn substitutions(float: FloatType) -> BTreeMap<&'static str, String> {
     let series = |count: u32, term: &dyn Fn(f64) -> (f64, f64)| {
         let term = |i: u32| {
@@ -138,7 +138,7 @@ fn substitutions(float: FloatType) -> BTreeMap<&'static str, String> {
     given.chain(computed).chain(sin_cos).collect()
 }
 
-/// The words of sine and cosine.
+/// Returns the words of sine and cosine, from the runtime's constants.
 fn sin_cos_words<const P: usize, const M: usize, const N: usize>(
     numbers: &SinCosNumbers<P, M, N>,
 ) -> [(&'static str, String); 7] {

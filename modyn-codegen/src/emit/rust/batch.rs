@@ -16,14 +16,14 @@ impl Robot<'_> {
         let Kernels::One(program) = quantity.kernels else { return };
         let (name, parameters) = (name(quantity), quantity.all_parameters());
         let inlined = format!("{name}_lanes");
-        *text += &function(&inlined, &parameters, &quantity.shape, program, self.options.float);
+        *text += &function(&inlined, &parameters, &quantity.shape, program, self.options.scalar);
         self.kernel(text, quantity);
         self.batch_functions(text, quantity);
     }
 
     /// Prints the type that loads states and calls the inlined function.
     fn kernel(&self, text: &mut String, quantity: &Quantity<'_>) {
-        let float = self.options.float.name();
+        let float = self.options.scalar.name();
         let runtime = quantity.runtime_parameter().map_or(0, |p| p.shape.len());
         let (inputs, outputs) = (count(&quantity.parameters), quantity.shape.len());
         let mut body = String::new();
@@ -58,7 +58,7 @@ impl Robot<'_> {
     /// Prints the public functions: over slices for each coordinate, the same on all cores, and over slices of states. If
     /// the quantity depends on run-time parameters, each has a form with parameters.
     fn batch_functions(&self, text: &mut String, quantity: &Quantity<'_>) {
-        let (robot, float) = (self.name, self.options.float.name());
+        let (robot, float) = (self.name, self.options.scalar.name());
         let name = name(quantity);
         let result = result_name(name);
         let outputs = outputs(quantity);

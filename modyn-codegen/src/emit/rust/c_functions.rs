@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::shape::Shape;
 use super::{Quantity, Robot};
-use crate::plan::{Function, Kernels};
+use crate::plan::{CForm, Kernels};
 
 impl Robot<'_> {
     /// Prints `extern "C"` functions named `prefix_function`, for all functions that C can call.
@@ -25,7 +25,7 @@ impl Robot<'_> {
     }
 
     fn c_function(&self, text: &mut String, prefix: &str, quantity: &Quantity<'_>) {
-        let (name, float) = (self.name, self.options.float.name());
+        let (name, float) = (self.name, self.options.scalar.name());
         let function = quantity.function.name();
         let by_link = matches!(quantity.kernels, Kernels::ByLink(_));
         let scalar = matches!(quantity.shape, Shape::Scalar);
@@ -75,8 +75,8 @@ impl Robot<'_> {
             parameters.join(", ")
         );
         if quantity.uses_spatial() {
-            let krate = &self.options.krate;
-            let _ = writeln!(text, "#[allow(unused_imports)]\nuse {krate} as __modyn;");
+            let path = &self.options.crate_path;
+            let _ = writeln!(text, "#[allow(unused_imports)]\nuse {path} as __modyn;");
         }
         text.push_str(&lets);
         if by_link {
@@ -105,7 +105,7 @@ impl Robot<'_> {
 
 /// Returns whether C can call the function. The results of the others are Rust types.
 pub(super) fn in_c(quantity: &Quantity<'_>) -> bool {
-    !matches!(quantity.function, Function::Brge | Function::Random)
+    quantity.function.row().c_form == CForm::SourceAndExport
 }
 
 impl Quantity<'_> {

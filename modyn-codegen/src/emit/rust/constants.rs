@@ -15,7 +15,7 @@ impl Robot<'_> {
     /// Prints the type's constants.
     pub(super) fn constants(&self, text: &mut String, operations: &[(&str, OperationCount)]) {
         let (name, model) = (self.name, self.model);
-        let (nq, nv, float) = (model.nq(), model.nv(), self.options.float.name());
+        let (nq, nv, float) = (model.nq(), model.nv(), self.options.scalar.name());
         let (joints, link_names) = (self.joint_names(), self.link_names());
         let (links, link_parents) = (link_names.len(), self.link_parents());
         let quaternions: Vec<(&str, usize)> = model.quaternions().collect();

@@ -18,8 +18,8 @@ impl Robot<'_> {
     ) {
         let (name, shape) = (quantity.function.name(), &quantity.shape);
         let (scalar, vectorized) = (format!("{name}_scalar"), format!("{name}_vectorized"));
-        *text += &function(&scalar, parameters, shape, scalars, self.options.float);
-        *text += &function(&vectorized, parameters, shape, vectors, self.options.float);
+        *text += &function(&scalar, parameters, shape, scalars, self.options.scalar);
+        *text += &function(&vectorized, parameters, shape, vectors, self.options.scalar);
         let types = vector_types(vectors);
         let kind = format!("{}SimdTask", helper_type(name));
         let fields: Vec<String> =

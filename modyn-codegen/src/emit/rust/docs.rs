@@ -213,15 +213,12 @@ fn options(lines: &mut String, robot: &Robot<'_>) {
         format!("[{}]", names.join(", "))
     };
     let friction = format!("{:?}", model.friction()).to_lowercase();
-    let gravity = match options.runtime_gravity {
-        true => format!("runtime`, by default `{:?}", model.gravity()),
-        false => format!("{:?}", model.gravity()),
-    };
+    let gravity = model.gravity();
     let _ = writeln!(
         lines,
-        "\n# Options\n\n- `scalar = {}`\n- `functions = {functions}`\n- `gravity = {gravity}` (m/s^2, world axes)\n\
+        "\n# Options\n\n- `scalar = {}`\n- `functions = {functions}`\n- `gravity = {gravity:?}` (m/s^2, world axes)\n\
          - `friction = {friction}`",
-        options.float.name()
+        options.scalar.name()
     );
     for (option, links) in
         [("runtime_inertia", &options.runtime_inertia), ("payload", &options.payload)]
@@ -231,14 +228,17 @@ fn options(lines: &mut String, robot: &Robot<'_>) {
             let _ = writeln!(lines, "- `{option}`: {}", names.join(", "));
         }
     }
+    if options.runtime_gravity {
+        lines.push_str("- `runtime_gravity = true`\n");
+    }
     if options.share {
         lines.push_str("- `share = true`\n");
     }
     if options.self_contained {
-        lines.push_str("- `self_contained`\n");
+        lines.push_str("- `self_contained = true`\n");
     }
     if let Some(prefix) = &options.c_prefix {
-        let _ = writeln!(lines, "- functions for C: `{prefix}_...`");
+        let _ = writeln!(lines, "- `c_functions = {prefix}`");
     }
 }
 

@@ -22,7 +22,7 @@ impl Robot<'_> {
         quantity: &Quantity<'_>,
         programs: &[Program],
     ) {
-        let (frames, float) = (&self.plan.frames, self.options.float);
+        let (frames, float) = (&self.plan.frames, self.options.scalar);
         let (name, mut parameters) = (quantity.function.name(), quantity.all_parameters());
         let (own, shared) = programs.split_at(frames.links_with_own_program().count());
         for (link, program) in frames.links_with_own_program().zip(own) {
@@ -53,7 +53,7 @@ impl Robot<'_> {
         quantity: &Quantity<'_>,
         (bodies, placed): (&Program, &Program),
     ) {
-        let (frames, float) = (&self.plan.frames, self.options.float);
+        let (frames, float) = (&self.plan.frames, self.options.scalar);
         let (name, parameters) = (quantity.function.name(), quantity.all_parameters());
         let shape = Shape::new(&frames.poses_of_bodies(), self.name);
         *text += &function(&format!("{name}_of_bodies"), &parameters, &shape, bodies, float);
@@ -84,7 +84,7 @@ impl Robot<'_> {
 
     /// Prints the table of placements: the pose on its body of each link with a shared function.
     pub(super) fn placements(&self, text: &mut String) {
-        let (frames, float) = (&self.plan.frames, self.options.float);
+        let (frames, float) = (&self.plan.frames, self.options.scalar);
         let rows = frames.placements().map(|numbers| {
             let numbers: Vec<String> = numbers.iter().map(|&x| literal(x, float)).collect();
             format!("[{}],\n", numbers.join(", "))

@@ -13,7 +13,7 @@ impl Robot<'_> {
     /// Returns the header with `prefix_function` for each of the `quantities` that C can call.
     pub(super) fn c_header(&self, prefix: &str, quantities: &[Quantity<'_>]) -> String {
         let upper = prefix.to_uppercase();
-        let (number, size) = match self.options.float {
+        let (number, size) = match self.options.scalar {
             super::FloatType::F64 => ("double", 8),
             super::FloatType::F32 => ("float", 4),
         };

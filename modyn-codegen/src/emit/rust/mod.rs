@@ -44,7 +44,7 @@ pub(super) fn print(
 ) -> (String, Option<String>) {
     let mut options = options.clone();
     if options.self_contained {
-        options.krate = format!("self::{}", embedded::MODULE);
+        options.crate_path = format!("self::{}", embedded::MODULE);
     }
     let options = &options;
     let robot = Robot { model, modules, options, plan, name };
@@ -55,12 +55,12 @@ pub(super) fn print(
     let mut text = String::new();
     docs::robot(&mut text, &robot, &operations);
     robot.types(&mut text);
-    let krate = &options.krate;
+    let path = &options.crate_path;
     let _ = writeln!(
         text,
         "#[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, unused_variables, non_snake_case)]\n\
          const _: () = {{\n\
-         use {krate} as __modyn;\n"
+         use {path} as __modyn;\n"
     );
     // Rustdoc shows methods before constants if they come first.
     robot.own_functions(&mut text, &quantities);
@@ -171,7 +171,7 @@ impl Robot<'_> {
     fn private_functions(&self, text: &mut String, quantity: &Quantity<'_>) {
         let (name, parameters) = (quantity.function.name(), quantity.all_parameters());
         let function = |name: &str, program: &Program| {
-            function(name, &parameters, &quantity.shape, program, self.options.float)
+            function(name, &parameters, &quantity.shape, program, self.options.scalar)
         };
         match quantity.kernels {
             Kernels::One(program) => *text += &function(name, program),
@@ -238,7 +238,7 @@ impl Robot<'_> {
 
     /// Prints the type's own functions.
     fn own_functions(&self, text: &mut String, quantities: &[Quantity<'_>]) {
-        let (name, float) = (self.name, self.options.float.name());
+        let (name, float) = (self.name, self.options.scalar.name());
         let _ = writeln!(text, "impl {name} {{");
         for quantity in quantities {
             let function = quantity.function.name();

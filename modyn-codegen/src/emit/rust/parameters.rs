@@ -54,7 +54,7 @@ impl Robot<'_> {
         if count == 0 {
             return;
         }
-        let (name, vis, float) = (self.name, &self.options.visibility, self.options.float.name());
+        let (name, vis, float) = (self.name, &self.options.visibility, self.options.scalar.name());
         let _ = writeln!(
             text,
             "/// The run-time parameters of [`{name}`]; the defaults are those of the description. The methods set\n\
@@ -71,9 +71,9 @@ impl Robot<'_> {
         if parameters.is_empty() {
             return;
         }
-        let (name, float) = (self.name, self.options.float.name());
+        let (name, float) = (self.name, self.options.scalar.name());
         let described = parameters.described(self.model.gravity());
-        let constants: Vec<String> = match self.options.float {
+        let constants: Vec<String> = match self.options.scalar {
             FloatType::F64 => described.iter().map(|x| format!("{x:?}")).collect(),
             #[allow(clippy::cast_possible_truncation)] // As `from_f64` rounds them.
             FloatType::F32 => described.iter().map(|x| format!("{:?}", *x as f32)).collect(),
@@ -125,7 +125,7 @@ impl Robot<'_> {
                 Parameter::new("params", Shape::vector(self.plan.parameters.len())),
             ];
             let shape = Shape::vector(entries.len());
-            let float = self.options.float;
+            let float = self.options.scalar;
             *text += &function("inertia_pivots", &parameters, &shape, program, float);
             let joints: Vec<&str> = entries.iter().map(|&v| self.joint_of(v)).collect();
             let _ = writeln!(

@@ -10,7 +10,7 @@ impl Robot<'_> {
     /// Prints the public types, without their functions.
     pub(super) fn types(&self, text: &mut String) {
         let (name, vis) = (self.name, &self.options.visibility);
-        let float = self.options.float.name();
+        let float = self.options.scalar.name();
         let _ = writeln!(
             text,
             "#[allow(dead_code)]\n#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]\n{vis} struct {name};\n"

@@ -9,17 +9,6 @@ use crate::description::{JointRecord, Kind, Located, Mimic, MimicRecord, normali
 use crate::diagnostics::{Code, Severity, Subject};
 use crate::read::xml::element::{Attribute, attribute};
 
-/// The moving joint types.
-const MOVING: [JointType; 7] = [
-    JointType::Revolute,
-    JointType::Continuous,
-    JointType::Prismatic,
-    JointType::Universal,
-    JointType::Planar,
-    JointType::Spherical,
-    JointType::Floating,
-];
-
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
@@ -87,11 +76,12 @@ impl<'a> Reader<'a, '_, '_, '_> {
         if text.text == "fixed" {
             return Kind::Fixed;
         }
-        if let Some(found) = MOVING.into_iter().find(|known| known.name() == text.text) {
+        if let Some(found) = JointType::ALL.into_iter().find(|known| known.name() == text.text) {
             return Kind::Moving(found);
         }
         let message = format!("`{}` is not a joint type", text.text);
-        let help = format!("supported are: {}, fixed", MOVING.map(JointType::name).join(", "));
+        let help =
+            format!("supported are: {}, fixed", JointType::ALL.map(JointType::name).join(", "));
         self.xml.report.error(Code::UnknownJointType, text.at, subject, message, help);
         Kind::Unknown
     }

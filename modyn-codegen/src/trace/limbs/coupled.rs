@@ -7,7 +7,7 @@ use crate::graph::Expr;
 type Entry = (usize, usize);
 
 impl LimbPacking {
-    /// Returns the robot's matrix by columns, from a matrix of the merged robot and the entries `cross_limb` limbs.
+    /// Returns the robot's matrix by columns, from a matrix of the merged robot and the entries `cross_limb` between limbs.
     pub(in crate::trace) fn unpack_coupled(
         &self,
         columns: &[Expr],

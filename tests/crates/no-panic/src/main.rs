@@ -16,7 +16,7 @@ modyn::modyn!(
     Zoo = "../../../../robots/joint_zoo.urdf",
     functions = all,
     friction = coulomb,
-    gravity = runtime,
+    runtime_gravity = true,
     runtime_inertia = ["tip"],
     payload = ["tip"],
 );

@@ -42,7 +42,7 @@ pub mod names {
     modyn::modyn!(
         pub Loaded = "../robots/clash.urdf",
         functions = all,
-        gravity = runtime,
+        runtime_gravity = true,
         runtime_inertia = ["Some", "None", "\u{202e}Ok"],
         payload = ["Some", "None", "\u{202e}Ok"],
     );

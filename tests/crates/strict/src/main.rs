@@ -7,7 +7,7 @@ modyn::modyn!(Private = "../../../../robots/gripper.urdf");
 modyn::modyn!(
     Complete = "../../../../robots/joint_zoo.urdf",
     functions = all,
-    gravity = runtime,
+    runtime_gravity = true,
     runtime_inertia = ["hand"],
     payload = ["hand"],
 );

@@ -1,0 +1,152 @@
+//! CUDA C++, for NVRTC or nvcc. Sine, cosine, arctangent and logarithm are those of generated C, for all arguments.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use super::{Dialect, GpuArgument, GpuKernel, Support};
+use crate::emit::FloatType;
+use crate::emit::c;
+
+/// Most threads of a block, from which the compiler knows how many registers a thread may have.
+const BLOCK: usize = 128;
+
+pub(super) struct Cuda {
+    pub float: FloatType,
+}
+
+impl Cuda {
+    fn real(&self) -> &'static str {
+        match self.float {
+            FloatType::F64 => "double",
+            FloatType::F32 => "float",
+        }
+    }
+
+    /// A function of the mathematical library in this precision.
+    fn library(&self, name: &str) -> String {
+        match self.float {
+            FloatType::F64 => name.into(),
+            FloatType::F32 => format!("{name}f"),
+        }
+    }
+
+    /// The parameters for the buffers, from the state's place on.
+    fn parameters(&self, kernel: &GpuKernel) -> Vec<String> {
+        let real = self.real();
+        let arguments = kernel.arguments.iter();
+        let arguments = arguments.map(|a| format!("const {real} *__restrict__ {}", a.name));
+        arguments.chain([format!("{real} *__restrict__ out")]).collect()
+    }
+}
+
+impl Dialect for Cuda {
+    fn preamble(&self, used: &BTreeSet<Support>) -> String {
+        let of_c = used.iter().map(|support| match support {
+            Support::SinCos => c::Support::SinCos,
+            Support::Atan2 => c::Support::Atan2,
+            Support::Logarithm => c::Support::Logarithm,
+            Support::Maximum => c::Support::Maximum,
+        });
+        let functions = c::support(&of_c.collect(), self.float);
+        // Tables stay `static const`: they are indexed by the counters of loops that the compiler unrolls.
+        let functions = functions.replace("\nstatic ", "\nstatic __device__ ");
+        format!(
+            "#ifdef __CUDACC_RTC__\n\
+             #define NAN __int_as_float(0x7fffffff)\n\
+             #define INFINITY __int_as_float(0x7f800000)\n\
+             #else\n#include <math.h>\n#endif\n\n{functions}"
+        )
+    }
+
+    fn literal(&self, value: f64) -> String {
+        c::literal(value, self.float)
+    }
+
+    fn define(&self, name: &str, value: &str) -> String {
+        format!("const {} {name} = {value};", self.real())
+    }
+
+    fn sin_cos(&self, angle: &str, sine: &str, cosine: &str) -> String {
+        format!("{} {sine}, {cosine}; modyn_sin_cos({angle}, &{sine}, &{cosine});", self.real())
+    }
+
+    fn multiply_add(&self, a: &str, b: &str, c: &str) -> String {
+        format!("{}({a}, {b}, {c})", self.library("fma"))
+    }
+
+    fn square_root(&self, x: &str) -> String {
+        format!("{}({x})", self.library("sqrt"))
+    }
+
+    fn absolute(&self, x: &str) -> String {
+        format!("{}({x})", self.library("fabs"))
+    }
+
+    fn select(&self, x: &str, then: &str, otherwise: &str) -> String {
+        format!("({x} >= {}) ? {then} : {otherwise}", self.literal(0.0))
+    }
+
+    fn argument(&self, _: &GpuKernel, argument: &GpuArgument, j: usize) -> String {
+        match argument.common {
+            true => format!("{}[{j}]", argument.name),
+            false => format!("{}[{j} * n]", argument.name),
+        }
+    }
+
+    fn store(&self, _: &GpuKernel, j: usize, value: &str) -> String {
+        format!("out[{j} * n] = {value};")
+    }
+
+    fn handed(&self, chunk: usize, i: usize, _: bool) -> String {
+        format!("part{chunk}[{i}]")
+    }
+
+    fn chunk(
+        &self,
+        kernel: &GpuKernel,
+        own: usize,
+        live_in: &[usize],
+        _: &[usize],
+        body: &str,
+    ) -> String {
+        let real = self.real();
+        let mut parameters = self.parameters(kernel);
+        parameters.push("size_t n".into());
+        parameters.extend(live_in.iter().map(|k| format!("const {real} *__restrict__ part{k}")));
+        parameters.push(format!("{real} *__restrict__ part{own}"));
+        format!(
+            "static __device__ __noinline__ void {}_part{own}({})\n{{\n{body}}}\n\n",
+            kernel.name,
+            parameters.join(", ")
+        )
+    }
+
+    fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String {
+        let buffers = kernel.arguments.iter().map(|argument| argument.name.clone());
+        let buffers = buffers.chain(["out".into(), "n".into()]);
+        let parts = live_in.iter().chain([&own]).map(|k| format!("part{k}"));
+        let arguments: Vec<String> = buffers.chain(parts).collect();
+        format!(
+            "    {} part{own}[{}];\n    {}_part{own}({});\n",
+            self.real(),
+            values[own].max(1),
+            kernel.name,
+            arguments.join(", ")
+        )
+    }
+
+    fn kernel(&self, kernel: &GpuKernel, docs: &str, body: &str) -> String {
+        let mut head = String::new();
+        for argument in kernel.arguments.iter().filter(|argument| !argument.common) {
+            let _ = writeln!(head, "    {} += state;", argument.name);
+        }
+        format!(
+            "{docs}extern \"C\" __global__ void __launch_bounds__({BLOCK}) {}({}, unsigned int count)\n{{\n    \
+             const size_t n = count;\n    \
+             const size_t state = (size_t)blockIdx.x * blockDim.x + threadIdx.x;\n    \
+             if (state >= n) {{ return; }}\n{head}    out += state;\n{body}}}\n\n",
+            kernel.name,
+            self.parameters(kernel).join(", ")
+        )
+    }
+}

@@ -1,0 +1,165 @@
+//! A program as a kernel: a statement a line. Chunks become functions that hand their values on through arrays.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use super::{Dialect, Kernel, Support};
+use crate::program::{Addend, Chunk, MultiplyAdd, Operand, Operation, Source, Value};
+
+/// The text of a kernel and its chunks; the functions that it calls go to `used`.
+pub(super) fn print(
+    dialect: &dyn Dialect,
+    kernel: &Kernel<'_>,
+    used: &mut BTreeSet<Support>,
+) -> String {
+    let program = kernel.program;
+    let values: Vec<usize> = program.chunks.iter().map(|chunk| chunk.live_out.len()).collect();
+    let last = program.chunks.len() - 1;
+    let (mut text, mut calls) = (String::new(), String::new());
+    for (k, chunk) in program.chunks.iter().enumerate() {
+        let inner = k < last;
+        let body = Body { dialect, kernel, first: chunk.statements.start, inner };
+        let mut lines = String::new();
+        if k == 0 {
+            body.stores(&mut lines, &program.first_stores);
+        }
+        for s in chunk.statements.clone() {
+            body.statement(&mut lines, s, used);
+            body.stores(&mut lines, &program.statements[s].stores);
+        }
+        if inner {
+            for (i, &value) in chunk.live_out.iter().enumerate() {
+                let place = dialect.handed(k, i, true);
+                let _ = writeln!(lines, "    {place} = {};", body.value(value));
+            }
+            text += &dialect.chunk(&kernel.description, k, &chunk.live_in, &values, &lines);
+            calls += &dialect.call(&kernel.description, k, &chunk.live_in, &values);
+        } else {
+            text += &dialect.kernel(&kernel.description, &kernel.docs, &(calls.clone() + &lines));
+        }
+    }
+    text
+}
+
+/// The statements of a chunk.
+struct Body<'a> {
+    dialect: &'a dyn Dialect,
+    kernel: &'a Kernel<'a>,
+    /// The first statement of the chunk.
+    first: usize,
+    /// Whether the chunk is a function that the kernel calls.
+    inner: bool,
+}
+
+impl Body<'_> {
+    /// The stores of these results.
+    fn stores(&self, text: &mut String, results: &[usize]) {
+        for &result in results {
+            let value = self.operand(&self.kernel.program.results[result]);
+            let _ = writeln!(
+                text,
+                "    {}",
+                self.dialect.store(&self.kernel.description, result, &value)
+            );
+        }
+    }
+
+    fn statement(&self, text: &mut String, s: usize, used: &mut BTreeSet<Support>) {
+        let dialect = self.dialect;
+        let t = |operand: &Operand| self.operand(operand);
+        let mut support = |support: Support, name: &str, operands: &[&Operand]| {
+            used.insert(support);
+            let operands: Vec<String> = operands.iter().map(|operand| t(operand)).collect();
+            format!("modyn_{name}({})", operands.join(", "))
+        };
+        let value = match &self.kernel.program.statements[s].operation {
+            Operation::Add(a, b) => format!("{} + {}", t(a), t(b)),
+            Operation::Subtract(a, b) => format!("{} - {}", t(a), t(b)),
+            Operation::Multiply(a, b) => format!("{} * {}", t(a), t(b)),
+            Operation::MultiplyAdd(fused) => self.multiply_add(fused),
+            Operation::Reciprocal(a) => format!("{} / {}", dialect.literal(1.0), t(a)),
+            Operation::SinCos(angles) => {
+                used.insert(Support::SinCos);
+                for (i, angle) in angles.iter().enumerate() {
+                    let (sine, cosine) = (self.local(s, 2 * i), self.local(s, 2 * i + 1));
+                    let _ = writeln!(text, "    {}", dialect.sin_cos(&t(angle), &sine, &cosine));
+                }
+                return;
+            }
+            Operation::Atan2(a, b) => support(Support::Atan2, "atan2", &[a, b]),
+            Operation::SquareRoot(a) => dialect.square_root(&t(a)),
+            Operation::Logarithm(a) => support(Support::Logarithm, "ln", &[a]),
+            Operation::Absolute(a) => dialect.absolute(&t(a)),
+            Operation::Maximum(a, b) => support(Support::Maximum, "maximum", &[a, b]),
+            Operation::Select(a, b, c) => dialect.select(&t(a), &t(b), &t(c)),
+            Operation::Pack(_)
+            | Operation::Constants(_)
+            | Operation::Unpack(_)
+            | Operation::Call(_) => {
+                unreachable!("the program of a thread has neither lanes nor routines")
+            }
+        };
+        let _ = writeln!(text, "    {}", dialect.define(&self.local(s, 0), &value));
+    }
+
+    fn multiply_add(&self, fused: &MultiplyAdd) -> String {
+        let MultiplyAdd { negative_product, factors: [a, b], negative_addend, addend } = fused;
+        let a = Operand { negated: a.negated ^ negative_product, ..*a };
+        let addend = match addend {
+            Addend::Value(c) => {
+                self.operand(&Operand { negated: c.negated ^ negative_addend, ..*c })
+            }
+            Addend::Product(c, d) => {
+                let c = Operand { negated: c.negated ^ negative_addend, ..*c };
+                format!("{} * {}", self.operand(&c), self.operand(d))
+            }
+        };
+        self.dialect.multiply_add(&self.operand(&a), &self.operand(b), &addend)
+    }
+
+    fn operand(&self, operand: &Operand) -> String {
+        let text = match operand.source {
+            Source::Constant(value) if value.is_sign_negative() => {
+                format!("({})", self.dialect.literal(value))
+            }
+            Source::Constant(value) => self.dialect.literal(value),
+            Source::Argument(number) => self.argument(number),
+            Source::Result(value) => self.value(value),
+        };
+        if operand.negated { format!("(-{text})") } else { text }
+    }
+
+    /// The scalar argument of that number: of the kernel, or known.
+    fn argument(&self, number: usize) -> String {
+        let kernel = &self.kernel.description;
+        let mut rest = number;
+        for argument in &kernel.arguments {
+            if rest < argument.len {
+                return self.dialect.argument(kernel, argument, rest);
+            }
+            rest -= argument.len;
+        }
+        format!("({})", self.dialect.literal(self.kernel.known[rest]))
+    }
+
+    /// A value: a local one, or an entry of an earlier chunk's array.
+    fn value(&self, value: Value) -> String {
+        if value.statement >= self.first {
+            return self.local(value.statement, value.place);
+        }
+        let place = |(k, chunk): (usize, &Chunk)| {
+            let i = chunk.live_out.binary_search(&value).ok()?;
+            Some(self.dialect.handed(k, i, self.inner))
+        };
+        let found = self.kernel.program.chunks.iter().enumerate().find_map(place);
+        found.expect("a value that crosses a cut is named there")
+    }
+
+    fn local(&self, s: usize, place: usize) -> String {
+        match &self.kernel.program.statements[s].operation {
+            Operation::SinCos(_) if place.is_multiple_of(2) => format!("s{s}_{}", place / 2),
+            Operation::SinCos(_) => format!("c{s}_{}", place / 2),
+            _ => format!("x{s}"),
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! Text for graphics processors: a kernel for each function, a thread for each state.
+//!
+//! Arguments and results are structures of arrays: scalar `j` of state `i` of `n` states is number `j n + i` of its
+//! buffer, so that neighbouring threads read neighbouring numbers. Run-time parameters are the same for all states.
+//!
+//! [`Printer`] prints the statements, which both languages have in common; a [`Dialect`] has the syntax in which they
+//! differ, the kernel's head and the functions that are no operator.
+
+mod cuda;
+mod function;
+mod wgsl;
+
+use std::collections::BTreeSet;
+
+use modyn_runtime::model::Model;
+
+use super::FloatType;
+use crate::names;
+use crate::plan::{Frames, Kernels, LinkCode, Plan, Planned, Shape};
+use crate::program::Program;
+
+/// A language for graphics processors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum GpuLanguage {
+    /// CUDA C++, for NVRTC or nvcc.
+    Cuda,
+    /// WGSL, for `WebGPU`; single precision alone.
+    Wgsl,
+}
+
+/// The text of a robot's kernels.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct GpuSource {
+    /// The language.
+    pub language: GpuLanguage,
+    /// The prefix of all names.
+    pub prefix: String,
+    /// The text, one file.
+    pub text: String,
+    /// The kernels, in the order of the text.
+    pub kernels: Vec<GpuKernel>,
+}
+
+/// A kernel: a function for many states. Its buffers are the arguments in their order, then the result. In WGSL their
+/// bindings in group 0 are counted in this order, and after them comes a uniform `vec4<u32>` whose first component is
+/// the number of states.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct GpuKernel {
+    /// The name of the entry point.
+    pub name: String,
+    /// The name of the function.
+    pub function: &'static str,
+    /// The link that the function is of, as an index into the description's links; `None` for other functions.
+    pub link: Option<usize>,
+    /// The arguments.
+    pub arguments: Vec<GpuArgument>,
+    /// The number of scalars of one state's result.
+    pub result: usize,
+    /// The number of statements of its program.
+    pub statements: usize,
+}
+
+/// An argument of a kernel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct GpuArgument {
+    /// The name.
+    pub name: String,
+    /// The number of scalars.
+    pub len: usize,
+    /// Whether all states have the same numbers, as they have run-time parameters: these are stored once.
+    pub common: bool,
+}
+
+/// A function that is no operator. The order is that of their definitions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Support {
+    SinCos,
+    Atan2,
+    Logarithm,
+    Maximum,
+}
+
+/// The program of a kernel with its arguments, some of which may be known.
+struct Kernel<'a> {
+    description: GpuKernel,
+    docs: String,
+    program: &'a Program,
+    /// The values of the program's arguments after those of the kernel: the placement of a link that shares a program.
+    known: Vec<f64>,
+}
+
+/// The syntax of a language.
+trait Dialect {
+    /// The text before all kernels: definitions of the functions that they call.
+    fn preamble(&self, used: &BTreeSet<Support>) -> String;
+
+    /// A number.
+    fn literal(&self, value: f64) -> String;
+
+    /// The definition of a local value.
+    fn define(&self, name: &str, value: &str) -> String;
+
+    /// The statements that define the sine and the cosine of an angle.
+    fn sin_cos(&self, angle: &str, sine: &str, cosine: &str) -> String;
+
+    /// `a b + c`, rounded once.
+    fn multiply_add(&self, a: &str, b: &str, c: &str) -> String;
+
+    /// The square root.
+    fn square_root(&self, x: &str) -> String;
+
+    /// The absolute value.
+    fn absolute(&self, x: &str) -> String;
+
+    /// The second where the first is at least zero, else the third.
+    fn select(&self, x: &str, then: &str, otherwise: &str) -> String;
+
+    /// The scalar `j` of an argument of this thread's state.
+    fn argument(&self, kernel: &GpuKernel, argument: &GpuArgument, j: usize) -> String;
+
+    /// The statement that stores scalar `j` of the result of this thread's state.
+    fn store(&self, kernel: &GpuKernel, j: usize, value: &str) -> String;
+
+    /// The entry `i` of the values that an earlier chunk hands on, in a chunk (`inner`) or in the kernel.
+    fn handed(&self, chunk: usize, i: usize, inner: bool) -> String;
+
+    /// The function of a chunk with this body, which hands `values[k]` values on from chunk `k`, reads those of `live_in`
+    /// and writes those of `own`.
+    fn chunk(
+        &self,
+        kernel: &GpuKernel,
+        own: usize,
+        live_in: &[usize],
+        values: &[usize],
+        body: &str,
+    ) -> String;
+
+    /// The statements by which the kernel calls a chunk.
+    fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String;
+
+    /// The kernel with this body.
+    fn kernel(&self, kernel: &GpuKernel, docs: &str, body: &str) -> String;
+}
+
+/// The text of all kernels of a plan; `prefix` begins their names.
+pub(super) fn print(
+    plan: &Plan,
+    model: &Model,
+    prefix: &str,
+    language: GpuLanguage,
+    float: FloatType,
+) -> GpuSource {
+    let dialect: Box<dyn Dialect> = match language {
+        GpuLanguage::Cuda => Box::new(cuda::Cuda { float }),
+        GpuLanguage::Wgsl => Box::new(wgsl::Wgsl),
+    };
+    let kernels = kernels(plan, model, prefix);
+    let (mut used, mut text) = (BTreeSet::new(), String::new());
+    for kernel in &kernels {
+        text += &function::print(&*dialect, kernel, &mut used);
+    }
+    let [x, y, z] = model.gravity();
+    let head = format!(
+        "// Dynamics of a robot, compiled by modyn: a kernel a function, a thread a state. SI units, radians;\n\
+         // gravity ({x:?}, {y:?}, {z:?}) m/s^2 in world axes. Scalar j of state i of n states is number j n + i of its\n\
+         // buffer. Vectors are in the order of the description's joints, depth first; matrices are arrays of columns.\n\n"
+    );
+    let text = head + &dialect.preamble(&used) + &text;
+    let kernels = kernels.into_iter().map(|kernel| kernel.description).collect();
+    GpuSource { language, prefix: prefix.into(), text, kernels }
+}
+
+/// The kernels of all functions.
+fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
+    let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
+    let links = names::fields(&links, &[]);
+    let placements: Vec<[f64; Frames::PLACEMENT]> = plan.frames.placements().collect();
+    let mut kernels = Vec::new();
+    for planned in plan.functions.iter().filter(|planned| !planned.result.is_empty()) {
+        let name = format!("{prefix}_{}", planned.function.name());
+        match &planned.kernels {
+            Kernels::One(program) | Kernels::Dispatched { scalar: program, .. } => {
+                kernels.push(kernel(planned, (name, None), program, Vec::new()));
+            }
+            Kernels::ByLink(programs) => {
+                let mut own = 0..;
+                for (link, code) in plan.frames.codes().iter().enumerate() {
+                    let (place, known) = match *code {
+                        LinkCode::Own => (own.next().unwrap_or_default(), Vec::new()),
+                        LinkCode::Shared { body, row } => (
+                            plan.frames.links_with_own_program().count() + body,
+                            placements[row].to_vec(),
+                        ),
+                    };
+                    let named = (format!("{name}_{}", links[link]), Some(link));
+                    kernels.push(kernel(planned, named, &programs[place], known));
+                }
+            }
+            Kernels::Poses { .. } => unreachable!("threads share no poses"),
+        }
+    }
+    kernels
+}
+
+fn kernel<'a>(
+    planned: &Planned,
+    (name, link): (String, Option<usize>),
+    program: &'a Program,
+    known: Vec<f64>,
+) -> Kernel<'a> {
+    let argument = |(name, shape): &(&'static str, Shape)| GpuArgument {
+        name: (*name).into(),
+        len: shape.len(),
+        common: false,
+    };
+    let parameters = GpuArgument { name: "params".into(), len: planned.parameters, common: true };
+    let arguments = planned.arguments.iter().map(argument).chain([parameters]);
+    let description = GpuKernel {
+        name,
+        function: planned.function.name(),
+        link,
+        arguments: arguments.filter(|argument| argument.len > 0).collect(),
+        result: planned.result.len(),
+        statements: program.statements.len(),
+    };
+    let docs = planned.row().docs.replace('\n', "\n// ");
+    let docs = format!("// {docs}\n// `out`: {}.\n", planned.result.in_words());
+    Kernel { description, docs, program, known }
+}

@@ -1,0 +1,174 @@
+//! WGSL. Its precision is single; a driver may flush subnormal numbers to zero and ignore infinities and NaN, as the
+//! language allows.
+//!
+//! Sine and cosine are the polynomials of the runtime: the language promises little about its own. The language lets a
+//! compiler reorder sums, and Mesa's does, which undoes a reduction by pi in parts. So only angles below
+//! [`LIMIT`] are reduced in floating point, where that costs little; all others are reduced in integers.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use modyn_runtime::SIN_COS_F32;
+
+use super::{Dialect, GpuArgument, GpuKernel, Support};
+use crate::emit::FloatType;
+use crate::emit::c;
+
+/// Threads of a workgroup.
+const WORKGROUP: usize = 64;
+
+/// Angles of the reduction in floating point are smaller, rad. The multiple of pi is then at most 3, and a compiler that
+/// adds the parts of pi to one number adds an error of 2.7e-7 at most.
+const LIMIT: f64 = 8.0;
+
+pub(super) struct Wgsl;
+
+impl Support {
+    fn wgsl(self) -> &'static str {
+        match self {
+            Self::SinCos => include_str!("sin_cos.wgsl"),
+            Self::Atan2 => include_str!("atan2.wgsl"),
+            Self::Logarithm => include_str!("ln.wgsl"),
+            Self::Maximum => include_str!("maximum.wgsl"),
+        }
+    }
+}
+
+/// The value of a polynomial in `variable`, the highest coefficient first.
+fn polynomial(variable: &str, coefficients: &[f64]) -> String {
+    let (first, rest) = coefficients.split_first().expect("a coefficient");
+    let literal = |value: &f64| Wgsl.literal(*value);
+    rest.iter().fold(literal(first), |sum, c| format!("fma({variable}, {sum}, {})", literal(c)))
+}
+
+/// The coefficients of a series, the highest first.
+fn series(count: u32, term: impl Fn(f64) -> f64) -> Vec<f64> {
+    (0..count).rev().map(|i| term(f64::from(i))).collect()
+}
+
+impl Dialect for Wgsl {
+    fn preamble(&self, used: &BTreeSet<Support>) -> String {
+        let reduced = |x: String, part: &f64| format!("fma(n, {}, {x})", self.literal(*part));
+        let sign = |i: f64| if i % 2.0 == 0.0 { -1.0 } else { 1.0 };
+        let words = [
+            ("LIMIT", self.literal(LIMIT)),
+            ("REDUCTION", SIN_COS_F32.minus_pi.iter().fold("x".into(), reduced)),
+            ("SINE", polynomial("z", &SIN_COS_F32.sine)),
+            ("COSINE", polynomial("z", &SIN_COS_F32.cosine)),
+            ("ARCTANGENT", polynomial("z", &series(6, |i| sign(i) / (2.0 * i + 3.0)))),
+            ("LOGARITHM", polynomial("z", &series(4, |i| 2.0 / (2.0 * i + 3.0)))),
+        ];
+        // Bits that no constant expression may have are read from memory.
+        let mut text = String::from(
+            "var<private> modyn_nan_bits: u32 = 0x7fc00000u;\nvar<private> modyn_infinity_bits: u32 = 0x7f800000u;\n\n",
+        );
+        for support in used {
+            let function = words.iter().fold(support.wgsl().to_string(), |text, (word, value)| {
+                text.replace(&format!("${word}$"), value)
+            });
+            let _ = writeln!(text, "{function}");
+        }
+        text
+    }
+
+    #[allow(clippy::cast_possible_truncation)]
+    fn literal(&self, value: f64) -> String {
+        let single = value as f32;
+        match single {
+            _ if single.is_nan() => "bitcast<f32>(modyn_nan_bits)".into(),
+            _ if single.is_finite() => c::literal(value, FloatType::F32),
+            _ if single > 0.0 => "bitcast<f32>(modyn_infinity_bits)".into(),
+            _ => "(-bitcast<f32>(modyn_infinity_bits))".into(),
+        }
+    }
+
+    fn define(&self, name: &str, value: &str) -> String {
+        format!("let {name} = {value};")
+    }
+
+    fn sin_cos(&self, angle: &str, sine: &str, cosine: &str) -> String {
+        format!(
+            "let t{sine} = modyn_sin_cos({angle}); let {sine} = t{sine}.x; let {cosine} = t{sine}.y;"
+        )
+    }
+
+    fn multiply_add(&self, a: &str, b: &str, c: &str) -> String {
+        format!("fma({a}, {b}, {c})")
+    }
+
+    fn square_root(&self, x: &str) -> String {
+        format!("sqrt({x})")
+    }
+
+    fn absolute(&self, x: &str) -> String {
+        format!("abs({x})")
+    }
+
+    fn select(&self, x: &str, then: &str, otherwise: &str) -> String {
+        format!("select({otherwise}, {then}, {x} >= 0.0f)")
+    }
+
+    fn argument(&self, kernel: &GpuKernel, argument: &GpuArgument, j: usize) -> String {
+        let buffer = format!("{}_{}", kernel.name, argument.name);
+        match argument.common {
+            true => format!("{buffer}[{j}u]"),
+            false => format!("{buffer}[{j}u * n + state]"),
+        }
+    }
+
+    fn store(&self, kernel: &GpuKernel, j: usize, value: &str) -> String {
+        format!("{}_out[{j}u * n + state] = {value};", kernel.name)
+    }
+
+    fn handed(&self, chunk: usize, i: usize, inner: bool) -> String {
+        if inner { format!("(*part{chunk})[{i}]") } else { format!("part{chunk}[{i}]") }
+    }
+
+    fn chunk(
+        &self,
+        kernel: &GpuKernel,
+        own: usize,
+        live_in: &[usize],
+        values: &[usize],
+        body: &str,
+    ) -> String {
+        let parts = live_in.iter().chain([&own]);
+        let parts =
+            parts.map(|&k| format!(", part{k}: ptr<function, array<f32, {}>>", values[k].max(1)));
+        format!(
+            "fn {}_part{own}(n: u32, state: u32{}) {{\n{body}}}\n\n",
+            kernel.name,
+            parts.collect::<String>()
+        )
+    }
+
+    fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String {
+        let parts: String = live_in.iter().chain([&own]).map(|k| format!(", &part{k}")).collect();
+        format!(
+            "    var part{own}: array<f32, {}>;\n    {}_part{own}(n, state{parts});\n",
+            values[own].max(1),
+            kernel.name
+        )
+    }
+
+    fn kernel(&self, kernel: &GpuKernel, docs: &str, body: &str) -> String {
+        let (name, mut buffers) = (&kernel.name, String::new());
+        let count = kernel.arguments.len();
+        for (i, argument) in kernel.arguments.iter().enumerate() {
+            let _ = writeln!(
+                buffers,
+                "@group(0) @binding({i}) var<storage, read> {name}_{}: array<f32>;",
+                argument.name
+            );
+        }
+        format!(
+            "{docs}{buffers}@group(0) @binding({count}) var<storage, read_write> {name}_out: array<f32>;\n\
+             @group(0) @binding({}) var<uniform> {name}_count: vec4<u32>;\n\n\
+             @compute @workgroup_size({WORKGROUP})\n\
+             fn {name}(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {{\n    \
+             let n = {name}_count.x;\n    let state = id.y * groups.x * {WORKGROUP}u + id.x;\n    \
+             if (state >= n) {{ return; }}\n{body}}}\n\n",
+            count + 1
+        )
+    }
+}

@@ -1,0 +1,278 @@
+//! The table of options: all that the builder, the macro, the command line, the first lines of generated files and
+//! `docs/options.md` know about each, in one row.
+//!
+//! A new option is a row in [`option_table!`]; one about reading has a field in
+//! [`ReadOptions`](crate::description::ReadOptions), too.
+
+mod types;
+mod value;
+
+pub use types::{Field, ModuleChoice, OptionValue};
+pub use value::{Fault, Value, ValueKind};
+
+use crate::FloatType;
+use crate::description::ReadOptions;
+use crate::plan::Function;
+
+/// The part of modyn that an option is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Reading the description.
+    Reading,
+    /// The generated code.
+    Code,
+}
+
+/// The entries that know an option.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entries {
+    /// The builder, the command line and the macro.
+    All,
+    /// The builder and the command line. (The macro has other words for it, or makes no file.)
+    Files,
+}
+
+/// A row of the table.
+pub struct OptionRow {
+    /// The name, the same at every entry. (A method of `Builder` that would be a keyword has an underscore after it.)
+    pub name: &'static str,
+    /// The method of `Builder`.
+    pub method: &'static str,
+    /// The form of the values.
+    pub form: &'static str,
+    /// The default.
+    pub default: &'static str,
+    /// A value, as the macro has it.
+    pub example: &'static str,
+    /// The documentation.
+    pub docs: &'static str,
+    /// The part of modyn that it is about.
+    pub stage: Stage,
+    /// The entries that know it.
+    pub entries: Entries,
+    /// Takes a value.
+    set: fn(&mut Options, &Value) -> Result<(), Fault>,
+    /// The arguments of the method that sets it so; `None` for the default.
+    arguments: fn(&Options) -> Option<String>,
+}
+
+impl OptionRow {
+    /// Whether it is switched on by its name alone on the command line and in the builder.
+    #[must_use]
+    pub fn is_flag(&self) -> bool {
+        self.form == "true | false"
+    }
+
+    /// Whether its value is a text that the command line takes as it stands, without quotes.
+    #[must_use]
+    pub fn is_text(&self) -> bool {
+        matches!(self.form, "name" | "text" | "path" | "links")
+    }
+
+    /// Whether it can be given several times on the command line, an item each.
+    #[must_use]
+    pub fn is_list(&self) -> bool {
+        self.form == "links" || self.form.ends_with(", ...]") && self.form.starts_with("[\"")
+    }
+}
+
+/// Calls the macro `$callback` with all options: about reading, then about code.
+///
+/// A row has the documentation, the name, the method with its argument, the field with its type and how the method
+/// changes it, the form of values, the default, an example, and `Files` if the macro does not have it.
+macro_rules! option_table {
+    ($callback:ident) => {
+        $callback! {
+            read {
+                /// The acceleration of free fall in world axes, m/s^2; an MJCF or a model has its own.
+                "gravity" gravity(gravity: [f64; 3])
+                    gravity: Option<[f64; 3]>, field => *field = Some(gravity),
+                    "[x, y, z]", "`[0.0, 0.0, -9.81]`, or the MJCF's or the model's own", "[0, 0, -1.62]";
+                /// Whether the root link is fixed to the world or floats.
+                "base" base(base: Base)
+                    base: Base, field => *field = base,
+                    "fixed | floating", "`fixed`", "floating";
+                /// How joints that mimic another one are read: they follow it and have no coordinate of their own, have
+                /// one, or are refused.
+                "mimic" mimic(mimic: Mimic)
+                    mimic: Mimic, field => *field = mimic,
+                    "follow | independent | refuse", "`follow`", "independent";
+                /// Rotors of joints: the inertia (kg m^2) and the gear ratio of each, in place of what the description
+                /// says of the joint.
+                "rotors" rotors(rotors: impl IntoIterator<Item = Rotor>)
+                    rotors: Vec<Rotor>, field => field.extend(rotors),
+                    "[\"joint\": (inertia, gear_ratio), ...]", "the description's", "[\"elbow\": (0.0001, 100)]";
+                /// Joints that close loops, besides the `<loop_joint>`s of the description: of type `spherical`, `fixed`,
+                /// `revolute`, `continuous` or `prismatic`, the last three with `axis = [x, y, z]` at the end. After each
+                /// origin may stand roll, pitch and yaw.
+                "loops" loops(loops: impl IntoIterator<Item = Loop>)
+                    loops: Vec<Loop>, field => field.extend(loops),
+                    "[\"name\": type(\"link\", [x, y, z], \"link\", [x, y, z]), ...]", "the description's", "[\"pin\": revolute(\"rod\", [0.5, 0, 0], \"crank\", [0.4, 0, 0], axis = [0, 1, 0])]";
+                /// Frames of links that can touch the world: of type `point`, which stops the motion of the frame's origin,
+                /// or `surface`, which stops rotations too. After the link may stand the frame's origin, then its roll,
+                /// pitch and yaw.
+                "contacts" contacts(contacts: impl IntoIterator<Item = Contact>)
+                    contacts: Vec<Contact>, field => field.extend(contacts),
+                    "[\"name\": type(\"link\", [x, y, z]), ...]", "none", "[\"fingertip\": point(\"hand\", [0, 0, 0.2])]";
+                /// The damping and friction of the description that act on the joints.
+                "friction" friction(friction: Friction)
+                    friction: Option<Friction>, field => *field = Some(friction),
+                    "none | viscous | coulomb | smooth(velocity)", "`none`, with a warning if there are some", "smooth(0.01)";
+                /// How inertias that no rigid body has are reported. A negative mass is always an error.
+                "unphysical_inertia" unphysical_inertia(severity: Severity)
+                    unphysical_inertia: Severity, field => *field = severity,
+                    "error | warn", "`error`", "warn";
+            }
+            code {
+                /// The functions that the robot has; `default` and `all` stand for several. The dynamics of a large
+                /// robot take seconds to compile; a function that is left out costs nothing.
+                "functions" functions(functions: impl IntoIterator<Item = Function>)
+                    functions: Option<Vec<Function>>, field => *field = Some(functions.into_iter().collect()),
+                    "[name, ...]", "`default`", "[default, regressor]";
+                /// The kinematic modules: maximal serial chains, links, or lists of link names, each from its parent
+                /// outwards.
+                "modules" modules(modules: ModuleChoice)
+                    modules: ModuleChoice, field => *field = modules,
+                    "chains | links | [[\"link\", ...], ...]", "`chains`", "[[\"upper_arm\", \"forearm\"], [\"hand\"]]";
+                /// The scalar of the type's own functions.
+                "scalar" scalar(scalar: FloatType)
+                    scalar: FloatType, field => *field = scalar,
+                    "f64 | f32", "`f64`", "f32";
+                /// Makes gravity an argument, one of the robot's `Params`; its value is then the default.
+                "runtime_gravity" runtime_gravity()
+                    runtime_gravity: bool, field => *field = true,
+                    "true | false", "`false`", "true";
+                /// The links whose own inertia is an argument, among the robot's `Params`: each replaces the
+                /// description's, which is the default. (Of each link alone, without the links that are fixed to it.)
+                "runtime_inertia" runtime_inertia(links: impl IntoIterator<Item = impl Into<String>>)
+                    runtime_inertia: Vec<String>, field => field.extend(links.into_iter().map(Into::into)),
+                    "links", "none", "[\"hand\"]";
+                /// The links to which an inertia is added that is an argument, among the robot's `Params`: the inertia of
+                /// a load, by default none.
+                "payload" payload(links: impl IntoIterator<Item = impl Into<String>>)
+                    payload: Vec<String>, field => field.extend(links.into_iter().map(Into::into)),
+                    "links", "none", "[\"hand\"]";
+                /// Runs equal limbs (legs, arms, fingers) through one function, with a table of constants for each: the
+                /// smallest code. Limbs of which one carries a `payload` or a `runtime_inertia` are not equal. Without
+                /// this option equal limbs are packed into vectors where the processor has them.
+                "share" share()
+                    share: bool, field => *field = true,
+                    "true | false", "`false`", "true";
+                /// The path of the crate `modyn` where the text goes.
+                "crate" crate_(path: impl Into<String>)
+                    crate_path: Option<String>, field => *field = Some(path.into()),
+                    "path", "`::modyn`", "::modyn";
+                /// The name of the generated type, in upper camel case. (The macro: `Name = \"robot.urdf\"`.)
+                "type_name" type_name(name: impl Into<String>)
+                    type_name: Option<String>, field => *field = Some(name.into()),
+                    "name", "made from the robot's name", "MyArm", Files;
+                /// The visibility of the generated types, such as `pub(crate)`; nothing for private. (The macro:
+                /// `pub(crate) Name = \"robot.urdf\"`.)
+                "visibility" visibility(visibility: impl Into<String>)
+                    visibility: Option<String>, field => *field = Some(visibility.into()),
+                    "text", "`pub`", "pub(crate)", Files;
+                /// Makes text that depends on `core` alone: it carries the part of the runtime that it needs, as a module
+                /// `runtime`. Include it as a module of its own (`mod arm;` beside `arm.rs`). The type has its functions,
+                /// but not the trait `Robot` nor batches.
+                "self_contained" self_contained()
+                    self_contained: bool, field => *field = true,
+                    "true | false", "`false`", "true", Files;
+                /// Adds functions for C, named `prefix_function`: `extern \"C\"` over pointers to arrays of fixed sizes,
+                /// without namespaces (`#[unsafe(no_mangle)]`, so not under `forbid(unsafe_code)`: that two functions have
+                /// one name is found by the linker alone). The arrays must be valid and aligned, and `out` must overlap
+                /// nothing. `Generated::c_header` is their header.
+                "c_functions" c_functions(prefix: impl Into<String>)
+                    c_functions: Option<String>, field => *field = Some(prefix.into()),
+                    "name", "none", "arm", Files;
+            }
+        }
+    };
+}
+pub(crate) use option_table;
+
+/// The table, the options about code, and how they are stored.
+macro_rules! table {
+    (
+        read { $(
+            $(#[doc = $read_docs:literal])+
+            $read_name:literal $read_method:ident($($read_argument:ident: $read_argument_type:ty)?)
+                $read_field:ident: $read_type:ty, $read_target:ident => $read_set:expr,
+                $read_form:literal, $read_default:literal, $read_example:literal $(, $read_entries:ident)?;
+        )* }
+        code { $(
+            $(#[doc = $docs:literal])+
+            $name:literal $method:ident($($argument:ident: $argument_type:ty)?)
+                $field:ident: $type:ty, $target:ident => $set:expr,
+                $form:literal, $default:literal, $example:literal $(, $entries:ident)?;
+        )* }
+    ) => {
+        /// The options about the generated code.
+        #[derive(Clone, Debug, Default)]
+        pub(crate) struct CodeOptions {
+            $(pub $field: $type,)*
+        }
+
+        /// All options, about reading first.
+        pub const OPTIONS: &[OptionRow] = &[
+            $(OptionRow {
+                name: $read_name,
+                method: stringify!($read_method),
+                form: $read_form,
+                default: $read_default,
+                example: $read_example,
+                docs: concat!($($read_docs),+),
+                stage: Stage::Reading,
+                entries: entries!($($read_entries)?),
+                set: |options, value| options.read.$read_field.set(value),
+                arguments: |options| options.read.$read_field.arguments(),
+            },)*
+            $(OptionRow {
+                name: $name,
+                method: stringify!($method),
+                form: $form,
+                default: $default,
+                example: $example,
+                docs: concat!($($docs),+),
+                stage: Stage::Code,
+                entries: entries!($($entries)?),
+                set: |options, value| options.code.$field.set(value),
+                arguments: |options| options.code.$field.arguments(),
+            },)*
+        ];
+    };
+}
+
+macro_rules! entries {
+    () => {
+        Entries::All
+    };
+    ($entries:ident) => {
+        Entries::$entries
+    };
+}
+
+option_table!(table);
+
+/// All options of a compilation.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Options {
+    pub read: ReadOptions,
+    pub code: CodeOptions,
+}
+
+impl Options {
+    /// Takes a value for the option of this name.
+    pub fn set(&mut self, name: &str, value: &Value) -> Result<(), Fault> {
+        match OPTIONS.iter().find(|row| row.name == name) {
+            Some(row) => (row.set)(self, value),
+            None => Err(Fault::new(value.at, format!("there is no option `{name}`"))),
+        }
+    }
+
+    /// The calls of `Builder` that set the options which differ from their defaults.
+    pub fn calls(&self) -> impl Iterator<Item = String> {
+        OPTIONS.iter().filter_map(|row| {
+            (row.arguments)(self).map(|arguments| format!("{}({arguments})", row.method))
+        })
+    }
+}

@@ -1,0 +1,368 @@
+//! The types of options: how each is read from a value and written as a Rust argument.
+
+use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
+
+use super::value::{Fault, Value, ValueKind};
+use crate::FloatType;
+use crate::description::{Base, Contact, Loop, LoopEnd, Mimic, Rotor};
+use crate::diagnostics::Severity;
+use crate::plan::Function;
+
+/// The kinematic modules to compile with.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ModuleChoice {
+    /// Maximal serial chains.
+    #[default]
+    Chains,
+    /// A module for each link.
+    Links,
+    /// By the names of the links, each module from its parent outwards.
+    List(Vec<Vec<String>>),
+}
+
+/// A type that options have.
+pub trait OptionValue: Sized {
+    /// Reads a value.
+    ///
+    /// # Errors
+    ///
+    /// If the value has another form; the message says which forms there are.
+    fn read(value: &Value) -> Result<Self, Fault>;
+
+    /// The argument in Rust.
+    fn rust(&self) -> String;
+}
+
+/// The storage of an option.
+pub trait Field {
+    /// Takes a value: a list gets longer, all others are replaced.
+    ///
+    /// # Errors
+    ///
+    /// As for [`OptionValue::read`].
+    fn set(&mut self, value: &Value) -> Result<(), Fault>;
+
+    /// The arguments of the call of `Builder` that sets it; `None` if it has its default.
+    fn arguments(&self) -> Option<String>;
+}
+
+impl<T: OptionValue> Field for Option<T> {
+    fn set(&mut self, value: &Value) -> Result<(), Fault> {
+        *self = Some(T::read(value)?);
+        Ok(())
+    }
+
+    fn arguments(&self) -> Option<String> {
+        self.as_ref().map(T::rust)
+    }
+}
+
+impl<T: OptionValue> Field for Vec<T> {
+    fn set(&mut self, value: &Value) -> Result<(), Fault> {
+        for item in value.items() {
+            self.push(T::read(item)?);
+        }
+        Ok(())
+    }
+
+    fn arguments(&self) -> Option<String> {
+        (!self.is_empty()).then(|| list(self))
+    }
+}
+
+impl Field for bool {
+    fn set(&mut self, value: &Value) -> Result<(), Fault> {
+        *self = choice(value, &[("true", true), ("false", false)])?;
+        Ok(())
+    }
+
+    fn arguments(&self) -> Option<String> {
+        self.then(String::new)
+    }
+}
+
+/// Items in brackets.
+fn list<T: OptionValue>(items: &[T]) -> String {
+    format!("[{}]", items.iter().map(T::rust).collect::<Vec<_>>().join(", "))
+}
+
+/// The value of one of these words.
+fn choice<T: Clone>(value: &Value, choices: &[(&str, T)]) -> Result<T, Fault> {
+    let found = match &value.kind {
+        ValueKind::Word(word) => choices.iter().find(|(name, _)| name == word),
+        _ => None,
+    };
+    found.map(|(_, value)| value.clone()).ok_or_else(|| {
+        let names: Vec<String> = choices.iter().map(|(name, _)| format!("`{name}`")).collect();
+        Fault::new(value.at, format!("expected {}", names.join(" or ")))
+    })
+}
+
+/// Types that are one of several words.
+macro_rules! choices {
+    ($($type:ident: $($word:literal $variant:ident),+;)*) => {$(
+        impl OptionValue for $type {
+            fn read(value: &Value) -> Result<Self, Fault> {
+                choice(value, &[$(($word, Self::$variant)),+])
+            }
+
+            fn rust(&self) -> String {
+                format!("{}::{self:?}", stringify!($type))
+            }
+        }
+
+        impl Field for $type {
+            fn set(&mut self, value: &Value) -> Result<(), Fault> {
+                *self = Self::read(value)?;
+                Ok(())
+            }
+
+            fn arguments(&self) -> Option<String> {
+                (*self != Self::default()).then(|| self.rust())
+            }
+        }
+    )*};
+}
+
+choices! {
+    Base: "fixed" Fixed, "floating" Floating;
+    FloatType: "f64" F64, "f32" F32;
+    Mimic: "follow" Follow, "independent" Independent, "refuse" Refuse;
+    Severity: "error" Error, "warn" Warning;
+}
+
+impl OptionValue for f64 {
+    fn read(value: &Value) -> Result<Self, Fault> {
+        match value.kind {
+            ValueKind::Number(x) => Ok(x),
+            _ => Err(Fault::new(value.at, "expected a number")),
+        }
+    }
+
+    fn rust(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+impl OptionValue for [f64; 3] {
+    fn read(value: &Value) -> Result<Self, Fault> {
+        let ValueKind::List(items) = &value.kind else {
+            return Err(Fault::new(value.at, "expected three numbers: `[x, y, z]`"));
+        };
+        let numbers = items.iter().map(f64::read).collect::<Result<Vec<f64>, Fault>>()?;
+        let count = numbers.len();
+        numbers
+            .try_into()
+            .map_err(|_| Fault::new(value.at, format!("expected three numbers, there are {count}")))
+    }
+
+    fn rust(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+impl OptionValue for String {
+    fn read(value: &Value) -> Result<Self, Fault> {
+        match &value.kind {
+            ValueKind::Word(text) | ValueKind::Text(text) => Ok(text.clone()),
+            _ => Err(Fault::new(value.at, "expected a name")),
+        }
+    }
+
+    fn rust(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+impl OptionValue for ModuleChoice {
+    fn read(value: &Value) -> Result<Self, Fault> {
+        let ValueKind::List(modules) = &value.kind else {
+            return choice(value, &[("chains", Self::Chains), ("links", Self::Links)]);
+        };
+        let module = |module: &Value| match &module.kind {
+            ValueKind::List(names) => names.iter().map(String::read).collect(),
+            _ => Err(Fault::new(
+                module.at,
+                "expected the names of a module's links: `[\"a\", \"b\"]`",
+            )),
+        };
+        modules.iter().map(module).collect::<Result<_, _>>().map(Self::List)
+    }
+
+    fn rust(&self) -> String {
+        format!("ModuleChoice::{self:?}")
+    }
+}
+
+impl Field for ModuleChoice {
+    fn set(&mut self, value: &Value) -> Result<(), Fault> {
+        *self = Self::read(value)?;
+        Ok(())
+    }
+
+    fn arguments(&self) -> Option<String> {
+        (*self != Self::default()).then(|| self.rust())
+    }
+}
+
+/// A list of names in which `default` and `all` stand for several functions.
+impl OptionValue for Vec<Function> {
+    fn read(value: &Value) -> Result<Self, Fault> {
+        let mut functions = Self::new();
+        for item in value.items() {
+            let ValueKind::Word(name) = &item.kind else {
+                let message = "expected names of functions, `default` or `all`";
+                return Err(Fault::new(item.at, message));
+            };
+            match name.as_str() {
+                "all" => functions.extend(Function::ALL),
+                "default" => functions.extend(Function::DEFAULT),
+                name => functions.push(
+                    Function::from_name(name)
+                        .ok_or_else(|| Fault::new(item.at, Function::unknown(name)))?,
+                ),
+            }
+        }
+        Ok(functions)
+    }
+
+    fn rust(&self) -> String {
+        let names: Vec<String> = self.iter().map(|f| format!("Function::{f:?}")).collect();
+        format!("[{}]", names.join(", "))
+    }
+}
+
+/// `none`, `viscous`, `coulomb` or `smooth(0.01)`
+impl OptionValue for Friction {
+    fn read(value: &Value) -> Result<Self, Fault> {
+        let help = "expected a velocity, rad/s or m/s: `smooth(0.01)`";
+        match &value.kind {
+            ValueKind::Call(word, arguments) if word == "smooth" => match arguments.as_slice() {
+                [velocity] => f64::read(velocity).map(Self::Smooth),
+                _ => Err(Fault::new(value.at, help)),
+            },
+            // A shell needs no quotes for `smooth=0.01`.
+            ValueKind::Pair(name, velocity) if name.kind == ValueKind::Word("smooth".into()) => {
+                f64::read(velocity).map(Self::Smooth)
+            }
+            ValueKind::Word(word) if word == "smooth" => Err(Fault::new(value.at, help)),
+            _ => {
+                let words =
+                    [("none", Self::None), ("viscous", Self::Viscous), ("coulomb", Self::Coulomb)];
+                choice(value, &words)
+                    .map_err(|fault| Fault::new(fault.at, fault.message + " or `smooth(velocity)`"))
+            }
+        }
+    }
+
+    fn rust(&self) -> String {
+        format!("Friction::{self:?}")
+    }
+}
+
+/// The name and the value of a pair.
+fn pair<'v>(value: &'v Value, expected: &str) -> Result<(String, &'v Value), Fault> {
+    match &value.kind {
+        ValueKind::Pair(name, value) => Ok((String::read(name)?, value)),
+        _ => Err(Fault::new(value.at, expected)),
+    }
+}
+
+/// `"joint": (inertia, gear_ratio)`
+impl OptionValue for Rotor {
+    fn read(value: &Value) -> Result<Self, Fault> {
+        let expected = "expected `\"joint\": (inertia, gear_ratio)`";
+        let (joint, numbers) = pair(value, expected)?;
+        let [inertia, gear_ratio] = numbers.items() else {
+            return Err(Fault::new(numbers.at, expected));
+        };
+        Ok(Self::new(joint, f64::read(inertia)?, f64::read(gear_ratio)?))
+    }
+
+    fn rust(&self) -> String {
+        format!("Rotor::new({:?}, {:?}, {:?})", self.joint, self.inertia, self.gear_ratio)
+    }
+}
+
+/// `"name": type("link", [x, y, z], "link", [x, y, z], axis = [x, y, z])`; after each origin may stand roll, pitch and
+/// yaw.
+impl OptionValue for Loop {
+    fn read(value: &Value) -> Result<Self, Fault> {
+        let expected = "expected `\"name\": type(\"link\", [x, y, z], \"link\", [x, y, z])`, and perhaps \
+                        `axis = [x, y, z]`";
+        let (name, joint) = pair(value, expected)?;
+        let types = ["spherical", "fixed", "revolute", "continuous", "prismatic"];
+        let ValueKind::Call(joint_type, arguments) = &joint.kind else {
+            return Err(Fault::new(joint.at, expected));
+        };
+        let word = Value { at: joint.at, kind: ValueKind::Word(joint_type.clone()) };
+        choice(&word, &types.map(|name| (name, ())))?;
+        let mut rest = arguments.as_slice();
+        let mut end = || {
+            let missing = || Fault::new(joint.at, expected);
+            let [link, origin, others @ ..] = rest else { return Err(missing()) };
+            rest = others;
+            let mut rpy = [0.0; 3];
+            if let [angles, others @ ..] = rest
+                && matches!(angles.kind, ValueKind::List(_))
+            {
+                (rpy, rest) = (<[f64; 3]>::read(angles)?, others);
+            }
+            Ok(LoopEnd { link: String::read(link)?, xyz: <[f64; 3]>::read(origin)?, rpy })
+        };
+        let ends = [end()?, end()?];
+        let axis = match rest {
+            [] => None,
+            [axis] => match pair(axis, expected)? {
+                (word, value) if word == "axis" => Some((<[f64; 3]>::read(value)?, axis.at)),
+                _ => return Err(Fault::new(axis.at, "expected `axis`")),
+            },
+            [_, other, ..] => return Err(Fault::new(other.at, "expected `)`")),
+        };
+        let along = axis.map_or([1.0, 0.0, 0.0], |(axis, _)| axis);
+        let kind = LoopConstraintKind::of_joint(joint_type, along)
+            .ok_or_else(|| Fault::new(joint.at, "expected the type of a joint"))?;
+        match axis {
+            Some((_, at)) if kind.axis().is_none() => {
+                Err(Fault::new(at, format!("a loop joint of type `{joint_type}` has no axis")))
+            }
+            _ => Ok(Self { name, kind, ends }),
+        }
+    }
+
+    fn rust(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+/// `"name": type("link", [x, y, z], [roll, pitch, yaw])`; the last two are zero if they are left out.
+impl OptionValue for Contact {
+    fn read(value: &Value) -> Result<Self, Fault> {
+        let expected = "expected `\"name\": point(\"link\")` or `\"name\": surface(\"link\")`, and perhaps `[x, y, z]` \
+                        and `[roll, pitch, yaw]` after the link";
+        let (name, contact) = pair(value, expected)?;
+        let ValueKind::Call(contact_type, arguments) = &contact.kind else {
+            return Err(Fault::new(contact.at, expected));
+        };
+        let word = Value { at: contact.at, kind: ValueKind::Word(contact_type.clone()) };
+        let types = [("point", ContactKind::Point), ("surface", ContactKind::Surface)];
+        let kind = choice(&word, &types)?;
+        let [link, numbers @ ..] = arguments.as_slice() else {
+            return Err(Fault::new(contact.at, expected));
+        };
+        let (xyz, rpy) = match numbers {
+            [] => (None, None),
+            [origin] => (Some(origin), None),
+            [origin, angles] => (Some(origin), Some(angles)),
+            [_, _, other, ..] => return Err(Fault::new(other.at, "expected `)`")),
+        };
+        let vector = |value: Option<&Value>| value.map_or(Ok([0.0; 3]), <[f64; 3]>::read);
+        let end = LoopEnd { link: String::read(link)?, xyz: vector(xyz)?, rpy: vector(rpy)? };
+        Ok(Self { name, kind, end })
+    }
+
+    fn rust(&self) -> String {
+        format!("{self:?}")
+    }
+}

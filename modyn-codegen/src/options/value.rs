@@ -1,0 +1,254 @@
+//! The values of options as text, the same in the macro, on the command line and in tests.
+//!
+//! ```text
+//! value = number | word | "text" | [value, ...] | (value, ...) | word(value, ...) | name: value | name = value
+//! ```
+//!
+//! A word is a name or a path without quotes. Several values with commas between them are a list.
+
+/// An error in the value of an option.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// The place in the text, in bytes.
+    pub at: usize,
+    /// The error, and what would be right.
+    pub message: String,
+}
+
+impl Fault {
+    pub(super) fn new(at: usize, message: impl Into<String>) -> Self {
+        Self { at, message: message.into() }
+    }
+}
+
+/// The value of an option, with its place in the text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Value {
+    /// The place in the text, in bytes.
+    pub at: usize,
+    /// The value.
+    pub kind: ValueKind,
+}
+
+/// A value of an option.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ValueKind {
+    /// A number.
+    Number(f64),
+    /// A name or a path without quotes.
+    Word(String),
+    /// A text in quotes.
+    Text(String),
+    /// Values in brackets or parentheses.
+    List(Vec<Value>),
+    /// A word with arguments.
+    Call(String, Vec<Value>),
+    /// A name with a value.
+    Pair(Box<Value>, Box<Value>),
+}
+
+impl Value {
+    /// The value that `text` is, as it stands.
+    #[must_use]
+    pub fn text(text: impl Into<String>) -> Self {
+        Self { at: 0, kind: ValueKind::Text(text.into()) }
+    }
+
+    /// The value that is written in `text`.
+    ///
+    /// # Errors
+    ///
+    /// If `text` is not a value, or more than one that commas separate.
+    pub fn parse(text: &str) -> Result<Self, Fault> {
+        let mut parser = Parser { text, at: 0, depth: 0 };
+        let mut values = parser.values(None)?;
+        match values.len() {
+            0 => Err(Fault::new(text.len(), "expected a value")),
+            1 => Ok(values.remove(0)),
+            _ => Ok(Self { at: 0, kind: ValueKind::List(values) }),
+        }
+    }
+
+    /// The items of a list; a single value is a list of one.
+    #[must_use]
+    pub fn items(&self) -> &[Self] {
+        match &self.kind {
+            ValueKind::List(items) => items,
+            _ => std::slice::from_ref(self),
+        }
+    }
+}
+
+/// The largest number of brackets that are open at the same time.
+const MAX_DEPTH: usize = 20;
+
+struct Parser<'t> {
+    text: &'t str,
+    at: usize,
+    depth: usize,
+}
+
+impl Parser<'_> {
+    /// The next character that is not white space, which stays.
+    fn peek(&mut self) -> Option<char> {
+        let rest = &self.text[self.at..];
+        self.at += rest.len() - rest.trim_start().len();
+        self.text[self.at..].chars().next()
+    }
+
+    /// Whether `wanted` came next, which is then read.
+    fn take(&mut self, wanted: char) -> bool {
+        let found = self.peek() == Some(wanted);
+        if found {
+            self.at += wanted.len_utf8();
+        }
+        found
+    }
+
+    /// Values with commas between them, perhaps one after the last, up to `end`.
+    fn values(&mut self, end: Option<char>) -> Result<Vec<Value>, Fault> {
+        let mut values = Vec::new();
+        loop {
+            match (self.peek(), end) {
+                (None, None) => return Ok(values),
+                (None, Some(end)) => return Err(Fault::new(self.at, format!("expected `{end}`"))),
+                (next, end) if next == end => {
+                    self.at += 1;
+                    return Ok(values);
+                }
+                _ => values.push(self.pair()?),
+            }
+            let next = self.peek();
+            if next.is_some() && next != end && !self.take(',') {
+                return Err(Fault::new(self.at, "expected `,`"));
+            }
+        }
+    }
+
+    /// A value, or a name with a value.
+    fn pair(&mut self) -> Result<Value, Fault> {
+        let first = self.value()?;
+        let named = matches!(first.kind, ValueKind::Word(_) | ValueKind::Text(_));
+        if named && (self.take(':') || self.take('=')) {
+            let (at, value) = (first.at, self.value()?);
+            return Ok(Value { at, kind: ValueKind::Pair(Box::new(first), Box::new(value)) });
+        }
+        Ok(first)
+    }
+
+    fn value(&mut self) -> Result<Value, Fault> {
+        let next = self.peek();
+        let at = self.at;
+        let kind = match next {
+            Some('"') => ValueKind::Text(self.quoted()?),
+            Some('[') => ValueKind::List(self.group(']')?),
+            Some('(') => ValueKind::List(self.group(')')?),
+            _ => self.word()?,
+        };
+        Ok(Value { at, kind })
+    }
+
+    /// The values after an opening bracket, up to `end`.
+    fn group(&mut self, end: char) -> Result<Vec<Value>, Fault> {
+        if self.depth == MAX_DEPTH {
+            return Err(Fault::new(self.at, format!("more than {MAX_DEPTH} brackets are open")));
+        }
+        (self.at, self.depth) = (self.at + 1, self.depth + 1);
+        let values = self.values(Some(end))?;
+        self.depth -= 1;
+        Ok(values)
+    }
+
+    /// The text in quotes. A backslash stands before a quote or a backslash of the text.
+    fn quoted(&mut self) -> Result<String, Fault> {
+        let (start, mut text) = (self.at, String::new());
+        let mut characters = self.text[start + 1..].char_indices();
+        while let Some((i, c)) = characters.next() {
+            match c {
+                '"' => {
+                    self.at = start + i + 2;
+                    return Ok(text);
+                }
+                '\\' => text.extend(characters.next().map(|(_, escaped)| escaped)),
+                c => text.push(c),
+            }
+        }
+        Err(Fault::new(start, "the quotes are not closed"))
+    }
+
+    /// A word, a word with arguments, or a number.
+    fn word(&mut self) -> Result<ValueKind, Fault> {
+        let rest = &self.text[self.at..];
+        let mut length = 0;
+        while let Some(next) = rest[length..].chars().next() {
+            match next {
+                // In paths; a single one follows a name.
+                ':' if rest[length..].starts_with("::") => length += 2,
+                ':' | '=' | ',' | '[' | ']' | '(' | ')' | '"' => break,
+                c if c.is_whitespace() => break,
+                c => length += c.len_utf8(),
+            }
+        }
+        let (at, word) = (self.at, &rest[..length]);
+        if word.is_empty() {
+            return Err(Fault::new(at, "expected a value"));
+        }
+        self.at += length;
+        if word.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+' | '.'))
+            && let Ok(number) = word.parse::<f64>()
+        {
+            return Ok(ValueKind::Number(number));
+        }
+        if self.text[self.at..].starts_with('(') {
+            return Ok(ValueKind::Call(word.into(), self.group(')')?));
+        }
+        Ok(ValueKind::Word(word.into()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Value, ValueKind};
+
+    fn shown(text: &str) -> String {
+        fn show(value: &Value) -> String {
+            let all = |values: &[Value]| values.iter().map(show).collect::<Vec<_>>().join(" ");
+            match &value.kind {
+                ValueKind::Number(x) => format!("{x}"),
+                ValueKind::Word(word) => word.clone(),
+                ValueKind::Text(text) => format!("{text:?}"),
+                ValueKind::List(values) => format!("[{}]", all(values)),
+                ValueKind::Call(word, values) => format!("{word}({})", all(values)),
+                ValueKind::Pair(name, value) => format!("{}={}", show(name), show(value)),
+            }
+        }
+        Value::parse(text).map_or_else(|f| format!("{}: {}", f.at, f.message), |v| show(&v))
+    }
+
+    #[test]
+    fn values_are_read() {
+        for (text, expected) in [
+            ("f32", "f32"),
+            ("0, 0,-9.81", "[0 0 -9.81]"),
+            ("[0.0, 1e-3,]", "[0 0.001]"),
+            ("::modyn::a", "::modyn::a"),
+            ("pub(crate)", "pub(crate)"),
+            (r#"[["a", "b\"c"], ["d"]]"#, r#"[["a" "b\"c"] ["d"]]"#),
+            (r#""elbow": (1e-4, 100)"#, r#""elbow"=[0.0001 100]"#),
+            ("smooth=0.1", "smooth=0.1"),
+            ("pin: revolute(a, [1,2,3], axis = [0,1,0])", "pin=revolute(a [1 2 3] axis=[0 1 0])"),
+            ("left/hand.2", "left/hand.2"),
+            ("", "0: expected a value"),
+            ("a b", "2: expected `,`"),
+            ("[a", "2: expected `]`"),
+            ("(a]", "2: expected `,`"),
+            ("a,,b", "2: expected a value"),
+            ("1e400", "inf"),
+            ("nan", "nan"),
+            ("\"a", "0: the quotes are not closed"),
+        ] {
+            assert_eq!(shown(text), expected, "{text}");
+        }
+        assert!(shown(&"[".repeat(100_000)).contains("brackets are open"));
+    }
+}

@@ -1,0 +1,171 @@
+//! Kernels for graphics processors. CUDA's text, compiled for the host, computes what generated C does; C is compared
+//! with Rust in `c_source`. `modyn-gpu` runs WGSL's.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use modyn_codegen::emit::{GpuKernel, GpuSource};
+use modyn_codegen::{Base, Builder, FloatType, Function, GpuLanguage};
+
+fn robot(name: &str) -> Builder {
+    let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/golden");
+    let file = [robots, golden].map(|folder| folder.join(format!("{name}.urdf")));
+    Builder::new().urdf(file.iter().find(|file| file.exists()).expect("a robot"))
+}
+
+fn run(command: &mut Command) -> String {
+    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let (out, errors) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success(), "{command:?}\n{out}\n{errors}");
+    out
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gpu_source").join(name);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+/// Functions whose results C returns as they are; the only one that is left out takes random numbers.
+fn compared(kernel: &GpuKernel) -> bool {
+    kernel.function != "random"
+}
+
+const STATES: usize = 37;
+
+/// A program that runs the kernels on `STATES` states in general position, a fourth of them `far` from zero, and compares
+/// each with the C function.
+fn harness(source: &GpuSource, real: &str, far: &str, tolerance: &str) -> String {
+    let mut text = format!(
+        "#include <cmath>\n#include <cstdio>\n#include <vector>\n#include \"shim.h\"\nusing namespace std;\n\
+         extern \"C\" {{\n#include \"ours.h\"\n}}\n#include \"kernels.cu\"\n\
+         typedef {real} real;\n\
+         static unsigned long long seed = 1;\n\
+         static real number(int state) {{\n\
+         seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;\n\
+         real x = (real)(seed >> 33) / (real)2147483648.0 * (real)4.0 - (real)2.0;\n\
+         static const real scales[4] = {{ 1.0, 1.0, 2.0, {far} }};\n\
+         return x * scales[state % 4];\n}}\n\
+         int main() {{\nconst unsigned n = {STATES};\nblockDim.x = 8;\nint moved = 0;\n"
+    );
+    for kernel in source.kernels.iter().filter(|kernel| compared(kernel)) {
+        let (name, result) = (&kernel.name, kernel.result);
+        text += "{\n";
+        let (mut buffers, mut one) = (String::new(), String::new());
+        for (a, argument) in kernel.arguments.iter().enumerate() {
+            let len = argument.len;
+            let _ = writeln!(
+                text,
+                "vector<real> a{a}({len} * n);\nfor (unsigned i = 0; i < n; ++i) for (int j = 0; j < {len}; ++j) \
+                 a{a}[j * n + i] = number(i);"
+            );
+            let _ = write!(buffers, "a{a}.data(), ");
+            let _ = write!(one, "s{a}, ");
+        }
+        let _ = writeln!(
+            text,
+            "vector<real> out({result} * n);\nfor (unsigned i = 0; i < 8 * ((n + 7) / 8); ++i) {{ \
+             blockIdx.x = i / 8; threadIdx.x = i % 8; {name}({buffers}out.data(), n); }}"
+        );
+        text += "for (unsigned i = 0; i < n; ++i) {\n";
+        for (a, argument) in kernel.arguments.iter().enumerate() {
+            let len = argument.len;
+            let _ = writeln!(
+                text,
+                "real s{a}[{len}];\nfor (int j = 0; j < {len}; ++j) s{a}[j] = a{a}[j * n + i];"
+            );
+        }
+        let function = kernel.function;
+        let link = kernel.link.map(|link| format!("{link}u, ")).unwrap_or_default();
+        let _ = writeln!(
+            text,
+            "real y[{result}];\nours_{function}({one}{link}y);\nreal largest = 1, worst = 0;\n\
+             for (int j = 0; j < {result}; ++j) {{ largest = fmax(largest, fabs(y[j])); }}\n\
+             for (int j = 0; j < {result}; ++j) {{ real e = fabs(out[j * n + i] - y[j]) / largest; \
+             moved += y[j] != 0; worst = e <= worst ? worst : e; }}\n\
+             if (!(worst < {tolerance})) {{ printf(\"{name} %u: %g\\n\", i, (double)worst); }}\n}}\n}}"
+        );
+    }
+    text + "printf(\"%s\\n\", moved > 1000 ? \"done\" : \"nothing moved\");\nreturn 0;\n}\n"
+}
+
+fn compare(
+    name: &str,
+    builder: &Builder,
+    float: FloatType,
+    (far, tolerance): (&str, &str),
+) -> GpuSource {
+    let builder = builder.clone().scalar(float);
+    let folder = folder(name);
+    let (c, _) = builder.clone().type_name("Ours").generate_c().expect("good");
+    let (source, _) = builder.type_name("Theirs").generate_gpu(GpuLanguage::Cuda).expect("good");
+    let real = if float == FloatType::F64 { "double" } else { "float" };
+    let write = |file: &str, text: &str| {
+        std::fs::write(folder.join(file), text).expect("writes");
+    };
+    write("ours.h", &c.header);
+    write("ours.c", &c.source);
+    write("kernels.cu", &source.text);
+    write("shim.h", include_str!("cuda_shim.h"));
+    write("main.cpp", &harness(&source, real, far, tolerance));
+    run(Command::new("gcc").args(["-std=c99", "-O1", "-c", "ours.c"]).current_dir(&folder));
+    let options = ["-std=c++17", "-O1", "-Wall", "-Wno-unused-function", "-Wno-unused-variable"];
+    let mut command = Command::new("g++");
+    command.args(options).args(["main.cpp", "ours.o", "-lm", "-o", "main"]);
+    run(command.current_dir(&folder));
+    assert_eq!(run(&mut Command::new(folder.join("main"))), "done\n", "{name}");
+    source
+}
+
+fn all(builder: Builder) -> Builder {
+    builder.functions(Function::ALL.iter().copied())
+}
+
+#[test]
+#[ignore = "slow: g++ compiles robots with all functions"]
+fn kernels_compute_what_c_does() {
+    compare("arm", &all(robot("ur5")), FloatType::F64, ("1e5", "1e-10"));
+    compare("zoo", &all(robot("joint_zoo")), FloatType::F64, ("3.0", "1e-9"));
+    compare("loops", &all(robot("five_bar")), FloatType::F64, ("3.0", "1e-9"));
+}
+
+#[test]
+#[ignore = "slow: g++ compiles a robot"]
+fn single_precision_computes_what_c_does() {
+    let functions = [Function::InverseDynamics, Function::MassMatrix, Function::LinkPoses];
+    compare("single", &robot("ur5").functions(functions), FloatType::F32, ("100.0", "1e-4f"));
+}
+
+/// A floating base's derivatives are cut into functions, whose values go through memory.
+#[test]
+#[ignore = "slow: g++ compiles a robot"]
+fn long_functions_are_cut() {
+    let functions = [Function::ForwardDynamicsDerivatives, Function::Jacobian];
+    let builder = robot("quadruped").functions(functions).base(Base::Floating);
+    let source = compare("cut", &builder, FloatType::F64, ("3.0", "1e-9"));
+    assert!(source.text.contains("__noinline__"), "no function was cut");
+    assert!(source.kernels.iter().any(|kernel| kernel.statements > 5000));
+}
+
+/// Run-time parameters are common to all states; WGSL has them as a buffer, too.
+#[test]
+fn texts_name_their_buffers() {
+    let builder = robot("arm6").functions([Function::GravityTorques]).runtime_gravity();
+    let (cuda, _) = builder.generate_gpu(GpuLanguage::Cuda).expect("good");
+    assert!(cuda.text.contains("arm6_gravity_torques(const double *__restrict__ q, const double *__restrict__ params, double *__restrict__ out, unsigned int count)"), "{}", cuda.text);
+    assert!(cuda.text.contains("params[2]") && cuda.text.contains("q[1 * n]"));
+    let (wgsl, _) = builder.generate_gpu(GpuLanguage::Wgsl).expect("good");
+    for line in [
+        "@group(0) @binding(1) var<storage, read> arm6_gravity_torques_params: array<f32>;",
+        "@group(0) @binding(2) var<storage, read_write> arm6_gravity_torques_out: array<f32>;",
+        "@group(0) @binding(3) var<uniform> arm6_gravity_torques_count: vec4<u32>;",
+    ] {
+        assert!(wgsl.text.contains(line), "{line}");
+    }
+    let [kernel] = &*wgsl.kernels else { panic!("one kernel") };
+    assert_eq!((kernel.result, kernel.arguments.len()), (6, 2));
+    assert!(kernel.arguments[1].common && !kernel.arguments[0].common);
+}

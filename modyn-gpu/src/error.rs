@@ -1,0 +1,118 @@
+//! What can go wrong on the way to a graphics processor.
+
+use std::error::Error;
+use std::fmt;
+
+use modyn_codegen::diagnostics::Diagnostics;
+
+/// Why a computation on a graphics processor did not take place.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum GpuError {
+    /// No processor was found.
+    NoAdapter(String),
+    /// The processor could not be opened.
+    NoDevice(String),
+    /// The description or the options are wrong.
+    Description(Diagnostics),
+    /// The robot has no such kernel.
+    NoKernel {
+        /// The name that was asked for.
+        name: String,
+        /// The kernels that it has.
+        kernels: Vec<String>,
+    },
+    /// An array has another size than the kernel needs.
+    Shape {
+        /// The kernel.
+        kernel: String,
+        /// The argument.
+        argument: String,
+        /// The scalars of a state that the kernel needs.
+        scalars: usize,
+        /// The scalars of a state that the array has.
+        given: usize,
+    },
+    /// A kernel was given another number of arguments than it has.
+    Arguments {
+        /// The kernel.
+        kernel: String,
+        /// The names of its arguments.
+        expected: Vec<String>,
+        /// The number of arrays that were given.
+        given: usize,
+    },
+    /// Two arrays are for different numbers of states.
+    States {
+        /// The kernel.
+        kernel: String,
+        /// The states of the first array.
+        expected: usize,
+        /// The states of another array.
+        given: usize,
+    },
+    /// Numbers that are not a whole number of scalars for so many states, or no states.
+    Length {
+        /// The numbers.
+        numbers: usize,
+        /// The states.
+        states: usize,
+    },
+    /// An array is longer than the processor takes.
+    TooLarge {
+        /// The bytes of the array.
+        bytes: u64,
+        /// The bytes that a buffer can have.
+        limit: u64,
+    },
+    /// The processor or its driver failed.
+    Device(String),
+}
+
+impl fmt::Display for GpuError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoAdapter(why) => write!(
+                f,
+                "no graphics processor was found: {why}; install its driver, or Mesa's software processor (Debian: \
+                 mesa-vulkan-drivers)"
+            ),
+            Self::NoDevice(why) => write!(f, "the graphics processor cannot be opened: {why}"),
+            Self::Description(found) => write!(f, "{found}"),
+            Self::NoKernel { name, kernels } => {
+                write!(f, "the robot has no kernel `{name}`; it has {}", kernels.join(", "))
+            }
+            Self::Shape { kernel, argument, scalars, given } => {
+                write!(f, "`{kernel}` takes {scalars} numbers a state as `{argument}`, not {given}")
+            }
+            Self::Arguments { kernel, expected, given } => {
+                write!(
+                    f,
+                    "`{kernel}` takes the arguments {}, not {given} arrays",
+                    expected.join(", ")
+                )
+            }
+            Self::States { kernel, expected, given } => {
+                write!(f, "`{kernel}` was given arrays for {expected} and for {given} states")
+            }
+            Self::Length { numbers, states } => {
+                write!(f, "{numbers} numbers are no array for {states} states")
+            }
+            Self::TooLarge { bytes, limit } => {
+                write!(
+                    f,
+                    "an array of {bytes} bytes is too large for the processor, whose limit is {limit}"
+                )
+            }
+            Self::Device(why) => write!(f, "the graphics processor failed: {why}"),
+        }
+    }
+}
+
+impl Error for GpuError {}
+
+impl From<Diagnostics> for GpuError {
+    fn from(found: Diagnostics) -> Self {
+        Self::Description(found)
+    }
+}

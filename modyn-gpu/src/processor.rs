@@ -1,0 +1,90 @@
+//! A graphics processor, and arrays on it.
+
+use std::sync::Arc;
+
+use wgpu::util::DeviceExt;
+
+use crate::{GpuArray, GpuError};
+
+/// A graphics processor. Copies are cheap and stand for the same one.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    pub(crate) inner: Arc<Inner>,
+}
+
+#[derive(Debug)]
+pub(crate) struct Inner {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    name: String,
+    limit: u64,
+}
+
+impl Gpu {
+    /// The fastest processor of the machine; a software one where there is no other.
+    ///
+    /// # Errors
+    ///
+    /// There is none, or it cannot be opened.
+    pub fn new() -> Result<Self, GpuError> {
+        let instance = wgpu::Instance::default();
+        let options = wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            ..Default::default()
+        };
+        let adapter = pollster::block_on(instance.request_adapter(&options));
+        let adapter = adapter.map_err(|error| GpuError::NoAdapter(error.to_string()))?;
+        let limits = adapter.limits();
+        let descriptor =
+            wgpu::DeviceDescriptor { required_limits: limits.clone(), ..Default::default() };
+        let opened = pollster::block_on(adapter.request_device(&descriptor));
+        let (device, queue) = opened.map_err(|error| GpuError::NoDevice(error.to_string()))?;
+        // WGSL counts the numbers of a buffer in 32 bits.
+        let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size).min(1 << 34);
+        let name = adapter.get_info().name;
+        Ok(Self { inner: Arc::new(Inner { device, queue, name, limit }) })
+    }
+
+    /// The name of the processor as its driver has it.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.inner.name
+    }
+
+    /// Copies numbers for so many states to the processor: scalar `j` of state `i` is number `j states + i`.
+    ///
+    /// # Errors
+    ///
+    /// The numbers are not a whole number of scalars for each state, or too many for the processor.
+    pub fn upload(&self, numbers: &[f32], states: usize) -> Result<GpuArray, GpuError> {
+        if states == 0 || numbers.is_empty() || !numbers.len().is_multiple_of(states) {
+            return Err(GpuError::Length { numbers: numbers.len(), states });
+        }
+        self.check(numbers.len())?;
+        let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+        let buffer = self.inner.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: None,
+            contents: &bytes,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+        });
+        Ok(GpuArray { gpu: self.clone(), buffer, scalars: numbers.len() / states, states })
+    }
+
+    /// Room for a result.
+    pub(crate) fn empty(&self, scalars: usize, states: usize) -> Result<GpuArray, GpuError> {
+        let size = self.check(scalars * states)?;
+        let buffer = self.inner.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        Ok(GpuArray { gpu: self.clone(), buffer, scalars, states })
+    }
+
+    /// The bytes of so many numbers, if the processor has room for them.
+    fn check(&self, numbers: usize) -> Result<u64, GpuError> {
+        let (bytes, limit) = (4 * numbers as u64, self.inner.limit);
+        if bytes > limit { Err(GpuError::TooLarge { bytes, limit }) } else { Ok(bytes) }
+    }
+}

@@ -1,0 +1,196 @@
+//! The kernels compute what the interpreter does, on whatever processor there is: in CI, Mesa's software one.
+
+use std::path::Path;
+
+use modyn_codegen::{Base, Builder, Function};
+use modyn_gpu::{Gpu, GpuError, GpuRobot};
+use modyn_runtime::Interpreter;
+
+const STATES: usize = 300;
+
+fn robot(name: &str) -> Builder {
+    Builder::new()
+        .urdf(Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../robots/{name}.urdf")))
+}
+
+/// Numbers in [-1, 1).
+fn numbers(count: usize) -> Vec<f64> {
+    let mut state = 1_u64;
+    let mut next = || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
+    };
+    // In single precision, so that both sides start from the same numbers.
+    (0..count).map(|_| f64::from(next() as f32)).collect()
+}
+
+/// States in columns: scalar `j` of state `i` at `j STATES + i`.
+fn columns(states: &[Vec<f64>]) -> Vec<f32> {
+    let scalars = states[0].len();
+    (0..scalars).flat_map(|j| states.iter().map(move |state| state[j] as f32)).collect()
+}
+
+/// Compares a kernel with the numbers that the interpreter gives for each state, relative to the largest one of a state.
+fn compare(found: &[f32], expected: &[Vec<f64>], tolerance: f64, name: &str) {
+    let mut errors = Vec::new();
+    for (i, expected) in expected.iter().enumerate() {
+        let largest = expected.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+        for (j, x) in expected.iter().enumerate() {
+            let error = (f64::from(found[j * STATES + i]) - x).abs() / largest;
+            errors.push(if error.is_nan() { f64::INFINITY } else { error });
+        }
+    }
+    errors.sort_by(f64::total_cmp);
+    // Forward dynamics loses digits where the mass matrix is ill-conditioned: a few states may.
+    let (most, all) = (errors[errors.len() * 99 / 100], errors[errors.len() - 1]);
+    assert!(most < tolerance && all < 1000.0 * tolerance, "{name}: {most:e}, {all:e}");
+    assert!(expected.iter().flatten().any(|x| x.abs() > 1e-3), "{name}: nothing moves");
+}
+
+fn check(name: &str, base: Base, scale: f64) {
+    let functions = [
+        Function::ForwardDynamics,
+        Function::InverseDynamics,
+        Function::MassMatrix,
+        Function::GravityTorques,
+        Function::ForwardDynamicsDerivatives,
+        Function::LinkPoses,
+    ];
+    let gpu = Gpu::new().expect("a processor: Mesa has one in software");
+    let builder = robot(name).base(base).functions(functions);
+    let kernels = GpuRobot::new(&gpu, &builder).expect("kernels");
+    let model = builder.generate().expect("good").model;
+    let (nq, nv) = (model.nq(), model.nv());
+    let mut interpreter = Interpreter::<f64>::new(model);
+    let mut all = numbers(STATES * (nq + 3 * nv)).into_iter();
+    let mut vector = |n: usize| all.by_ref().take(n).collect::<Vec<f64>>();
+    let (mut q, mut qd, mut tau, mut qdd) = (vec![], vec![], vec![], vec![]);
+    for _ in 0..STATES {
+        let drawn = vector(nq).iter().map(|x| f64::from((x * scale) as f32)).collect::<Vec<_>>();
+        let mut unit = drawn.clone();
+        interpreter.normalize(&mut unit).expect("lengths");
+        q.push(unit.iter().map(|x| f64::from(*x as f32)).collect::<Vec<_>>());
+        qd.push(vector(nv));
+        tau.push(vector(nv));
+        qdd.push(vector(nv));
+    }
+    let upload = |states: &[Vec<f64>]| gpu.upload(&columns(states), STATES).expect("room");
+    let (gq, gqd, gtau, gqdd) = (upload(&q), upload(&qd), upload(&tau), upload(&qdd));
+    let mut each =
+        |size: usize, equation: &mut dyn FnMut(&mut Interpreter<f64>, usize, &mut [f64])| {
+            let one = |i: usize| {
+                let mut out = vec![0.0; size];
+                equation(&mut interpreter, i, &mut out);
+                out
+            };
+            (0..STATES).map(one).collect::<Vec<Vec<f64>>>()
+        };
+    let run = |kernel: &str, arguments: &[&modyn_gpu::GpuArray]| {
+        let result = kernels.run(kernel, arguments).expect("it runs");
+        assert_eq!(result.states(), STATES);
+        result.read().expect("numbers")
+    };
+    let expected = each(nv, &mut |i, s, out| {
+        i.forward_dynamics(&q[s], &qd[s], &tau[s], out).expect("lengths")
+    });
+    compare(&run("forward_dynamics", &[&gq, &gqd, &gtau]), &expected, 1e-4, name);
+    let expected = each(nv, &mut |i, s, out| {
+        i.inverse_dynamics(&q[s], &qd[s], &qdd[s], out).expect("lengths")
+    });
+    compare(&run("inverse_dynamics", &[&gq, &gqd, &gqdd]), &expected, 2e-6, name);
+    let expected = each(nv * nv, &mut |i, s, out| i.mass_matrix(&q[s], out).expect("lengths"));
+    compare(&run("mass_matrix", &[&gq]), &expected, 2e-6, name);
+    let expected = each(nv, &mut |i, s, out| i.gravity_torques(&q[s], out).expect("lengths"));
+    compare(&run("gravity_torques", &[&gq]), &expected, 2e-6, name);
+    // The first nv numbers are the accelerations.
+    let derivatives = run("forward_dynamics_derivatives", &[&gq, &gqd, &gtau]);
+    let expected = each(nv, &mut |i, s, out| {
+        i.forward_dynamics(&q[s], &qd[s], &tau[s], out).expect("lengths")
+    });
+    compare(&derivatives[..nv * STATES], &expected, 1e-4, name);
+    let h = 1e-6;
+    let expected = each(nv, &mut |i, s, out| {
+        let (mut up, mut moved) = (qd[s].clone(), vec![0.0; nv]);
+        up[nv - 1] += h;
+        i.forward_dynamics(&q[s], &up, &tau[s], out).expect("lengths");
+        up[nv - 1] -= 2.0 * h;
+        i.forward_dynamics(&q[s], &up, &tau[s], &mut moved).expect("lengths");
+        for (x, y) in out.iter_mut().zip(&moved) {
+            *x = (*x - y) / (2.0 * h);
+        }
+    });
+    // The last column of the derivative by qd.
+    let column = (nv + nv * nv + (nv - 1) * nv) * STATES;
+    compare(&derivatives[column..column + nv * STATES], &expected, 1e-4, name);
+}
+
+#[test]
+fn an_arm() {
+    check("arm7", Base::Fixed, 3.0);
+}
+
+/// Angles beyond the fast reduction of sine and cosine. (Much larger ones are rounded with the offset of a joint.)
+#[test]
+fn an_arm_that_has_turned_often() {
+    check("arm7", Base::Fixed, 100.0);
+}
+
+#[test]
+fn all_joint_types() {
+    check("joint_zoo", Base::Fixed, 1.0);
+}
+
+#[test]
+fn a_floating_quadruped() {
+    check("quadruped", Base::Floating, 1.0);
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let gpu = Gpu::new().expect("a processor");
+    let builder = robot("arm6").functions([Function::GravityTorques, Function::LinkPose]);
+    let kernels = GpuRobot::new(&gpu, &builder).expect("kernels");
+    let q = gpu.upload(&[0.0; 12], 2).expect("room");
+    let error = kernels.run("mass_matrix", &[&q]).expect_err("no such kernel").to_string();
+    assert!(
+        error.contains("no kernel `mass_matrix`; it has gravity_torques, link_pose_"),
+        "{error}"
+    );
+    let error = kernels.run("gravity_torques", &[&q, &q]).expect_err("one argument");
+    assert!(matches!(error, GpuError::Arguments { given: 2, .. }));
+    let short = gpu.upload(&[0.0; 10], 2).expect("room");
+    let error = kernels.run("gravity_torques", &[&short]).expect_err("six numbers").to_string();
+    assert_eq!(error, "`arm6_gravity_torques` takes 6 numbers a state as `q`, not 5");
+    assert!(matches!(gpu.upload(&[0.0; 5], 2), Err(GpuError::Length { .. })));
+    assert!(matches!(gpu.upload(&[], 0), Err(GpuError::Length { .. })));
+}
+
+/// A pendulum's torque is the sine of its angle: of any finite one.
+#[test]
+fn sines_of_all_angles() {
+    let text = r#"<robot name="pendulum"><link name="world"/>
+        <joint name="pivot" type="continuous"><parent link="world"/><child link="bob"/><axis xyz="0 1 0"/></joint>
+        <link name="bob"><inertial><origin xyz="0 0 -1"/><mass value="1"/>
+        <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
+    let gpu = Gpu::new().expect("a processor");
+    let builder = Builder::new().urdf_text(text, "pendulum.urdf").gravity([0.0, 0.0, -1.0]);
+    let builder = builder.functions([Function::GravityTorques]);
+    let kernels = GpuRobot::new(&gpu, &builder).expect("kernels");
+    let mut angles = Vec::new();
+    for i in 0..20_000_u32 {
+        // All magnitudes, and close to multiples of pi.
+        let magnitude = f32::from_bits((i * 104_729) % 0x7f80_0000);
+        angles.extend([magnitude, -magnitude, (f64::from(i) * std::f64::consts::PI) as f32]);
+    }
+    let q = gpu.upload(&angles, angles.len()).expect("room");
+    let found = kernels.run("gravity_torques", &[&q]).expect("it runs").read().expect("numbers");
+    let mut worst = (0.0, 0.0);
+    for (angle, sine) in angles.iter().zip(&found) {
+        let error = (f64::from(*sine) - f64::from(*angle).sin()).abs();
+        if !(error <= worst.0) {
+            worst = (error, *angle);
+        }
+    }
+    assert!(worst.0 < 4e-7, "{worst:?}");
+}

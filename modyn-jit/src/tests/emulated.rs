@@ -1,0 +1,157 @@
+//! Whole functions at all levels, also those that the host lacks, compute the bits of their program's evaluation, read
+//! nothing but their arguments and constants, and write nothing but their results and their frame.
+
+use modyn_codegen::Function;
+use modyn_codegen::graph::{Expr, Graph};
+use modyn_codegen::plan::Kernels;
+use modyn_codegen::program::{Program, Target};
+use modyn_runtime::Scalar;
+
+use super::common::{Fuse, evaluate, is_same, numbers, plan, random::Random, split};
+use super::emulator::{ATAN2, Emulator, LOGARITHM, REDUCE};
+use crate::generate::generate;
+use crate::helper::Helpers;
+use crate::level::Level;
+use crate::lower::lower;
+
+/// Compares a program at one level, for one state or with a state in each lane.
+fn compare<F: Fuse>(program: &Program, arrays: &[usize], level: Level, batch: bool, state: &[F]) {
+    let values = lower::<F>(program, arrays, level, batch);
+    let helpers = Helpers { reduce: REDUCE, atan2: ATAN2, logarithm: LOGARITHM };
+    let generated = generate(&values, level, size_of::<F>(), arrays.len(), &helpers);
+    let lanes = if batch { level.vector(true) / size_of::<F>() } else { 1 };
+    // The lanes differ: the numbers of one state, turned round.
+    let states: Vec<Vec<F>> = (0..lanes)
+        .map(|lane| {
+            let mut state = state.to_vec();
+            let by = lane % state.len().max(1);
+            state.rotate_left(by);
+            state
+        })
+        .collect();
+    let given: Vec<F> = (0..state.len()).flat_map(|i| states.iter().map(move |s| s[i])).collect();
+    let lengths: Vec<usize> = arrays.iter().map(|length| length * lanes).collect();
+    let mut emulator = Emulator::default();
+    let results = program.results.len();
+    let found = emulator.run(&generated.code, &split(&given, &lengths), results * lanes);
+    for (lane, state) in states.iter().enumerate() {
+        let expected = evaluate(program, level, state);
+        for (i, expected) in expected.iter().enumerate() {
+            let found = found[i * lanes + lane];
+            assert!(is_same(found, *expected), "{level:?} {i}: {found:?} {expected:?}");
+        }
+    }
+}
+
+fn all_levels<F: Fuse>(scalar: &Program, simd: &Program, arrays: &[usize], state: &[F]) {
+    for level in Level::ALL {
+        compare(simd, arrays, level, false, state);
+        compare(scalar, arrays, level, true, state);
+    }
+}
+
+/// Robots with packed limbs, loops, spherical joints and long functions.
+#[test]
+fn robots() {
+    let functions = [
+        Function::ForwardDynamics,
+        Function::ForwardDynamicsDerivatives,
+        Function::Difference,
+        Function::Random,
+    ];
+    for name in ["arm6", "joint_zoo", "quadruped", "gripper"] {
+        let planning = plan(name, &functions);
+        for planned in &planning.plan.functions {
+            let (scalar, simd) = match &planned.kernels {
+                Kernels::One(program) => (program, program),
+                Kernels::Dispatched { scalar, simd } => (scalar, simd),
+                Kernels::ByLink(_) | Kernels::Poses { .. } => continue,
+            };
+            let arrays: Vec<usize> =
+                planned.arguments.iter().map(|(_, shape)| shape.len()).collect();
+            let count = arrays.iter().sum();
+            for scale in [1.5, 3e5] {
+                all_levels::<f64>(scalar, simd, &arrays, &numbers(1, count, scale));
+                all_levels::<f32>(scalar, simd, &arrays, &numbers(2, count, scale));
+            }
+        }
+    }
+}
+
+/// Random programs of all operations, with vectors of all lengths, many values alive at once, signs and constants.
+fn random_program(seed: u64, inputs: usize) -> Program {
+    let mut random = Random::new(seed);
+    let graph = Graph::trace(|| {
+        // Each with its number of lanes.
+        let mut values: Vec<(usize, Expr)> = (0..inputs).map(|i| (1, Expr::input(i))).collect();
+        for _ in 0..random.below(200) + 20 {
+            let lanes = [1, 2, 4, 8][random.below(4)];
+            let mut pick = || {
+                let fits = values.iter().filter(|(n, _)| *n == 1 || *n == lanes);
+                let of_lanes: Vec<(usize, Expr)> = fits.copied().collect();
+                let (lanes, x) = of_lanes[random.below(of_lanes.len())];
+                match random.below(8) {
+                    0 => (lanes, -x),
+                    1 => (1, Expr::from_f64([1.0, -0.5, 0.0, 3.25, -2.0][random.below(5)])),
+                    _ => (lanes, x),
+                }
+            };
+            let picked = [(); 4].map(|()| pick());
+            let [a, b, c, d] = picked.map(|(_, x)| x);
+            let (operands, result) = match random.below(16) {
+                0 | 1 => (2, a + b),
+                2 | 3 => (2, a - b),
+                4 => (2, a * b),
+                5 | 6 => (3, a * b + c),
+                7 => (3, a * b - c),
+                8 => (3, c - a * b),
+                9 => (4, a * b - c * d),
+                10 => (2, a.sin_cos().0 * b.sin_cos().1),
+                11 => (3, a.select_nonnegative(b, c)),
+                12 => (2, a.abs().max(b)),
+                13 => (1, a.recip()),
+                14 => (1, a.abs().sqrt()),
+                _ if random.chance(0.3) => (3, a.atan2(b) + c.abs().ln()),
+                _ => {
+                    let scalars: Vec<Expr> =
+                        values.iter().filter(|(n, _)| *n == 1).map(|(_, x)| *x).collect();
+                    let count = [2, 4, 8][random.below(3)];
+                    let packed: Vec<Expr> =
+                        (0..count).map(|_| scalars[random.below(scalars.len())]).collect();
+                    values.push((count, Expr::pack(&packed)));
+                    continue;
+                }
+            };
+            let lanes = picked[..operands].iter().map(|(lanes, _)| *lanes).max().unwrap_or(1);
+            values.push((lanes, result));
+            if lanes > 1 && random.chance(0.3) {
+                values.push((1, result.extract_lane(random.below(lanes))));
+            }
+        }
+        let last = values.iter().rev().take(60);
+        last.flat_map(|&(lanes, x)| {
+            (0..lanes).map(move |k| if lanes > 1 { x.extract_lane(k) } else { x })
+        })
+        .collect()
+    });
+    Program::new(&graph, inputs, Target::Simd)
+}
+
+#[test]
+fn random_programs() {
+    let mut results = 0;
+    for seed in 0..60 {
+        let arrays = [7, 5, 2];
+        let count = arrays.iter().sum();
+        let program = random_program(seed, count);
+        results += program.results.len();
+        for level in Level::ALL {
+            compare::<f64>(&program, &arrays, level, false, &numbers(seed, count, 3.0));
+            compare::<f32>(&program, &arrays, level, false, &numbers(seed, count, 3.0));
+            if program.widths().len() == 1 {
+                compare::<f64>(&program, &arrays, level, true, &numbers(seed, count, 1e6));
+            }
+        }
+    }
+    assert!(results > 3000, "{results}");
+}
