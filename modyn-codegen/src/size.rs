@@ -33,7 +33,7 @@ struct Measures {
     rows: f64,
     /// The number of degrees of freedom.
     nv: f64,
-    /// Constraints.
+    /// The number of constraints.
     constraints: f64,
 }
 

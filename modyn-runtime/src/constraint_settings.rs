@@ -1,61 +1,73 @@
-//! What functions about constraints are told: stabilization, ranks, the targets of contacts and which are active.
+//! The arguments of constrained dynamics: stabilization, ranks, and the targets and the set of active contacts.
 
 use crate::spatial::{Pose, Twist, Vector3};
 
-/// How constraints are stabilized, which of their rows count as independent, and the targets of contacts.
+/// The stabilization of constraints, the limits below which rows count as dependent, and the targets of
+/// contacts.
 ///
 /// A constraint whose frames are displaced by phi obeys phi'' = -2 alpha phi' - beta^2 phi (Baumgarte 1972).
-/// Alpha = beta is the fastest return without oscillation, by half in 1.7 / beta; zeros keep the
-/// displacement that an integrator's errors have caused.
+/// alpha = beta gives the fastest return without oscillation; the displacement halves in 1.7 / beta. With zeros
+/// the displacement by an integrator's errors remains.
 ///
-/// A row of the constraints depends on others where they leave it a mobility (inverse inertia, 1/kg) of at
-/// most `tolerance` times the mobility of its constraint's relative motion, plus `rounding` times the
-/// row's own. Rotations count times the constraint's characteristic length.
+/// The mobility of a row is an inverse inertia, 1/kg. A row depends on others if the mobility that they leave
+/// to it is at most a threshold. The threshold is `tolerance` times the mobility of the constraint's relative
+/// motion, plus `rounding` times the row's own mobility. Rotations are multiplied by the constraint's
+/// characteristic length.
+///
+/// ```
+/// use modyn_runtime::ConstraintSettings;
+///
+/// let stiff = ConstraintSettings { alpha: 100.0, beta: 100.0, ..ConstraintSettings::<f64>::DEFAULT };
+/// assert_eq!(stiff.tolerance, 1e-10); ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintSettings<T, C = [ContactTarget<T>; 0]> {
-    /// Damping of the displacements of loop constraints, 1/s.
+    /// The damping of the displacements of loop constraints, 1/s.
     pub alpha: T,
-    /// Stiffness of the displacements of loop constraints, 1/s.
+    /// The stiffness of the displacements of loop constraints, 1/s.
     pub beta: T,
-    /// The mobility of a dependent row as a share of its constraint's mobility in all six directions: the
-    /// square of the error, as an angle, that axes and joints of the mechanism may have.
+    /// The mobility of a dependent row relative to its constraint's mobility in all six directions: the squared
+    /// angular error of the mechanism's axes, rad^2.
     pub tolerance: T,
-    /// The share of a row's own mobility that rounding may leave of it.
+    /// The part of a row's own mobility that rounding may leave.
     pub rounding: T,
-    /// An array with the target of each contact, whether the contact is active or not.
+    /// The target of each contact, active or not: an array.
     pub contacts: C,
 }
 
-/// The place in the world that a contact holds on to, and how.
+/// The frame in the world that a contact holds its link's frame to, and the properties of the contact.
 ///
-/// The displacement of the contact's frame from the target has a normal part along the z axis of `pose`: the height
-/// of the frame's origin over the plane and, for a surface, the tilt of its normal. The rest (the displacement within
-/// the plane, the rotation about the normal) counts as much as `tangential` says. Velocities count in all directions.
+/// The displacement of the contact's frame from the target has a normal and a tangential part. The normal part
+/// is the height of the frame's origin above the xy plane of `pose` and, for a surface, the tilt between the
+/// two z axes. The tangential part is the displacement within the plane and, for a surface, the rotation about
+/// the normal. The tangential part is multiplied by `tangential`; relative velocities count in all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactTarget<T> {
-    /// A frame in the world: the xy plane of this frame is the ground under the contact, its z axis the normal.
+    /// The pose of the target in the world: its xy plane is the ground under the contact, its z axis the
+    /// normal.
     pub pose: Pose<T>,
     /// The velocity of the ground at the contact in world axes, rad/s and m/s.
     pub velocity: Twist<T>,
-    /// The share of the tangential displacement that is stabilized: 0 on a plane, 1 in a frame.
+    /// The factor of the tangential displacement: 0 for a plane, 1 for a frame.
     pub tangential: T,
-    /// Damping of the displacement, 1/s.
+    /// The damping of the displacement, 1/s.
     pub alpha: T,
-    /// Stiffness of the displacement, 1/s.
+    /// The stiffness of the displacement, 1/s.
     pub beta: T,
-    /// The acceleration that a force in the contact allows, 1/kg (that of a moment: times the square of the
-    /// characteristic length); 0 for a rigid contact. With compliance, redundant contacts share their forces by it.
+    /// The relative acceleration that the contact allows per force, 1/kg; per moment the value is divided by
+    /// the squared characteristic length. A rigid contact has 0. Redundant contacts with compliance share the
+    /// load by it.
     pub compliance: T,
-    /// The share of the speed along the normal that is left after an impact, in the other direction.
+    /// The coefficient of restitution along the normal: the speed after an impact divided by the speed before.
     pub restitution: T,
-    /// The share of the load that inverse dynamics gives to the contact, relative to other contacts' weights.
+    /// The weight of the contact in the distribution of the load by inverse dynamics, relative to the other
+    /// contacts' weights.
     pub weight: T,
 }
 
 macro_rules! settings {
     ($float:ty, $tolerance:literal, $rounding:literal, $in_words:literal) => {
         impl ContactTarget<$float> {
-            /// The plane z = 0 of the world at rest, rigid, with alpha = beta = 20/s, no restitution and weight 1.
+            /// The plane z = 0 of the world, at rest and rigid; alpha = beta = 20/s, no restitution, weight 1.
             pub const GROUND: Self = Self {
                 pose: Pose {
                     rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -70,7 +82,7 @@ macro_rules! settings {
                 weight: 1.0,
             };
 
-            /// A contact at rest where it is: nothing pulls it anywhere.
+            /// A contact at rest at its present place: [`GROUND`](Self::GROUND) without stabilization.
             pub const EXACT: Self = Self { alpha: 0.0, beta: 0.0, ..Self::GROUND };
         }
 
@@ -90,7 +102,7 @@ macro_rules! settings {
                 contacts: [ContactTarget::<$float>::GROUND; N],
             };
 
-            /// Constraints of accelerations alone: for mechanisms whose constraints are met exactly.
+            /// No stabilization, for mechanisms whose constraints are satisfied exactly.
             pub const EXACT: Self = Self {
                 alpha: 0.0,
                 beta: 0.0,
@@ -120,8 +132,8 @@ settings!(
     "alpha = beta = 20/s, axes that are off by 1e-4 rad, a hundred times the precision, and the ground at z = 0."
 );
 
-/// Which contacts of a robot are active: each generated robot with contacts has such a type, with a member for each
-/// contact. A robot without contacts has `()`.
+/// A set of active contacts of a robot. Each generated robot with contacts has a type with a member for each
+/// contact; a robot without contacts has `()`.
 pub trait ContactSet: Copy {
     /// No contact is active.
     const NONE: Self;

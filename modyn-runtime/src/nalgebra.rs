@@ -173,8 +173,8 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         }
     }
 
-    /// Joint accelerations under the joint torques or forces `tau` with the loops closed and the active
-    /// contacts held, the wrenches that do this, the residuals and the rank.
+    /// Returns the joint accelerations under the joint forces `tau` with the loops closed and the active
+    /// contacts held, the constraint wrenches, the residuals and the rank.
     #[must_use]
     pub fn constrained_forward_dynamics<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,

@@ -43,81 +43,85 @@ pub struct ForwardDynamicsDerivatives<V, M> {
     pub dtau: M,
 }
 
-/// The accelerations of a robot under its constraints, and the wrenches that meet them.
+/// The accelerations of a robot under its constraints, and the constraint wrenches.
 ///
-/// Wrenches and residuals are arrays with an entry for each constraint: for each loop constraint at its second frame's
-/// origin in its first frame's axes, then for each contact at its frame's origin in world axes.
+/// Wrenches and residuals are arrays with an entry for each constraint. Loop constraints come first, at the
+/// second frame's origin in the first frame's axes. Contacts follow, at the frame's origin in world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedForwardDynamics<V, W, R, T> {
     /// The joint accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
-    /// The wrench on the constraint's second link, N m and N; the first link feels the opposite. Of a contact the
-    /// wrench on the link, zero where the contact is not active. Where rows are redundant, the wrenches with the smallest sum of force^2 + (moment / l)^2 over all
-    /// constraints, with the characteristic length l of each.
+    /// The wrench on each constraint's second link, N m and N; the opposite wrench acts on the first link. A
+    /// contact's wrench acts on its link and is zero if the contact is not active. If rows are redundant, the
+    /// wrenches minimize the sum of force^2 + (moment / l)^2 over all constraints, with the characteristic
+    /// length l of each.
     pub wrenches: W,
-    /// The part of each constraint's relative acceleration that could not be met, rad/s^2 and m/s^2:
-    /// rounding, unless rows contradict each other. Then it is the smallest possible, as a sum of
-    /// linear^2 + (l angular)^2. The acceleration that the compliance of a contact allows is no part of it.
+    /// The unmet part of each constraint's relative acceleration, rad/s^2 and m/s^2. It is within rounding of
+    /// zero unless rows contradict each other. Then it minimizes the sum of linear^2 + (l angular)^2. The
+    /// acceleration that a contact's compliance allows is not a part of it.
     pub residuals: R,
     /// The number of independent constraint rows, an integer.
     pub rank: T,
 }
 
-/// The velocities after an impact, and the impulses that changed them.
+/// The velocities after an impact, and the impulses of the constraints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactImpulse<V, W, T> {
     /// The velocities after the impact, rad/s or m/s.
     pub qd: V,
-    /// By constraint: the impulse on its second link, N m s and N s, where its wrench acts.
+    /// The impulse on each constraint's second link, N m s and N s, in the axes and at the point of the
+    /// constraint's wrench.
     pub impulses: W,
     /// The number of independent constraint rows, an integer.
     pub rank: T,
 }
 
-/// The torques of an acceleration, and the wrenches of contacts that carry the floating bases.
+/// The joint forces of accelerations, and the wrenches of the contacts that carry the floating bases.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedInverseDynamics<V, W, T> {
-    /// Joint torques or forces, N m or N. Those of a floating base are the force on it that no contact can carry: zero
-    /// but for rounding where the contacts suffice.
+    /// The joint forces, N m or N. The joint forces of a floating base are the wrench on it that no contact can
+    /// carry: zero within rounding if the contacts suffice.
     pub tau: V,
-    /// By constraint: the wrench on the link of a contact at its frame's origin in world axes, N m and N; zero for loop
-    /// constraints.
+    /// The wrench on each contact's link at its frame's origin in world axes, N m and N. The wrenches of loop
+    /// constraints, which come first, are zero.
     pub wrenches: W,
     /// The number of independent directions in which the contacts carry the bases, an integer.
     pub rank: T,
 }
 
-/// The operational-space inertia of the constraints, and its inverse: square matrices by columns, with a row for each
-/// constraint row.
+/// The operational-space inertia of the constraints and its inverse: square matrices, arrays of columns, with a
+/// row for each constraint row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OperationalInertia<R, T> {
-    /// J I^-1 J^T with the compliance of contacts, 1/kg (of rotations 1/(kg m^2)).
+    /// J I^-1 J^T with the mass matrix I, and the compliance of contacts, 1/kg (rotations 1/(kg m^2)).
     pub inverse: R,
-    /// The pseudo-inverse of that, kg (of rotations kg m^2).
+    /// The pseudo-inverse of `inverse`, kg (rotations kg m^2).
     pub inertia: R,
     /// The number of independent constraint rows, an integer.
     pub rank: T,
 }
 
-/// The accelerations and wrenches of a robot on its contacts, and their derivatives: square matrices by columns, and for
-/// each constraint the derivatives of its wrench, one for each entry of what is derived by.
+/// The accelerations and the wrenches of a robot with contacts, and their derivatives.
+///
+/// Matrices are arrays of columns. The derivative of a constraint's wrench is an array of columns, one for each
+/// entry of the differentiation variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedForwardDynamicsDerivatives<V, W, M, D, T> {
     /// The accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
-    /// By constraint: the wrench on the link, in world axes.
+    /// The wrench on each contact's link, in world axes, N m and N.
     pub wrenches: W,
     /// d qdd / d q, in tangent space.
     pub dq: M,
     /// d qdd / d qd.
     pub dqd: M,
-    /// d qdd / d tau: symmetric, of the rank that the constraints leave.
+    /// d qdd / d tau: symmetric; its rank is nv minus the rank of the constraints.
     pub dtau: M,
-    /// By constraint: d wrench / d q.
+    /// d wrench / d q of each constraint, in tangent space.
     pub wrenches_dq: D,
-    /// By constraint: d wrench / d qd.
+    /// d wrench / d qd of each constraint.
     pub wrenches_dqd: D,
-    /// By constraint: d wrench / d tau.
+    /// d wrench / d tau of each constraint.
     pub wrenches_dtau: D,
     /// The number of independent constraint rows, an integer.
     pub rank: T,
@@ -134,9 +138,11 @@ pub struct ConstraintProjection<V, T> {
     pub rank: T,
 }
 
-/// How far constraints are from being met: arrays with an entry for each constraint. Of a loop constraint, the second
-/// frame relative to the first, in the first frame's axes, without the free directions; of a contact, active or not,
-/// its frame relative to its target, in world axes, the rotations of a point left out.
+/// The violation of the constraints: arrays with an entry for each constraint.
+///
+/// The entry of a loop constraint is the motion of its second frame relative to its first, in the first frame's
+/// axes. The entry of a contact, active or not, is the motion of its frame relative to its target, in world
+/// axes. Components along free directions are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintResidual<D> {
     /// The displacements, m; a rotation is its axis times the sine of its angle.

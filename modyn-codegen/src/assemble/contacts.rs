@@ -1,4 +1,4 @@
-//! Contacts of the options: frames of links that may touch the world.
+//! Contacts of the options: frames of links that can touch the world.
 
 use modyn_runtime::model::{Contact, LoopConstraintEnd};
 use modyn_runtime::spatial::Pose;
@@ -7,7 +7,8 @@ use rustc_hash::FxHashSet;
 use crate::description::{self, Description, MAX_NUMBER, roll_pitch_yaw};
 use crate::diagnostics::{Code, Diagnostic, Report, suggest};
 
-/// The contacts, with errors in the report; `carriers` has by link of the description the moving link that carries it.
+/// Returns the contacts, and reports their errors. `carriers` has, for each link of the description, the moving
+/// link that carries it.
 pub fn contacts(
     description: &Description,
     options: &[description::Contact],

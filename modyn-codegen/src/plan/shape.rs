@@ -16,11 +16,11 @@ pub enum Shape {
 pub enum Record {
     /// A spatial quantity, by its name.
     Spatial(&'static str),
-    /// A quantity of the runtime's root that is generic over the scalar alone, by its name.
+    /// A type of the runtime's root that is generic over the scalar only, by its name.
     Plain(&'static str),
     /// The factors of the mass matrix.
     Factorization,
-    /// Which contacts are active: a number for each, 1 if it is, else 0.
+    /// The set of active contacts: a number for each contact, 1 if it is active, else 0.
     Contacts,
     /// The results of a function with several results, or its settings, by name.
     Several(&'static str),
@@ -126,13 +126,13 @@ pub struct Sizes {
     pub links: usize,
     /// The number of moving links.
     pub moving: usize,
-    /// Constraints: closed loops, then contacts.
+    /// The number of constraints: closed loops and contacts.
     pub constraints: usize,
-    /// Contacts.
+    /// The number of contacts.
     pub contacts: usize,
-    /// Constraint rows, all contacts active.
+    /// The number of constraint rows, all contacts active.
     pub constraint_rows: usize,
-    /// Numbers of the mass matrix's factors.
+    /// The number of entries of the mass matrix's factors.
     pub factors: usize,
 }
 

@@ -1,7 +1,9 @@
-//! The graphs of loop constraints.
+//! The graphs of loop constraints and contacts.
 //!
-//! Settings are alpha, beta, tolerance and rounding, then for each contact its target: rotation by rows, translation,
-//! velocity, tangential, alpha, beta, compliance, restitution, weight. A twist or a wrench is three angular numbers, then three linear ones.
+//! Settings are alpha, beta, tolerance and rounding, then the target of each contact: rotation by rows,
+//! translation, velocity, tangential, alpha, beta, compliance, restitution, weight. A twist or a wrench is
+//! three angular, then three linear components. The set of active contacts is a number for each contact, 1 if
+//! it is active, else 0.
 
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
@@ -13,8 +15,8 @@ use super::Tracer;
 use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
-    /// The accelerations, a wrench and a residual for each constraint, and the rank, from `q`, `qd`, `tau`, which
-    /// contacts are active, and settings, through the factors of the mass matrix in this layout.
+    /// Returns the graph of the accelerations, a wrench and a residual for each constraint, and the rank.
+    /// Inputs: `q`, `qd`, `tau`, active contacts and settings. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn constrained_forward_dynamics(&self, layout: &UduLayout) -> Graph {
         let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
@@ -38,7 +40,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// The displacement of each constraint, then the velocity of each, from `q`, `qd` and settings.
+    /// Returns the graph of the displacement, then the velocity of each constraint. Inputs: `q`, `qd` and
+    /// settings.
     #[must_use]
     pub fn constraint_residual(&self, layout: &UduLayout) -> Graph {
         let groups = [self.model.nq, self.model.nv, settings_count(self.model)];
@@ -53,8 +56,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// The step, the change of the velocities and the rank, from `q`, `qd`, which contacts are active, and
-    /// settings.
+    /// Returns the graph of the step, the change of the velocities and the rank. Inputs: `q`, `qd`, active
+    /// contacts and settings.
     #[must_use]
     pub fn project_constraints(&self, layout: &UduLayout) -> Graph {
         let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
@@ -76,8 +79,8 @@ impl Tracer<'_> {
 }
 
 impl Tracer<'_> {
-    /// The velocities after an impact, an impulse for each constraint and the rank, from `q`, `qd`, which contacts are
-    /// active, and settings.
+    /// Returns the graph of the velocities after an impact, an impulse for each constraint and the rank.
+    /// Inputs: `q`, `qd`, active contacts and settings.
     #[must_use]
     pub fn contact_impulse(&self, layout: &UduLayout) -> Graph {
         let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
@@ -99,8 +102,9 @@ impl Tracer<'_> {
         })
     }
 
-    /// The accelerations, the wrenches, the derivatives of the accelerations by q, qd and tau, those of the wrenches, and
-    /// the rank, from `q`, `qd`, `tau`, which contacts are active, and settings.
+    /// Returns the graph of the accelerations, the wrenches, the derivatives of the accelerations with respect
+    /// to q, qd and tau, the derivatives of the wrenches, and the rank. Inputs: `q`, `qd`, `tau`, active
+    /// contacts and settings.
     #[must_use]
     pub fn constrained_forward_dynamics_derivatives(&self, layout: &UduLayout) -> Graph {
         let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
@@ -141,8 +145,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// The torques, a wrench for each constraint and the rank, from `q`, `qd`, `qdd`, which contacts are active, and
-    /// settings.
+    /// Returns the graph of the joint forces, a wrench for each constraint and the rank. Inputs: `q`, `qd`,
+    /// `qdd`, active contacts and settings.
     #[must_use]
     pub fn constrained_inverse_dynamics(&self, layout: &UduLayout) -> Graph {
         let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
@@ -163,7 +167,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// The Jacobian of each constraint by columns, from `q`.
+    /// Returns the graph of the Jacobian of each constraint by columns. Input: `q`.
     #[must_use]
     pub fn constraint_jacobian(&self, layout: &UduLayout) -> Graph {
         self.trace(|model, [q]| {
@@ -175,7 +179,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// The bias acceleration of each constraint, from `q`, `qd`.
+    /// Returns the graph of the bias acceleration of each constraint. Inputs: `q`, `qd`.
     #[must_use]
     pub fn constraint_bias_acceleration(&self) -> Graph {
         self.trace(|model, [q, qd]| {
@@ -191,8 +195,8 @@ impl Tracer<'_> {
         })
     }
 
-    /// The inverse operational-space inertia and the inertia by columns, and the rank, from `q`, which contacts are
-    /// active, and settings.
+    /// Returns the graph of the inverse operational-space inertia and the inertia, by columns, and the rank.
+    /// Inputs: `q`, active contacts and settings.
     #[must_use]
     pub fn operational_inertia(&self, layout: &UduLayout) -> Graph {
         let groups = [self.model.nq, self.model.contacts(), settings_count(self.model)];
@@ -214,10 +218,10 @@ impl Tracer<'_> {
     }
 }
 
-/// The numbers of a contact's target.
+/// The number of scalars of a contact's target.
 const TARGET: usize = 24;
 
-/// The number of settings.
+/// Returns the number of scalars of the settings.
 fn settings_count(model: &Mechanism<f64>) -> usize {
     4 + TARGET * model.contacts()
 }

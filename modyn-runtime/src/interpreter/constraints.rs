@@ -1,4 +1,4 @@
-//! Forward dynamics of closed loops and contacts, and their residuals.
+//! Forward dynamics of closed loops and contacts, and the functions of constraints.
 
 use super::Interpreter;
 use super::errors::{ShapeError, check};
@@ -11,26 +11,29 @@ use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 use crate::spatial::{Twist, Wrench};
 
-/// All that equations of constraints are given.
+/// The arguments and the workspaces that constrained dynamics needs.
 struct Constraints<'a, S> {
     mechanism: &'a Mechanism<S>,
     layout: &'a UduLayout,
-    /// By contact: 1 if it is active, else 0.
+    /// For each contact, 1 if it is active, else 0.
     active: &'a [S],
-    /// The memory that they work in.
+    /// The workspaces.
     rooms: (&'a mut Workspace<S>, &'a mut ConstraintWorkspace<S>),
 }
 
-/// Closed loops and contacts: see [`Model::loop_constraints`](crate::model::Model::loop_constraints) and
-/// [`Model::contacts`](crate::model::Model::contacts). The slices that have an entry for each constraint (the loop
-/// constraints, then the contacts) are empty for a tree.
+/// Functions of closed loops and contacts: see
+/// [`Model::loop_constraints`](crate::model::Model::loop_constraints) and
+/// [`Model::contacts`](crate::model::Model::contacts). Slices with an entry for each constraint have the loop
+/// constraints first, then the contacts; they are empty for a tree.
 impl<S: Scalar> Interpreter<S> {
-    /// Computes the joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint torques or forces `tau`
-    /// with the loops closed and the `active` contacts held, and for each constraint the wrench on its second link (N m,
-    /// N) and the residual of its acceleration (rad/s^2, m/s^2): of loop constraints at the second frame's origin in the
-    /// first frame's axes, of contacts at the frame's origin in world axes. See
-    /// [`ConstrainedForwardDynamics`](crate::ConstrainedForwardDynamics). Returns the number of
-    /// independent constraint rows, an integer. The first call allocates its memory.
+    /// Computes the joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint forces `tau`, with the loops
+    /// closed and the `active` contacts held. Returns the number of independent constraint rows, an integer.
+    ///
+    /// `wrenches` receives the wrench on each constraint's second link (N m, N), and `residuals` the residual
+    /// of its acceleration (rad/s^2, m/s^2). Those of loop constraints are at the second frame's origin, in the
+    /// first frame's axes; those of contacts at the frame's origin, in world axes: see
+    /// [`ConstrainedForwardDynamics`](crate::ConstrainedForwardDynamics). The first call allocates memory.
+    /// Source: Featherstone 2008, chapter 8.
     ///
     /// # Errors
     ///
@@ -56,13 +59,14 @@ impl<S: Scalar> Interpreter<S> {
         Ok(solve(mechanism, layout, (q, qd, tau), settings, rooms, (qdd, wrenches, residuals)))
     }
 
-    /// Computes the step `dq` (rad or m, in tangent space) that, to first order, meets the constraints at
-    /// `q` (closed loops, and `active` contacts on their targets), and the change `dqd` of the velocities that keeps them
-    /// met: the smallest in the metric of the mass
-    /// matrix. Returns the number of independent constraint rows, an integer. Of `settings`, `alpha` and
-    /// `beta` do not matter. The first call of this or of
-    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) allocates its memory. Repeated
-    /// a few times from near by, with [`integrate`](Self::integrate), it assembles a robot.
+    /// Computes the smallest step `dq` (rad or m, in tangent space) that closes the loops at `q` and moves the
+    /// `active` contacts to their targets to first order, and the smallest change `dqd` of the velocities that
+    /// keeps them there. Returns the number of independent constraint rows, an integer.
+    ///
+    /// Steps are smallest in the metric of the mass matrix. The settings `alpha` and `beta` have no effect. The
+    /// first call of this function or of [`constrained_forward_dynamics`](Self::constrained_forward_dynamics)
+    /// allocates memory. To assemble a robot from nearby coordinates, repeat it with
+    /// [`integrate`](Self::integrate) a few times.
     ///
     /// # Errors
     ///
@@ -85,7 +89,7 @@ impl<S: Scalar> Interpreter<S> {
         Ok(project(mechanism, layout, (q, qd), (active, settings), rooms, (dq, dqd)))
     }
 
-    /// Takes over which contacts are active, and checks the number of their targets.
+    /// Stores the set of active contacts, and checks the number of targets.
     fn set_active(
         &mut self,
         active: &[bool],
@@ -108,10 +112,12 @@ impl<S: Scalar> Interpreter<S> {
         Constraints { mechanism, layout, active, rooms: (workspace, room) }
     }
 
-    /// Computes how far each loop constraint's second frame is displaced from its first (m; a rotation by
-    /// its axis times the sine of its angle) and its relative velocity (rad/s, m/s), in the first frame's
-    /// axes, without the free directions; and the displacement and the velocity of each contact's frame, active or not,
-    /// relative to its target, in world axes. The first call of a function about constraints allocates their memory.
+    /// Computes the displacement (m) and the velocity (rad/s, m/s) of each loop constraint's second frame
+    /// relative to its first, in the first frame's axes, and of each contact's frame, active or not, relative
+    /// to its target, in world axes.
+    ///
+    /// Components along free directions are zero. A rotation is its axis times the sine of its angle. The first
+    /// call of a function of constraints allocates memory.
     ///
     /// # Errors
     ///
@@ -139,11 +145,14 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the velocities `after` an impact (rad/s or m/s) that closes the loops and puts the active contacts at rest
-    /// relative to their targets at once, and for each constraint the impulse on its second link (N m s, N s), as
-    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) has its wrench. Along its normal, a contact
-    /// leaves with its share `restitution` of the speed that it arrived with. Returns the number of independent
-    /// constraint rows, an integer. Stabilization does not matter.
+    /// Computes the velocities `after` an impact (rad/s or m/s) that closes the loops and stops the active
+    /// contacts relative to their targets at the same instant. Returns the number of independent constraint
+    /// rows, an integer.
+    ///
+    /// `impulses` receives the impulse on each constraint's second link (N m s, N s), in the axes and at the
+    /// point of its wrench in [`constrained_forward_dynamics`](Self::constrained_forward_dynamics). Along its
+    /// normal, a contact leaves with `restitution` times the speed before the impact. The settings `alpha` and
+    /// `beta` have no effect.
     ///
     /// # Errors
     ///
@@ -166,11 +175,14 @@ impl<S: Scalar> Interpreter<S> {
         Ok(solve(mechanism, layout, (q, qd), (active, settings), rooms, (after, impulses)))
     }
 
-    /// Computes the joint torques or forces `tau` (N m or N) of the accelerations `qdd`, and the wrenches of the active
-    /// contacts (N m, N, at their frames' origins in world axes; zero for loop constraints) that carry the floating
-    /// bases: of all that do, those with the smallest sum of (force^2 + (moment / l)^2) / weight over the contacts. The
-    /// entries of `tau` of a floating base are the force on it that no contact can carry. Returns the number of
-    /// independent directions in which the contacts carry the bases, an integer.
+    /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, and the wrenches of the active
+    /// contacts that carry the floating bases. Returns the number of independent directions in which the
+    /// contacts carry the bases, an integer.
+    ///
+    /// `wrenches` receives the wrench on each contact's link (N m, N), at the frame's origin in world axes; the
+    /// entries of loop constraints are zero. The wrenches have the smallest sum of (force^2 + (moment / l)^2) /
+    /// weight over the contacts, with the characteristic length l of each. The entries of `tau` of a floating
+    /// base are the wrench on it that no contact can carry.
     ///
     /// # Errors
     ///
@@ -194,9 +206,10 @@ impl<S: Scalar> Interpreter<S> {
         Ok(solve(mechanism, (q, qd, qdd), (active, settings), rooms, (tau, wrenches)))
     }
 
-    /// Computes the Jacobian of the constraints into `columns`, for each constraint one for each entry of qd: of a loop
-    /// constraint the constrained part of the twist of its second frame relative to its first, in the first frame's
-    /// axes; of a contact, active or not, that of its frame in world axes.
+    /// Computes the Jacobian of each constraint into `columns`: a column for each entry of qd, constraint by
+    /// constraint. The product with qd is, for a loop constraint, the constrained part of the twist of its
+    /// second frame relative to its first, in the first frame's axes; for a contact, active or not, the
+    /// constrained part of its frame's twist in world axes.
     ///
     /// # Errors
     ///
@@ -213,8 +226,8 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the time derivative of [`constraint_jacobian`](Self::constraint_jacobian) times qd: for each constraint
-    /// the acceleration of its frames without joint accelerations (rad/s^2, m/s^2), in the same axes.
+    /// Computes the bias acceleration of each constraint (rad/s^2, m/s^2): the time derivative of
+    /// [`constraint_jacobian`](Self::constraint_jacobian) times qd, in the same axes.
     ///
     /// # Errors
     ///
@@ -232,11 +245,14 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the inverse operational-space inertia J I^-1 J^T of the constraint rows (1/kg; the Delassus matrix) with
-    /// the compliance of contacts, and its pseudo-inverse (kg), both by columns with a row for each constraint row
-    /// ([`Model::constraint_rows`](crate::model::Model::constraint_rows)): of each constraint the constrained rotations,
-    /// then displacements, of a loop constraint in the first frame's axes, of a contact in world axes. Rows and columns
-    /// of inactive contacts are zero. Returns the number of independent rows, an integer.
+    /// Computes the inverse operational-space inertia J I^-1 J^T of the constraint rows (1/kg; the Delassus
+    /// matrix), with the compliance of contacts, and its pseudo-inverse (kg). Returns the number of independent
+    /// rows, an integer.
+    ///
+    /// Both matrices are by columns, with a row for each constraint row
+    /// ([`Model::constraint_rows`](crate::model::Model::constraint_rows)). Each constraint has its constrained
+    /// rotations, then its constrained displacements: in the first frame's axes for a loop constraint, in world
+    /// axes for a contact. The rows and columns of inactive contacts are zero.
     ///
     /// # Errors
     ///
@@ -259,15 +275,16 @@ impl<S: Scalar> Interpreter<S> {
     }
 
     /// Computes the accelerations and the wrenches of
-    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics), and their derivatives by q (in the tangent
-    /// space), qd and tau: matrices nv x nv by columns, and for each constraint a wrench for each entry, in world axes.
-    /// Where rows are redundant, the derivatives of the wrenches are the smallest that the derivatives of the equations
-    /// allow. Returns the number of independent constraint rows, an integer. The first call allocates its memory.
+    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics), and their derivatives with respect
+    /// to q (in tangent space), qd and tau. Returns the number of independent constraint rows, an integer.
+    ///
+    /// Matrices are nv x nv, by columns. Derivatives of wrenches have a wrench for each entry of the variable,
+    /// constraint by constraint, in world axes. The rank is assumed constant; redundant rows get the
+    /// derivatives of smallest norm. The first call allocates memory.
     ///
     /// # Errors
     ///
-    /// If a slice does not have the model's length, or the model has loop constraints (`loop_constraints`): of these
-    /// there are no derivatives.
+    /// If a slice does not have the model's length, or the model has loop constraints (`loop_constraints`).
     pub fn constrained_forward_dynamics_derivatives(
         &mut self,
         (q, qd, tau): (&[S], &[S], &[S]),

@@ -72,7 +72,7 @@ pub struct Interpreter<S = f64> {
     links: Option<UduLayout>,
     /// Created when constrained dynamics is first computed.
     constraints: Option<ConstraintWorkspace<S>>,
-    /// By contact: 1 if it is active, else 0.
+    /// For each contact, 1 if it is active, else 0.
     active: Vec<S>,
 }
 

@@ -1,4 +1,4 @@
-//! The frames that loop constraints and contacts act on, on the bodies that carry them.
+//! The frames of loop constraints and contacts, on the bodies that carry them.
 
 use alloc::vec::Vec;
 
@@ -11,17 +11,17 @@ use crate::spatial::{Pose, Vector3};
 /// A loop constraint between two frames of bodies, or a contact between the world and a frame of a body.
 #[derive(Clone, Debug)]
 pub struct ConstrainedFrames<S> {
-    /// The first frame and the second. The relative twist is expressed in the first frame's axes, that of a contact
-    /// in the axes of the first body on the way from the world to the second frame.
+    /// The first frame and the second. The relative twist is expressed in the first frame's axes, or for a
+    /// contact in the axes of the first body on the kinematic path from the world to the second frame.
     pub ends: [BodyFrame<S>; 2],
-    /// Whether it is a contact: its first frame is the world.
+    /// Whether this is a contact: then the first frame is the world.
     pub contact: bool,
     /// The common axis of a hinge; `None` for other constraints.
     pub hinge: Option<Vector3<S>>,
     /// The constrained directions, one for each row of the constraint Jacobian.
     pub rows: Vec<ConstraintRow<S>>,
-    /// The free directions: with `rows` an orthonormal basis of rotations and displacements. None for a contact of a
-    /// robot whose base floats: the origin of its frame moves in all directions.
+    /// The free directions. Together with `rows` they are an orthonormal basis of rotations and displacements.
+    /// A contact of a robot with a floating base has none: the origin of its frame moves in all directions.
     pub free: Vec<ConstraintRow<S>>,
     /// The characteristic length between rotations and displacements, m.
     pub length: S,
@@ -55,13 +55,13 @@ impl<S: Scalar> ConstrainedFrames<S> {
     }
 }
 
-/// The frame of `end` on the body that carries it.
+/// Returns the frame of `end` on the body that carries it.
 fn on_body(frames: &[BodyFrame<f64>], end: &LoopConstraintEnd) -> BodyFrame<f64> {
     let BodyFrame { body, pose } = frames[end.frame];
     BodyFrame { body, pose: pose.compose(&end.pose).map(snap) }
 }
 
-/// The rows of rotations, then of displacements, along these unit vectors.
+/// Returns the rows of rotations, then of displacements, along these unit vectors.
 fn rows([angular, linear]: [Vec<[f64; 3]>; 2]) -> Vec<ConstraintRow<f64>> {
     let row =
         |angular| move |d: [f64; 3]| ConstraintRow { angular, direction: Vector3(d.map(snap)) };
@@ -84,8 +84,8 @@ pub(super) fn constrained(
     ConstrainedFrames { ends, contact: false, hinge, rows, free, length }
 }
 
-/// `contact`, of characteristic length `length`, on the body that carries its link; `floats` says whether the link is
-/// carried by a floating base.
+/// Returns `contact`, of characteristic length `length`, on the body that carries its link; `floats` is whether
+/// the base of that body floats.
 pub(super) fn touching(
     frames: &[BodyFrame<f64>],
     contact: &Contact,

@@ -80,7 +80,7 @@ pub struct Mechanism<S> {
     pub smooth: Option<S>,
     /// A frame for each link of the description, in the model's order.
     pub frames: Vec<BodyFrame<S>>,
-    /// The constraints: those that close loops, then the contacts, each in the model's order.
+    /// The constraints: loop constraints, then contacts, each in the model's order.
     pub constraints: Vec<ConstrainedFrames<S>>,
 }
 
@@ -117,7 +117,7 @@ impl<S: Scalar> Mechanism<S> {
         Twist::from_components(components)
     }
 
-    /// The number of contacts, which are the last of the constraints.
+    /// Returns the number of contacts, the last of the constraints.
     #[must_use]
     pub fn contacts(&self) -> usize {
         self.constraints.iter().filter(|constraint| constraint.contact).count()

@@ -1,37 +1,37 @@
-//! Contacts: frames of links that touch the world, or do not.
+//! Contacts: frames of links that can touch the world.
 
 use alloc::string::String;
 
 use super::{LoopConstraintEnd, Model};
 
-/// A frame of a link that may be in contact with the world.
+/// A frame of a link that can touch the world.
 ///
-/// A contact is a constraint like a [`LoopConstraint`](super::LoopConstraint), between the world and a link. Which
-/// contacts are active is an argument of the functions that meet them, and so is the plane or the frame in the world
-/// that each of them holds on to: see [`ContactTarget`](crate::ContactTarget).
+/// A contact is a constraint between the world and a link, as a [`LoopConstraint`](super::LoopConstraint) is
+/// one between two links. The set of active contacts and the target of each
+/// ([`ContactTarget`](crate::ContactTarget)) are arguments of the functions of constraints.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Contact {
-    /// Its name.
+    /// The name, which no other constraint has.
     pub name: String,
-    /// The motions that it prevents.
+    /// The motions that the contact stops.
     pub kind: ContactKind,
     /// The frame, on a link that moves. The z axis of a surface's frame is its normal, away from the world.
     pub end: LoopConstraintEnd,
 }
 
-/// The motions that a [`Contact`] prevents.
+/// The motions that a [`Contact`] stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ContactKind {
-    /// Those of the frame's origin: three rows.
+    /// The displacements of the frame's origin: three rows.
     Point,
-    /// Those of the frame: six rows.
+    /// The displacements and the rotations of the frame: six rows.
     Surface,
 }
 
 impl ContactKind {
-    /// The kind of this name: `point` or `surface`.
+    /// Returns the kind of this name, `point` or `surface`; `None` for other names.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         match name {
@@ -41,7 +41,7 @@ impl ContactKind {
         }
     }
 
-    /// Its name.
+    /// Returns the name: `point` or `surface`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -50,7 +50,7 @@ impl ContactKind {
         }
     }
 
-    /// The number of constraint rows.
+    /// Returns the number of constraint rows.
     #[must_use]
     pub fn rows(self) -> usize {
         match self {
@@ -61,9 +61,9 @@ impl ContactKind {
 }
 
 impl Model {
-    /// The characteristic length of a contact, m: that of a [loop](Self::characteristic_length) which the contact would
-    /// close between the link and the world's origin. Links up to the root count, a floating joint as one without
-    /// length.
+    /// Returns the characteristic length of a contact, m: that of the [loop](Self::characteristic_length)
+    /// between the link and the world's origin. The links up to the root count; a floating joint has length
+    /// zero.
     ///
     /// # Panics
     ///

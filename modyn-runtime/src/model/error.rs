@@ -230,7 +230,7 @@ pub(super) fn check_loop_constraints(model: &Model) -> Vec<ModelError> {
     errors
 }
 
-/// Every defect of the contacts of a `model` that is sound without them.
+/// Returns all defects of the contacts of a `model` that is sound without them.
 pub(super) fn check_contacts(model: &Model) -> Vec<ModelError> {
     let mut errors = Vec::new();
     let loops = model.loop_constraints.iter().map(|constraint| (&constraint.name, 0));

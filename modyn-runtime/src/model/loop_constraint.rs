@@ -86,7 +86,7 @@ impl LoopConstraintKind {
         }
     }
 
-    /// The number of constraint rows.
+    /// Returns the number of constraint rows.
     #[must_use]
     pub fn rows(self) -> usize {
         match self {

@@ -192,12 +192,12 @@ impl Model {
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
-    /// The same robot with these contacts, in place of those that it had.
+    /// Returns the robot with these contacts, which replace its present contacts.
     ///
     /// # Errors
     ///
-    /// Every defect found: a name used twice, a link that does not exist or does not move, a rotation that is none, a
-    /// number that is not finite.
+    /// All defects of the contacts: a name used twice, a link that does not exist or does not move, a matrix
+    /// that is not a rotation, a number that is not finite.
     pub fn with_contacts(mut self, contacts: Vec<Contact>) -> Result<Self, Vec<ModelError>> {
         self.contacts = contacts;
         let errors = error::check_contacts(&self);
@@ -240,19 +240,19 @@ impl Model {
         &self.loop_constraints
     }
 
-    /// The frames of links that may touch the world.
+    /// Returns the contacts: the frames of links that can touch the world.
     #[must_use]
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts
     }
 
-    /// The number of constraints: loop constraints, then contacts.
+    /// Returns the number of constraints: loop constraints and contacts.
     #[must_use]
     pub fn constraints(&self) -> usize {
         self.loop_constraints.len() + self.contacts.len()
     }
 
-    /// The number of constraint rows, all contacts active.
+    /// Returns the number of constraint rows, all contacts active.
     #[must_use]
     pub fn constraint_rows(&self) -> usize {
         let loops = self.loop_constraints.iter().map(|constraint| constraint.kind.rows());

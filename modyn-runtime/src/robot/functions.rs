@@ -100,11 +100,11 @@ macro_rules! robot_functions {
                 tau: &Self::V<T>
             ) -> ForwardDynamicsDerivatives<Self::V<T>, Self::M<T>>, if ForwardDynamicsDerivatives;
 
-            /// Joint accelerations under the joint torques or forces `tau` with the loops closed and the active
-            /// contacts held; for each loop constraint the wrench on its second link and the part of its acceleration
-            /// that could not be met, at the second frame's origin in the first frame's axes; for each contact the
-            /// same at the frame's origin in world axes; and the number of independent constraint rows. Redundant
-            /// constraints share their forces.
+            /// Returns the joint accelerations under the joint forces `tau` with the loops closed and the
+            /// active contacts held; the wrench on each constraint's link; the unmet part of each constraint's
+            /// acceleration; and the number of independent constraint rows. Wrenches and residuals of loop
+            /// constraints are at the second frame's origin in the first frame's axes, of contacts at the
+            /// frame's origin in world axes. Redundant rows get the multipliers of smallest norm.
             constrained_forward_dynamics / constrained_forward_dynamics_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
@@ -113,19 +113,20 @@ macro_rules! robot_functions {
                 settings: &Settings<Self, T>
             ) -> Constrained<Self, Self::V<T>, T>, if ConstrainedForwardDynamics;
 
-            /// How far the second frame of each loop constraint is displaced from the first, and its relative
-            /// velocity, in the first frame's axes, without the free directions; and the same of the frame of each
-            /// contact, active or not, relative to its target, in world axes. Rotations are given by their axes
-            /// times the sines of their angles.
+            /// Returns the displacement and the velocity of each loop constraint's second frame relative to its
+            /// first, in the first frame's axes; then of each contact's frame, active or not, relative to its
+            /// target, in world axes. Components along free directions are zero. A rotation is its axis times
+            /// the sine of its angle.
             constraint_residual(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 settings: &Settings<Self, T>
             ) -> ConstraintResidual<Self::PerConstraint<Twist<T>>>, if ConstraintResidual;
 
-            /// The smallest step (in the metric of the mass matrix) that, to first order, closes the loops at `q` and
-            /// puts the active contacts on their targets, the smallest change of `qd` that keeps them there, and the
-            /// number of independent constraint rows. Stabilization does not matter.
+            /// Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q` and
+            /// moves the active contacts to their targets to first order, the smallest change of `qd` that
+            /// keeps them there, and the number of independent constraint rows. The settings `alpha` and `beta`
+            /// have no effect.
             project_constraints / project_constraints_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
@@ -133,9 +134,9 @@ macro_rules! robot_functions {
                 settings: &Settings<Self, T>
             ) -> ConstraintProjection<Self::V<T>, T>, if ProjectConstraints;
 
-            /// The accelerations and the wrenches of `constrained_forward_dynamics` and their derivatives by `q` (in
-            /// tangent space), `qd` and `tau`. Where rows are redundant, the derivatives of the wrenches are the
-            /// smallest that the derivatives of the equations allow.
+            /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their
+            /// derivatives with respect to `q` (in tangent space), `qd` and `tau`. The rank is assumed
+            /// constant; redundant rows get the derivatives of smallest norm.
             constrained_forward_dynamics_derivatives / constrained_forward_dynamics_derivatives_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
@@ -144,9 +145,10 @@ macro_rules! robot_functions {
                 settings: &Settings<Self, T>
             ) -> ConstrainedDerivatives<Self, T>, if ConstrainedForwardDynamicsDerivatives;
 
-            /// The velocities after an impact that closes the loops and puts the active contacts at rest relative to
-            /// their targets at once, with the impulse of each constraint and the number of independent constraint
-            /// rows. Along its normal, a contact leaves with its share `restitution` of the speed that it arrived with.
+            /// Returns the velocities after an impact that closes the loops and stops the active contacts
+            /// relative to their targets at the same instant, the impulse of each constraint, and the number of
+            /// independent constraint rows. Along its normal, a contact leaves with `restitution` times the
+            /// speed before the impact.
             contact_impulse / contact_impulse_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
@@ -154,9 +156,9 @@ macro_rules! robot_functions {
                 settings: &Settings<Self, T>
             ) -> ContactImpulse<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>, if ContactImpulse;
 
-            /// The joint torques or forces of the accelerations `qdd`, and the wrenches of the active contacts that
-            /// carry the floating bases: of all that do, the smallest by weight. The torques of a base are the force
-            /// on it that no contact can carry.
+            /// Returns the joint forces of the accelerations `qdd`, and the wrenches of the active contacts
+            /// that carry the floating bases: those with the smallest weighted norm. The joint forces of a base
+            /// are the wrench on it that no contact can carry.
             constrained_inverse_dynamics / constrained_inverse_dynamics_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
@@ -165,23 +167,24 @@ macro_rules! robot_functions {
                 settings: &Settings<Self, T>
             ) -> ConstrainedInverseDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>, if ConstrainedInverseDynamics;
 
-            /// The Jacobian of the constraints, for each constraint an array of columns: of a loop constraint the
-            /// constrained part of the twist of its second frame relative to its first, in the first frame's axes; of a
-            /// contact, active or not, that of its frame in world axes.
+            /// Returns the Jacobian of each constraint, an array of columns. The product with `qd` is, for a
+            /// loop constraint, the constrained part of the twist of its second frame relative to its first, in
+            /// the first frame's axes; for a contact, active or not, the constrained part of its frame's twist
+            /// in world axes.
             constraint_jacobian(
                 q: &Self::Q<T>
             ) -> Self::PerConstraint<Self::PerVelocity<Twist<T>>>, if ConstraintJacobian;
 
-            /// The time derivative of `constraint_jacobian`, times `qd`: for each constraint the acceleration of its
-            /// frames without joint accelerations, in the same axes.
+            /// Returns the bias acceleration of each constraint: the time derivative of `constraint_jacobian`
+            /// times `qd`, in the same axes.
             constraint_bias_acceleration(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>
             ) -> Self::PerConstraint<Twist<T>>, if ConstraintBiasAcceleration;
 
-            /// The operational-space inertia of the constraints and its inverse J I^-1 J^T, arrays of columns with a
-            /// row for each constraint row: of each constraint the constrained rotations, then displacements, of a
-            /// contact in world axes. Those of inactive contacts are zero.
+            /// Returns the operational-space inertia of the constraints and its inverse J I^-1 J^T, arrays of
+            /// columns. Each constraint has its constrained rotations, then its constrained displacements, of a
+            /// contact in world axes. The entries of inactive contacts are zero.
             operational_inertia / operational_inertia_with(
                 q: &Self::Q<T>,
                 contacts: Self::Contacts,

@@ -84,7 +84,7 @@ pub trait Robot {
     const VELOCITY_NAMES: &'static [&'static str];
     /// The names of the joints that close loops, in the description's order.
     const LOOP_CONSTRAINT_NAMES: &'static [&'static str] = &[];
-    /// The frames of links that may touch the world.
+    /// The names of the contacts, in the order of the option.
     const CONTACT_NAMES: &'static [&'static str] = &[];
     /// The quaternions in the coordinate vector: each joint's name, and the index of the quaternion's x.
     const QUATERNIONS: &'static [(&'static str, usize)] = &[];
@@ -110,16 +110,17 @@ pub trait Robot {
     /// The type of arrays with an entry for each link of the description, in the order of
     /// [`LINK_NAMES`](Self::LINK_NAMES).
     type PerLink<X: Copy>: Array<X>;
-    /// Which contacts are active: a type with a member for each contact, `()` if there are none.
+    /// The type of sets of active contacts: a member for each contact, or `()` without contacts.
     type Contacts: ContactSet;
-    /// Something for each contact, in the order of [`CONTACT_NAMES`](Self::CONTACT_NAMES).
+    /// The type of arrays with an entry for each contact, in the order of
+    /// [`CONTACT_NAMES`](Self::CONTACT_NAMES).
     type PerContact<X: Copy>: Array<X>;
-    /// Something for each constraint: for each joint that closes a loop, in the order of
+    /// The type of arrays with an entry for each constraint: for each joint that closes a loop, in the order of
     /// [`LOOP_CONSTRAINT_NAMES`](Self::LOOP_CONSTRAINT_NAMES), then for each contact.
     type PerConstraint<X: Copy>: Array<X>;
-    /// Something for each constraint row, all contacts active.
+    /// The type of arrays with an entry for each constraint row, all contacts active.
     type PerConstraintRow<X: Copy>: Array<X>;
-    /// The regressor's columns.
+    /// The type of the regressor: an array of columns.
     type Regressor<T: Scalar>: Array<Self::V<T>>;
     /// The type of the factorization by modules.
     type UduFactorization<T: Scalar>: Factorization<T, V = Self::V<T>, M = Self::M<T>>;

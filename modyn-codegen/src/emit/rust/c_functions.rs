@@ -117,7 +117,7 @@ impl Quantity<'_> {
 }
 
 impl Shape {
-    /// Whether it has no scalar: C has no such array.
+    /// Returns whether the shape has no scalars: C has no such array.
     pub(super) fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -75,7 +75,7 @@ impl Robot<'_> {
         if !contacts.is_empty() {
             let _ = writeln!(
                 text,
-                "/// The frames of links that may touch the world.\n\
+                "/// The names of the contacts: frames of links that can touch the world.\n\
                  pub const CONTACT_NAMES: [&'static str; {}] = {contacts:?};",
                 contacts.len()
             );

@@ -1,4 +1,4 @@
-//! The type that says which contacts are active.
+//! The type of sets of active contacts.
 
 use std::fmt::Write as _;
 
@@ -6,12 +6,12 @@ use super::{Robot, docs};
 use crate::names;
 
 impl Robot<'_> {
-    /// The contacts' names in the description of the build.
+    /// Returns the names of the contacts.
     pub(super) fn contact_names(&self) -> Vec<&str> {
         self.model.contacts().iter().map(|contact| contact.name.as_str()).collect()
     }
 
-    /// The type that says which contacts are active.
+    /// Returns the name of the type of sets of active contacts; `()` without contacts.
     pub(super) fn contacts_type(&self) -> String {
         if self.model.contacts().is_empty() {
             "()".into()
@@ -20,7 +20,7 @@ impl Robot<'_> {
         }
     }
 
-    /// The structure with a member for each contact, without its functions; nothing if there are none.
+    /// Prints the structure with a member for each contact; nothing without contacts.
     pub(super) fn contact_set(&self, text: &mut String) {
         let names = self.contact_names();
         if names.is_empty() {
@@ -38,7 +38,7 @@ impl Robot<'_> {
             .collect();
         let _ = writeln!(
             text,
-            "/// Which contacts of [`{name}`] are active; by default none.\n\
+            "/// A set of active contacts of [`{name}`]; empty by default.\n\
              #[allow(dead_code)]\n\
              #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]\n\
              {vis} struct {name}Contacts {{\n{}}}\n",
@@ -46,7 +46,7 @@ impl Robot<'_> {
         );
     }
 
-    /// The functions of that structure.
+    /// Prints the functions of that structure.
     pub(super) fn contact_functions(&self, text: &mut String) {
         let names = self.contact_names();
         let (count, of) = (names.len(), self.contacts_type());
@@ -71,10 +71,10 @@ impl Robot<'_> {
              pub const NONE: Self = Self {{ {} }};\n\
              /// All contacts are active.\n\
              pub const ALL: Self = Self {{ {} }};\n\
-             /// Those for which the array, in the order of `CONTACT_NAMES`, says so.\n\
+             /// Returns the set of the contacts whose entry is `true`, in the order of `CONTACT_NAMES`.\n\
              #[must_use]\n\
              pub const fn from_array([{}]: [bool; {count}]) -> Self {{\n    Self {{ {} }}\n}}\n\
-             /// Whether each contact is active, in the order of `CONTACT_NAMES`.\n\
+             /// Returns for each contact whether it is active, in the order of `CONTACT_NAMES`.\n\
              #[must_use]\n\
              pub const fn to_array(self) -> [bool; {count}] {{\n    [{}]\n}}\n\
              fn numbers<T: __modyn::Scalar>(self) -> [T; {count}] {{\n    \

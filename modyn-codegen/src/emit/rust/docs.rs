@@ -187,7 +187,7 @@ fn contacts(lines: &mut String, model: &Model) {
         return;
     }
     lines.push_str(
-        "\n# Contacts\n\n`constrained_forward_dynamics` holds those that are active.\n\n\
+        "\n# Contacts\n\n`constrained_forward_dynamics` holds the active contacts.\n\n\
          | | contact | type | link |\n|---|---|---|---|\n",
     );
     for (i, contact) in model.contacts().iter().enumerate() {

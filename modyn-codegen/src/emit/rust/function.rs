@@ -20,7 +20,7 @@ pub(super) struct Parameter {
     pub shape: Shape,
     /// The type of the numbers of a table of constants; `None` for other parameters.
     constants: Option<&'static str>,
-    /// Whether it is which contacts are active: public functions have a type for that.
+    /// Whether the parameter is the set of active contacts, for which public functions have a type.
     pub(super) contacts: bool,
 }
 
@@ -29,7 +29,7 @@ impl Parameter {
         Self { name, shape, constants: None, contacts: false }
     }
 
-    /// The same; `contacts` says whether it is which contacts are active.
+    /// Returns the parameter, as the set of active contacts if `contacts`.
     pub(super) fn with_contacts(self, contacts: bool) -> Self {
         Self { contacts, ..self }
     }

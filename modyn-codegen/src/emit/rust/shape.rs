@@ -38,7 +38,7 @@ impl Shape {
         let (path, arguments) = match record {
             Record::Spatial(name) => (format!("__modyn::spatial::{name}"), "{t}".into()),
             Record::Plain(name) => (format!("__modyn::{name}"), "{t}".into()),
-            // Given to private functions as numbers.
+            // Private functions have an array of numbers.
             Record::Contacts => {
                 return fields.into_iter().map(|(_, field)| field).next().unwrap_or(Self::Scalar);
             }

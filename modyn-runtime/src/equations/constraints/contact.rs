@@ -1,8 +1,8 @@
 //! The motion of a contact's frame relative to its target.
 //!
-//! All of it is expressed in the axes of the first body on the way from the world to the frame, the contact's root.
-//! In these axes most of a floating base's columns are constants, and rows do not depend on the axes that they are
-//! along: the rows of a contact are three orthogonal displacements, or these and three orthogonal rotations.
+//! All quantities are in the axes of the contact's root: the first body on the kinematic path from the world to
+//! the frame. In these axes most columns of a floating base are constants. The rows do not depend on the choice
+//! of axes: they are three orthogonal displacements and, for a surface, three orthogonal rotations.
 
 use super::relative_motion::RelativeMotion;
 use crate::Scalar;
@@ -13,22 +13,23 @@ use crate::equations::kinematics::links::add_columns;
 use crate::mechanism::{BodyFrame, Mechanism};
 use crate::spatial::{Matrix3, Pose, Twist, Vector3};
 
-/// The frame of a contact, seen from the contact's root.
+/// The frame of a contact relative to the contact's root.
 #[derive(Clone, Debug)]
 pub(super) struct ContactFrame<S> {
     /// The axes of the body that carries the frame, as columns.
     body_axes: Matrix3<S>,
-    /// The frame on that body.
+    /// The frame on the body that carries it.
     on_body: BodyFrame<S>,
     /// The frame's origin.
     origin: Vector3<S>,
-    /// The root's axes in the world, as columns, and its origin.
+    /// The root's axes in the world, as columns.
     root_axes: Matrix3<S>,
+    /// The root's origin in the world.
     root_origin: Vector3<S>,
 }
 
 impl<S: Scalar> ContactFrame<S> {
-    /// The frame `end` at `q`, and its Jacobian into `columns`, one for each entry of qd.
+    /// Returns the frame `end` at `q`, and writes its Jacobian to `columns`, a column for each entry of qd.
     pub(super) fn new(
         model: &Mechanism<S>,
         end: BodyFrame<S>,
@@ -66,7 +67,7 @@ impl<S: Scalar> ContactFrame<S> {
                     body.placement.point_to_parent(motion.point_to_parent(Vector3::zero()));
                 break;
             }
-            // An axis is the same in front of the joint, where the axes have one rotation less.
+            // The axis has the same direction in the parent's axes, which are one rotation shorter.
             if body.elementary_joint.has_axis() {
                 let axes = body.placement.rotate_axes(&workspace.axes[path[k - 1]]);
                 add_columns(model, i, &axes, at_joint, columns);
@@ -79,28 +80,28 @@ impl<S: Scalar> ContactFrame<S> {
         frame
     }
 
-    /// The frame's axes in the root's, as columns.
+    /// Returns the frame's axes in the root's axes, as columns.
     pub(super) fn axes(&self) -> Matrix3<S> {
         self.body_axes.times(&Matrix3(self.on_body.pose.rotation))
     }
 
-    /// A vector in world axes, in the root's.
+    /// Returns a vector in the root's axes, given in world axes.
     pub(super) fn to_root(&self, v: Vector3<S>) -> Vector3<S> {
         Vector3(core::array::from_fn(|j| self.root_axes.column(j).dot(v)))
     }
 
-    /// A vector in the root's axes, in world axes.
+    /// Returns a vector in world axes, given in the root's axes.
     pub(super) fn to_world(&self, v: Vector3<S>) -> Vector3<S> {
         self.root_axes.mul_vector(v)
     }
 
-    /// A twist in the root's axes, in world axes.
+    /// Returns a twist in world axes, given in the root's axes.
     pub(super) fn twist_to_world(&self, t: Twist<S>) -> Twist<S> {
         Twist { angular: self.to_world(t.angular), linear: self.to_world(t.linear) }
     }
 
-    /// The displacement from the target in world axes: of a point its tangential part counts by a share, of a surface
-    /// that of the rotation too.
+    /// Returns the displacement from the target in world axes, its tangential part multiplied by
+    /// `target.tangential`. The rotation is zero unless the contact is a surface.
     pub(super) fn displacement(&self, target: &ContactTarget<S>, surface: bool) -> Twist<S> {
         let Pose { rotation, translation } = target.pose;
         let to_axes = Matrix3(rotation);
@@ -121,8 +122,9 @@ impl<S: Scalar> ContactFrame<S> {
         Twist { angular, linear }
     }
 
-    /// The motion relative to the target, in the root's axes. Expects the accelerations of the bodies under gravity
-    /// while the joints do not accelerate (of a floating base: while its origin falls freely), if these are needed.
+    /// Returns the motion relative to the target, in the root's axes. The bias acceleration expects the bodies'
+    /// accelerations under gravity at zero joint accelerations, with the origin of a floating base in free
+    /// fall.
     pub(super) fn motion(
         &self,
         model: &Mechanism<S>,

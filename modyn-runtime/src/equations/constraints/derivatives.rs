@@ -1,7 +1,7 @@
-//! Derivatives of forward dynamics on contacts.
+//! Derivatives of forward dynamics with contacts.
 //!
-//! With F = d(inverse dynamics - J^T lambda) at constant accelerations and wrenches, and c the derivative of the
-//! constrained accelerations (stabilization included) at constant joint accelerations, the derivatives of
+//! F is the derivative of inverse dynamics minus J^T lambda, at constant accelerations and wrenches. c is the derivative
+//! of the constrained accelerations, stabilization included, at constant joint accelerations. The derivatives of
 //! I qdd = tau - h + J^T lambda and J qdd = gamma are
 //!
 //! ```text
@@ -10,20 +10,21 @@
 //! ```
 //!
 //! (Featherstone 2008, ch. 8; Carpentier, Budhiraja and Mansard 2021, "Proximal and sparse resolution of constrained
-//! dynamic equations".) F without its wrenches is the derivative of inverse dynamics, in closed form; so are the parts
-//! of contacts: a displacement by a degree of freedom moves all that it carries rigidly. With the velocity S_k = (w_k, v_k)
-//! that degree of freedom k gives to the contact, the body in front of k turning with W and accelerating by the field
-//! E = A x + W x W x, and the contact moving relative to it by (w, v), with (a, b) the angular and the linear relative
-//! acceleration,
+//! dynamic equations".)
+//!
+//! Inverse dynamics has a derivative in closed form. So have the accelerations of contacts, since a displacement along
+//! a degree of freedom moves all bodies that it carries rigidly. Degree of freedom k gives the contact the velocity
+//! S_k = (w_k, v_k). The parent of its body has the angular velocity W and the acceleration field E = A x + W x W x. The
+//! contact moves relative to that parent with the velocity (w, v) and the acceleration (a, b), angular and linear. Then
 //!
 //! ```text
 //! by q_k:  angular W x (w_k x w) + w_k x a,  linear E v_k + 2 W x (w_k x v) + w_k x b
 //! by qd_k: angular V x w_k + w_k x w,        linear V x v_k + w_k x u + W x v_k + w_k x v
 //! ```
 //!
-//! where the body behind k turns with V, and the contact moves by u relative to that body. The torque of a wrench that
-//! is constant in world axes changes with the axes of the joints behind k, and with the point that joints in front of k
-//! move.
+//! where V is the angular velocity of the body of k, and u the velocity of the contact relative to that body. The joint
+//! forces of a wrench that is constant in world axes change for two reasons: the axes of descendant joints rotate with
+//! q_k, and the point of the wrench moves relative to ancestor joints.
 
 use alloc::{vec, vec::Vec};
 
@@ -38,25 +39,25 @@ use crate::equations::kinematics::links::column_along;
 use crate::mechanism::{ConstrainedFrames, Mechanism};
 use crate::spatial::{Matrix3, Pose, Twist, Vector3, Wrench};
 
-/// Where the accelerations, the wrenches and their derivatives go: matrices nv x nv by columns, and for each constraint
-/// a wrench for each entry of what is derived by.
+/// The results: accelerations, wrenches and their derivatives. Matrices are nv x nv, by columns. Derivatives of
+/// wrenches have a wrench for each entry of the differentiation variable, constraint by constraint.
 #[derive(Debug)]
 pub struct ConstrainedDerivatives<'a, S> {
-    /// The accelerations.
+    /// The joint accelerations.
     pub qdd: &'a mut [S],
     /// The wrench of each constraint.
     pub wrenches: &'a mut [Wrench<S>],
-    /// The derivatives of the accelerations by q, in the tangent space.
+    /// The derivatives of the accelerations with respect to q, in tangent space.
     pub dqdd_dq: &'a mut [S],
-    /// Those by qd.
+    /// The derivatives of the accelerations with respect to qd.
     pub dqdd_dqd: &'a mut [S],
-    /// Those by tau.
+    /// The derivatives of the accelerations with respect to tau.
     pub dqdd_dtau: &'a mut [S],
-    /// The derivatives of the wrenches by q.
+    /// The derivatives of the wrenches with respect to q, in tangent space.
     pub dwrenches_dq: &'a mut [Wrench<S>],
-    /// Those by qd.
+    /// The derivatives of the wrenches with respect to qd.
     pub dwrenches_dqd: &'a mut [Wrench<S>],
-    /// Those by tau.
+    /// The derivatives of the wrenches with respect to tau.
     pub dwrenches_dtau: &'a mut [Wrench<S>],
 }
 
@@ -64,12 +65,15 @@ pub struct ConstrainedDerivatives<'a, S> {
 #[derive(Clone, Debug)]
 pub(super) struct DerivativeWorkspace<S> {
     residuals: Vec<Twist<S>>,
-    /// By variable (q, qd): F by columns, and c by rows.
+    /// F with respect to q and qd, by columns.
     forces: [Vec<S>; 2],
+    /// c with respect to q and qd, by rows.
     accelerations: [Vec<S>; 2],
-    /// A^+, Z and L^T by rows.
+    /// A^+, by columns.
     inverse: Vec<S>,
+    /// Z, by rows.
     response: Vec<S>,
+    /// L^T, by rows.
     gain: Vec<S>,
     path: Path<S>,
     /// The Jacobian of a contact.
@@ -99,35 +103,35 @@ impl<S: Scalar> DerivativeWorkspace<S> {
 /// A degree of freedom that moves a contact.
 #[derive(Clone, Copy, Debug)]
 struct PathJoint<S> {
-    /// Its index.
+    /// The index of the degree of freedom.
     dof: usize,
     /// The position of its body in [`Path::bodies`].
     body: usize,
-    /// The velocity that a unit rate gives to the contact's frame.
+    /// The velocity of the contact's frame at unit rate.
     twist: Twist<S>,
 }
 
-/// The motion of a body at the contact's point.
+/// The motion of a body, in the axes of the contact's root.
 #[derive(Clone, Copy, Debug)]
 struct PathBody<S> {
     omega: Vector3<S>,
     alpha: Vector3<S>,
-    /// Of the body's point where the contact is.
+    /// The velocity of the body's point at the contact.
     velocity: Vector3<S>,
     acceleration: Vector3<S>,
 }
 
-/// All that moves a contact, in the axes of the contact's root.
+/// The degrees of freedom and the bodies that move a contact, in the axes of the contact's root.
 #[derive(Clone, Debug)]
 struct Path<S> {
     joints: Vec<PathJoint<S>>,
-    /// From the world on.
+    /// The bodies from the world to the contact.
     bodies: Vec<PathBody<S>>,
 }
 
 impl<S: Scalar> Path<S> {
-    /// Fills it for the contact whose frame was found last, at rates `qd`. Expects the accelerations of the bodies
-    /// under gravity.
+    /// Computes the path of the contact whose frame was computed last, at the velocities `qd`. Expects the
+    /// bodies' accelerations under gravity.
     fn fill(
         &mut self,
         model: &Mechanism<S>,
@@ -173,7 +177,8 @@ impl<S: Scalar> Path<S> {
         }
     }
 
-    /// The derivatives of the velocity of the contact's frame, and of its acceleration, by the coordinate of a joint.
+    /// Returns the derivatives of the velocity and of the acceleration of the contact's frame with respect to a
+    /// joint's coordinate.
     fn by_coordinate(&self, joint: &PathJoint<S>) -> [Twist<S>; 2] {
         let (front, last) = (&self.bodies[joint.body - 1], &self.bodies[self.bodies.len() - 1]);
         let Twist { angular, linear } = joint.twist;
@@ -196,7 +201,7 @@ impl<S: Scalar> Path<S> {
         [first, second]
     }
 
-    /// The derivative of the acceleration of the contact's frame by the rate of a joint.
+    /// Returns the derivative of the acceleration of the contact's frame with respect to a joint's velocity.
     fn by_rate(&self, joint: &PathJoint<S>) -> Twist<S> {
         let (front, own) = (&self.bodies[joint.body - 1], &self.bodies[joint.body]);
         let last = &self.bodies[self.bodies.len() - 1];
@@ -209,12 +214,12 @@ impl<S: Scalar> Path<S> {
     }
 }
 
-/// Computes the accelerations and the wrenches of [`constrained_forward_dynamics`](super::constrained_forward_dynamics)
-/// and their derivatives by q (in the tangent space), qd and tau. Wrenches and their derivatives are in world axes. Where
-/// rows are redundant, the derivatives of the wrenches are the smallest that the derivatives of the equations allow.
-/// Returns the number of independent rows.
+/// Computes the accelerations and the wrenches of
+/// [`constrained_forward_dynamics`](super::constrained_forward_dynamics), and their derivatives with respect to
+/// q (in tangent space), qd and tau. Returns the number of independent rows.
 ///
-/// The model has no loop constraints.
+/// Wrenches and their derivatives are in world axes. The rank is assumed constant; redundant rows get the
+/// derivatives of smallest norm. The model must not have loop constraints.
 pub fn constrained_forward_dynamics_derivatives<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     model: &Mechanism<S>,
     layout: &UduLayout,
@@ -291,7 +296,7 @@ fn sum<S: Scalar>(products: impl Iterator<Item = S>) -> S {
     products.reduce(|sum, x| sum + x).unwrap_or(S::zero())
 }
 
-/// The wrenches of these multipliers into column `j` of each constraint.
+/// Writes the wrenches of these multipliers to column `j` of each constraint.
 fn wrenches_of<S: Scalar>(
     model: &Mechanism<S>,
     room: &ConstraintWorkspace<S>,
@@ -330,7 +335,7 @@ fn invert<S: Scalar>(
     }
 }
 
-/// Adds a contact's part of F, and sets its rows of c, which begin at `row`.
+/// Adds a contact's part to F, and sets the contact's rows of c, which begin at `row`.
 fn of_contact<S: Scalar>(
     model: &Mechanism<S>,
     (constraint, target, row): (&ConstrainedFrames<S>, &ContactTarget<S>, usize),
@@ -352,7 +357,7 @@ fn of_contact<S: Scalar>(
         let (turned, moved) = (linear.cross(force) + angular.cross(moment), linear.cross(force));
         for b in &path.joints {
             let other = &model.dofs[b.dof];
-            // The torque at a changes with a displacement by b; that at b with one by a follows from the same products.
+            // The joint force at `a` changes with a displacement along `b`, and at `b` with one along `a`.
             if b.body <= a.body {
                 let entry = b.twist.angular.dot(turned);
                 let entry = dof.scale(other.scale(entry));
@@ -390,7 +395,8 @@ fn of_contact<S: Scalar>(
     }
 }
 
-/// The change of the displacement from the target by a unit displacement along `twist`, in the root's axes.
+/// Returns the derivative of the displacement from the target for a unit displacement along `twist`, in the
+/// root's axes.
 fn displaced<S: Scalar>(
     frame: &ContactFrame<S>,
     target: &ContactTarget<S>,

@@ -173,12 +173,12 @@ impl<S: Scalar> RankFactorization<S> {
         }
     }
 
-    /// An entry of the matrix. Expects that it is not factorized.
+    /// Returns an entry of the matrix, which is not yet factorized.
     pub(super) fn entry(&self, i: usize, j: usize) -> S {
         self.matrix[row_start(i.max(j)) + i.min(j)]
     }
 
-    /// The sum of the matrix's diagonal. Expects that it is not factorized.
+    /// Returns the trace of the matrix, which is not yet factorized.
     pub(super) fn trace(&self) -> S {
         (0..self.rows).fold(S::zero(), |sum, k| sum + self.entry(k, k))
     }

@@ -1,4 +1,4 @@
-//! Forward dynamics with loop constraints.
+//! Forward dynamics with loop constraints and contacts.
 
 use super::rows::constraint_rows;
 use super::{ConstraintWorkspace, Settings};
@@ -10,13 +10,17 @@ use crate::equations::dynamics::bias_in_free_fall;
 use crate::mechanism::Mechanism;
 use crate::spatial::{Twist, Wrench};
 
-/// Computes the accelerations `qdd` under the joint torques or forces `tau` with the constraints met,
-/// and for each constraint the wrench on its second link and the residual of its accelerations, both at
-/// the second frame's origin, of loop constraints in the first frame's axes, of contacts in world axes. Returns the
-/// number of independent rows.
+/// Computes the joint accelerations `qdd` under the joint forces `tau`, with all constraints satisfied. Returns
+/// the number of independent rows.
 ///
-/// A floating base's origin is accelerated against free fall, as in
+/// `wrenches` receives, for each constraint, the wrench on its second link. `residuals` receives the part of
+/// the required relative acceleration that contradictory rows leave unmet. Both are at the second frame's
+/// origin, in the first frame's axes for loop constraints and in world axes for contacts.
+///
+/// The acceleration of a floating base's origin is computed relative to free fall, as in
 /// [`forward_dynamics`](crate::equations::dynamics::forward_dynamics).
+///
+/// Featherstone 2008, "Rigid Body Dynamics Algorithms", chapter 8.
 pub fn constrained_forward_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     model: &Mechanism<S>,
     layout: &UduLayout,

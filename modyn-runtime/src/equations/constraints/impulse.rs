@@ -9,10 +9,12 @@ use crate::equations::brge::{self, UduLayout};
 use crate::mechanism::Mechanism;
 use crate::spatial::{Matrix3, Wrench};
 
-/// Computes the velocities `after` an impact that meets the constraints at once, and for each constraint the impulse on
-/// its second link, as its [wrench](super::constrained_forward_dynamics). Along the normal of its target a contact's
-/// frame leaves with the contact's share `restitution` of the speed that it arrived with; otherwise it has the velocity
-/// of its target. Returns the number of independent rows.
+/// Computes the velocities `after` an impact that satisfies the constraints at once, and the impulse on each
+/// constraint's second link, in the axes and at the point of its [wrench](super::constrained_forward_dynamics).
+/// Returns the number of independent rows.
+///
+/// Along the normal of its target, a contact's frame leaves with `restitution` times its speed before the
+/// impact. In all other directions its velocity is that of the target.
 ///
 /// ```text
 /// I (qd+ - qd) = J^T lambda,  J qd+ = -e n n^T J qd

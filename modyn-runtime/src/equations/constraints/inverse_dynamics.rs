@@ -11,23 +11,25 @@ use crate::joint::ElementaryJoint;
 use crate::mechanism::Mechanism;
 use crate::spatial::Wrench;
 
-/// The entries of qd that no motor drives: those of floating joints.
+/// Returns the indices in qd of the velocities of floating joints, which have no motor.
 pub(super) fn unactuated<S>(model: &Mechanism<S>) -> impl Iterator<Item = usize> + '_ {
     let floats =
         |d: usize| model.bodies[model.dofs[d].body].elementary_joint == ElementaryJoint::Floating;
     (0..model.dofs.len()).filter(move |&d| floats(d)).map(|d| model.dofs[d].v)
 }
 
-/// Whether an unactuated entry is a rotation.
+/// Returns whether an entry of qd is a rotation.
 fn is_rotation<S>(model: &Mechanism<S>, v: usize) -> bool {
     model.dofs.iter().any(|dof| dof.v == v && dof.component < 3)
 }
 
-/// Computes the joint torques or forces `tau` of the accelerations `qdd`, and the wrenches of the active contacts that
-/// carry the floating bases: of all that do, those with the smallest sum of (force^2 + (moment / l)^2) / weight over the
-/// contacts. The entries of `tau` of a floating base are the force on it that no contact can carry: zero but for
-/// rounding where the contacts suffice. Loop constraints carry nothing. Returns the number of independent directions in
-/// which the contacts carry the bases.
+/// Computes the joint forces `tau` of the accelerations `qdd`, and the wrenches of the active contacts that
+/// carry the floating bases. Returns the number of independent directions in which the contacts carry the
+/// bases.
+///
+/// The wrenches have the smallest sum of (force^2 + (moment / l)^2) / weight over the contacts. The entries of
+/// `tau` of a floating base are the wrench on it that no contact can carry: zero within rounding if the
+/// contacts suffice. The wrenches of loop constraints are zero.
 ///
 /// ```text
 /// tau + J^T lambda = I qdd + h,  lambda = W J_b (J_b^T W J_b)^+ (I qdd + h)_b
@@ -53,7 +55,7 @@ pub fn constrained_inverse_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
             .checked_sub(loops)
             .map_or(S::zero(), |contact| active[contact] * contacts[contact].weight);
     }
-    // In units of force: a moment over the contacts' mean characteristic length.
+    // Moments are divided by the mean characteristic length of the contacts, so all rows are forces.
     let lengths = model.constraints[loops..].iter().map(|contact| contact.length);
     let count = S::from_f64(contacts.len().max(1) as f64);
     let length = lengths.fold(S::zero(), |sum, length| sum + length) * count.recip();
@@ -88,12 +90,12 @@ pub fn constrained_inverse_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
 /// Memory for the wrenches that carry floating bases.
 #[derive(Clone, Debug)]
 pub(super) struct Carried<S> {
-    /// The entries of qd that no motor drives.
+    /// The indices in qd of the velocities of floating joints.
     pub(super) entries: alloc::vec::Vec<usize>,
     pub(super) factorization: RankFactorization<S>,
     forces: alloc::vec::Vec<S>,
     missed: alloc::vec::Vec<S>,
-    /// By constrained row.
+    /// For each constrained row, the weight of its contact; zero if the contact is not active.
     weights: alloc::vec::Vec<S>,
 }
 

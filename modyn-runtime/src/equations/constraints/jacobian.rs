@@ -10,9 +10,9 @@ use crate::equations::kinematics::links::add_columns;
 use crate::mechanism::{ConstrainedFrames, Mechanism};
 use crate::spatial::{Twist, Vector3};
 
-/// Computes the Jacobian of the constraints, for each constraint a column for each entry of qd: of a loop constraint the
-/// constrained part of the twist of its second frame relative to its first, in the first frame's axes; of a contact
-/// that of its frame in world axes.
+/// Computes the Jacobian of each constraint: a column for each entry of qd. The product with qd is, for a loop
+/// constraint, the constrained part of the twist of its second frame relative to its first, in the first
+/// frame's axes; for a contact, the constrained part of its frame's twist in world axes.
 pub fn constraint_jacobian<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],
@@ -45,7 +45,8 @@ pub fn constraint_jacobian<S: Scalar>(
     }
 }
 
-/// Computes the time derivative of the Jacobian of the constraints, times qd, in the same axes.
+/// Computes the bias acceleration of each constraint: the time derivative of its Jacobian times qd, in the same
+/// axes.
 pub fn constraint_bias_acceleration<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
@@ -66,7 +67,7 @@ pub fn constraint_bias_acceleration<S: Scalar>(
     }
 }
 
-/// The classical acceleration of a contact's frame without joint accelerations, in world axes.
+/// Returns the classical acceleration of a contact's frame at zero joint accelerations, in world axes.
 fn of_contact<S: Scalar>(
     model: &Mechanism<S>,
     constraint: &ConstrainedFrames<S>,

@@ -1,20 +1,19 @@
-//! Constraints: forward dynamics under the wrenches that hold the frames of loop joints together, and those of links
-//! on the world.
+//! Constrained dynamics: loop joints hold two links together, contacts hold links on the world.
 //!
-//! | file | contents |
+//! | file | content |
 //! |---|---|
 //! | `relative_motion` | the motion of a loop constraint's second frame relative to its first |
-//! | `derivatives` | those of forward dynamics on contacts |
 //! | `contact` | the motion of a contact's frame relative to its target |
 //! | `rows` | the Jacobian rows in units of length, and the mobility of each constraint |
 //! | `factorization` | the pseudo-inverse of J I^-1 J^T, and its rank |
 //! | `forward_dynamics` | accelerations and constraint wrenches |
-//! | `impulse` | the velocities after an impact |
-//! | `inverse_dynamics` | the torques of an acceleration, and the wrenches that carry a floating base |
-//! | `jacobian` | the Jacobian, and the bias acceleration |
+//! | `derivatives` | derivatives of forward dynamics with contacts |
+//! | `impulse` | velocities after an impact, and the impulses |
+//! | `inverse_dynamics` | joint forces of accelerations, and the contact wrenches that carry a floating base |
+//! | `jacobian` | the Jacobian and the bias acceleration |
 //! | `operational_inertia` | J I^-1 J^T and its pseudo-inverse |
-//! | `projection` | steps that meet the constraints |
-//! | `residual` | how far the constraints are from being met |
+//! | `projection` | steps of coordinates and velocities that satisfy the constraints |
+//! | `residual` | displacements and velocities that violate the constraints |
 //!
 //! A constraint consists of rows J qd = 0. Each row is a component of the second frame's twist relative
 //! to the first frame, in the first frame's axes. The time derivative of a row is J qdd + dJ/dt qd. With
@@ -26,13 +25,13 @@
 //! J qdd = gamma = -dJ/dt qd - 2 alpha J qd - beta^2 phi
 //! ```
 //!
-//! With qdd_0 the accelerations of the tree, lambda = (J I^-1 J^T)^+ (gamma - J qdd_0) and
-//! qdd = qdd_0 + I^-1 J^T lambda. The factors I = U D U^T by modules, D = V Delta V^T
-//! ([`brge`](super::brge)), are used in halves: with W = U V, only W^-1 J^T, W^-1 (tau - h) and one final product
-//! with W^-T are computed.
+//! With the accelerations qdd_0 of the tree without constraints, lambda = (J I^-1 J^T)^+ (gamma - J
+//! qdd_0) and qdd = qdd_0 + I^-1 J^T lambda. The factors I = U D U^T by modules, D = V Delta V^T
+//! ([`brge`](super::brge)), are applied in halves: with W = U V, only W^-1 J^T, W^-1 (tau - h) and one
+//! product with W^-T are computed.
 //!
-//! A contact is such a constraint between the world and a link. One that is not active has rows of zeros: they count
-//! as dependent, and their multipliers are zero. No branch depends on a value.
+//! A contact is a constraint between the world and a link. The rows of an inactive contact are zero.
+//! They count as dependent rows, and their multipliers are zero. No branch depends on a value.
 //!
 //! Rotation rows are multiplied by the constraint's characteristic length l
 //! ([`Model::characteristic_length`](crate::model::Model::characteristic_length)). Where rows are
@@ -77,43 +76,43 @@ use derivatives::DerivativeWorkspace;
 use factorization::RankFactorization;
 use inverse_dynamics::Carried;
 
-/// Which contacts are active (1, else 0), and the settings of all constraints.
+/// For each contact whether it is active (1 or 0), and the settings of all constraints.
 pub type Settings<'a, S, C> = (&'a [S], &'a ConstraintSettings<S, C>);
 
-/// The entries of a constraint's rows that are not zero by structure, after W^-1 too.
+/// The entries of qd in which the rows of a constraint, multiplied by W^-1, are not zero by structure.
 #[derive(Clone, Debug)]
 struct Support {
-    /// The modules, ascending.
+    /// The modules of these entries, ascending.
     modules: Vec<usize>,
-    /// The entries, ascending, and by entry whether it is one of them.
+    /// The entries, ascending.
     entries: Vec<usize>,
+    /// For each entry of qd whether it is one of these.
     has: Vec<bool>,
 }
 
 /// Memory for the intermediate results of constrained dynamics.
 #[derive(Clone, Debug)]
 pub struct ConstraintWorkspace<S> {
-    /// By end: the Jacobian of its frame, a column for each entry of qd.
+    /// For each of the two frames: its Jacobian, a column for each entry of qd.
     columns: [Vec<Twist<S>>; 2],
     /// The number of constrained rows.
     rows: usize,
-    /// By row, constrained or free: its constraint.
+    /// For each row, constrained or free, the index of its constraint.
     owner: Vec<usize>,
-    /// By constraint.
+    /// For each constraint, the nonzero entries of its rows.
     supports: Vec<Support>,
-    /// By contact.
+    /// For each contact, its frame at the present coordinates.
     frames: Vec<ContactFrame<S>>,
-    /// J and W^-1 J^T: the constrained rows of all constraints, then the free ones; a row is as long
-    /// as qd.
+    /// J and W^-1 J^T: the constrained rows of all constraints, then the free rows. A row has nv entries.
     jacobian: Vec<S>,
     reduced: Vec<S>,
-    /// W^-1 of a force.
+    /// W^-1 times a joint force.
     force: Vec<S>,
-    /// By entry of qd: the acceleration of floating bases in free fall.
+    /// For each entry of qd, the acceleration of floating bases in free fall.
     fall: Vec<S>,
-    /// The velocities of a robot at rest.
+    /// Zero velocities.
     rest: Vec<S>,
-    /// By constraint: the trace of J I^-1 J^T over all six directions.
+    /// For each constraint, the trace of J I^-1 J^T over all six directions.
     mobilities: Vec<S>,
     /// The factorization of J I^-1 J^T, constrained rows only.
     factorization: RankFactorization<S>,
@@ -121,9 +120,9 @@ pub struct ConstraintWorkspace<S> {
     right_hand_sides: [Vec<S>; 2],
     /// For each constrained row, the part of the right-hand side that is not met.
     residuals: Vec<S>,
-    /// For inverse dynamics.
+    /// Memory for inverse dynamics.
     carried: Carried<S>,
-    /// For derivatives, from their first call on.
+    /// Memory for derivatives; `None` before their first call.
     derivatives: Option<DerivativeWorkspace<S>>,
     /// The factors of the mass matrix.
     factors: Vec<S>,
@@ -164,8 +163,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Factorizes J I^-1 J^T of the rows at present, lets `complete` change the right-hand sides, and sets those of
-    /// inactive contacts to zero.
+    /// Factorizes J I^-1 J^T of the current rows, lets `complete` change the right-hand sides, and sets those
+    /// of inactive contacts to zero.
     fn factorize<C: AsRef<[ContactTarget<S>]>>(
         &mut self,
         model: &Mechanism<S>,
@@ -186,7 +185,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Computes J I^-1 J^T of the rows at present.
+    /// Computes J I^-1 J^T of the current rows.
     fn fill<C: AsRef<[ContactTarget<S>]>>(
         &mut self,
         model: &Mechanism<S>,
@@ -234,13 +233,13 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         factorization.solve(&mut right_hand_sides[side], residuals);
     }
 
-    /// Sets `force` to W^-1 of this.
+    /// Sets `force` to W^-1 times this joint force.
     fn set_force(&mut self, layout: &UduLayout, force: &[S]) {
         self.force.copy_from_slice(force);
         solve_upper_factor(layout, &self.factors, 0..layout.blocks().len(), &mut self.force);
     }
 
-    /// Sets `fall` to the acceleration of floating bases in free fall. Expects their angular velocities.
+    /// Sets `fall` to the acceleration of floating bases in free fall. Expects the bases' angular velocities.
     fn set_fall(&mut self, model: &Mechanism<S>, qd: &[S], workspace: &Workspace<S>) {
         self.fall.fill(S::zero());
         for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
@@ -250,8 +249,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Subtracts the accelerations of loop constraints by free fall, and J I^-1 of the force, from the first right-hand
-    /// side. Expects W^-1 J^T. (Those of contacts are relative to free fall.)
+    /// Subtracts J I^-1 f of the joint force f, and for loop constraints the accelerations by free fall, from
+    /// the first right-hand side. Expects W^-1 J^T. (The accelerations of contacts are relative to free fall.)
     fn subtract_accelerations(&mut self, model: &Mechanism<S>, layout: &UduLayout) {
         let Self { right_hand_sides: [b, _], jacobian, reduced, supports, owner, .. } = self;
         let reciprocals = &self.factors[layout.reciprocals()];
@@ -266,7 +265,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// The joints' response I^-1 (f + J^T lambda) to the force and the multipliers of a right-hand side, into `response`.
+    /// Computes the joints' response I^-1 (f + J^T lambda) to the joint force f and the multipliers lambda of
+    /// right-hand side `side`.
     fn respond(&self, layout: &UduLayout, side: usize, response: &mut [S]) {
         response.copy_from_slice(&self.force);
         let rows = self.reduced.chunks(response.len().max(1)).zip(&self.owner);
@@ -281,9 +281,9 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         solve_lower_factor(layout, &self.factors, response);
     }
 
-    /// Calls `each` with the index of each constraint, the constraint, and the sum of its rows' directions times these
-    /// components, one for each constrained row: of a loop constraint in the first frame's axes, of a contact in world
-    /// axes.
+    /// Calls `each` for each constraint with its index and the sum of its rows' directions times these
+    /// components, which has one entry for each constrained row. The sum is in the first frame's axes for a
+    /// loop constraint, in world axes for a contact.
     fn by_constraint(
         &self,
         model: &Mechanism<S>,
@@ -298,7 +298,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// The wrenches of the multipliers of a right-hand side: see [`by_constraint`](Self::by_constraint).
+    /// Computes the wrenches of the multipliers of right-hand side `side`; their axes are those of
+    /// [`by_constraint`](Self::by_constraint).
     fn wrenches(&self, model: &Mechanism<S>, side: usize, wrenches: &mut [Wrench<S>]) {
         self.by_constraint(model, &self.right_hand_sides[side], |c, constraint, sum| {
             let moment = sum.angular.scale(constraint.length);
@@ -306,7 +307,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         });
     }
 
-    /// The residuals of the last solution: see [`by_constraint`](Self::by_constraint).
+    /// Computes the residuals of the last solution; their axes are those of
+    /// [`by_constraint`](Self::by_constraint).
     fn missed(&self, model: &Mechanism<S>, residuals: &mut [Twist<S>]) {
         self.by_constraint(model, &self.residuals, |c, constraint, sum| {
             residuals[c] = Twist { angular: sum.angular.scale(constraint.length.recip()), ..sum };
@@ -315,7 +317,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
 }
 
 impl Support {
-    /// Of rows that these entries of qd move.
+    /// Returns the support of rows that these entries of qd move.
     fn new(layout: &UduLayout, moving: &[bool]) -> Self {
         let mut has = moving.to_vec();
         let mut modules = Vec::new();
@@ -331,8 +333,8 @@ impl Support {
     }
 }
 
-/// By entry of qd: whether it moves a constraint's frames relative to each other. The rows of the constraint cannot
-/// have a higher rank than such entries.
+/// Returns for each entry of qd whether it moves the two frames of a constraint relative to each other. The
+/// rank of the constraint's rows is at most the number of these entries.
 fn moving_entries<S>(model: &Mechanism<S>, constraint: &ConstrainedFrames<S>) -> Vec<bool> {
     let ancestor = relative_motion::common_ancestor(model, constraint);
     let mut moving = vec![false; model.nv];

@@ -8,13 +8,14 @@ use crate::equations::Workspace;
 use crate::equations::brge::{self, UduLayout};
 use crate::mechanism::Mechanism;
 
-/// Computes the inverse operational-space inertia J I^-1 J^T of the constraint rows with the compliance of contacts
-/// (the Delassus matrix) and its pseudo-inverse, the operational-space inertia (Khatib 1987), both by columns. The rows of
-/// a constraint are its constrained rotations, then displacements: of a loop constraint in the first frame's axes, of a
-/// contact in world axes. The rows and columns of inactive contacts are zero. Returns the number of independent rows.
+/// Computes the inverse operational-space inertia J I^-1 J^T of the constraint rows (the Delassus matrix), with
+/// the compliance of contacts, and its pseudo-inverse, the operational-space inertia (Khatib 1987). Both are
+/// arrays of columns. Returns the number of independent rows.
 ///
-/// Where rows are redundant, the pseudo-inverse is the one in units of length: rotations count times the
-/// characteristic length.
+/// Each constraint has its constrained rotations, then its constrained displacements: in the first frame's axes
+/// for a loop constraint, in world axes for a contact. The rows and columns of inactive contacts are zero.
+/// Where rows are redundant, the pseudo-inverse is that of the rows in units of length: rotations are
+/// multiplied by the characteristic length.
 pub fn operational_inertia<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     model: &Mechanism<S>,
     layout: &UduLayout,

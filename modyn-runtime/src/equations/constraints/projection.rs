@@ -8,9 +8,11 @@ use crate::equations::Workspace;
 use crate::equations::brge::{self, UduLayout};
 use crate::mechanism::Mechanism;
 
-/// Computes the step `dq` that meets the constraints at `q` to first order, and the change `dqd` of the
-/// velocities that keeps them met: -I^-1 J^T (J I^-1 J^T)^+ times the displacements and the velocities,
-/// the smallest in the metric of the mass matrix. Returns the number of independent rows.
+/// Computes the step `dq` of the coordinates and the step `dqd` of the velocities that satisfy the constraints.
+/// Returns the number of independent rows.
+///
+/// `dq` satisfies the constraints to first order. Both steps are -I^-1 J^T (J I^-1 J^T)^+ times the violation
+/// (displacements for `dq`, velocities for `dqd`): the smallest steps in the metric of the mass matrix.
 pub fn project_constraints<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     model: &Mechanism<S>,
     layout: &UduLayout,

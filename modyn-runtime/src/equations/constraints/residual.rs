@@ -9,10 +9,12 @@ use crate::equations::Workspace;
 use crate::mechanism::Mechanism;
 use crate::spatial::Twist;
 
-/// Computes the displacement and the velocity of each constraint's second frame relative to its first,
-/// in the first frame's axes, without the free directions, and of each contact's frame relative to its target, in world
-/// axes. A rotation is its axis times the sine of its angle; of a hinge, the vector product of its two directions; of
-/// a surface's normal, the vector product of the two normals.
+/// Computes the displacement and the velocity of each loop constraint's second frame relative to its first, in
+/// the first frame's axes, and of each contact's frame relative to its target, in world axes. Components along
+/// free directions are zero.
+///
+/// A rotation is given as its axis times the sine of its angle. For a hinge it is the cross product of the axis
+/// directions of both frames; for a surface on a plane, the cross product of the two normals.
 pub fn constraint_residual<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),

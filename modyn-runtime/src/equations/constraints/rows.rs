@@ -2,13 +2,14 @@
 //!
 //! A row is one component of a constraint's relative twist. A rotation row is multiplied by the
 //! constraint's characteristic length l, so that all rows are velocities in m/s and all multipliers
-//! are forces in N. The mobility of a constraint is the trace of G I^-1 G^T, where G has a row for each
-//! of the six directions of the relative twist, constrained or free, in the same units: a number
-//! that depends neither on the axes nor on which directions are constrained. (The origin of a contact's frame on a
-//! floating robot moves in all directions: the constrained ones do.)
+//! are forces in N. The mobility of a constraint is the trace of G I^-1 G^T. G has a row for each of
+//! the six directions of the relative twist, constrained or free, in the same units. The mobility
+//! therefore depends neither on the axes nor on which directions are constrained. It is the scale that
+//! decides whether a row is independent. (The mobility of a contact on a floating robot is that of the
+//! constrained rows: the origin of its frame moves in all directions.)
 //!
-//! With I = W Delta W^T a row of J is kept as W^-1 of itself, which has zeros where the row has them: in the columns
-//! of joints that do not carry the constraint. So J I^-1 J^T takes products over common ancestors alone.
+//! With I = W Delta W^T, the rows of J W^-T are stored. They have the zeros of J: the columns of joints
+//! that do not carry the constraint. So J I^-1 J^T needs products over common ancestors only.
 
 use super::ConstraintWorkspace;
 use super::contact::ContactFrame;
@@ -53,15 +54,15 @@ impl<S: Scalar> ConstrainedFrames<S> {
         self.along_rows(self.rows.iter().map(|row| row.component(twist)))
     }
 
-    /// Whether rotations are constrained.
+    /// Returns whether rotations are constrained.
     pub(super) fn holds_rotation(&self) -> bool {
         self.rows.iter().any(|row| row.angular)
     }
 }
 
-/// Computes the Jacobian rows of all constraints, constrained and free ones, and the two right-hand
-/// sides that `target` gives for each constrained row: of the constraint's index, of the row's component of a twist, and
-/// of the relative motion.
+/// Computes the Jacobian rows of all constraints, constrained and free, and two right-hand sides. `target`
+/// returns both right-hand sides of a constrained row; its arguments are the constraint's index, the function
+/// that returns the row's component of a twist, and the relative motion.
 pub(super) fn constraint_rows<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
@@ -117,8 +118,8 @@ pub(super) fn constraint_rows<S: Scalar>(
     }
 }
 
-/// Computes W^-1 J^T of all rows, the matrix J I^-1 J^T of the constrained rows with the inactive contacts' rows zero,
-/// and the mobility of each constraint, from the rows and the factors of the mass matrix.
+/// Computes W^-1 J^T of all rows, the matrix J I^-1 J^T of the constrained rows, in which the rows of inactive
+/// contacts are zero, and the mobility of each constraint. Expects the rows and the factors of the mass matrix.
 pub(super) fn mobilities<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,

@@ -35,8 +35,8 @@ pub fn recursive_newton_euler<S: Scalar, T: BodyTree<S>>(
     joint_torques(tree, (qd, qdd), workspace, tau);
 }
 
-/// The torques while the joints do not accelerate and floating bases fall freely, see
-/// [`free_fall`](super::newton_euler::free_fall). The bodies' accelerations are left in the workspace.
+/// Computes the joint forces at zero joint accelerations with floating bases in free fall; see
+/// [`free_fall`](super::newton_euler::free_fall). Leaves the bodies' accelerations in the workspace.
 pub(in crate::equations) fn bias_in_free_fall<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),

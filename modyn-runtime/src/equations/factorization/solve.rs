@@ -71,8 +71,9 @@ fn solve_for<S: Scalar, L: FactorLayout<S>>(
     }
 }
 
-/// x := W^-1 x with I = W Delta W^T, where W = U V is unit upper triangular: the first half of [`solve`]. Expects zeros
-/// outside of these modules, among which is each module that U couples them with.
+/// Replaces x by W^-1 x, with I = W Delta W^T and the unit upper triangular W = U V: the first half of
+/// [`solve`]. Expects that x is zero outside of these modules, and that they include each module that U couples
+/// to one of them.
 pub(in crate::equations) fn solve_upper_factor<S: Scalar>(
     layout: &UduLayout,
     factors: &[S],
@@ -90,7 +91,7 @@ pub(in crate::equations) fn solve_upper_factor<S: Scalar>(
     }
 }
 
-/// x := W^-T x: the last part of [`solve`].
+/// Replaces x by W^-T x: the second half of [`solve`].
 pub(in crate::equations) fn solve_lower_factor<S: Scalar>(
     layout: &UduLayout,
     factors: &[S],

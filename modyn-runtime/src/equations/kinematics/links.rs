@@ -212,8 +212,8 @@ impl<S: Scalar> LinkInBody<S> {
     }
 }
 
-/// The velocity that a unit rate in `component` gives, along `axes` (as columns), to a link whose origin stands at `lever`
-/// in them.
+/// Returns the velocity that a unit rate in `component`, along `axes` (as columns), gives to a link whose
+/// origin is at `lever` in these axes.
 pub(in crate::equations) fn column_along<S: Scalar>(
     component: usize,
     axes: &Matrix3<S>,
