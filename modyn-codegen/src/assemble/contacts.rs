@@ -38,7 +38,7 @@ pub fn contacts(
                 error(format!("link `{link}` does not exist"), &help);
             }
             Some(None) => {
-                let help = "name a link that moves; a robot that stands on its feet needs `base = floating`";
+                let help = "name a link that moves, or let the base float: `base = floating`";
                 error(format!("link `{link}` is fixed to the world"), help);
             }
             Some(Some(_)) => {}
