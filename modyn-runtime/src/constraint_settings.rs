@@ -18,7 +18,8 @@ use crate::spatial::{Pose, Twist, Vector3};
 /// use modyn_runtime::ConstraintSettings;
 ///
 /// let stiff = ConstraintSettings { alpha: 100.0, beta: 100.0, ..ConstraintSettings::<f64>::DEFAULT };
-/// assert_eq!(stiff.tolerance, 1e-10); ```
+/// assert_eq!(stiff.tolerance, 1e-10);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintSettings<T, C = [ContactTarget<T>; 0]> {
     /// The damping of the displacements of loop constraints, 1/s.
