@@ -189,8 +189,8 @@ mod tests {
 
     fn same<F: Float + PartialEq + core::fmt::Debug>(number: impl Fn(f64) -> F) {
         let (reduction, polynomials) = (Steps::reduction::<F>(), Steps::polynomials::<F>());
-        for i in -4000..4000 {
-            let x = number(f64::from(i * i * i) * 1.7e-2 + 0.3);
+        for i in (-4000..4000).map(f64::from) {
+            let x = number(i * i * i * 1.7e-2 + 0.3);
             let near = Scalar::abs(x) < limit();
             let reduced = if near { run(&reduction, [x, x]) } else { reduce_far(x) };
             let (sine, cosine) = x.sin_cos();
