@@ -104,13 +104,13 @@ fn compiled_contacts_are_the_interpreters() {
     }
 }
 
-/// The upward forces on all feet, of any robot.
-fn lift<R: Robot + functions::Constraints>(q: &R::Q<f64>, qd: &R::V<f64>, tau: &R::V<f64>) -> f64
+/// Returns the upward force on all feet, N, of any robot with four contacts.
+fn lift<R>(q: &R::Q<f64>, qd: &R::V<f64>, tau: &R::V<f64>) -> f64
 where
     R: Robot<
             PerContact<ContactTarget<f64>> = [ContactTarget<f64>; 4],
             PerConstraint<Wrench<f64>> = [Wrench<f64>; 4],
-        >,
+        > + functions::Constraints,
 {
     let all = <R::Contacts as ContactSet>::ALL;
     let found = R::constrained_forward_dynamics(q, qd, tau, all, &Settings::EXACT);
