@@ -1,8 +1,7 @@
 //! The table of options: all that the builder, the macro, the command line, the first lines of generated files and
 //! `docs/options.md` know about each, in one row.
 //!
-//! A new option is a row in `option_table!`; one about reading has a field in
-//! [`ReadOptions`], too.
+//! A new option is a row in `option_table!`; one about reading has a field in [`ReadOptions`], too.
 
 mod types;
 mod value;

@@ -118,9 +118,11 @@ impl GpuRobot {
         }
         let device = &self.gpu.inner.device;
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        // Derived from the text, it would lack the buffers of arguments that the kernel does not read.
+        let layout = layout(device, &self.source.kernels[index]);
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: None,
-            layout: None,
+            layout: Some(&layout),
             module: &self.module,
             entry_point: Some(&self.source.kernels[index].name),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
@@ -132,6 +134,32 @@ impl GpuRobot {
         pipelines.insert(index, pipeline.clone());
         Ok(pipeline)
     }
+}
+
+/// The buffers of a kernel: its arguments, the result, and the number of states.
+fn layout(device: &wgpu::Device, kernel: &GpuKernel) -> wgpu::PipelineLayout {
+    let read = wgpu::BufferBindingType::Storage { read_only: true };
+    let written = wgpu::BufferBindingType::Storage { read_only: false };
+    let arguments = kernel.arguments.iter().map(|_| read);
+    let buffers = arguments.chain([written, wgpu::BufferBindingType::Uniform]);
+    let entries: Vec<wgpu::BindGroupLayoutEntry> = (0..)
+        .zip(buffers)
+        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+            count: None,
+        })
+        .collect();
+    let group = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: None,
+        entries: &entries,
+    });
+    device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &[Some(&group)],
+        immediate_size: 0,
+    })
 }
 
 /// A number of workgroups, which a processor's limits keep small.

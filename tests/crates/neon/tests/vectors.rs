@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use modyn::{Interpreter, batch::Level};
+use modyn::{Interpreter, batch::SimdLevel};
 use modyn_codegen::{Base, ReadOptions, read};
 use modyn_neon::{Arm, Flying, Humanoid, Quadruped, SingleArm, SingleFlying};
 
@@ -117,7 +117,7 @@ macro_rules! derivatives {
 #[test]
 fn the_level_is_the_targets() {
     let level = modyn::batch::level();
-    assert_eq!(level == Level::Neon, cfg!(target_arch = "aarch64"), "{level:?}");
+    assert_eq!(level == SimdLevel::Neon, cfg!(target_arch = "aarch64"), "{level:?}");
 }
 
 #[test]
