@@ -10,7 +10,7 @@ use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Friction, Model, ModuleError, ModuleTree};
 
 use crate::check::{check_model, conditioning_warning, gravity_error};
-use crate::description::{Base, Loop, Mimic, ReadOptions, Rotor};
+use crate::description::{Base, Contact, Loop, Mimic, ReadOptions, Rotor};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
 use crate::emit::{
     CSource, EmitOptions, Emitted, FloatType, GpuLanguage, GpuSource, emit, emit_c, emit_gpu,
@@ -533,6 +533,13 @@ impl Builder {
                 Code::Option,
                 "a `Model` has its own loop constraints".into(),
                 "set them with `Model::with_loop_constraints`".into(),
+            );
+        }
+        if matches!(self.source, Source::Model(_)) && !self.options.read.contacts.is_empty() {
+            error(
+                Code::Option,
+                "a model that is given as one has its own contacts".into(),
+                "set them with `Model::with_contacts`".into(),
             );
         }
         let read = &self.options.read;

@@ -29,9 +29,9 @@ pub mod trace;
 
 pub use builder::{Builder, Generated, Planning};
 pub use check::{CARRIED_BY_F32, condition_number};
-pub use description::{Base, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
+pub use description::{Base, Contact, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
 pub use emit::{CSource, FloatType, GpuLanguage, GpuSource};
-pub use modyn_runtime::model::{Friction, LoopConstraintKind};
+pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 pub use options::ModuleChoice;
 pub use plan::Function;
 #[cfg(feature = "mjcf")]

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use modyn_codegen::Base;
+use modyn_codegen::{Base, Contact, ContactKind, LoopEnd};
 use modyn_codegen::{Builder, FloatType, Function};
 
 fn robot(name: &str) -> Builder {
@@ -61,9 +61,20 @@ fn compiled(name: &str, builder: &Builder) -> (PathBuf, String) {
     (folder, found.header)
 }
 
-/// Returns the functions of the header that Rust exports, too: their names, the lengths of their arguments and
-/// results, and whether one argument is a link.
-fn functions(header: &str) -> Vec<(String, Vec<usize>, bool)> {
+/// A function of the header.
+#[derive(Debug)]
+struct Declared {
+    name: String,
+    /// The lengths of its arguments and its result.
+    lengths: Vec<usize>,
+    /// The index of the argument that has the active contacts.
+    switches: Option<usize>,
+    /// Whether one argument is a link.
+    by_link: bool,
+}
+
+/// Returns the functions of the header that Rust exports, too.
+fn functions(header: &str) -> Vec<Declared> {
     let mut functions = Vec::new();
     for line in header.lines().filter(|line| line.ends_with(");")) {
         let (head, arguments) = line.split_once('(').expect("a declaration");
@@ -74,7 +85,9 @@ fn functions(header: &str) -> Vec<(String, Vec<usize>, bool)> {
         }
         let lengths = arguments.split('[').skip(1).map(|size| size.split(']').next().expect("]"));
         let lengths = lengths.map(|size| size.parse().expect("a size")).collect();
-        functions.push((name.into(), lengths, head.starts_with("int")));
+        let switches = arguments.split(", ").position(|own| own.contains(" contacts["));
+        let by_link = head.starts_with("int");
+        functions.push(Declared { name: name.into(), lengths, switches, by_link });
     }
     functions
 }
@@ -82,7 +95,7 @@ fn functions(header: &str) -> Vec<(String, Vec<usize>, bool)> {
 /// Returns a program that calls the functions of both with the same numbers, in general position, and compares the
 /// results. The numbers are close to zero, some multiples of 2 pi, close to the limit of the fast reduction of angles,
 /// and beyond that limit.
-fn harness(functions: &[(String, Vec<usize>, bool)], real: &str) -> String {
+fn harness(functions: &[Declared], real: &str) -> String {
     let mut text = format!(
         "#include <math.h>\n#include <stddef.h>\n#include <stdio.h>\n#include <string.h>\n#include \"ours.h\"\n\
          typedef {real} real;\n\
@@ -97,7 +110,7 @@ fn harness(functions: &[(String, Vec<usize>, bool)], real: &str) -> String {
          if (memcmp(a + i, b + i, sizeof *a) != 0 && !(a[i] != a[i] && b[i] != b[i])) {{ return 0; }}\n}}\nreturn 1;\n}}\n"
     );
     let mut main = String::new();
-    for (name, lengths, by_link) in functions {
+    for Declared { name, lengths, switches, by_link } in functions {
         let (arguments, result) = lengths.split_at(lengths.len() - 1);
         let (result, scalar) = (result[0], SCALARS.contains(&name.as_str()));
         let declared: Vec<String> =
@@ -113,9 +126,11 @@ fn harness(functions: &[(String, Vec<usize>, bool)], real: &str) -> String {
         let _ = writeln!(text, "{prototype}");
         let _ = writeln!(main, "for (round = 0; round < 12; ++round) {{");
         for (i, length) in arguments.iter().enumerate() {
+            // A contact is active (1) or not (0).
+            let number = if switches == &Some(i) { "number(round) > 0" } else { "number(round)" };
             let _ = writeln!(
                 main,
-                "real a{i}[{length}];\nfor (i = 0; i < {length}; ++i) {{ a{i}[i] = number(round); }}"
+                "real a{i}[{length}];\nfor (i = 0; i < {length}; ++i) {{ a{i}[i] = {number}; }}"
             );
         }
         let _ = writeln!(main, "real x[{result}];\nreal y[{result}];");
@@ -192,6 +207,34 @@ fn loops_and_floating_bases_compute_what_rust_does() {
     compare("five_bar", &all(robot("five_bar")), FloatType::F64);
     let floating = robot("quadruped").functions(LIMBS).base(Base::Floating);
     compare("floating", &floating, FloatType::F64);
+}
+
+#[test]
+#[ignore = "slow: rustc, gcc and clang compile large robots"]
+fn contacts_compute_what_rust_does() {
+    let point = |name: &str, link: &str, at: [f64; 3]| Contact {
+        name: name.into(),
+        kind: if at[0] > 0.0 { ContactKind::Surface } else { ContactKind::Point },
+        end: LoopEnd { link: link.into(), xyz: at, rpy: at },
+    };
+    let builder = robot("quadruped").base(Base::Floating).functions(LIMBS.into_iter().chain([
+        Function::ConstrainedForwardDynamics,
+        Function::ConstraintResidual,
+        Function::ProjectConstraints,
+        Function::ContactImpulse,
+        Function::ConstrainedInverseDynamics,
+        Function::ConstraintJacobian,
+        Function::ConstraintBiasAcceleration,
+        Function::OperationalInertia,
+    ]));
+    let builder = builder.contacts([
+        point("left", "front_left_foot", [0.0, 0.01, -0.02]),
+        point("right", "hind_right_foot", [0.03, -0.01, 0.02]),
+    ]);
+    let (found, _) = builder.generate_c().expect("good");
+    let declared = "const double contacts[2], const double settings[52], double out[43]";
+    assert!(found.header.contains(declared), "{}", found.header);
+    compare("contacts", &builder, FloatType::F64);
 }
 
 #[test]

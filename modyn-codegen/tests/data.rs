@@ -120,7 +120,9 @@ fn counted() -> String {
     );
     for (robot, base, ..) in ROBOTS {
         let functions: Vec<Function> = match base {
-            Base::Fixed => Function::ALL.iter().copied().filter(|f| !f.is_of_loops()).collect(),
+            Base::Fixed => {
+                Function::ALL.iter().copied().filter(|f| !f.is_of_constraints()).collect()
+            }
             _ => MAIN.to_vec(),
         };
         let path = root().join(format!("robots/{robot}.urdf"));

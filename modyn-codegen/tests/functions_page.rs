@@ -54,7 +54,7 @@ fn each_function_has_its_costs_or_is_said_to_have_none() {
     for robot in ["arm7", "quadruped", "humanoid"] {
         let rows = table.lines().filter(|row| row.starts_with(&format!("| {robot} |")));
         let found = sorted(rows.flat_map(names));
-        let expected = Function::ALL.iter().filter(|function| !function.is_of_loops());
+        let expected = Function::ALL.iter().filter(|function| !function.is_of_constraints());
         let expected = expected.map(|function| function.name());
         assert_eq!(found, sorted(expected.filter(|name| !without.contains(name))), "{robot}");
     }
@@ -74,8 +74,8 @@ fn table() -> String {
         let arguments: Vec<String> =
             row.arguments.iter().map(|a| format!("`{}`", a.name)).collect();
         let of = |yes: bool| if yes { "yes" } else { "" };
-        let default = match (row.default, row.of_loops) {
-            (true, true) => "with loops",
+        let default = match (row.default, row.of_constraints) {
+            (true, true) => "with constraints",
             (default, _) => of(default),
         };
         let batch = Function::ALL.iter().any(|other| other.batched() == Some(*function));

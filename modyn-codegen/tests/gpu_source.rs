@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use modyn_codegen::emit::{GpuKernel, GpuSource};
-use modyn_codegen::{Base, Builder, FloatType, Function, GpuLanguage};
+use modyn_codegen::{
+    Base, Builder, Contact, ContactKind, FloatType, Function, GpuLanguage, LoopEnd,
+};
 
 fn robot(name: &str) -> Builder {
     let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
@@ -57,10 +59,17 @@ fn harness(source: &GpuSource, real: &str, far: &str, tolerance: &str) -> String
         let (mut buffers, mut one) = (String::new(), String::new());
         for (a, argument) in kernel.arguments.iter().enumerate() {
             let len = argument.len;
+            let number = match argument.name.as_str() {
+                // A contact is active (1) or not (0).
+                "contacts" => "number(i) > 0",
+                // The limits of dependent rows are small, since results are not continuous there.
+                "settings" => "j == 2 || j == 3 ? 1e-10 : number(i)",
+                _ => "number(i)",
+            };
             let _ = writeln!(
                 text,
                 "vector<real> a{a}({len} * n);\nfor (unsigned i = 0; i < n; ++i) for (int j = 0; j < {len}; ++j) \
-                 a{a}[j * n + i] = number(i);"
+                 a{a}[j * n + i] = {number};"
             );
             let _ = write!(buffers, "a{a}.data(), ");
             let _ = write!(one, "s{a}, ");
@@ -148,6 +157,27 @@ fn long_functions_are_cut() {
     let source = compare("cut", &builder, FloatType::F64, ("3.0", "1e-9"));
     assert!(source.text.contains("__noinline__"), "no function was cut");
     assert!(source.kernels.iter().any(|kernel| kernel.statements > 5000));
+}
+
+/// The set of active contacts is a buffer of numbers; states have sets of their own.
+#[test]
+#[ignore = "slow: g++ compiles a robot"]
+fn contacts_compute_what_c_does() {
+    let point = |name: &str, link: &str, xyz: [f64; 3]| Contact {
+        name: name.into(),
+        kind: ContactKind::Point,
+        end: LoopEnd { link: link.into(), xyz, rpy: [0.0; 3] },
+    };
+    let contacts = [
+        point("left", "front_left_foot", [0.0, 0.01, -0.02]),
+        point("right", "hind_right_foot", [0.03, -0.01, 0.02]),
+    ];
+    let functions = [Function::ConstrainedForwardDynamics, Function::ContactImpulse];
+    let builder = robot("quadruped").functions(functions).base(Base::Floating).contacts(contacts);
+    let source = compare("contacts", &builder, FloatType::F64, ("3.0", "1e-7"));
+    let kernel = &source.kernels[0];
+    let names: Vec<&str> = kernel.arguments.iter().map(|argument| argument.name.as_str()).collect();
+    assert_eq!(names, ["q", "qd", "tau", "contacts", "settings"]);
 }
 
 /// Run-time parameters are common to all states; WGSL has them as a buffer, too.

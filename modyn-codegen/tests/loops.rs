@@ -255,7 +255,7 @@ fn constrained_with_rank(
     let (mut wrenches, mut residuals) = (vec![Wrench::zero(); loops], vec![Twist::zero(); loops]);
     let into = (&mut *qdd, &mut *wrenches, &mut *residuals);
     let solve = Interpreter::constrained_forward_dynamics;
-    let rank = solve(interpreter, q, qd, tau, settings, into).expect("fits");
+    let rank = solve(interpreter, (q, qd, tau), &[], settings, into).expect("fits");
     (qdd, wrenches, residuals, rank)
 }
 
@@ -263,7 +263,9 @@ fn constrained_with_rank(
 fn errors(interpreter: &mut Interpreter, q: &[f64], qd: &[f64]) -> [Vec<f64>; 2] {
     let twists = || vec![Twist::zero(); interpreter.model().loop_constraints().len()];
     let (mut displacements, mut velocities) = (twists(), twists());
-    interpreter.constraint_residual(q, qd, &mut displacements, &mut velocities).expect("fits");
+    let settings = ConstraintSettings::<f64>::DEFAULT;
+    let into = (&mut *displacements, &mut *velocities);
+    interpreter.constraint_residual((q, qd), &settings, into).expect("fits");
     [displacements, velocities].map(|twists| twists.iter().flat_map(Twist::components).collect())
 }
 
@@ -654,7 +656,7 @@ fn what_gets_compiled_is_what_the_interpreter_computes() {
         let layout = UduLayout::new(&mechanism, &ModuleTree::chains(&model));
         let graphs = [
             tracer.constrained_forward_dynamics(&layout),
-            tracer.constraint_residual(),
+            tracer.constraint_residual(&layout),
             tracer.project_constraints(&layout),
         ]
         .map(optimize);
@@ -677,7 +679,8 @@ fn what_gets_compiled_is_what_the_interpreter_computes() {
             assert_near(&found, &errors(&mut interpreter, &q, &qd).concat(), 1e-12);
             let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
             let into = (&mut *dq, &mut *dqd);
-            let rank = interpreter.project_constraints(&q, &qd, &settings, into).expect("fits");
+            let rank =
+                interpreter.project_constraints((&q, &qd), &[], &settings, into).expect("fits");
             let found = graphs[2].evaluate(&[&*q, &qd, &numbers].concat());
             assert_near(&found, &[dq, dqd, vec![rank]].concat(), 1e-8);
         }
@@ -704,7 +707,7 @@ fn steps_close_the_loops() {
         let mut step = |q: &mut Vec<f64>, qd: &mut Vec<f64>| {
             let (mut dq, mut dqd) = (vec![0.0; n], vec![0.0; n]);
             let into = (&mut *dq, &mut *dqd);
-            interpreter.project_constraints(q, qd, &settings, into).expect("fits");
+            interpreter.project_constraints((q, qd), &[], &settings, into).expect("fits");
             let [apart, parting] = errors(&mut interpreter, q, qd);
             let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
             // The smallest change in the metric of kinetic energy only removes kinetic energy.
@@ -741,7 +744,7 @@ fn single_precision_closes_loops_too() {
         let settings = ConstraintSettings::<f32>::EXACT;
         let into = (&mut qdd[..], &mut wrenches[..], &mut residuals[..]);
         let solve = Interpreter::constrained_forward_dynamics;
-        solve(&mut interpreter, &q, &qd, &[0.0; 3], &settings, into).expect("fits");
+        solve(&mut interpreter, (&q, &qd, &[0.0; 3]), &[], &settings, into).expect("fits");
         assert_near(&qdd.map(f64::from), &expected, 1e-3);
     }
 }
@@ -755,14 +758,14 @@ fn generated_code_says_which_loops_it_closes() {
         "pub const LOOP_CONSTRAINT_NAMES: [&'static str; 1] = [\"rocker_pin\"];",
         "| 0 | `rocker_pin` | revolute | `coupler` | `rocker` |",
         "pub fn constrained_forward_dynamics(q: &[f64; 3], qd: &[f64; 3], tau: &[f64; 3], \
-         settings: &__modyn::ConstraintSettings<f64>)",
+         contacts: (), settings: &__modyn::ConstraintSettings<f64, [__modyn::ContactTarget<f64>; 0]>)",
     ] {
         assert!(closed.text.contains(part), "{part}\n{}", closed.text);
     }
     // The zero rows of an aligned linkage are folded away; docs/loops.md says so. With rows in a fixed order, and
     // without rank and residuals, the counts were 186 and 4; pivoting and the norm of the forces add the rest.
     let count = closed.operations.iter().find(|(name, _)| *name == "constrained_forward_dynamics");
-    assert_eq!(count.map(|(_, count)| (count.total(), count.others)), Some((326, 39)));
+    assert_eq!(count.map(|(_, count)| (count.total(), count.others)), Some((322, 39)));
     // A tree has no such functions, even if all functions are selected.
     let tree = FOUR_BAR.split_once("<loop_joint").expect("a loop").0.to_owned() + "</robot>";
     let tree = Builder::new().urdf_text(tree, "tree.urdf").functions(Function::ALL.iter().copied());

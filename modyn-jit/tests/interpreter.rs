@@ -88,7 +88,7 @@ fn close(name: &str, found: &[f64], expected: &[f64]) {
 /// All functions that the interpreter's values have.
 fn functions() -> impl Iterator<Item = Function> {
     let all = Function::ALL.iter().copied();
-    all.filter(|f| f.batched().is_none() && !f.is_of_loops() && *f != Function::Brge)
+    all.filter(|f| f.batched().is_none() && !f.is_of_constraints() && *f != Function::Brge)
 }
 
 fn agrees(model: &Model, seed: u64) {

@@ -18,6 +18,7 @@ extern crate std;
 pub mod batch;
 #[doc(hidden)]
 pub mod configuration;
+mod constraint_settings;
 pub mod conventions;
 #[cfg(feature = "alloc")]
 pub mod equations;
@@ -54,20 +55,21 @@ pub use ::num_dual;
 pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
-    DecompositionError, ForwardDerivatives, FrameError, InertialError, Interpreter, ModuleMismatch,
-    ShapeError, UduFactorization, UpdateError,
+    ConstrainedDerivatives, DecompositionError, ForwardDerivatives, FrameError, InertialError,
+    Interpreter, ModuleMismatch, ShapeError, UduFactorization, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
 pub use crate::nalgebra::Nalgebra;
 pub use batch::BatchError;
 pub use configuration::ConfigurationError;
+pub use constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 pub use inertial::{Inertial, InertialDefect};
 pub use parameters::ParameterError;
 pub use results::{
-    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual, ConstraintSettings,
-    ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
-    OperationCount,
+    ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
+    ConstraintProjection, ConstraintResidual, ContactImpulse, ForwardDynamicsDerivatives,
+    InverseDynamicsDerivatives, JointLimits, KinematicModule, OperationCount, OperationalInertia,
 };
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]

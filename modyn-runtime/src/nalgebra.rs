@@ -9,10 +9,10 @@ use nalgebra::{
 };
 
 use crate::results::{
-    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual, ConstraintSettings,
+    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual,
     ForwardDynamicsDerivatives, InverseDynamicsDerivatives,
 };
-use crate::robot::{Constrained, Factorization, Robot};
+use crate::robot::{Constrained, Factorization, Robot, Settings};
 use crate::spatial::{Pose, Twist, Vector3};
 use crate::{Scalar, functions};
 
@@ -173,20 +173,21 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         }
     }
 
-    /// Returns the joint accelerations under the joint forces `tau` with the loops closed, the constraint wrenches,
-    /// the residuals and the rank.
+    /// Returns the joint accelerations under the joint forces `tau` with the loops closed and the active
+    /// contacts held, the constraint wrenches, the residuals and the rank.
     #[must_use]
     pub fn constrained_forward_dynamics<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
         qd: &SVector<T, NV>,
         tau: &SVector<T, NV>,
-        settings: &ConstraintSettings<T>,
+        contacts: R::Contacts,
+        settings: &Settings<R, T>,
     ) -> Constrained<R, SVector<T, NV>, T>
     where
         R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ConstrainedForwardDynamics,
     {
         let (q, qd, tau) = (array(q), array(qd), array(tau));
-        let found = R::constrained_forward_dynamics::<T>(q, qd, tau, settings);
+        let found = R::constrained_forward_dynamics::<T>(q, qd, tau, contacts, settings);
         let ConstrainedForwardDynamics { qdd, wrenches, residuals, rank } = found;
         ConstrainedForwardDynamics { qdd: qdd.into(), wrenches, residuals, rank }
     }
@@ -196,11 +197,12 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
     pub fn constraint_residual<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
         qd: &SVector<T, NV>,
-    ) -> ConstraintResidual<R::PerLoopConstraint<Twist<T>>>
+        settings: &Settings<R, T>,
+    ) -> ConstraintResidual<R::PerConstraint<Twist<T>>>
     where
         R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ConstraintResidual,
     {
-        R::constraint_residual::<T>(array(q), array(qd))
+        R::constraint_residual::<T>(array(q), array(qd), settings)
     }
 
     /// Returns the step that closes the loops, the change of velocities that keeps them closed, and the rank.
@@ -208,12 +210,13 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
     pub fn project_constraints<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,
         qd: &SVector<T, NV>,
-        settings: &ConstraintSettings<T>,
+        contacts: R::Contacts,
+        settings: &Settings<R, T>,
     ) -> ConstraintProjection<SVector<T, NV>, T>
     where
         R: Robot<Q<T> = [T; NQ], V<T> = [T; NV]> + functions::ProjectConstraints,
     {
-        let found = R::project_constraints::<T>(array(q), array(qd), settings);
+        let found = R::project_constraints::<T>(array(q), array(qd), contacts, settings);
         ConstraintProjection { dq: found.dq.into(), dqd: found.dqd.into(), rank: found.rank }
     }
 

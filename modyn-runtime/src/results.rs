@@ -43,78 +43,86 @@ pub struct ForwardDynamicsDerivatives<V, M> {
     pub dtau: M,
 }
 
-/// The stabilization of constraints, and the limits below which rows count as dependent.
-///
-/// A constraint whose frames are displaced by phi obeys phi'' = -2 alpha phi' - beta^2 phi (Baumgarte 1972).
-/// alpha = beta gives the fastest return without oscillation; the displacement halves in 1.7 / beta. With zeros
-/// the displacement by an integrator's errors remains.
-///
-/// The mobility of a row is an inverse inertia, 1/kg. A row depends on others if the mobility that they leave to it
-/// is at most a threshold. The threshold is `tolerance` times the mobility of the constraint's relative motion, plus
-/// `rounding` times the row's own mobility. Rotations are multiplied by the constraint's characteristic length.
-///
-/// ```
-/// use modyn_runtime::ConstraintSettings;
-///
-/// let stiff = ConstraintSettings { alpha: 100.0, beta: 100.0, ..ConstraintSettings::<f64>::DEFAULT };
-/// assert_eq!(stiff.tolerance, 1e-10);
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ConstraintSettings<T> {
-    /// The damping of the displacements, 1/s.
-    pub alpha: T,
-    /// The stiffness of the displacements, 1/s.
-    pub beta: T,
-    /// The mobility of a dependent row relative to its constraint's mobility in all six directions: the squared
-    /// angular error of the mechanism's axes, rad^2.
-    pub tolerance: T,
-    /// The part of a row's own mobility that rounding may leave.
-    pub rounding: T,
-}
-
-impl ConstraintSettings<f64> {
-    /// alpha = beta = 20/s, axes that are off by 1e-5 rad, and the square root of the precision.
-    pub const DEFAULT: Self = Self { alpha: 20.0, beta: 20.0, tolerance: 1e-10, rounding: 1e-10 };
-
-    /// No stabilization, for mechanisms whose constraints are satisfied exactly.
-    pub const EXACT: Self = Self { alpha: 0.0, beta: 0.0, ..Self::DEFAULT };
-}
-
-impl ConstraintSettings<f32> {
-    /// alpha = beta = 20/s, axes that are off by 1e-4 rad, and a hundred times the precision.
-    pub const DEFAULT: Self = Self { alpha: 20.0, beta: 20.0, tolerance: 1e-8, rounding: 1e-5 };
-
-    /// No stabilization, for mechanisms whose constraints are satisfied exactly.
-    pub const EXACT: Self = Self { alpha: 0.0, beta: 0.0, ..Self::DEFAULT };
-}
-
-impl Default for ConstraintSettings<f64> {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
-impl Default for ConstraintSettings<f32> {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
 /// The accelerations of a robot under its constraints, and the constraint wrenches.
 ///
-/// Wrenches and residuals are arrays with an entry for each loop constraint, at its second frame's origin in its
-/// first frame's axes.
+/// Wrenches and residuals are arrays with an entry for each constraint. Loop constraints come first, at the
+/// second frame's origin in the first frame's axes. Contacts follow, at the frame's origin in world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedForwardDynamics<V, W, R, T> {
     /// The joint accelerations, rad/s^2 or m/s^2.
     pub qdd: V,
-    /// The wrench on each constraint's second link, N m and N; the opposite wrench acts on the first link. If rows
-    /// are redundant, the wrenches minimize the sum of force^2 + (moment / l)^2 over all constraints, with the
-    /// characteristic length l of each.
+    /// The wrench on each constraint's second link, N m and N; the opposite wrench acts on the first link. A
+    /// contact's wrench acts on its link and is zero if the contact is not active. If rows are redundant, the
+    /// wrenches minimize the sum of force^2 + (moment / l)^2 over all constraints, with the characteristic
+    /// length l of each.
     pub wrenches: W,
-    /// The unmet part of each constraint's relative acceleration, rad/s^2 and m/s^2. It is within rounding of zero
-    /// unless rows contradict each other. Then it minimizes the sum of linear^2 + (l angular)^2.
+    /// The unmet part of each constraint's relative acceleration, rad/s^2 and m/s^2. It is within rounding of
+    /// zero unless rows contradict each other. Then it minimizes the sum of linear^2 + (l angular)^2. The
+    /// acceleration that a contact's compliance allows is not a part of it.
     pub residuals: R,
+    /// The number of independent constraint rows, an integer.
+    pub rank: T,
+}
+
+/// The velocities after an impact, and the impulses of the constraints.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactImpulse<V, W, T> {
+    /// The velocities after the impact, rad/s or m/s.
+    pub qd: V,
+    /// The impulse on each constraint's second link, N m s and N s, in the axes and at the point of the
+    /// constraint's wrench.
+    pub impulses: W,
+    /// The number of independent constraint rows, an integer.
+    pub rank: T,
+}
+
+/// The joint forces of accelerations, and the wrenches of the contacts that carry the floating bases.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstrainedInverseDynamics<V, W, T> {
+    /// The joint forces, N m or N. The joint forces of a floating base are the wrench on it that no contact can
+    /// carry: zero within rounding if the contacts suffice.
+    pub tau: V,
+    /// The wrench on each contact's link at its frame's origin in world axes, N m and N. The wrenches of loop
+    /// constraints, which come first, are zero.
+    pub wrenches: W,
+    /// The number of independent directions in which the contacts carry the bases, an integer.
+    pub rank: T,
+}
+
+/// The operational-space inertia of the constraints and its inverse: square matrices, arrays of columns, with a
+/// row for each constraint row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OperationalInertia<R, T> {
+    /// J I^-1 J^T with the mass matrix I, and the compliance of contacts, 1/kg (rotations 1/(kg m^2)).
+    pub inverse: R,
+    /// The pseudo-inverse of `inverse`, kg (rotations kg m^2).
+    pub inertia: R,
+    /// The number of independent constraint rows, an integer.
+    pub rank: T,
+}
+
+/// The accelerations and the wrenches of a robot with contacts, and their derivatives.
+///
+/// Matrices are arrays of columns. The derivative of a constraint's wrench is an array of columns, one for each
+/// entry of the differentiation variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstrainedForwardDynamicsDerivatives<V, W, M, D, T> {
+    /// The accelerations, rad/s^2 or m/s^2.
+    pub qdd: V,
+    /// The wrench on each contact's link, in world axes, N m and N.
+    pub wrenches: W,
+    /// d qdd / d q, in tangent space.
+    pub dq: M,
+    /// d qdd / d qd.
+    pub dqd: M,
+    /// d qdd / d tau: symmetric; its rank is nv minus the rank of the constraints.
+    pub dtau: M,
+    /// d wrench / d q of each constraint, in tangent space.
+    pub wrenches_dq: D,
+    /// d wrench / d qd of each constraint.
+    pub wrenches_dqd: D,
+    /// d wrench / d tau of each constraint.
+    pub wrenches_dtau: D,
     /// The number of independent constraint rows, an integer.
     pub rank: T,
 }
@@ -130,8 +138,11 @@ pub struct ConstraintProjection<V, T> {
     pub rank: T,
 }
 
-/// The violation of the constraints: arrays with an entry for each loop constraint, for its second frame relative
-/// to its first, in the first frame's axes, without the free directions.
+/// The violation of the constraints: arrays with an entry for each constraint.
+///
+/// The entry of a loop constraint is the motion of its second frame relative to its first, in the first frame's
+/// axes. The entry of a contact, active or not, is the motion of its frame relative to its target, in world
+/// axes. Components along free directions are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintResidual<D> {
     /// The displacements, m; a rotation is its axis times the sine of its angle.

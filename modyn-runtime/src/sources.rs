@@ -18,7 +18,7 @@ macro_rules! sources {
 
 /// All modules, by their paths.
 pub const SOURCES: &[Source] = sources!(
-    "configuration" "inertial" "jacobi" "parameters" "results"
+    "configuration" "constraint_settings" "inertial" "jacobi" "parameters" "results"
     "scalar/elementary" "scalar/float" "scalar/real" "scalar/root" "scalar/simd" "scalar/trig"
     "spatial/pose" "spatial/vector" "spatial/wrench"
 );

@@ -202,9 +202,9 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
         r.potential_energy(&q).ok();
         let settings = ConstraintSettings::<f64>::DEFAULT;
         let results = (&mut a[..], &mut loop_wrenches[..], &mut displacements[..]);
-        r.constrained_forward_dynamics(&q, &qd, &tau, &settings, results).ok();
-        r.constraint_residual(&q, &qd, &mut displacements, &mut velocities).ok();
-        r.project_constraints(&q, &qd, &settings, (&mut a, &mut b)).ok();
+        r.constrained_forward_dynamics((&q, &qd, &tau), &[], &settings, results).ok();
+        r.constraint_residual((&q, &qd), &settings, (&mut displacements, &mut velocities)).ok();
+        r.project_constraints((&q, &qd), &[], &settings, (&mut a, &mut b)).ok();
         r.inverse_dynamics_derivatives(&q, &qd, &qdd, &mut c, &mut d).ok();
         let outputs = ForwardDerivatives {
             qdd: &mut a,

@@ -3,7 +3,7 @@
 
 use modyn::simulate::State;
 use modyn::spatial::{Twist, Wrench};
-use modyn::{ConstraintSettings, Interpreter, Nalgebra, Robot, functions};
+use modyn::{ConstraintSettings, ContactTarget, Interpreter, Nalgebra, Robot, functions};
 
 modyn::modyn!("../../robots/four_bar.urdf");
 modyn::modyn!("mechanisms/rotated_four_bar.urdf");
@@ -31,10 +31,12 @@ fn assert_near(found: &[f64], expected: &[f64]) {
 /// The quantities of a robot at a state, one after the other, compiled and interpreted.
 fn compared<R, const N: usize>(model: modyn::model::Model, [q, qd, tau]: [[f64; N]; 3])
 where
-    R: Robot<Q<f64> = [f64; N], V<f64> = [f64; N]> + functions::Loops,
+    R: Robot<Q<f64> = [f64; N], V<f64> = [f64; N]> + functions::Constraints,
     R: Robot<
-            PerLoopConstraint<Wrench<f64>> = [Wrench<f64>; 1],
-            PerLoopConstraint<Twist<f64>> = [Twist<f64>; 1],
+            Contacts = (),
+            PerContact<ContactTarget<f64>> = [ContactTarget<f64>; 0],
+            PerConstraint<Wrench<f64>> = [Wrench<f64>; 1],
+            PerConstraint<Twist<f64>> = [Twist<f64>; 1],
         >,
 {
     let settings = ConstraintSettings::<f64>::DEFAULT;
@@ -42,33 +44,35 @@ where
     let (mut qdd, mut wrenches, mut residuals) = ([0.0; N], [Wrench::zero()], [Twist::zero()]);
     let into = (&mut qdd[..], &mut wrenches[..], &mut residuals[..]);
     let solve = Interpreter::constrained_forward_dynamics;
-    let rank = solve(&mut interpreter, &q, &qd, &tau, &settings, into).expect("fits");
-    let found = R::constrained_forward_dynamics(&q, &qd, &tau, &settings);
+    let rank = solve(&mut interpreter, (&q, &qd, &tau), &[], &settings, into).expect("fits");
+    let found = R::constrained_forward_dynamics(&q, &qd, &tau, (), &settings);
     assert_near(&found.qdd, &qdd);
     assert_near(&numbers(&found.wrenches), &numbers(&wrenches));
     assert_near(&found.residuals[0].components(), &residuals[0].components());
     assert_eq!(found.rank, rank);
     let vectors = [q, qd, tau].map(modyn::na::SVector::from);
     let [x, v, torque] = &vectors;
-    let again = Nalgebra::<R>::constrained_forward_dynamics(x, v, torque, &settings);
+    let again = Nalgebra::<R>::constrained_forward_dynamics(x, v, torque, (), &settings);
     assert_eq!((again.qdd.as_slice(), again.wrenches), (&found.qdd[..], found.wrenches));
     assert_eq!((again.residuals, again.rank), (found.residuals, found.rank));
 
     let (mut apart, mut parting) = ([Twist::zero()], [Twist::zero()]);
-    interpreter.constraint_residual(&q, &qd, &mut apart, &mut parting).expect("fits");
-    let found = R::constraint_residual(&q, &qd);
+    interpreter
+        .constraint_residual((&q, &qd), &settings, (&mut apart, &mut parting))
+        .expect("fits");
+    let found = R::constraint_residual(&q, &qd, &settings);
     assert_near(&found.displacements[0].components(), &apart[0].components());
     assert_near(&found.velocities[0].components(), &parting[0].components());
-    assert_eq!(Nalgebra::<R>::constraint_residual(x, v), found);
+    assert_eq!(Nalgebra::<R>::constraint_residual(x, v, &settings), found);
 
     let (mut dq, mut dqd) = ([0.0; N], [0.0; N]);
     let into = (&mut dq[..], &mut dqd[..]);
-    let rank = interpreter.project_constraints(&q, &qd, &settings, into).expect("fits");
-    let found = R::project_constraints(&q, &qd, &settings);
+    let rank = interpreter.project_constraints((&q, &qd), &[], &settings, into).expect("fits");
+    let found = R::project_constraints(&q, &qd, (), &settings);
     assert_near(&found.dq, &dq);
     assert_near(&found.dqd, &dqd);
     assert_eq!(found.rank, rank);
-    let again = Nalgebra::<R>::project_constraints(x, v, &settings);
+    let again = Nalgebra::<R>::project_constraints(x, v, (), &settings);
     assert_eq!((again.dq.as_slice(), again.dqd.as_slice()), (&found.dq[..], &found.dqd[..]));
 }
 
@@ -108,12 +112,14 @@ fn compiled_loops_are_interpreted_loops() {
 /// Coordinates and velocities that close the loops, from some near by.
 fn closed<R, const N: usize>(q: [f64; N], qd: [f64; N]) -> [[f64; N]; 2]
 where
-    R: Robot<Q<f64> = [f64; N], V<f64> = [f64; N]> + functions::Defaults + functions::Loops,
+    R: Robot<Q<f64> = [f64; N], V<f64> = [f64; N]> + functions::Defaults + functions::Constraints,
+    R: Robot<Contacts = (), PerContact<ContactTarget<f64>> = [ContactTarget<f64>; 0]>,
 {
     let settings = ConstraintSettings::<f64>::DEFAULT;
-    let q = (0..20)
-        .fold(q, |q, _| R::integrate::<f64>(&q, &R::project_constraints(&q, &qd, &settings).dq));
-    let change = R::project_constraints(&q, &qd, &settings).dqd;
+    let q = (0..20).fold(q, |q, _| {
+        R::integrate::<f64>(&q, &R::project_constraints(&q, &qd, (), &settings).dq)
+    });
+    let change = R::project_constraints(&q, &qd, (), &settings).dqd;
     [q, std::array::from_fn(|i| qd[i] + change[i])]
 }
 
@@ -127,13 +133,14 @@ fn compiled_linkages_do_not_depend_on_their_axes() {
     let [q, qd] = closed::<FourBar, 3>([1.2, -0.6, 2.0], [3.0, 0.0, 0.0]);
     let tau = [0.1, 0.2, -0.3];
     let settings = ConstraintSettings::<f64>::DEFAULT;
-    let expected = FourBar::constrained_forward_dynamics(&q, &qd, &tau, &settings);
-    let found = RotatedFourBar::constrained_forward_dynamics(&q, &qd, &tau, &settings);
+    let expected = FourBar::constrained_forward_dynamics(&q, &qd, &tau, (), &settings);
+    let found = RotatedFourBar::constrained_forward_dynamics(&q, &qd, &tau, (), &settings);
     assert_near(&found.qdd, &expected.qdd);
     assert_eq!((found.rank, expected.rank), (2.0, 2.0));
     let settings = ConstraintSettings::<f32>::DEFAULT;
     let (q, qd, tau) = (single(&q), single(&qd), single(&tau));
-    let found = <RotatedFourBar as Robot>::constrained_forward_dynamics(&q, &qd, &tau, &settings);
+    let found =
+        <RotatedFourBar as Robot>::constrained_forward_dynamics(&q, &qd, &tau, (), &settings);
     for (a, b) in found.qdd.iter().zip(&expected.qdd) {
         assert!((f64::from(*a) - b).abs() < 1e-3 * (1.0 + b.abs()), "{found:?}");
     }
@@ -144,7 +151,7 @@ fn compiled_linkages_do_not_depend_on_their_axes() {
 fn a_compiled_bennett_linkage_moves() {
     let near = [1.1 + 0.02, 2.798_542_182_184_737_4, -1.1];
     let [q, qd] = closed::<Bennett, 3>(near, [2.0, -0.5, -2.0]);
-    let missed = Bennett::constraint_residual(&q, &qd);
+    let missed = Bennett::constraint_residual(&q, &qd, &ConstraintSettings::<f64>::DEFAULT);
     let all = [missed.displacements[0].components(), missed.velocities[0].components()].concat();
     assert!(all.iter().all(|x| x.abs() < 1e-13), "{missed:?}");
     assert!(qd[0].abs() > 0.1, "{qd:?}");
@@ -152,12 +159,12 @@ fn a_compiled_bennett_linkage_moves() {
     compared::<Bennett, 3>(model, [q, qd, [0.3, 0.1, -0.2]]);
     let settings = ConstraintSettings::<f64>::DEFAULT;
     let tau = [0.3, 0.1, -0.2];
-    let found = Bennett::constrained_forward_dynamics(&q, &qd, &tau, &settings);
+    let found = Bennett::constrained_forward_dynamics(&q, &qd, &tau, (), &settings);
     assert_eq!(found.rank, 2.0);
     assert!(found.residuals[0].components().iter().all(|x| x.abs() < 1e-9), "{found:?}");
     let settings = ConstraintSettings::<f32>::DEFAULT;
     let (q, qd, tau) = (single(&q), single(&qd), single(&tau));
-    let again = <Bennett as Robot>::constrained_forward_dynamics(&q, &qd, &tau, &settings);
+    let again = <Bennett as Robot>::constrained_forward_dynamics(&q, &qd, &tau, (), &settings);
     assert_eq!(again.rank, 2.0);
     for (a, b) in again.qdd.iter().zip(&found.qdd) {
         assert!((f64::from(*a) - b).abs() < 1e-3 * (1.0 + b.abs()), "{again:?}");
@@ -170,11 +177,11 @@ fn a_compiled_four_bar_linkage_keeps_its_energy() {
     let settings = ConstraintSettings::<f64>::DEFAULT;
     let (mut q, qd) = ([1.2, -0.6, 2.0], [0.0; 3]);
     for _ in 0..20 {
-        let step = FourBar::project_constraints(&q, &qd, &settings).dq;
+        let step = FourBar::project_constraints(&q, &qd, (), &settings).dq;
         q = FourBar::integrate(&q, &step);
     }
     let apart = |q: &[f64; 3]| {
-        let found = FourBar::constraint_residual(q, &[0.0; 3]).displacements[0];
+        let found = FourBar::constraint_residual(q, &[0.0; 3], &settings).displacements[0];
         found.components().into_iter().fold(0.0_f64, |most, x| most.max(x.abs()))
     };
     assert!(apart(&q) < 1e-14, "{}", apart(&q));
@@ -184,7 +191,7 @@ fn a_compiled_four_bar_linkage_keeps_its_energy() {
     let mut state = State::<FourBar>::at_rest(q);
     for _ in 0..1000 {
         state = state.runge_kutta_4(1e-3, |State { q, qd }| {
-            FourBar::constrained_forward_dynamics(q, qd, &[0.0; 3], &settings).qdd
+            FourBar::constrained_forward_dynamics(q, qd, &[0.0; 3], (), &settings).qdd
         });
     }
     let State { q, qd } = state;

@@ -19,10 +19,9 @@ fn states_are_closed() {
                 (vec![Twist::zero(); loop_constraints], vec![Twist::zero(); loop_constraints]);
             let mut interpreter = Interpreter::<f64>::new(golden.model.clone());
             let called = interpreter.constraint_residual(
-                &state.q(),
-                &state.vector("v"),
-                &mut displacement,
-                &mut velocity,
+                (&state.q(), &state.vector("v")),
+                &ConstraintSettings::<f64>::EXACT,
+                (&mut displacement, &mut velocity),
             );
             called.expect("the lengths are right");
             assert_close(name, &displacement[0].components(), &[0.0; 6], 1e-12);
@@ -40,9 +39,8 @@ fn accelerations(name: &str) {
         let mut qdd = vec![0.0; golden.model.nv()];
         let (mut wrenches, mut residuals) = ([Wrench::zero()], [Twist::zero()]);
         let called = interpreter.constrained_forward_dynamics(
-            &state.q(),
-            &state.vector("v"),
-            &state.vector("tau"),
+            (&state.q(), &state.vector("v"), &state.vector("tau")),
+            &[],
             &ConstraintSettings::<f64>::EXACT,
             (&mut qdd, &mut wrenches, &mut residuals),
         );

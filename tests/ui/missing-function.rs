@@ -7,7 +7,7 @@ fn by_type() {
     let _: [f64; 2] = Arm::gravity_torques(&[0.1, 0.2]);
     let _ = Arm::jacobian(&[0.1, 0.2], ArmLink::ALL[0]);
     let _ = Arm::mass_matrix_batch([&[0.1]], [[&mut [0.0]]]);
-    let _ = Arm::project_constraints(&[0.1, 0.2], &[0.3, 0.4], &modyn::ConstraintSettings::<f64>::DEFAULT);
+    let _ = Arm::project_constraints(&[0.1, 0.2], &[0.3, 0.4], (), &modyn::ConstraintSettings::<f64>::DEFAULT);
 }
 
 /// Through the trait.

@@ -8,6 +8,7 @@
 //! Each step reports all its errors and continues as far as possible.
 
 mod bodies;
+mod contacts;
 mod cycles;
 mod loops;
 mod mimics;
@@ -67,6 +68,7 @@ fn model(
     check::motion::inactive_friction(&bodies, options.friction, report);
     let carriers: Vec<_> = place.iter().map(|(carrier, _)| *carrier).collect();
     let loop_constraints = loops::loop_constraints(description, &carriers, report);
+    let contacts = contacts::contacts(description, &options.contacts, &carriers, report);
     let errors = report.errors();
     let frames = description.links.iter().zip(place).map(|(record, (link, pose))| Frame {
         name: record.name.text.clone(),
@@ -79,7 +81,8 @@ fn model(
         .and_then(|model| model.with_friction(options.friction.unwrap_or_default()))
         .and_then(|model| {
             if errors > 0 { Ok(model) } else { model.with_loop_constraints(loop_constraints) }
-        });
+        })
+        .and_then(|model| if errors > 0 { Ok(model) } else { model.with_contacts(contacts) });
     let model = match model {
         Ok(model) => model,
         // Caused by an error that is already reported.

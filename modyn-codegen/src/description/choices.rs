@@ -1,6 +1,6 @@
 //! The options of reading a description, and joints that options add.
 
-use modyn_runtime::model::{Friction, LoopConstraintKind};
+use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 
 use crate::diagnostics::Severity;
 
@@ -23,6 +23,8 @@ pub struct ReadOptions {
     pub friction: Option<Friction>,
     /// The joints that close loops, besides those of the description.
     pub loops: Vec<Loop>,
+    /// The frames of links that can touch the world.
+    pub contacts: Vec<Contact>,
 }
 
 /// The treatment of mimic joints.
@@ -79,7 +81,7 @@ pub struct Loop {
     pub ends: [LoopEnd; 2],
 }
 
-/// A frame of a [`Loop`].
+/// A frame of a [`Loop`] or a [`Contact`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoopEnd {
     /// The link's name.
@@ -88,4 +90,15 @@ pub struct LoopEnd {
     pub xyz: [f64; 3],
     /// The rotation of the frame: roll, pitch and yaw, rad.
     pub rpy: [f64; 3],
+}
+
+/// A frame of a link that can touch the world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// The name, which no other constraint has.
+    pub name: String,
+    /// The motions that the contact stops.
+    pub kind: ContactKind,
+    /// The frame, on a link that moves.
+    pub end: LoopEnd,
 }

@@ -1,10 +1,10 @@
 //! The types of options: how each is read from a value and written as a Rust argument.
 
-use modyn_runtime::model::{Friction, LoopConstraintKind};
+use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 
 use super::value::{Fault, Value, ValueKind};
 use crate::FloatType;
-use crate::description::{Base, Loop, LoopEnd, Mimic, Rotor};
+use crate::description::{Base, Contact, Loop, LoopEnd, Mimic, Rotor};
 use crate::diagnostics::Severity;
 use crate::plan::Function;
 
@@ -329,6 +329,37 @@ impl OptionValue for Loop {
             }
             _ => Ok(Self { name, kind, ends }),
         }
+    }
+
+    fn rust(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+/// `"name": type("link", [x, y, z], [roll, pitch, yaw])`; the last two are zero if they are left out.
+impl OptionValue for Contact {
+    fn read(value: &Value) -> Result<Self, Fault> {
+        let expected = "expected `\"name\": point(\"link\")` or `\"name\": surface(\"link\")`, and perhaps `[x, y, z]` \
+                        and `[roll, pitch, yaw]` after the link";
+        let (name, contact) = pair(value, expected)?;
+        let ValueKind::Call(contact_type, arguments) = &contact.kind else {
+            return Err(Fault::new(contact.at, expected));
+        };
+        let word = Value { at: contact.at, kind: ValueKind::Word(contact_type.clone()) };
+        let types = [("point", ContactKind::Point), ("surface", ContactKind::Surface)];
+        let kind = choice(&word, &types)?;
+        let [link, numbers @ ..] = arguments.as_slice() else {
+            return Err(Fault::new(contact.at, expected));
+        };
+        let (xyz, rpy) = match numbers {
+            [] => (None, None),
+            [origin] => (Some(origin), None),
+            [origin, angles] => (Some(origin), Some(angles)),
+            [_, _, other, ..] => return Err(Fault::new(other.at, "expected `)`")),
+        };
+        let vector = |value: Option<&Value>| value.map_or(Ok([0.0; 3]), <[f64; 3]>::read);
+        let end = LoopEnd { link: String::read(link)?, xyz: vector(xyz)?, rpy: vector(rpy)? };
+        Ok(Self { name, kind, end })
     }
 
     fn rust(&self) -> String {

@@ -233,7 +233,9 @@ impl Plan {
             nv: model.nv(),
             links: model.frames().len(),
             moving: model.links().len(),
-            loops: model.loop_constraints().len(),
+            constraints: model.constraints(),
+            contacts: model.contacts().len(),
+            constraint_rows: model.constraint_rows(),
             factors: layout.size(),
         };
         let tracing = Tracing {
@@ -253,7 +255,7 @@ impl Plan {
             let row = function.row();
             choices.functions.contains(function)
                 && (choices.batches || row.batch_of.is_none())
-                && (sizes.loops > 0 || !row.of_loops)
+                && function.fits(sizes.constraints, sizes.contacts)
         };
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
         let mut graphs = Graphs::new(&selected);

@@ -16,8 +16,12 @@ pub enum Shape {
 pub enum Record {
     /// A spatial quantity, by its name.
     Spatial(&'static str),
+    /// A type of the runtime's root that is generic over the scalar only, by its name.
+    Plain(&'static str),
     /// The factors of the mass matrix.
     Factorization,
+    /// The set of active contacts: a number for each contact, 1 if it is active, else 0.
+    Contacts,
     /// The results of a function with several results, or its settings, by name.
     Several(&'static str),
 }
@@ -122,8 +126,12 @@ pub struct Sizes {
     pub links: usize,
     /// The number of moving links.
     pub moving: usize,
-    /// The number of loop constraints.
-    pub loops: usize,
+    /// The number of constraints: closed loops and contacts.
+    pub constraints: usize,
+    /// The number of contacts.
+    pub contacts: usize,
+    /// The number of constraint rows, all contacts active.
+    pub constraint_rows: usize,
     /// The number of entries of the mass matrix's factors.
     pub factors: usize,
 }
@@ -158,9 +166,22 @@ pub(super) mod shapes {
         Shape::Record(Record::Factorization, vec![("factors", Shape::vector(s.factors))])
     }
 
-    pub fn settings(_: &Sizes) -> Shape {
-        let fields = ["alpha", "beta", "tolerance", "rounding"].map(|name| (name, Shape::Scalar));
-        named_fields("ConstraintSettings", fields.into())
+    pub fn contacts(s: &Sizes) -> Shape {
+        Shape::Record(Record::Contacts, vec![("", Shape::vector(s.contacts))])
+    }
+
+    pub fn settings(s: &Sizes) -> Shape {
+        let scalars = |names: &[&'static str]| -> Vec<(&'static str, Shape)> {
+            names.iter().map(|&name| (name, Shape::Scalar)).collect()
+        };
+        let target = [
+            vec![("pose", Shape::pose()), ("velocity", Shape::twist())],
+            scalars(&["tangential", "alpha", "beta", "compliance", "restitution", "weight"]),
+        ];
+        let target = Shape::Record(Record::Plain("ContactTarget"), target.concat());
+        let mut fields = scalars(&["alpha", "beta", "tolerance", "rounding"]);
+        fields.push(("contacts", target.array(s.contacts)));
+        named_fields("ConstraintSettings", fields)
     }
 
     pub fn inverse_derivatives(s: &Sizes) -> Shape {
@@ -173,8 +194,8 @@ pub(super) mod shapes {
     }
 
     pub fn constrained(s: &Sizes) -> Shape {
-        let wrenches = Shape::wrench().array(s.loops);
-        let residuals = Shape::twist().array(s.loops);
+        let wrenches = Shape::wrench().array(s.constraints);
+        let residuals = Shape::twist().array(s.constraints);
         let fields = vec![
             ("qdd", velocities(s)),
             ("wrenches", wrenches),
@@ -185,8 +206,38 @@ pub(super) mod shapes {
     }
 
     pub fn constraint_residual(s: &Sizes) -> Shape {
-        let twists = || Shape::twist().array(s.loops);
+        let twists = || Shape::twist().array(s.constraints);
         named_fields("ConstraintResidual", vec![("displacements", twists()), ("velocities", twists())])
+    }
+
+    pub fn constrained_derivatives(s: &Sizes) -> Shape {
+        let matrices = ["dq", "dqd", "dtau"].map(|name| (name, square(s)));
+        let changes = || Shape::wrench().array(s.nv).array(s.constraints);
+        let changes = ["wrenches_dq", "wrenches_dqd", "wrenches_dtau"].map(|name| (name, changes()));
+        let first = [("qdd", velocities(s)), ("wrenches", Shape::wrench().array(s.constraints))];
+        let fields = [&first[..], &matrices, &changes, &[("rank", Shape::Scalar)]].concat();
+        named_fields("ConstrainedForwardDynamicsDerivatives", fields)
+    }
+
+    pub fn contact_impulse(s: &Sizes) -> Shape {
+        let impulses = Shape::wrench().array(s.constraints);
+        let fields = vec![("qd", velocities(s)), ("impulses", impulses), ("rank", Shape::Scalar)];
+        named_fields("ContactImpulse", fields)
+    }
+
+    pub fn constrained_torques(s: &Sizes) -> Shape {
+        let wrenches = Shape::wrench().array(s.constraints);
+        let fields = vec![("tau", velocities(s)), ("wrenches", wrenches), ("rank", Shape::Scalar)];
+        named_fields("ConstrainedInverseDynamics", fields)
+    }
+
+    pub fn constraint_jacobian(s: &Sizes) -> Shape { twists(s).array(s.constraints) }
+    pub fn constraint_twists(s: &Sizes) -> Shape { Shape::twist().array(s.constraints) }
+
+    pub fn operational_inertia(s: &Sizes) -> Shape {
+        let matrix = || Shape::matrix(s.constraint_rows, s.constraint_rows);
+        let fields = vec![("inverse", matrix()), ("inertia", matrix()), ("rank", Shape::Scalar)];
+        named_fields("OperationalInertia", fields)
     }
 
     pub fn constraint_projection(s: &Sizes) -> Shape {

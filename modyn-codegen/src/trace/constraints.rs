@@ -1,32 +1,36 @@
-//! The graphs of loop constraints.
+//! The graphs of loop constraints and contacts.
 //!
-//! Settings are alpha, beta, tolerance and rounding. A twist or a wrench is three angular, then three linear
-//! components.
+//! Settings are alpha, beta, tolerance and rounding, then the target of each contact: rotation by rows,
+//! translation, velocity, tangential, alpha, beta, compliance, restitution, weight. A twist or a wrench is
+//! three angular, then three linear components. The set of active contacts is a number for each contact, 1 if
+//! it is active, else 0.
 
-use modyn_runtime::ConstraintSettings;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
-use modyn_runtime::spatial::{Twist, Wrench};
+use modyn_runtime::mechanism::Mechanism;
+use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
+use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
 use super::Tracer;
 use crate::graph::{Expr, Graph};
 
 impl Tracer<'_> {
-    /// Returns the graph of the accelerations, a wrench and a residual for each loop constraint, and the rank. Inputs:
-    /// `q`, `qd`, `tau` and settings. The mass matrix is factorized with `layout`.
+    /// Returns the graph of the accelerations, a wrench and a residual for each constraint, and the rank.
+    /// Inputs: `q`, `qd`, `tau`, active contacts and settings. The mass matrix is factorized with `layout`.
     #[must_use]
     pub fn constrained_forward_dynamics(&self, layout: &UduLayout) -> Graph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
-        self.trace_groups([nq, nv, nv, SETTINGS], |model, [q, qd, tau, settings]| {
-            let loops = model.loop_constraints.len();
-            let (mut qdd, mut wrenches) = (self.vector(), vec![Wrench::zero(); loops]);
-            let mut residuals = vec![Twist::zero(); loops];
+        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
+        let groups = [nq, nv, nv, contacts, settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, qd, tau, active, settings]| {
+            let count = model.constraints.len();
+            let (mut qdd, mut wrenches) = (self.vector(), vec![Wrench::zero(); count]);
+            let mut residuals = vec![Twist::zero(); count];
             let room = &mut ConstraintWorkspace::new(model, layout);
             let rank = constraints::constrained_forward_dynamics(
                 model,
                 layout,
                 (&q, &qd, &tau),
-                &constraint_settings(&settings),
+                (&active, &settings_of(&settings)),
                 (&mut Workspace::new(model), room),
                 (&mut qdd, &mut wrenches, &mut residuals),
             );
@@ -36,30 +40,36 @@ impl Tracer<'_> {
         })
     }
 
-    /// Returns the graph of the displacement, then the velocity of each loop constraint. Inputs: `q`, `qd`.
+    /// Returns the graph of the displacement, then the velocity of each constraint. Inputs: `q`, `qd` and
+    /// settings.
     #[must_use]
-    pub fn constraint_residual(&self) -> Graph {
-        self.trace(|model, [q, qd]| {
-            let twists = || vec![Twist::zero(); model.loop_constraints.len()];
+    pub fn constraint_residual(&self, layout: &UduLayout) -> Graph {
+        let groups = [self.model.nq, self.model.nv, settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, qd, settings]| {
+            let twists = || vec![Twist::zero(); model.constraints.len()];
             let (mut displacements, mut velocities) = (twists(), twists());
-            let errors = (&mut *displacements, &mut *velocities);
-            constraints::constraint_residual(model, (&q, &qd), &mut Workspace::new(model), errors);
+            let results = (&mut *displacements, &mut *velocities);
+            let rooms = (&mut Workspace::new(model), &mut ConstraintWorkspace::new(model, layout));
+            let targets = settings_of(&settings).contacts;
+            constraints::constraint_residual(model, (&q, &qd), &targets, rooms, results);
             displacements.iter().chain(&velocities).flat_map(Twist::components).collect()
         })
     }
 
-    /// Returns the graph of the step, the change of the velocities and the rank. Inputs: `q`, `qd` and settings.
+    /// Returns the graph of the step, the change of the velocities and the rank. Inputs: `q`, `qd`, active
+    /// contacts and settings.
     #[must_use]
     pub fn project_constraints(&self, layout: &UduLayout) -> Graph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
-        self.trace_groups([nq, nv, SETTINGS], |model, [q, qd, settings]| {
+        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
+        let groups = [nq, nv, contacts, settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, qd, active, settings]| {
             let (mut dq, mut dqd) = (self.vector(), self.vector());
             let room = &mut ConstraintWorkspace::new(model, layout);
             let rank = constraints::project_constraints(
                 model,
                 layout,
                 (&q, &qd),
-                &constraint_settings(&settings),
+                (&active, &settings_of(&settings)),
                 (&mut Workspace::new(model), room),
                 (&mut dq, &mut dqd),
             );
@@ -68,10 +78,165 @@ impl Tracer<'_> {
     }
 }
 
-/// The number of settings.
-const SETTINGS: usize = 4;
+impl Tracer<'_> {
+    /// Returns the graph of the velocities after an impact, an impulse for each constraint and the rank.
+    /// Inputs: `q`, `qd`, active contacts and settings.
+    #[must_use]
+    pub fn contact_impulse(&self, layout: &UduLayout) -> Graph {
+        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
+        let groups = [nq, nv, contacts, settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, qd, active, settings]| {
+            let (mut after, mut impulses) =
+                (self.vector(), vec![Wrench::zero(); model.constraints.len()]);
+            let room = &mut ConstraintWorkspace::new(model, layout);
+            let rank = constraints::contact_impulse(
+                model,
+                layout,
+                (&q, &qd),
+                (&active, &settings_of(&settings)),
+                (&mut Workspace::new(model), room),
+                (&mut after, &mut impulses),
+            );
+            let impulses = impulses.iter().flat_map(Wrench::components);
+            after.into_iter().chain(impulses).chain([rank]).collect()
+        })
+    }
 
-fn constraint_settings(numbers: &[Expr]) -> ConstraintSettings<Expr> {
-    let &[alpha, beta, tolerance, rounding] = numbers else { unreachable!("four settings") };
-    ConstraintSettings { alpha, beta, tolerance, rounding }
+    /// Returns the graph of the accelerations, the wrenches, the derivatives of the accelerations with respect
+    /// to q, qd and tau, the derivatives of the wrenches, and the rank. Inputs: `q`, `qd`, `tau`, active
+    /// contacts and settings.
+    #[must_use]
+    pub fn constrained_forward_dynamics_derivatives(&self, layout: &UduLayout) -> Graph {
+        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
+        let groups = [nq, nv, nv, contacts, settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, qd, tau, active, settings]| {
+            let count = model.constraints.len();
+            let (mut qdd, mut wrenches) = (self.vector(), vec![Wrench::zero(); count]);
+            let mut matrices: [Vec<Expr>; 3] = std::array::from_fn(|_| vec![Expr::zero(); nv * nv]);
+            let mut changes: [Vec<Wrench<Expr>>; 3] =
+                std::array::from_fn(|_| vec![Wrench::zero(); nv * count]);
+            let ([dqdd_dq, dqdd_dqd, dqdd_dtau], [dwrenches_dq, dwrenches_dqd, dwrenches_dtau]) =
+                (&mut matrices, &mut changes);
+            let outputs = constraints::ConstrainedDerivatives {
+                qdd: &mut qdd,
+                wrenches: &mut wrenches,
+                dqdd_dq,
+                dqdd_dqd,
+                dqdd_dtau,
+                dwrenches_dq,
+                dwrenches_dqd,
+                dwrenches_dtau,
+            };
+            let room = &mut ConstraintWorkspace::new(model, layout);
+            let rank = constraints::constrained_forward_dynamics_derivatives(
+                model,
+                layout,
+                (&q, &qd, &tau),
+                (&active, &settings_of(&settings)),
+                (&mut Workspace::new(model), room),
+                outputs,
+            );
+            let wrenches = wrenches.iter().chain(changes.iter().flatten());
+            let (first, rest): (Vec<_>, Vec<_>) = (
+                wrenches.clone().take(count).flat_map(Wrench::components).collect(),
+                wrenches.skip(count).flat_map(Wrench::components).collect(),
+            );
+            [qdd, first, matrices.concat(), rest, vec![rank]].concat()
+        })
+    }
+
+    /// Returns the graph of the joint forces, a wrench for each constraint and the rank. Inputs: `q`, `qd`,
+    /// `qdd`, active contacts and settings.
+    #[must_use]
+    pub fn constrained_inverse_dynamics(&self, layout: &UduLayout) -> Graph {
+        let (nq, nv, contacts) = (self.model.nq, self.model.nv, self.model.contacts());
+        let groups = [nq, nv, nv, contacts, settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, qd, qdd, active, settings]| {
+            let (mut tau, mut wrenches) =
+                (self.vector(), vec![Wrench::zero(); model.constraints.len()]);
+            let room = &mut ConstraintWorkspace::new(model, layout);
+            let rank = constraints::constrained_inverse_dynamics(
+                model,
+                (&q, &qd, &qdd),
+                (&active, &settings_of(&settings)),
+                (&mut Workspace::new(model), room),
+                (&mut tau, &mut wrenches),
+            );
+            let wrenches = wrenches.iter().flat_map(Wrench::components);
+            tau.into_iter().chain(wrenches).chain([rank]).collect()
+        })
+    }
+
+    /// Returns the graph of the Jacobian of each constraint by columns. Input: `q`.
+    #[must_use]
+    pub fn constraint_jacobian(&self, layout: &UduLayout) -> Graph {
+        self.trace(|model, [q]| {
+            let mut columns = vec![Twist::zero(); model.constraints.len() * model.nv];
+            let room = &mut ConstraintWorkspace::new(model, layout);
+            let rooms = (&mut Workspace::new(model), room);
+            constraints::constraint_jacobian(model, &q, rooms, &mut columns);
+            columns.iter().flat_map(Twist::components).collect()
+        })
+    }
+
+    /// Returns the graph of the bias acceleration of each constraint. Inputs: `q`, `qd`.
+    #[must_use]
+    pub fn constraint_bias_acceleration(&self) -> Graph {
+        self.trace(|model, [q, qd]| {
+            let mut accelerations = vec![Twist::zero(); model.constraints.len()];
+            let workspace = &mut Workspace::new(model);
+            constraints::constraint_bias_acceleration(
+                model,
+                (&q, &qd),
+                workspace,
+                &mut accelerations,
+            );
+            accelerations.iter().flat_map(Twist::components).collect()
+        })
+    }
+
+    /// Returns the graph of the inverse operational-space inertia and the inertia, by columns, and the rank.
+    /// Inputs: `q`, active contacts and settings.
+    #[must_use]
+    pub fn operational_inertia(&self, layout: &UduLayout) -> Graph {
+        let groups = [self.model.nq, self.model.contacts(), settings_count(self.model)];
+        self.trace_groups(groups, |model, [q, active, settings]| {
+            let rows: usize = model.constraints.iter().map(|c| c.rows.len()).sum();
+            let matrix = || vec![Expr::zero(); rows * rows];
+            let (mut inverse, mut inertia) = (matrix(), matrix());
+            let room = &mut ConstraintWorkspace::new(model, layout);
+            let rank = constraints::operational_inertia(
+                model,
+                layout,
+                &q,
+                (&active, &settings_of(&settings)),
+                (&mut Workspace::new(model), room),
+                (&mut inverse, &mut inertia),
+            );
+            [inverse, inertia, vec![rank]].concat()
+        })
+    }
+}
+
+/// The number of scalars of a contact's target.
+const TARGET: usize = 24;
+
+/// Returns the number of scalars of the settings.
+fn settings_count(model: &Mechanism<f64>) -> usize {
+    4 + TARGET * model.contacts()
+}
+
+fn settings_of(numbers: &[Expr]) -> ConstraintSettings<Expr, Vec<ContactTarget<Expr>>> {
+    let (&[alpha, beta, tolerance, rounding], targets) =
+        numbers.split_first_chunk().expect("four settings");
+    let target = |numbers: &[Expr]| {
+        let three = |from: usize| core::array::from_fn(|k| numbers[from + k]);
+        let pose = Pose { rotation: [three(0), three(3), three(6)], translation: three(9) };
+        let velocity = Twist { angular: Vector3(three(12)), linear: Vector3(three(15)) };
+        let [tangential, alpha, beta, compliance, restitution, weight] =
+            core::array::from_fn(|k| numbers[18 + k]);
+        ContactTarget { pose, velocity, tangential, alpha, beta, compliance, restitution, weight }
+    };
+    let contacts = targets.chunks(TARGET).map(target).collect();
+    ConstraintSettings { alpha, beta, tolerance, rounding, contacts }
 }

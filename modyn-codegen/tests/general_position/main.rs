@@ -71,7 +71,7 @@ fn interpreted<S: Precision>(model: &Model, [q, qd, tau]: &[Vec<f64>; 3]) -> Sol
     let into = (&mut *qdd, &mut *wrenches, &mut *residuals);
     let (q, qd, tau) = (cast(q), cast(qd), cast(tau));
     let solve = Interpreter::constrained_forward_dynamics;
-    let rank = solve(&mut interpreter, &q, &qd, &tau, &S::settings(), into).expect("fits");
+    let rank = solve(&mut interpreter, (&q, &qd, &tau), &[], &S::settings(), into).expect("fits");
     Solution {
         qdd: qdd.into_iter().map(S::to_f64).collect(),
         wrenches: wrenches.iter().map(|w| six(w.components())).collect(),
@@ -165,7 +165,7 @@ fn project(model: &Model, q: &mut [f64], qd: &mut [f64], steps: usize) -> usize 
     for _ in 0..steps {
         let into = (&mut *dq, &mut *dqd);
         let settings = ConstraintSettings::<f64>::DEFAULT;
-        rank = interpreter.project_constraints(q, qd, &settings, into).expect("fits");
+        rank = interpreter.project_constraints((q, qd), &[], &settings, into).expect("fits");
         let before = q.to_owned();
         interpreter.integrate(&before, &dq, q).expect("fits");
         qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);

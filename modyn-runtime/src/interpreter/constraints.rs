@@ -1,38 +1,48 @@
-//! Forward dynamics of closed loops, and the residuals of loop constraints.
+//! Forward dynamics of closed loops and contacts, and the functions of constraints.
 
 use super::Interpreter;
 use super::errors::{ShapeError, check};
 use crate::Scalar;
+use crate::constraint_settings::{ConstraintSettings, ContactTarget};
 use crate::equations::brge::UduLayout;
+pub use crate::equations::constraints::ConstrainedDerivatives;
 use crate::equations::{ConstraintWorkspace, Workspace, constraints};
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
-use crate::results::ConstraintSettings;
 use crate::spatial::{Twist, Wrench};
 
-/// The workspaces that constrained dynamics needs.
-type Workspaces<'a, S> = (&'a mut Workspace<S>, &'a mut ConstraintWorkspace<S>);
+/// The arguments and the workspaces that constrained dynamics needs.
+struct Constraints<'a, S> {
+    mechanism: &'a Mechanism<S>,
+    layout: &'a UduLayout,
+    /// For each contact, 1 if it is active, else 0.
+    active: &'a [S],
+    /// The workspaces.
+    rooms: (&'a mut Workspace<S>, &'a mut ConstraintWorkspace<S>),
+}
 
-/// Functions of closed loops: see [`Model::loop_constraints`](crate::model::Model::loop_constraints). Slices with
-/// an entry for each loop constraint are empty for a tree.
+/// Functions of closed loops and contacts: see
+/// [`Model::loop_constraints`](crate::model::Model::loop_constraints) and
+/// [`Model::contacts`](crate::model::Model::contacts). Slices with an entry for each constraint have the loop
+/// constraints first, then the contacts; they are empty for a tree.
 impl<S: Scalar> Interpreter<S> {
     /// Computes the joint accelerations `qdd` (rad/s^2 or m/s^2) under the joint forces `tau`, with the loops
-    /// closed. Returns the number of independent constraint rows, an integer.
+    /// closed and the `active` contacts held. Returns the number of independent constraint rows, an integer.
     ///
-    /// `wrenches` receives the wrench on each loop constraint's second link (N m, N), and `residuals` the
-    /// residual of its acceleration (rad/s^2, m/s^2). Both are at the second frame's origin, in the first
-    /// frame's axes: see [`ConstrainedForwardDynamics`](crate::ConstrainedForwardDynamics). The first call
-    /// allocates memory. Source: Featherstone 2008, chapter 8.
+    /// `wrenches` receives the wrench on each constraint's second link (N m, N), and `residuals` the residual
+    /// of its acceleration (rad/s^2, m/s^2). Those of loop constraints are at the second frame's origin, in the
+    /// first frame's axes; those of contacts at the frame's origin, in world axes: see
+    /// [`ConstrainedForwardDynamics`](crate::ConstrainedForwardDynamics). The first call allocates memory.
+    /// Source: Featherstone 2008, chapter 8.
     ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
     pub fn constrained_forward_dynamics(
         &mut self,
-        q: &[S],
-        qd: &[S],
-        tau: &[S],
-        settings: &ConstraintSettings<S>,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        active: &[bool],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         (qdd, wrenches, residuals): (&mut [S], &mut [Wrench<S>], &mut [Twist<S>]),
     ) -> Result<S, ShapeError> {
         let n = self.model.nv();
@@ -40,17 +50,18 @@ impl<S: Scalar> Interpreter<S> {
         check("qd", qd, n)?;
         check("tau", tau, n)?;
         check("qdd", qdd, n)?;
-        check("wrenches", wrenches, self.model.loop_constraints().len())?;
-        check("residuals", residuals, self.model.loop_constraints().len())?;
-        let (mechanism, layout, rooms) = self.constraints();
-        let state = (q, qd, tau);
+        check("wrenches", wrenches, self.model.constraints())?;
+        check("residuals", residuals, self.model.constraints())?;
+        self.set_active(active, settings)?;
+        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let settings = (active, settings);
         let solve = constraints::constrained_forward_dynamics;
-        Ok(solve(mechanism, layout, state, settings, rooms, (qdd, wrenches, residuals)))
+        Ok(solve(mechanism, layout, (q, qd, tau), settings, rooms, (qdd, wrenches, residuals)))
     }
 
-    /// Computes the smallest step `dq` (rad or m, in tangent space) that closes the loops at `q` to first order,
-    /// and the smallest change `dqd` of the velocities that keeps them closed. Returns the number of independent
-    /// constraint rows, an integer.
+    /// Computes the smallest step `dq` (rad or m, in tangent space) that closes the loops at `q` and moves the
+    /// `active` contacts to their targets to first order, and the smallest change `dqd` of the velocities that
+    /// keeps them there. Returns the number of independent constraint rows, an integer.
     ///
     /// Steps are smallest in the metric of the mass matrix. The settings `alpha` and `beta` have no effect. The
     /// first call of this function or of [`constrained_forward_dynamics`](Self::constrained_forward_dynamics)
@@ -62,9 +73,9 @@ impl<S: Scalar> Interpreter<S> {
     /// If a slice does not have the model's length.
     pub fn project_constraints(
         &mut self,
-        q: &[S],
-        qd: &[S],
-        settings: &ConstraintSettings<S>,
+        (q, qd): (&[S], &[S]),
+        active: &[bool],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
         (dq, dqd): (&mut [S], &mut [S]),
     ) -> Result<S, ShapeError> {
         let n = self.model.nv();
@@ -72,41 +83,231 @@ impl<S: Scalar> Interpreter<S> {
         check("qd", qd, n)?;
         check("dq", dq, n)?;
         check("dqd", dqd, n)?;
-        let (mechanism, layout, rooms) = self.constraints();
+        self.set_active(active, settings)?;
+        let Constraints { mechanism, layout, active, rooms } = self.constraints();
         let project = constraints::project_constraints;
-        Ok(project(mechanism, layout, (q, qd), settings, rooms, (dq, dqd)))
+        Ok(project(mechanism, layout, (q, qd), (active, settings), rooms, (dq, dqd)))
     }
 
-    /// Returns the mechanism, the layout of its factorization and the workspaces.
-    fn constraints(&mut self) -> (&Mechanism<S>, &UduLayout, Workspaces<'_, S>) {
-        let Self { mechanism, workspace, model, links, constraints, .. } = self;
+    /// Stores the set of active contacts, and checks the number of targets.
+    fn set_active(
+        &mut self,
+        active: &[bool],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+    ) -> Result<(), ShapeError> {
+        let contacts = self.model.contacts().len();
+        check("active", active, contacts)?;
+        check("settings.contacts", settings.contacts.as_ref(), contacts)?;
+        for (number, &active) in self.active.iter_mut().zip(active) {
+            *number = if active { S::one() } else { S::zero() };
+        }
+        Ok(())
+    }
+
+    fn constraints(&mut self) -> Constraints<'_, S> {
+        let Self { mechanism, workspace, model, links, constraints, active, .. } = self;
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
         let room = constraints.get_or_insert_with(|| ConstraintWorkspace::new(mechanism, layout));
-        (mechanism, layout, (workspace, room))
+        Constraints { mechanism, layout, active, rooms: (workspace, room) }
     }
 
-    /// Computes the displacement (m) and the velocity (rad/s, m/s) of each loop constraint's second frame relative
-    /// to its first, in the first frame's axes.
+    /// Computes the displacement (m) and the velocity (rad/s, m/s) of each loop constraint's second frame
+    /// relative to its first, in the first frame's axes, and of each contact's frame, active or not, relative
+    /// to its target, in world axes.
     ///
-    /// Components along free directions are zero. A rotation is its axis times the sine of its angle.
+    /// Components along free directions are zero. A rotation is its axis times the sine of its angle. The first
+    /// call of a function of constraints allocates memory.
     ///
     /// # Errors
     ///
     /// If a slice does not have the model's length.
     pub fn constraint_residual(
         &mut self,
-        q: &[S],
-        qd: &[S],
-        displacements: &mut [Twist<S>],
-        velocities: &mut [Twist<S>],
+        (q, qd): (&[S], &[S]),
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        (displacements, velocities): (&mut [Twist<S>], &mut [Twist<S>]),
     ) -> Result<(), ShapeError> {
         check("q", q, self.model.nq())?;
         check("qd", qd, self.model.nv())?;
-        check("displacements", displacements, self.model.loop_constraints().len())?;
-        check("velocities", velocities, self.model.loop_constraints().len())?;
-        let errors = (displacements, velocities);
-        constraints::constraint_residual(&self.mechanism, (q, qd), &mut self.workspace, errors);
+        check("displacements", displacements, self.model.constraints())?;
+        check("velocities", velocities, self.model.constraints())?;
+        let targets = settings.contacts.as_ref();
+        check("settings.contacts", targets, self.model.contacts().len())?;
+        let Constraints { mechanism, rooms, .. } = self.constraints();
+        constraints::constraint_residual(
+            mechanism,
+            (q, qd),
+            targets,
+            rooms,
+            (displacements, velocities),
+        );
         Ok(())
+    }
+
+    /// Computes the velocities `after` an impact (rad/s or m/s) that closes the loops and stops the active
+    /// contacts relative to their targets at the same instant. Returns the number of independent constraint
+    /// rows, an integer.
+    ///
+    /// `impulses` receives the impulse on each constraint's second link (N m s, N s), in the axes and at the
+    /// point of its wrench in [`constrained_forward_dynamics`](Self::constrained_forward_dynamics). Along its
+    /// normal, a contact leaves with `restitution` times the speed before the impact. The settings `alpha` and
+    /// `beta` have no effect.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn contact_impulse(
+        &mut self,
+        (q, qd): (&[S], &[S]),
+        active: &[bool],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        (after, impulses): (&mut [S], &mut [Wrench<S>]),
+    ) -> Result<S, ShapeError> {
+        let n = self.model.nv();
+        check("q", q, self.model.nq())?;
+        check("qd", qd, n)?;
+        check("after", after, n)?;
+        check("impulses", impulses, self.model.constraints())?;
+        self.set_active(active, settings)?;
+        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let solve = constraints::contact_impulse;
+        Ok(solve(mechanism, layout, (q, qd), (active, settings), rooms, (after, impulses)))
+    }
+
+    /// Computes the joint forces `tau` (N m or N) of the accelerations `qdd`, and the wrenches of the active
+    /// contacts that carry the floating bases. Returns the number of independent directions in which the
+    /// contacts carry the bases, an integer.
+    ///
+    /// `wrenches` receives the wrench on each contact's link (N m, N), at the frame's origin in world axes; the
+    /// entries of loop constraints are zero. The wrenches have the smallest sum of (force^2 + (moment / l)^2) /
+    /// weight over the contacts, with the characteristic length l of each. The entries of `tau` of a floating
+    /// base are the wrench on it that no contact can carry.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn constrained_inverse_dynamics(
+        &mut self,
+        (q, qd, qdd): (&[S], &[S], &[S]),
+        active: &[bool],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        (tau, wrenches): (&mut [S], &mut [Wrench<S>]),
+    ) -> Result<S, ShapeError> {
+        let n = self.model.nv();
+        check("q", q, self.model.nq())?;
+        check("qd", qd, n)?;
+        check("qdd", qdd, n)?;
+        check("tau", tau, n)?;
+        check("wrenches", wrenches, self.model.constraints())?;
+        self.set_active(active, settings)?;
+        let Constraints { mechanism, active, rooms, .. } = self.constraints();
+        let solve = constraints::constrained_inverse_dynamics;
+        Ok(solve(mechanism, (q, qd, qdd), (active, settings), rooms, (tau, wrenches)))
+    }
+
+    /// Computes the Jacobian of each constraint into `columns`: a column for each entry of qd, constraint by
+    /// constraint. The product with qd is, for a loop constraint, the constrained part of the twist of its
+    /// second frame relative to its first, in the first frame's axes; for a contact, active or not, the
+    /// constrained part of its frame's twist in world axes.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn constraint_jacobian(
+        &mut self,
+        q: &[S],
+        columns: &mut [Twist<S>],
+    ) -> Result<(), ShapeError> {
+        check("q", q, self.model.nq())?;
+        check("columns", columns, self.model.constraints() * self.model.nv())?;
+        let Constraints { mechanism, rooms, .. } = self.constraints();
+        constraints::constraint_jacobian(mechanism, q, rooms, columns);
+        Ok(())
+    }
+
+    /// Computes the bias acceleration of each constraint (rad/s^2, m/s^2): the time derivative of
+    /// [`constraint_jacobian`](Self::constraint_jacobian) times qd, in the same axes.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn constraint_bias_acceleration(
+        &mut self,
+        (q, qd): (&[S], &[S]),
+        accelerations: &mut [Twist<S>],
+    ) -> Result<(), ShapeError> {
+        check("q", q, self.model.nq())?;
+        check("qd", qd, self.model.nv())?;
+        check("accelerations", accelerations, self.model.constraints())?;
+        let Self { mechanism, workspace, .. } = self;
+        constraints::constraint_bias_acceleration(mechanism, (q, qd), workspace, accelerations);
+        Ok(())
+    }
+
+    /// Computes the inverse operational-space inertia J I^-1 J^T of the constraint rows (1/kg; the Delassus
+    /// matrix), with the compliance of contacts, and its pseudo-inverse (kg). Returns the number of independent
+    /// rows, an integer.
+    ///
+    /// Both matrices are by columns, with a row for each constraint row
+    /// ([`Model::constraint_rows`](crate::model::Model::constraint_rows)). Each constraint has its constrained
+    /// rotations, then its constrained displacements: in the first frame's axes for a loop constraint, in world
+    /// axes for a contact. The rows and columns of inactive contacts are zero.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn operational_inertia(
+        &mut self,
+        q: &[S],
+        active: &[bool],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        (inverse, inertia): (&mut [S], &mut [S]),
+    ) -> Result<S, ShapeError> {
+        let rows = self.model.constraint_rows();
+        check("q", q, self.model.nq())?;
+        check("inverse", inverse, rows * rows)?;
+        check("inertia", inertia, rows * rows)?;
+        self.set_active(active, settings)?;
+        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let solve = constraints::operational_inertia;
+        Ok(solve(mechanism, layout, q, (active, settings), rooms, (inverse, inertia)))
+    }
+
+    /// Computes the accelerations and the wrenches of
+    /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics), and their derivatives with respect
+    /// to q (in tangent space), qd and tau. Returns the number of independent constraint rows, an integer.
+    ///
+    /// Matrices are nv x nv, by columns. Derivatives of wrenches have a wrench for each entry of the variable,
+    /// constraint by constraint, in world axes. The rank is assumed constant; redundant rows get the
+    /// derivatives of smallest norm. The first call allocates memory.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length, or the model has loop constraints (`loop_constraints`).
+    pub fn constrained_forward_dynamics_derivatives(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        active: &[bool],
+        settings: &ConstraintSettings<S, impl AsRef<[ContactTarget<S>]>>,
+        outputs: ConstrainedDerivatives<'_, S>,
+    ) -> Result<S, ShapeError> {
+        let (n, count) = (self.model.nv(), self.model.constraints());
+        check("q", q, self.model.nq())?;
+        check("qd", qd, n)?;
+        check("tau", tau, n)?;
+        check("loop_constraints", self.model.loop_constraints(), 0)?;
+        check("qdd", outputs.qdd, n)?;
+        check("wrenches", outputs.wrenches, count)?;
+        check("dqdd_dq", outputs.dqdd_dq, n * n)?;
+        check("dqdd_dqd", outputs.dqdd_dqd, n * n)?;
+        check("dqdd_dtau", outputs.dqdd_dtau, n * n)?;
+        check("dwrenches_dq", outputs.dwrenches_dq, n * count)?;
+        check("dwrenches_dqd", outputs.dwrenches_dqd, n * count)?;
+        check("dwrenches_dtau", outputs.dwrenches_dtau, n * count)?;
+        self.set_active(active, settings)?;
+        let Constraints { mechanism, layout, active, rooms } = self.constraints();
+        let derive = constraints::constrained_forward_dynamics_derivatives;
+        Ok(derive(mechanism, layout, (q, qd, tau), (active, settings), rooms, outputs))
     }
 }

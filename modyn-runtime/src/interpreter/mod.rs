@@ -23,6 +23,7 @@ use crate::model::{Model, ModuleTree};
 use crate::spatial::{Pose, Vector3};
 use inertias::Inertias;
 
+pub use constraints::ConstrainedDerivatives;
 pub use derivatives::ForwardDerivatives;
 pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, UpdateError};
 pub use factorization::UduFactorization;
@@ -71,6 +72,8 @@ pub struct Interpreter<S = f64> {
     links: Option<UduLayout>,
     /// Created when constrained dynamics is first computed.
     constraints: Option<ConstraintWorkspace<S>>,
+    /// For each contact, 1 if it is active, else 0.
+    active: Vec<S>,
 }
 
 impl<S: Scalar> Interpreter<S> {
@@ -103,6 +106,7 @@ impl<S: Scalar> Interpreter<S> {
         elimination.reserve(&mechanism, &mut workspace);
         let body_poses = vec![Pose::identity(); mechanism.bodies.len()];
         let (inertias, links, constraints) = (None, None, None);
+        let active = vec![S::zero(); model.contacts().len()];
         Self {
             model,
             modules,
@@ -113,6 +117,7 @@ impl<S: Scalar> Interpreter<S> {
             inertias,
             links,
             constraints,
+            active,
         }
     }
 

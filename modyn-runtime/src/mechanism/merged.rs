@@ -64,7 +64,7 @@ impl<S: LaneScalar> MergedMechanism<S> {
         mechanism.links.clear();
         mechanism.frames.clear();
         mechanism.coordinates.clear();
-        mechanism.loop_constraints.clear();
+        mechanism.constraints.clear();
         Self { mechanism, roots, column_lanes: 1 }
     }
 

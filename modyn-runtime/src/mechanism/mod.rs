@@ -37,10 +37,10 @@ mod tree;
 use alloc::vec::Vec;
 
 use crate::Scalar;
-use crate::joint::JointOffset;
+use crate::joint::{ElementaryJoint, JointOffset};
 use crate::model::{Friction, Model};
 use crate::spatial::{AxisRotation, DhTransform, RigidInertia, Twist, Vector3};
-use constrained_frames::constrained;
+use constrained_frames::{constrained, touching};
 use coordinates::{Coordinates, coordinates};
 use dh_frames::Frames;
 use elementary::{ElementaryBody, expand_composite_joints};
@@ -80,8 +80,8 @@ pub struct Mechanism<S> {
     pub smooth: Option<S>,
     /// A frame for each link of the description, in the model's order.
     pub frames: Vec<BodyFrame<S>>,
-    /// The constraints that close loops, in the model's order.
-    pub loop_constraints: Vec<ConstrainedFrames<S>>,
+    /// The constraints: loop constraints, then contacts, each in the model's order.
+    pub constraints: Vec<ConstrainedFrames<S>>,
 }
 
 impl<S: Scalar> Mechanism<S> {
@@ -115,6 +115,12 @@ impl<S: Scalar> Mechanism<S> {
             components[dof.component] = components[dof.component] + dof.rate(x);
         }
         Twist::from_components(components)
+    }
+
+    /// Returns the number of contacts, the last of the constraints.
+    #[must_use]
+    pub fn contacts(&self) -> usize {
+        self.constraints.iter().filter(|constraint| constraint.contact).count()
     }
 
     /// Returns whether the robot has mimic joints. Degrees of freedom then share entries of the joint vectors.
@@ -157,11 +163,17 @@ impl Mechanism<f64> {
         let constrained = model.loop_constraints().iter().enumerate().map(|(i, constraint)| {
             constrained(&frames, constraint, model.characteristic_length(i))
         });
-        let loop_constraints = constrained.collect();
+        let touching = model.contacts().iter().enumerate().map(|(i, contact)| {
+            let carrier = frames[contact.end.frame].body;
+            let mut path = core::iter::successors(carrier, |&i| bodies[i].parent);
+            let floats = path.any(|i| bodies[i].elementary_joint == ElementaryJoint::Floating);
+            touching(&frames, contact, model.contact_length(i), floats)
+        });
+        let constraints = constrained.chain(touching).collect();
         Self {
             gravity: Vector3(model.gravity()),
             frames,
-            loop_constraints,
+            constraints,
             bodies,
             dofs: dofs(&elementary, model.friction()),
             static_inertia,
@@ -191,11 +203,7 @@ impl Mechanism<f64> {
             coordinates: self.coordinates.iter().map(|c| c.map(|x| f(*x))).collect(),
             smooth: self.smooth.map(f),
             frames: self.frames.iter().map(|frame| frame.map(f)).collect(),
-            loop_constraints: self
-                .loop_constraints
-                .iter()
-                .map(|constraint| constraint.map(f))
-                .collect(),
+            constraints: self.constraints.iter().map(|constraint| constraint.map(f)).collect(),
         }
     }
 }

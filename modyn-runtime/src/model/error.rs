@@ -48,6 +48,10 @@ pub enum ModelErrorKind {
     LoopConstraintLink,
     /// A loop constraint connects two links that cannot move relative to each other.
     LoopConstraintEnds,
+    /// A contact is on a link that does not exist.
+    ContactLink,
+    /// A contact is on a link that cannot move.
+    ContactFixed,
 }
 
 impl fmt::Display for ModelError {
@@ -75,6 +79,8 @@ impl fmt::Display for ModelError {
             ModelErrorKind::LoopConstraintEnds => {
                 "connects two links that cannot move relative to each other"
             }
+            ModelErrorKind::ContactLink => "is a contact on a link that does not exist",
+            ModelErrorKind::ContactFixed => "is a contact on a link that cannot move",
         };
         write!(f, "`{}` {what}", self.name)
     }
@@ -218,6 +224,32 @@ pub(super) fn check_loop_constraints(model: &Model) -> Vec<ModelError> {
             report(ModelErrorKind::Axis);
         }
         if !poses.iter().all(|pose| is_rotation(&pose.rotation)) {
+            report(ModelErrorKind::Rotation);
+        }
+    }
+    errors
+}
+
+/// Returns all defects of the contacts of a `model` that is sound without them.
+pub(super) fn check_contacts(model: &Model) -> Vec<ModelError> {
+    let mut errors = Vec::new();
+    let loops = model.loop_constraints.iter().map(|constraint| (&constraint.name, 0));
+    let mut names: BTreeMap<_, usize> = loops.collect();
+    for contact in &model.contacts {
+        let name = &contact.name;
+        let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
+        if names.insert(name, 0).is_some() {
+            report(ModelErrorKind::DuplicateName);
+        }
+        match model.frames.get(contact.end.frame) {
+            None => report(ModelErrorKind::ContactLink),
+            Some(frame) if frame.link.is_none() => report(ModelErrorKind::ContactFixed),
+            Some(_) => {}
+        }
+        let Pose { rotation, translation } = &contact.end.pose;
+        if !(rotation.iter().all(|row| finite(row)) && finite(translation)) {
+            report(ModelErrorKind::NotFinite);
+        } else if !is_rotation(rotation) {
             report(ModelErrorKind::Rotation);
         }
     }

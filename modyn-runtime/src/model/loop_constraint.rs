@@ -86,6 +86,16 @@ impl LoopConstraintKind {
         }
     }
 
+    /// Returns the number of constraint rows.
+    #[must_use]
+    pub fn rows(self) -> usize {
+        match self {
+            Self::Point => 3,
+            Self::Rigid => 6,
+            Self::Revolute(_) | Self::Prismatic(_) => 5,
+        }
+    }
+
     /// Returns the constrained and the free directions, unit vectors in the first frame; rotations come before
     /// displacements in each.
     pub(crate) fn directions(self) -> (Directions, Directions) {
@@ -126,13 +136,19 @@ impl Model {
         while first.0 != second.0 {
             // Parents come before their children, and `None` (the world) before all.
             let later = if first.0 > second.0 { &mut first } else { &mut second };
-            if let Some(link) = later.0.map(|i| &self.links[i]) {
-                length += distance(later.1, [0.0; 3]) + radius_of_gyration(&link.inertial);
-                *later = (link.parent, link.joint.origin.translation);
+            if let Some(i) = later.0 {
+                length += self.length_of_link(i, later.1);
+                *later = (self.links[i].parent, self.links[i].joint.origin.translation);
             }
         }
         length += distance(first.1, second.1);
         if length > 0.0 { length } else { 1.0 }
+    }
+
+    /// The share of link `i`, with the next joint or frame at `point` on it, in the characteristic length of a
+    /// constraint, m: the distance of the point from the link's joint, and the link's radius of gyration.
+    pub(super) fn length_of_link(&self, i: usize, point: [f64; 3]) -> f64 {
+        distance(point, [0.0; 3]) + radius_of_gyration(&self.links[i].inertial)
     }
 }
 

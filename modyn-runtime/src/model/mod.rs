@@ -5,6 +5,7 @@
 //! A link that is fixed to another link is a [`Frame`]. Its inertia is merged into the moving link that carries
 //! it.
 
+mod contact;
 mod error;
 mod joint;
 mod link;
@@ -12,6 +13,7 @@ mod loop_constraint;
 mod modules;
 
 pub use crate::inertial::{INERTIAL_PARAMETERS, Inertial, InertialDefect, PARAMETERS_PER_LINK};
+pub use contact::{Contact, ContactKind};
 pub use error::{ModelError, ModelErrorKind};
 pub use joint::{Friction, Joint, JointDynamics, Limits, Mimic};
 pub use link::{Frame, Link};
@@ -51,6 +53,7 @@ pub struct Model {
     links: Vec<Link>,
     frames: Vec<Frame>,
     loop_constraints: Vec<LoopConstraint>,
+    contacts: Vec<Contact>,
     /// For each link, the place of its joint's coordinates and velocities.
     #[cfg_attr(feature = "serde", serde(skip))]
     joint_indices: Vec<JointIndices>,
@@ -84,10 +87,18 @@ impl Model {
         frames: Vec<Frame>,
     ) -> Result<Self, Vec<ModelError>> {
         let friction = Friction::None;
-        let (loop_constraints, joint_indices) = (Vec::new(), Vec::new());
+        let (loop_constraints, contacts, joint_indices) = (Vec::new(), Vec::new(), Vec::new());
         let name = name.into();
-        let mut model =
-            Self { name, gravity, friction, links, frames, loop_constraints, joint_indices };
+        let mut model = Self {
+            name,
+            gravity,
+            friction,
+            links,
+            frames,
+            loop_constraints,
+            contacts,
+            joint_indices,
+        };
         let errors = error::check(&model);
         if !errors.is_empty() {
             return Err(errors);
@@ -181,6 +192,18 @@ impl Model {
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
+    /// Returns the robot with these contacts, which replace its present contacts.
+    ///
+    /// # Errors
+    ///
+    /// All defects of the contacts: a name used twice, a link that does not exist or does not move, a matrix
+    /// that is not a rotation, a number that is not finite.
+    pub fn with_contacts(mut self, contacts: Vec<Contact>) -> Result<Self, Vec<ModelError>> {
+        self.contacts = contacts;
+        let errors = error::check_contacts(&self);
+        if errors.is_empty() { Ok(self) } else { Err(errors) }
+    }
+
     /// Returns the kind of joint friction.
     #[must_use]
     pub fn friction(&self) -> Friction {
@@ -215,6 +238,25 @@ impl Model {
     #[must_use]
     pub fn loop_constraints(&self) -> &[LoopConstraint] {
         &self.loop_constraints
+    }
+
+    /// Returns the contacts: the frames of links that can touch the world.
+    #[must_use]
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// Returns the number of constraints: loop constraints and contacts.
+    #[must_use]
+    pub fn constraints(&self) -> usize {
+        self.loop_constraints.len() + self.contacts.len()
+    }
+
+    /// Returns the number of constraint rows, all contacts active.
+    #[must_use]
+    pub fn constraint_rows(&self) -> usize {
+        let loops = self.loop_constraints.iter().map(|constraint| constraint.kind.rows());
+        loops.chain(self.contacts.iter().map(|contact| contact.kind.rows())).sum()
     }
 
     /// Returns the index in [`frames`](Self::frames) of the link named `name`; `None` if there is no such link.
@@ -334,12 +376,15 @@ impl<'de> serde::Deserialize<'de> for Model {
             frames: Vec<Frame>,
             #[serde(default)]
             loop_constraints: Vec<LoopConstraint>,
+            #[serde(default)]
+            contacts: Vec<Contact>,
         }
-        let Parts { name, gravity, friction, links, frames, loop_constraints } =
+        let Parts { name, gravity, friction, links, frames, loop_constraints, contacts } =
             Parts::deserialize(deserializer)?;
         let model = Self::new(name, gravity, links, frames)
             .and_then(|model| model.with_friction(friction))
-            .and_then(|model| model.with_loop_constraints(loop_constraints));
+            .and_then(|model| model.with_loop_constraints(loop_constraints))
+            .and_then(|model| model.with_contacts(contacts));
         model.map_err(|errors| {
             let all: Vec<String> = errors.iter().map(alloc::string::ToString::to_string).collect();
             serde::de::Error::custom(all.join("; "))

@@ -100,33 +100,96 @@ macro_rules! robot_functions {
                 tau: &Self::V<T>
             ) -> ForwardDynamicsDerivatives<Self::V<T>, Self::M<T>>, if ForwardDynamicsDerivatives;
 
-            /// Returns the joint accelerations under the joint forces `tau` with the loops closed; the wrench on each
-            /// loop constraint's second link; the unmet part of each constraint's acceleration; and the number of
-            /// independent constraint rows. Wrenches and residuals are at the second frame's origin in the first frame's
-            /// axes. Redundant rows get the multipliers of smallest norm.
+            /// Returns the joint accelerations under the joint forces `tau` with the loops closed and the
+            /// active contacts held; the wrench on each constraint's link; the unmet part of each constraint's
+            /// acceleration; and the number of independent constraint rows. Wrenches and residuals of loop
+            /// constraints are at the second frame's origin in the first frame's axes, of contacts at the
+            /// frame's origin in world axes. Redundant rows get the multipliers of smallest norm.
             constrained_forward_dynamics / constrained_forward_dynamics_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
                 tau: &Self::V<T>,
-                settings: &ConstraintSettings<T>
+                contacts: Self::Contacts,
+                settings: &Settings<Self, T>
             ) -> Constrained<Self, Self::V<T>, T>, if ConstrainedForwardDynamics;
 
-            /// Returns the displacement and the velocity of each loop constraint's second frame relative to its first,
-            /// in the first frame's axes. Components along free directions are zero. A rotation is its axis times the
-            /// sine of its angle.
+            /// Returns the displacement and the velocity of each loop constraint's second frame relative to its
+            /// first, in the first frame's axes; then of each contact's frame, active or not, relative to its
+            /// target, in world axes. Components along free directions are zero. A rotation is its axis times
+            /// the sine of its angle.
             constraint_residual(
                 q: &Self::Q<T>,
-                qd: &Self::V<T>
-            ) -> ConstraintResidual<Self::PerLoopConstraint<Twist<T>>>, if ConstraintResidual;
+                qd: &Self::V<T>,
+                settings: &Settings<Self, T>
+            ) -> ConstraintResidual<Self::PerConstraint<Twist<T>>>, if ConstraintResidual;
 
-            /// Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q` to first order,
-            /// the smallest change of `qd` that keeps them closed, and the number of independent constraint rows. The
-            /// settings `alpha` and `beta` have no effect.
+            /// Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q` and
+            /// moves the active contacts to their targets to first order, the smallest change of `qd` that
+            /// keeps them there, and the number of independent constraint rows. The settings `alpha` and `beta`
+            /// have no effect.
             project_constraints / project_constraints_with(
                 q: &Self::Q<T>,
                 qd: &Self::V<T>,
-                settings: &ConstraintSettings<T>
+                contacts: Self::Contacts,
+                settings: &Settings<Self, T>
             ) -> ConstraintProjection<Self::V<T>, T>, if ProjectConstraints;
+
+            /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their
+            /// derivatives with respect to `q` (in tangent space), `qd` and `tau`. The rank is assumed
+            /// constant; redundant rows get the derivatives of smallest norm.
+            constrained_forward_dynamics_derivatives / constrained_forward_dynamics_derivatives_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                tau: &Self::V<T>,
+                contacts: Self::Contacts,
+                settings: &Settings<Self, T>
+            ) -> ConstrainedDerivatives<Self, T>, if ConstrainedForwardDynamicsDerivatives;
+
+            /// Returns the velocities after an impact that closes the loops and stops the active contacts
+            /// relative to their targets at the same instant, the impulse of each constraint, and the number of
+            /// independent constraint rows. Along its normal, a contact leaves with `restitution` times the
+            /// speed before the impact.
+            contact_impulse / contact_impulse_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                contacts: Self::Contacts,
+                settings: &Settings<Self, T>
+            ) -> ContactImpulse<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>, if ContactImpulse;
+
+            /// Returns the joint forces of the accelerations `qdd`, and the wrenches of the active contacts
+            /// that carry the floating bases: those with the smallest weighted norm. The joint forces of a base
+            /// are the wrench on it that no contact can carry.
+            constrained_inverse_dynamics / constrained_inverse_dynamics_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                qdd: &Self::V<T>,
+                contacts: Self::Contacts,
+                settings: &Settings<Self, T>
+            ) -> ConstrainedInverseDynamics<Self::V<T>, Self::PerConstraint<Wrench<T>>, T>, if ConstrainedInverseDynamics;
+
+            /// Returns the Jacobian of each constraint, an array of columns. The product with `qd` is, for a
+            /// loop constraint, the constrained part of the twist of its second frame relative to its first, in
+            /// the first frame's axes; for a contact, active or not, the constrained part of its frame's twist
+            /// in world axes.
+            constraint_jacobian(
+                q: &Self::Q<T>
+            ) -> Self::PerConstraint<Self::PerVelocity<Twist<T>>>, if ConstraintJacobian;
+
+            /// Returns the bias acceleration of each constraint: the time derivative of `constraint_jacobian`
+            /// times `qd`, in the same axes.
+            constraint_bias_acceleration(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>
+            ) -> Self::PerConstraint<Twist<T>>, if ConstraintBiasAcceleration;
+
+            /// Returns the operational-space inertia of the constraints and its inverse J I^-1 J^T, arrays of
+            /// columns. Each constraint has its constrained rotations, then its constrained displacements, of a
+            /// contact in world axes. The entries of inactive contacts are zero.
+            operational_inertia / operational_inertia_with(
+                q: &Self::Q<T>,
+                contacts: Self::Contacts,
+                settings: &Settings<Self, T>
+            ) -> OperationalInertia<Self::PerConstraintRow<Self::PerConstraintRow<T>>, T>, if OperationalInertia;
 
             /// Returns the regressor Y of inverse dynamics, an array of columns: tau = Y pi, without rotors and
             /// friction. pi has ten entries for each moving link: mass, mass times centre of mass x, y, z, and

@@ -6,9 +6,11 @@ mod functions;
 
 use crate::Scalar;
 use crate::configuration::{self, ConfigurationError};
+use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 use crate::results::{
-    ConstrainedForwardDynamics, ConstraintProjection, ConstraintResidual, ConstraintSettings,
-    ForwardDynamicsDerivatives, InverseDynamicsDerivatives, JointLimits, KinematicModule,
+    ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
+    ConstraintProjection, ConstraintResidual, ContactImpulse, ForwardDynamicsDerivatives,
+    InverseDynamicsDerivatives, JointLimits, KinematicModule, OperationalInertia,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use functions::{declare_functions, missing, robot_functions};
@@ -21,10 +23,22 @@ pub use {
 /// The result of constrained forward dynamics for robot `R`, with accelerations as `V`.
 pub(crate) type Constrained<R, V, T> = ConstrainedForwardDynamics<
     V,
-    <R as Robot>::PerLoopConstraint<Wrench<T>>,
-    <R as Robot>::PerLoopConstraint<Twist<T>>,
+    <R as Robot>::PerConstraint<Wrench<T>>,
+    <R as Robot>::PerConstraint<Twist<T>>,
     T,
 >;
+
+/// The derivatives of constrained forward dynamics for robot `R`.
+pub(crate) type ConstrainedDerivatives<R, T> = ConstrainedForwardDynamicsDerivatives<
+    <R as Robot>::V<T>,
+    <R as Robot>::PerConstraint<Wrench<T>>,
+    <R as Robot>::M<T>,
+    <R as Robot>::PerConstraint<<R as Robot>::PerVelocity<Wrench<T>>>,
+    T,
+>;
+
+/// The settings of the constraints of robot `R`.
+pub(crate) type Settings<R, T> = ConstraintSettings<T, <R as Robot>::PerContact<ContactTarget<T>>>;
 
 /// A generated robot, over any scalar.
 ///
@@ -70,6 +84,8 @@ pub trait Robot {
     const VELOCITY_NAMES: &'static [&'static str];
     /// The names of the joints that close loops, in the description's order.
     const LOOP_CONSTRAINT_NAMES: &'static [&'static str] = &[];
+    /// The names of the contacts, in the order of the option.
+    const CONTACT_NAMES: &'static [&'static str] = &[];
     /// The quaternions in the coordinate vector: each joint's name, and the index of the quaternion's x.
     const QUATERNIONS: &'static [(&'static str, usize)] = &[];
     /// The joint limits of the description.
@@ -94,9 +110,16 @@ pub trait Robot {
     /// The type of arrays with an entry for each link of the description, in the order of
     /// [`LINK_NAMES`](Self::LINK_NAMES).
     type PerLink<X: Copy>: Array<X>;
-    /// The type of arrays with an entry for each joint that closes a loop, in the order of
-    /// [`LOOP_CONSTRAINT_NAMES`](Self::LOOP_CONSTRAINT_NAMES).
-    type PerLoopConstraint<X: Copy>: Array<X>;
+    /// The type of sets of active contacts: a member for each contact, or `()` without contacts.
+    type Contacts: ContactSet;
+    /// The type of arrays with an entry for each contact, in the order of
+    /// [`CONTACT_NAMES`](Self::CONTACT_NAMES).
+    type PerContact<X: Copy>: Array<X>;
+    /// The type of arrays with an entry for each constraint: for each joint that closes a loop, in the order of
+    /// [`LOOP_CONSTRAINT_NAMES`](Self::LOOP_CONSTRAINT_NAMES), then for each contact.
+    type PerConstraint<X: Copy>: Array<X>;
+    /// The type of arrays with an entry for each constraint row, all contacts active.
+    type PerConstraintRow<X: Copy>: Array<X>;
     /// The type of the regressor: an array of columns.
     type Regressor<T: Scalar>: Array<Self::V<T>>;
     /// The type of the factorization by modules.

@@ -170,8 +170,9 @@ fn what_is_announced_is_what_is_executed() {
         let default = || Function::DEFAULT.to_vec();
         let functions = if robot.spec.all { Spec::all_functions().collect() } else { default() };
         let names: Vec<&str> = robot.operations.iter().map(|(name, _)| *name).collect();
-        let closed = !robot.spec.model().loop_constraints().is_empty();
-        let own = functions.iter().filter(|f| closed || !f.is_of_loops());
+        let model = robot.spec.model();
+        let (constraints, contacts) = (model.constraints(), model.contacts().len());
+        let own = functions.iter().filter(|f| f.fits(constraints, contacts));
         assert_eq!(names, own.map(|f| f.name()).collect::<Vec<_>>());
     }
 }

@@ -30,6 +30,10 @@ modyn::modyn!(
     friction = smooth(1e-2),
     rotors = ["elbow": (1e-4, 100)],
 );
+modyn::modyn!(
+    Touching = "../good.urdf",
+    contacts = ["tip": point("hand"), "side": surface("arm", [0, 0.1, 0], [0, 0, 1.57],), "mid": point("arm", [1, 0, 0])],
+);
 modyn::modyn!(Little = "../good.urdf", functions = [forward_dynamics], friction = coulomb);
 modyn::modyn!(More = "../good.urdf", functions = [default, regressor], friction = viscous);
 modyn::modyn!(Default = "../good.urdf", functions = default, payload = [], runtime_inertia = [], rotors = []);
@@ -53,5 +57,7 @@ fn main() {
     let _ = (Little::forward_dynamics(&[0.0; 2], &[0.0; 2], &[0.0; 2]), Default::brge(&[0.0; 2]));
     assert_eq!(More::regressor(&[0.0; 2], &[0.0; 2], &[0.0; 2]).len(), More::PARAMETERS.len());
     assert_eq!((All::GRAVITY, Others::GRAVITY[2]), ([0.0, -9.81, 0.001], -9.81));
+    assert_eq!(Touching::CONTACT_NAMES, ["tip", "side", "mid"]);
+    assert_eq!(TouchingContacts { tip: true, ..TouchingContacts::NONE }.to_array(), [true, false, false]);
     assert_eq!((TwoLinks::NAME, TwoLinksJoint::Elbow.name()), ("two links", "elbow"));
 }

@@ -42,6 +42,11 @@ pub fn of(inspection: &Inspection) -> String {
             "axis": constraint.kind.axis(),
             "links": constraint.ends.each_ref().map(|end| &model.frames()[end.frame].name),
         })).collect::<Vec<_>>(),
+        "contacts": model.contacts().iter().map(|contact| json!({
+            "name": contact.name,
+            "type": contact.kind.name(),
+            "link": model.frames()[contact.end.frame].name,
+        })).collect::<Vec<_>>(),
         "links": model.links().iter().map(|link| json!({
             "name": link.name,
             "mass": link.inertial.mass,

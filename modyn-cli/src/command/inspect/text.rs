@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use modyn_codegen::CARRIED_BY_F32;
 use modyn_codegen::diagnostics::sanitize_for_display;
-use modyn_runtime::model::{Friction, Link, LoopConstraint, Model, ModuleTree};
+use modyn_runtime::model::{Contact, Friction, Link, LoopConstraint, Model, ModuleTree};
 use unicode_width::UnicodeWidthStr;
 
 use super::{Cost, Inspection, advice};
@@ -38,6 +38,9 @@ pub fn of(inspection: &Inspection) -> String {
     if !model.loop_constraints().is_empty() {
         section(&mut out, "Loop joints", &loops(model));
     }
+    if !model.contacts().is_empty() {
+        section(&mut out, "Contacts", &contacts(model));
+    }
     section(&mut out, "Moving links, with the links fixed to them (kg, m, kg m^2)", &links(model));
     section(&mut out, "Kinematic modules", &tree(model, modules));
     match costs {
@@ -64,6 +67,15 @@ pub fn of(inspection: &Inspection) -> String {
     }
     out.push('\n');
     out
+}
+
+/// Returns the contacts, one on a line.
+fn contacts(model: &Model) -> String {
+    let line = |contact: &Contact| {
+        let link = sanitize_for_display(&model.frames()[contact.end.frame].name);
+        format!("{} ({}): {link}\n", sanitize_for_display(&contact.name), contact.kind.name())
+    };
+    model.contacts().iter().map(line).collect()
 }
 
 /// Returns the loop joints, one on a line.

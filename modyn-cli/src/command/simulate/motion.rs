@@ -6,7 +6,7 @@
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::{Friction, Model};
 use modyn_runtime::spatial::{Twist, Wrench};
-use modyn_runtime::{ConstraintSettings, Interpreter, ShapeError};
+use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
 
 use super::torques::Torques;
 use crate::command::outcome::Failure;
@@ -65,8 +65,12 @@ struct Dynamics<'a> {
     smooth: Option<Interpreter<f64>>,
     torques: &'a Torques,
     tau: Vec<f64>,
-    /// The wrench and the residual of each loop constraint.
-    loops: (Vec<Wrench<f64>>, Vec<Twist<f64>>),
+    /// The stabilization of the loops.
+    constraint_settings: ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
+    /// For each contact whether it is active: none is.
+    inactive: Vec<bool>,
+    /// The wrench and the residual of each constraint.
+    constraints: (Vec<Wrench<f64>>, Vec<Twist<f64>>),
 }
 
 impl Motion {
@@ -83,9 +87,19 @@ impl Motion {
         let smooth = smooth.transpose().map_err(|errors| Failure::usage(&errors[0]))?;
         let interpreter = Interpreter::new(model.clone());
         let tau = vec![0.0; model.nv()];
-        let loops = model.loop_constraints().len();
-        let loops = (vec![Wrench::zero(); loops], vec![Twist::zero(); loops]);
-        let mut dynamics = Dynamics { interpreter, smooth, torques, tau, loops };
+        let count = model.constraints();
+        let constraints = (vec![Wrench::zero(); count], vec![Twist::zero(); count]);
+        let inactive = vec![false; model.contacts().len()];
+        let constraint_settings = settings_of(model);
+        let mut dynamics = Dynamics {
+            interpreter,
+            smooth,
+            torques,
+            tau,
+            constraint_settings,
+            inactive,
+            constraints,
+        };
         let mut state = State { q, qd, energy: [0.0; 2] };
         let mut samples = vec![dynamics.sample(0.0, &state).map_err(shape)?];
         for i in 1..=settings.steps {
@@ -163,12 +177,13 @@ impl Dynamics<'_> {
         self.torques.at(time, &mut self.tau);
         let mut rates = State { q: vec![0.0; q.len()], qd: vec![0.0; qd.len()], energy: [0.0; 2] };
         self.interpreter.velocity_to_qdot(q, qd, &mut rates.q)?;
-        let settings = ConstraintSettings::<f64>::DEFAULT;
-        let into = (&mut *rates.qd, &mut *self.loops.0, &mut *self.loops.1);
-        if into.1.is_empty() {
+        let into = (&mut *rates.qd, &mut *self.constraints.0, &mut *self.constraints.1);
+        if into.1.len() == self.inactive.len() {
             self.interpreter.forward_dynamics(q, qd, &self.tau, into.0)?;
         } else {
-            self.interpreter.constrained_forward_dynamics(q, qd, &self.tau, &settings, into)?;
+            let state = (q.as_slice(), qd.as_slice(), self.tau.as_slice());
+            let settings = &self.constraint_settings;
+            self.interpreter.constrained_forward_dynamics(state, &self.inactive, settings, into)?;
         }
         rates.energy = [power(&self.tau, qd), self.friction_power(q, qd)?];
         Ok(rates)
@@ -222,6 +237,14 @@ pub fn place(
     done.map(|()| q).map_err(|error| Failure::usage(format!("error: {error}")))
 }
 
+/// Returns the default settings of a robot's constraints.
+fn settings_of(model: &Model) -> ConstraintSettings<f64, Vec<ContactTarget<f64>>> {
+    let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
+        ConstraintSettings::<f64>::DEFAULT;
+    let contacts = vec![ContactTarget::<f64>::GROUND; model.contacts().len()];
+    ConstraintSettings { alpha, beta, tolerance, rounding, contacts }
+}
+
 /// The largest number of projections onto closed loops. Each doubles the number of correct digits, so more never help.
 const PROJECTIONS: usize = 50;
 
@@ -238,21 +261,22 @@ pub fn closed(
     }
     let shape = |error: ShapeError| Failure::usage(format!("error: {error}"));
     let mut interpreter = Interpreter::<f64>::new(model.clone());
-    let settings = ConstraintSettings::<f64>::DEFAULT;
+    let (settings, inactive) = (settings_of(model), vec![false; model.contacts().len()]);
     let (mut dq, mut dqd) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
     for _ in 0..PROJECTIONS {
         let into = (&mut *dq, &mut *dqd);
-        interpreter.project_constraints(&q, &qd, &settings, into).map_err(shape)?;
+        interpreter.project_constraints((&q, &qd), &inactive, &settings, into).map_err(shape)?;
         let before = q.clone();
         interpreter.integrate(&before, &dq, &mut q).map_err(shape)?;
     }
     // Velocities come last: a redundant loop that is open can be locked.
     let into = (&mut *dq, &mut *dqd);
-    interpreter.project_constraints(&q, &qd, &settings, into).map_err(shape)?;
+    interpreter.project_constraints((&q, &qd), &inactive, &settings, into).map_err(shape)?;
     qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
-    let twists = || vec![Twist::zero(); model.loop_constraints().len()];
+    let twists = || vec![Twist::zero(); model.constraints()];
     let (mut apart, mut parting) = (twists(), twists());
-    interpreter.constraint_residual(&q, &qd, &mut apart, &mut parting).map_err(shape)?;
+    let results = (&mut *apart, &mut *parting);
+    interpreter.constraint_residual((&q, &qd), &settings, results).map_err(shape)?;
     let open = apart.iter().zip(model.loop_constraints()).find(|(apart, _)| {
         // NaN is not closed.
         !apart.components().iter().all(|x| x.abs() < CLOSED)

@@ -324,7 +324,8 @@ fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
             name: (*name).into(),
             len: shape.len(),
         };
-        arguments.iter().map(array).collect()
+        // C has no array of no numbers.
+        arguments.iter().map(array).filter(|array| array.len > 0).collect()
     };
     let mut items = Vec::new();
     for planned in &plan.functions {

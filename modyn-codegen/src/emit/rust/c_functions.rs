@@ -32,12 +32,19 @@ impl Robot<'_> {
         let mut parameters: Vec<String> = quantity
             .parameters
             .iter()
+            .filter(|p| !p.shape.is_empty())
             .map(|p| format!("{}: &[{float}; {}]", p.name, p.shape.len()))
             .collect();
         let mut arguments = Vec::new();
         let mut lets = String::new();
         for parameter in &quantity.parameters {
-            if parameter.shape.is_vector() {
+            if parameter.contacts {
+                let of = self.contacts_type();
+                arguments.push(match parameter.shape.is_empty() {
+                    true => of,
+                    false => format!("{of}::from_array({}.map(|x| x != 0.0))", parameter.name),
+                });
+            } else if parameter.shape.is_vector() {
                 arguments.push(parameter.name.to_string());
             } else {
                 let names = numbered(parameter.name, parameter.shape.len());
@@ -110,6 +117,11 @@ impl Quantity<'_> {
 }
 
 impl Shape {
+    /// Returns whether the shape has no scalars: C has no such array.
+    pub(super) fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// Returns whether the shape is an array of scalars.
     fn is_vector(&self) -> bool {
         matches!(self, Self::Array(of, _) if matches!(**of, Self::Scalar))

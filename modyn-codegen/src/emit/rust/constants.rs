@@ -71,6 +71,15 @@ impl Robot<'_> {
                 loop_constraints.len()
             );
         }
+        let contacts = self.contact_names();
+        if !contacts.is_empty() {
+            let _ = writeln!(
+                text,
+                "/// The names of the contacts: frames of links that can touch the world.\n\
+                 pub const CONTACT_NAMES: [&'static str; {}] = {contacts:?};",
+                contacts.len()
+            );
+        }
         self.limits(text);
         if self.options.functions.contains(&Function::Regressor) {
             self.base_parameters(text);

@@ -40,6 +40,7 @@ pub(super) fn robot(text: &mut String, robot: &Robot<'_>, operations: &[(&str, O
     }
     joints(&mut lines, model);
     loops(&mut lines, model);
+    contacts(&mut lines, model);
     options(&mut lines, robot);
     lines.push_str("\n# Kinematic modules\n\n");
     for (m, module) in robot.modules.modules().iter().enumerate() {
@@ -177,6 +178,22 @@ fn loops(lines: &mut String, model: &Model) {
             constraint.ends.each_ref().map(|end| code(&model.frames()[end.frame].name));
         let (name, kind) = (code(&constraint.name), constraint.kind.name());
         let _ = writeln!(lines, "| {i} | {name} | {kind} | {first} | {second} |");
+    }
+}
+
+/// Prints the table of contacts.
+fn contacts(lines: &mut String, model: &Model) {
+    if model.contacts().is_empty() {
+        return;
+    }
+    lines.push_str(
+        "\n# Contacts\n\n`constrained_forward_dynamics` holds the active contacts.\n\n\
+         | | contact | type | link |\n|---|---|---|---|\n",
+    );
+    for (i, contact) in model.contacts().iter().enumerate() {
+        let link = code(&model.frames()[contact.end.frame].name);
+        let (name, kind) = (code(&contact.name), contact.kind.name());
+        let _ = writeln!(lines, "| {i} | {name} | {kind} | {link} |");
     }
 }
 

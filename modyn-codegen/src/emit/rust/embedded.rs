@@ -74,7 +74,8 @@ pub(super) fn module(items: &str) -> String {
          pub mod {MODULE} {{\n    #[doc(hidden)]\n    pub extern crate core as __core;\n\n"
     );
     let parameters = items.contains("__modyn::parameters::");
-    let spatial = parameters || items.contains("__modyn::spatial::");
+    let settings = items.contains("__modyn::ConstraintSettings");
+    let spatial = parameters || settings || items.contains("__modyn::spatial::");
     let jacobi = parameters || items.contains("__modyn::jacobi::");
     let mut exports = vec!["pub use self::results::*;", "pub use self::scalar::Scalar;"];
     for module in ["configuration", "results"] {
@@ -86,6 +87,12 @@ pub(super) fn module(items: &str) -> String {
         write_module(&mut text, &["parameters"]);
         exports.push("pub use self::inertial::{Inertial, InertialDefect};");
         exports.push("pub use self::parameters::ParameterError;");
+    }
+    if settings {
+        write_module(&mut text, &["constraint_settings"]);
+        exports.push(
+            "pub use self::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};",
+        );
     }
     if jacobi {
         write_module(&mut text, &["jacobi"]);

@@ -20,16 +20,23 @@ pub(super) struct Parameter {
     pub shape: Shape,
     /// The type of the numbers of a table of constants; `None` for other parameters.
     constants: Option<&'static str>,
+    /// Whether the parameter is the set of active contacts, for which public functions have a type.
+    pub(super) contacts: bool,
 }
 
 impl Parameter {
     pub(super) fn new(name: &'static str, shape: Shape) -> Self {
-        Self { name, shape, constants: None }
+        Self { name, shape, constants: None, contacts: false }
+    }
+
+    /// Returns the parameter, as the set of active contacts if `contacts`.
+    pub(super) fn with_contacts(self, contacts: bool) -> Self {
+        Self { contacts, ..self }
     }
 
     /// Returns a parameter of constants, in the type's own scalar.
     pub(super) fn constants(name: &'static str, shape: Shape, float: &'static str) -> Self {
-        Self { name, shape, constants: Some(float) }
+        Self { name, shape, constants: Some(float), contacts: false }
     }
 
     /// Returns the name of entry `i` in the function. It differs from all temporaries: names of temporaries start with

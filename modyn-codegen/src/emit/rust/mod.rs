@@ -8,6 +8,7 @@
 mod batch;
 mod c_functions;
 mod constants;
+mod contacts;
 mod dispatch;
 mod docs;
 mod embedded;
@@ -28,7 +29,7 @@ use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 
 use super::{EmitOptions, FloatType};
 use crate::names;
-use crate::plan::{Function, Kernels, Plan, Planned};
+use crate::plan::{self, Function, Kernels, Plan, Planned};
 use crate::program::Program;
 use function::{Parameter, function};
 use shape::Shape;
@@ -73,6 +74,7 @@ pub(super) fn print(
         robot.factorization(&mut text);
     }
     robot.enums(&mut text);
+    robot.contact_functions(&mut text);
     robot.parameters(&mut text);
     let of_links = |p: &Planned| matches!(p.kernels, Kernels::ByLink(_) | Kernels::Poses { .. });
     if plan.functions.iter().any(of_links) && plan.frames.any_shared() {
@@ -112,8 +114,10 @@ struct Quantity<'a> {
 impl<'a> Quantity<'a> {
     fn new(planned: &'a Planned, robot: &str) -> Self {
         let row = planned.row();
-        let parameter =
-            |(name, shape): &(&'static str, _)| Parameter::new(name, Shape::new(shape, robot));
+        let parameter = |(name, shape): &(&'static str, plan::Shape)| {
+            let contacts = matches!(shape, plan::Shape::Record(plan::Record::Contacts, _));
+            Parameter::new(name, Shape::new(shape, robot)).with_contacts(contacts)
+        };
         Self {
             function: planned.function,
             parameters: planned.arguments.iter().map(parameter).collect(),
@@ -189,7 +193,12 @@ impl Robot<'_> {
                 "let mut uniform = uniform;\n    {name}(&::core::array::from_fn(|_| uniform()))"
             );
         }
-        let mut arguments: Vec<&str> = quantity.parameters.iter().map(|p| p.name).collect();
+        let argument = |parameter: &Parameter| match parameter.shape.len() {
+            0 if parameter.contacts => "&[]",
+            _ if parameter.contacts => "&contacts.numbers()",
+            _ => parameter.name,
+        };
+        let mut arguments: Vec<&str> = quantity.parameters.iter().map(argument).collect();
         if quantity.runtime_parameter().is_some() {
             arguments.push(params);
         }
@@ -218,7 +227,10 @@ impl Robot<'_> {
         if quantity.function == Function::Random {
             return format!("uniform: impl ::core::ops::FnMut() -> {t}");
         }
-        let own = quantity.parameters.iter().map(|parameter| parameter.typed(t));
+        let own = quantity.parameters.iter().map(|parameter| match parameter.contacts {
+            true => format!("{}: {}", parameter.name, self.contacts_type()),
+            false => parameter.typed(t),
+        });
         let link = matches!(quantity.kernels, Kernels::ByLink(_))
             .then(|| format!("link: {}Link", self.name));
         first.into_iter().chain(own).chain(link).collect::<Vec<_>>().join(", ")
@@ -266,14 +278,14 @@ impl Robot<'_> {
     /// Prints the implementation of `Robot`.
     fn robot_trait(&self, text: &mut String, quantities: &[Quantity<'_>]) {
         let (name, nq, nv) = (self.name, self.model.nq(), self.model.nv());
-        let (links, loop_constraints) =
-            (self.model.frames().len(), self.model.loop_constraints().len());
-        let loop_constraint_names = match loop_constraints {
-            0 => "",
-            _ => {
-                "const LOOP_CONSTRAINT_NAMES: &'static [&'static str] = &Self::LOOP_CONSTRAINT_NAMES;\n"
-            }
+        let (links, constraints) = (self.model.frames().len(), self.model.constraints());
+        let (contacts, contacts_type) = (self.model.contacts().len(), self.contacts_type());
+        let names = |count: usize, name: &str| match count {
+            0 => String::new(),
+            _ => format!("const {name}: &'static [&'static str] = &Self::{name};\n"),
         };
+        let constraint_names = names(self.model.loop_constraints().len(), "LOOP_CONSTRAINT_NAMES")
+            + &names(contacts, "CONTACT_NAMES");
         let params =
             if self.plan.parameters.is_empty() { "()".into() } else { format!("{name}Params<T>") };
         let brge = if self.factorizes() {
@@ -291,7 +303,7 @@ impl Robot<'_> {
              const LINK_NAMES: &'static [&'static str] = &Self::LINK_NAMES;\n\
              const COORDINATE_NAMES: &'static [&'static str] = &Self::COORDINATE_NAMES;\n\
              const VELOCITY_NAMES: &'static [&'static str] = &Self::VELOCITY_NAMES;\n\
-             {loop_constraint_names}\
+             {constraint_names}\
              const QUATERNIONS: &'static [(&'static str, usize)] = &Self::QUATERNIONS;\n\
              const LIMITS: __modyn::JointLimits<'static> = Self::LIMITS;\n\
              const MODULES: &'static [__modyn::KinematicModule] = &Self::MODULES;\n\
@@ -302,10 +314,14 @@ impl Robot<'_> {
              type M<T: __modyn::Scalar> = [[T; {nv}]; {nv}];\n\
              type PerVelocity<X: ::core::marker::Copy> = [X; {nv}];\n\
              type PerLink<X: ::core::marker::Copy> = [X; {links}];\n\
-             type PerLoopConstraint<X: ::core::marker::Copy> = [X; {loop_constraints}];\n\
+             type Contacts = {contacts_type};\n\
+             type PerContact<X: ::core::marker::Copy> = [X; {contacts}];\n\
+             type PerConstraint<X: ::core::marker::Copy> = [X; {constraints}];\n\
+             type PerConstraintRow<X: ::core::marker::Copy> = [X; {rows}];\n\
              type Regressor<T: __modyn::Scalar> = [[T; {nv}]; {columns}];\n\
              type UduFactorization<T: __modyn::Scalar> = {brge};\n\
              fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| T::from_f64(::core::convert::Into::into(x)))\n}}",
+            rows = self.model.constraint_rows(),
             columns = PARAMETERS_PER_LINK * self.model.links().len(),
         );
         for quantity in quantities {

@@ -37,6 +37,11 @@ impl Shape {
             fields.iter().map(|(name, field)| (*name, Self::new(field, robot))).collect();
         let (path, arguments) = match record {
             Record::Spatial(name) => (format!("__modyn::spatial::{name}"), "{t}".into()),
+            Record::Plain(name) => (format!("__modyn::{name}"), "{t}".into()),
+            // Private functions have an array of numbers.
+            Record::Contacts => {
+                return fields.into_iter().map(|(_, field)| field).next().unwrap_or(Self::Scalar);
+            }
             Record::Factorization => (format!("{robot}UduFactorization"), "{t}".into()),
             Record::Several(name) => {
                 // The structure is generic over the types of its fields.

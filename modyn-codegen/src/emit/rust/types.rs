@@ -31,6 +31,7 @@ impl Robot<'_> {
             text.push_str("}\n\n");
         }
         self.parameters_type(text);
+        self.contact_set(text);
         if !self.factorizes() {
             return;
         }

@@ -173,6 +173,16 @@ impl<S: Scalar> RankFactorization<S> {
         }
     }
 
+    /// Returns an entry of the matrix, which is not yet factorized.
+    pub(super) fn entry(&self, i: usize, j: usize) -> S {
+        self.matrix[row_start(i.max(j)) + i.min(j)]
+    }
+
+    /// Returns the trace of the matrix, which is not yet factorized.
+    pub(super) fn trace(&self) -> S {
+        (0..self.rows).fold(S::zero(), |sum, k| sum + self.entry(k, k))
+    }
+
     /// Returns the number of independent rows.
     pub(super) fn rank(&self) -> S {
         self.independent.iter().fold(S::zero(), |sum, &one| sum + one)

@@ -1,56 +1,61 @@
-//! Forward dynamics with loop constraints.
+//! Forward dynamics with loop constraints and contacts.
 
-use super::ConstraintWorkspace;
 use super::rows::constraint_rows;
+use super::{ConstraintWorkspace, Settings};
 use crate::Scalar;
+use crate::constraint_settings::ContactTarget;
 use crate::equations::Workspace;
 use crate::equations::brge::{self, UduLayout};
-use crate::equations::dynamics::inverse_dynamics;
+use crate::equations::dynamics::bias_in_free_fall;
 use crate::mechanism::Mechanism;
-use crate::results::ConstraintSettings;
 use crate::spatial::{Twist, Wrench};
 
-/// Computes the joint accelerations `qdd` under the joint forces `tau`, with all constraints satisfied.
-/// Returns the number of independent rows.
+/// Computes the joint accelerations `qdd` under the joint forces `tau`, with all constraints satisfied. Returns
+/// the number of independent rows.
 ///
-/// `wrenches` receives, for each constraint, the wrench on its second link. `residuals` receives the
-/// part of the required relative acceleration that contradictory rows leave unmet. Wrenches and
-/// residuals are expressed in the first frame's axes, at the second frame's origin.
+/// `wrenches` receives, for each constraint, the wrench on its second link. `residuals` receives the part of
+/// the required relative acceleration that contradictory rows leave unmet. Both are at the second frame's
+/// origin, in the first frame's axes for loop constraints and in world axes for contacts.
+///
+/// The acceleration of a floating base's origin is computed relative to free fall, as in
+/// [`forward_dynamics`](crate::equations::dynamics::forward_dynamics).
 ///
 /// Featherstone 2008, "Rigid Body Dynamics Algorithms", chapter 8.
-pub fn constrained_forward_dynamics<S: Scalar>(
+pub fn constrained_forward_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     model: &Mechanism<S>,
     layout: &UduLayout,
     (q, qd, tau): (&[S], &[S], &[S]),
-    settings: &ConstraintSettings<S>,
+    (active, settings): Settings<'_, S, C>,
     (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     (qdd, wrenches, residuals): (&mut [S], &mut [Wrench<S>], &mut [Twist<S>]),
 ) -> S {
-    inverse_dynamics(model, (q, qd, None), None, workspace, qdd);
+    bias_in_free_fall(model, (q, qd), workspace, qdd);
     for (qdd, &tau) in qdd.iter_mut().zip(tau) {
         *qdd = tau - *qdd;
     }
     brge::factorize(model, layout, q, workspace, &mut room.factors);
-    brge::solve(layout, &room.factors, qdd);
-
-    let two_alpha = settings.alpha + settings.alpha;
-    let beta_squared = settings.beta * settings.beta;
-    constraint_rows(model, (q, qd), workspace, room, |component, motion| {
-        let damping = two_alpha * component(motion.velocity);
-        let stiffness = beta_squared * component(motion.displacement);
+    room.set_force(layout, qdd);
+    room.set_fall(model, qd, workspace);
+    let contacts = settings.contacts.as_ref();
+    let loops = model.constraints.len() - contacts.len();
+    constraint_rows(model, (q, qd), contacts, workspace, room, |c, component, motion| {
+        let (alpha, beta) = match c.checked_sub(loops) {
+            None => (settings.alpha, settings.beta),
+            Some(contact) => (contacts[contact].alpha, contacts[contact].beta),
+        };
+        let damping = (alpha + alpha) * component(motion.velocity);
+        let stiffness = beta * beta * component(motion.displacement);
         [-component(motion.bias_acceleration) - (damping + stiffness), S::zero()]
     });
-    room.subtract_accelerations(qdd);
-    room.factorize(model, layout, settings);
+    room.factorize(model, layout, (active, settings), |room| {
+        room.subtract_accelerations(model, layout)
+    });
     room.solve(0);
-    room.add_response(0, qdd);
-    let (mut multipliers, mut missed) = (room.right_hand_sides[0].iter(), room.residuals.iter());
-    let results = wrenches.iter_mut().zip(residuals).zip(&model.loop_constraints);
-    for ((wrench, residual), constraint) in results {
-        let Twist { angular, linear } = constraint.along_rows(multipliers.by_ref().copied());
-        *wrench = Wrench { moment: angular.scale(constraint.length), force: linear };
-        let Twist { angular, linear } = constraint.along_rows(missed.by_ref().copied());
-        *residual = Twist { angular: angular.scale(constraint.length.recip()), linear };
+    room.respond(layout, 0, qdd);
+    for (qdd, &fall) in qdd.iter_mut().zip(&room.fall) {
+        *qdd = *qdd + fall;
     }
+    room.wrenches(model, 0, wrenches);
+    room.missed(model, residuals);
     room.factorization.rank()
 }

@@ -1,11 +1,17 @@
-//! Forward dynamics of mechanisms with loop joints: a constraint holds two frames together.
+//! Constrained dynamics: loop joints hold two links together, contacts hold links on the world.
 //!
 //! | file | content |
 //! |---|---|
-//! | `relative_motion` | the motion of a constraint's second frame relative to its first |
+//! | `relative_motion` | the motion of a loop constraint's second frame relative to its first |
+//! | `contact` | the motion of a contact's frame relative to its target |
 //! | `rows` | the Jacobian rows in units of length, and the mobility of each constraint |
 //! | `factorization` | the pseudo-inverse of J I^-1 J^T, and its rank |
 //! | `forward_dynamics` | accelerations and constraint wrenches |
+//! | `derivatives` | derivatives of forward dynamics with contacts |
+//! | `impulse` | velocities after an impact, and the impulses |
+//! | `inverse_dynamics` | joint forces of accelerations, and the contact wrenches that carry a floating base |
+//! | `jacobian` | the Jacobian and the bias acceleration |
+//! | `operational_inertia` | J I^-1 J^T and its pseudo-inverse |
 //! | `projection` | steps of coordinates and velocities that satisfy the constraints |
 //! | `residual` | displacements and velocities that violate the constraints |
 //!
@@ -19,9 +25,13 @@
 //! J qdd = gamma = -dJ/dt qd - 2 alpha J qd - beta^2 phi
 //! ```
 //!
-//! With the accelerations qdd_0 of the tree without constraints, lambda = (J I^-1 J^T)^+ (gamma - J qdd_0)
-//! and qdd = qdd_0 + I^-1 J^T lambda. Every product with I^-1 is computed with the factors U D U^T of
-//! the mass matrix ([`brge`](super::brge)).
+//! With the accelerations qdd_0 of the tree without constraints, lambda = (J I^-1 J^T)^+ (gamma - J
+//! qdd_0) and qdd = qdd_0 + I^-1 J^T lambda. The factors I = U D U^T by modules, D = V Delta V^T
+//! ([`brge`](super::brge)), are applied in halves: with W = U V, only W^-1 J^T, W^-1 (tau - h) and one
+//! product with W^-T are computed.
+//!
+//! A contact is a constraint between the world and a link. The rows of an inactive contact are zero.
+//! They count as dependent rows, and their multipliers are zero. No branch depends on a value.
 //!
 //! Rotation rows are multiplied by the constraint's characteristic length l
 //! ([`Model::characteristic_length`](crate::model::Model::characteristic_length)). Where rows are
@@ -29,37 +39,79 @@
 //! rows contradict each other, the accelerations minimize the sum of the squared residuals,
 //! linear^2 + (l angular)^2. Neither sum depends on the orientation of the mechanism.
 
+mod contact;
+mod derivatives;
 mod factorization;
 mod forward_dynamics;
+mod impulse;
+mod inverse_dynamics;
+mod jacobian;
+mod operational_inertia;
 mod projection;
 mod relative_motion;
 mod residual;
 mod rows;
 
+pub use derivatives::{ConstrainedDerivatives, constrained_forward_dynamics_derivatives};
 pub use forward_dynamics::constrained_forward_dynamics;
+pub use impulse::contact_impulse;
+pub use inverse_dynamics::constrained_inverse_dynamics;
+pub use jacobian::{constraint_bias_acceleration, constraint_jacobian};
+pub use operational_inertia::operational_inertia;
 pub use projection::project_constraints;
 pub use residual::constraint_residual;
 
 use alloc::{vec, vec::Vec};
 
+use super::Workspace;
 use super::brge::UduLayout;
+use super::dynamics::newton_euler::{free_fall, is_base};
+use super::factorization::{solve_lower_factor, solve_upper_factor};
 use crate::Scalar;
+use crate::constraint_settings::{ConstraintSettings, ContactTarget};
 use crate::mechanism::{ConstrainedFrames, Mechanism};
-use crate::results::ConstraintSettings;
-use crate::spatial::Twist;
+use crate::spatial::{Twist, Vector3, Wrench};
+use contact::ContactFrame;
+use derivatives::DerivativeWorkspace;
 use factorization::RankFactorization;
+use inverse_dynamics::Carried;
+
+/// For each contact whether it is active (1 or 0), and the settings of all constraints.
+pub type Settings<'a, S, C> = (&'a [S], &'a ConstraintSettings<S, C>);
+
+/// The entries of qd in which the rows of a constraint, multiplied by W^-1, are not zero by structure.
+#[derive(Clone, Debug)]
+struct Support {
+    /// The modules of these entries, ascending.
+    modules: Vec<usize>,
+    /// The entries, ascending.
+    entries: Vec<usize>,
+    /// For each entry of qd whether it is one of these.
+    has: Vec<bool>,
+}
 
 /// Memory for the intermediate results of constrained dynamics.
 #[derive(Clone, Debug)]
 pub struct ConstraintWorkspace<S> {
-    /// For each of the two frames: its Jacobian in the frame's own axes, a column for each entry of qd.
+    /// For each of the two frames: its Jacobian, a column for each entry of qd.
     columns: [Vec<Twist<S>>; 2],
     /// The number of constrained rows.
     rows: usize,
-    /// J and I^-1 J^T: the constrained rows of all constraints, then the free rows. A row has nv
-    /// entries.
+    /// For each row, constrained or free, the index of its constraint.
+    owner: Vec<usize>,
+    /// For each constraint, the nonzero entries of its rows.
+    supports: Vec<Support>,
+    /// For each contact, its frame at the present coordinates.
+    frames: Vec<ContactFrame<S>>,
+    /// J and W^-1 J^T: the constrained rows of all constraints, then the free rows. A row has nv entries.
     jacobian: Vec<S>,
-    solved: Vec<S>,
+    reduced: Vec<S>,
+    /// W^-1 times a joint force.
+    force: Vec<S>,
+    /// For each entry of qd, the acceleration of floating bases in free fall.
+    fall: Vec<S>,
+    /// Zero velocities.
+    rest: Vec<S>,
     /// For each constraint, the trace of J I^-1 J^T over all six directions.
     mobilities: Vec<S>,
     /// The factorization of J I^-1 J^T, constrained rows only.
@@ -68,6 +120,10 @@ pub struct ConstraintWorkspace<S> {
     right_hand_sides: [Vec<S>; 2],
     /// For each constrained row, the part of the right-hand side that is not met.
     residuals: Vec<S>,
+    /// Memory for inverse dynamics.
+    carried: Carried<S>,
+    /// Memory for derivatives; `None` before their first call.
+    derivatives: Option<DerivativeWorkspace<S>>,
     /// The factors of the mass matrix.
     factors: Vec<S>,
 }
@@ -76,34 +132,99 @@ impl<S: Scalar> ConstraintWorkspace<S> {
     /// Returns memory for `model`, whose mass matrix is factorized with `layout`.
     #[must_use]
     pub fn new(model: &Mechanism<S>, layout: &UduLayout) -> Self {
-        let constraints = || model.loop_constraints.iter();
+        let constraints = || model.constraints.iter();
         let rows = constraints().map(|constraint| constraint.rows.len()).sum();
         let free: usize = constraints().map(|constraint| constraint.free.len()).sum();
-        let blocks = constraints().map(|c| (c.rows.len(), degrees_of_freedom(model, c)));
+        let moving: Vec<Vec<bool>> = constraints().map(|c| moving_entries(model, c)).collect();
+        let moves = |moving: &Vec<bool>| moving.iter().filter(|&&moves| moves).count();
+        let blocks = constraints().zip(&moving).map(|(c, moving)| (c.rows.len(), moves(moving)));
+        let owner = |rows: fn(&ConstrainedFrames<S>) -> usize| {
+            constraints().enumerate().flat_map(move |(i, c)| core::iter::repeat_n(i, rows(c)))
+        };
         let numbers = |count| vec![S::zero(); count];
         Self {
             columns: [vec![Twist::zero(); model.nv], vec![Twist::zero(); model.nv]],
             rows,
+            owner: owner(|c| c.rows.len()).chain(owner(|c| c.free.len())).collect(),
+            frames: Vec::with_capacity(model.contacts()),
             jacobian: numbers((rows + free) * model.nv),
-            solved: numbers((rows + free) * model.nv),
-            mobilities: numbers(model.loop_constraints.len()),
+            reduced: numbers((rows + free) * model.nv),
+            force: numbers(model.nv),
+            fall: numbers(model.nv),
+            rest: numbers(model.nv),
+            mobilities: numbers(model.constraints.len()),
             factorization: RankFactorization::new(blocks),
+            supports: moving.iter().map(|moving| Support::new(layout, moving)).collect(),
             right_hand_sides: [numbers(rows), numbers(rows)],
             residuals: numbers(rows),
+            carried: Carried::new(model, rows),
+            derivatives: None,
             factors: numbers(layout.size()),
         }
     }
 
-    /// Factorizes J I^-1 J^T of the current rows.
-    fn factorize(
+    /// Factorizes J I^-1 J^T of the current rows, lets `complete` change the right-hand sides, and sets those
+    /// of inactive contacts to zero.
+    fn factorize<C: AsRef<[ContactTarget<S>]>>(
         &mut self,
         model: &Mechanism<S>,
         layout: &UduLayout,
-        settings: &ConstraintSettings<S>,
+        (active, settings): Settings<'_, S, C>,
+        complete: impl FnOnce(&mut Self),
     ) {
-        rows::mobilities(model, layout, self);
+        self.fill(model, layout, (active, settings));
+        self.factorize_filled(settings);
+        complete(self);
+        let loops = model.constraints.len() - active.len();
+        for side in &mut self.right_hand_sides {
+            for (b, &constraint) in side.iter_mut().zip(&self.owner) {
+                if let Some(contact) = constraint.checked_sub(loops) {
+                    *b = *b * active[contact];
+                }
+            }
+        }
+    }
+
+    /// Computes J I^-1 J^T of the current rows.
+    fn fill<C: AsRef<[ContactTarget<S>]>>(
+        &mut self,
+        model: &Mechanism<S>,
+        layout: &UduLayout,
+        (active, settings): Settings<'_, S, C>,
+    ) {
+        rows::mobilities(model, layout, (active, settings.contacts.as_ref()), self);
+    }
+
+    fn factorize_filled<C>(&mut self, settings: &ConstraintSettings<S, C>) {
         let (tolerance, rounding) = (settings.tolerance, settings.rounding);
         self.factorization.factorize(&self.mobilities, tolerance, rounding);
+    }
+
+    /// The factor of a constrained row's units: the characteristic length of a rotation, else 1.
+    fn row_length(&self, model: &Mechanism<S>, row: usize) -> S {
+        let constraint = self.owner[row];
+        let first = self.owner.iter().position(|&c| c == constraint).unwrap_or(row);
+        let constraint = &model.constraints[constraint];
+        if constraint.rows[row - first].angular { constraint.length } else { S::one() }
+    }
+
+    /// Turns the Jacobian's rows of contacts into world axes.
+    fn turn_contact_rows(&mut self, model: &Mechanism<S>) {
+        let n = model.nv.max(1);
+        let (mut next, mut frames) = (0, self.frames.iter());
+        for constraint in &model.constraints {
+            let count = constraint.rows.len();
+            if let Some(frame) = constraint.contact.then(|| frames.next()).flatten() {
+                for three in self.jacobian[next * n..(next + count) * n].chunks_mut(3 * n) {
+                    for k in 0..n {
+                        let turned =
+                            frame.to_world(Vector3([three[k], three[n + k], three[2 * n + k]]));
+                        (0..3).for_each(|i| three[i * n + k] = turned[i]);
+                    }
+                }
+            }
+            next += count;
+        }
     }
 
     /// Replaces right-hand side `side` by its multipliers.
@@ -112,29 +233,109 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         factorization.solve(&mut right_hand_sides[side], residuals);
     }
 
-    /// Subtracts J qdd from the first right-hand side.
-    fn subtract_accelerations(&mut self, qdd: &[S]) {
-        let rows = self.jacobian.chunks(qdd.len().max(1));
-        for (b, row) in self.right_hand_sides[0].iter_mut().zip(rows) {
-            let products = row.iter().zip(qdd).map(|(&a, &x)| a * x);
-            *b = products.reduce(|sum, x| sum + x).map_or(*b, |sum| *b - sum);
+    /// Sets `force` to W^-1 times this joint force.
+    fn set_force(&mut self, layout: &UduLayout, force: &[S]) {
+        self.force.copy_from_slice(force);
+        solve_upper_factor(layout, &self.factors, 0..layout.blocks().len(), &mut self.force);
+    }
+
+    /// Sets `fall` to the acceleration of floating bases in free fall. Expects the bases' angular velocities.
+    fn set_fall(&mut self, model: &Mechanism<S>, qd: &[S], workspace: &Workspace<S>) {
+        self.fall.fill(S::zero());
+        for i in (0..model.bodies.len()).filter(|&i| is_base(model, i)) {
+            // The base's numbers are contiguous, the linear ones first.
+            let first = model.dofs_of(i)[0].v;
+            self.fall[first..first + 3].copy_from_slice(&free_fall(model, i, qd, workspace).0);
         }
     }
 
-    /// Adds I^-1 J^T lambda, the joints' response to the multipliers lambda of right-hand side `side`.
-    fn add_response(&self, side: usize, sum: &mut [S]) {
-        let rows = self.solved.chunks(sum.len().max(1));
-        for (&multiplier, row) in self.right_hand_sides[side].iter().zip(rows) {
-            for (sum, &x) in sum.iter_mut().zip(row) {
-                *sum = *sum + x * multiplier;
+    /// Subtracts J I^-1 f of the joint force f, and for loop constraints the accelerations by free fall, from
+    /// the first right-hand side. Expects W^-1 J^T. (The accelerations of contacts are relative to free fall.)
+    fn subtract_accelerations(&mut self, model: &Mechanism<S>, layout: &UduLayout) {
+        let Self { right_hand_sides: [b, _], jacobian, reduced, supports, owner, .. } = self;
+        let reciprocals = &self.factors[layout.reciprocals()];
+        let n = self.force.len().max(1);
+        for (k, (b, &c)) in b.iter_mut().zip(&*owner).enumerate() {
+            let (row, rates) = (&reduced[k * n..][..n], &jacobian[k * n..][..n]);
+            let entries = || supports[c].entries.iter();
+            *b = entries().fold(*b, |b, &k| b - row[k] * (self.force[k] * reciprocals[k]));
+            if !model.constraints[c].contact {
+                *b = entries().fold(*b, |b, &k| b - rates[k] * self.fall[k]);
             }
         }
     }
+
+    /// Computes the joints' response I^-1 (f + J^T lambda) to the joint force f and the multipliers lambda of
+    /// right-hand side `side`.
+    fn respond(&self, layout: &UduLayout, side: usize, response: &mut [S]) {
+        response.copy_from_slice(&self.force);
+        let rows = self.reduced.chunks(response.len().max(1)).zip(&self.owner);
+        for (&multiplier, (row, &constraint)) in self.right_hand_sides[side].iter().zip(rows) {
+            for &k in &self.supports[constraint].entries {
+                response[k] = response[k] + row[k] * multiplier;
+            }
+        }
+        for (x, &reciprocal) in response.iter_mut().zip(&self.factors[layout.reciprocals()]) {
+            *x = *x * reciprocal;
+        }
+        solve_lower_factor(layout, &self.factors, response);
+    }
+
+    /// Calls `each` for each constraint with its index and the sum of its rows' directions times these
+    /// components, which has one entry for each constrained row. The sum is in the first frame's axes for a
+    /// loop constraint, in world axes for a contact.
+    fn by_constraint(
+        &self,
+        model: &Mechanism<S>,
+        components: &[S],
+        mut each: impl FnMut(usize, &ConstrainedFrames<S>, Twist<S>),
+    ) {
+        let (mut components, mut frames) = (components.iter().copied(), self.frames.iter());
+        for (c, constraint) in model.constraints.iter().enumerate() {
+            let sum = constraint.along_rows(components.by_ref());
+            let frame = constraint.contact.then(|| frames.next()).flatten();
+            each(c, constraint, frame.map_or(sum, |frame| frame.twist_to_world(sum)));
+        }
+    }
+
+    /// Computes the wrenches of the multipliers of right-hand side `side`; their axes are those of
+    /// [`by_constraint`](Self::by_constraint).
+    fn wrenches(&self, model: &Mechanism<S>, side: usize, wrenches: &mut [Wrench<S>]) {
+        self.by_constraint(model, &self.right_hand_sides[side], |c, constraint, sum| {
+            let moment = sum.angular.scale(constraint.length);
+            wrenches[c] = Wrench { moment, force: sum.linear };
+        });
+    }
+
+    /// Computes the residuals of the last solution; their axes are those of
+    /// [`by_constraint`](Self::by_constraint).
+    fn missed(&self, model: &Mechanism<S>, residuals: &mut [Twist<S>]) {
+        self.by_constraint(model, &self.residuals, |c, constraint, sum| {
+            residuals[c] = Twist { angular: sum.angular.scale(constraint.length.recip()), ..sum };
+        });
+    }
 }
 
-/// Returns the number of entries of qd that move the two frames of a constraint relative to each other.
-/// The rank of the constraint's rows cannot be higher.
-fn degrees_of_freedom<S>(model: &Mechanism<S>, constraint: &ConstrainedFrames<S>) -> usize {
+impl Support {
+    /// Returns the support of rows that these entries of qd move.
+    fn new(layout: &UduLayout, moving: &[bool]) -> Self {
+        let mut has = moving.to_vec();
+        let mut modules = Vec::new();
+        for (m, block) in layout.blocks().iter().enumerate().rev() {
+            if has[block.dofs.clone()].contains(&true) {
+                modules.insert(0, m);
+                has[block.dofs.clone()].fill(true);
+                layout.rows(m).for_each(|(dof, _)| has[dof] = true);
+            }
+        }
+        let entries = (0..has.len()).filter(|&k| has[k]).collect();
+        Self { modules, entries, has }
+    }
+}
+
+/// Returns for each entry of qd whether it moves the two frames of a constraint relative to each other. The
+/// rank of the constraint's rows is at most the number of these entries.
+fn moving_entries<S>(model: &Mechanism<S>, constraint: &ConstrainedFrames<S>) -> Vec<bool> {
     let ancestor = relative_motion::common_ancestor(model, constraint);
     let mut moving = vec![false; model.nv];
     for end in &constraint.ends {
@@ -146,5 +347,5 @@ fn degrees_of_freedom<S>(model: &Mechanism<S>, constraint: &ConstrainedFrames<S>
             body = model.bodies[i].parent;
         }
     }
-    moving.into_iter().filter(|&moves| moves).count()
+    moving
 }

@@ -1,24 +1,41 @@
 //! The residual of the constraints: the displacements and velocities that violate them.
 
+use super::ConstraintWorkspace;
+use super::contact::ContactFrame;
 use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, relative_to_ancestor};
 use crate::Scalar;
+use crate::constraint_settings::ContactTarget;
 use crate::equations::Workspace;
 use crate::mechanism::Mechanism;
 use crate::spatial::Twist;
 
-/// Computes the displacement and the velocity of each constraint's second frame relative to its first,
-/// in the first frame's axes. Components along free directions are zero.
+/// Computes the displacement and the velocity of each loop constraint's second frame relative to its first, in
+/// the first frame's axes, and of each contact's frame relative to its target, in world axes. Components along
+/// free directions are zero.
 ///
-/// A rotation is given as its axis times the sine of its angle. For a hinge it is the cross product of
-/// the axis directions of both frames.
+/// A rotation is given as its axis times the sine of its angle. For a hinge it is the cross product of the axis
+/// directions of both frames; for a surface on a plane, the cross product of the two normals.
 pub fn constraint_residual<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
-    workspace: &mut Workspace<S>,
+    contacts: &[ContactTarget<S>],
+    (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     (displacements, velocities): (&mut [Twist<S>], &mut [Twist<S>]),
 ) {
+    let columns = &mut room.columns[0];
+    let loops = model.constraints.len() - model.contacts();
     let results = displacements.iter_mut().zip(velocities);
-    for (constraint, (displacement, velocity)) in model.loop_constraints.iter().zip(results) {
+    for ((c, constraint), (displacement, velocity)) in
+        model.constraints.iter().enumerate().zip(results)
+    {
+        if constraint.contact {
+            let frame = ContactFrame::new(model, constraint.ends[1], q, workspace, columns);
+            let (surface, target) = (constraint.holds_rotation(), &contacts[c - loops]);
+            *displacement = frame.displacement(target, surface);
+            let motion = frame.motion(model, target, surface, (columns, qd), workspace);
+            *velocity = frame.twist_to_world(constraint.constrained_part(motion.velocity));
+            continue;
+        }
         let ancestor = common_ancestor(model, constraint);
         let seen =
             constraint.ends.map(|end| relative_to_ancestor(model, end, ancestor, q, |_, _| {}));

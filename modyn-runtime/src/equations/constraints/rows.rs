@@ -5,13 +5,20 @@
 //! are forces in N. The mobility of a constraint is the trace of G I^-1 G^T. G has a row for each of
 //! the six directions of the relative twist, constrained or free, in the same units. The mobility
 //! therefore depends neither on the axes nor on which directions are constrained. It is the scale that
-//! decides whether a row is independent.
+//! decides whether a row is independent. (The mobility of a contact on a floating robot is that of the
+//! constrained rows: the origin of its frame moves in all directions.)
+//!
+//! With I = W Delta W^T, the rows of J W^-T are stored. They have the zeros of J: the columns of joints
+//! that do not carry the constraint. So J I^-1 J^T needs products over common ancestors only.
 
 use super::ConstraintWorkspace;
+use super::contact::ContactFrame;
 use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, relative_to_ancestor};
 use crate::Scalar;
+use crate::constraint_settings::ContactTarget;
 use crate::equations::Workspace;
-use crate::equations::brge::{self, UduLayout};
+use crate::equations::brge::UduLayout;
+use crate::equations::factorization::solve_upper_factor;
 use crate::equations::kinematics::links::add_columns;
 use crate::mechanism::{ConstrainedFrames, ConstraintRow, Mechanism};
 use crate::spatial::Twist;
@@ -46,44 +53,64 @@ impl<S: Scalar> ConstrainedFrames<S> {
     pub(super) fn constrained_part(&self, twist: Twist<S>) -> Twist<S> {
         self.along_rows(self.rows.iter().map(|row| row.component(twist)))
     }
+
+    /// Returns whether rotations are constrained.
+    pub(super) fn holds_rotation(&self) -> bool {
+        self.rows.iter().any(|row| row.angular)
+    }
 }
 
-/// Computes the Jacobian rows of all constraints, constrained and free, and two right-hand sides.
-/// `target` returns both right-hand sides of a constrained row.
+/// Computes the Jacobian rows of all constraints, constrained and free, and two right-hand sides. `target`
+/// returns both right-hand sides of a constrained row; its arguments are the constraint's index, the function
+/// that returns the row's component of a twist, and the relative motion.
 pub(super) fn constraint_rows<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
+    contacts: &[ContactTarget<S>],
     workspace: &mut Workspace<S>,
     room: &mut ConstraintWorkspace<S>,
-    target: impl Fn(&dyn Fn(Twist<S>) -> S, &RelativeMotion<S>) -> [S; 2],
+    target: impl Fn(usize, &dyn Fn(Twist<S>) -> S, &RelativeMotion<S>) -> [S; 2],
 ) {
     let n = model.nv.max(1);
     let (constrained, free) = room.jacobian.split_at_mut(room.rows * model.nv);
     let mut constrained = constrained.chunks_mut(n).enumerate();
     let mut free = free.chunks_mut(n);
-    for constraint in &model.loop_constraints {
-        let ancestor = common_ancestor(model, constraint);
-        let reach = |end, columns: &mut [Twist<S>]| {
-            columns.fill(Twist::zero());
-            relative_to_ancestor(model, end, ancestor, q, |i, seen| {
-                add_columns(model, i, &seen.axes, seen.point, columns);
-            })
+    let loops = model.constraints.len() - model.contacts();
+    room.frames.clear();
+    for (c, constraint) in model.constraints.iter().enumerate() {
+        let [first, second] = &mut room.columns;
+        let motion = if constraint.contact {
+            let frame = ContactFrame::new(model, constraint.ends[1], q, workspace, first);
+            let (surface, target) = (constraint.holds_rotation(), &contacts[c - loops]);
+            let motion = frame.motion(model, target, surface, (&*first, qd), workspace);
+            room.frames.push(frame);
+            motion
+        } else {
+            let ancestor = common_ancestor(model, constraint);
+            let reach = |end, columns: &mut [Twist<S>]| {
+                columns.fill(Twist::zero());
+                relative_to_ancestor(model, end, ancestor, q, |i, seen| {
+                    add_columns(model, i, &seen.axes, seen.point, columns);
+                })
+            };
+            let [a, b] = constraint.ends;
+            let pose = RelativePose::new(&[reach(a, first), reach(b, second)]);
+            for (a, &b) in first.iter_mut().zip(&*second) {
+                *a = pose.twist(*a, b);
+            }
+            RelativeMotion::new(model, constraint, &pose, (q, qd), workspace)
         };
-        let ([a, b], [first, second]) = (constraint.ends, &mut room.columns);
-        let pose = RelativePose::new(&[reach(a, first), reach(b, second)]);
-        let motion = RelativeMotion::new(model, constraint, &pose, (q, qd), workspace);
         let component =
             |row: &ConstraintRow<S>, twist| row.scaled_component(twist, constraint.length);
         let fill = |row: &ConstraintRow<S>, entries: &mut [S]| {
-            let columns = first.iter().zip(&*second).map(|(&a, &b)| pose.twist(a, b));
-            for (entry, column) in entries.iter_mut().zip(columns) {
+            for (entry, &column) in entries.iter_mut().zip(&*first) {
                 *entry = component(row, column);
             }
         };
         for (row, (k, entries)) in constraint.rows.iter().zip(&mut constrained) {
             fill(row, entries);
             [room.right_hand_sides[0][k], room.right_hand_sides[1][k]] =
-                target(&|twist| component(row, twist), &motion);
+                target(c, &|twist| component(row, twist), &motion);
         }
         for (row, entries) in constraint.free.iter().zip(&mut free) {
             fill(row, entries);
@@ -91,26 +118,47 @@ pub(super) fn constraint_rows<S: Scalar>(
     }
 }
 
-/// Computes I^-1 J^T, the matrix J I^-1 J^T of the constrained rows, and the mobility of each
-/// constraint. Expects the rows and the factors of the mass matrix.
+/// Computes W^-1 J^T of all rows, the matrix J I^-1 J^T of the constrained rows, in which the rows of inactive
+/// contacts are zero, and the mobility of each constraint. Expects the rows and the factors of the mass matrix.
 pub(super) fn mobilities<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,
+    (active, contacts): (&[S], &[ContactTarget<S>]),
     room: &mut ConstraintWorkspace<S>,
 ) {
     let n = model.nv.max(1);
-    let ConstraintWorkspace { jacobian, solved, factorization, mobilities, factors, .. } = room;
-    solved.copy_from_slice(jacobian);
-    for row in solved.chunks_mut(n) {
-        brge::solve(layout, factors, row);
+    let ConstraintWorkspace { jacobian, reduced, factorization, mobilities, factors, .. } = room;
+    let (owner, supports) = (&room.owner, &room.supports);
+    reduced.copy_from_slice(jacobian);
+    for (row, &c) in reduced.chunks_mut(n).zip(owner) {
+        solve_upper_factor(layout, factors, supports[c].modules.iter().copied(), row);
     }
+    let reciprocals = &factors[layout.reciprocals()];
     let entry = |i: usize, j: usize| {
-        let products = jacobian[i * n..][..n].iter().zip(&solved[j * n..][..n]);
-        products.map(|(&a, &b)| a * b).reduce(|sum, x| sum + x).unwrap_or(S::zero())
+        let (a, b) = (&reduced[i * n..][..n], &reduced[j * n..][..n]);
+        let shared = supports[owner[i]].entries.iter().filter(|&&k| supports[owner[j]].has[k]);
+        let products = shared.map(|&k| a[k] * (b[k] * reciprocals[k]));
+        products.reduce(|sum, x| sum + x).unwrap_or(S::zero())
     };
-    factorization.fill(entry);
+    let loops = model.constraints.len() - active.len();
+    let contact = |row: usize| owner[row].checked_sub(loops);
+    factorization.fill(|i, j| {
+        let mut sum = entry(i, j);
+        match [contact(i), contact(j)] {
+            [None, None] => {}
+            [Some(a), None] | [None, Some(a)] => sum = sum * active[a],
+            [Some(a), Some(b)] if a == b => {
+                if i == j {
+                    sum = sum + contacts[a].compliance;
+                }
+                sum = sum * active[a];
+            }
+            [Some(a), Some(b)] => sum = sum * (active[a] * active[b]),
+        }
+        sum
+    });
     let (mut row, mut free) = (0, room.rows);
-    for (mobility, constraint) in mobilities.iter_mut().zip(&model.loop_constraints) {
+    for (mobility, constraint) in mobilities.iter_mut().zip(&model.constraints) {
         let (rows, free_rows) =
             (row..row + constraint.rows.len(), free..free + constraint.free.len());
         (row, free) = (rows.end, free_rows.end);

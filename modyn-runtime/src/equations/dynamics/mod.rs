@@ -9,6 +9,8 @@ mod kinetic_energy;
 mod mass_matrix;
 pub(super) mod newton_euler;
 
+pub(super) use inverse_dynamics::bias_in_free_fall;
+
 pub use {
     centroidal::{centroidal_momentum, centroidal_momentum_matrix},
     external::Forces,

@@ -9,6 +9,7 @@ pub(super) mod recursive;
 mod solve;
 
 pub(super) use recursive::factorize_tree;
+pub(super) use solve::{solve_lower_factor, solve_upper_factor};
 
 pub use {
     layout::UduLayout,

@@ -71,6 +71,43 @@ fn solve_for<S: Scalar, L: FactorLayout<S>>(
     }
 }
 
+/// Replaces x by W^-1 x, with I = W Delta W^T and the unit upper triangular W = U V: the first half of
+/// [`solve`]. Expects that x is zero outside of these modules, and that they include each module that U couples
+/// to one of them.
+pub(in crate::equations) fn solve_upper_factor<S: Scalar>(
+    layout: &UduLayout,
+    factors: &[S],
+    modules: impl DoubleEndedIterator<Item = usize>,
+    x: &mut [S],
+) {
+    let u = &factors[layout.u()];
+    for m in modules.rev() {
+        let dofs = layout.blocks()[m].dofs.clone();
+        for (dof, row) in layout.rows(m) {
+            x[dof] =
+                dofs.clone().enumerate().fold(x[dof], |x_dof, (j, i)| x_dof - u[row + j] * x[i]);
+        }
+        solve_upper(layout.v(m, factors), &mut x[dofs]);
+    }
+}
+
+/// Replaces x by W^-T x: the second half of [`solve`].
+pub(in crate::equations) fn solve_lower_factor<S: Scalar>(
+    layout: &UduLayout,
+    factors: &[S],
+    x: &mut [S],
+) {
+    let u = &factors[layout.u()];
+    for (m, block) in layout.blocks().iter().enumerate() {
+        solve_lower(layout.v(m, factors), &mut x[block.dofs.clone()]);
+        for (dof, row) in layout.rows(m) {
+            for (j, i) in block.dofs.clone().enumerate() {
+                x[i] = x[i] - u[row + j] * x[dof];
+            }
+        }
+    }
+}
+
 /// Computes D as a full matrix by columns, (45).
 pub fn diagonal<S: Scalar>(layout: &UduLayout, factors: &[S], columns: &mut [S]) {
     let n = layout.n();

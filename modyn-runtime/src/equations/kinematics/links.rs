@@ -212,6 +212,21 @@ impl<S: Scalar> LinkInBody<S> {
     }
 }
 
+/// Returns the velocity that a unit rate in `component`, along `axes` (as columns), gives to a link whose
+/// origin is at `lever` in these axes.
+pub(in crate::equations) fn column_along<S: Scalar>(
+    component: usize,
+    axes: &Matrix3<S>,
+    lever: Vector3<S>,
+) -> Twist<S> {
+    if component < 3 {
+        let linear = Vector3::unit(component).cross(lever);
+        Twist { angular: axes.column(component), linear: axes.mul_vector(linear) }
+    } else {
+        Twist { angular: Vector3::zero(), linear: axes.column(component - 3) }
+    }
+}
+
 /// Adds the columns of body `i`'s degrees of freedom along `axes` (as columns), for a link whose origin is
 /// at `lever` in these axes.
 pub(in crate::equations) fn add_columns<S: Scalar>(
@@ -222,12 +237,7 @@ pub(in crate::equations) fn add_columns<S: Scalar>(
     columns: &mut [Twist<S>],
 ) {
     for dof in model.dofs_of(i) {
-        let along = if dof.component < 3 {
-            let linear = Vector3::unit(dof.component).cross(lever);
-            Twist { angular: axes.column(dof.component), linear: axes.mul_vector(linear) }
-        } else {
-            Twist { angular: Vector3::zero(), linear: axes.column(dof.component - 3) }
-        };
+        let along = column_along(dof.component, axes, lever);
         let column = &mut columns[dof.v];
         *column = *column + dof.multiplier.map_or(along, |multiplier| along.scale(multiplier));
     }

@@ -1,0 +1,148 @@
+//! Machine code of functions of contacts computes what the interpreter does: one state, and many with sets of active
+//! contacts of their own.
+
+mod common;
+
+use common::{levels, random};
+use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd};
+use modyn_jit::{Compiled, Options};
+use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
+use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter};
+
+const FUNCTIONS: [Function; 3] =
+    [Function::ConstrainedForwardDynamics, Function::ContactImpulse, Function::ConstraintResidual];
+
+type Settings = ConstraintSettings<f64, Vec<ContactTarget<f64>>>;
+
+fn contact(name: &str, kind: ContactKind, link: &str, xyz: [f64; 3]) -> Contact {
+    Contact {
+        name: name.into(),
+        kind,
+        end: LoopEnd { link: link.into(), xyz, rpy: [0.1, -0.2, 0.3] },
+    }
+}
+
+fn numbers(settings: &Settings) -> Vec<f64> {
+    let ConstraintSettings { alpha, beta, tolerance, rounding, contacts } = settings;
+    let mut numbers = vec![*alpha, *beta, *tolerance, *rounding];
+    for target in contacts {
+        numbers.extend(target.pose.rotation.concat());
+        numbers.extend(target.pose.translation);
+        numbers.extend(target.velocity.components());
+        let ContactTarget { tangential, alpha, beta, compliance, restitution, weight, .. } = target;
+        numbers.extend([tangential, alpha, beta, compliance, restitution, weight]);
+    }
+    numbers
+}
+
+/// The interpreter's numbers of a function.
+fn expected(
+    interpreter: &mut Interpreter,
+    function: Function,
+    state: &random::State,
+    (active, settings): (&[bool], &Settings),
+) -> Vec<f64> {
+    let random::State { q, qd, tau, .. } = state;
+    let count = active.len();
+    let (mut qdd, mut wrenches) = (vec![0.0; qd.len()], vec![Wrench::zero(); count]);
+    let (mut first, mut second) = (vec![Twist::zero(); count], vec![Twist::zero(); count]);
+    let rank = match function {
+        Function::ConstrainedForwardDynamics => {
+            let into = (&mut *qdd, &mut *wrenches, &mut *first);
+            interpreter.constrained_forward_dynamics((q, qd, tau), active, settings, into)
+        }
+        Function::ContactImpulse => {
+            interpreter.contact_impulse((q, qd), active, settings, (&mut qdd, &mut wrenches))
+        }
+        _ => {
+            let into = (&mut *first, &mut *second);
+            interpreter.constraint_residual((q, qd), settings, into).expect("fits");
+            let twists = first.iter().chain(&second);
+            return twists.flat_map(Twist::components).collect();
+        }
+    };
+    let residuals = first.iter().flat_map(Twist::components);
+    let residuals: Vec<f64> = match function {
+        Function::ConstrainedForwardDynamics => residuals.collect(),
+        _ => Vec::new(),
+    };
+    let wrenches = wrenches.iter().flat_map(Wrench::components);
+    qdd.into_iter().chain(wrenches).chain(residuals).chain([rank.expect("fits")]).collect()
+}
+
+#[test]
+fn contacts_on_the_ground_and_on_moving_frames() {
+    let path = format!("{}/../robots/quadruped.urdf", env!("CARGO_MANIFEST_DIR"));
+    let builder = Builder::new().urdf(path).base(Base::Floating).functions(FUNCTIONS);
+    let planning = builder
+        .contacts([
+            contact("left", ContactKind::Point, "front_left_foot", [0.0, 0.01, -0.02]),
+            contact("sole", ContactKind::Surface, "hind_right_foot", [0.03, -0.01, 0.02]),
+            contact("right", ContactKind::Point, "front_right_foot", [0.01, 0.0, -0.02]),
+        ])
+        .plan()
+        .expect("good");
+    let model = &planning.model;
+    let rotation = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]];
+    let moving = ContactTarget {
+        pose: Pose { rotation, translation: [0.3, -0.2, 0.1] },
+        velocity: Twist { angular: Vector3([0.1, -0.3, 0.2]), linear: Vector3([0.4, 0.1, -0.2]) },
+        tangential: 0.7,
+        compliance: 0.02,
+        restitution: 0.4,
+        ..ContactTarget::<f64>::GROUND
+    };
+    let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
+        ConstraintSettings::<f64>::DEFAULT;
+    let contacts = vec![ContactTarget::<f64>::GROUND, moving, ContactTarget::<f64>::EXACT];
+    let settings = ConstraintSettings { alpha, beta, tolerance, rounding, contacts };
+    let numbers = numbers(&settings);
+    let mut interpreter = Interpreter::new(model.clone());
+
+    let masks: Vec<[bool; 3]> = (0..8_u8).map(|i| [0, 1, 2].map(|bit| i >> bit & 1 == 1)).collect();
+    let states: Vec<random::State> = (0..8).map(|seed| random::state(seed, model)).collect();
+    for level in levels() {
+        let mut options = Options::default();
+        (options.level, options.batches) = (Some(level), true);
+        let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
+        for function in FUNCTIONS {
+            let call = compiled.function(function).expect("compiled");
+            let names: Vec<&str> = call.arguments().iter().map(|(name, _)| *name).collect();
+            let one = call.result().len();
+            let (mut all, mut wanted) = (vec![Vec::new(); names.len()], Vec::new());
+            for (state, mask) in states.iter().zip(&masks) {
+                let arguments: Vec<Vec<f64>> = names
+                    .iter()
+                    .map(|name| match *name {
+                        "q" => state.q.clone(),
+                        "qd" => state.qd.clone(),
+                        "tau" => state.tau.clone(),
+                        "contacts" => mask.map(|active| f64::from(u8::from(active))).to_vec(),
+                        _ => numbers.clone(),
+                    })
+                    .collect();
+                let mut found = vec![f64::NAN; one];
+                let given: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
+                call.one(&given, &mut found).expect("fits");
+                let expected = expected(&mut interpreter, function, state, (mask, &settings));
+                near(function, &found, &expected);
+                all.iter_mut().zip(&arguments).for_each(|(all, own)| all.extend(own));
+                wanted.extend(expected);
+            }
+            let mut found = vec![f64::NAN; wanted.len()];
+            let given: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
+            call.many(&given, &mut found).expect("fits");
+            for (found, wanted) in found.chunks(one).zip(wanted.chunks(one)) {
+                near(function, found, wanted);
+            }
+        }
+    }
+}
+
+fn near(function: Function, found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len(), "{function:?}");
+    let size = expected.iter().fold(1.0, |size: f64, x| size.max(x.abs()));
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() <= 1e-8 * size, "{function:?}: {found} {expected}");
+    }
+}

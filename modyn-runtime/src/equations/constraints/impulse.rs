@@ -1,0 +1,61 @@
+//! Impulses: the velocities after an impact.
+
+use super::rows::constraint_rows;
+use super::{ConstraintWorkspace, Settings};
+use crate::Scalar;
+use crate::constraint_settings::ContactTarget;
+use crate::equations::Workspace;
+use crate::equations::brge::{self, UduLayout};
+use crate::mechanism::Mechanism;
+use crate::spatial::{Matrix3, Wrench};
+
+/// Computes the velocities `after` an impact that satisfies the constraints at once, and the impulse on each
+/// constraint's second link, in the axes and at the point of its [wrench](super::constrained_forward_dynamics).
+/// Returns the number of independent rows.
+///
+/// Along the normal of its target, a contact's frame leaves with `restitution` times its speed before the
+/// impact. In all other directions its velocity is that of the target.
+///
+/// ```text
+/// I (qd+ - qd) = J^T lambda,  J qd+ = -e n n^T J qd
+/// ```
+pub fn contact_impulse<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
+    model: &Mechanism<S>,
+    layout: &UduLayout,
+    (q, qd): (&[S], &[S]),
+    (active, settings): Settings<'_, S, C>,
+    (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    (after, impulses): (&mut [S], &mut [Wrench<S>]),
+) -> S {
+    brge::factorize(model, layout, q, workspace, &mut room.factors);
+    let contacts = settings.contacts.as_ref();
+    constraint_rows(model, (q, qd), contacts, workspace, room, |_, component, motion| {
+        [-component(motion.velocity), S::zero()]
+    });
+    let mut row = 0;
+    let mut touching = room.frames.iter().zip(contacts);
+    for constraint in &model.constraints {
+        let rows = row..row + constraint.rows.len();
+        row = rows.end;
+        let Some((frame, target)) = constraint.contact.then(|| touching.next()).flatten() else {
+            continue;
+        };
+        let normal = frame.to_root(Matrix3(target.pose.rotation).column(2));
+        let stops = &mut room.right_hand_sides[0][rows];
+        // The displacements are the last three rows.
+        let first = stops.len() - 3;
+        let stops = &mut stops[first..];
+        let rebound = (0..3).fold(S::zero(), |sum, k| sum + normal[k] * stops[k]);
+        let rebound = target.restitution * rebound;
+        stops.iter_mut().zip(normal.0).for_each(|(stop, n)| *stop = *stop + rebound * n);
+    }
+    room.factorize(model, layout, (active, settings), |_| {});
+    room.force.fill(S::zero());
+    room.solve(0);
+    room.respond(layout, 0, after);
+    for (after, &before) in after.iter_mut().zip(qd) {
+        *after = before + *after;
+    }
+    room.wrenches(model, 0, impulses);
+    room.factorization.rank()
+}

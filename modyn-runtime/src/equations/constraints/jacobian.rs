@@ -1,0 +1,82 @@
+//! The Jacobian and the bias acceleration of constraints.
+
+use super::ConstraintWorkspace;
+use super::contact::ContactFrame;
+use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, relative_to_ancestor};
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::kinematics::kinematic_path::{self, OriginMotion};
+use crate::equations::kinematics::links::add_columns;
+use crate::mechanism::{ConstrainedFrames, Mechanism};
+use crate::spatial::{Twist, Vector3};
+
+/// Computes the Jacobian of each constraint: a column for each entry of qd. The product with qd is, for a loop
+/// constraint, the constrained part of the twist of its second frame relative to its first, in the first
+/// frame's axes; for a contact, the constrained part of its frame's twist in world axes.
+pub fn constraint_jacobian<S: Scalar>(
+    model: &Mechanism<S>,
+    q: &[S],
+    (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    columns: &mut [Twist<S>],
+) {
+    let results = columns.chunks_mut(model.nv.max(1));
+    for (constraint, columns) in model.constraints.iter().zip(results) {
+        if constraint.contact {
+            let end = constraint.ends[1];
+            let frame = ContactFrame::new(model, end, q, workspace, columns);
+            for column in columns {
+                *column = frame.twist_to_world(constraint.constrained_part(*column));
+            }
+            continue;
+        }
+        let ancestor = common_ancestor(model, constraint);
+        let [first, second] = &mut room.columns;
+        let reach = |end, columns: &mut [Twist<S>]| {
+            columns.fill(Twist::zero());
+            relative_to_ancestor(model, end, ancestor, q, |i, seen| {
+                add_columns(model, i, &seen.axes, seen.point, columns);
+            })
+        };
+        let [a, b] = constraint.ends;
+        let pose = RelativePose::new(&[reach(a, first), reach(b, second)]);
+        for (column, (&a, &b)) in columns.iter_mut().zip(first.iter().zip(&*second)) {
+            *column = constraint.constrained_part(pose.twist(a, b));
+        }
+    }
+}
+
+/// Computes the bias acceleration of each constraint: the time derivative of its Jacobian times qd, in the same
+/// axes.
+pub fn constraint_bias_acceleration<S: Scalar>(
+    model: &Mechanism<S>,
+    (q, qd): (&[S], &[S]),
+    workspace: &mut Workspace<S>,
+    accelerations: &mut [Twist<S>],
+) {
+    for (constraint, acceleration) in model.constraints.iter().zip(accelerations) {
+        *acceleration = if constraint.contact {
+            of_contact(model, constraint, (q, qd))
+        } else {
+            let ancestor = common_ancestor(model, constraint);
+            let seen =
+                constraint.ends.map(|end| relative_to_ancestor(model, end, ancestor, q, |_, _| {}));
+            let pose = RelativePose::new(&seen);
+            let motion = RelativeMotion::new(model, constraint, &pose, (q, qd), workspace);
+            constraint.constrained_part(motion.bias_acceleration)
+        };
+    }
+}
+
+/// Returns the classical acceleration of a contact's frame at zero joint accelerations, in world axes.
+fn of_contact<S: Scalar>(
+    model: &Mechanism<S>,
+    constraint: &ConstrainedFrames<S>,
+    (q, qd): (&[S], &[S]),
+) -> Twist<S> {
+    let end = constraint.ends[1];
+    let fixed = OriginMotion::fixed(Vector3(end.pose.translation));
+    let motion = kinematic_path::towards_world(model, end.body)
+        .fold(fixed, |frame, i| frame.towards_world(model, i, (q, qd, None)));
+    // A point's rows are all displacements, a surface's all six: the axes do not matter.
+    constraint.constrained_part(motion.acceleration)
+}

@@ -1,0 +1,52 @@
+//! The operational-space inertia of the constraints.
+
+use super::rows::constraint_rows;
+use super::{ConstraintWorkspace, Settings};
+use crate::Scalar;
+use crate::constraint_settings::ContactTarget;
+use crate::equations::Workspace;
+use crate::equations::brge::{self, UduLayout};
+use crate::mechanism::Mechanism;
+
+/// Computes the inverse operational-space inertia J I^-1 J^T of the constraint rows (the Delassus matrix), with
+/// the compliance of contacts, and its pseudo-inverse, the operational-space inertia (Khatib 1987). Both are
+/// arrays of columns. Returns the number of independent rows.
+///
+/// Each constraint has its constrained rotations, then its constrained displacements: in the first frame's axes
+/// for a loop constraint, in world axes for a contact. The rows and columns of inactive contacts are zero.
+/// Where rows are redundant, the pseudo-inverse is that of the rows in units of length: rotations are
+/// multiplied by the characteristic length.
+pub fn operational_inertia<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
+    model: &Mechanism<S>,
+    layout: &UduLayout,
+    q: &[S],
+    (active, settings): Settings<'_, S, C>,
+    (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    (inverse, inertia): (&mut [S], &mut [S]),
+) -> S {
+    brge::factorize(model, layout, q, workspace, &mut room.factors);
+    let contacts = settings.contacts.as_ref();
+    let rest = core::mem::take(&mut room.rest);
+    constraint_rows(model, (q, &rest), contacts, workspace, room, |_, _, _| [S::zero(); 2]);
+    room.rest = rest;
+    room.turn_contact_rows(model);
+    room.fill(model, layout, (active, settings));
+    let rows = room.rows;
+    let length = |row: usize| room.row_length(model, row);
+    for (j, column) in inverse.chunks_mut(rows.max(1)).enumerate() {
+        for (i, entry) in column.iter_mut().enumerate() {
+            *entry = room.factorization.entry(i, j) * (length(i) * length(j)).recip();
+        }
+    }
+    room.factorize_filled(settings);
+    for (j, column) in inertia.chunks_mut(rows.max(1)).enumerate() {
+        let unit = &mut room.right_hand_sides[0];
+        unit.fill(S::zero());
+        unit[j] = S::one();
+        room.solve(0);
+        for (i, (entry, &x)) in column.iter_mut().zip(&room.right_hand_sides[0]).enumerate() {
+            *entry = x * (room.row_length(model, i) * room.row_length(model, j));
+        }
+    }
+    room.factorization.rank()
+}
