@@ -1,10 +1,10 @@
-//! Runs the robots on the host, and writes down what they say bit for bit; lays out memory.
+//! Runs the robots on the host and writes down each result bit for bit; compiles the arm's C source; lays out memory.
 
 use std::error::Error;
 use std::fmt::{LowerHex, Write as _};
 use std::path::Path;
 
-use robots::{double, single};
+use robots::{c, double, single};
 
 /// Every second one turned far beyond the fast argument reduction.
 const STATES: usize = 6;
@@ -81,8 +81,34 @@ macro_rules! same_legs {
     };
 }
 
+/// Compiles the arm's C source for the target, as firmware is built.
+fn compile_c(out: &Path) -> Result<(), Box<dyn Error>> {
+    let single = std::env::var_os("CARGO_FEATURE_F32").is_some();
+    let texts = if single { c::SINGLE } else { c::DOUBLE };
+    for (name, text) in texts {
+        std::fs::write(out.join(name), text)?;
+    }
+    let mut build = cc::Build::new();
+    build
+        .compiler("clang")
+        .archiver("ar")
+        .file(out.join("arm7.c"))
+        .include(out)
+        .include("include")
+        .warnings_into_errors(true);
+    // Products and sums stay apart, as on the host; the inspection needs the size of each frame.
+    for flag in
+        ["-std=c99", "-pedantic", "-ffp-contract=off", "-fno-math-errno", "-fstack-size-section"]
+    {
+        build.flag(flag);
+    }
+    build.try_compile("arm7_c")?;
+    Ok(())
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=include");
     let out = std::env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
     let out = Path::new(&out);
     same_legs!(single, f32, 1e-4);
@@ -116,6 +142,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         // Checked on the host only, if at all.
         _ => return Ok(()),
     };
+    compile_c(out)?;
     std::fs::write(out.join("memory.x"), memory)?;
     println!("cargo::rustc-link-search={}", out.display());
     if std::env::var("CARGO_CFG_TARGET_ARCH")? == "riscv32" {

@@ -1,4 +1,4 @@
-//! Compiles the robots: self-contained for `f32` and `f64`, and the arm over `modyn-runtime` too.
+//! Compiles the robots: self-contained for `f32` and `f64`, and the arm over `modyn-runtime` and as C, too.
 
 use std::error::Error;
 use std::path::Path;
@@ -45,6 +45,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         if name == "arm7" {
             for (float, scalar) in [(FloatType::F32, "f32"), (FloatType::F64, "f64")] {
+                let builder = Builder::new().model(model.clone()).scalar(float);
+                let (c, _) = builder.functions(FUNCTIONS).generate_c()?;
+                std::fs::write(Path::new(&out).join(format!("arm7_{scalar}.h")), c.header)?;
+                std::fs::write(Path::new(&out).join(format!("arm7_{scalar}.c")), c.source)?;
                 let builder = Builder::new().model(model.clone()).crate_("::modyn_runtime");
                 let file = Path::new(&out).join(format!("ordinary_{scalar}.rs"));
                 let builder = builder.scalar(float).functions([Function::ForwardDynamics]);

@@ -6,6 +6,7 @@
 #![no_std]
 #![no_main]
 
+mod arm7_c;
 mod machine;
 mod measure;
 
@@ -63,9 +64,9 @@ macro_rules! robot {
     ($name:ident, $robot:ident, $cases:ident) => {
         mod $name {
             use super::robots_::$name::$robot as Robot;
-            use super::{Case, Float, Line, bits, black_box, cases, measure, numbers};
+            use super::{Case, Float, bits, black_box, cases, measure, numbers};
 
-            const N: usize = Robot::NV;
+            pub const N: usize = Robot::NV;
             type Vector = [Float; N];
 
             #[inline(never)]
@@ -118,11 +119,7 @@ macro_rules! robot {
                 for (case, name) in cases.iter().zip(["", "_far"].into_iter().cycle()) {
                     let (q, qd, tau) = (numbers(&case.q), numbers(&case.qd), numbers(&case.tau));
                     let report = |function: &str, call: &mut dyn FnMut()| {
-                        let (instructions, stack) = measure::call(call);
-                        let mut line = Line::default();
-                        line.text("measured ").text(stringify!($name)).text("::").text(function);
-                        line.text(name).text(" ").number(instructions).text(" ").number(stack);
-                        line.print();
+                        measure::report(stringify!($name), function, name, call);
                     };
                     report("forward_dynamics", &mut || {
                         black_box(forward_dynamics(black_box(&q), &qd, &tau));
@@ -187,7 +184,8 @@ fn main() -> ! {
     #[cfg(feature = "fail")]
     fail();
     measure::prepare();
-    let robots = [gripper::run(), arm7::run(), leg::run(), legs::run(), legs_shared::run()];
+    let robots =
+        [gripper::run(), arm7::run(), leg::run(), legs::run(), legs_shared::run(), arm7_c::run()];
     let good = robots.iter().all(|&good| good) && ordinary_agrees() && loaded_agrees();
     Line::default()
         .text(if good { "all agree" } else { "a result differs from the host's" })

@@ -17,10 +17,19 @@ const MARGIN: usize = 48;
 
 const PAINT: u32 = 0x5afe_c0de;
 
+/// Measures a call of a robot's function and prints the line that `inspect` reads. `state` follows the function's name.
+pub fn report(robot: &str, function: &str, state: &str, function_call: &mut dyn FnMut()) {
+    let (instructions, stack) = call(function_call);
+    let mut line = Line::default();
+    line.text("measured ").text(robot).text("::").text(function).text(state);
+    line.text(" ").number(instructions).text(" ").number(stack);
+    line.print();
+}
+
 /// Instructions of one call (rounded to the nearest), and how deep its stack was, bytes. Both count
 /// the call itself.
 #[inline(never)]
-pub fn call(call: &mut dyn FnMut()) -> (u32, u32) {
+fn call(call: &mut dyn FnMut()) -> (u32, u32) {
     let stack = stack(call);
     let empty = repeated(&mut || {});
     let full = repeated(call);

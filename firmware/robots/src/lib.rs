@@ -25,3 +25,18 @@ robots! {
     double: arm7 = "arm7_f64", gripper = "gripper_f64", leg = "leg_f64", legs = "legs_f64",
         legs_shared = "legs_shared_f64", ordinary = "ordinary_f64", loaded = "loaded_f64";
 }
+
+/// The arm's C header and source.
+pub mod c {
+    macro_rules! texts {
+        ($($name:ident = $scalar:literal),*) => {
+            $(
+                pub const $name: [(&str, &str); 2] = [
+                    ("arm7.h", include_str!(concat!(env!("OUT_DIR"), "/arm7_", $scalar, ".h"))),
+                    ("arm7.c", include_str!(concat!(env!("OUT_DIR"), "/arm7_", $scalar, ".c"))),
+                ];
+            )*
+        };
+    }
+    texts!(SINGLE = "f32", DOUBLE = "f64");
+}

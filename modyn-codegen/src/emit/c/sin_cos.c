@@ -78,8 +78,15 @@ static REAL modyn_flip_sign(REAL x, BITS by)
     return modyn_from_bits(modyn_bits(x) ^ (by << SIGN));
 }
 
+/* Such angles are rare: their code stays apart from the code of the others. */
+#ifdef __GNUC__
+#define MODYN_RARE __attribute__((cold, noinline))
+#else
+#define MODYN_RARE
+#endif
+
 /* The angle in [-pi/2, pi/2] that differs from x by a multiple of pi, where the fast reduction is not exact. */
-static REAL modyn_far(REAL x, BITS *turns)
+MODYN_RARE static REAL modyn_far(REAL x, BITS *turns)
 {
     const BITS bits = modyn_bits(x);
     const BITS one = 1U;
