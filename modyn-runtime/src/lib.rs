@@ -22,6 +22,7 @@ mod constraint_settings;
 pub mod conventions;
 #[cfg(feature = "alloc")]
 pub mod equations;
+mod float;
 pub mod functions;
 mod inertial;
 #[cfg(feature = "alloc")]
@@ -44,6 +45,9 @@ pub mod simulate;
 #[cfg(feature = "alloc")]
 pub mod sources;
 pub mod spatial;
+#[cfg(feature = "std")]
+#[doc(hidden)]
+pub mod steps;
 
 /// nalgebra, in the version of the types of [`Nalgebra`].
 #[cfg(feature = "nalgebra")]
@@ -74,8 +78,5 @@ pub use results::{
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]
 pub use scalar::LaneScalar;
-#[cfg(feature = "std")]
-#[doc(hidden)]
-pub use scalar::steps;
 pub use scalar::{Portable, SIN_COS_F32, SIN_COS_F64, Scalar, SinCosNumbers};
 pub use spatial::{Momentum, Pose, Twist, Vector3, Wrench};

@@ -18,7 +18,7 @@ macro_rules! sources {
 
 /// All modules, by their paths.
 pub const SOURCES: &[Source] = sources!(
-    "configuration" "constraint_settings" "inertial" "jacobi" "parameters" "results"
-    "scalar/elementary" "scalar/float" "scalar/real" "scalar/root" "scalar/simd" "scalar/trig"
+    "configuration" "constraint_settings" "float/elementary" "float/root" "float/scalars" "inertial"
+    "jacobi" "parameters" "results" "scalar/real" "scalar/simd" "scalar/trig"
     "spatial/pose" "spatial/vector" "spatial/wrench"
 );

@@ -1,4 +1,4 @@
-//! Compiles the robots of `robots.txt`, and writes a table of them for `src/generated.rs`.
+//! Compiles the robots of `robots.txt`, and writes tables of them for `src/generated.rs` and `src/c.rs`.
 
 #[path = "src/robots.rs"]
 mod robots;
@@ -12,7 +12,9 @@ use modyn_codegen::{Builder, Function};
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=../robots.txt");
     println!("cargo::rerun-if-changed=../../../target/peers/robots");
-    let (mut includes, mut table) = (String::new(), String::new());
+    let folder = std::env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
+    let folder = Path::new(&folder);
+    let (mut includes, mut table, mut sources) = (String::new(), String::new(), String::new());
     for robot in robots::all() {
         let mut functions =
             vec![Function::ForwardDynamics, Function::InverseDynamics, Function::MassMatrix];
@@ -22,17 +24,20 @@ fn main() -> Result<(), Box<dyn Error>> {
         let names: Vec<&str> = functions.iter().map(|function| function.name()).collect();
         let type_name = robot.type_name();
         let batch = [Function::ForwardDynamicsBatch];
-        Builder::new()
-            .urdf(&robot.description)
-            .base(robot.base)
-            .type_name(&type_name)
-            .functions(functions.into_iter().chain(batch))
-            .compile()?;
+        let builder =
+            Builder::new().urdf(&robot.description).base(robot.base).type_name(&type_name);
+        let (c, _) = builder.clone().functions(functions.clone()).generate_c()?;
+        let (name, prefix) = (&robot.name, c.prefix);
+        std::fs::write(folder.join(format!("{name}.h")), c.header)?;
+        std::fs::write(folder.join(format!("{name}.c")), c.source)?;
+        let [header, source] = ["h", "c"]
+            .map(|kind| format!("include_str!(concat!(env!(\"OUT_DIR\"), \"/{name}.{kind}\"))"));
+        writeln!(sources, "    ({name:?}, {prefix:?}, {header}, {source}),")?;
+        builder.functions(functions.into_iter().chain(batch)).compile()?;
         writeln!(includes, "::modyn::include_model!({});", robot.name)?;
         writeln!(table, "    {:?} {type_name} [{}];", robot.name, names.join(" "))?;
     }
-    let folder = std::env::var_os("OUT_DIR").ok_or("no OUT_DIR")?;
-    let text = format!("{includes}\ngenerated! {{\n{table}}}\n");
-    std::fs::write(Path::new(&folder).join("robots.rs"), text)?;
+    std::fs::write(folder.join("robots.rs"), format!("{includes}\ngenerated! {{\n{table}}}\n"))?;
+    std::fs::write(folder.join("c.rs"), format!("[\n{sources}]\n"))?;
     Ok(())
 }

@@ -2,20 +2,13 @@
 
 #[cfg(feature = "num-dual")]
 mod dual;
-mod elementary;
-mod float;
 #[cfg(feature = "alloc")]
 mod lane_scalar;
-mod native;
 #[cfg(test)]
 pub(crate) mod near_pi;
 mod portable;
 mod real;
-#[cfg(test)]
-mod root;
 pub(crate) mod simd;
-#[cfg(feature = "std")]
-pub mod steps;
 pub(crate) mod trig;
 
 #[cfg(feature = "alloc")]

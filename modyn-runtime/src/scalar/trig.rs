@@ -54,7 +54,7 @@ pub(crate) trait Precision: FlipSign + PartialOrd {
 /// Returns sin and cos of `x` in rad. Absolute error: at most 3e-16 in double precision, 1.5e-7 in single precision.
 /// Relative error of the sine: at most 3.5e-16 and 2e-7; the cosine has no such bound close to its zeros.
 #[inline]
-pub(super) fn sin_cos<F: Precision>(x: F) -> (F, F) {
+pub(crate) fn sin_cos<F: Precision>(x: F) -> (F, F) {
     // `<` is false for NaN.
     let (r, turns) = if x.abs() < F::LIMIT { F::reduce_small(x) } else { x.reduce_large() };
     F::polynomials(r, turns)
@@ -62,7 +62,7 @@ pub(super) fn sin_cos<F: Precision>(x: F) -> (F, F) {
 
 /// Returns sin and cos of several angles, without a branch between them.
 #[inline]
-pub(super) fn sin_cos_all<F: Precision, const N: usize>(angles: [F; N]) -> [(F, F); N] {
+pub(crate) fn sin_cos_all<F: Precision, const N: usize>(angles: [F; N]) -> [(F, F); N] {
     let small = angles.iter().fold(true, |all, x| all & (x.abs() < F::LIMIT));
     let reduced = if small { angles.map(F::reduce_small) } else { reduce_any(angles) };
     reduced.map(|(r, turns)| F::polynomials(r, turns))

@@ -1,9 +1,10 @@
 //! modyn's part in the comparison with other software.
 //!
 //! `modyn-runner states FOLDER` writes the states and modyn's interpreter's results, which every
-//! contender is checked against. `modyn-runner CONTENDER FOLDER ROBOT QUANTITY REPETITIONS` times.
+//! contender is checked against. `modyn-runner c FOLDER` writes the robots' C sources. `modyn-runner CONTENDER FOLDER ROBOT QUANTITY REPETITIONS` times.
 
 mod alone;
+mod c;
 mod generated;
 mod interpreted;
 mod measure;
@@ -29,11 +30,12 @@ fn main() {
         ["states", folder] => robots::all().iter().for_each(|robot| {
             states::write(robot, Path::new(folder));
         }),
+        ["c", folder] => c::write(Path::new(folder)),
         [contender, folder, robot, quantity, repetitions] => {
             let (_, measure) =
                 CONTENDERS.iter().find(|(name, _)| *name == contender).expect("a contender");
             measure(&Job::read(Path::new(folder), robot, quantity, repetitions));
         }
-        _ => panic!("states FOLDER, or CONTENDER FOLDER ROBOT QUANTITY REPETITIONS"),
+        _ => panic!("states FOLDER, c FOLDER, or CONTENDER FOLDER ROBOT QUANTITY REPETITIONS"),
     }
 }

@@ -59,7 +59,7 @@ pub(in crate::emit) fn text(used: &BTreeSet<Support>, float: FloatType) -> Strin
 }
 
 /// Returns the words that depend on the precision. The numbers of the arctangent and the
-/// logarithm are those of `scalar/elementary.rs`.
+/// logarithm are those of `float/elementary.rs`.
 fn substitutions(float: FloatType) -> BTreeMap<&'static str, String> {
     let series = |count: u32, term: &dyn Fn(f64) -> (f64, f64)| {
         let term = |i: u32| {

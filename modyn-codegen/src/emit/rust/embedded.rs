@@ -7,7 +7,7 @@ use modyn_runtime::sources::{SOURCES, Source};
 /// The name of the module in the file.
 pub(super) const MODULE: &str = "runtime";
 
-/// The replacement of `scalar/native` of the runtime, which uses `libm` and features.
+/// The replacement of `float/native` of the runtime, which uses `libm` and features.
 const NATIVE: &str = "\
 //! Operations with instructions on some processors only.
 
@@ -27,13 +27,13 @@ pub(super) fn mul_add_f32(a: f32, b: f32, c: f32) -> f32 {
 
 /// Runs work on packed limbs one limb after the other.
 #[inline]
-pub(super) fn run_simd_f64<W: super::simd::SimdTask<f64>>(work: W) -> W::Output {
+pub(super) fn run_simd_f64<W: crate::scalar::simd::SimdTask<f64>>(work: W) -> W::Output {
     work.scalar()
 }
 
 /// Runs work on packed limbs one limb after the other.
 #[inline]
-pub(super) fn run_simd_f32<W: super::simd::SimdTask<f32>>(work: W) -> W::Output {
+pub(super) fn run_simd_f32<W: crate::scalar::simd::SimdTask<f32>>(work: W) -> W::Output {
     work.scalar()
 }
 ";
@@ -97,11 +97,11 @@ pub(super) fn module(items: &str) -> String {
     if jacobi {
         write_module(&mut text, &["jacobi"]);
     }
-    let scalar = ["elementary", "float", "native", "real", "root", "simd", "trig"];
+    write_folder(&mut text, "float", &["elementary", "native", "root", "scalars"], "");
     write_folder(
         &mut text,
         "scalar",
-        &scalar,
+        &["real", "simd", "trig"],
         "pub use self::real::Scalar;\n    pub(crate) use self::real::epsilon;",
     );
     if spatial {
@@ -120,13 +120,16 @@ fn write_folder(text: &mut String, folder: &str, files: &[&str], exported: &str)
     for file in files {
         write_module(text, &[folder, file]);
     }
-    let _ = writeln!(text, "    {exported}\n    }}\n");
+    if !exported.is_empty() {
+        let _ = writeln!(text, "    {exported}");
+    }
+    let _ = writeln!(text, "    }}\n");
 }
 
 /// Prints one file of the runtime as a module.
 fn write_module(text: &mut String, path: &[&str]) {
     let source = match path {
-        ["scalar", "native"] => NATIVE,
+        ["float", "native"] => NATIVE,
         _ => SOURCES
             .iter()
             .find(|Source { path: at, .. }| *at == path.join("/"))
@@ -136,9 +139,11 @@ fn write_module(text: &mut String, path: &[&str]) {
     let source = source.split("\n#[cfg(test)]\n").next().unwrap_or_default();
     let root = vec!["super"; path.len()].join("::");
     let (indent, inner) = ("    ".repeat(path.len()), "    ".repeat(path.len() + 1));
-    let public =
-        [["configuration"], ["jacobi"], ["parameters"]].iter().any(|module| path == module);
-    let visibility = if public { "pub mod" } else { "mod" };
+    let visibility = match path {
+        ["configuration" | "jacobi" | "parameters"] => "pub mod",
+        [_] => "mod",
+        _ => "pub(crate) mod",
+    };
     let _ = writeln!(text, "{indent}{visibility} {} {{", path[path.len() - 1]);
     let mut example = false;
     for line in source.lines() {

@@ -1,7 +1,8 @@
 //! `f64` and `f32` as scalars.
 
-use super::simd::SimdTask;
-use super::{Scalar, elementary, native, trig};
+use super::{elementary, native};
+use crate::scalar::simd::SimdTask;
+use crate::scalar::{Scalar, trig};
 
 impl Scalar for f64 {
     #[inline]

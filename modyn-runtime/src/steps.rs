@@ -6,9 +6,9 @@ use std::cell::RefCell;
 use std::thread_local;
 use std::vec::Vec;
 
-use super::Scalar;
-use super::trig::FlipSign;
 use crate::lanes::Float;
+use crate::scalar::Scalar;
+use crate::scalar::trig::FlipSign;
 
 /// One operation. Numbers are indices of earlier steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
