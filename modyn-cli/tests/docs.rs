@@ -91,7 +91,7 @@ fn quoted(text: &str) -> impl Iterator<Item = &str> {
 }
 
 #[test]
-fn the_page_on_extending_names_what_there_is() {
+fn the_page_on_extending_names_existing_places() {
     let page = std::fs::read_to_string(root().join("docs/extending.md")).expect("a page");
     let mut rows = 0;
     for line in page.lines().filter(|line| line.starts_with("| `")) {

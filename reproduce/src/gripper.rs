@@ -13,32 +13,32 @@ pub const POSTURE: [f64; 4] = [0.0, 0.0, 0.0, FRAC_PI_2];
 /// The accelerations of Table 3 as printed.
 pub const PRINTED: [f64; 4] = [-145.6931, 268.0752, -163.1762, 145.6931];
 
-/// What the paper computes of the gripper in that posture, matrices by columns.
+/// The paper's results for the gripper in that posture, matrices by columns.
 #[derive(Clone, Debug)]
 pub struct Gripper {
-    /// (A.19).
+    /// M, (A.19).
     pub mass_matrix: Vec<f64>,
     /// phi(0) of Table 3.
     pub phi: Vec<f64>,
     /// The accelerations of Table 3.
     pub qdd: Vec<f64>,
-    /// (A.20).
+    /// U, (A.20).
     pub u: Vec<f64>,
-    /// (A.20).
+    /// D, (A.20).
     pub d: Vec<f64>,
-    /// (A.21).
+    /// U^-1, (A.21).
     pub u_inverse: Vec<f64>,
-    /// (A.21).
+    /// D^-1, (A.21).
     pub d_inverse: Vec<f64>,
-    /// (A.22).
+    /// M^-1, (A.22).
     pub inverse: Vec<f64>,
 }
 
-/// Computes it.
+/// Computes the results.
 ///
 /// # Panics
 ///
-/// Never: the lengths are the gripper's.
+/// Never: the lengths are those of the gripper.
 #[must_use]
 pub fn gripper() -> Gripper {
     let mut interpreter = Interpreter::<f64>::new(robots::gripper());
@@ -54,7 +54,7 @@ pub fn gripper() -> Gripper {
     Gripper { mass_matrix, phi, qdd, u, d, u_inverse, d_inverse, inverse }
 }
 
-/// The section of the page.
+/// Writes the section of the page.
 pub fn report(report: &mut Report) {
     let found = gripper();
     report.heading("The gripper: Tables 2 and 3, (A.19)-(A.22)");

@@ -1,8 +1,7 @@
-//! The paper behind modyn, run again: its tables and plots, and what lies beyond them.
+//! The paper's tables and plots, reproduced, and studies beyond them.
 //!
-//! `cargo run --release -p modyn-reproduce -- OUTDIR` writes all of it into a folder with an index
-//! page, the paper's figures beside ours. One file a topic; `docs/paper.md` says which equation is
-//! where.
+//! `cargo run --release -p modyn-reproduce -- OUTDIR` writes all of them into a folder with an index page, the paper's
+//! numbers beside modyn's. Each topic has one file; `docs/paper.md` lists the equations with their places.
 
 pub mod biped;
 pub mod complexity;
@@ -25,7 +24,7 @@ use std::path::{Path, PathBuf};
 
 use report::{Failure, Report};
 
-/// Makes everything, into `folder`; the page's file.
+/// Writes everything into `folder`, and returns the path of the page.
 ///
 /// # Errors
 ///

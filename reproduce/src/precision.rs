@@ -1,7 +1,7 @@
 //! Beyond Tables 4 and 5: rounding in single precision and in Q16.16, by partition.
 //!
-//! Reference is the same computation without rounding on the same rounded figures ([`Exact`]), so
-//! errors are those of the way of solving alone.
+//! The reference is the same computation without rounding, on the same rounded parameters ([`Exact`]), so the errors
+//! are those of the solver alone.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
@@ -18,15 +18,15 @@ pub type States = Vec<(Vec<f64>, Vec<f64>)>;
 
 /// A robot of the study.
 pub struct Subject {
-    /// What it is called.
+    /// The name.
     pub name: String,
     /// The robot.
     pub model: Model,
-    /// Where it is looked at.
+    /// The states at which accelerations are computed.
     pub states: States,
 }
 
-/// Postures at a turn of up to 1.5 rad a joint, moving at up to 1 rad/s.
+/// Returns random postures, up to 1.5 rad a joint, with velocities up to 1 rad/s.
 fn anywhere(model: &Model, count: usize) -> States {
     let mut numbers = robots::spread(model.nv());
     let mut vector = |n: usize, size: f64| -> Vec<f64> {
@@ -35,7 +35,7 @@ fn anywhere(model: &Model, count: usize) -> States {
     (0..count).map(|_| (vector(model.nq(), 1.5), vector(model.nv(), 1.0))).collect()
 }
 
-/// The gripper, the biped on its step, the 7-joint arm.
+/// Returns the gripper, the biped on its step, and the 7-joint arm.
 #[must_use]
 pub fn subjects() -> Vec<Subject> {
     let [gripper, arm7] = [robots::gripper(), robots::arm7()];
@@ -48,29 +48,29 @@ pub fn subjects() -> Vec<Subject> {
     ]
 }
 
-/// A chain of that many links.
+/// Returns a chain with this number of links.
 #[must_use]
 pub fn chain(links: usize) -> Subject {
     let model = robots::chain(links);
     Subject { name: format!("chain of {links}"), states: anywhere(&model, 24), model }
 }
 
-/// How accelerations are solved for.
+/// A solver for the accelerations.
 #[derive(Clone, Debug)]
 pub enum Solver {
-    /// mass matrix and bias forces, then Gaussian elimination.
+    /// Mass matrix and bias forces, then Gaussian elimination.
     Gaussian,
-    /// The same from the last column on.
+    /// Mass matrix and bias forces, then Gaussian elimination from the last column on.
     ReverseGaussian,
     /// The recursion by these modules.
     Modules(ModuleTree),
 }
 
-/// The relative errors ||qdd - exact|| / ||exact|| on scalar `S`, state by state, falling freely.
+/// Returns the relative errors ||qdd - exact|| / ||exact|| on scalar `S` in free fall, state by state.
 ///
 /// # Panics
 ///
-/// If modules are those of another robot.
+/// If the modules belong to another robot.
 #[must_use]
 pub fn errors<S: Number>(subject: &Subject, way: &Solver) -> Vec<f64> {
     let Subject { model, states, .. } = subject;
@@ -110,21 +110,21 @@ pub fn errors<S: Number>(subject: &Subject, way: &Solver) -> Vec<f64> {
     states.iter().map(accelerations).collect()
 }
 
-/// The middle one of the errors.
+/// Returns the median of the errors.
 #[must_use]
 pub fn median(mut errors: Vec<f64>) -> f64 {
     errors.sort_by(f64::total_cmp);
     errors.get(errors.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The robot in a unit of mass in which the largest entry of its mass matrix is about 64, for Q16.16: in
+/// Returns the robot in a unit of mass in which the largest entry of its mass matrix is about 64, for Q16.16. In
 /// kilograms the gripper's inertias would be a few units of the last place.
 #[must_use]
 pub fn for_fixed_point(subject: Subject) -> Subject {
     with_largest(subject, 64.0)
 }
 
-/// The robot in a unit of mass, a power of two in kilograms, in which the largest entry of its mass matrix is
+/// Returns the robot in a unit of mass, a power of two in kilograms, in which the largest entry of its mass matrix is
 /// about `size`.
 #[must_use]
 pub fn with_largest(subject: Subject, size: f64) -> Subject {
@@ -140,7 +140,7 @@ pub fn with_largest(subject: Subject, size: f64) -> Subject {
     Subject { model: robots::in_mass_unit(&subject.model, unit), ..subject }
 }
 
-/// The ways of the tables.
+/// Returns the solvers of the tables.
 fn ways(model: &Model) -> Vec<(String, Solver)> {
     let by = |name: &str, modules| (name.to_owned(), Solver::Modules(modules));
     let mut ways = vec![
@@ -156,7 +156,7 @@ fn ways(model: &Model) -> Vec<(String, Solver)> {
     ways
 }
 
-/// Median errors against the length of a chain, a line for each way of solving.
+/// Returns the median errors by the length of a chain, a line for each solver.
 #[must_use]
 pub fn against_length<S: Number>(lengths: &[usize], adjust: fn(Subject) -> Subject) -> Vec<Line> {
     let subjects: Vec<Subject> = lengths.iter().map(|&n| adjust(chain(n))).collect();
@@ -171,7 +171,7 @@ pub fn against_length<S: Number>(lengths: &[usize], adjust: fn(Subject) -> Subje
         .collect()
 }
 
-/// Median errors against the length of the pieces that chains are cut into.
+/// Returns the median errors by the length of the modules of a chain.
 #[must_use]
 pub fn against_pieces<S: Number>(subject: &Subject) -> Line {
     let longest = subject.model.links().len();
@@ -182,8 +182,8 @@ pub fn against_pieces<S: Number>(subject: &Subject) -> Line {
     Line::new(subject.name.clone(), points)
 }
 
-/// Every way to cut a robot that is one chain into modules, by their lengths, with the median error on
-/// scalar `S`; the best first.
+/// Returns all partitions of a serial chain into modules, by their lengths, with the median error on scalar `S`; the
+/// most accurate first.
 ///
 /// # Panics
 ///
@@ -193,7 +193,7 @@ pub fn by_cuts<S: Number>(subject: &Subject) -> Vec<(Vec<usize>, f64)> {
     let links: Vec<&str> = subject.model.links().iter().map(|link| link.name.as_str()).collect();
     let mut cuts: Vec<(Vec<usize>, f64)> = (0..1_usize << (links.len() - 1))
         .map(|cut| {
-            // Bit k: whether a module ends behind link k.
+            // Bit k: whether a module ends after link k.
             let mut modules = vec![vec![links[0]]];
             for (k, link) in links.iter().enumerate().skip(1) {
                 if cut >> (k - 1) & 1 == 1 {
@@ -210,7 +210,7 @@ pub fn by_cuts<S: Number>(subject: &Subject) -> Vec<(Vec<usize>, f64)> {
     cuts
 }
 
-/// Median errors in Q16.16 against the unit of mass, said by the largest entry of the mass matrix.
+/// Returns the median errors in Q16.16 by the unit of mass, which is given by the largest entry of the mass matrix.
 #[must_use]
 pub fn against_unit(subject: fn() -> Subject) -> Vec<Line> {
     let names = ways(&subject().model);
@@ -223,7 +223,7 @@ pub fn against_unit(subject: fn() -> Subject) -> Vec<Line> {
     (0..names.len()).map(line).collect()
 }
 
-/// The section of the page.
+/// Writes the section of the page.
 ///
 /// # Errors
 ///

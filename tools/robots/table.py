@@ -1,4 +1,4 @@
-"""What was found, as Markdown."""
+"""The findings as Markdown."""
 
 import os
 import platform
@@ -19,7 +19,7 @@ REASONS = {
 
 
 def differing(row):
-    """What differs from Pinocchio, by base and quantity."""
+    """Returns the quantities that differ from Pinocchio, by base."""
     return [f"{quantity} ({base})" for base, found in row.differences.items()
             for quantity, (difference, allowed, _) in found.items() if not difference <= allowed]
 
@@ -71,7 +71,7 @@ def refusals(row):
 
 
 def aside(row):
-    """What Pinocchio has to say of a description that is refused whatever the options."""
+    """Returns Pinocchio's error for a description that modyn refuses with all options."""
     if row.rank:
         return f"its mass matrix in Pinocchio has rank {row.rank[0]} of {row.rank[1]}"
     return f"Pinocchio: {row.unloaded}" if row.unloaded else ""

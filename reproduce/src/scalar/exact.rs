@@ -1,4 +1,4 @@
-//! What a computation would give without rounding, from figures that are rounded all the same.
+//! Computation without rounding on parameters that are rounded.
 
 use core::marker::PhantomData;
 
@@ -6,8 +6,8 @@ use modyn_runtime::Scalar;
 
 use super::{DoubleDouble, Number, operators};
 
-/// A double-double number whose figures come in as `S` has them: so its results differ from `S`'s by
-/// what rounding did on the way alone, not by what the figures had lost before.
+/// A double-double number whose parameters are rounded to `S`: results differ from `S`'s by the rounding of operations
+/// alone, not by that of the parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct Exact<S>(DoubleDouble, PhantomData<S>);
 
