@@ -5,7 +5,7 @@
 
 use modyn::simulate::{Gains, Reference, State};
 
-modyn::modyn!("robots/arm7.urdf");
+modyn::modyn!("robots/arm7.urdf", friction = none);
 
 const DT: f64 = 0.001;
 

@@ -9,7 +9,7 @@ use modyn_runtime::spatial::Pose;
 
 use crate::motion::{State, instants, integrate};
 use crate::plot::{Axis, Chart, Line};
-use crate::report::{Failure, Report, power};
+use crate::report::{Failure, Report, Table, power};
 use crate::{gait, robots};
 
 modyn::modyn! {
@@ -149,7 +149,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     });
     let head =
         ["link", "joint", "mass (kg)", "centre above the joint (m)", "Ixx (kg m^2)", "Iyy", "Izz"];
-    report.table(&head, rows.collect());
+    report.table(Table::new(&head, rows.collect()));
     let times = instants(gait::DURATION, 101);
     let curve = |f: &dyn Fn(f64) -> f64| times.iter().map(|&t| (t, f(t))).collect::<Vec<_>>();
     let lines = vec![

@@ -15,7 +15,7 @@ use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::plot::{Axis, Chart, Line};
-use crate::report::{Failure, Report, power};
+use crate::report::{Failure, Report, Table, power};
 use crate::robots;
 
 /// The operations of one robot's forward dynamics.
@@ -111,6 +111,23 @@ fn lines(models: &[Model]) -> (Vec<Counts>, Vec<Line>) {
 /// The lengths of the chains.
 const CHAINS: [usize; 14] = [2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, 30, 40, 60];
 
+fn table_of(counts: &[Counts]) -> Table {
+    let head =
+        ["n", "by links", "chain as one module", "composite and elimination", "modules found"];
+    let head = [&head[..], &PUBLISHED.map(|(name, _)| name)].concat();
+    let row = |c: &Counts| {
+        let own = [c.n, c.by_links, c.by_chains, c.by_matrix, c.searched].map(|x| x.to_string());
+        own.into_iter().chain(PUBLISHED.map(|(_, f)| format!("{:.0}", f(c.n as f64)))).collect()
+    };
+    Table::new(&head, counts.iter().map(row).collect())
+}
+
+/// Returns the counts of chains of some of the lengths, with the published ones.
+#[must_use]
+pub fn table() -> Table {
+    table_of(&[4, 6, 8, 10, 20, 60].map(|n| counts(&robots::chain(n))))
+}
+
 /// Writes the section of the page.
 ///
 /// # Errors
@@ -130,13 +147,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     for (name, published) in PUBLISHED {
         all.push(Line::new(name, CHAINS.map(|n| (n as f64, published(n as f64)))));
     }
-    let rows = counts.iter().map(|c| {
-        let own = [c.n, c.by_links, c.by_chains, c.by_matrix, c.searched].map(|x| x.to_string());
-        own.into_iter().chain(PUBLISHED.map(|(_, f)| format!("{:.0}", f(c.n as f64)))).collect()
-    });
-    let head = ["n", "by links", "by chains", "composite and elimination", "modules found"];
-    let head = [&head[..], &PUBLISHED.map(|(name, _)| name)].concat();
-    report.table(&head, rows.collect());
+    report.table(table_of(&counts));
     let short = |line: &Line| {
         Line::new(line.name.clone(), line.points.iter().copied().filter(|&(n, _)| n <= 12.0))
     };
@@ -166,7 +177,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     report.text(
         "Time of the interpreter's forward dynamics by links, one core (least of several calls):",
     );
-    report.table(&["links", "s", "ns a link"], rows.collect());
+    report.table(Table::new(&["links", "s", "ns a link"], rows.collect()));
     let title = "Time of the interpreter's forward dynamics";
     let (x, y) = (Axis::logarithmic("links of a chain"), Axis::logarithmic("time (s)"));
     let proportional = times.map(|(n, _)| (n, times[1].1 * n / 100.0));

@@ -6,7 +6,7 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::motion::instants;
 use crate::plot::{Axis, Chart, Line};
-use crate::report::{Failure, Report, fixed};
+use crate::report::{Failure, Report, Table, fixed};
 use crate::{dense, gait, robots};
 
 /// The condition numbers at a posture: of the mass matrix, and of each module's pivot block I_hat.
@@ -94,7 +94,8 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
         };
         let mut row = vec![name.to_owned(), range(&|c| c.mass_matrix)];
         row.extend((0..count).map(|m| range(&|c| c.modules[m])));
-        report.table(&["motion", "whole mass matrix", "module 1", "module 2"], vec![row]);
+        report
+            .table(Table::new(&["motion", "whole mass matrix", "module 1", "module 2"], vec![row]));
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::motion::{State, instants, integrate};
 use crate::plot::{Axis, Chart, Line};
-use crate::report::{Failure, Report, power};
+use crate::report::{Failure, Report, Table, power};
 use crate::scalar::Number;
 use crate::stability::{doubles, scalars};
 use crate::{dense, gait, gripper, robots};
@@ -128,7 +128,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
         }
     }
     report.text("The largest change over the time of the plot (J/kg):");
-    report.table(&[&["robot"][..], &SOLVERS].concat(), rows);
+    report.table(Table::new(&[&["robot"][..], &SOLVERS].concat(), rows));
     Ok(())
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use modyn_runtime::Interpreter;
 
-use crate::report::{Report, fixed};
+use crate::report::{Report, Table, fixed};
 use crate::{dense, robots};
 
 /// theta_11, theta_12, theta_22, theta_13 of (A.19).
@@ -66,10 +66,10 @@ pub fn report(report: &mut Report) {
     });
     report
         .text("Table 2, as robots/gripper.urdf has it (the paper prints 3.3333e-4 and 0.4167e-4):");
-    report.table(
+    report.table(Table::new(
         &["link", "length (m)", "mass (kg)", "Izz about its centre (kg m^2)"],
         rows.collect(),
-    );
+    ));
     let matrix = |columns: &[f64], unit: f64, decimals: usize| -> Vec<String> {
         let row = |i: usize| {
             (0..4)
@@ -124,7 +124,7 @@ pub fn report(report: &mut Report) {
             .map(move |(i, (ours, paper))| vec![named(i), ours, paper.into()])
     });
     report.text("Numbers in brackets belong to nothing: the paper's columns are smeared there. (A.20) is cut, not rounded.");
-    report.table(&["matrix", "ours", "paper"], rows.collect());
+    report.table(Table::new(&["matrix", "ours", "paper"], rows.collect()));
     let rows = (0..4).map(|i| {
         let phi = ["-0.8829", "-0.1962", "-0.0491", "(lost)"][i];
         vec![
@@ -136,10 +136,10 @@ pub fn report(report: &mut Report) {
         ]
     });
     report.text("Table 3:");
-    report.table(
+    report.table(Table::new(
         &["i", "phi(0), ours (N m)", "paper", "qdd(0), ours (rad/s^2)", "paper"],
         rows.collect(),
-    );
+    ));
     let condition = dense::condition_number(&found.mass_matrix);
     report.text(format!("Condition number of I(0): {condition:.3} (paper: 482)."));
 }

@@ -22,7 +22,21 @@ pub mod table6;
 
 use std::path::{Path, PathBuf};
 
-use report::{Failure, Report};
+use report::{Failure, Report, Table};
+
+/// Returns the tables that pages of the documentation show, with the names of their files in `docs/data`.
+#[must_use]
+pub fn tables() -> [(&'static str, Table); 5] {
+    let [gripper, biped] = stability::tables();
+    let [single, fixed] = precision::tables();
+    [
+        ("table5-gripper", gripper),
+        ("table5-biped", biped),
+        ("stability-f32", single),
+        ("stability-fixed", fixed),
+        ("fig6", complexity::table()),
+    ]
+}
 
 /// Writes everything into `folder`, and returns the path of the page.
 ///

@@ -10,7 +10,7 @@ use modyn_runtime::spatial::Twist;
 use rayon::prelude::*;
 
 use crate::plot::{Axis, Chart, Line};
-use crate::report::{Failure, Report, fixed};
+use crate::report::{Failure, Report, Table, fixed};
 use crate::robots;
 use crate::table6::{Left, Part, Table6};
 
@@ -152,7 +152,10 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
             let times = [serial * 1e6, serial / pool, serial / threads];
             [n.to_string()].into_iter().chain(times.map(|x| fixed(x, 2))).collect()
         });
-        report.table(&[name, "one after the other (us)", "pool", "threads"], rows.collect());
+        report.table(Table::new(
+            &[name, "one after the other (us)", "pool", "threads"],
+            rows.collect(),
+        ));
         for (mode, k) in [("pool", 1), ("threads", 2)] {
             let points = measured.iter().map(|(n, times)| (*n as f64, times[0] / times[k]));
             lines.push(Line::new(format!("{name}: {mode}"), points));

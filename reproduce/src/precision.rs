@@ -8,7 +8,7 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::dense::{gaussian, norm, reverse_gaussian};
 use crate::plot::{Axis, Chart, Line};
-use crate::report::{Failure, Report, power};
+use crate::report::{Failure, Report, Table, power};
 use crate::scalar::{Exact, Fixed, Number};
 use crate::stability::scalars;
 use crate::{gait, robots};
@@ -150,8 +150,10 @@ fn ways(model: &Model) -> Vec<(String, Solver)> {
         by("BRGE by pairs", robots::pieces(model, 2)),
         by("BRGE by whole chains", ModuleTree::chains(model)),
     ];
-    if model.name() == "biped" {
-        ways.push(by("BRGE by the paper's modules", robots::biped_modules(model)));
+    match model.name() {
+        "biped" => ways.push(by("BRGE by the paper's modules", robots::biped_modules(model))),
+        "gripper" => ways.push(by("BRGE by the paper's modules", ModuleTree::chains(model))),
+        _ => {}
     }
     ways
 }
@@ -223,6 +225,32 @@ pub fn against_unit(subject: fn() -> Subject) -> Vec<Line> {
     (0..names.len()).map(line).collect()
 }
 
+/// Returns the median errors of the solvers, a column for each robot.
+fn medians<S: Number>(adjust: fn(Subject) -> Subject) -> Table {
+    let subjects: Vec<Subject> = subjects().into_iter().map(adjust).collect();
+    let mut head = vec!["solver".to_owned()];
+    head.extend(subjects.iter().map(|subject| subject.name.clone()));
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for (k, subject) in subjects.iter().enumerate() {
+        for (name, way) in ways(&subject.model) {
+            if !rows.iter().any(|row| row[0] == name) {
+                let mut row = vec![String::new(); head.len()];
+                row[0].clone_from(&name);
+                rows.push(row);
+            }
+            let row = rows.iter_mut().find(|row| row[0] == name).expect("its row");
+            row[1 + k] = power(median(errors::<S>(subject, &way)));
+        }
+    }
+    Table::new(&head, rows)
+}
+
+/// Returns the median errors in single precision and in Q16.16.
+#[must_use]
+pub fn tables() -> [Table; 2] {
+    [medians::<f32>(|subject| subject), medians::<Fixed>(for_fixed_point)]
+}
+
 /// Writes the section of the page.
 ///
 /// # Errors
@@ -234,16 +262,13 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
         "Median of ||qdd - exact|| / ||exact|| over postures, falling freely; exact is the same computation in \
          double-double on the same rounded figures.",
     );
-    let mut rows = Vec::new();
-    for (plain, scaled) in subjects().into_iter().zip(subjects()) {
-        let scaled = for_fixed_point(scaled);
-        for ((name, way), (_, fixed_way)) in ways(&plain.model).iter().zip(ways(&scaled.model)) {
-            let single = median(errors::<f32>(&plain, way));
-            let fixed = median(errors::<Fixed>(&scaled, &fixed_way));
-            rows.push(vec![plain.name.clone(), name.clone(), power(single), power(fixed)]);
-        }
-    }
-    report.table(&["robot", "way", "f32", "Q16.16, mass in a fitting unit"], rows);
+    let [single, fixed] = tables();
+    report.text("In single precision:");
+    report.table(single);
+    report.text(
+        "In Q16.16, with mass in a unit that makes the mass matrix's largest entry about 64:",
+    );
+    report.table(fixed);
     report.text(
         "Every way to cut the robots that are one chain, in single precision: the best and the worst, by the lengths of \
          their modules from the base on, and how many ways are better than by links.",
@@ -260,7 +285,8 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
         let (best, worst) = (shown(&cuts[0]), shown(&cuts[cuts.len() - 1]));
         vec![subject.name, best, shown(&cuts[better]), worst, format!("{better} of {}", cuts.len())]
     });
-    report.table(&["robot", "best", "by links", "worst", "better than by links"], rows.collect());
+    let head = ["robot", "best", "by links", "worst", "better than by links"];
+    report.table(Table::new(&head, rows.collect()));
     let chart = |title, x, lines| Chart {
         title,
         x,

@@ -9,11 +9,40 @@ use crate::plot::Chart;
 /// The error of writing the report.
 pub type Failure = Box<dyn std::error::Error>;
 
+/// A table.
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// The titles of the columns.
+    pub head: Vec<String>,
+    /// The rows, each with a cell for each column.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Returns a table with these titles and rows.
+    #[must_use]
+    pub fn new<H: ToString>(head: &[H], rows: Vec<Vec<String>>) -> Self {
+        Self { head: head.iter().map(H::to_string).collect(), rows }
+    }
+
+    /// Returns the text of a file of `docs/data`: the command, the titles and the rows, with tabs between cells.
+    #[must_use]
+    pub fn data(&self) -> String {
+        let mut text = String::from(
+            "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-reproduce --test data\n",
+        );
+        for row in std::iter::once(&self.head).chain(&self.rows) {
+            _ = writeln!(text, "{}", row.join("\t"));
+        }
+        text
+    }
+}
+
 /// An element of the page.
 enum Item {
     Heading(String),
     Text(String),
-    Table { head: Vec<String>, rows: Vec<Vec<String>> },
+    Table(Table),
     Plot { file: String, title: String },
     Link { file: String, title: String },
 }
@@ -46,8 +75,8 @@ impl Report {
     }
 
     /// Adds a table.
-    pub fn table<H: ToString>(&mut self, head: &[H], rows: Vec<Vec<String>>) {
-        self.items.push(Item::Table { head: head.iter().map(H::to_string).collect(), rows });
+    pub fn table(&mut self, table: Table) {
+        self.items.push(Item::Table(table));
     }
 
     /// Adds a plot, and writes it to a file of this name.
@@ -92,7 +121,7 @@ impl Report {
             match item {
                 Item::Heading(text) => _ = writeln!(out, "## {text}"),
                 Item::Text(text) => _ = writeln!(out, "{text}"),
-                Item::Table { head, rows } => {
+                Item::Table(Table { head, rows }) => {
                     out += &row(head);
                     out += &row(&vec!["---".to_owned(); head.len()]);
                     rows.iter().for_each(|cells| out += &row(cells));
@@ -121,7 +150,7 @@ impl Report {
             match item {
                 Item::Heading(text) => _ = writeln!(out, "<h2>{}</h2>", escape(text)),
                 Item::Text(text) => _ = writeln!(out, "<p>{}</p>", escape(text)),
-                Item::Table { head, rows } => {
+                Item::Table(Table { head, rows }) => {
                     let rows: String = rows.iter().map(|cells| row(cells, "td")).collect();
                     _ = writeln!(out, "<table>\n{}{rows}</table>", row(head, "th"));
                 }

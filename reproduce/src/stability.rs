@@ -4,7 +4,7 @@ use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::plot::{Axis, Chart, Line};
-use crate::report::{Failure, Report, fixed};
+use crate::report::{Failure, Report, Table, fixed};
 use crate::scalar::{Decimal, Number};
 use crate::table6::Table6;
 use crate::{dense, gait, gripper, robots};
@@ -185,6 +185,24 @@ const PRINTED_BRGE: [[f64; 4]; 5] = [
     [-145.6934, 268.0748, -163.1702, 145.6905],
 ];
 
+/// Returns Table 5 of a robot: the norms of the errors in percent, then those that the paper prints.
+fn table_5(problem: &Problem, rows: &[Row], printed: &[[f64; 3]]) -> Table {
+    let head = [&["d"][..], &SOLVERS, &["GE-N, paper", "RGE-N, paper", "BRGE-A, paper"]].concat();
+    let line = |(row, printed): (&Row, &[f64; 3])| {
+        let ours = row.qdd.iter().map(|qdd| dense::norm(&problem.errors(qdd)));
+        let cells = ours.chain(*printed).map(|x| fixed(x, 4));
+        [row.decimals.to_string()].into_iter().chain(cells).collect()
+    };
+    Table::new(&head, rows.iter().zip(printed).map(line).collect())
+}
+
+/// Returns Table 5 of the gripper and of the biped.
+#[must_use]
+pub fn tables() -> [Table; 2] {
+    let table = |problem: Problem, printed| table_5(&problem, &rows(&problem), printed);
+    [table(Problem::gripper(), &PRINTED[0]), table(Problem::biped(), &PRINTED[1])]
+}
+
 /// Writes the section of the page.
 ///
 /// # Errors
@@ -211,21 +229,14 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
         }
     }
     let head = [&["accuracy"][..], &SOLVERS, &["BRGE-A, paper"]].concat();
-    report.table(&head, lines);
+    report.table(Table::new(&head, lines));
     for (k, (name, problem)) in ["gripper", "biped"].iter().zip(&problems).enumerate() {
         let condition = dense::condition_number(&problem.mass_matrix);
         let paper = [482.0, 42941.0][k];
         report.text(format!(
             "Table 5, {name}: norm of the errors in percent (condition number {condition:.0}, in the paper {paper}):"
         ));
-        let head = [&["accuracy"][..], &SOLVERS, &["GE-N, paper", "RGE-N, paper", "BRGE-A, paper"]]
-            .concat();
-        let lines = tables[k].iter().zip(PRINTED[k]).map(|(row, printed)| {
-            let ours = row.qdd.iter().map(|qdd| dense::norm(&problem.errors(qdd)));
-            let cells = ours.chain(printed).map(|x| fixed(x, 4));
-            [format!("1e-{}", row.decimals)].into_iter().chain(cells).collect()
-        });
-        report.table(&head, lines.collect());
+        report.table(table_5(problem, &tables[k], &PRINTED[k]));
         let norms = |solver: usize| {
             let points = tables[k].iter().map(move |row| {
                 (row.decimals as f64, dense::norm(&problem.errors(&row.qdd[solver])))

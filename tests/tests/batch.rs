@@ -22,10 +22,10 @@ macro_rules! robots {
 
 robots! {
     Gripper = "../../robots/gripper.urdf";
-    Arm = "../../robots/arm7.urdf", runtime_gravity = true, payload = ["link7"];
-    Single = "../../robots/arm7.urdf", scalar = f32;
-    Mimic = "../../robots/mimic_gripper.urdf";
-    Zoo = "../../robots/joint_zoo.urdf";
+    Arm = "../../robots/arm7.urdf", friction = none, runtime_gravity = true, payload = ["link7"];
+    Single = "../../robots/arm7.urdf", friction = none, scalar = f32;
+    Mimic = "../../robots/mimic_gripper.urdf", friction = none;
+    Zoo = "../../robots/joint_zoo.urdf", friction = none;
     Flying = "../../robots/quadruped.urdf", base = floating;
     FlyingSingle = "../../robots/quadruped.urdf", base = floating, scalar = f32;
 }
@@ -55,8 +55,8 @@ mod several {
     }
 
     robots! {
-        Arm = "../../robots/arm7.urdf", runtime_gravity = true, payload = ["link7"];
-        Mimic = "../../robots/mimic_gripper.urdf";
+        Arm = "../../robots/arm7.urdf", friction = none, runtime_gravity = true, payload = ["link7"];
+        Mimic = "../../robots/mimic_gripper.urdf", friction = none;
         Single = "../../robots/double_pendulum.urdf", scalar = f32;
     }
 }

@@ -3,9 +3,14 @@
 use modyn::{ConfigurationError, Interpreter, Robot, Scalar};
 use modyn_codegen::{ReadOptions, read};
 
-modyn::modyn!(Zoo = "../../robots/joint_zoo.urdf", functions = [forward_dynamics, normalize]);
+modyn::modyn!(
+    Zoo = "../../robots/joint_zoo.urdf",
+    friction = none,
+    functions = [forward_dynamics, normalize]
+);
 modyn::modyn!(
     Single = "../../robots/joint_zoo.urdf",
+    friction = none,
     scalar = f32,
     functions = [forward_dynamics, normalize]
 );

@@ -13,7 +13,7 @@ static ALLOCATOR: Counting = Counting;
 modyn::modyn!("../../robots/gripper.urdf");
 modyn::modyn!("../../robots/quadruped.urdf", modules = links);
 modyn::modyn!("../../robots/humanoid.urdf");
-modyn::modyn!(Single = "../../robots/arm7.urdf", scalar = f32);
+modyn::modyn!(Single = "../../robots/arm7.urdf", friction = none, scalar = f32);
 modyn::modyn!(
     "../../robots/joint_zoo.urdf",
     functions = all,

@@ -1,7 +1,7 @@
 """Every robot of example-robot-data: modyn's diagnostics, and the differences from Pinocchio.
 
-Writes docs/robots.md. Exit code 1 if a robot that Pinocchio loads differs, or is refused for a reason that is
-not listed as one (`table.REASONS`).
+Writes docs/data/robots.tsv and docs/data/refusals.tsv. Exit code 1 if a robot that Pinocchio loads differs, or is
+refused for a reason that is not listed (`table.REASONS`).
 """
 
 import argparse
@@ -115,7 +115,7 @@ def sweep(folder, description, options):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", default="", help="robots whose path has this in it; the table goes to the terminal")
+    parser.add_argument("--only", default="", help="robots whose path contains this; the tables go to the terminal")
     parser.add_argument("--states", type=int, default=100, help="random states against Pinocchio (default: 100)")
     parser.add_argument("--jobs", type=int, default=2, help="robots at a time (default: 2)")
     options = parser.parse_args()
@@ -125,11 +125,11 @@ def main():
     descriptions = [path for path in sorted(folder.rglob("*.urdf")) if options.only in str(path)]
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         rows = list(pool.map(lambda path: sweep(folder, path, options), descriptions))
-    text = table.text(rows, options, time.monotonic() - start)
-    if options.only:
-        print(text)
-    else:
-        (modyn.ROOT / "docs" / "robots.md").write_text(text)
+    for name, text in table.files(rows, time.monotonic() - start).items():
+        if options.only:
+            print(text)
+        else:
+            (modyn.ROOT / "docs" / "data" / f"{name}.tsv").write_text(text)
     wrong = [row.name for row in rows if not table.fine(row)]
     if wrong:
         sys.exit(f"not as it should be: {', '.join(wrong)}")
