@@ -1,10 +1,9 @@
 //! Table 6 as printed: qdd = I^-1 phi for given phi, one degree of freedom after the other.
 //!
-//! It stands on modyn's frames and spatial algebra and on nothing of its elimination, so the
-//! interpreter has a second opinion here, and the tables a BRGE-A in the paper's order of operations.
-//! Where a body has several degrees of freedom, they follow each other without a link between
-//! (A = 1). Modules are rows of the same two loops, inter- and intra-modular, so how they are cut
-//! changes nothing here.
+//! It uses modyn's frames and spatial algebra, but not its elimination. So it is an independent check of the interpreter,
+//! and gives the tables a BRGE-A in the paper's order of operations. Several degrees of freedom of one body come one after
+//! the other, without a link in between (A = 1). Modules are consecutive passes of the same two loops, inter- and
+//! intra-modular, so the partition does not change the result.
 
 use modyn_runtime::Scalar;
 use modyn_runtime::joint::JointTransform;
