@@ -210,7 +210,7 @@ fn the_written_code_compiles() {
 }
 
 #[test]
-fn shared_legs_stand_once_in_the_text() {
+fn shared_legs_are_once_in_the_text() {
     let text = |options: &[&str]| {
         let common = ["generate", "robots/quadruped.urdf", "--functions", "forward_dynamics"];
         let found = modyn(&[&common[..], options].concat());

@@ -134,7 +134,7 @@ fn an_arm() {
 
 /// Angles beyond the fast reduction of sine and cosine. (The offset of a joint would round much larger angles.)
 #[test]
-fn an_arm_that_has_turned_often() {
+fn an_arm_after_many_revolutions() {
     check("arm7", Base::Fixed, 100.0);
 }
 

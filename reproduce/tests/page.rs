@@ -24,7 +24,7 @@ fn links(text: &str) -> Vec<(&str, &str)> {
 }
 
 #[test]
-fn every_name_stands_where_it_links_to() {
+fn every_name_is_defined_in_the_linked_file() {
     let page = page();
     let links = links(&page);
     assert!(links.len() > 200, "{} links", links.len());

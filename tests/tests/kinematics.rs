@@ -415,7 +415,7 @@ fn links_on_the_ground_do_not_move() {
 }
 
 #[test]
-fn a_force_from_outside_is_felt_by_the_jacobian() {
+fn external_forces_act_through_the_jacobian() {
     everywhere(|interpreter, State { q, qd, qdd }| {
         let mechanism = Mechanism::new(interpreter.model());
         let (frames, n) = (interpreter.model().frames().len(), interpreter.model().nv());

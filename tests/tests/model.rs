@@ -135,7 +135,7 @@ fn order() {
 }
 
 #[test]
-fn figures_that_are_not_finite() {
+fn numbers_that_are_not_finite() {
     for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         assert_refused(|p| p.gravity[1] = x, &[("robot", NotFinite)]);
         assert_refused(|p| p.links[1].joint.axis[0] = x, &[("b", NotFinite)]);
@@ -196,7 +196,7 @@ fn drives() {
 }
 
 #[test]
-fn figures_of_the_whole() {
+fn numbers_of_the_whole_model() {
     for width in [0.0, -0.1, f64::NAN, f64::INFINITY] {
         let errors = model().with_friction(Friction::Smooth(width)).expect_err("no velocity");
         assert_eq!(errors.iter().map(|e| e.kind).collect::<Vec<_>>(), [ModelErrorKind::Friction]);
@@ -347,7 +347,7 @@ fn unknown_links() {
 }
 
 #[test]
-fn links_that_stand_twice_or_nowhere() {
+fn links_in_two_modules_or_in_none() {
     let twice = ModuleError::Twice("c".into());
     assert_no_partition(&[&["a", "b"], &["c"], &["d"], &["c"]], &[twice]);
     let missing = ["c", "d"].map(|name| ModuleError::Missing(name.into()));

@@ -79,7 +79,7 @@ mod tests {
     use crate::scalar::{Decimal, Number};
 
     #[test]
-    fn figures_are_rounded_and_results_are_not() {
+    fn parameters_are_rounded_and_results_are_not() {
         let number = Exact::<Decimal<2>>::from_f64;
         assert_eq!(number(0.126).to_f64(), 0.13);
         let third = number(1.0) / number(3.0);

@@ -67,7 +67,7 @@ fn joints_know_their_place() {
 }
 
 #[test]
-fn figures_are_the_models() {
+fn numbers_are_the_models() {
     for robot in ROBOTS.iter() {
         let (model, name) = (robot.spec.model(), robot.name());
         let links = 0..model.links().len();
