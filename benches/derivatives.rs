@@ -12,6 +12,7 @@ use modyn::{Array, ForwardDerivatives, Interpreter, Robot};
 
 modyn::modyn! {
     "../robots/arm7.urdf",
+    friction = none,
     functions = [inverse_dynamics, inverse_dynamics_derivatives, forward_dynamics_derivatives]
 }
 modyn::modyn! {

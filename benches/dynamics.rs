@@ -12,7 +12,7 @@ use modyn::{Interpreter, Robot};
 
 modyn::modyn!("../robots/gripper.urdf");
 modyn::modyn!("../robots/arm6.urdf");
-modyn::modyn!("../robots/arm7.urdf");
+modyn::modyn!("../robots/arm7.urdf", friction = none);
 modyn::modyn!("../robots/quadruped.urdf");
 modyn::modyn!("../robots/humanoid.urdf");
 

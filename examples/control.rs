@@ -1,11 +1,11 @@
-//! A controller and an integrator written once for any robot: a 7-joint arm is brought to a posture
-//! by computed torque, then let go, and its energy watched while it swings.
+//! A controller and an integrator that are written once for any robot. Computed torque moves a 7-joint arm to a
+//! posture; then the arm swings freely, and the program prints its energy.
 //!
 //! `cargo run --release --example control`
 
 use modyn::simulate::{Gains, Reference, State};
 
-modyn::modyn!("robots/arm7.urdf");
+modyn::modyn!("robots/arm7.urdf", friction = none);
 
 const DT: f64 = 0.001;
 

@@ -1,11 +1,11 @@
-//! The gripper of the paper (Shah, Saha and Dutt): module tree, mass matrix, its factorization
-//! by modules, accelerations, and beside them what the paper prints.
+//! The gripper of the paper (Shah, Saha and Dutt): module tree, mass matrix, its factorization by modules, and
+//! accelerations, each beside the paper's printed numbers.
 
 use core::f64::consts::FRAC_PI_2;
 
 modyn::modyn!("robots/gripper.urdf");
 
-/// A matrix given by columns, and what to call it.
+/// Prints a matrix, given by columns, with a title.
 fn print(name: &str, columns: &[[f64; 4]; 4]) {
     println!("\n{name}");
     for row in 0..4 {
@@ -15,7 +15,7 @@ fn print(name: &str, columns: &[[f64; 4]; 4]) {
     }
 }
 
-/// A matrix beside its printed one; `digits` decimals are printed.
+/// Prints a matrix beside the paper's matrix, with `digits` decimals.
 fn compare(name: &str, columns: &[[f64; 4]; 4], scale: f64, printed: &str) {
     print(name, &columns.map(|column| column.map(|x| x * scale)));
     println!("  the paper prints\n    {}", printed.replace('\n', "\n    "));

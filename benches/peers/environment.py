@@ -1,4 +1,4 @@
-"""What is here: folders, robots, compilers, versions."""
+"""The environment: folders, robots, compilers, versions."""
 
 import dataclasses
 import os
@@ -57,7 +57,7 @@ def folder(path):
 
 
 def call(command, **options):
-    """Runs a command; its output, or `Unavailable` with the last of what it said."""
+    """Runs a command and returns its output; raises `Unavailable` with the end of its messages."""
     command = [str(word) for word in command]
     done = subprocess.run(command, capture_output=True, text=True, **options)
     if done.returncode != 0:
@@ -85,7 +85,7 @@ def machine():
 
 
 class Toolbox:
-    """What contenders are built with."""
+    """The compilers and flags of the programs."""
 
     def __init__(self, robots, install):
         self.robots, self.install = robots, install
@@ -95,7 +95,7 @@ class Toolbox:
         self.compilers = self._compilers()
 
     def version(self, name, text):
-        """Notes the first version number in what a program says of itself."""
+        """Records the first version number in a program's output."""
         self.versions[name] = re.search(r"\d+\.\d+(\.\d+)?", text).group()
 
     def wheel(self, name):

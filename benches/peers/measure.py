@@ -21,7 +21,7 @@ class Program:
     """`executable *before DATA ROBOT QUANTITY REPETITIONS *after` prints its error and its time."""
 
     contender: str
-    #: Which of the contender's programs; the fastest is what the contender is said to reach.
+    #: The variant of the contender's program; the table shows the fastest one.
     variant: str
     robot: str
     quantity: str
@@ -60,7 +60,7 @@ class Measurer:
         return result
 
     def _run(self, program):
-        """What a fresh copy of the program says, or why it says nothing."""
+        """Returns the output of a fresh copy of the program, or the reason why there is none."""
         with tempfile.TemporaryDirectory(dir=self.data.parent) as place:
             for file in [program.executable, *program.libraries]:
                 shutil.copy2(file, place)
@@ -73,7 +73,7 @@ class Measurer:
         if not said.get("error", math.inf) < LARGEST_ERROR:
             if "error" in said:
                 return f"wrong: error {said['error']:.1e}"
-            # What a panic says stands behind the line that says where.
+            # The message of a panic is on the line after the line with its place.
             lines = [line for line in done.stderr.splitlines() if line.strip() and not line.startswith("thread ")]
             return lines[0][:160] if lines else "crashed"
         return said if "ns" in said else "no time"

@@ -1,4 +1,4 @@
-"""Writes MuJoCo's binary model of what pinocchio_model.py wrote.
+"""Writes MuJoCo's binary model from the output of pinocchio_model.py.
 
 The inertias are set after MuJoCo's compiler ran, which would refuse or change those of some links.
 

@@ -39,7 +39,7 @@ def cell(report, row, reference):
 
 #: Of one program each, so that the column's head says all.
 OWN = [name for name, _, _ in modyn.WAYS]
-#: What the ratios are to.
+#: The reference of the ratios.
 REFERENCE = "modyn native"
 
 

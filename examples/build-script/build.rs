@@ -7,7 +7,7 @@ fn main() -> Result<(), Diagnostics> {
     Builder::new()
         .urdf("robots/double_pendulum.urdf")
         .type_name("Pendulum")
-        // What is left out costs no compile time.
+        // Functions that are not selected cost no compile time.
         .functions([Function::InverseDynamics, Function::GravityTorques])
         .compile()?;
     Ok(())

@@ -1,4 +1,4 @@
-//! Compiles the arm to a self-contained file with functions for C, and writes their header.
+//! Compiles the arm to a self-contained file with functions for C, and writes the header.
 
 use std::error::Error;
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! Runs the robots on the host and writes down each result bit for bit; compiles the arm's C source; lays out memory.
+//! Runs the robots on the host and writes their results bit for bit into the image, compiles the arm's C source, and
+//! writes the memory layout.
 
 use std::error::Error;
 use std::fmt::{LowerHex, Write as _};
@@ -6,10 +7,10 @@ use std::path::Path;
 
 use robots::{c, double, single};
 
-/// Every second one turned far beyond the fast argument reduction.
+/// The number of states; every second one has angles beyond the fast argument reduction.
 const STATES: usize = 6;
 
-/// Numbers from `low` to `high`, spread by steps of the golden ratio.
+/// Returns numbers from `low` to `high`, spread by steps of the golden ratio.
 fn spread(count: usize, seed: usize, low: f64, high: f64) -> Vec<f64> {
     let number =
         |i: usize| ((i + 1) as f64 * 0.618_033_988_749_894_9 + seed as f64 * 0.377).fract();
@@ -61,7 +62,7 @@ macro_rules! cases {
     }};
 }
 
-/// Legs through one function give what they give one by one.
+/// Legs that share one function give the same results as legs with a function each.
 macro_rules! same_legs {
     ($scalar:ident, $float:ty, $tolerance:literal) => {
         for state in 0..STATES {
@@ -128,18 +129,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::write(out.join("cases_f64.rs"), f64s)?;
 
     let memory = match std::env::var("CARGO_CFG_TARGET_ARCH")?.as_str() {
-        // mps2-an386 and mps2-an500.
+        // The boards mps2-an386 and mps2-an500.
         "arm" => {
             "MEMORY { FLASH : ORIGIN = 0x00000000, LENGTH = 4M  RAM : ORIGIN = 0x20000000, LENGTH = 4M }\n"
         }
-        // virt.
+        // The board virt.
         "riscv32" => {
             "MEMORY { RAM : ORIGIN = 0x80000000, LENGTH = 16M }\n\
              REGION_ALIAS(\"REGION_TEXT\", RAM); REGION_ALIAS(\"REGION_RODATA\", RAM);\n\
              REGION_ALIAS(\"REGION_DATA\", RAM); REGION_ALIAS(\"REGION_BSS\", RAM);\n\
              REGION_ALIAS(\"REGION_HEAP\", RAM); REGION_ALIAS(\"REGION_STACK\", RAM);\n"
         }
-        // Checked on the host only, if at all.
+        // Other targets are checked on the host only.
         _ => return Ok(()),
     };
     compile_c(out)?;

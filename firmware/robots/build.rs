@@ -1,4 +1,4 @@
-//! Compiles the robots: self-contained for `f32` and `f64`, and the arm over `modyn-runtime` and as C, too.
+//! Compiles the robots: self-contained for `f32` and `f64`, and the arm also with `modyn-runtime` and as C.
 
 use std::error::Error;
 use std::path::Path;
@@ -40,7 +40,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             let file = Path::new(&out).join(format!("{name}_{scalar}.rs"));
             builder.clone().self_contained().write(&file)?;
             if builder.is_stale(&file)? != true || builder.self_contained().is_stale(&file)? {
-                return Err("what was just written must be up to date with its options".into());
+                return Err(
+                    "the file that was just written must be up to date with its options".into()
+                );
             }
         }
         if name == "arm7" {
@@ -61,7 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The quadruped's first three joints and what is fixed to their links: a leg on a stand.
+/// Returns the quadruped's first three joints with the frames that are fixed to their links: a leg on a stand.
 fn first_leg(model: &Model) -> Result<Model, Box<dyn Error>> {
     let links = model.links()[..3].to_vec();
     let own = |link: Option<usize>| link.is_none_or(|link| link < links.len());

@@ -1,10 +1,10 @@
-//! What both targets share: an input is the text of a description and, in its last byte, the options.
+//! The common part of both targets: an input is the text of a description and, in its last byte, the options.
 
 mod mutate;
 
 pub use mutate::mutate;
 
-/// The text of an input, and the byte that chooses among the options.
+/// Returns the text of an input, and the byte that selects the options.
 #[must_use]
 pub fn text(data: &[u8]) -> (String, u8) {
     let (choice, text) = data.split_last().unwrap_or((&0, &[]));

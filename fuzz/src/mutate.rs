@@ -1,11 +1,11 @@
-//! Changes that know what a description is made of: bytes changed at random are mostly no XML any more.
+//! Mutations that keep the structure of a description: random changes of bytes mostly destroy the XML.
 
 use std::ops::Range;
 
 use libfuzzer_sys::fuzzer_mutate;
 
-/// What stands in attributes: figures at the border of what can be computed with, names that mean
-/// something elsewhere, and text that would end where it stands.
+/// Values of attributes: numbers at the limits of computation, names with another meaning elsewhere, and text that
+/// would end its attribute.
 const VALUES: &[&str] = &[
     "",
     "0",
@@ -65,7 +65,7 @@ const VALUES: &[&str] = &[
     "\u{1f916}",
 ];
 
-/// Elements that a description may have, some where they should not be.
+/// Elements of a description, some of them at invalid places.
 const ELEMENTS: &[&str] = &[
     "<origin xyz='0.1 0.2 0.3' rpy='0.3 0.2 0.1'/>",
     "<axis xyz='0 1 0'/>",
@@ -87,7 +87,7 @@ const ELEMENTS: &[&str] = &[
     "<x xmlns='y'/>",
 ];
 
-/// Changes `data[..size]` in place, for libFuzzer; the new size.
+/// Changes `data[..size]` in place, for libFuzzer, and returns the new size.
 pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize {
     let mut random = Random(u64::from(seed) | 1 << 40);
     if random.below(4) == 0 {
@@ -104,7 +104,7 @@ pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize
 
 fn change(text: &mut Vec<u8>, random: &mut Random) {
     match random.below(8) {
-        // A value becomes one from the list, or that of another attribute.
+        // A value is replaced by one from the list, or by that of another attribute.
         0..=1 => {
             if let Some(at) = random.pick(&values(text)) {
                 text.splice(at, random.of(VALUES).bytes());
@@ -117,7 +117,7 @@ fn change(text: &mut Vec<u8>, random: &mut Random) {
                 text.splice(at, other);
             }
         }
-        // A tag, or all to the end of some other tag, is removed, repeated elsewhere or made up.
+        // A tag, or the text up to the end of another tag, is removed, repeated elsewhere or invented.
         4 => {
             if let Some(at) = random.pick(&elements(text)) {
                 text.drain(at);
@@ -138,7 +138,7 @@ fn change(text: &mut Vec<u8>, random: &mut Random) {
     }
 }
 
-/// What stands between quotes.
+/// Returns a range between quotes.
 fn values(text: &[u8]) -> Vec<Range<usize>> {
     let mut values = Vec::new();
     let mut open = None;
@@ -155,7 +155,7 @@ fn values(text: &[u8]) -> Vec<Range<usize>> {
     values
 }
 
-/// From `<` to the end of what it opens: of the tag, or of the link or joint.
+/// Returns the range from `<` to the end of the element: of the tag, or of the link or joint.
 fn elements(text: &[u8]) -> Vec<Range<usize>> {
     let find = |from: usize, what: &[u8]| {
         text[from..]

@@ -52,7 +52,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_gets_out_of_where_it_stands() {
+    fn special_characters_are_escaped() {
         assert_eq!(
             markup("<b a=\"1\" c='2'>&\u{1b}\n"),
             "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;\u{fffd}\u{fffd}"

@@ -65,7 +65,7 @@ fn several_files_have_an_answer_each() {
 }
 
 #[test]
-fn what_cannot_be_read_is_another_matter_than_what_is_refused() {
+fn unreadable_and_refused_descriptions_have_different_exit_codes() {
     let missing = modyn(&["check", "robots/no_such.urdf"]);
     assert_eq!(missing.code, 2);
     assert!(missing.out.contains("error[missing-file]"), "{}", missing.out);

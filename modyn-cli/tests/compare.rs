@@ -36,7 +36,7 @@ fn a_difference_is_an_answer_of_its_own() {
 }
 
 #[test]
-fn what_is_kept_can_be_read() {
+fn kept_files_can_be_read() {
     let folder = tempfile::tempdir().expect("a folder");
     let kept = folder.path().join("kept");
     let found = modyn(&[
@@ -53,7 +53,7 @@ fn what_is_kept_can_be_read() {
 }
 
 #[test]
-fn without_rustc_it_says_what_is_missing() {
+fn without_rustc_the_error_names_the_missing_program() {
     let mut without = command(&["compare", "robots/gripper.urdf"]);
     without.env("RUSTC", "no such rustc");
     let found = run(without);

@@ -3,7 +3,7 @@
 
 mod common;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use common::{command, root, run};
 
@@ -90,8 +90,20 @@ fn quoted(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
 
+/// Adds the paths of the files in a folder and its subfolders.
+fn collect_files(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            collect_files(&path, files);
+        } else {
+            files.push(path);
+        }
+    }
+}
+
 #[test]
-fn the_page_on_extending_names_what_there_is() {
+fn the_page_on_extending_names_existing_places() {
     let page = std::fs::read_to_string(root().join("docs/extending.md")).expect("a page");
     let mut rows = 0;
     for line in page.lines().filter(|line| line.starts_with("| `")) {
@@ -107,6 +119,20 @@ fn the_page_on_extending_names_what_there_is() {
         rows += 1;
     }
     assert!(rows > 30, "{rows}");
+    // The files of the example changes exist, except those that an example added.
+    let (_, examples) = page.split_once("## How many places").expect("the section");
+    let mut files = Vec::new();
+    for folder in ["modyn-cli", "modyn-codegen", "modyn-runtime", "tests"] {
+        collect_files(&root().join(folder), &mut files);
+    }
+    let mut named = 0;
+    for (word, after) in quoted(examples).zip(examples.split('`').skip(2).step_by(2)) {
+        if word.ends_with(".rs") && !after.starts_with(" (new)") {
+            assert!(files.iter().any(|file| file.ends_with(word)), "there is no file {word}");
+            named += 1;
+        }
+    }
+    assert!(named > 20, "{named}");
     // The target of each link exists.
     for page in ["README.md", "ARCHITECTURE.md"].map(String::from).into_iter().chain(
         std::fs::read_dir(root().join("docs"))

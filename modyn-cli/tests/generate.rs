@@ -190,7 +190,7 @@ fn a_header_for_c_is_written_and_checked() {
 }
 
 #[test]
-fn what_is_written_compiles() {
+fn the_written_code_compiles() {
     for (robot, options) in [("gripper", &[][..]), ("quadruped", &["--share", "--scalar", "f32"])] {
         let folder = tempfile::tempdir().expect("a folder");
         let file = at(folder.path(), "arm.rs");
@@ -210,7 +210,7 @@ fn what_is_written_compiles() {
 }
 
 #[test]
-fn shared_legs_stand_once_in_the_text() {
+fn shared_legs_are_once_in_the_text() {
     let text = |options: &[&str]| {
         let common = ["generate", "robots/quadruped.urdf", "--functions", "forward_dynamics"];
         let found = modyn(&[&common[..], options].concat());

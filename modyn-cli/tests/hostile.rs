@@ -75,7 +75,7 @@ fn a_terminal_is_not_commanded() {
 }
 
 #[test]
-fn files_are_what_they_should_be() {
+fn written_files_are_well_formed() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a file");

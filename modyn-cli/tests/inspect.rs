@@ -44,7 +44,7 @@ fn lines_fit_a_hundred_columns() {
 }
 
 #[test]
-fn json_has_what_the_terminal_shows() {
+fn json_and_terminal_have_the_same_content() {
     let found = modyn(&["inspect", "--json", "robots/mimic_gripper.urdf"]).json();
     assert_eq!(found["usable"], true);
     assert_eq!(found["nv"], 5);
@@ -130,7 +130,7 @@ fn the_picture_shows_modules_and_sparsity() {
 
 /// The README contains the picture that the command draws.
 #[test]
-fn the_readmes_picture_is_what_is_drawn() {
+fn the_readmes_picture_equals_the_drawn_one() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("humanoid.svg").to_string_lossy().into_owned();
     let robot = "robots/humanoid.urdf";
@@ -158,7 +158,7 @@ fn modules_are_the_users_choice() {
 }
 
 #[test]
-fn what_is_probably_not_meant_is_said() {
+fn probable_mistakes_are_warnings() {
     let link = |name: &str, mass: f64, center: f64, inertia: f64| {
         format!(
             "<joint name='j{name}' type='continuous'><parent link='base'/><child link='{name}'/>\

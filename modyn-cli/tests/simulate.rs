@@ -70,7 +70,7 @@ fn a_body_without_joints_falls_as_galilei_says() {
 }
 
 #[test]
-fn friction_takes_what_is_missing() {
+fn friction_accounts_for_the_missing_energy() {
     let found = modyn(&[
         "simulate",
         "robots/mimic_gripper.urdf",
@@ -128,7 +128,7 @@ fn torques_come_from_a_table_and_do_work() {
 }
 
 #[test]
-fn what_is_given_is_checked() {
+fn arguments_are_checked() {
     let code =
         |more: &[&str]| modyn(&[&["simulate", "robots/gripper.urdf"][..], more].concat()).code;
     assert_eq!(code(&["--q", "1,2"]), 2);
@@ -234,7 +234,7 @@ fn the_page_has_the_skeleton_in_motion() {
 }
 
 #[test]
-fn whatever_moves_can_be_drawn() {
+fn every_joint_type_can_be_drawn() {
     let folder = tempfile::tempdir().expect("a folder");
     let svg = folder.path().join("a.svg").to_string_lossy().into_owned();
     // A robot that does not move, and a robot that moves without bound.

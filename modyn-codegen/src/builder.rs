@@ -266,13 +266,13 @@ impl Builder {
         self.c_source(None)
     }
 
-    /// Returns the programs of the robot's functions with its model and the warnings: what a back end needs that prints no
-    /// text. Functions of many states have no programs of their own: [`Kernels`](crate::plan::Kernels) of one state can
-    /// be run on vectors with a state in each lane. Options about text have no effect.
+    /// Returns the programs of the robot's functions with its model and the warnings, for back ends that print no text.
+    /// Functions of many states have no programs of their own: [`Kernels`](crate::plan::Kernels) of one state can be
+    /// run on vectors with a state in each lane. Options about text have no effect.
     ///
     /// # Errors
     ///
-    /// All that is wrong with the description and the options.
+    /// Returns all errors of the description and the options.
     pub fn plan(&self) -> Result<Planning, Diagnostics> {
         let (model, modules, mut options) = self.compiled()?;
         for function in &mut options.functions {
@@ -751,7 +751,7 @@ mod tests {
     }
 
     #[test]
-    fn what_code_would_be_endless_is_refused_at_once() {
+    fn too_large_code_is_refused_at_once() {
         let refused = |model: Model, modules| {
             let errors = Builder::new().model(model).modules(modules).generate();
             errors.expect_err("too large").to_string()

@@ -280,7 +280,7 @@ mod tests {
     /// The estimate is never less than half of the size of the text. For robots with simple axes it is at most six times
     /// the size.
     #[test]
-    fn the_estimate_is_of_what_is_written() {
+    fn the_estimate_matches_the_written_text() {
         let robot = |name: &str| {
             let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
             std::fs::read_to_string(path).expect("a robot")

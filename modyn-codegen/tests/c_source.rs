@@ -189,21 +189,21 @@ fn all(builder: Builder) -> Builder {
 }
 
 #[test]
-fn an_arm_computes_what_rust_does() {
+fn an_arm_computes_the_bits_of_rust() {
     compare("ur5_f64", &all(robot("ur5")), FloatType::F64);
     compare("ur5_f32", &all(robot("ur5")), FloatType::F32);
 }
 
 #[test]
 #[ignore = "slow: rustc, gcc and clang compile large robots"]
-fn all_joint_types_compute_what_rust_does() {
+fn all_joint_types_compute_the_bits_of_rust() {
     compare("zoo_f64", &all(robot("joint_zoo")), FloatType::F64);
     compare("zoo_f32", &all(robot("joint_zoo")), FloatType::F32);
 }
 
 #[test]
 #[ignore = "slow: rustc, gcc and clang compile large robots"]
-fn loops_and_floating_bases_compute_what_rust_does() {
+fn loops_and_floating_bases_compute_the_bits_of_rust() {
     compare("five_bar", &all(robot("five_bar")), FloatType::F64);
     let floating = robot("quadruped").functions(LIMBS).base(Base::Floating);
     compare("floating", &floating, FloatType::F64);
@@ -211,7 +211,7 @@ fn loops_and_floating_bases_compute_what_rust_does() {
 
 #[test]
 #[ignore = "slow: rustc, gcc and clang compile large robots"]
-fn contacts_compute_what_rust_does() {
+fn contacts_compute_the_bits_of_rust() {
     let point = |name: &str, link: &str, at: [f64; 3]| Contact {
         name: name.into(),
         kind: if at[0] > 0.0 { ContactKind::Surface } else { ContactKind::Point },
@@ -239,13 +239,13 @@ fn contacts_compute_what_rust_does() {
 
 #[test]
 #[ignore = "slow: rustc, gcc and clang compile large robots"]
-fn shared_limbs_compute_what_rust_does() {
+fn shared_limbs_compute_the_bits_of_rust() {
     compare("quadruped", &robot("quadruped").share().functions(LIMBS), FloatType::F64);
 }
 
 /// On each body, the links after the eighth share a function; each has a row of a table.
 #[test]
-fn many_links_of_one_body_compute_what_rust_does() {
+fn many_links_of_one_body_compute_the_bits_of_rust() {
     let mut text = String::from("<robot name='comb'><link name='b0'/>");
     for body in 0..3 {
         for i in 0..[11, 0, 10][body] {

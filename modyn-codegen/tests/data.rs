@@ -71,8 +71,14 @@ impl Data {
         &found.unwrap_or_else(|| panic!("{} does not state its {key}", self.name)).1
     }
 
-    /// A sentence that says when and how the table was measured.
+    /// Returns a sentence that says how the table was computed, or how and when it was measured.
     fn source(&self) -> String {
+        if !self.notes.iter().any(|(key, _)| key == "date") {
+            return format!(
+                "Computed by `{}`; the numbers are the same on every machine.",
+                self.note("command")
+            );
+        }
         let note = self.notes.iter().find(|(key, _)| key == "note");
         let note = note.map_or(String::new(), |(_, note)| format!(" ({note})"));
         let [command, date, commit] = ["command", "date", "commit"].map(|key| self.note(key));
@@ -87,7 +93,7 @@ fn table<'a>(titles: &[impl AsRef<str>], rows: impl IntoIterator<Item = &'a [Str
     for row in rows {
         let _ = writeln!(text, "| {} |", row.join(" | "));
     }
-    text.replace("|  |", "| |")
+    text.replace("|  |", "| |").replace("|  |", "| |")
 }
 
 /// The robots that operations are counted for: the file in `robots/`, the base, the name in measurements of speed, and
@@ -414,6 +420,28 @@ fn firmware_in_short() -> String {
     table(&data.titles, rows) + "\n" + &data.source() + "\n"
 }
 
+/// Counts of the real robots, as part of a sentence.
+fn robots_in_short() -> String {
+    let data = Data::load("robots");
+    let (check, differences) =
+        (data.column("`modyn check`"), data.column("mass matrix, Pinocchio"));
+    let count =
+        |accepts: &dyn Fn(&[String]) -> bool| data.rows.iter().filter(|row| accepts(row)).count();
+    let all = data.rows.len();
+    let usable = count(&|row| row[check].starts_with("usable"));
+    let with_option = count(&|row| row[check].starts_with("refused; usable"));
+    let loaded = count(&|row| row[differences] != "does not load");
+    let compared =
+        |row: &[String]| !["loads", "does not load"].contains(&row[differences].as_str());
+    let agreeing = |row: &[String]| row[differences..].iter().all(|cell| !cell.contains("DIFFERS"));
+    let [both, agree] = [count(&compared), count(&|row| compared(row) && agreeing(row))];
+    format!(
+        "{all} descriptions of real robots. {usable} of them are usable as they are, {with_option} with an option, and \
+         {} are refused. Pinocchio loads {loaded}; {both} of these were computed by both, and {agree} agree",
+        all - usable - with_option
+    )
+}
+
 /// The text of the mark `name`.
 fn rendered(name: &str) -> String {
     let per_cent = |numbers: Vec<f64>| numbers.into_iter().map(|x| 100.0 * x).collect::<Vec<_>>();
@@ -445,6 +473,7 @@ fn rendered(name: &str) -> String {
             true,
         ),
         "casadi" => beside_casadi(),
+        "robots-in-short" => robots_in_short(),
         "tangents" => beside_tangents(),
         "firmware" => firmware_in_short(),
         "f64-by-software" => range(firmware("instructions", single)),

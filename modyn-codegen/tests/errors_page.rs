@@ -37,7 +37,7 @@ fn every_code_has_a_cause_and_a_remedy() {
 
 /// With the variable `UPDATE_SNAPSHOTS`, the test writes the page.
 #[test]
-fn the_page_is_what_the_table_says() {
+fn the_page_equals_the_table() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/errors.md");
     if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
         std::fs::write(&path, page()).expect("the page is written");

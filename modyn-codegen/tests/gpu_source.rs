@@ -135,7 +135,7 @@ fn all(builder: Builder) -> Builder {
 
 #[test]
 #[ignore = "slow: g++ compiles robots with all functions"]
-fn kernels_compute_what_c_does() {
+fn kernels_agree_with_c() {
     compare("arm", &all(robot("ur5")), FloatType::F64, ("1e5", "1e-10"));
     compare("zoo", &all(robot("joint_zoo")), FloatType::F64, ("3.0", "1e-9"));
     compare("loops", &all(robot("five_bar")), FloatType::F64, ("3.0", "1e-9"));
@@ -143,7 +143,7 @@ fn kernels_compute_what_c_does() {
 
 #[test]
 #[ignore = "slow: g++ compiles a robot"]
-fn single_precision_computes_what_c_does() {
+fn single_precision_agrees_with_c() {
     let functions = [Function::InverseDynamics, Function::MassMatrix, Function::LinkPoses];
     compare("single", &robot("ur5").functions(functions), FloatType::F32, ("100.0", "1e-4f"));
 }

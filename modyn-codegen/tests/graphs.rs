@@ -64,7 +64,7 @@ fn assert_close(seed: u64, found: &[f64], expected: &[f64]) {
 }
 
 #[test]
-fn a_traced_graph_evaluates_to_what_the_program_computes() {
+fn a_traced_graph_evaluates_to_the_programs_results() {
     let mut nodes = 0;
     for seed in 0..2000 {
         let graph = traced(seed);

@@ -167,7 +167,7 @@ fn no_helper_is_called_as_a_robot_can_be() {
 
 /// Names that are also in the prelude, in the text's generic parameters, or in the file's module.
 #[test]
-fn robots_may_be_called_as_what_the_text_mentions() {
+fn robots_may_have_names_that_the_text_uses() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("mentioned");
     std::fs::create_dir_all(&folder).expect("a folder");
     let rustc = std::env::var_os("RUSTC").unwrap_or("rustc".into());

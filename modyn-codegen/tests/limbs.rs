@@ -292,7 +292,7 @@ fn packed_forward_dynamics_is_scalar_forward_dynamics() {
 }
 
 #[test]
-fn what_has_no_equal_limbs_stays_alone() {
+fn robots_without_equal_limbs_are_not_packed() {
     let arm = read(include_str!("../../robots/arm7.urdf"), "arm7", Base::Fixed);
     assert_eq!(LimbPacking::find(&Mechanism::new(&arm)), None);
     let mimics = read(include_str!("../../robots/mimic_gripper.urdf"), "gripper", Base::Fixed);

@@ -187,7 +187,7 @@ fn assert_refused(before: &str, bad: &str, after: &str, code: Code) {
 }
 
 #[test]
-fn what_would_go_unread_is_refused() {
+fn unsupported_elements_are_refused() {
     let good = r#"<worldbody><body name="a"><joint name="j"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body></worldbody>"#;
     read(&format!("<mujoco model=\"m\">{good}</mujoco>")).expect("the good part");
     for bad in [

@@ -39,7 +39,7 @@ fn same(graph: &Graph, program: &Program) {
 
 /// Derivatives, which are split into chunks, and forward dynamics.
 #[test]
-fn programs_on_scalars_compute_what_graphs_do() {
+fn programs_on_scalars_agree_with_graphs() {
     let mut cut = 0;
     for name in ["arm6", "arm7", "joint_zoo", "quadruped"] {
         let model = robot(name);
@@ -60,7 +60,7 @@ fn programs_on_scalars_compute_what_graphs_do() {
 }
 
 #[test]
-fn packed_and_repeated_programs_compute_what_graphs_do() {
+fn packed_and_repeated_programs_agree_with_graphs() {
     for name in ["quadruped", "humanoid"] {
         let model = robot(name);
         let mechanism = Mechanism::new(&model);

@@ -145,7 +145,7 @@ fn roll_pitch_yaw_turns_about_x_then_y_then_z() {
 
 /// Children are in the order of their joints in the file, also after a fixed link, and for any order of the links.
 #[test]
-fn links_stand_depth_first_in_the_order_of_the_joints() {
+fn links_are_depth_first_in_the_order_of_the_joints() {
     let mut text = String::from("<robot name='r'>");
     for name in ["f", "e", "d", "c", "fix", "b", "a", "base"] {
         text += &link(name);
@@ -430,7 +430,7 @@ fn a_chain_of_20_000_joints_of_all_types() {
 
 /// urdf-rs reads the same numbers from the same text: an independent implementation.
 #[test]
-fn figures_are_those_that_urdf_rs_reads() {
+fn numbers_equal_those_of_urdf_rs() {
     let mut compared = 0;
     // urdf-rs has no floating base.
     for (file, text) in good_files().into_iter().filter(|(_, text)| !text.contains("base = ")) {

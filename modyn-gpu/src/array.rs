@@ -1,10 +1,10 @@
-//! Numbers for many states on the processor.
+//! Numbers for many states on the graphics processor.
 
 use std::sync::mpsc;
 
 use crate::{Gpu, GpuError};
 
-/// Numbers for many states on a processor: scalar `j` of state `i` of `n` states is number `j n + i`.
+/// Numbers for many states on a graphics processor: scalar `j` of state `i` of `n` states is number `j n + i`.
 #[derive(Clone, Debug)]
 pub struct GpuArray {
     pub(crate) gpu: Gpu,
@@ -14,23 +14,23 @@ pub struct GpuArray {
 }
 
 impl GpuArray {
-    /// The number of scalars of a state.
+    /// Returns the number of scalars of a state.
     #[must_use]
     pub fn scalars(&self) -> usize {
         self.scalars
     }
 
-    /// The number of states.
+    /// Returns the number of states.
     #[must_use]
     pub fn states(&self) -> usize {
         self.states
     }
 
-    /// Waits until the numbers are computed, and copies them from the processor.
+    /// Waits until the numbers are computed, and returns a copy of them.
     ///
     /// # Errors
     ///
-    /// The processor failed.
+    /// If the processor failed.
     pub fn read(&self) -> Result<Vec<f32>, GpuError> {
         let failed = |error: &dyn std::fmt::Display| GpuError::Device(error.to_string());
         let (device, queue) = (&self.gpu.inner.device, &self.gpu.inner.queue);
@@ -46,7 +46,7 @@ impl GpuArray {
         queue.submit([encoder.finish()]);
         let (sender, receiver) = mpsc::channel();
         copy.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-            // Nobody waits any more: nothing is lost.
+            // The receiver is gone, so nothing is lost.
             let _ = sender.send(result);
         });
         device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(&error))?;

@@ -1,11 +1,11 @@
-//! What can go wrong on the way to a graphics processor.
+//! Errors of computations on a graphics processor.
 
 use std::error::Error;
 use std::fmt;
 
 use modyn_codegen::diagnostics::Diagnostics;
 
-/// Why a computation on a graphics processor did not take place.
+/// The reason why a computation on a graphics processor failed.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum GpuError {
@@ -19,7 +19,7 @@ pub enum GpuError {
     NoKernel {
         /// The name that was asked for.
         name: String,
-        /// The kernels that it has.
+        /// The kernels of the robot.
         kernels: Vec<String>,
     },
     /// An array has another size than the kernel needs.
@@ -33,7 +33,7 @@ pub enum GpuError {
         /// The scalars of a state that the array has.
         given: usize,
     },
-    /// A kernel was given another number of arguments than it has.
+    /// A kernel was given the wrong number of arguments.
     Arguments {
         /// The kernel.
         kernel: String,
@@ -51,18 +51,18 @@ pub enum GpuError {
         /// The states of another array.
         given: usize,
     },
-    /// Numbers that are not a whole number of scalars for so many states, or no states.
+    /// The length is not a whole number of scalars for each state, or there are no states.
     Length {
-        /// The numbers.
+        /// The length.
         numbers: usize,
-        /// The states.
+        /// The number of states.
         states: usize,
     },
-    /// An array is longer than the processor takes.
+    /// An array is longer than the processor allows.
     TooLarge {
         /// The bytes of the array.
         bytes: u64,
-        /// The bytes that a buffer can have.
+        /// The largest size of a buffer in bytes.
         limit: u64,
     },
     /// The processor or its driver failed.

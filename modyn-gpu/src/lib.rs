@@ -1,10 +1,10 @@
 //! Rigid-body dynamics of a robot for many states at a time on a graphics processor.
 //!
-//! [`Gpu`] is a processor: of the machine, or Mesa's software one where there is none. [`GpuRobot`] holds the kernels of
-//! a robot, which modyn compiles to WGSL at run time: no build step is needed. Arrays stay on the processor
-//! ([`GpuArray`]) until they are read.
+//! [`Gpu`] is a graphics processor of the machine, or Mesa's software processor where there is none. [`GpuRobot`] holds
+//! the kernels of a robot, which modyn compiles to WGSL at run time: no build step is needed. Arrays stay on the
+//! processor ([`GpuArray`]) until they are read.
 //!
-//! Scalar `j` of state `i` of `n` states is number `j n + i` of an array. Numbers are single precision.
+//! Scalar `j` of state `i` of `n` states is number `j n + i` of an array. Numbers are in single precision.
 //!
 //! ```
 //! use modyn_codegen::{Builder, Function};

@@ -6,7 +6,7 @@ use wgpu::util::DeviceExt;
 
 use crate::{GpuArray, GpuError};
 
-/// A graphics processor. Copies are cheap and stand for the same one.
+/// A graphics processor. Clones are cheap and refer to the same processor.
 #[derive(Clone, Debug)]
 pub struct Gpu {
     pub(crate) inner: Arc<Inner>,
@@ -21,11 +21,11 @@ pub(crate) struct Inner {
 }
 
 impl Gpu {
-    /// The fastest processor of the machine; a software one where there is no other.
+    /// Returns the fastest processor of the machine; a software processor where there is no other.
     ///
     /// # Errors
     ///
-    /// There is none, or it cannot be opened.
+    /// If there is none, or it cannot be opened.
     pub fn new() -> Result<Self, GpuError> {
         let instance = wgpu::Instance::default();
         let options = wgpu::RequestAdapterOptions {
@@ -45,17 +45,17 @@ impl Gpu {
         Ok(Self { inner: Arc::new(Inner { device, queue, name, limit }) })
     }
 
-    /// The name of the processor as its driver has it.
+    /// Returns the name of the processor, as its driver gives it.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.inner.name
     }
 
-    /// Copies numbers for so many states to the processor: scalar `j` of state `i` is number `j states + i`.
+    /// Copies numbers for this number of states to the processor: scalar `j` of state `i` is number `j states + i`.
     ///
     /// # Errors
     ///
-    /// The numbers are not a whole number of scalars for each state, or too many for the processor.
+    /// If the length is not a whole number of scalars for each state, or is too large for the processor.
     pub fn upload(&self, numbers: &[f32], states: usize) -> Result<GpuArray, GpuError> {
         if states == 0 || numbers.is_empty() || !numbers.len().is_multiple_of(states) {
             return Err(GpuError::Length { numbers: numbers.len(), states });
@@ -70,7 +70,7 @@ impl Gpu {
         Ok(GpuArray { gpu: self.clone(), buffer, scalars: numbers.len() / states, states })
     }
 
-    /// Room for a result.
+    /// Returns memory for a result.
     pub(crate) fn empty(&self, scalars: usize, states: usize) -> Result<GpuArray, GpuError> {
         let size = self.check(scalars * states)?;
         let buffer = self.inner.device.create_buffer(&wgpu::BufferDescriptor {
@@ -82,7 +82,7 @@ impl Gpu {
         Ok(GpuArray { gpu: self.clone(), buffer, scalars, states })
     }
 
-    /// The bytes of so many numbers, if the processor has room for them.
+    /// Returns the size of this many numbers in bytes, if the processor has memory for them.
     fn check(&self, numbers: usize) -> Result<u64, GpuError> {
         let (bytes, limit) = (4 * numbers as u64, self.inner.limit);
         if bytes > limit { Err(GpuError::TooLarge { bytes, limit }) } else { Ok(bytes) }

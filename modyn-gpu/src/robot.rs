@@ -9,7 +9,7 @@ use wgpu::util::DeviceExt;
 
 use crate::{Gpu, GpuArray, GpuError};
 
-/// Threads of a workgroup, as the kernels have it.
+/// The threads of a workgroup in the kernels.
 const WORKGROUP: usize = 64;
 
 /// The kernels of a robot on a processor. A kernel is compiled when it first runs.
@@ -22,11 +22,12 @@ pub struct GpuRobot {
 }
 
 impl GpuRobot {
-    /// Compiles the robot of `builder`: its functions become kernels. A function of a link has a kernel for each link.
+    /// Compiles the robot of `builder`: its functions become kernels. A function of one link has a kernel for each
+    /// link.
     ///
     /// # Errors
     ///
-    /// The description or the options are wrong, or the processor refuses the kernels.
+    /// If the description or the options are wrong, or the processor refuses the kernels.
     pub fn new(gpu: &Gpu, builder: &Builder) -> Result<Self, GpuError> {
         let (source, _) = builder.generate_gpu(GpuLanguage::Wgsl)?;
         let device = &gpu.inner.device;
@@ -41,21 +42,21 @@ impl GpuRobot {
         Ok(Self { gpu: gpu.clone(), source, module, pipelines: Mutex::default() })
     }
 
-    /// The text of the kernels, and their arguments and results.
+    /// Returns the text of the kernels, and their arguments and results.
     #[must_use]
     pub fn source(&self) -> &GpuSource {
         &self.source
     }
 
-    /// Runs a kernel on all states of the arguments; its name is that of the function (`forward_dynamics`), followed by
-    /// the link's for functions of a link (`link_pose_hand`). The result stays on the processor, and this does not wait
-    /// for it.
+    /// Runs a kernel on all states of the arguments. Its name is that of the function (`forward_dynamics`); for
+    /// functions of one link the link's name follows (`link_pose_hand`). The result stays on the processor; the call
+    /// does not wait for it.
     ///
     /// Run-time parameters are an array of one state.
     ///
     /// # Errors
     ///
-    /// There is no such kernel, or the arguments do not fit.
+    /// If there is no such kernel, or the arguments do not fit.
     pub fn run(&self, kernel: &str, arguments: &[&GpuArray]) -> Result<GpuArray, GpuError> {
         let (index, kernel) = self.find(kernel)?;
         let states = fitting(kernel, arguments)?;
@@ -99,7 +100,7 @@ impl GpuRobot {
         Ok(result)
     }
 
-    /// The kernel of that name, and its place.
+    /// Returns the kernel of that name, and its index.
     fn find(&self, name: &str) -> Result<(usize, &GpuKernel), GpuError> {
         let prefix = format!("{}_", self.source.prefix);
         let own = |kernel: &GpuKernel| kernel.name.trim_start_matches(&prefix).to_string();
@@ -118,7 +119,7 @@ impl GpuRobot {
         }
         let device = &self.gpu.inner.device;
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        // Derived from the text, it would lack the buffers of arguments that the kernel does not read.
+        // A layout derived from the text would lack the buffers of arguments that the kernel does not read.
         let layout = layout(device, &self.source.kernels[index]);
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: None,
@@ -136,7 +137,7 @@ impl GpuRobot {
     }
 }
 
-/// The buffers of a kernel: its arguments, the result, and the number of states.
+/// Returns the buffers of a kernel: its arguments, the result, and the number of states.
 fn layout(device: &wgpu::Device, kernel: &GpuKernel) -> wgpu::PipelineLayout {
     let read = wgpu::BufferBindingType::Storage { read_only: true };
     let written = wgpu::BufferBindingType::Storage { read_only: false };
@@ -162,12 +163,12 @@ fn layout(device: &wgpu::Device, kernel: &GpuKernel) -> wgpu::PipelineLayout {
     })
 }
 
-/// A number of workgroups, which a processor's limits keep small.
+/// Returns a number of workgroups within the processor's limits.
 fn size(groups: usize) -> u32 {
     u32::try_from(groups).unwrap_or(u32::MAX)
 }
 
-/// The number of states of these arguments, if they fit the kernel.
+/// Returns the number of states of these arguments, if they fit the kernel.
 fn fitting(kernel: &GpuKernel, arguments: &[&GpuArray]) -> Result<usize, GpuError> {
     let name = || kernel.name.clone();
     if arguments.len() != kernel.arguments.len() {

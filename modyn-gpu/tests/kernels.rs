@@ -1,4 +1,4 @@
-//! The kernels compute what the interpreter does, on whatever processor there is: in CI, Mesa's software one.
+//! The kernels give the interpreter's results, on any available processor: in CI, on Mesa's software processor.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use modyn_runtime::Interpreter;
 
 const STATES: usize = 300;
 
-/// An equation of the interpreter for the state of that number.
+/// A function that computes the interpreter's result for the state with this number.
 type Equation<'a> = dyn FnMut(&mut Interpreter<f64>, usize, &mut [f64]) + 'a;
 
 fn robot(name: &str) -> Builder {
@@ -16,7 +16,7 @@ fn robot(name: &str) -> Builder {
         .urdf(Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../robots/{name}.urdf")))
 }
 
-/// Numbers in [-1, 1).
+/// Returns numbers in [-1, 1).
 fn numbers(count: usize) -> Vec<f64> {
     let mut state = 1_u64;
     let mut next = || {
@@ -28,13 +28,13 @@ fn numbers(count: usize) -> Vec<f64> {
     (0..count).map(|_| f64::from(next() as f32)).collect()
 }
 
-/// States in columns: scalar `j` of state `i` at `j STATES + i`.
+/// Returns states by columns: scalar `j` of state `i` at `j STATES + i`.
 fn columns(states: &[Vec<f64>]) -> Vec<f32> {
     let scalars = states[0].len();
     (0..scalars).flat_map(|j| states.iter().map(move |state| state[j] as f32)).collect()
 }
 
-/// Compares a kernel with the numbers that the interpreter gives for each state, relative to the largest one of a state.
+/// Compares a kernel with the interpreter's numbers for each state, relative to the largest number of a state.
 fn compare(found: &[f32], expected: &[Vec<f64>], tolerance: f64, name: &str) {
     let mut errors = Vec::new();
     for (i, expected) in expected.iter().enumerate() {
@@ -45,7 +45,7 @@ fn compare(found: &[f32], expected: &[Vec<f64>], tolerance: f64, name: &str) {
         }
     }
     errors.sort_by(f64::total_cmp);
-    // Forward dynamics loses digits where the mass matrix is ill-conditioned: a few states may.
+    // Forward dynamics loses digits where the mass matrix is ill-conditioned: a few states may exceed the tolerance.
     let (most, all) = (errors[errors.len() * 99 / 100], errors[errors.len() - 1]);
     assert!(most < tolerance && all < 1000.0 * tolerance, "{name}: {most:e}, {all:e}");
     assert!(expected.iter().flatten().any(|x| x.abs() > 1e-3), "{name}: nothing moves");
@@ -132,9 +132,9 @@ fn an_arm() {
     check("arm7", Base::Fixed, 3.0);
 }
 
-/// Angles beyond the fast reduction of sine and cosine. (Much larger ones are rounded with the offset of a joint.)
+/// Angles beyond the fast reduction of sine and cosine. (The offset of a joint would round much larger angles.)
 #[test]
-fn an_arm_that_has_turned_often() {
+fn an_arm_after_many_revolutions() {
     check("arm7", Base::Fixed, 100.0);
 }
 
@@ -149,7 +149,7 @@ fn a_floating_quadruped() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn arguments_that_do_not_fit_are_refused() {
     let gpu = Gpu::new().expect("a processor");
     let builder = robot("arm6").functions([Function::GravityTorques, Function::LinkPose]);
     let kernels = GpuRobot::new(&gpu, &builder).expect("kernels");
@@ -168,7 +168,7 @@ fn what_does_not_fit_is_refused() {
     assert!(matches!(gpu.upload(&[], 0), Err(GpuError::Length { .. })));
 }
 
-/// A pendulum's torque is the sine of its angle: of any finite one.
+/// A pendulum's torque is the sine of its angle, for every finite angle.
 #[test]
 fn sines_of_all_angles() {
     let text = r#"<robot name="pendulum"><link name="world"/>
@@ -181,7 +181,7 @@ fn sines_of_all_angles() {
     let kernels = GpuRobot::new(&gpu, &builder).expect("kernels");
     let mut angles = Vec::new();
     for i in 0..20_000_u32 {
-        // All magnitudes, and close to multiples of pi.
+        // Angles of all magnitudes, and angles close to multiples of pi.
         let magnitude = f32::from_bits((i * 104_729) % 0x7f80_0000);
         angles.extend([magnitude, -magnitude, (f64::from(i) * std::f64::consts::PI) as f32]);
     }

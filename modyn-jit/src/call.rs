@@ -1,4 +1,4 @@
-//! Calls of compiled functions: arguments are checked, links are looked up, and the states of a batch are put into lanes.
+//! Calls of compiled functions: they check the arguments, find links, and put the states of a batch into lanes.
 
 use std::borrow::Cow;
 
@@ -18,7 +18,7 @@ pub struct Call<'a, S> {
     pub(crate) pages: &'a Pages,
     pub(crate) parameters: &'a [S],
     pub(crate) placements: &'a [Vec<S>],
-    /// The states that are computed together in a batch.
+    /// The states that a batch computes together.
     pub(crate) lanes: usize,
 }
 
@@ -35,7 +35,7 @@ impl<S: Real> Call<'_, S> {
         &self.compiled.result
     }
 
-    /// Returns counts of its code for one state; of a function of a link, of all links together.
+    /// Returns counts of its code for one state; for a function of one link, of all links together.
     #[must_use]
     pub fn size(&self) -> CodeSize {
         self.compiled.size
@@ -45,30 +45,30 @@ impl<S: Real> Call<'_, S> {
     ///
     /// # Errors
     ///
-    /// The number of arguments or a length is wrong, or the function is one of a link.
+    /// If the number of arguments or a length is wrong, or the function is one of a link.
     pub fn one(&self, arguments: &[&[S]], result: &mut [S]) -> Result<(), CallError> {
         self.check(None, arguments, result)?;
         self.run(None, arguments, result, 1);
         Ok(())
     }
 
-    /// Computes the result of a link, by its index among the links of the description, for one state.
+    /// Computes the result for one link, by its index among the links of the description, and one state.
     ///
     /// # Errors
     ///
-    /// There is no such link, the number of arguments or a length is wrong, or the function is not one of a link.
+    /// If there is no such link, the number of arguments or a length is wrong, or the function is not one of a link.
     pub fn link(&self, link: usize, arguments: &[&[S]], result: &mut [S]) -> Result<(), CallError> {
         self.check(Some(link), arguments, result)?;
         self.run(Some(link), arguments, result, 1);
         Ok(())
     }
 
-    /// Computes the results for many states: each argument has the numbers of one state after those of another, and so
+    /// Computes the results for many states: each argument has the numbers of the states one after the other, and so
     /// has the result.
     ///
     /// # Errors
     ///
-    /// The number of arguments or a length is wrong, the function is one of a link, or
+    /// If the number of arguments or a length is wrong, the function is one of a link, or
     /// [`Options::batches`](crate::Options::batches) was not set.
     pub fn many(&self, arguments: &[&[S]], results: &mut [S]) -> Result<(), CallError> {
         self.states(None, arguments, results)
@@ -78,7 +78,7 @@ impl<S: Real> Call<'_, S> {
     ///
     /// # Errors
     ///
-    /// As there, or there is no such link.
+    /// The errors of [`many`](Self::many), or there is no such link.
     pub fn many_link(
         &self,
         link: usize,
@@ -134,7 +134,7 @@ impl<S: Real> Call<'_, S> {
         Ok(())
     }
 
-    /// Runs the code on arguments that fit, with so many states side by side.
+    /// Runs the code on checked arguments, with this number of states at a time.
     fn run(&self, link: Option<usize>, arguments: &[&[S]], result: &mut [S], lanes: usize) {
         let parameters = self.compiled.has_parameters.then(|| spread(self.parameters, lanes));
         let mut all: [&[S]; MAX_ARRAYS] = [&[]; MAX_ARRAYS];
@@ -213,7 +213,7 @@ impl<S: Real> Call<'_, S> {
             lengths.iter().map(|length| vec![S::default(); length * lanes]).collect();
         let mut computed = vec![S::default(); one * lanes];
         for first in (0..count).step_by(lanes) {
-            // The last state fills the lanes up.
+            // The last state fills the remaining lanes.
             let state = |lane: usize| (first + lane).min(count - 1);
             for ((column, argument), &length) in columns.iter_mut().zip(arguments).zip(&lengths) {
                 for (i, numbers) in column.chunks_exact_mut(lanes).enumerate() {
@@ -235,7 +235,7 @@ impl<S: Real> Call<'_, S> {
     }
 }
 
-/// Each number in as many lanes.
+/// Repeats each number in this number of lanes.
 fn spread<S: Real>(numbers: &[S], lanes: usize) -> Cow<'_, [S]> {
     if lanes == 1 {
         return numbers.into();

@@ -1,4 +1,4 @@
-//! A robot as machine code.
+//! The robot as machine code.
 
 use std::fmt;
 
@@ -18,13 +18,13 @@ use crate::machine::{Code, Pages};
 use crate::parameters::{ParameterError, RunTimeParameters};
 use crate::real::Real;
 
-/// The choices about machine code; those about the robot are a [`Builder`]'s.
+/// The options of machine code; the options of the robot belong to a [`Builder`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Options {
-    /// The vector instructions; `None` for the best that the processor has.
+    /// The vector instructions; `None` for the best level of the processor.
     pub level: Option<Level>,
-    /// Whether functions can be called for many states at a time; no by default.
+    /// Whether functions can be called for many states at a time; false by default.
     pub batches: bool,
 }
 
@@ -39,7 +39,7 @@ pub struct Compiled<S> {
     pages: Pages,
     functions: Vec<CompiledFunction>,
     parameters: RunTimeParameters<S>,
-    /// The placements of links that share code, a row each.
+    /// The placements of links that share code, one row for each.
     placements: Vec<Vec<S>>,
 }
 
@@ -47,34 +47,34 @@ pub struct Compiled<S> {
 pub(crate) struct CompiledFunction {
     pub function: Function,
     pub arguments: Vec<(&'static str, Shape)>,
-    /// Whether the robot's run-time parameters are one more argument.
+    /// Whether the robot's run-time parameters are a further argument.
     pub has_parameters: bool,
     pub result: Shape,
     pub kernels: CompiledKernels,
     pub size: CodeSize,
 }
 
-/// The programs of a function as code.
+/// The compiled programs of a function.
 pub(crate) enum CompiledKernels {
-    /// One.
+    /// One program.
     One(Kernel),
-    /// For each link its program, and the row of its placement if it shares the program.
+    /// For each link its program, and the row of its placement if it shares the program with other links.
     ByLink(Vec<(usize, Option<usize>)>, Vec<Kernel>),
-    /// The poses of some links and bodies, and the pose of a link from that of its body: for each link where its own
-    /// pose is among these, or that of its body, with the row of its placement.
+    /// The poses of some links and bodies, and the pose of a link from that of its body. Each link has the index of its
+    /// own pose, or the index of its body's pose and the row of its placement.
     Poses { bodies: Kernel, placed: Kernel, links: Vec<(usize, Option<usize>)> },
 }
 
-/// A program as code.
+/// The code of a program.
 pub(crate) struct Kernel {
-    /// For one state.
+    /// The code for one state.
     pub single: Code,
-    /// For a state in each lane.
+    /// The code for a state in each lane.
     pub batch: Option<Code>,
 }
 
 impl Kernel {
-    /// The code for so many states at a time: one, or the lanes of a vector.
+    /// Returns the code for this number of states at a time: one, or the lanes of a vector.
     pub fn code(&self, lanes: usize) -> &Code {
         match &self.batch {
             Some(batch) if lanes > 1 => batch,
@@ -88,7 +88,7 @@ impl<S: Real> Compiled<S> {
     ///
     /// # Errors
     ///
-    /// The model is wrong, this is no x86-64 processor, or the system gives no executable memory.
+    /// If the model is invalid, this is not an x86-64 processor, or the system gives no executable memory.
     pub fn new(
         model: &Model,
         functions: impl IntoIterator<Item = Function>,
@@ -100,16 +100,17 @@ impl<S: Real> Compiled<S> {
     ///
     /// # Errors
     ///
-    /// The description or an option is wrong, this processor lacks the level, or the system gives no executable memory.
+    /// If the description or an option is invalid, this processor lacks the level, or the system gives no executable
+    /// memory.
     pub fn build(builder: &Builder, options: Options) -> Result<Self, CompileError> {
         Self::from_plan(&builder.plan()?, options)
     }
 
-    /// Compiles programs that [`Builder::plan`] has made; so several types of numbers and levels can share them.
+    /// Compiles programs that [`Builder::plan`] has made, so that several types of numbers and levels can share them.
     ///
     /// # Errors
     ///
-    /// This processor lacks the level, or the system gives no executable memory.
+    /// If this processor lacks the level, or the system gives no executable memory.
     pub fn from_plan(planning: &Planning, options: Options) -> Result<Self, CompileError> {
         let available = Level::detect().ok_or(CompileError::Architecture)?;
         let level = options.level.unwrap_or(available);
@@ -139,7 +140,7 @@ impl<S: Real> Compiled<S> {
         &self.model
     }
 
-    /// Returns what was found odd in the description, but taken.
+    /// Returns the warnings about the description.
     #[must_use]
     pub fn warnings(&self) -> &[Diagnostic] {
         &self.warnings
@@ -156,11 +157,11 @@ impl<S: Real> Compiled<S> {
         self.functions.iter().map(|compiled| compiled.function)
     }
 
-    /// Returns a function, to be called or asked for its arguments and its size.
+    /// Returns a function, to call it or to ask for its arguments and its size.
     ///
     /// # Errors
     ///
-    /// It was not compiled.
+    /// If it was not compiled.
     pub fn function(&self, function: Function) -> Result<Call<'_, S>, CallError> {
         match self.functions.iter().find(|compiled| compiled.function == function) {
             Some(compiled) => Ok(Call {
@@ -174,20 +175,21 @@ impl<S: Real> Compiled<S> {
         }
     }
 
-    /// Sets the acceleration of free fall in world axes, m/s^2.
+    /// Sets the gravitational acceleration in world axes, m/s^2.
     ///
     /// # Errors
     ///
-    /// [`Builder::runtime_gravity`] was not called, or a component is not finite.
+    /// If [`Builder::runtime_gravity`] was not called, or a component is not finite.
     pub fn set_gravity(&mut self, gravity: [S; 3]) -> Result<(), ParameterError<S>> {
         self.parameters.set_gravity(gravity)
     }
 
-    /// Sets the inertia of a link alone, in its own frame, in place of the description's.
+    /// Sets the inertia of a link, in its own frame, in place of the description's.
     ///
     /// # Errors
     ///
-    /// The link was not named in [`Builder::runtime_inertia`], no rigid body has this inertia, or a joint would move none.
+    /// If the link was not named in [`Builder::runtime_inertia`], no rigid body has this inertia, or a joint would have
+    /// no inertia.
     pub fn set_inertia(
         &mut self,
         link: &str,
@@ -196,11 +198,12 @@ impl<S: Real> Compiled<S> {
         self.parameters.set_inertial(&self.model, false, link, inertial)
     }
 
-    /// Sets the inertia that is added to a link, in the link's frame; none by default.
+    /// Sets the payload of a link, in the link's frame: an inertia that is added to the link's. The default is zero.
     ///
     /// # Errors
     ///
-    /// The link was not named in [`Builder::payload`], no rigid body has this inertia, or a joint would move none.
+    /// If the link was not named in [`Builder::payload`], no rigid body has this inertia, or a joint would have no
+    /// inertia.
     pub fn set_payload(
         &mut self,
         link: &str,
@@ -214,7 +217,7 @@ impl<S: Real> Compiled<S> {
     ///
     /// # Errors
     ///
-    /// The function was not compiled, or a length is wrong.
+    /// If the function was not compiled, or a length is wrong.
     pub fn forward_dynamics(
         &self,
         q: &[S],
@@ -225,11 +228,11 @@ impl<S: Real> Compiled<S> {
         self.function(Function::ForwardDynamics)?.one(&[q, qd, tau], qdd)
     }
 
-    /// Computes the joint torques or forces `tau` of the accelerations `qdd` at coordinates `q` and velocities `qd`.
+    /// Computes the joint torques or forces `tau` for the accelerations `qdd` at coordinates `q` and velocities `qd`.
     ///
     /// # Errors
     ///
-    /// The function was not compiled, or a length is wrong.
+    /// If the function was not compiled, or a length is wrong.
     pub fn inverse_dynamics(
         &self,
         q: &[S],
@@ -244,7 +247,7 @@ impl<S: Real> Compiled<S> {
     ///
     /// # Errors
     ///
-    /// The function was not compiled, or a length is wrong.
+    /// If the function was not compiled, or a length is wrong.
     pub fn mass_matrix(&self, q: &[S], mass_matrix: &mut [S]) -> Result<(), CallError> {
         self.function(Function::MassMatrix)?.one(&[q], mass_matrix)
     }
@@ -261,7 +264,7 @@ impl<S: Real> fmt::Debug for Compiled<S> {
     }
 }
 
-/// Code of all functions in the making.
+/// The code of all functions during compilation.
 struct Assembly<S> {
     level: Level,
     batches: bool,
@@ -313,8 +316,8 @@ impl<S: Real> Assembly<S> {
         }
     }
 
-    /// A program as code: its vectors if there are some and the level has registers for four numbers, and the scalar
-    /// program with a state in each lane.
+    /// Compiles a program. The code for one state has vectors if the program has some and the level has registers for
+    /// four numbers; the code for batches is the scalar program with a state in each lane.
     fn kernel(
         &mut self,
         scalar: &Program,

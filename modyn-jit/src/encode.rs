@@ -1,4 +1,4 @@
-//! Bytes of x86-64 instructions on vector registers, in the encodings of SSE, AVX (VEX) and AVX-512 (EVEX).
+//! Encodes x86-64 instructions on vector registers: SSE, AVX (VEX) and AVX-512 (EVEX).
 //!
 //! Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2, chapter 2. Registers have numbers: 0 is rax or
 //! xmm0. Operations on general registers are few, and are written out where they are used.
@@ -23,7 +23,7 @@ pub(crate) struct Opcode {
 pub(crate) enum Place {
     /// A register.
     Register(u8),
-    /// Memory: a general register that is neither rsp, rbp, r12 nor r13, and a distance in bytes.
+    /// Memory: a general register other than rsp, rbp, r12 and r13, and a displacement in bytes.
     Memory(u8, i32),
 }
 
@@ -43,19 +43,19 @@ pub(crate) enum Encoding {
 pub(crate) struct Operands {
     /// The bytes of the vectors: 16, 32 or 64. Instructions on scalars have 16.
     pub vector: usize,
-    /// The register that is written, or the extension of the opcode.
+    /// The destination register, or the extension of the opcode.
     pub register: u8,
     /// The first source; 0 where there is none.
     pub source: u8,
     /// The last operand.
     pub place: Place,
-    /// The bytes that the last operand has in memory.
+    /// The size of the last operand in memory, bytes.
     pub memory: usize,
     /// The immediate byte.
     pub immediate: Option<u8>,
 }
 
-/// Machine code in the making.
+/// Machine code that is being written.
 #[derive(Debug, Default)]
 pub(crate) struct Encoder {
     /// The bytes.
@@ -65,7 +65,7 @@ pub(crate) struct Encoder {
 }
 
 impl Encoder {
-    /// Appends bytes that are one instruction.
+    /// Appends the bytes of one instruction.
     pub fn bytes(&mut self, bytes: &[u8]) {
         self.code.extend_from_slice(bytes);
         self.instructions += 1;
@@ -109,9 +109,9 @@ impl Encoder {
                 }
             }
             Encoding::Evex => {
-                // The displacement of a byte counts in units of the operand.
+                // The displacement of one byte counts in units of the operand's size.
                 unit = memory.max(1) as i32;
-                // With a register as the last operand, X is its fifth bit.
+                // If the last operand is a register, X is its fifth bit.
                 let x = if matches!(place, Place::Register(_)) { not(rm, 4) } else { 1 };
                 let bits = not(register, 3) << 7 | x << 6 | not(rm, 3) << 5 | not(register, 4) << 4;
                 let second = u8::from(opcode.evex_w) << 7 | (!source & 15) << 3 | 1 << 2 | prefix;
@@ -129,7 +129,7 @@ impl Encoder {
         self.instructions += 1;
     }
 
-    /// Appends the bytes that name a place in memory.
+    /// Appends the bytes of a memory operand.
     fn memory(&mut self, register: u8, base: u8, distance: i32, unit: i32) {
         debug_assert!(base & 7 != 4 && base & 7 != 5, "no plain base");
         let short = (distance % unit == 0).then(|| i8::try_from(distance / unit).ok()).flatten();
@@ -143,8 +143,8 @@ impl Encoder {
         }
     }
 
-    /// Appends an instruction on a general register and a place in memory, both of 64 bits: 8B loads, 89 stores, 8D is
-    /// the address.
+    /// Appends an instruction on a general register and a memory operand, both of 64 bits: 8B loads, 89 stores, 8D
+    /// computes the address.
     pub fn general(&mut self, opcode: u8, register: u8, base: u8, distance: i32) {
         self.code.extend([0x48 | (register >> 3) << 2 | base >> 3, opcode]);
         if base == RSP {
@@ -156,7 +156,7 @@ impl Encoder {
         self.instructions += 1;
     }
 
-    /// Writes the distance from `at`, which is followed by `after` more bytes of the instruction, to `target`.
+    /// Writes the distance to `target` at `at`, which is followed by `after` more bytes of the instruction.
     pub fn patch(&mut self, at: usize, target: usize) {
         let distance = target as i64 - (at as i64 + 4);
         let distance = i32::try_from(distance).expect("code is shorter than 2 GiB");

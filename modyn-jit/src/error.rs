@@ -1,4 +1,4 @@
-//! Errors of compiling and of calling.
+//! Errors of compilation and of calls.
 
 use std::{fmt, io};
 
@@ -13,13 +13,13 @@ use crate::level::Level;
 pub enum CompileError {
     /// The description or an option is wrong.
     Description(Diagnostics),
-    /// Machine code is made for x86-64 alone.
+    /// Machine code exists for x86-64 only.
     Architecture,
-    /// The processor lacks the vector instructions that were asked for.
+    /// The processor lacks the selected vector instructions.
     Level {
-        /// The instructions that were asked for.
+        /// The selected level.
         wanted: Level,
-        /// The best that the processor has.
+        /// The best level of the processor.
         available: Level,
     },
     /// The system gives no executable memory.
@@ -62,7 +62,7 @@ impl From<Diagnostics> for CompileError {
     }
 }
 
-/// The reason why a function was not called. Nothing has been written then.
+/// The reason why a function was not called. Nothing was written in that case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CallError {
@@ -70,7 +70,7 @@ pub enum CallError {
     NotCompiled {
         /// The function.
         function: Function,
-        /// The functions that were.
+        /// The compiled functions.
         compiled: Vec<Function>,
     },
     /// The function was compiled for one state at a time.
@@ -93,9 +93,9 @@ pub enum CallError {
         function: Function,
         /// The argument's name, or `result`.
         name: &'static str,
-        /// The length that it has to have.
+        /// The required length.
         expected: usize,
-        /// The length that it has.
+        /// The given length.
         found: usize,
     },
     /// The length of an argument of a batch is no multiple of its length for one state.
@@ -106,10 +106,10 @@ pub enum CallError {
         name: &'static str,
         /// Its length for one state.
         one: usize,
-        /// The length that it has.
+        /// The given length.
         found: usize,
     },
-    /// The function is one of a link, and none was given, or the other way round.
+    /// The function is one of a link and no link was given, or the other way round.
     Link {
         /// The function.
         function: Function,

@@ -1,15 +1,15 @@
-//! From values to machine code: one pass over the steps, which places values in registers and writes instructions.
+//! Generates machine code from values in one pass over the steps, which assigns registers and writes instructions.
 //!
-//! A function is called with two pointers: to a table of pointers to its arguments (rdi), and to its results (rsi). It
-//! follows System V's calling convention on every system. Registers in its body: rax points into the stack frame, rbx to
-//! the constants, rcx to the results, and one register each to the arguments; rbp keeps the stack pointer of the entry;
-//! r11 is free.
+//! A function has two arguments: a pointer to a table of pointers to its arguments (rdi), and a pointer to its results
+//! (rsi). It follows System V's calling convention on every system. Registers in its body: rax points into the stack
+//! frame, rbx to the constants, rcx to the results, and one register each to the arguments; rbp keeps the stack pointer
+//! of the entry; r11 is free.
 //!
-//! The frame, upwards from rsp, which is a multiple of 64: the two pointers, room for all vector registers during calls,
-//! slots of values.
+//! The frame, upwards from rsp, which is a multiple of 64: the two pointers, memory for all vector registers during
+//! calls, slots of values.
 //!
-//! Angles that are too large for the fast reduction are found by one comparison after the reductions of a statement.
-//! A detour after the return saves the registers, reduces these angles by a call, and jumps back.
+//! One comparison after the reductions of a statement finds angles that are too large for the fast reduction. Code
+//! after the return then saves the registers, reduces these angles by a call, and jumps back.
 
 use crate::encode::{Encoder, Encoding, Opcode, Operands, Place, RSP};
 use crate::helper::Helpers;
@@ -30,11 +30,11 @@ pub struct CodeSize {
     pub constants: usize,
     /// Bytes of the stack frame.
     pub frame: usize,
-    /// Instructions, without those that only large angles need.
+    /// Instructions, without those that only run for large angles.
     pub instructions: usize,
-    /// Of these, stores of values for which there was no register.
+    /// Stores of values for which there was no register; they are among the instructions.
     pub spills: usize,
-    /// Loads of values into registers; operands in memory are none.
+    /// Loads of values into registers, without operands in memory.
     pub loads: usize,
     /// Operands that instructions read from memory.
     pub memory_operands: usize,
@@ -55,13 +55,13 @@ impl std::ops::AddAssign for CodeSize {
     }
 }
 
-/// A function: instructions, then constants, that can stand at any multiple of 64.
+/// A function: instructions, then constants. It can start at any multiple of 64.
 pub(crate) struct Generated {
     pub code: Vec<u8>,
     pub size: CodeSize,
 }
 
-/// The most arrays of arguments.
+/// The largest number of arrays of arguments.
 pub(crate) const MAX_ARRAYS: usize = BASES.len();
 
 /// The registers that point to the arguments.
@@ -74,18 +74,18 @@ const RSI: u8 = 6;
 const RDI: u8 = 7;
 const R11: u8 = 11;
 
-/// Displacements of one byte reach this far on both sides.
+/// The range of displacements of one byte, on both sides.
 const SHORT: i32 = 128;
 
-/// A value in memory that is read again within so many steps is loaded into a register that is free.
+/// A value in memory that is read again within this number of steps is loaded into a free register.
 const SOON: u32 = 40;
 
-/// Predicates of comparisons.
+/// The predicates of comparisons.
 const LESS: u8 = 1;
 const LESS_OR_EQUAL: u8 = 2;
 const UNORDERED: u8 = 3;
 
-/// The machine code of values. `size` is that of a number in bytes.
+/// Generates the machine code of values. `size` is the size of a number in bytes.
 pub(crate) fn generate(
     values: &Values,
     level: Level,
@@ -148,10 +148,10 @@ pub(crate) fn generate(
     generator.finish(&pool)
 }
 
-/// Values with the distances from the beginning of the results at which they are stored.
+/// Values, each with the offset at which it is stored in the results.
 type Stores = Vec<(Value, u32)>;
 
-/// The stores of results: vectors whose lanes are results one after another, then all others.
+/// Returns the stores of results: first vectors whose lanes are consecutive results, then all others.
 fn stores(values: &Values, size: usize) -> (Stores, Stores) {
     let (mut runs, mut single) = (Vec::new(), Vec::new());
     let mut distance = 0;
@@ -180,8 +180,8 @@ fn stores(values: &Values, size: usize) -> (Stores, Stores) {
     (runs, single)
 }
 
-/// The bytes of the constants, and where each is. Those that are used most are the first: they have short
-/// displacements.
+/// Returns the bytes of the constants, and the offset of each. The constants that are used most are first: they have
+/// short displacements.
 fn pool(values: &Values, size: usize) -> (Vec<u8>, Vec<u32>) {
     let mut uses = vec![0_usize; values.pool.len()];
     let reads = values.steps.iter().flat_map(|step| values.reads(step));
@@ -205,15 +205,15 @@ fn pool(values: &Values, size: usize) -> (Vec<u8>, Vec<u32>) {
     (bytes, at)
 }
 
-/// Instructions away from the straight path.
+/// Instructions outside of the straight path.
 struct Detour {
-    /// Where the distance of the jump to it is.
+    /// The position of the jump's distance.
     from: usize,
-    /// Where it comes back to.
+    /// The position after it.
     back: usize,
     /// The registers that hold values.
     occupied: u32,
-    /// The places of each angle, its reduction and the number with the multiple's lowest bit, and the number of lanes.
+    /// The places of each angle, its reduction and the number with the multiple's lowest bit; and the number of lanes.
     angles: Vec<([Place; 3], u8)>,
 }
 
@@ -223,21 +223,21 @@ struct Generator<'a> {
     size: usize,
     arrays: usize,
     helpers: &'a Helpers,
-    /// The bytes of the longest vector.
+    /// The size of the longest vector in bytes.
     vector: usize,
-    /// The bytes for all registers in the frame.
+    /// The size of all registers in the frame in bytes.
     saved: usize,
     registers: Registers<'a>,
     encoder: Encoder,
     pool_at: Vec<u32>,
-    /// For each value the distances at which it is a result.
+    /// For each value the offsets at which it is a result.
     stores: Vec<Vec<u32>>,
     detours: Vec<Detour>,
     counts: CodeSize,
 }
 
 impl Generator<'_> {
-    /// Where a value is in memory.
+    /// Returns the memory operand of a value.
     fn memory(&self, value: Value) -> Place {
         match self.values.definitions[value as usize] {
             Definition::Constant(place) => {
@@ -260,7 +260,7 @@ impl Generator<'_> {
         }
     }
 
-    /// The place of a register during calls.
+    /// Returns the memory operand of a register during calls.
     fn saved(&self, register: u8) -> Place {
         let below = self.saved as i32 - i32::from(register) * self.vector as i32;
         Place::Memory(RAX, -SHORT - below)
@@ -270,7 +270,7 @@ impl Generator<'_> {
         self.values.lanes[value as usize]
     }
 
-    /// Writes an instruction on vectors of so many bytes, which its last operand has in memory, too.
+    /// Writes an instruction on vectors of this number of bytes; the last operand has the same size in memory.
     fn write(
         &mut self,
         opcode: Opcode,
@@ -282,7 +282,8 @@ impl Generator<'_> {
         self.write_reading(bytes, opcode, bytes, registers, place, immediate);
     }
 
-    /// The same where the last operand has `memory` bytes. The registers are the first operand and the first source.
+    /// Writes an instruction on vectors whose last operand has `memory` bytes. The registers are the first operand and
+    /// the first source.
     fn write_reading(
         &mut self,
         memory: usize,
@@ -306,7 +307,7 @@ impl Generator<'_> {
         self.encoder.vector(encoding, opcode, &operands);
     }
 
-    /// The load or store of a value of so many bytes.
+    /// Returns the instruction that loads or stores a value of this number of bytes.
     fn moving(&self, byte: u8, bytes: usize) -> Opcode {
         match bytes {
             4 => arithmetic(byte, true, 4),
@@ -336,7 +337,7 @@ impl Generator<'_> {
         self.store(register, bytes, Place::Memory(RCX, distance as i32));
     }
 
-    /// A register that can be overwritten.
+    /// Returns a register that can be overwritten.
     fn fresh(&mut self, pinned: u32) -> u8 {
         if let Some(register) = self.registers.unoccupied(pinned) {
             return register;
@@ -356,7 +357,7 @@ impl Generator<'_> {
         self.store(register, bytes, Place::Memory(RAX, slot as i32 - SHORT));
     }
 
-    /// The register of a value, which is loaded if it is in none, for this instruction or for longer.
+    /// Returns the register of a value, which is loaded if it is in none, for this instruction or for longer.
     fn force(&mut self, value: Value, pinned: &mut u32) -> u8 {
         let mut register = self.registers.register(value);
         if register == NONE {
@@ -370,7 +371,7 @@ impl Generator<'_> {
         register
     }
 
-    /// Whether an instruction can read this operand from memory.
+    /// Returns whether an instruction can read this operand from memory.
     fn can_fold(&self, value: Value, bitwise: bool) -> bool {
         let scalar = self.lanes(value) == 1;
         let aligned = self.level != Level::Sse2 || scalar && !bitwise;
@@ -387,7 +388,7 @@ impl Generator<'_> {
         }
     }
 
-    /// An operand as the last one of an instruction.
+    /// Returns an operand as the last operand of an instruction.
     fn operand(&mut self, value: Value, bitwise: bool, pinned: &mut u32) -> Place {
         let register = self.registers.register(value);
         if register == NONE && self.can_fold(value, bitwise) {
@@ -454,7 +455,7 @@ impl Generator<'_> {
         }
     }
 
-    /// The register of an operand that nothing reads any more, or a fresh one.
+    /// Returns the register of an operand that is read for the last time, or a free one.
     fn destination(&mut self, operands: &[Value], pinned: u32) -> u8 {
         let dying = operands.iter().filter(|&&operand| self.registers.dies(operand));
         let mut held = dying.map(|&operand| self.registers.register(operand));
@@ -464,7 +465,7 @@ impl Generator<'_> {
         }
     }
 
-    /// An operation of two operands.
+    /// Writes an operation of two operands.
     fn binary(
         &mut self,
         operation: Operation,
@@ -475,8 +476,8 @@ impl Generator<'_> {
         let legacy = self.level == Level::Sse2;
         if operation.commutes() {
             let [in_a, in_b] = [a, b].map(|x| self.registers.register(x));
-            // The first operand is in a register; in the second, low registers have shorter encodings, and with two
-            // operands the first one is overwritten.
+            // The first operand is in a register. Low registers have shorter encodings as the second operand.
+            // Instructions with two operands overwrite the first.
             let swap = match (in_a == NONE, in_b == NONE) {
                 (true, false) => true,
                 (false, false) if legacy => !self.registers.dies(a) && self.registers.dies(b),
@@ -544,7 +545,7 @@ impl Generator<'_> {
         register
     }
 
-    /// The instruction that puts two halves together.
+    /// Returns the instruction that joins two halves.
     fn join(&self, bytes: usize, second: Place) -> (Opcode, Option<u8>) {
         match (bytes, second) {
             (8, _) => (arithmetic(op::UNPACK_LOW, false, 4), None),
@@ -555,7 +556,8 @@ impl Generator<'_> {
         }
     }
 
-    /// A comparison with a vector as its result where there are masks: these are vectors only in registers below 16.
+    /// Writes a comparison whose result is a vector. AVX-512 compares into masks; only registers below 16 can be
+    /// compared without them.
     fn compare(
         &mut self,
         register: u8,
@@ -601,8 +603,8 @@ impl Generator<'_> {
             self.write(opcode, 16, [register, register], place, immediate);
             return register;
         }
-        // A square root of a scalar keeps the upper part of its first source: it has the same as both, so that it waits
-        // for nothing else.
+        // A square root of a scalar keeps the upper part of its first source. Both sources are the same register, so
+        // that the instruction waits for no other register.
         let from = if operation == Operation::SquareRoot {
             Place::Register(self.force(a, &mut pinned))
         } else {
@@ -631,7 +633,8 @@ impl Generator<'_> {
         let bytes = self.registers.bytes(value);
         let from = self.force(a, &mut pinned);
         let register = self.destination(&[a], pinned);
-        // The destination is where others have their first source, and the opcode's extension where they have that.
+        // The destination is in the field of the first source, and the opcode's extension is in the field of the
+        // destination.
         let (count, opcode) = ((8 * self.size - 1) as u8, shift_left(self.size));
         if self.level == Level::Sse2 {
             if register != from {
@@ -644,8 +647,8 @@ impl Generator<'_> {
         register
     }
 
-    /// A product and a sum in one instruction, which overwrites one of its three operands and reads the last one from
-    /// memory if need be.
+    /// Writes a product and a sum in one instruction, which overwrites one of its three operands and can read the last
+    /// one from memory.
     fn multiply_add(
         &mut self,
         value: Value,
@@ -657,7 +660,7 @@ impl Generator<'_> {
         let held = |this: &Self, i: usize| this.registers.register(operands[i]) != NONE;
         let equal = |i: usize, j: usize| i != j && operands[i] == operands[j];
         let has_equal = |i: usize| (0..3).any(|j| equal(i, j));
-        // Loads and copies that a choice costs.
+        // The loads and copies that an order of operands needs.
         let cost = |this: &Self, over: usize, memory: Option<usize>| {
             let of = |i: usize| {
                 let spare = this.registers.dies(operands[i]) && !has_equal(i);
@@ -732,7 +735,8 @@ impl Generator<'_> {
         }
     }
 
-    /// Writes a call of a helper, whose pointers are in place, and restores the registers that point to memory.
+    /// Writes a call of a helper, whose pointers are in registers already, and restores the registers that point to
+    /// memory.
     fn call_helper(&mut self, helper: u64, lanes: u8) {
         // mov ecx, lanes
         self.encoder.bytes(&[&[0xb9][..], &u32::from(lanes).to_le_bytes()].concat());
@@ -747,7 +751,7 @@ impl Generator<'_> {
         point(&mut self.encoder, arrays, frame);
     }
 
-    /// The distance of rax from rsp.
+    /// Returns the offset from rax.
     fn frame_base(&self) -> i32 {
         64 + self.saved as i32 + SHORT
     }
@@ -766,7 +770,7 @@ impl Generator<'_> {
         }
     }
 
-    /// An operation that is a call of a helper.
+    /// Writes an operation that is a call of a helper.
     fn call(
         &mut self,
         operation: Operation,
@@ -792,7 +796,7 @@ impl Generator<'_> {
         register
     }
 
-    /// Compares the angles with the limit, and leaves for the detour if one is too large.
+    /// Compares the angles with the limit, and jumps to the code after the return if one is too large.
     fn check(&mut self, check: &FarCheck) {
         let FarCheck { squares, limit, angles } = check;
         let (bytes, lanes) = (self.registers.bytes(*squares), self.lanes(*squares));
@@ -855,7 +859,7 @@ impl Generator<'_> {
         self.detours.push(Detour { from: back - 4, back, occupied, angles: angles_in_places });
         for reduced in angles {
             for value in reduced.results {
-                // The detour changes it in one place.
+                // The code after the return changes it in memory.
                 if self.registers.register(value) != NONE {
                     self.registers.forget_home(value);
                 }
@@ -868,14 +872,14 @@ impl Generator<'_> {
         }
     }
 
-    /// Writes what angles that are too large need.
+    /// Writes the code that reduces angles that are too large.
     fn detours(&mut self) {
         for Detour { from, back, occupied, angles } in std::mem::take(&mut self.detours) {
             let start = self.encoder.code.len();
             self.encoder.patch(from, start);
             self.save(occupied);
             for ([angle, reduced, turns], lanes) in angles {
-                // The angle first: it may be an argument, whose base register the others overwrite.
+                // The angle is first: it may be an argument, whose base register the following loads overwrite.
                 self.address(RDX, angle);
                 self.address(RDI, reduced);
                 self.address(RSI, turns);
@@ -888,7 +892,7 @@ impl Generator<'_> {
         }
     }
 
-    /// The function: entry, body, return, detours, constants.
+    /// Writes the function: entry, body, return, code for large angles, constants.
     fn finish(mut self, pool: &[u8]) -> Generated {
         if self.level != Level::Sse2 {
             self.encoder.bytes(&[0xc5, 0xf8, 0x77]);
@@ -930,7 +934,7 @@ impl Generator<'_> {
     }
 }
 
-/// Moves the stack pointer down. Each page is touched, so that a stack that ends is found at its guard page.
+/// Moves the stack pointer down. The code touches each page, so that an overflow is found at the guard page.
 fn allocate(entry: &mut Encoder, frame: u32) {
     const PAGE: u32 = 4096;
     let pages = frame / PAGE;

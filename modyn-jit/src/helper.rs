@@ -1,4 +1,4 @@
-//! Functions that machine code calls: angles that are too large for the fast reduction, arctangents and logarithms.
+//! Functions that machine code calls: the reduction of large angles, arctangents and logarithms.
 //!
 //! Unsafe code: the functions read and write through pointers. Only machine code calls them, which `generate` makes; it
 //! passes pointers to `lanes` numbers each. They point into the function's own stack frame, where nothing else
@@ -19,7 +19,7 @@ type Helper<S> = extern "C" fn(*mut S, *mut S, *const S, u32);
 /// The addresses of the functions for one type of numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Helpers {
-    /// Writes the reduction of each angle that is too large, and leaves the others.
+    /// Reduces each angle that is too large, and leaves the other reductions unchanged.
     pub reduce: u64,
     /// Writes the angle from the x axis to each point.
     pub atan2: u64,

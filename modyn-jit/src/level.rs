@@ -1,4 +1,4 @@
-//! The vector instructions that code is made for.
+//! The levels of vector instructions.
 
 /// Vector instructions of x86-64.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -32,18 +32,18 @@ impl Level {
         None
     }
 
-    /// Returns whether products are rounded once together with the sum that they are part of.
+    /// Returns whether products are fused with sums, and rounded once.
     #[must_use]
     pub fn fuses(self) -> bool {
         self != Self::Sse2
     }
 
-    /// The number of vector registers.
+    /// Returns the number of vector registers.
     pub(crate) fn registers(self) -> u8 {
         if self == Self::Avx512 { 32 } else { 16 }
     }
 
-    /// The bytes of a vector: of one state, or of many.
+    /// Returns the size of a vector in bytes: for one state, or for many.
     pub(crate) fn vector(self, batch: bool) -> usize {
         match self {
             Self::Sse2 => 16,

@@ -26,7 +26,7 @@
 //! Program ─ lower ─▶ values in registers' lanes ─ generate (registers, encode) ─▶ bytes ─▶ pages ─▶ calls
 //! ```
 //!
-//! The input is what printers have, a [`Program`](modyn_codegen::program::Program): one straight line with lanes and
+//! The input is a [`Program`](modyn_codegen::program::Program), as for printers: straight-line code with lanes and
 //! fused products. `lower` turns it into operations that there are instructions for. `generate` goes over them once: it
 //! takes the register whose value is needed last, and writes the instruction (`encode`). `machine` holds the pages.
 //!

@@ -1,4 +1,4 @@
-//! From a program to values: signs, fused products, sines as polynomials, lanes as the registers have them.
+//! Lowers a program to values: signs, fused products, sines as polynomials, lanes that fit into registers.
 
 use modyn_codegen::program::{
     Addend, MultiplyAdd, Operand, Operation as Statement, Program, Source,
@@ -9,10 +9,10 @@ use crate::level::Level;
 use crate::real::Real;
 use crate::values::{Definition, FarCheck, Operation, Reduced, Step, Value, Values};
 
-/// The lengths of the arrays that a function is given, in the order in which its program counts their numbers.
+/// The lengths of the arrays of arguments, in the order in which the program numbers their entries.
 pub(crate) type Arrays = [usize];
 
-/// The values of a program. In a batch, all lanes of a register are states.
+/// Returns the values of a program. In a batch, the lanes of a register are states.
 pub(crate) fn lower<S: Real>(
     program: &Program,
     arrays: &Arrays,
@@ -49,11 +49,11 @@ struct Lowering<'a, S> {
     arrays: &'a Arrays,
     /// Whether products are fused with sums.
     fused: bool,
-    /// The lanes of the longest register.
+    /// The number of lanes of the longest register.
     native: u8,
-    /// The lanes of the program's scalars.
+    /// The number of lanes of the program's scalars.
     scalar: u8,
-    /// By statement and place.
+    /// The results, by statement and place.
     results: Vec<Vec<Registers>>,
     reduction: Steps,
     polynomials: Steps,
@@ -61,7 +61,7 @@ struct Lowering<'a, S> {
 }
 
 impl<S: Real> Lowering<'_, S> {
-    /// The lanes of each of the registers that hold so many lanes.
+    /// Returns the number of lanes of each register of a value with this number of lanes.
     fn split(&self, lanes: u8) -> (usize, u8) {
         match lanes {
             1 => (1, self.scalar),
@@ -72,7 +72,7 @@ impl<S: Real> Lowering<'_, S> {
         }
     }
 
-    /// The results of a statement, by place.
+    /// Adds the values of a statement, and returns its results by place.
     fn statement(&mut self, operation: &Statement, lanes: u8) -> Vec<Registers> {
         let (count, width) = self.split(lanes);
         let of = |result: Registers| vec![result];
@@ -116,7 +116,7 @@ impl<S: Real> Lowering<'_, S> {
             })),
             Statement::Maximum(a, b) => of(self.each(lanes, |this, k| {
                 let [a, b] = [a, b].map(|x| this.register(x, k));
-                // The instruction gives its second operand where one is NaN.
+                // If one operand is NaN, the instruction returns its second operand.
                 let larger = this.binary(Operation::Maximum, b, a);
                 let nan = this.binary(Operation::Unordered, a, a);
                 this.choose(nan, b, larger)
@@ -150,12 +150,12 @@ impl<S: Real> Lowering<'_, S> {
         }
     }
 
-    /// A value for each of the registers that hold so many lanes.
+    /// Returns a value for each register of a value with this number of lanes.
     fn each(&mut self, lanes: u8, value: impl Fn(&mut Self, usize) -> Value) -> Registers {
         (0..self.split(lanes).0).map(|k| value(self, k)).collect()
     }
 
-    /// Register `k` of an operand without its sign.
+    /// Returns register `k` of an operand without its sign.
     fn magnitude(&mut self, operand: &Operand, k: usize) -> Value {
         let (_, width) = self.split(operand.lanes);
         match operand.source {
@@ -172,18 +172,18 @@ impl<S: Real> Lowering<'_, S> {
         }
     }
 
-    /// Register `k` of an operand.
+    /// Returns register `k` of an operand.
     fn register(&mut self, operand: &Operand, k: usize) -> Value {
         let magnitude = self.magnitude(operand, k);
         self.signed(magnitude, operand.negated)
     }
 
-    /// An operand that is a scalar.
+    /// Returns a scalar operand.
     fn scalar(&mut self, operand: &Operand) -> Value {
         self.register(&Operand { lanes: 1, ..*operand }, 0)
     }
 
-    /// A scalar argument.
+    /// Returns a scalar argument.
     fn argument(&mut self, number: usize) -> Value {
         let mut first = number;
         let mut array = 0;
@@ -195,7 +195,7 @@ impl<S: Real> Lowering<'_, S> {
         self.values.value(Definition::Argument { array, first }, self.scalar)
     }
 
-    /// A value in so many lanes.
+    /// Returns a value in this number of lanes.
     fn wide(&mut self, value: Value, lanes: u8) -> Value {
         if self.values.lanes[value as usize] == lanes {
             return value;
@@ -213,13 +213,13 @@ impl<S: Real> Lowering<'_, S> {
         self.values.constants(vec![S::from_f64(value).bits(); lanes.into()], lanes)
     }
 
-    /// Bits for operations on bits, which read 16 bytes at least.
+    /// Returns a constant for operations on bits, which read at least 16 bytes.
     fn mask(&mut self, bits: u64, lanes: u8) -> Value {
         let count = usize::from(lanes).max(16 / size_of::<S>());
         self.values.constants(vec![bits; count], lanes)
     }
 
-    /// The bit of the sign.
+    /// Returns the sign bit.
     fn sign(&self) -> u64 {
         1 << (8 * size_of::<S>() - 1)
     }
@@ -252,14 +252,15 @@ impl<S: Real> Lowering<'_, S> {
         self.binary(Operation::Xor, value, mask)
     }
 
-    /// The second value where the mask has bits, else the third.
+    /// Returns the second value where the mask has bits, else the third.
     fn choose(&mut self, mask: Value, then: Value, otherwise: Value) -> Value {
         let then = self.binary(Operation::And, mask, then);
         let otherwise = self.binary(Operation::AndNot, mask, otherwise);
         self.binary(Operation::Or, then, otherwise)
     }
 
-    /// a + b, or a - b: signs become the choice between sum and difference where they can. All are exact, zeros too.
+    /// Returns a + b or a - b. Signs select the sum or the difference where possible. The result is exact, also for
+    /// zeros.
     fn sum(&mut self, a: &Operand, b: &Operand, subtract: bool, k: usize) -> Value {
         let negative = b.negated != subtract;
         let [x, y] = [a, b].map(|x| self.magnitude(x, k));
@@ -289,7 +290,7 @@ impl<S: Real> Lowering<'_, S> {
         self.product_and_sum([a, b], addend, signs)
     }
 
-    /// (-) a b (+ or -) c, rounded once if the level fuses products, else twice.
+    /// Returns (-) a b (+ or -) c, rounded once if the level fuses products, else twice.
     fn product_and_sum(
         &mut self,
         [a, b]: [Value; 2],
@@ -313,7 +314,7 @@ impl<S: Real> Lowering<'_, S> {
         }
     }
 
-    /// Scalars as the lanes of a vector.
+    /// Returns scalars as the lanes of a vector.
     fn pack(&mut self, scalars: &[Value]) -> Value {
         let lanes = scalars.len() as u8;
         if lanes == 1 {
@@ -349,9 +350,9 @@ impl<S: Real> Lowering<'_, S> {
         self.values.operation(Operation::Join, &halves, lanes)
     }
 
-    /// Scalars as half of a vector.
+    /// Returns scalars as half of a vector.
     fn pack_half(&mut self, scalars: &[Value]) -> Value {
-        // Half of the shortest vector is no vector: it is only joined.
+        // Half of the shortest vector is not a vector: its scalars are joined with the other half.
         if scalars.len() == 2 && size_of::<S>() == 4 {
             return self.values.operation(Operation::Join, scalars, 2);
         }
@@ -373,8 +374,8 @@ impl<S: Real> Lowering<'_, S> {
         self.values.value(Definition::Lane(register, lane), 1)
     }
 
-    /// Sine and cosine of each angle: all are reduced, then those that are too large are reduced again. Scalars share
-    /// vectors.
+    /// Returns sine and cosine of each angle: all are reduced, then those that are too large are reduced again. Scalars
+    /// share vectors.
     fn sines_and_cosines(&mut self, angles: &[Registers]) -> Vec<Registers> {
         let scalars = self.scalar == 1 && angles.iter().all(|x| self.lanes(x[0]) == 1);
         if !scalars || angles.len() == 1 || angles[0].len() > 1 {
@@ -411,7 +412,7 @@ impl<S: Real> Lowering<'_, S> {
         results
     }
 
-    /// Sine and cosine of registers with as many lanes.
+    /// Returns sine and cosine of registers with equal lanes.
     fn reduced_and_evaluated(&mut self, angles: &[Value]) -> Vec<[Value; 2]> {
         let lanes = self.lanes(angles[0]);
         let steps = self.reduction.clone();
@@ -436,7 +437,7 @@ impl<S: Real> Lowering<'_, S> {
         reduced.iter().map(|reduced| self.run(&steps, reduced.results)).collect()
     }
 
-    /// The results of recorded steps.
+    /// Returns the results of recorded steps.
     fn run(&mut self, steps: &Steps, inputs: [Value; 2]) -> [Value; 2] {
         let lanes = self.lanes(inputs[0]);
         let mut values: Vec<Value> = Vec::with_capacity(steps.steps.len());

@@ -1,6 +1,7 @@
 //! Memory that holds machine code, and the calls of it.
 //!
-//! Pages are written first and made executable then; they are never both. Memory comes from `memmap2`.
+//! Pages are written first and made executable then; they are never writable and executable at the same time. Memory
+//! comes from `memmap2`.
 //!
 //! Unsafe code: a call of a function that `generate` has made. It is sound because
 //! - the bytes at the entry are a complete function for System V's calling convention: it restores the registers that
@@ -9,7 +10,7 @@
 //! - it reads numbers `0..length` of each array of arguments and writes numbers `0..length` of the results, which
 //!   [`Code::call`] has checked: the slices are as long, or longer. Further it touches its own stack frame alone, whose
 //!   pages it touches one after the other, so that a stack that is too short ends at its guard page;
-//! - arguments are shared slices and the results are an exclusive one, so that what it writes is none of what it reads.
+//! - arguments are shared slices and the results are an exclusive one, so it writes no number that it reads.
 #![allow(unsafe_code)]
 
 use std::io;
@@ -28,11 +29,11 @@ type Function<S> = extern "C" fn(*const *const S, *mut S);
 pub(crate) struct Pages(Mmap);
 
 impl Pages {
-    /// Copies code into pages of its own and makes these executable.
+    /// Copies code into its own pages, and makes these executable.
     ///
     /// # Errors
     ///
-    /// The system forbids executable memory, or has none left.
+    /// If the system forbids executable memory, or has no memory left.
     pub fn new(code: &[u8]) -> io::Result<Self> {
         let mut pages = MmapMut::map_anon(code.len().max(1))?;
         pages[..code.len()].copy_from_slice(code);
@@ -43,11 +44,11 @@ impl Pages {
 /// A function in pages of machine code.
 #[derive(Clone, Debug)]
 pub(crate) struct Code {
-    /// Where it begins.
+    /// The entry point.
     pub entry: usize,
-    /// The numbers that each array of arguments has at least.
+    /// The smallest length of each array of arguments.
     pub arguments: Vec<usize>,
-    /// The numbers of the results.
+    /// The number of results.
     pub results: usize,
 }
 

@@ -1,4 +1,4 @@
-//! The instructions that are used, for both precisions.
+//! The instructions for both precisions.
 
 use crate::encode::Opcode;
 
@@ -6,8 +6,8 @@ const fn both(map: u8, prefix: u8, byte: u8, evex_w: bool) -> Opcode {
     Opcode { map, prefix, byte, vex_w: false, evex_w }
 }
 
-/// An instruction on scalars (ss, sd) or on vectors (ps, pd) of numbers of so many bytes: these differ in the mandatory
-/// prefix alone.
+/// Returns an instruction on scalars (ss, sd) or on vectors (ps, pd) of numbers with this size in bytes; they differ
+/// only in the mandatory prefix.
 pub(crate) const fn arithmetic(byte: u8, scalar: bool, size: usize) -> Opcode {
     let prefix = match (scalar, size) {
         (true, 8) => 3,
@@ -31,9 +31,9 @@ pub(crate) const XOR: u8 = 0x57;
 pub(crate) const COMPARE: u8 = 0xc2;
 pub(crate) const LOAD: u8 = 0x10;
 pub(crate) const STORE: u8 = 0x11;
-/// Between registers.
+/// A copy between registers.
 pub(crate) const COPY: u8 = 0x28;
-/// The lower numbers of two vectors, in turn.
+/// The lower numbers of two vectors, interleaved.
 pub(crate) const UNPACK_LOW: u8 = 0x14;
 /// The signs of a vector as bits of a general register.
 pub(crate) const SIGNS: u8 = 0x50;
@@ -76,10 +76,10 @@ pub(crate) const SHUFFLE_SINGLE: Opcode = both(1, 0, 0xc6, false);
 /// The lower 8 bytes of two vectors of 16.
 pub(crate) const UNPACK_LOW_DOUBLE: Opcode = both(1, 1, UNPACK_LOW, true);
 
-/// A scalar of 8 bytes in memory as the upper half of 16.
+/// A scalar of 8 bytes from memory as the upper half of 16.
 pub(crate) const LOAD_HIGH: Opcode = both(1, 1, 0x16, true);
 
-/// 8 bytes from memory or to it, the rest of the register zero.
+/// A load or store of 8 bytes; the rest of the register becomes zero.
 pub(crate) const fn scalar_double(byte: u8) -> Opcode {
     both(1, 3, byte, true)
 }

@@ -1,4 +1,4 @@
-//! The parameters of a robot that can be changed at run time: gravity, inertias of links, payloads.
+//! The parameters of a robot that can be changed at run time: gravity, inertias of links, and payloads.
 
 use std::fmt;
 
@@ -10,20 +10,20 @@ use modyn_runtime::{InertialDefect, Scalar};
 
 use crate::real::Real;
 
-/// The reason why a parameter was not changed. Nothing has changed then.
+/// The reason why a parameter was not changed.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ParameterError<S> {
     /// The robot was compiled without this parameter.
     NotAParameter {
-        /// The option of the `Builder` that makes it one.
+        /// The option of the `Builder` that makes it a run-time parameter.
         option: &'static str,
         /// The link; `None` for gravity.
         link: Option<String>,
     },
     /// No rigid body has this inertia.
     Defect(InertialDefect<S>),
-    /// A joint would move no inertia, so that its acceleration would be infinite.
+    /// A joint would have no inertia, so that its acceleration would be infinite.
     NoInertia {
         /// The name of the joint.
         joint: String,
@@ -65,16 +65,17 @@ impl<S: Real> std::error::Error for ParameterError<S> {
     }
 }
 
-/// The numbers of the parameters, and what they are.
+/// The numbers of the parameters, and their meaning.
 pub(crate) struct RunTimeParameters<S> {
     pub numbers: Vec<S>,
     parameters: Parameters,
-    /// The joints that feel no inertia if all run-time inertias are zero, and the program of what each feels.
+    /// The joints without inertia if all run-time inertias are zero, and the program that computes each joint's
+    /// inertia.
     pivots: Option<(Vec<String>, Program)>,
 }
 
 impl<S: Real> RunTimeParameters<S> {
-    /// As the description has them.
+    /// Returns the parameters with the numbers of the description.
     pub fn new(plan: &Plan, model: &Model) -> Self {
         let numbers = plan.parameters.described(model.gravity());
         let joint = |v: &usize| {
@@ -103,7 +104,7 @@ impl<S: Real> RunTimeParameters<S> {
         Ok(())
     }
 
-    /// Sets the inertia of a link itself, or that of a payload on it.
+    /// Sets the inertia of a link itself, or the payload on it.
     pub fn set_inertial(
         &mut self,
         model: &Model,
@@ -133,7 +134,7 @@ impl<S: Real> RunTimeParameters<S> {
             *number = new;
         }
         if let Some((joints, program)) = &self.pivots {
-            // The distance from 1 to the next larger number.
+            // The difference between 1 and the next larger number.
             let third = S::from_f64(4.0) / S::from_f64(3.0) - S::one();
             let epsilon = Scalar::abs(third + third + third - S::one());
             let pivots = program.evaluate(&[&[epsilon], &*numbers].concat());

@@ -1,16 +1,16 @@
-//! The numbers that code computes on.
+//! The types of numbers for machine code.
 
 use std::fmt::{Debug, Display, LowerExp};
 
 use modyn_runtime::batch::Float;
 
-/// A floating-point number that machine code is made for: `f64` or `f32`.
+/// A floating-point type of machine code: `f64` or `f32`.
 pub trait Real: Float + PartialOrd + Default + Debug + Display + LowerExp + sealed::Sealed {
-    /// The bits of the number.
+    /// Returns the bits of the number.
     #[doc(hidden)]
     fn bits(self) -> u64;
 
-    /// Whether the number is neither infinite nor NaN.
+    /// Returns whether the number is neither infinite nor NaN.
     #[doc(hidden)]
     fn has_value(self) -> bool;
 }

@@ -1,28 +1,28 @@
-//! Where values are: registers, slots of the stack frame, arguments, constants and results.
+//! The places of values: registers, slots of the stack frame, arguments, constants and results.
 //!
-//! Code is one basic block, so the next use of every value is known. A register that is needed is taken from the value
-//! whose next use is furthest away (Belady 1966). That value is stored if it is nowhere else.
+//! Code is one basic block, so the next use of every value is known. If no register is free, the register whose value
+//! has the most distant next use is freed (Belady 1966). That value is stored if it has no other place.
 
 use crate::values::{Definition, Value, Values};
 
 /// No register.
 pub(crate) const NONE: u8 = u8::MAX;
 
-/// Where a value is in memory.
+/// The place of a value in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Home {
-    /// Nowhere.
+    /// None.
     None,
-    /// At that distance from the beginning of the slots.
+    /// An offset in the slots.
     Slot(u32),
-    /// At that distance from the beginning of the results.
+    /// An offset in the results.
     Result(u32),
 }
 
 /// The places of all values at one step.
 pub(crate) struct Registers<'a> {
     values: &'a Values,
-    /// Bytes of a number.
+    /// The size of a number in bytes.
     size: usize,
     /// The number of registers.
     count: u8,
@@ -31,21 +31,21 @@ pub(crate) struct Registers<'a> {
     /// The register of each value.
     register_of: Vec<u8>,
     homes: Vec<Home>,
-    /// The steps that read each value, and how many of them have passed.
+    /// The steps that read each value, and the number of these that have passed.
     uses: Vec<Vec<u32>>,
     passed: Vec<u32>,
-    /// How many values that are lanes of a vector are still to be read.
+    /// For each vector, the number of its lanes that are values still to be read.
     lanes_left: Vec<u32>,
-    /// Free slots, by the logarithm of their bytes.
+    /// Free slots, by the logarithm of their size.
     free: [Vec<u32>; 7],
-    /// The bytes of all slots.
+    /// The size of all slots in bytes.
     pub frame: u32,
     /// The step.
     pub position: u32,
 }
 
 impl<'a> Registers<'a> {
-    /// Before the first step. `last` are values that are read after the last step.
+    /// Returns the state before the first step. `last` are values that are read after the last step.
     pub fn new(values: &'a Values, size: usize, count: u8, last: &[Value]) -> Self {
         let n = values.definitions.len();
         let mut uses: Vec<Vec<u32>> = vec![Vec::new(); n];
@@ -81,38 +81,38 @@ impl<'a> Registers<'a> {
         }
     }
 
-    /// The bytes of a value.
+    /// Returns the size of a value in bytes.
     pub fn bytes(&self, value: Value) -> usize {
         usize::from(self.values.lanes[value as usize]) * self.size
     }
 
-    /// The register of a value, or [`NONE`].
+    /// Returns the register of a value, or [`NONE`].
     pub fn register(&self, value: Value) -> u8 {
         self.register_of[value as usize]
     }
 
-    /// Where a value is in memory.
+    /// Returns the place of a value in memory.
     pub fn home(&self, value: Value) -> Home {
         self.homes[value as usize]
     }
 
-    /// The step that reads the value next, this one or a later one.
+    /// Returns the next step that reads the value, this step or a later one.
     fn next_use(&self, value: Value) -> Option<u32> {
         let v = value as usize;
         self.uses[v].get(self.passed[v] as usize).copied()
     }
 
-    /// How many steps it is until a value is read again after this step.
+    /// Returns the number of steps until a value is read again after this step.
     pub fn distance(&self, value: Value) -> Option<u32> {
         self.next_use(value).map(|next| next - self.position)
     }
 
-    /// Whether nothing reads a value after this step.
+    /// Returns whether no later step reads the value.
     pub fn dies(&self, value: Value) -> bool {
         self.next_use(value).is_none()
     }
 
-    /// Whether lanes of a value are read, from memory.
+    /// Returns whether later steps read lanes of the value from memory.
     pub fn has_lanes(&self, value: Value) -> bool {
         self.lanes_left[value as usize] > 0
     }
@@ -127,29 +127,29 @@ impl<'a> Registers<'a> {
         }
     }
 
-    /// The registers that hold values.
+    /// Returns the registers that hold values, as bits.
     pub fn occupied(&self) -> u32 {
         let held = self.holds.iter().enumerate().filter(|(_, value)| value.is_some());
         held.fold(0, |all, (register, _)| all | 1 << register)
     }
 
-    /// The registers of these values.
+    /// Returns the registers of these values.
     pub fn pinned(&self, values: &[Value]) -> u32 {
         let registers = values.iter().map(|&value| self.register(value));
         registers.filter(|&register| register != NONE).fold(0, |all, register| all | 1 << register)
     }
 
-    /// A register that holds nothing and is not pinned.
+    /// Returns a free register that is not pinned.
     pub fn unoccupied(&self, pinned: u32) -> Option<u8> {
         let taken = self.occupied() | pinned;
         (0..self.count).find(|&register| taken >> register & 1 == 0)
     }
 
-    /// The register that is worth least, with its value: the next use is furthest away.
+    /// Returns the register whose value has the most distant next use, and the value.
     ///
     /// # Panics
     ///
-    /// If all are pinned.
+    /// If all registers are pinned.
     pub fn furthest(&self, pinned: u32) -> (u8, Value) {
         let held = (0..self.count).filter(|&register| pinned >> register & 1 == 0);
         let held = held.filter_map(|register| Some((register, self.holds[usize::from(register)]?)));
@@ -157,19 +157,19 @@ impl<'a> Registers<'a> {
         held.max_by_key(|&(_, value)| next(value)).expect("no instruction reads all registers")
     }
 
-    /// Whether a value would be lost with its register.
+    /// Returns whether a value would be lost with its register.
     pub fn is_only_in_register(&self, value: Value) -> bool {
         let computed = matches!(self.values.definitions[value as usize], Definition::Result(..));
         computed && self.home(value) == Home::None
     }
 
-    /// Notes that a register holds a value.
+    /// Records that a register holds a value.
     pub fn hold(&mut self, register: u8, value: Value) {
         self.holds[usize::from(register)] = Some(value);
         self.register_of[value as usize] = register;
     }
 
-    /// Notes that a value is in no register.
+    /// Records that a value is in no register.
     pub fn evict(&mut self, value: Value) {
         let register = self.register(value);
         if register != NONE {
@@ -178,7 +178,7 @@ impl<'a> Registers<'a> {
         }
     }
 
-    /// Gives a value a slot of its own.
+    /// Gives a value its own slot.
     pub fn give_slot(&mut self, value: Value) -> u32 {
         let bytes = self.bytes(value).next_power_of_two() as u32;
         let slot = self.free[bytes.trailing_zeros() as usize].pop().unwrap_or_else(|| {
@@ -189,14 +189,14 @@ impl<'a> Registers<'a> {
         slot
     }
 
-    /// Notes that a value is among the results.
+    /// Records that a value is among the results.
     pub fn stored(&mut self, value: Value, distance: u32) {
         if self.home(value) == Home::None {
             self.homes[value as usize] = Home::Result(distance);
         }
     }
 
-    /// Forgets where a value is in memory.
+    /// Frees the memory of a value.
     pub fn forget_home(&mut self, value: Value) {
         if let Home::Slot(slot) = self.home(value) {
             let bytes = self.bytes(value).next_power_of_two();
@@ -205,7 +205,7 @@ impl<'a> Registers<'a> {
         self.homes[value as usize] = Home::None;
     }
 
-    /// Forgets a value that nothing reads any more, and the vector that it was the last lane of.
+    /// Frees the places of a value after its last read, and of the vector whose last lane it was.
     pub fn drop(&mut self, value: Value) {
         self.evict(value);
         let vector = match self.values.definitions[value as usize] {

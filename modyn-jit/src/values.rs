@@ -1,26 +1,26 @@
-//! Values in vector registers: a program as registers see it, in single assignment.
+//! Values in vector registers: a program in single assignment.
 //!
-//! Every value has a number of lanes, and is a constant, an argument, a lane of a vector that was stored, or the result
-//! of an operation. Equal values are made once. Constants and arguments need no register until an instruction wants one.
+//! Every value has a number of lanes, and is a constant, an argument, a lane of a stored vector, or the result of an
+//! operation. Equal values are made once. Constants and arguments need no register until an instruction reads one.
 
 use rustc_hash::FxHashMap;
 
-/// A value by its number.
+/// The number of a value.
 pub(crate) type Value = u32;
 
 /// The definition of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Definition {
-    /// The constant of that number in the pool.
+    /// The constant with this number in the pool.
     Constant(u32),
-    /// Numbers of an argument from that one on.
+    /// Consecutive numbers of an argument.
     Argument {
         /// The number of the array.
         array: u8,
         /// The first number.
         first: u32,
     },
-    /// A lane of a vector, read from where that is stored.
+    /// A lane of a vector, read from the vector's memory.
     Lane(Value, u8),
     /// The result of an operation.
     Result(Operation, [Value; 3]),
@@ -43,13 +43,13 @@ pub(crate) enum Operation {
     LessOrEqual,
     /// All bits where a or b is NaN, else none.
     Unordered,
-    /// The bits of both.
+    /// The bits that are in a and in b.
     And,
     /// The bits of b that are not in a.
     AndNot,
-    /// The bits of either.
+    /// The bits that are in a or in b.
     Or,
-    /// The bits of one of them.
+    /// The bits that are in a or in b but not in both.
     Xor,
     /// The square root.
     SquareRoot,
@@ -73,7 +73,7 @@ pub(crate) enum Operation {
 }
 
 impl Operation {
-    /// The number of operands.
+    /// Returns the number of operands.
     pub fn operands(self) -> usize {
         match self {
             Self::SquareRoot | Self::ShiftToSign | Self::Broadcast | Self::Logarithm => 1,
@@ -82,12 +82,12 @@ impl Operation {
         }
     }
 
-    /// Whether the operands can be exchanged.
+    /// Returns whether the operands can be exchanged.
     pub fn commutes(self) -> bool {
         matches!(self, Self::Add | Self::Multiply | Self::And | Self::Or | Self::Xor)
     }
 
-    /// Whether it acts on bits: also of scalars there are instructions on 16 bytes alone.
+    /// Returns whether it operates on bits: its instructions on scalars have 16 bytes.
     pub fn is_bitwise(self) -> bool {
         matches!(self, Self::And | Self::AndNot | Self::Or | Self::Xor)
     }
@@ -98,11 +98,11 @@ impl Operation {
 pub(crate) enum Step {
     /// Computes a value.
     Compute(Value),
-    /// Reduces again those angles that are too large for the fast reduction.
+    /// Reduces again the angles that are too large for the fast reduction.
     Check(FarCheck),
 }
 
-/// Angles that were reduced as if they were small, before anything reads their reductions.
+/// Angles that were reduced as small ones, before any step reads their reductions.
 #[derive(Clone, Debug)]
 pub(crate) struct FarCheck {
     /// The sum of the angles' squares.
@@ -140,7 +140,7 @@ pub(crate) struct Values {
 }
 
 impl Values {
-    /// The value of that definition, with so many lanes.
+    /// Returns the value with that definition and this number of lanes.
     pub fn value(&mut self, definition: Definition, lanes: u8) -> Value {
         if let Some(&value) = self.known.get(&(definition, lanes)) {
             return value;
@@ -155,14 +155,14 @@ impl Values {
         value
     }
 
-    /// The result of an operation.
+    /// Returns the result of an operation.
     pub fn operation(&mut self, operation: Operation, operands: &[Value], lanes: u8) -> Value {
         let mut all = [operands[0]; 3];
         all[..operands.len()].copy_from_slice(operands);
         self.value(Definition::Result(operation, all), lanes)
     }
 
-    /// Constants as lanes, by their bits.
+    /// Returns constants as lanes, by their bits.
     pub fn constants(&mut self, bits: Vec<u64>, lanes: u8) -> Value {
         let next = self.pool.len() as u32;
         let place = *self.pooled.entry(bits.clone()).or_insert(next);
@@ -172,7 +172,7 @@ impl Values {
         self.value(Definition::Constant(place), lanes)
     }
 
-    /// The bits of a constant.
+    /// Returns the bits of a constant.
     pub fn bits(&self, value: Value) -> Option<&[u64]> {
         match self.definitions[value as usize] {
             Definition::Constant(place) => Some(&self.pool[place as usize]),
@@ -180,7 +180,7 @@ impl Values {
         }
     }
 
-    /// The operands of a value.
+    /// Returns the operands of a value.
     pub fn operands(&self, value: Value) -> &[Value] {
         match &self.definitions[value as usize] {
             Definition::Result(operation, operands) => &operands[..operation.operands()],
@@ -188,7 +188,7 @@ impl Values {
         }
     }
 
-    /// The value that is computed for this one to be there: itself, or the vector that it is a lane of.
+    /// Returns the value that a step computes for this one: itself, or the vector whose lane it is.
     pub fn computed(&self, value: Value) -> Option<Value> {
         match self.definitions[value as usize] {
             Definition::Result(..) => Some(value),
@@ -197,7 +197,7 @@ impl Values {
         }
     }
 
-    /// The values that a step reads.
+    /// Returns the values that a step reads.
     pub fn reads(&self, step: &Step) -> Vec<Value> {
         match step {
             Step::Compute(value) => self.operands(*value).to_vec(),

@@ -1,5 +1,5 @@
-//! Machine code computes the bits that its program's evaluation does, for all robots, at every level of the processor:
-//! for small and large angles, infinities and NaN, one state and many.
+//! Machine code computes the bits of its program's evaluation, for all robots and all levels of the processor: for
+//! small and large angles, infinities and NaN, one state and many.
 
 mod common;
 
@@ -46,7 +46,7 @@ fn compare<F: Fuse>(name: &str, planning: &Planning, level: Level) -> usize {
         let call = compiled.function(function).expect("compiled");
         let lengths: Vec<usize> = call.arguments().iter().map(|(_, shape)| shape.len()).collect();
         let states = states::<F>(lengths.iter().sum());
-        // The processor's vectors hold four numbers at least.
+        // The processor's vectors hold at least four numbers.
         let vectors = level.fuses() || size_of::<F>() == 4;
         let mut many: Vec<Vec<F>> = vec![Vec::new(); lengths.len()];
         for (k, state) in states.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Calls that do not fit are refused with a message that says why, and write nothing.
+//! Calls with wrong arguments are refused with a message that names the reason, and write nothing.
 
 mod common;
 
@@ -13,7 +13,7 @@ fn arm() -> Compiled<f64> {
 }
 
 #[test]
-fn wrong_calls_say_what_is_wrong() {
+fn wrong_calls_name_the_error() {
     let (arm, q) = (arm(), [0.1; 6]);
     let mut qdd = [7.0; 6];
     let dynamics = arm.function(Function::ForwardDynamics).expect("compiled");
@@ -60,7 +60,7 @@ fn wrong_calls_say_what_is_wrong() {
 }
 
 #[test]
-fn wrong_batches_say_what_is_wrong() {
+fn wrong_batches_name_the_error() {
     let builder = Builder::new().model(robot("arm6")).functions([Function::MassMatrix]);
     let mut options = Options::default();
     options.batches = true;
@@ -73,11 +73,11 @@ fn wrong_batches_say_what_is_wrong() {
     let error = mass.many(&[&q[..12]], &mut result[..71]).expect_err("too short");
     assert_eq!(error.to_string(), "`result` of `mass_matrix` has 72 numbers, and 71 were given");
     assert!(result.iter().all(|&x| x == 7.0));
-    // No state at all is fine.
+    // A batch without states is valid.
     mass.many(&[&[]], &mut []).expect("nothing to do");
 }
 
-/// Arguments may be the same numbers; only what is written has a place of its own, by Rust's rules.
+/// Several arguments may be the same slice; Rust's borrow rules keep the result apart.
 #[test]
 fn arguments_can_be_the_same() {
     let (arm, x) = (arm(), [0.3, -0.2, 0.5, 0.7, -1.1, 0.4]);

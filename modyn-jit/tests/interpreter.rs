@@ -1,4 +1,4 @@
-//! Machine code of random trees computes what the interpreter does: every function, of each link too, one state and many.
+//! Machine code of random trees gives the interpreter's results: every function, for each link, for one state and many.
 
 mod common;
 
@@ -8,7 +8,7 @@ use modyn_jit::{Call, Compiled, Level, Options};
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_tests::values::{self, Inputs, Values};
 
-/// The arguments of a function by name, as [`values::interpreted`] takes them.
+/// Returns the arguments of a function by name, as [`values::interpreted`] takes them.
 fn argument(
     function: Function,
     name: &str,
@@ -18,7 +18,7 @@ fn argument(
     let Inputs { q, qd, qdd, tau } = inputs;
     let mut uniform = values::uniform::<f64>();
     match (function, name) {
-        // Quaternions too long.
+        // Quaternions longer than 1.
         (Function::Normalize, _) => q.iter().map(|x| x + x).collect(),
         (_, "q" | "from") => q.clone(),
         (_, "to") => values.other("random").to_vec(),
@@ -35,7 +35,7 @@ fn argument(
     }
 }
 
-/// The interpreter's numbers of a function; of a function of a link those of all links.
+/// Returns the interpreter's numbers of a function; for a function of one link, those of all links.
 fn expected(function: Function, values: &Values<f64>) -> Vec<f64> {
     let several = |names: &[&str]| -> Vec<f64> {
         names.iter().flat_map(|name| values.other(name)).copied().collect()
@@ -85,7 +85,7 @@ fn close(name: &str, found: &[f64], expected: &[f64]) {
     }
 }
 
-/// All functions that the interpreter's values have.
+/// All functions for which there are interpreter's values.
 fn functions() -> impl Iterator<Item = Function> {
     let all = Function::ALL.iter().copied();
     all.filter(|f| f.batched().is_none() && !f.is_of_constraints() && *f != Function::Brge)
@@ -119,7 +119,7 @@ fn random_trees() {
     }
 }
 
-/// More than eight links on one body share code, which is given their placements.
+/// More than eight links on one body share code, whose further argument is the link's placement.
 #[test]
 fn links_that_share_code() {
     use std::fmt::Write as _;

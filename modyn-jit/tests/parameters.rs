@@ -1,4 +1,4 @@
-//! Gravity, inertias and payloads that are set at run time: as the interpreter has them, for one state and many.
+//! Gravity, inertias and payloads that are set at run time give the interpreter's results, for one state and many.
 
 mod common;
 

@@ -75,7 +75,7 @@ fn compile(Input { path, span, builder }: Input) -> Result<TokenStream> {
     warn(generated.warnings);
     // rustc's lexer is much faster than building tokens one by one in a macro, which runs unoptimised.
     let text = generated.text + &tracking;
-    text.parse().map_err(|_| bug("wrote what is no Rust"))
+    text.parse().map_err(|_| bug("wrote text that is not Rust"))
 }
 
 /// Prints warnings to standard error, since macros cannot emit warnings on stable Rust. Cargo repeats them.

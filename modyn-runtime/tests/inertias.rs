@@ -226,7 +226,7 @@ fn inverse(pose: &Pose<f64>) -> Pose<f64> {
 }
 
 #[test]
-fn a_point_mass_on_its_axis_is_not_felt() {
+fn a_joint_does_not_move_a_point_mass_on_its_axis() {
     let none = Inertial::default();
     for seed in 0..50 {
         let model = chain(seed, &[JointType::Revolute, JointType::Revolute]);
@@ -303,7 +303,7 @@ fn nothing_is_left_of_a_link_without_its_frames() {
 }
 
 #[test]
-fn inertia_is_where_it_is_felt() {
+fn inertia_is_needed_where_a_joint_moves_it() {
     // A link between joints about different lines needs no inertia; a link between joints about the same line does.
     let mut links = chain(7, &[JointType::Revolute; 3]).links().to_vec();
     let frames = chain(7, &[JointType::Revolute; 3]).frames().to_vec();

@@ -260,7 +260,7 @@ fn call(interpreter: &mut Interpreter<f64>, dice: &mut Dice) {
 }
 
 #[test]
-fn whatever_it_is_given() {
+fn no_argument_makes_it_panic() {
     let mut before: Vec<Interpreter<f64>> = Vec::new();
     let mut sound = 0;
     for seed in 0..1500 {

@@ -1,5 +1,5 @@
-//! The biped's step (Sect. 5.1): computed torque along the desired trajectories, forward dynamics by
-//! generated code. Figs. 8 and 9, and the step as a picture that moves.
+//! The biped's step (Sect. 5.1): computed torque along the desired trajectories, and forward dynamics by generated
+//! code. Figs. 8 and 9, and the step as an animation.
 
 use modyn::simulate::{Gains, Reference, State as RobotState};
 use modyn_cli::viewer;
@@ -9,7 +9,7 @@ use modyn_runtime::spatial::Pose;
 
 use crate::motion::{State, instants, integrate};
 use crate::plot::{Axis, Chart, Line};
-use crate::report::{Failure, Report, power};
+use crate::report::{Failure, Report, Table, power};
 use crate::{gait, robots};
 
 modyn::modyn! {
@@ -23,21 +23,21 @@ modyn::modyn! {
 /// The paper's gains, K_p = 225 1/s^2 and K_d = 30 1/s.
 pub const GAINS: Gains = Gains { stiffness: 225.0, damping: 30.0 };
 
-/// The step as simulated.
+/// The simulated step.
 #[derive(Clone, Debug)]
 pub struct Walk {
-    /// When, s.
+    /// The times, s.
     pub times: Vec<f64>,
-    /// Coordinates and velocities.
+    /// The coordinates and velocities.
     pub states: Vec<State>,
 }
 
-/// Simulates the step: computed torque by the compiled inverse dynamics, accelerations by the compiled
-/// forward dynamics. `offset` is by how much each joint starts away from its desired place, rad.
+/// Simulates the step: computed torque by the compiled inverse dynamics, accelerations by the compiled forward
+/// dynamics. `offset` is the deviation of each joint from its desired position at the start, rad.
 ///
 /// # Panics
 ///
-/// Never: the lengths are the biped's.
+/// Never: the lengths are those of the biped.
 #[must_use]
 pub fn walk(offset: f64) -> Walk {
     let gait::Posture { q, qd, .. } = gait::desired(0.0);
@@ -57,29 +57,29 @@ pub fn walk(offset: f64) -> Walk {
 }
 
 impl Walk {
-    /// The joint angles of Fig. 9, instant by instant.
+    /// Returns the joint angles of Fig. 9 at each time.
     #[must_use]
     pub fn angles(&self) -> Vec<[f64; 12]> {
         self.states.iter().map(|state| gait::angles(&coordinates(state))).collect()
     }
 
-    /// The largest distance of a joint from its desired place, rad, instant by instant.
+    /// Returns the largest deviation of a joint from its desired position at each time, rad.
     #[must_use]
     pub fn errors(&self) -> Vec<f64> {
         let error = |(&t, state): (&f64, &State)| {
             let way = Biped::difference(&gait::desired(t).q, &coordinates(state));
-            // Lost, if some is no number.
+            // NaN counts as infinite.
             let size = |x: &f64| if x.is_nan() { f64::INFINITY } else { x.abs() };
             way.iter().map(size).fold(0.0, f64::max)
         };
         self.times.iter().zip(&self.states).map(error).collect()
     }
 
-    /// A page on which the stick figure walks.
+    /// Returns a page with the walking stick figure.
     ///
     /// # Panics
     ///
-    /// Never: the lengths are the biped's.
+    /// Never: the lengths are those of the biped.
     #[must_use]
     pub fn page(&self) -> String {
         const TOE: f64 = 0.075;
@@ -87,7 +87,7 @@ impl Walk {
         let mut interpreter = Interpreter::<f64>::new(model.clone());
         let mut poses = vec![Pose::identity(); model.frames().len()];
         let index = |name: &str| model.frame_index(name).expect("a link");
-        // Feet from heel to toe; legs; the trunk from hip to hip and up.
+        // Feet from heel to toe; legs; the trunk from hip to hip and upwards.
         let points = [
             ("stance_foot", [-TOE, 0.0, 0.0]),
             ("stance_foot", [TOE, 0.0, 0.0]),
@@ -117,12 +117,12 @@ fn coordinates(state: &State) -> [f64; 14] {
     std::array::from_fn(|i| state.q[i])
 }
 
-/// A chart over the time of the step.
+/// Returns a chart over the time of the step.
 fn chart<'a>(title: &'a str, y: &'a str, lines: Vec<Line>) -> Chart<'a> {
     Chart { title, x: Axis::linear("time (s)"), y: Axis::linear(y), lines }
 }
 
-/// The section of the page.
+/// Writes the section of the page.
 ///
 /// # Errors
 ///
@@ -149,7 +149,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     });
     let head =
         ["link", "joint", "mass (kg)", "centre above the joint (m)", "Ixx (kg m^2)", "Iyy", "Izz"];
-    report.table(&head, rows.collect());
+    report.table(Table::new(&head, rows.collect()));
     let times = instants(gait::DURATION, 101);
     let curve = |f: &dyn Fn(f64) -> f64| times.iter().map(|&t| (t, f(t))).collect::<Vec<_>>();
     let lines = vec![
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn a_false_start_is_corrected() {
-        // Critically damped, K_d^2 = 4 K_p: what is left is (1 + 15 t) e^-15t of the offset.
+        // Critically damped, K_d^2 = 4 K_p: the remaining deviation is (1 + 15 t) e^-15t times the offset.
         let walk = walk(0.05);
         for (t, error) in walk.times.iter().zip(walk.errors()) {
             let expected = 0.05 * (1.0 + 15.0 * t) * (-15.0 * t).exp();

@@ -1,4 +1,4 @@
-//! Fig. 6: operations of forward dynamics against the number of joints, and the interpreter's time.
+//! Fig. 6: the operations of forward dynamics and the interpreter's time, by the number of joints.
 //!
 //! Operations are counted on the traced equations (multiplications, additions and divisions; sines and
 //! cosines apart), of chains and trees in general position: no angle, offset or inertia is special.
@@ -15,25 +15,25 @@ use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::plot::{Axis, Chart, Line};
-use crate::report::{Failure, Report, power};
+use crate::report::{Failure, Report, Table, power};
 use crate::robots;
 
-/// Operations of one robot's forward dynamics.
+/// The operations of one robot's forward dynamics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counts {
-    /// Joints.
+    /// The number of joints.
     pub n: usize,
     /// The recursion, every link a module.
     pub by_links: usize,
     /// The recursion, every chain a module.
     pub by_chains: usize,
-    /// mass matrix from composite inertias and bias forces, eliminated as one matrix.
+    /// Mass matrix from composite inertias and bias forces, eliminated as one matrix.
     pub by_matrix: usize,
     /// The recursion by the modules that the compiler's search finds.
     pub searched: usize,
 }
 
-/// Counts them.
+/// Counts the operations.
 #[must_use]
 pub fn counts(model: &Model) -> Counts {
     let prepared = Mechanism::new(model);
@@ -53,8 +53,8 @@ pub fn counts(model: &Model) -> Counts {
     }
 }
 
-/// A published count: multiplications and additions for n revolute joints in a row on a fixed base, as
-/// collected by Featherstone (2008, "Rigid Body Dynamics Algorithms", Table 10.1) but for the last.
+/// A published count: multiplications and additions for n revolute joints in a serial chain on a fixed base. All but
+/// the last are from Featherstone (2008, "Rigid Body Dynamics Algorithms", Table 10.1).
 pub type Published = (&'static str, fn(f64) -> f64);
 
 /// Published counts of forward dynamics, multiplications and additions together.
@@ -70,11 +70,11 @@ pub const PUBLISHED: [Published; 3] = [
     ("RGE (as quoted)", |n| (191.0 * n - 284.0) + (187.0 * n - 325.0)),
 ];
 
-/// The interpreter's time for forward dynamics of a chain, s: the least of several calls.
+/// Returns the interpreter's time for forward dynamics of a chain, s: the minimum of several calls.
 ///
 /// # Panics
 ///
-/// Never: the lengths are the chain's.
+/// Never: the lengths are those of the chain.
 #[must_use]
 pub fn seconds(links: usize) -> f64 {
     let mut interpreter = Interpreter::<f64>::new(robots::chain(links));
@@ -108,10 +108,27 @@ fn lines(models: &[Model]) -> (Vec<Counts>, Vec<Line>) {
     (counts, lines)
 }
 
-/// Lengths of the chains counted.
+/// The lengths of the chains.
 const CHAINS: [usize; 14] = [2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, 30, 40, 60];
 
-/// The section of the page.
+fn table_of(counts: &[Counts]) -> Table {
+    let head =
+        ["n", "by links", "chain as one module", "composite and elimination", "modules found"];
+    let head = [&head[..], &PUBLISHED.map(|(name, _)| name)].concat();
+    let row = |c: &Counts| {
+        let own = [c.n, c.by_links, c.by_chains, c.by_matrix, c.searched].map(|x| x.to_string());
+        own.into_iter().chain(PUBLISHED.map(|(_, f)| format!("{:.0}", f(c.n as f64)))).collect()
+    };
+    Table::new(&head, counts.iter().map(row).collect())
+}
+
+/// Returns the counts of chains of some of the lengths, with the published ones.
+#[must_use]
+pub fn table() -> Table {
+    table_of(&[4, 6, 8, 10, 20, 60].map(|n| counts(&robots::chain(n))))
+}
+
+/// Writes the section of the page.
 ///
 /// # Errors
 ///
@@ -130,13 +147,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     for (name, published) in PUBLISHED {
         all.push(Line::new(name, CHAINS.map(|n| (n as f64, published(n as f64)))));
     }
-    let rows = counts.iter().map(|c| {
-        let own = [c.n, c.by_links, c.by_chains, c.by_matrix, c.searched].map(|x| x.to_string());
-        own.into_iter().chain(PUBLISHED.map(|(_, f)| format!("{:.0}", f(c.n as f64)))).collect()
-    });
-    let head = ["n", "by links", "by chains", "composite and elimination", "modules found"];
-    let head = [&head[..], &PUBLISHED.map(|(name, _)| name)].concat();
-    report.table(&head, rows.collect());
+    report.table(table_of(&counts));
     let short = |line: &Line| {
         Line::new(line.name.clone(), line.points.iter().copied().filter(|&(n, _)| n <= 12.0))
     };
@@ -166,7 +177,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     report.text(
         "Time of the interpreter's forward dynamics by links, one core (least of several calls):",
     );
-    report.table(&["links", "s", "ns a link"], rows.collect());
+    report.table(Table::new(&["links", "s", "ns a link"], rows.collect()));
     let title = "Time of the interpreter's forward dynamics";
     let (x, y) = (Axis::logarithmic("links of a chain"), Axis::logarithmic("time (s)"));
     let proportional = times.map(|(n, _)| (n, times[1].1 * n / 100.0));
@@ -185,7 +196,7 @@ mod tests {
         let [a, b, c] = [10, 20, 30].map(|n| counts(&robots::chain(n)));
         let (near, far) = (b.by_links - a.by_links, c.by_links - b.by_links);
         assert!(near.abs_diff(far) < near / 50, "linear: {near}, {far}");
-        // What is added by ten links more grows.
+        // The increment for ten more links grows.
         assert!(c.by_chains - b.by_chains > 3 * (b.by_chains - a.by_chains) / 2);
         assert!(c.by_matrix - b.by_matrix > 3 * (b.by_matrix - a.by_matrix) / 2);
         for c in [a, b, c] {

@@ -1,28 +1,28 @@
-//! Monitoring by module (Sect. 2): condition numbers of the modules' pivot blocks along a motion, against
-//! that of the whole mass matrix.
+//! Monitoring by module (Sect. 2): condition numbers of the modules' pivot blocks along a motion, compared with that of
+//! the mass matrix.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::motion::instants;
 use crate::plot::{Axis, Chart, Line};
-use crate::report::{Failure, Report, fixed};
+use crate::report::{Failure, Report, Table, fixed};
 use crate::{dense, gait, robots};
 
-/// The condition numbers at a posture: of the mass matrix, then of each module's pivot block I_hat.
+/// The condition numbers at a posture: of the mass matrix, and of each module's pivot block I_hat.
 #[derive(Clone, Debug)]
 pub struct Conditions {
-    /// Of the whole matrix.
+    /// The condition number of the mass matrix.
     pub mass_matrix: f64,
-    /// Of the blocks.
+    /// The condition numbers of the pivot blocks.
     pub modules: Vec<f64>,
 }
 
-/// Along a motion.
+/// Returns the condition numbers along a motion.
 ///
 /// # Panics
 ///
-/// If a posture or the modules are another robot's.
+/// If a posture or the modules belong to another robot.
 #[must_use]
 pub fn along(model: &Model, modules: &ModuleTree, motion: &[Vec<f64>]) -> Vec<Conditions> {
     let n = model.nv();
@@ -39,14 +39,14 @@ pub fn along(model: &Model, modules: &ModuleTree, motion: &[Vec<f64>]) -> Vec<Co
     motion.iter().map(at).collect()
 }
 
-/// The arm's elbow going through its straight posture, where the hand's Jacobian is singular.
+/// Returns postures of the arm whose elbow moves through its straight posture, where the hand's Jacobian is singular.
 #[must_use]
 pub fn stretching_arm(times: &[f64]) -> Vec<Vec<f64>> {
     let posture = |&t: &f64| vec![0.3, 0.5, -0.4, -1.5 + 3.0 * t, 0.4, 0.6 - 1.2 * t, 0.2];
     times.iter().map(posture).collect()
 }
 
-/// The section of the page.
+/// Writes the section of the page.
 ///
 /// # Errors
 ///
@@ -56,8 +56,8 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     report.text(
         "Condition numbers (2-norm) of the modules' pivot blocks and of the whole mass matrix along a motion: the biped on \
          its step by the paper's modules, and a 7-joint arm (as modules of three and four links) whose elbow goes \
-         through its straight posture at half time, where the hand loses a direction. A mass matrix is positive definite \
-         in a kinematic singularity too; what shows is how badly it is scaled.",
+         through its straight posture at half time, where the hand loses a direction. The mass matrix is \
+         positive definite in a kinematic singularity, too; its condition number shows bad scaling.",
     );
     let times = instants(1.0, 101);
     let step: Vec<Vec<f64>> = times.iter().map(|&t| gait::desired(t).q.to_vec()).collect();
@@ -94,7 +94,8 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
         };
         let mut row = vec![name.to_owned(), range(&|c| c.mass_matrix)];
         row.extend((0..count).map(|m| range(&|c| c.modules[m])));
-        report.table(&["motion", "whole mass matrix", "module 1", "module 2"], vec![row]);
+        report
+            .table(Table::new(&["motion", "whole mass matrix", "module 1", "module 2"], vec![row]));
     }
     Ok(())
 }
@@ -112,7 +113,7 @@ mod tests {
         let biped = robots::biped();
         let motion: Vec<Vec<f64>> =
             instants(1.0, 21).iter().map(|&t| gait::desired(t).q.to_vec()).collect();
-        // Schur complements of a positive definite matrix, and blocks of it, are no worse.
+        // Schur complements and diagonal blocks of a positive definite matrix have at most its condition number.
         for conditions in along(&biped, &robots::biped_modules(&biped), &motion) {
             assert_eq!(conditions.modules.len(), 2);
             assert!(

@@ -1,6 +1,6 @@
 //! The paper's numerical solvers of I qdd = phi, on any scalar: GE-N and RGE-N of Sect. 6.
 //!
-//! Both eliminate without pivoting and substitute one term at a time.
+//! Both eliminate without pivoting, and substitute one term after the other.
 
 use modyn_runtime::Scalar;
 
@@ -31,7 +31,7 @@ pub fn gaussian<S: Scalar>(matrix: &[S], phi: &[S]) -> Vec<S> {
 #[must_use]
 pub fn reverse_gaussian<S: Scalar>(matrix: &[S], phi: &[S]) -> Vec<S> {
     let turned = |x: &[S]| x.iter().rev().copied().collect::<Vec<_>>();
-    // Rows and columns backwards are the same elimination with all indices reversed.
+    // The same elimination with all indices reversed.
     turned(&gaussian(&turned(matrix), &turned(phi)))
 }
 

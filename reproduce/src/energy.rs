@@ -1,28 +1,28 @@
-//! Fig. 10: the change of total energy per unit mass of gripper and biped falling freely, by solver.
+//! Fig. 10: the change of total energy per unit mass of the gripper and the biped in free fall, by solver.
 //!
-//! In double precision all three solvers lose the same: what the integrator loses. So that the solvers
-//! can be told apart, accelerations are computed in single precision too, and integrated in double.
+//! In double precision the error of the integrator hides the differences between the three solvers. So accelerations
+//! are also computed in single precision, and integrated in double precision.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::motion::{State, instants, integrate};
 use crate::plot::{Axis, Chart, Line};
-use crate::report::{Failure, Report, power};
+use crate::report::{Failure, Report, Table, power};
 use crate::scalar::Number;
 use crate::stability::{doubles, scalars};
 use crate::{dense, gait, gripper, robots};
 
-/// GE, RGE and BRGE by the paper's modules.
+/// The solvers: GE, RGE, and BRGE by the paper's modules.
 pub const SOLVERS: [&str; 3] = ["GE-N", "RGE-N", "BRGE-A"];
 
-/// A robot let go.
+/// A robot in free fall.
 #[derive(Clone, Debug)]
 pub struct Fall {
     model: Model,
     modules: ModuleTree,
     start: State,
-    /// Of what moves, kg.
+    /// The moving mass, kg.
     mass: f64,
 }
 
@@ -32,7 +32,7 @@ impl Fall {
         Self { model, modules, start, mass }
     }
 
-    /// The gripper of Table 3, from rest.
+    /// Returns the gripper of Table 3, at rest.
     #[must_use]
     pub fn gripper() -> Self {
         let model = robots::gripper();
@@ -40,7 +40,7 @@ impl Fall {
         Self::new(model, modules, State { q: gripper::POSTURE.to_vec(), qd: vec![0.0; 4] })
     }
 
-    /// The biped at the start of its step, from rest, its foot on the ground.
+    /// Returns the biped at the start of its step, at rest, its foot on the ground.
     #[must_use]
     pub fn biped() -> Self {
         let model = robots::biped();
@@ -49,12 +49,12 @@ impl Fall {
         Self::new(model, modules, State { q, qd: vec![0.0; 12] })
     }
 
-    /// The change of total energy per unit mass (J/kg) at `times`, accelerations on scalar `S` by solver
-    /// number `solver`.
+    /// Returns the change of total energy per unit mass (J/kg) at `times`, with accelerations by solver number `solver`
+    /// on scalar `S`.
     ///
     /// # Panics
     ///
-    /// Never: the lengths are the model's.
+    /// Never: the lengths are those of the model.
     #[must_use]
     pub fn drift<S: Number>(&self, solver: usize, times: &[f64], tolerance: f64) -> Vec<f64> {
         let n = self.model.nv();
@@ -88,7 +88,7 @@ impl Fall {
     }
 }
 
-/// The section of the page.
+/// Writes the section of the page.
 ///
 /// # Errors
 ///
@@ -128,7 +128,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
         }
     }
     report.text("The largest change over the time of the plot (J/kg):");
-    report.table(&[&["robot"][..], &SOLVERS].concat(), rows);
+    report.table(Table::new(&[&["robot"][..], &SOLVERS].concat(), rows));
     Ok(())
 }
 

@@ -1,41 +1,41 @@
 //! The biped's desired motion: (61)-(64), and the inverse kinematics of its legs.
 //!
-//! (63) as printed lacks a minus on both lines; with it the repeatability conditions (62) hold, and
-//! x_h, y_h there are x_0, y_0 of (61).
+//! (63) as printed lacks a minus sign on both lines. With the minus sign the repeatability conditions (62) hold; x_h,
+//! y_h there are x_0, y_0 of (61).
 
 use modyn_runtime::Scalar;
 use modyn_runtime::num_dual::Dual2_64;
 
-/// Duration of a step T, s.
+/// Duration T of a step, s.
 pub const DURATION: f64 = 1.0;
-/// Height of the trunk's centre z_0, m.
+/// Height z_0 of the trunk's centre, m.
 pub const HEIGHT: f64 = 0.80;
 /// x_0(0), y_0(0), m.
 pub const START: [f64; 2] = [-0.15, 0.10];
-/// Stride l_s, m.
+/// Stride length l_s, m.
 pub const STRIDE: f64 = 0.60;
-/// Greatest height of the swing foot h_f, m.
+/// Largest height h_f of the swing foot, m.
 pub const LIFT: f64 = 0.15;
 const GRAVITY: f64 = 9.81;
 
-/// Thigh and shank, m.
+/// Length of the thigh and of the shank, m.
 const LIMB: f64 = 0.5;
-/// From the trunk's centre down to the hips, m.
+/// Distance from the trunk's centre down to the hips, m.
 const HIPS: f64 = 0.25;
-/// From the trunk's plane to either hip, m.
+/// Distance from the trunk's plane to each hip, m.
 const HALF_WIDTH: f64 = 0.05;
 
-/// A number and its first two derivatives by time.
+/// A number and its first two time derivatives.
 pub type Moving = Dual2_64;
 
-/// Where the robot is to be, and how it is to move there.
+/// The desired motion at one time.
 #[derive(Clone, Debug)]
 pub struct Posture {
-    /// Coordinates, in the order of the model.
+    /// The coordinates, in the order of the model.
     pub q: [f64; 14],
-    /// Velocities.
+    /// The velocities.
     pub qd: [f64; 12],
-    /// Accelerations.
+    /// The accelerations.
     pub qdd: [f64; 12],
 }
 
@@ -45,7 +45,7 @@ pub fn frequency() -> f64 {
     (GRAVITY / HEIGHT).sqrt()
 }
 
-/// The trunk's velocity at the start, (63) with its minus.
+/// Returns the trunk's velocity at the start, (63) with the minus sign.
 #[must_use]
 pub fn start_velocity() -> [f64; 2] {
     let w = frequency();
@@ -53,7 +53,7 @@ pub fn start_velocity() -> [f64; 2] {
     [-(1.0 + e) / (1.0 - e) * w * START[0], -(1.0 - e) / (1.0 + e) * w * START[1]]
 }
 
-/// The trunk's centre, (61).
+/// Returns the position of the trunk's centre, (61).
 #[must_use]
 pub fn trunk(t: f64) -> [Moving; 3] {
     let w = frequency();
@@ -66,8 +66,8 @@ pub fn trunk(t: f64) -> [Moving; 3] {
     [along(START[0], vx), along(START[1], vy), Moving::from_f64(HEIGHT)]
 }
 
-/// The ankle of the swing foot, (64); the paper leaves its y open, here the feet stand as far from
-/// the trunk at the start and at the end of the step.
+/// Returns the position of the swing foot's ankle, (64). The paper leaves its y open; here the feet have the same
+/// distance from the trunk at the start and at the end of the step.
 #[must_use]
 pub fn swing_ankle(t: f64) -> [Moving; 3] {
     let k = std::f64::consts::PI / DURATION;
@@ -79,29 +79,29 @@ pub fn swing_ankle(t: f64) -> [Moving; 3] {
     [wave(STRIDE / 2.0, k), Moving::from_f64(2.0 * START[1]), z]
 }
 
-/// A leg between two points, its ankle and its hip.
+/// The joint angles of a leg between two points, its ankle and its hip.
 #[derive(Clone, Copy, Debug)]
 pub struct Leg<S> {
-    /// The turn of shank and thigh about x.
+    /// The rotation of shank and thigh about x.
     pub roll: S,
-    /// Then of the shank about y.
+    /// The following rotation of the shank about y.
     pub shank: S,
-    /// Of the thigh against the shank about y; the knee points forwards.
+    /// The rotation of the thigh relative to the shank about y; the knee points forwards.
     pub knee: S,
 }
 
-/// The leg whose hip stands at `d` from its ankle.
+/// Returns the angles of the leg whose hip is at `d` from its ankle.
 #[must_use]
 pub fn leg<S: Scalar>([x, y, z]: [S; 3]) -> Leg<S> {
     let upright = (y * y + z * z).sqrt();
     let roll = (-y).atan2(z);
-    // Both limbs are as long: half the knee's angle has the cosine distance / (2 limb).
+    // Both limbs have the same length: the cosine of half the knee's angle is distance / (2 limb).
     let cos = (x * x + upright * upright).sqrt() * S::from_f64(0.5 / LIMB);
     let half = (S::one() - cos * cos).sqrt().atan2(cos);
     Leg { roll, shank: x.atan2(upright) + half, knee: -(half + half) }
 }
 
-/// The desired posture at time `t`.
+/// Returns the desired posture at time `t`.
 #[must_use]
 pub fn desired(t: f64) -> Posture {
     let [x, y, z] = trunk(t);
@@ -126,7 +126,7 @@ pub fn desired(t: f64) -> Posture {
         posture.q[q] = angle.re;
         (posture.qd[v], posture.qdd[v]) = (angle.v1, angle.v2);
     }
-    // The trunk stays upright: against the thigh it turns backwards, R_y(-thigh) R_x(-roll).
+    // The trunk stays upright: relative to the thigh it rotates backwards, R_y(-thigh) R_x(-roll).
     let (roll, thigh) = (stance.roll, stance_thigh);
     let ((sx, cx), (sy, cy)) = ((-0.5 * roll.re).sin_cos(), (-0.5 * thigh.re).sin_cos());
     posture.q[3..7].copy_from_slice(&[cy * sx, sy * cx, -sy * sx, cy * cx]);
@@ -137,7 +137,7 @@ pub fn desired(t: f64) -> Posture {
         [roll.v2, thigh.v2 * cos - turning * sin, thigh.v2 * sin + turning * cos].map(|x| -x);
     posture.qd[3..6].copy_from_slice(&rate);
     posture.qdd[3..6].copy_from_slice(&change);
-    // The swing thigh against the trunk, R_x(roll) R_y(thigh), velocities in its own axes.
+    // The swing thigh relative to the trunk, R_x(roll) R_y(thigh), velocities in its own axes.
     let (roll, thigh) = (swing.roll, swing_thigh);
     let ((sx, cx), (sy, cy)) = ((0.5 * roll.re).sin_cos(), (0.5 * thigh.re).sin_cos());
     posture.q[7..11].copy_from_slice(&[sx * cy, cx * sy, sx * sy, cx * cy]);
@@ -149,9 +149,8 @@ pub fn desired(t: f64) -> Posture {
     posture
 }
 
-/// The joint angles as Fig. 9 has them, 12 of them: the hips' in Euler angles, y-x-z for the stance
-/// hip and x-y-z for the swing hip (each turn about the axes left by those before), which are far
-/// from singular where the biped walks.
+/// Returns the 12 joint angles of Fig. 9. The hips' are Euler angles, y-x-z for the stance hip and x-y-z for the swing
+/// hip (each about an axis rotated by the preceding ones); the step is far from their singularities.
 #[must_use]
 pub fn angles(q: &[f64; 14]) -> [f64; 12] {
     let r = rotation([q[3], q[4], q[5], q[6]]);
@@ -163,7 +162,7 @@ pub fn angles(q: &[f64; 14]) -> [f64; 12] {
     [q[0], q[1], q[2], a, b, c, d, e, f, q[11], q[12], q[13]]
 }
 
-/// What the angles are called.
+/// The names of the angles.
 pub const ANGLES: [&str; 12] = [
     "stance ankle, x",
     "stance ankle, y",
@@ -218,7 +217,7 @@ mod tests {
             interpreter.link_poses(&desired(t).q, &mut poses).expect("lengths");
             let pose = |name: &str| poses[model.frame_index(name).expect("a link")];
             let (trunk_pose, foot) = (pose("trunk"), pose("swing_foot"));
-            // The trunk's frame stands at the stance hip.
+            // The trunk's frame is at the stance hip.
             let [x, y, z] = trunk(t).map(|x| x.re);
             let hip = [x, y - 0.05, z - 0.25];
             let close =

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use modyn_runtime::Interpreter;
 
-use crate::report::{Report, fixed};
+use crate::report::{Report, Table, fixed};
 use crate::{dense, robots};
 
 /// theta_11, theta_12, theta_22, theta_13 of (A.19).
@@ -13,32 +13,32 @@ pub const POSTURE: [f64; 4] = [0.0, 0.0, 0.0, FRAC_PI_2];
 /// The accelerations of Table 3 as printed.
 pub const PRINTED: [f64; 4] = [-145.6931, 268.0752, -163.1762, 145.6931];
 
-/// What the paper computes of the gripper in that posture, matrices by columns.
+/// The paper's results for the gripper in that posture, matrices by columns.
 #[derive(Clone, Debug)]
 pub struct Gripper {
-    /// (A.19).
+    /// M, (A.19).
     pub mass_matrix: Vec<f64>,
     /// phi(0) of Table 3.
     pub phi: Vec<f64>,
     /// The accelerations of Table 3.
     pub qdd: Vec<f64>,
-    /// (A.20).
+    /// U, (A.20).
     pub u: Vec<f64>,
-    /// (A.20).
+    /// D, (A.20).
     pub d: Vec<f64>,
-    /// (A.21).
+    /// U^-1, (A.21).
     pub u_inverse: Vec<f64>,
-    /// (A.21).
+    /// D^-1, (A.21).
     pub d_inverse: Vec<f64>,
-    /// (A.22).
+    /// M^-1, (A.22).
     pub inverse: Vec<f64>,
 }
 
-/// Computes it.
+/// Computes the results.
 ///
 /// # Panics
 ///
-/// Never: the lengths are the gripper's.
+/// Never: the lengths are those of the gripper.
 #[must_use]
 pub fn gripper() -> Gripper {
     let mut interpreter = Interpreter::<f64>::new(robots::gripper());
@@ -54,7 +54,7 @@ pub fn gripper() -> Gripper {
     Gripper { mass_matrix, phi, qdd, u, d, u_inverse, d_inverse, inverse }
 }
 
-/// The section of the page.
+/// Writes the section of the page.
 pub fn report(report: &mut Report) {
     let found = gripper();
     report.heading("The gripper: Tables 2 and 3, (A.19)-(A.22)");
@@ -66,10 +66,10 @@ pub fn report(report: &mut Report) {
     });
     report
         .text("Table 2, as robots/gripper.urdf has it (the paper prints 3.3333e-4 and 0.4167e-4):");
-    report.table(
+    report.table(Table::new(
         &["link", "length (m)", "mass (kg)", "Izz about its centre (kg m^2)"],
         rows.collect(),
-    );
+    ));
     let matrix = |columns: &[f64], unit: f64, decimals: usize| -> Vec<String> {
         let row = |i: usize| {
             (0..4)
@@ -124,7 +124,7 @@ pub fn report(report: &mut Report) {
             .map(move |(i, (ours, paper))| vec![named(i), ours, paper.into()])
     });
     report.text("Numbers in brackets belong to nothing: the paper's columns are smeared there. (A.20) is cut, not rounded.");
-    report.table(&["matrix", "ours", "paper"], rows.collect());
+    report.table(Table::new(&["matrix", "ours", "paper"], rows.collect()));
     let rows = (0..4).map(|i| {
         let phi = ["-0.8829", "-0.1962", "-0.0491", "(lost)"][i];
         vec![
@@ -136,10 +136,10 @@ pub fn report(report: &mut Report) {
         ]
     });
     report.text("Table 3:");
-    report.table(
+    report.table(Table::new(
         &["i", "phi(0), ours (N m)", "paper", "qdd(0), ours (rad/s^2)", "paper"],
         rows.collect(),
-    );
+    ));
     let condition = dense::condition_number(&found.mass_matrix);
     report.text(format!("Condition number of I(0): {condition:.3} (paper: 482)."));
 }

@@ -1,8 +1,7 @@
-//! The paper behind modyn, run again: its tables and plots, and what lies beyond them.
+//! The paper's tables and plots, reproduced, and studies beyond them.
 //!
-//! `cargo run --release -p modyn-reproduce -- OUTDIR` writes all of it into a folder with an index
-//! page, the paper's figures beside ours. One file a topic; `docs/paper.md` says which equation is
-//! where.
+//! `cargo run --release -p modyn-reproduce -- OUTDIR` writes all of them into a folder with an index page, the paper's
+//! numbers beside modyn's. Each topic has one file; `docs/paper.md` lists the equations with their places.
 
 pub mod biped;
 pub mod complexity;
@@ -23,9 +22,23 @@ pub mod table6;
 
 use std::path::{Path, PathBuf};
 
-use report::{Failure, Report};
+use report::{Failure, Report, Table};
 
-/// Makes everything, into `folder`; the page's file.
+/// Returns the tables that pages of the documentation show, with the names of their files in `docs/data`.
+#[must_use]
+pub fn tables() -> [(&'static str, Table); 5] {
+    let [gripper, biped] = stability::tables();
+    let [single, fixed] = precision::tables();
+    [
+        ("table5-gripper", gripper),
+        ("table5-biped", biped),
+        ("stability-f32", single),
+        ("stability-fixed", fixed),
+        ("fig6", complexity::table()),
+    ]
+}
+
+/// Writes everything into `folder`, and returns the path of the page.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Motions of a model over time: an adaptive integrator for coordinates that are a manifold.
+//! Motions of a model over time: an adaptive integrator for coordinates on a manifold.
 
 use modyn_runtime::Interpreter;
 
@@ -11,7 +11,7 @@ pub struct State {
     pub qd: Vec<f64>,
 }
 
-/// The stages of Dormand and Prince's fifth-order method (1980): times, weights of the stages before.
+/// The stages of Dormand and Prince's fifth-order method (1980): times, and weights of the preceding stages.
 const TIMES: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
 const WEIGHTS: [[f64; 6]; 7] = [
     [0.0; 6],
@@ -22,7 +22,7 @@ const WEIGHTS: [[f64; 6]; 7] = [
     [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
     [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
-/// The last stage's weights, less those of the embedded fourth-order result.
+/// The last stage's weights minus those of the embedded fourth-order method.
 const ERRORS: [f64; 7] = [
     71.0 / 57600.0,
     0.0,
@@ -33,12 +33,11 @@ const ERRORS: [f64; 7] = [
     -1.0 / 40.0,
 ];
 
-/// The motion from `start` under `accelerations`, at each of `times` (which ascend from 0).
+/// Returns the motion from `start` under `accelerations` at each of `times`, which ascend from 0.
 ///
-/// Dormand and Prince's method with steps such that the estimated error of each stays below `tolerance`
-/// times 1 and the size of what is integrated. It is written here because quaternions are integrated as
-/// four numbers and brought back to unit length after each step, and the crates at hand let no caller
-/// between their steps.
+/// Dormand and Prince's method; the steps keep the estimated error of each below `tolerance` times the larger of 1 and
+/// the integrated values. The integrator is written here because quaternions are integrated as four numbers and
+/// normalized after each step, and the available crates run no code of the caller between steps.
 ///
 /// # Panics
 ///
@@ -95,7 +94,7 @@ fn split(y: &[f64], nq: usize) -> State {
     State { q: y[..nq].to_vec(), qd: y[nq..].to_vec() }
 }
 
-/// So many instants, evenly from 0 to `end`.
+/// Returns this number of times, evenly spaced from 0 to `end`.
 #[must_use]
 pub fn instants(end: f64, count: usize) -> Vec<f64> {
     (0..count).map(|k| end * k as f64 / (count - 1) as f64).collect()

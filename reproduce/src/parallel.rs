@@ -1,8 +1,8 @@
-//! Advantage (4) of the paper: modules in parallel, links inside them one after another.
+//! Advantage (4) of the paper: modules in parallel, and the links inside a module one after the other.
 //!
-//! A prototype on Table 6: branches that leave one first link are eliminated at the same time, then the
-//! first link is solved for, then the branches are accelerated at the same time. Two forks and two joins
-//! a call, which is the least that any hybrid of the recursion needs.
+//! A prototype on Table 6: branches on one common first link are eliminated at the same time, then the first link is
+//! solved for, then the branches are accelerated at the same time. This takes two forks and two joins a call, the
+//! minimum for any hybrid of the recursion.
 
 use std::time::Instant;
 
@@ -10,22 +10,22 @@ use modyn_runtime::spatial::Twist;
 use rayon::prelude::*;
 
 use crate::plot::{Axis, Chart, Line};
-use crate::report::{Failure, Report, fixed};
+use crate::report::{Failure, Report, Table, fixed};
 use crate::robots;
 use crate::table6::{Left, Part, Table6};
 
-/// How branches are worked on.
+/// The way in which branches are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// One after the other.
     Serial,
     /// By rayon's pool of threads.
     Pool,
-    /// By two threads made for each phase.
+    /// By two new threads for each phase.
     Threads,
 }
 
-/// A first link with equal branches, ready to be solved.
+/// A first link with equal branches, and the memory for the solution.
 pub struct Hand {
     solver: Table6<f64>,
     root: Part<f64>,
@@ -39,7 +39,7 @@ pub struct Hand {
 }
 
 impl Hand {
-    /// That many branches of that many links.
+    /// Returns a robot with this number of branches and of links in each branch.
     #[must_use]
     pub fn new(branches: usize, length: usize) -> Self {
         let model = robots::palm(branches, length);
@@ -54,7 +54,7 @@ impl Hand {
         Self { solver, root, branches, left, length, q, phi, qdd }
     }
 
-    /// qdd = I^-1 phi.
+    /// Solves qdd = I^-1 phi.
     pub fn solve(&mut self, mode: Mode) {
         let Self { solver, root, branches, left, length, q, phi, qdd } = self;
         let eliminate = |(part, left): (&mut Part<f64>, &mut Option<Left<f64>>)| {
@@ -106,7 +106,7 @@ impl Hand {
         }
     }
 
-    /// The least time of several calls, s.
+    /// Returns the minimal time of several calls, s.
     pub fn seconds(&mut self, mode: Mode) -> f64 {
         let calls = (400_000 / self.q.len()).clamp(20, 3000);
         let mut call = || {
@@ -118,7 +118,7 @@ impl Hand {
     }
 }
 
-/// Speed-ups of pool and threads, by sizes.
+/// Returns the speed-ups of the pool and of threads, by sizes.
 fn speed_ups(sizes: &[(usize, usize)]) -> Vec<(usize, [f64; 3])> {
     let measured = |&(branches, length): &(usize, usize)| {
         let mut hand = Hand::new(branches, length);
@@ -128,7 +128,7 @@ fn speed_ups(sizes: &[(usize, usize)]) -> Vec<(usize, [f64; 3])> {
     sizes.iter().map(measured).collect()
 }
 
-/// The section of the page.
+/// Writes the section of the page.
 ///
 /// # Errors
 ///
@@ -152,7 +152,10 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
             let times = [serial * 1e6, serial / pool, serial / threads];
             [n.to_string()].into_iter().chain(times.map(|x| fixed(x, 2))).collect()
         });
-        report.table(&[name, "one after the other (us)", "pool", "threads"], rows.collect());
+        report.table(Table::new(
+            &[name, "one after the other (us)", "pool", "threads"],
+            rows.collect(),
+        ));
         for (mode, k) in [("pool", 1), ("threads", 2)] {
             let points = measured.iter().map(|(n, times)| (*n as f64, times[0] / times[k]));
             lines.push(Line::new(format!("{name}: {mode}"), points));

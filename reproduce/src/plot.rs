@@ -1,4 +1,4 @@
-//! Line charts as SVG, to be read without colour: every line has its dashes and markers.
+//! Line charts as SVG that can be read without colour: every line has its own dashes and markers.
 
 use std::path::Path;
 
@@ -7,20 +7,20 @@ use plotters::prelude::*;
 /// A scale with its label and unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis<'a> {
-    /// What stands at it, with the unit.
+    /// The label, with the unit.
     pub label: &'a str,
     /// Whether it is logarithmic; numbers that are not positive are then left out.
     pub logarithmic: bool,
 }
 
 impl<'a> Axis<'a> {
-    /// An even scale.
+    /// Returns a linear scale.
     #[must_use]
     pub fn linear(label: &'a str) -> Self {
         Self { label, logarithmic: false }
     }
 
-    /// A logarithmic one.
+    /// Returns a logarithmic scale.
     #[must_use]
     pub fn logarithmic(label: &'a str) -> Self {
         Self { label, logarithmic: true }
@@ -31,7 +31,7 @@ impl<'a> Axis<'a> {
     }
 
     fn text(self, at: f64) -> String {
-        // Ticks are sums of steps: what is left of a zero is none.
+        // Ticks are sums of steps: a rounding error in place of zero becomes zero.
         let value = if self.logarithmic {
             10f64.powf(at)
         } else if at.abs() < 1e-12 {
@@ -52,14 +52,14 @@ impl<'a> Axis<'a> {
 /// A line of a chart.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// What it shows.
+    /// The label in the legend.
     pub name: String,
     /// Its points.
     pub points: Vec<(f64, f64)>,
 }
 
 impl Line {
-    /// A line.
+    /// Returns a line.
     pub fn new(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         Self { name: name.into(), points: points.into_iter().collect() }
     }
@@ -80,10 +80,10 @@ pub struct Chart<'a> {
 
 const SIZE: (u32, u32) = (960, 500);
 
-/// Where the legend begins.
+/// The left end of the legend.
 const LEGEND: i32 = 700;
 
-/// Dark enough for white paper.
+/// Colours that are dark enough for white paper.
 const COLOURS: [RGBColor; 6] = [
     RGBColor(0, 0, 0),
     RGBColor(200, 30, 30),
@@ -93,7 +93,7 @@ const COLOURS: [RGBColor; 6] = [
     RGBColor(120, 40, 160),
 ];
 
-/// Markers on a line at most.
+/// The largest number of markers on a line.
 const MARKERS: usize = 14;
 
 /// Dash and gap in pixels, and the two pieces of the line in the legend.
@@ -118,7 +118,7 @@ impl Chart<'_> {
     ///
     /// # Errors
     ///
-    /// If it cannot be written.
+    /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Box<dyn std::error::Error>> {
         let lines: Vec<Vec<(f64, f64)>> = self.lines.iter().map(|line| self.placed(line)).collect();
         let range = |part: fn(&(f64, f64)) -> f64| {
@@ -151,7 +151,7 @@ impl Chart<'_> {
             let style = COLOURS[i % COLOURS.len()].stroke_width(2);
             let (dash, gap, pieces) = DASHES[i % DASHES.len()];
             let every = points.len().div_ceil(MARKERS).max(1);
-            // Lines that lie on each other have their markers at different places.
+            // Lines that coincide have their markers at different places.
             let first = (i * every / 5) % every;
             let marked: Vec<_> = points.iter().copied().skip(first).step_by(every).collect();
             if gap == 0 {

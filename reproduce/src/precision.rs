@@ -1,14 +1,14 @@
 //! Beyond Tables 4 and 5: rounding in single precision and in Q16.16, by partition.
 //!
-//! Reference is the same computation without rounding on the same rounded figures ([`Exact`]), so
-//! errors are those of the way of solving alone.
+//! The reference is the same computation without rounding, on the same rounded parameters ([`Exact`]), so the errors
+//! are those of the solver alone.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::dense::{gaussian, norm, reverse_gaussian};
 use crate::plot::{Axis, Chart, Line};
-use crate::report::{Failure, Report, power};
+use crate::report::{Failure, Report, Table, power};
 use crate::scalar::{Exact, Fixed, Number};
 use crate::stability::scalars;
 use crate::{gait, robots};
@@ -18,15 +18,15 @@ pub type States = Vec<(Vec<f64>, Vec<f64>)>;
 
 /// A robot of the study.
 pub struct Subject {
-    /// What it is called.
+    /// The name.
     pub name: String,
     /// The robot.
     pub model: Model,
-    /// Where it is looked at.
+    /// The states at which accelerations are computed.
     pub states: States,
 }
 
-/// Postures at a turn of up to 1.5 rad a joint, moving at up to 1 rad/s.
+/// Returns random postures, up to 1.5 rad a joint, with velocities up to 1 rad/s.
 fn anywhere(model: &Model, count: usize) -> States {
     let mut numbers = robots::spread(model.nv());
     let mut vector = |n: usize, size: f64| -> Vec<f64> {
@@ -35,7 +35,7 @@ fn anywhere(model: &Model, count: usize) -> States {
     (0..count).map(|_| (vector(model.nq(), 1.5), vector(model.nv(), 1.0))).collect()
 }
 
-/// The gripper, the biped on its step, the 7-joint arm.
+/// Returns the gripper, the biped on its step, and the 7-joint arm.
 #[must_use]
 pub fn subjects() -> Vec<Subject> {
     let [gripper, arm7] = [robots::gripper(), robots::arm7()];
@@ -48,29 +48,29 @@ pub fn subjects() -> Vec<Subject> {
     ]
 }
 
-/// A chain of that many links.
+/// Returns a chain with this number of links.
 #[must_use]
 pub fn chain(links: usize) -> Subject {
     let model = robots::chain(links);
     Subject { name: format!("chain of {links}"), states: anywhere(&model, 24), model }
 }
 
-/// How accelerations are solved for.
+/// A solver for the accelerations.
 #[derive(Clone, Debug)]
 pub enum Solver {
-    /// mass matrix and bias forces, then Gaussian elimination.
+    /// Mass matrix and bias forces, then Gaussian elimination.
     Gaussian,
-    /// The same from the last column on.
+    /// Mass matrix and bias forces, then Gaussian elimination from the last column on.
     ReverseGaussian,
     /// The recursion by these modules.
     Modules(ModuleTree),
 }
 
-/// The relative errors ||qdd - exact|| / ||exact|| on scalar `S`, state by state, falling freely.
+/// Returns the relative errors ||qdd - exact|| / ||exact|| on scalar `S` in free fall, state by state.
 ///
 /// # Panics
 ///
-/// If modules are those of another robot.
+/// If the modules belong to another robot.
 #[must_use]
 pub fn errors<S: Number>(subject: &Subject, way: &Solver) -> Vec<f64> {
     let Subject { model, states, .. } = subject;
@@ -110,21 +110,21 @@ pub fn errors<S: Number>(subject: &Subject, way: &Solver) -> Vec<f64> {
     states.iter().map(accelerations).collect()
 }
 
-/// The middle one of the errors.
+/// Returns the median of the errors.
 #[must_use]
 pub fn median(mut errors: Vec<f64>) -> f64 {
     errors.sort_by(f64::total_cmp);
     errors.get(errors.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The robot in a unit of mass in which the largest entry of its mass matrix is about 64, for Q16.16: in
+/// Returns the robot in a unit of mass in which the largest entry of its mass matrix is about 64, for Q16.16. In
 /// kilograms the gripper's inertias would be a few units of the last place.
 #[must_use]
 pub fn for_fixed_point(subject: Subject) -> Subject {
     with_largest(subject, 64.0)
 }
 
-/// The robot in a unit of mass, a power of two in kilograms, in which the largest entry of its mass matrix is
+/// Returns the robot in a unit of mass, a power of two in kilograms, in which the largest entry of its mass matrix is
 /// about `size`.
 #[must_use]
 pub fn with_largest(subject: Subject, size: f64) -> Subject {
@@ -140,7 +140,7 @@ pub fn with_largest(subject: Subject, size: f64) -> Subject {
     Subject { model: robots::in_mass_unit(&subject.model, unit), ..subject }
 }
 
-/// The ways of the tables.
+/// Returns the solvers of the tables.
 fn ways(model: &Model) -> Vec<(String, Solver)> {
     let by = |name: &str, modules| (name.to_owned(), Solver::Modules(modules));
     let mut ways = vec![
@@ -150,13 +150,15 @@ fn ways(model: &Model) -> Vec<(String, Solver)> {
         by("BRGE by pairs", robots::pieces(model, 2)),
         by("BRGE by whole chains", ModuleTree::chains(model)),
     ];
-    if model.name() == "biped" {
-        ways.push(by("BRGE by the paper's modules", robots::biped_modules(model)));
+    match model.name() {
+        "biped" => ways.push(by("BRGE by the paper's modules", robots::biped_modules(model))),
+        "gripper" => ways.push(by("BRGE by the paper's modules", ModuleTree::chains(model))),
+        _ => {}
     }
     ways
 }
 
-/// Median errors against the length of a chain, a line for each way of solving.
+/// Returns the median errors by the length of a chain, a line for each solver.
 #[must_use]
 pub fn against_length<S: Number>(lengths: &[usize], adjust: fn(Subject) -> Subject) -> Vec<Line> {
     let subjects: Vec<Subject> = lengths.iter().map(|&n| adjust(chain(n))).collect();
@@ -171,7 +173,7 @@ pub fn against_length<S: Number>(lengths: &[usize], adjust: fn(Subject) -> Subje
         .collect()
 }
 
-/// Median errors against the length of the pieces that chains are cut into.
+/// Returns the median errors by the length of the modules of a chain.
 #[must_use]
 pub fn against_pieces<S: Number>(subject: &Subject) -> Line {
     let longest = subject.model.links().len();
@@ -182,8 +184,8 @@ pub fn against_pieces<S: Number>(subject: &Subject) -> Line {
     Line::new(subject.name.clone(), points)
 }
 
-/// Every way to cut a robot that is one chain into modules, by their lengths, with the median error on
-/// scalar `S`; the best first.
+/// Returns all partitions of a serial chain into modules, by their lengths, with the median error on scalar `S`; the
+/// most accurate first.
 ///
 /// # Panics
 ///
@@ -193,7 +195,7 @@ pub fn by_cuts<S: Number>(subject: &Subject) -> Vec<(Vec<usize>, f64)> {
     let links: Vec<&str> = subject.model.links().iter().map(|link| link.name.as_str()).collect();
     let mut cuts: Vec<(Vec<usize>, f64)> = (0..1_usize << (links.len() - 1))
         .map(|cut| {
-            // Bit k: whether a module ends behind link k.
+            // Bit k: whether a module ends after link k.
             let mut modules = vec![vec![links[0]]];
             for (k, link) in links.iter().enumerate().skip(1) {
                 if cut >> (k - 1) & 1 == 1 {
@@ -210,7 +212,7 @@ pub fn by_cuts<S: Number>(subject: &Subject) -> Vec<(Vec<usize>, f64)> {
     cuts
 }
 
-/// Median errors in Q16.16 against the unit of mass, said by the largest entry of the mass matrix.
+/// Returns the median errors in Q16.16 by the unit of mass, which is given by the largest entry of the mass matrix.
 #[must_use]
 pub fn against_unit(subject: fn() -> Subject) -> Vec<Line> {
     let names = ways(&subject().model);
@@ -223,7 +225,33 @@ pub fn against_unit(subject: fn() -> Subject) -> Vec<Line> {
     (0..names.len()).map(line).collect()
 }
 
-/// The section of the page.
+/// Returns the median errors of the solvers, a column for each robot.
+fn medians<S: Number>(adjust: fn(Subject) -> Subject) -> Table {
+    let subjects: Vec<Subject> = subjects().into_iter().map(adjust).collect();
+    let mut head = vec!["solver".to_owned()];
+    head.extend(subjects.iter().map(|subject| subject.name.clone()));
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for (k, subject) in subjects.iter().enumerate() {
+        for (name, way) in ways(&subject.model) {
+            if !rows.iter().any(|row| row[0] == name) {
+                let mut row = vec![String::new(); head.len()];
+                row[0].clone_from(&name);
+                rows.push(row);
+            }
+            let row = rows.iter_mut().find(|row| row[0] == name).expect("its row");
+            row[1 + k] = power(median(errors::<S>(subject, &way)));
+        }
+    }
+    Table::new(&head, rows)
+}
+
+/// Returns the median errors in single precision and in Q16.16.
+#[must_use]
+pub fn tables() -> [Table; 2] {
+    [medians::<f32>(|subject| subject), medians::<Fixed>(for_fixed_point)]
+}
+
+/// Writes the section of the page.
 ///
 /// # Errors
 ///
@@ -234,16 +262,13 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
         "Median of ||qdd - exact|| / ||exact|| over postures, falling freely; exact is the same computation in \
          double-double on the same rounded figures.",
     );
-    let mut rows = Vec::new();
-    for (plain, scaled) in subjects().into_iter().zip(subjects()) {
-        let scaled = for_fixed_point(scaled);
-        for ((name, way), (_, fixed_way)) in ways(&plain.model).iter().zip(ways(&scaled.model)) {
-            let single = median(errors::<f32>(&plain, way));
-            let fixed = median(errors::<Fixed>(&scaled, &fixed_way));
-            rows.push(vec![plain.name.clone(), name.clone(), power(single), power(fixed)]);
-        }
-    }
-    report.table(&["robot", "way", "f32", "Q16.16, mass in a fitting unit"], rows);
+    let [single, fixed] = tables();
+    report.text("In single precision:");
+    report.table(single);
+    report.text(
+        "In Q16.16, with mass in a unit that makes the mass matrix's largest entry about 64:",
+    );
+    report.table(fixed);
     report.text(
         "Every way to cut the robots that are one chain, in single precision: the best and the worst, by the lengths of \
          their modules from the base on, and how many ways are better than by links.",
@@ -260,7 +285,8 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
         let (best, worst) = (shown(&cuts[0]), shown(&cuts[cuts.len() - 1]));
         vec![subject.name, best, shown(&cuts[better]), worst, format!("{better} of {}", cuts.len())]
     });
-    report.table(&["robot", "best", "by links", "worst", "better than by links"], rows.collect());
+    let head = ["robot", "best", "by links", "worst", "better than by links"];
+    report.table(Table::new(&head, rows.collect()));
     let chart = |title, x, lines| Chart {
         title,
         x,

@@ -1,4 +1,4 @@
-//! The folder of results: plots as SVG, and a page that holds them together, in HTML and Markdown.
+//! The folder of results: plots as SVG, and a page in HTML and Markdown that shows them.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -6,14 +6,43 @@ use std::{fs, io};
 
 use crate::plot::Chart;
 
-/// What can go wrong with it.
+/// The error of writing the report.
 pub type Failure = Box<dyn std::error::Error>;
 
-/// Something on the page.
+/// A table.
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// The titles of the columns.
+    pub head: Vec<String>,
+    /// The rows, each with a cell for each column.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Returns a table with these titles and rows.
+    #[must_use]
+    pub fn new<H: ToString>(head: &[H], rows: Vec<Vec<String>>) -> Self {
+        Self { head: head.iter().map(H::to_string).collect(), rows }
+    }
+
+    /// Returns the text of a file of `docs/data`: the command, the titles and the rows, with tabs between cells.
+    #[must_use]
+    pub fn data(&self) -> String {
+        let mut text = String::from(
+            "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-reproduce --test data\n",
+        );
+        for row in std::iter::once(&self.head).chain(&self.rows) {
+            _ = writeln!(text, "{}", row.join("\t"));
+        }
+        text
+    }
+}
+
+/// An element of the page.
 enum Item {
     Heading(String),
     Text(String),
-    Table { head: Vec<String>, rows: Vec<Vec<String>> },
+    Table(Table),
     Plot { file: String, title: String },
     Link { file: String, title: String },
 }
@@ -25,58 +54,58 @@ pub struct Report {
 }
 
 impl Report {
-    /// An empty page in that folder, which is made if it is not there.
+    /// Returns an empty page in that folder, which is made if it does not exist.
     ///
     /// # Errors
     ///
-    /// If it cannot be made.
+    /// If the folder cannot be made.
     pub fn new(folder: &Path) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
         Ok(Self { folder: folder.into(), items: Vec::new() })
     }
 
-    /// A heading.
+    /// Adds a heading.
     pub fn heading(&mut self, text: &str) {
         self.items.push(Item::Heading(text.into()));
     }
 
-    /// A paragraph.
+    /// Adds a paragraph.
     pub fn text(&mut self, text: impl Into<String>) {
         self.items.push(Item::Text(text.into()));
     }
 
-    /// A table.
-    pub fn table<H: ToString>(&mut self, head: &[H], rows: Vec<Vec<String>>) {
-        self.items.push(Item::Table { head: head.iter().map(H::to_string).collect(), rows });
+    /// Adds a table.
+    pub fn table(&mut self, table: Table) {
+        self.items.push(Item::Table(table));
     }
 
-    /// A plot, in a file of that name.
+    /// Adds a plot, and writes it to a file of this name.
     ///
     /// # Errors
     ///
-    /// If it cannot be written.
+    /// If the file cannot be written.
     pub fn plot(&mut self, file: &str, chart: &Chart<'_>) -> Result<(), Failure> {
         chart.write(&self.folder.join(file))?;
         self.items.push(Item::Plot { file: file.into(), title: chart.title.into() });
         Ok(())
     }
 
-    /// Another file, which the page links to.
+    /// Adds another file, and a link to it.
     ///
     /// # Errors
     ///
-    /// If it cannot be written.
+    /// If the file cannot be written.
     pub fn file(&mut self, file: &str, title: &str, content: &str) -> io::Result<()> {
         fs::write(self.folder.join(file), content)?;
         self.items.push(Item::Link { file: file.into(), title: title.into() });
         Ok(())
     }
 
-    /// Writes the page; its HTML file.
+    /// Writes the page, and returns the path of its HTML file.
     ///
     /// # Errors
     ///
-    /// If it cannot be written.
+    /// If a file cannot be written.
     pub fn write(&self) -> io::Result<PathBuf> {
         fs::write(self.folder.join("index.md"), self.markdown())?;
         let page = self.folder.join("index.html");
@@ -92,7 +121,7 @@ impl Report {
             match item {
                 Item::Heading(text) => _ = writeln!(out, "## {text}"),
                 Item::Text(text) => _ = writeln!(out, "{text}"),
-                Item::Table { head, rows } => {
+                Item::Table(Table { head, rows }) => {
                     out += &row(head);
                     out += &row(&vec!["---".to_owned(); head.len()]);
                     rows.iter().for_each(|cells| out += &row(cells));
@@ -121,7 +150,7 @@ impl Report {
             match item {
                 Item::Heading(text) => _ = writeln!(out, "<h2>{}</h2>", escape(text)),
                 Item::Text(text) => _ = writeln!(out, "<p>{}</p>", escape(text)),
-                Item::Table { head, rows } => {
+                Item::Table(Table { head, rows }) => {
                     let rows: String = rows.iter().map(|cells| row(cells, "td")).collect();
                     _ = writeln!(out, "<table>\n{}{rows}</table>", row(head, "th"));
                 }
@@ -137,10 +166,10 @@ impl Report {
     }
 }
 
-/// A number with that many decimals.
+/// Returns a number with this number of decimals.
 #[must_use]
 pub fn fixed(x: f64, decimals: usize) -> String {
-    // No minus before a zero.
+    // Zero has no minus sign.
     let text = format!("{x:.decimals$}");
     if text.trim_start_matches('-').chars().all(|c| matches!(c, '0' | '.')) {
         text.trim_start_matches('-').into()
@@ -149,7 +178,7 @@ pub fn fixed(x: f64, decimals: usize) -> String {
     }
 }
 
-/// A number with three digits and its power of ten.
+/// Returns a number with three digits and its power of ten.
 #[must_use]
 pub fn power(x: f64) -> String {
     format!("{x:.2e}")

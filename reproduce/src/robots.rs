@@ -1,26 +1,26 @@
-//! The robots of the studies: those of `robots/`, and chains and trees of any size.
+//! The robots of the studies: robots of `robots/`, and chains and trees of any size.
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Frame, Inertial, Joint, Link, Model, ModuleTree};
 use modyn_runtime::spatial::Pose;
 
-/// The paper's gripper.
+/// Returns the paper's gripper.
 #[must_use]
 pub fn gripper() -> Model {
     read(include_str!("../../robots/gripper.urdf"), "gripper.urdf")
 }
 
-/// The paper's biped, its supporting foot on the ground.
+/// Returns the paper's biped, its supporting foot on the ground.
 #[must_use]
 pub fn biped() -> Model {
     read(include_str!("../../robots/biped.urdf"), "biped.urdf")
 }
 
-/// The paper's modules of the biped, M1 and M2 of Fig. 7: without them it is one chain.
+/// The paper's modules of the biped, M1 and M2 of Fig. 7; without them it is one chain.
 pub const BIPED_MODULES: [[&str; 3]; 2] =
     [["stance_shank", "stance_thigh", "trunk"], ["swing_thigh", "swing_shank", "swing_foot"]];
 
-/// These modules, for a model of the biped.
+/// Returns these modules, for a model of the biped.
 ///
 /// # Panics
 ///
@@ -30,7 +30,7 @@ pub fn biped_modules(model: &Model) -> ModuleTree {
     ModuleTree::from_names(model, &BIPED_MODULES.map(Vec::from)).expect("links of the biped")
 }
 
-/// A 7-joint arm.
+/// Returns a 7-joint arm.
 #[must_use]
 pub fn arm7() -> Model {
     read(include_str!("../../robots/arm7.urdf"), "arm7.urdf")
@@ -41,13 +41,13 @@ fn read(text: &str, name: &str) -> Model {
     reading.unwrap_or_else(|errors| panic!("{errors}")).model
 }
 
-/// A serial chain of revolute joints.
+/// Returns a serial chain of revolute joints.
 #[must_use]
 pub fn chain(links: usize) -> Model {
     tree(links, |i| i.checked_sub(1))
 }
 
-/// Branches of equal length on one first link.
+/// Returns branches of equal length on one first link.
 #[must_use]
 pub fn palm(branches: usize, length: usize) -> Model {
     tree(1 + branches * length, |i| {
@@ -55,7 +55,7 @@ pub fn palm(branches: usize, length: usize) -> Model {
     })
 }
 
-/// A binary tree, depth first, whose branches are chains of that many links.
+/// Returns a binary tree, depth first, whose branches are chains with this number of links.
 #[must_use]
 pub fn binary(generations: u32, length: usize) -> Model {
     let mut parents = Vec::new();
@@ -79,18 +79,18 @@ fn fork(
     }
 }
 
-/// A tree of revolute joints in general position: no angle, offset or component of an inertia is
-/// special, so that operations are counted as published counts are.
+/// Returns a tree of revolute joints in general position: no angle, offset or component of an inertia is special, so
+/// that operations are counted as in published counts.
 ///
 /// # Panics
 ///
-/// If a link does not stand behind its parent, depth first.
+/// If a link does not come after its parent, depth first.
 #[must_use]
 #[allow(clippy::cast_precision_loss)]
 pub fn tree(links: usize, parent: impl Fn(usize) -> Option<usize>) -> Model {
     let (links, frames): (Vec<_>, Vec<_>) = (0..links)
         .map(|i| {
-            // Figures that differ from link to link, about those of an arm: 0.3 m and 1 kg.
+            // Numbers that differ from link to link, similar to those of an arm: 0.3 m and 1 kg.
             let varied = |size: f64, k: u32| size * (1.0 + 0.3 * (i as f64 + f64::from(k)).sin());
             let (sin, cos) = varied(1.2, 0).sin_cos();
             let rotation = [[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]];
@@ -114,11 +114,11 @@ pub fn tree(links: usize, parent: impl Fn(usize) -> Option<usize>) -> Model {
         .unwrap_or_else(|errors| panic!("{errors:?}"))
 }
 
-/// The same robot in another unit of mass: its accelerations are the same under torques in that unit.
+/// Returns the robot in another unit of mass: its accelerations are the same under torques in that unit.
 ///
 /// # Panics
 ///
-/// Never for a factor that is a number.
+/// Never for a finite factor.
 #[must_use]
 pub fn in_mass_unit(model: &Model, factor: f64) -> Model {
     let scaled = |inertial: &Inertial| Inertial {
@@ -133,7 +133,7 @@ pub fn in_mass_unit(model: &Model, factor: f64) -> Model {
     Model::new(model.name(), model.gravity(), links, frames).expect("only masses differ")
 }
 
-/// Modules of at most `length` links: the maximal chains, cut from their roots on.
+/// Returns modules of at most `length` links: the maximal chains, divided from their roots on.
 ///
 /// # Panics
 ///
@@ -151,7 +151,7 @@ pub fn pieces(model: &Model, length: usize) -> ModuleTree {
     ModuleTree::from_names(model, &list).expect("pieces of chains")
 }
 
-/// Numbers spread evenly over -1..1, the same ones for a seed (Weyl's sequence).
+/// Returns numbers spread evenly over -1..1, the same for each seed (Weyl's sequence).
 #[allow(clippy::cast_precision_loss)]
 pub fn spread(seed: usize) -> impl Iterator<Item = f64> {
     const STEP: f64 = 0.618_033_988_749_894_9;

@@ -1,29 +1,29 @@
-//! Tables 4 and 5: accelerations by three solvers where every result is rounded to d decimals.
+//! Tables 4 and 5: accelerations by three solvers, where every result is rounded to d decimals.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::plot::{Axis, Chart, Line};
-use crate::report::{Failure, Report, fixed};
+use crate::report::{Failure, Report, Table, fixed};
 use crate::scalar::{Decimal, Number};
 use crate::table6::Table6;
 use crate::{dense, gait, gripper, robots};
 
-/// A robot at a posture, with what drives it, in double precision.
+/// A robot in a state, with the generalized forces, in double precision.
 #[derive(Clone, Debug)]
 pub struct Problem {
     model: Model,
     modules: ModuleTree,
     q: Vec<f64>,
-    /// By columns.
+    /// The mass matrix, by columns.
     pub mass_matrix: Vec<f64>,
     phi: Vec<f64>,
-    /// The accelerations that others are held against.
+    /// The reference accelerations.
     pub qdd: Vec<f64>,
 }
 
 impl Problem {
-    /// The robot moving under gravity alone.
+    /// Returns the robot in free motion under gravity.
     fn new(model: Model, modules: ModuleTree, q: &[f64], qd: &[f64]) -> Self {
         let n = model.nv();
         let mut interpreter = Interpreter::<f64>::new(model.clone());
@@ -35,7 +35,7 @@ impl Problem {
         Self { model, modules, q: q.to_vec(), mass_matrix, phi, qdd }
     }
 
-    /// The gripper of Table 3.
+    /// Returns the gripper of Table 3.
     #[must_use]
     pub fn gripper() -> Self {
         let model = robots::gripper();
@@ -43,18 +43,18 @@ impl Problem {
         Self::new(model, modules, &gripper::POSTURE, &[0.0; 4])
     }
 
-    /// The biped of Table 5 at the start of its step; the paper does not state its posture.
+    /// Returns the biped of Table 5 at the start of its step; the paper does not state its posture.
     #[must_use]
     pub fn biped() -> Self {
         Self::biped_with_foot(1e-4)
     }
 
-    /// The same biped whose swing foot has that inertia about its length, kg m^2: 0 or negligible in the source of
-    /// the figures, 1e-4 in `robots/biped.urdf`.
+    /// Returns the same biped with this inertia of the swing foot about its length, kg m^2. In the source of the
+    /// parameters it is 0 or negligible, in `robots/biped.urdf` 1e-4.
     ///
     /// # Panics
     ///
-    /// If the figure is no number.
+    /// If the inertia is NaN.
     #[must_use]
     pub fn biped_with_foot(inertia: f64) -> Self {
         let model = robots::biped();
@@ -68,32 +68,32 @@ impl Problem {
         Self::new(model, modules, &q, &qd)
     }
 
-    /// GE-N on scalar `S`: matrix and right-hand side are rounded, then each operation.
+    /// Solves by GE-N on scalar `S`: the matrix and the right-hand side are rounded, then each operation.
     #[must_use]
     pub fn gaussian<S: Number>(&self) -> Vec<f64> {
         doubles(&dense::gaussian(&scalars::<S>(&self.mass_matrix), &scalars(&self.phi)))
     }
 
-    /// RGE-N.
+    /// Solves by RGE-N.
     #[must_use]
     pub fn reverse_gaussian<S: Number>(&self) -> Vec<f64> {
         doubles(&dense::reverse_gaussian(&scalars::<S>(&self.mass_matrix), &scalars(&self.phi)))
     }
 
-    /// BRGE-A by Table 6 as printed: from the robot's figures, not from its mass matrix.
+    /// Solves by BRGE-A in the order of Table 6 as printed: from the robot's parameters, not from its mass matrix.
     #[must_use]
     pub fn table_6<S: Number>(&self) -> Vec<f64> {
         doubles(&Table6::<S>::new(&self.model).solve(&scalars(&self.q), &scalars(&self.phi)))
     }
 
-    /// BRGE-A as modyn computes it, by the paper's modules or by links.
+    /// Solves by BRGE-A as modyn computes it, by the paper's modules or by links.
     #[must_use]
     pub fn modyn<S: Number>(&self, by_links: bool) -> Vec<f64> {
         let links = ModuleTree::links(&self.model);
         let modules = if by_links { &links } else { &self.modules };
         let interpreter = Interpreter::<S>::new(self.model.clone());
         let mut interpreter = interpreter.eliminating_by(modules).expect("its own modules");
-        // phi is given: no gravity of its own.
+        // phi is given, so gravity is zero.
         interpreter.set_gravity([S::zero(); 3]);
         let (q, phi) = (scalars::<S>(&self.q), scalars::<S>(&self.phi));
         let rest = vec![S::zero(); phi.len()];
@@ -102,29 +102,29 @@ impl Problem {
         doubles(&qdd)
     }
 
-    /// delta of (69): errors in percent of each component.
+    /// Returns delta of (69): the errors of the components in percent.
     #[must_use]
     pub fn errors(&self, qdd: &[f64]) -> Vec<f64> {
         qdd.iter().zip(&self.qdd).map(|(found, exact)| (found - exact) / exact * 100.0).collect()
     }
 }
 
-/// Numbers on another scalar.
+/// Converts numbers to another scalar.
 pub fn scalars<S: Number>(x: &[f64]) -> Vec<S> {
     x.iter().map(|&x| S::from_f64(x)).collect()
 }
 
-/// And back.
+/// Converts numbers to double precision.
 pub fn doubles<S: Number>(x: &[S]) -> Vec<f64> {
     x.iter().map(|x| x.to_f64()).collect()
 }
 
-/// A row of Table 4: what the solvers find with that many decimals.
+/// A row of Table 4: the solvers' accelerations with `d` decimals.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// d.
+    /// The decimals.
     pub decimals: usize,
-    /// Accelerations by GE-N, RGE-N, Table 6, modyn by links and by the paper's modules.
+    /// The accelerations by GE-N, RGE-N, Table 6, modyn by links and modyn by the paper's modules.
     pub qdd: [Vec<f64>; 5],
 }
 
@@ -143,7 +143,7 @@ fn row<const D: usize>(problem: &Problem) -> Row {
     Row { decimals: D, qdd }
 }
 
-/// d = 4 to 9.
+/// Returns the rows for d = 4 to 9.
 #[must_use]
 pub fn rows(problem: &Problem) -> [Row; 6] {
     [
@@ -185,7 +185,25 @@ const PRINTED_BRGE: [[f64; 4]; 5] = [
     [-145.6934, 268.0748, -163.1702, 145.6905],
 ];
 
-/// The section of the page.
+/// Returns Table 5 of a robot: the norms of the errors in percent, then those that the paper prints.
+fn table_5(problem: &Problem, rows: &[Row], printed: &[[f64; 3]]) -> Table {
+    let head = [&["d"][..], &SOLVERS, &["GE-N, paper", "RGE-N, paper", "BRGE-A, paper"]].concat();
+    let line = |(row, printed): (&Row, &[f64; 3])| {
+        let ours = row.qdd.iter().map(|qdd| dense::norm(&problem.errors(qdd)));
+        let cells = ours.chain(*printed).map(|x| fixed(x, 4));
+        [row.decimals.to_string()].into_iter().chain(cells).collect()
+    };
+    Table::new(&head, rows.iter().zip(printed).map(line).collect())
+}
+
+/// Returns Table 5 of the gripper and of the biped.
+#[must_use]
+pub fn tables() -> [Table; 2] {
+    let table = |problem: Problem, printed| table_5(&problem, &rows(&problem), printed);
+    [table(Problem::gripper(), &PRINTED[0]), table(Problem::biped(), &PRINTED[1])]
+}
+
+/// Writes the section of the page.
 ///
 /// # Errors
 ///
@@ -211,21 +229,14 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
         }
     }
     let head = [&["accuracy"][..], &SOLVERS, &["BRGE-A, paper"]].concat();
-    report.table(&head, lines);
+    report.table(Table::new(&head, lines));
     for (k, (name, problem)) in ["gripper", "biped"].iter().zip(&problems).enumerate() {
         let condition = dense::condition_number(&problem.mass_matrix);
         let paper = [482.0, 42941.0][k];
         report.text(format!(
             "Table 5, {name}: norm of the errors in percent (condition number {condition:.0}, in the paper {paper}):"
         ));
-        let head = [&["accuracy"][..], &SOLVERS, &["GE-N, paper", "RGE-N, paper", "BRGE-A, paper"]]
-            .concat();
-        let lines = tables[k].iter().zip(PRINTED[k]).map(|(row, printed)| {
-            let ours = row.qdd.iter().map(|qdd| dense::norm(&problem.errors(qdd)));
-            let cells = ours.chain(printed).map(|x| fixed(x, 4));
-            [format!("1e-{}", row.decimals)].into_iter().chain(cells).collect()
-        });
-        report.table(&head, lines.collect());
+        report.table(table_5(problem, &tables[k], &PRINTED[k]));
         let norms = |solver: usize| {
             let points = tables[k].iter().map(move |row| {
                 (row.decimals as f64, dense::norm(&problem.errors(&row.qdd[solver])))
@@ -255,7 +266,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The condition number of the biped's mass matrix over its step.
+/// Returns the condition number of the biped's mass matrix over its step.
 pub fn biped_conditions() -> impl Iterator<Item = f64> {
     let mut interpreter = Interpreter::<f64>::new(robots::biped());
     (0..=50).map(move |k| {
@@ -276,8 +287,8 @@ mod tests {
     fn numerical_solvers_give_the_printed_digits() {
         let problem = Problem::gripper();
         let rows = rows(&problem);
-        // The one figure of the paper that does not come out: RGE-N at d = 4 (55.3174, from a printed
-        // -74.0 where -74.5 is found).
+        // The one number of the paper that is not reproduced: RGE-N at d = 4 (55.3174, from a printed -74.0 where modyn
+        // finds -74.5).
         for (k, (row, printed)) in rows.iter().zip(PRINTED[0]).enumerate() {
             let [ge, rge] = [0, 1].map(|solver| norm(&problem.errors(&row.qdd[solver])));
             assert!((ge - printed[0]).abs() <= 0.5e-4 + 1e-9, "GE-N: {ge}, {}", printed[0]);
@@ -312,7 +323,7 @@ mod tests {
             assert!((table_6 - found).abs() <= 0.5e-4, "{table_6}, {found}");
             assert!(table_6 < ge && table_6 < 2.5 * printed[2]);
             assert!(links < ge && links < 2.5 * printed[2]);
-            // Four decimals leave one digit of the pivot block of module 2: worse than GE-N there.
+            // With four decimals, one digit of the pivot block of module 2 is left: its error is larger than GE-N's.
             assert!((row.decimals == 4 || modules < ge) && modules < 10.0 * printed[2]);
         }
     }
@@ -325,8 +336,8 @@ mod tests {
                 [0, 1, 2, 3, 4].map(|solver| norm(&problem.errors(&row.qdd[solver])));
             assert!(table_6 < modules && links < modules && modules < rge && rge < ge);
         }
-        // The paper's is 42941, in a posture and a chart of its hips that it does not state, and with a foot
-        // whose inertia about its length is not known: the condition number is inverse to that.
+        // The paper has 42941, in a posture and in hip coordinates that it does not state, and with an unknown inertia
+        // of the foot about its length. The condition number is inversely proportional to that inertia.
         assert!(super::biped_conditions().all(|condition| (5e4..8e4).contains(&condition)));
         let condition = |foot: f64| condition_number(&Problem::biped_with_foot(foot).mass_matrix);
         assert!((condition(2e-4) / condition(1e-4) - 0.5).abs() < 0.01);

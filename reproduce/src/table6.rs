@@ -1,10 +1,9 @@
-//! Table 6 as it is printed: qdd = I^-1 phi for given phi, one degree of freedom after another.
+//! Table 6 as printed: qdd = I^-1 phi for given phi, one degree of freedom after the other.
 //!
-//! It stands on modyn's frames and spatial algebra and on nothing of its elimination, so the
-//! interpreter has a second opinion here, and the tables a BRGE-A in the paper's order of operations.
-//! Where a body has several degrees of freedom, they follow each other without a link between
-//! (A = 1). Modules are rows of the same two loops, inter- and intra-modular, so how they are cut
-//! changes nothing here.
+//! It uses modyn's frames and spatial algebra, but not its elimination. So it is an independent check of the interpreter,
+//! and gives the tables a BRGE-A in the paper's order of operations. Several degrees of freedom of one body come one after
+//! the other, without a link in between (A = 1). Modules are consecutive passes of the same two loops, inter- and
+//! intra-modular, so the partition does not change the result.
 
 use modyn_runtime::Scalar;
 use modyn_runtime::joint::JointTransform;
@@ -12,7 +11,7 @@ use modyn_runtime::mechanism::{Dof, Mechanism};
 use modyn_runtime::model::Model;
 use modyn_runtime::spatial::{ArticulatedInertia, Twist, Wrench};
 
-/// What the first sweep keeps of a degree of freedom.
+/// The values of a degree of freedom that the first sweep keeps.
 #[derive(Clone, Copy, Debug)]
 struct Pivot<S> {
     /// psi: the wrench of a unit motion over m_hat.
@@ -21,21 +20,21 @@ struct Pivot<S> {
     torque: S,
 }
 
-/// What a body passes on: the articulated inertia M_hat_kk and the wrench eta.
+/// The contribution of a body to its parent: the articulated inertia M_hat_kk and the wrench eta.
 #[derive(Clone, Copy, Debug)]
 pub struct Left<S> {
     inertia: ArticulatedInertia<S>,
     wrench: Wrench<S>,
 }
 
-/// The recursion for one model, whose joints do not mimic others.
+/// The recursion for one model without mimic joints.
 #[derive(Clone, Debug)]
 pub struct Table6<S> {
     model: Mechanism<S>,
 }
 
-/// A row of bodies at a posture, with what the sweeps have found: the part of a robot that can be
-/// worked on by itself.
+/// Consecutive bodies at a posture, with the results of the sweeps: a part of the robot that can be computed
+/// separately.
 #[derive(Clone, Debug)]
 pub struct Part<S> {
     first: usize,
@@ -47,20 +46,20 @@ pub struct Part<S> {
 }
 
 impl<S: Scalar> Table6<S> {
-    /// For `model`.
+    /// Returns the recursion for `model`.
     #[must_use]
     pub fn new(model: &Model) -> Self {
         assert!(!model.has_mimics(), "Table 6 knows no joints that follow others");
         Self { model: Mechanism::new(model).cast() }
     }
 
-    /// The bodies.
+    /// Returns the bodies.
     #[must_use]
     pub fn bodies(&self) -> usize {
         self.model.bodies.len()
     }
 
-    /// Room for the bodies in that range.
+    /// Returns the memory for the bodies in this range.
     #[must_use]
     pub fn part(&self, bodies: core::ops::Range<usize>) -> Part<S> {
         let dofs = self.model.bodies[bodies.clone()].iter().map(|body| body.dofs.len()).sum();
@@ -78,9 +77,9 @@ impl<S: Scalar> Table6<S> {
         }
     }
 
-    /// The columns "Initialization" and "Find phi_hat and phi_tilde", for one part: backwards, to what
-    /// its first body leaves to its parent, which is outside; `children` are what other parts left to
-    /// the bodies of this one.
+    /// The columns "Initialization" and "Find phi_hat and phi_tilde" for one part: rootward, up to the contribution of
+    /// its first body to the parent, which is outside; `children` are the contributions of other parts to the bodies of
+    /// this part.
     #[allow(clippy::needless_pass_by_value)]
     pub fn eliminate(
         &self,
@@ -132,8 +131,7 @@ impl<S: Scalar> Table6<S> {
         None
     }
 
-    /// The column "Find theta_ddot", for one part: forwards, from the twist of the body outside that
-    /// it hangs on.
+    /// The column "Find theta_ddot" for one part: outward, from the twist of the parent body outside of it.
     pub fn accelerate(
         &self,
         part: &mut Part<S>,
@@ -163,7 +161,7 @@ impl<S: Scalar> Table6<S> {
         }
     }
 
-    /// The accelerations qdd = I(q)^-1 phi.
+    /// Returns the accelerations qdd = I(q)^-1 phi.
     #[must_use]
     pub fn solve(&self, q: &[S], phi: &[S]) -> Vec<S> {
         let mut part = self.part(0..self.bodies());
@@ -180,7 +178,7 @@ impl<S: Scalar> Part<S> {
         self.wrenches[k] += left.wrench;
     }
 
-    /// The twist found for a body of this part.
+    /// Returns the twist of a body of this part.
     #[must_use]
     pub fn twist(&self, body: usize) -> Twist<S> {
         self.twists[body - self.first]

@@ -1,5 +1,5 @@
-//! Every identity of the block decomposition, on random trees with joints of all types and rotors, by
-//! chains, by links and by partitions between.
+//! The identities of the block decomposition, on random trees with joints of all types and rotors, partitioned into
+//! chains, into links and at random.
 
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_reproduce::{dense, robots};
@@ -17,7 +17,7 @@ type Matrix = Dense<f64>;
 
 const SEEDS: u64 = 12;
 
-/// A posture of a robot, decomposed.
+/// The decomposition of a robot at a posture.
 struct Case {
     interpreter: Interpreter<f64>,
     decomposition: Decomposition<f64>,
@@ -34,7 +34,7 @@ fn case(model: &Model, modules: ModuleTree, seed: u64) -> Option<Case> {
     Some(Case { interpreter, decomposition, q, name })
 }
 
-/// Random robots, cut in three ways each.
+/// Returns random robots, each with three partitions.
 fn cases() -> Vec<Case> {
     let cut = |model: &Model, seed: u64| {
         let modules = random::modules(seed, model);
@@ -58,7 +58,7 @@ fn cases() -> Vec<Case> {
     cases
 }
 
-/// The largest entry; infinity if some is no number.
+/// Returns the largest magnitude of an entry; infinity if an entry is NaN.
 fn largest(matrix: &Matrix) -> f64 {
     let size = |x: &f64| if x.is_nan() { f64::INFINITY } else { x.abs() };
     matrix.entries.iter().map(size).fold(0.0, f64::max)
@@ -72,7 +72,7 @@ fn assert_same(what: &str, case: &Case, found: &Matrix, expected: &Matrix) {
     assert!(difference <= 1e-9 * scale, "{what}: {difference:e} of {scale:e} in {}", case.name);
 }
 
-/// A square matrix of its columns.
+/// Returns a square matrix from its columns.
 fn columns(numbers: &[f64]) -> Matrix {
     let n = numbers.len().isqrt();
     Dense { rows: n, columns: n, entries: numbers.to_vec() }.transposed()
@@ -97,7 +97,7 @@ fn module_twists_are_propagated() {
         let qd = random::state(99, interpreter.model()).qd;
         let qd = Dense { rows: qd.len(), columns: 1, entries: qd };
         let twists = n.times(&qd);
-        // (A.6): t_i = A_i,beta t_beta + N_i qd_i; sizes of rows go by the blocks of A.
+        // (A.6): t_i = A_i,beta t_beta + N_i qd_i; the blocks of A give the sizes of rows.
         let mut row = 0;
         let mut starts = Vec::new();
         for i in 0..d.modules() {
@@ -166,7 +166,7 @@ fn composite_modules_make_the_mass_matrix() {
         let mut mass_matrix = vec![0.0; n * n];
         interpreter.mass_matrix(q, &mut mass_matrix).expect("lengths");
         let (n_l, n_d) = (d.propagations(), d.all_joints());
-        // (5b), (6): its blocks are M_tilde_i A_i,j.
+        // (5b), (6): the blocks are M_tilde_i A_i,j.
         let composites = d.masses().congruence(&n_l);
         let mut rotors = columns(&mass_matrix).minus(&composites.congruence(&n_d));
         for i in 0..n {
@@ -199,7 +199,7 @@ fn composite_modules_make_the_mass_matrix() {
     }
 }
 
-/// The rotor's inertia at entry `v`.
+/// Returns the rotor's inertia at entry `v`.
 fn interpreter_rotor(model: &Model, v: usize) -> f64 {
     let link = (0..model.links().len()).find(|&i| model.v_range(i).contains(&v)).expect("a joint");
     model.links()[link].joint.drive.armature
@@ -218,7 +218,7 @@ fn elementary_matrices_annihilate_block_columns() {
             let left = d.eliminated(j);
             let above = left.block(0..d.entries(j).start, d.entries(j));
             assert_same("annihilated", &case, &above, &Dense::zero(above.rows, above.columns));
-            // The block pivot is what stands on the diagonal before.
+            // The block pivot equals the diagonal block before the elimination.
             let before = d.eliminated(j + 1);
             let pivot = before.block(d.entries(j), d.entries(j));
             assert_same("pivot, (46)", &case, d.pivot(j), &pivot);
@@ -228,11 +228,11 @@ fn elementary_matrices_annihilate_block_columns() {
             }
         }
         for j in 1..s {
-            // (41): no product of the columns is left.
+            // (41): all products with the column vanish.
             let sum = d.ebutm_inverse(j).plus(&d.ebutm_inverse(j - 1)).minus(&Dense::identity(n));
             let product = d.ebutm_inverse(j).times(&d.ebutm_inverse(j - 1));
             assert_same("(41)", &case, &product, &sum);
-            // (51): without the inverses one product is left.
+            // (51): without the inverses one product remains.
             let (before, column) = (d.u_column(j - 1), d.u_column(j));
             let left = if d.descends_from(j, j - 1) {
                 column.minus(&before.times(&d.u_block(j - 1, j)))
@@ -243,7 +243,7 @@ fn elementary_matrices_annihilate_block_columns() {
             let expected = Dense::identity(n).minus(&by(&before, j - 1)).minus(&by(&left, j));
             assert_same("(51)", &case, &d.ebutm(j - 1).times(&d.ebutm(j)), &expected);
         }
-        // (35), (33): what is left is lower triangular, D U^T.
+        // (35), (33): the result is lower triangular, D U^T.
         assert_same("(33), (35)", &case, &d.eliminated(1), &d.d().times(&d.u().transposed()));
     }
 }
@@ -297,7 +297,7 @@ fn the_inverse_is_that_of_the_blocks() {
 }
 
 #[test]
-fn articulated_propagation_passes_what_lies_between() {
+fn articulated_propagation_passes_the_modules_between() {
     let mut between = 0;
     for case in cases() {
         let d = &case.decomposition;
@@ -306,7 +306,7 @@ fn articulated_propagation_passes_what_lies_between() {
                 assert_same("(57)", &case, &d.articulated_propagation(j, i), &d.propagation(j, i));
             }
             for h in (0..d.modules()).filter(|&h| d.descends_from(j, h) && d.descends_from(h, i)) {
-                // (56), by any module between.
+                // (56), by any module between the two.
                 let through = d.articulated_propagation(j, h).times(&d.phi(h).transposed());
                 let found = through.times(&d.articulated_propagation(h, i));
                 assert_same("(56)", &case, &found, &d.articulated_propagation(j, i));
@@ -334,7 +334,7 @@ fn three_modules_in_a_row_are_appendix_a3() {
 }
 
 #[test]
-fn articulated_modules_are_composite_ones_that_give_way() {
+fn articulated_modules_are_composites_after_elimination() {
     for case in cases() {
         let d = &case.decomposition;
         for i in 0..d.modules() {
@@ -353,8 +353,8 @@ fn articulated_modules_are_composite_ones_that_give_way() {
                     &d.composite(i),
                 );
             }
-            // (49): Phi M_hat is symmetric, and what is left feels no motion of the module's joints but for
-            // what the rotors hold.
+            // (49): Phi M_hat is symmetric, and the result does not depend on the motion of the module's joints, except
+            // through the rotors.
             let left = d.phi(i).times(d.articulated(i));
             assert_same("Phi M_hat", &case, &left, &left.transposed());
             let (joints, own) = (d.joints(i), d.entries(i));
@@ -394,8 +394,8 @@ fn the_interpreter_has_the_same_factors() {
     }
 }
 
-/// With one link a module the matrices are the 6x6 ones of the articulated-body algorithm (Featherstone
-/// 2008, sect. 7.3), written here once more link by link.
+/// With one link a module the matrices are the 6x6 matrices of the articulated-body algorithm (Featherstone 2008, sect.
+/// 7.3), computed here a second time link by link.
 #[test]
 fn one_link_a_module_is_the_articulated_body_inertia() {
     for seed in 0..SEEDS {
@@ -418,7 +418,7 @@ fn one_link_a_module_is_the_articulated_body_inertia() {
     }
 }
 
-/// Table 6 as printed against the interpreter, whose elimination it shares nothing with.
+/// Table 6 as printed compared with the interpreter, which uses another elimination.
 #[test]
 fn table_6_is_the_recursion_on_any_tree() {
     for seed in 0..4 * SEEDS {
@@ -457,7 +457,7 @@ fn the_matrices_are_symbolic_too() {
         for (found, expected) in found.iter().zip(&expected) {
             assert!((found - expected).abs() <= 1e-12 * (1.0 + expected.abs()));
         }
-        // What no posture moves is known without one.
+        // Entries that are the same in all postures are constants.
         let known = graph.outputs.iter().filter(|&&id| graph.value(id).is_some()).count();
         assert!(known > 0 && known < expected.len(), "{known} of {}", expected.len());
     }
@@ -488,7 +488,7 @@ fn the_gripper_is_eliminated_in_two_stages() {
     for (row, column) in [(0, 6), (6, 0)] {
         assert_eq!(largest(&links.block(row..row + 6, column..column + 6)), 0.0, "(14)");
     }
-    // (12)-(14): terminal modules are their own composites.
+    // (12)-(14): the composites of terminal modules are the modules themselves.
     for module in [1, 2] {
         assert_same("(13)", &case, &d.composite(module), &d.mass(module));
     }
@@ -496,7 +496,7 @@ fn the_gripper_is_eliminated_in_two_stages() {
         .iter()
         .fold(d.mass(0), |sum, &j| sum.plus(&d.mass(j).congruence(&d.propagation(j, 0))));
     assert_same("(13)", &case, &d.composite(0), &sum);
-    // (15), (18)-(22): module 3 leaves module 2 as it is.
+    // (15), (18)-(22): module 3 does not change module 2.
     assert_eq!(largest(&block(&mass_matrix, 1, 2)), 0.0, "(11)");
     assert_same("(19)", &case, &block(&third, 1, 1), &block(&mass_matrix, 1, 1));
     assert_same(
@@ -546,7 +546,7 @@ fn the_gripper_is_eliminated_in_two_stages() {
         let zero = Dense::zero(1, d.entries(j).len());
         assert_same("(58)", &case, &block(&d.u_inverse(), 0, j), &zero.minus(&upper(0, j)));
     }
-    // (59): both hang on module 1.
+    // (59): both are children of module 1.
     for j in [1, 2] {
         assert_same("(59)", &case, &d.articulated_propagation(j, 0), &d.propagation(j, 0));
     }

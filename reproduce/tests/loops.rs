@@ -1,5 +1,5 @@
-//! Closed loops (Conclusions of the paper: cut joints), compiled: the same as interpreted, through
-//! the type's own functions, the trait and nalgebra's types.
+//! Closed loops (Conclusions of the paper: cut joints): compiled results equal interpreted ones, through the type's own
+//! functions, the trait and nalgebra's types.
 
 use modyn::simulate::State;
 use modyn::spatial::{Twist, Wrench};
@@ -28,7 +28,7 @@ fn assert_near(found: &[f64], expected: &[f64]) {
     }
 }
 
-/// The quantities of a robot at a state, one after the other, compiled and interpreted.
+/// Returns the quantities of a robot at a state, one after the other, compiled and interpreted.
 fn compared<R, const N: usize>(model: modyn::model::Model, [q, qd, tau]: [[f64; N]; 3])
 where
     R: Robot<Q<f64> = [f64; N], V<f64> = [f64; N]> + functions::Constraints,
@@ -109,7 +109,7 @@ fn compiled_loops_are_interpreted_loops() {
     compared::<Bound, 6>(model, states);
 }
 
-/// Coordinates and velocities that close the loops, from some near by.
+/// Returns coordinates and velocities that close the loops, from others near them.
 fn closed<R, const N: usize>(q: [f64; N], qd: [f64; N]) -> [[f64; N]; 2]
 where
     R: Robot<Q<f64> = [f64; N], V<f64> = [f64; N]> + functions::Defaults + functions::Constraints,
@@ -171,7 +171,7 @@ fn a_compiled_bennett_linkage_moves() {
     }
 }
 
-/// The crank is let go: a second of Runge and Kutta's method, on generated code alone.
+/// The crank moves freely for a second, by the Runge-Kutta method on generated code alone.
 #[test]
 fn a_compiled_four_bar_linkage_keeps_its_energy() {
     let settings = ConstraintSettings::<f64>::DEFAULT;

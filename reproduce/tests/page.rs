@@ -1,4 +1,5 @@
-//! `docs/paper.md` stays true: every equation has its row, and every name stands where it links to.
+//! `docs/paper.md` is complete and current: every equation has a row, and every name is defined in the file that it
+//! links to.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ fn page() -> String {
     fs::read_to_string(docs().join("paper.md")).expect("docs/paper.md")
 }
 
-/// The names in the page, each with the file that it links to: [`name`](file).
+/// Returns the names in the page, each with the file that it links to: [`name`](file).
 fn links(text: &str) -> Vec<(&str, &str)> {
     let parts = text.split("[`").skip(1);
     parts
@@ -23,7 +24,7 @@ fn links(text: &str) -> Vec<(&str, &str)> {
 }
 
 #[test]
-fn every_name_stands_where_it_links_to() {
+fn every_name_is_defined_in_the_linked_file() {
     let page = page();
     let links = links(&page);
     assert!(links.len() > 200, "{} links", links.len());
@@ -31,7 +32,7 @@ fn every_name_stands_where_it_links_to() {
     for (name, file) in links {
         let source =
             fs::read_to_string(docs().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
-        // The name, defined: nothing that goes on behind it.
+        // The definition of the name, not of a longer name.
         let found = kinds.iter().any(|kind| {
             let wanted = format!("{kind} {name}");
             source.match_indices(&wanted).any(|(at, _)| {
@@ -40,7 +41,7 @@ fn every_name_stands_where_it_links_to() {
             })
         });
         assert!(found, "{file} has no `{name}`");
-        // In a file of tests what is named is a test, not its helper.
+        // A name in a file of tests must be a test, not a helper.
         if file.contains("/tests/") {
             let (before, _) = source.split_once(&format!("fn {name}(")).expect("a function");
             let line =

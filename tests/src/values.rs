@@ -1,4 +1,4 @@
-//! All of a robot's quantities at one state: of the interpreter, and of any generated robot.
+//! All quantities of a robot at one state: from the interpreter, and from any generated robot.
 
 use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 use modyn_runtime::spatial::{Momentum, Twist, Vector3, Wrench};
@@ -10,14 +10,14 @@ use modyn_runtime::{
 use crate::quantities::{Quantities, numbers};
 use crate::random::{Random, State};
 
-/// What the quantities are taken at.
+/// The state at which the quantities are computed.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub struct Inputs<T> {
     pub q: Vec<T>,
     pub qd: Vec<T>,
     pub qdd: Vec<T>,
-    /// The torques of forward dynamics, and the right-hand side to solve for.
+    /// The torques of forward dynamics, and the right-hand side of the solver.
     pub tau: Vec<T>,
 }
 
@@ -30,7 +30,7 @@ impl<T: Scalar> From<&State> for Inputs<T> {
 }
 
 impl Inputs<f32> {
-    /// The same numbers in double precision.
+    /// Returns the same numbers in double precision.
     #[must_use]
     pub fn double(&self) -> Inputs<f64> {
         let Self { q, qd, qdd, tau } = self;
@@ -51,17 +51,17 @@ pub struct Values<T> {
     pub mass_matrix: Vec<T>,
     pub kinetic_energy: T,
     pub potential_energy: T,
-    /// Twelve numbers a link.
+    /// Twelve numbers for each link.
     pub link_poses: Vec<T>,
     pub factors: Factors<T>,
-    /// All others, by name: of the default functions, and of a robot with all functions.
+    /// All other quantities by name: those of the default functions, or of all functions.
     pub others: Named<T>,
 }
 
 /// Numbers by name.
 pub type Named<T> = Vec<(&'static str, Vec<T>)>;
 
-/// What a factorization offers; matrices by columns.
+/// The results of a factorization; matrices by columns.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub struct Factors<T> {
@@ -77,7 +77,7 @@ pub struct Factors<T> {
 }
 
 impl<T: Copy> Values<T> {
-    /// All numbers but the condition numbers, by name.
+    /// Returns all numbers except the condition numbers, by name.
     #[must_use]
     pub fn named(&self) -> Named<T> {
         let Self {
@@ -127,7 +127,7 @@ impl<T: Copy> Values<T> {
 }
 
 impl<T> Values<T> {
-    /// The numbers of that name among the others.
+    /// Returns the numbers with this name among the other quantities.
     ///
     /// # Panics
     ///
@@ -139,7 +139,7 @@ impl<T> Values<T> {
     }
 }
 
-/// What functions take: the [`Inputs`] as arrays, and numbers that single precision has, too.
+/// The arguments of functions: the [`Inputs`] as arrays, rounded to numbers that single precision can represent.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)]
 pub struct Given<Q, V, F> {
@@ -147,14 +147,14 @@ pub struct Given<Q, V, F> {
     pub qd: V,
     pub qdd: V,
     pub tau: V,
-    /// The coordinates with quaternions too long.
+    /// The coordinates with quaternions that are longer than 1.
     pub long: Q,
     /// A wrench for each link.
     pub forces: F,
 }
 
 impl<Q, V, F> Given<Q, V, F> {
-    /// These, as a robot's arrays.
+    /// Returns the inputs as arrays of a robot.
     ///
     /// # Panics
     ///
@@ -172,7 +172,7 @@ impl<Q, V, F> Given<Q, V, F> {
     }
 }
 
-/// The wrench on a link.
+/// Returns the wrench on a link.
 #[must_use]
 pub fn wrench<T: Scalar>(link: usize) -> Wrench<T> {
     let mut random = Random::new(link as u64);
@@ -180,7 +180,7 @@ pub fn wrench<T: Scalar>(link: usize) -> Wrench<T> {
     Wrench { moment: vector(), force: vector() }
 }
 
-/// Numbers in 0..1, one after the other.
+/// Returns numbers in 0..1, one after the other.
 pub fn uniform<T: Scalar>() -> impl FnMut() -> T {
     let mut random = Random::new(0);
     move || T::from_f64(eighths(&mut random) / 8.0)
@@ -191,28 +191,28 @@ fn eighths(random: &mut Random) -> f64 {
     random.below(64) as f64 / 8.0
 }
 
-/// The numbers of each of some things, one after the other.
+/// Returns the numbers of all items, one item after the other.
 pub fn each<X: Copy, T>(things: &impl Array<X>, numbers: impl Fn(&X) -> Vec<T>) -> Vec<T> {
     things.as_ref().iter().flat_map(numbers).collect()
 }
 
-/// Those of a twist: angular, then linear.
+/// Returns the components of a twist: angular, then linear.
 pub fn twist<T: Scalar>(Twist { angular, linear }: &Twist<T>) -> Vec<T> {
     [angular.0, linear.0].concat()
 }
 
-/// Those of a momentum: angular, then linear.
+/// Returns the components of a momentum: angular, then linear.
 pub fn momentum<T: Scalar>(Momentum { angular, linear }: &Momentum<T>) -> Vec<T> {
     [angular.0, linear.0].concat()
 }
 
-/// Those of a vector.
+/// Returns the components of a vector.
 pub fn vector<T: Scalar>(Vector3(numbers): &Vector3<T>) -> Vec<T> {
     numbers.to_vec()
 }
 
-/// Of the default functions those that have no field in [`Values`], by a type's own functions or,
-/// given a type parameter, by the trait's. `links` are all links.
+/// Evaluates the default functions that have no field in [`Values`]: through the type or, with a type parameter,
+/// through the trait. `links` are all links.
 #[macro_export]
 macro_rules! default_quantities {
     ($robot:ident, $given:expr, $links:expr) => {{
@@ -237,7 +237,7 @@ macro_rules! default_quantities {
     }};
 }
 
-/// The same of the functions that are no default ones.
+/// Evaluates the functions that are not default ones in the same way.
 #[macro_export]
 macro_rules! other_quantities {
     ($robot:ident, $given:expr, $links:expr) => {{
@@ -315,11 +315,11 @@ macro_rules! other_quantities {
     }};
 }
 
-/// What the functions of a type take through the trait.
+/// The arguments of a type's functions through the trait.
 pub type GivenTo<R, T> =
     Given<<R as Robot>::Q<T>, <R as Robot>::V<T>, <R as Robot>::PerLink<Wrench<T>>>;
 
-/// A generated robot's, through the traits; of the default functions.
+/// Returns the quantities of a generated robot through the trait: those of the default functions.
 ///
 /// # Panics
 ///
@@ -341,7 +341,7 @@ pub fn generated<R: Robot + functions::Defaults, T: Scalar>(
         inverse: columns(&brge.inverse()),
         log_determinant: brge.log_determinant(),
         pivot_blocks: pivot_blocks(&brge),
-        // One more than there are.
+        // One random number more than there are coordinates.
         condition_numbers: (0..=R::MODULES.len())
             .filter_map(|m| brge.condition_number(m))
             .collect(),
@@ -360,7 +360,7 @@ pub fn generated<R: Robot + functions::Defaults, T: Scalar>(
     }
 }
 
-/// What a robot with all functions has beyond that.
+/// Returns the further quantities of a robot with all functions.
 ///
 /// # Panics
 ///
@@ -373,7 +373,7 @@ pub fn generated_others<R: Robot + functions::All, T: Scalar>(
     other_quantities!(R, &given, links)
 }
 
-/// The interpreter's; of all functions or the default ones.
+/// Returns the interpreter's quantities: of all functions, or of the default ones.
 #[must_use]
 pub fn interpreted<T: Scalar>(
     model: &Model,
@@ -415,7 +415,7 @@ pub fn interpreted<T: Scalar>(
     }
 }
 
-/// The numbers of each link.
+/// Returns the numbers of each link.
 fn by_link<T, X>(links: usize, of: impl FnMut(usize) -> X) -> Vec<T>
 where
     X: IntoIterator<Item = T>,
@@ -457,7 +457,7 @@ fn interpreted_defaults<T: Scalar>(
     ]
 }
 
-/// How a link moves.
+/// A function that returns the motion of a link.
 type MotionOf<'a, T> = dyn Fn(&mut Interpreter<T>, usize) -> Result<Twist<T>, FrameError> + 'a;
 
 fn interpreted_others<T: Scalar>(
@@ -528,40 +528,40 @@ fn interpreted_others<T: Scalar>(
 
 const LENGTHS: &str = "the lengths are right";
 
-/// The numbers of an array.
+/// Returns the numbers of an array.
 #[must_use]
 pub fn list<T: Scalar>(numbers: &impl Array<T>) -> Vec<T> {
     numbers.as_ref().to_vec()
 }
 
-/// An array of those numbers.
+/// Returns an array of these numbers.
 ///
 /// # Panics
 ///
-/// If it has another length.
+/// If the length is wrong.
 #[must_use]
 pub fn array<T: Scalar, A: Array<T>>(numbers: &[T]) -> A {
     assert_eq!(numbers.len(), A::LEN, "numbers for the array");
     A::from_fn(|i| numbers[i])
 }
 
-/// The numbers of a matrix, column after column.
+/// Returns the numbers of a matrix, column after column.
 #[must_use]
 pub fn columns<T: Scalar, V: Array<T>>(matrix: &impl Array<V>) -> Vec<T> {
     matrix.as_ref().iter().flat_map(|column| column.as_ref().to_vec()).collect()
 }
 
-/// Numbers in double precision.
+/// Returns the numbers in double precision.
 #[must_use]
 pub fn double(numbers: &[f32]) -> Vec<f64> {
     numbers.iter().copied().map(f64::from).collect()
 }
 
-/// Pairs what two have of the same name.
+/// Pairs the numbers of two lists by name.
 ///
 /// # Panics
 ///
-/// If they do not have the same names.
+/// If the names differ.
 pub fn pairs<S: Copy, T: Copy>(
     one: &Values<S>,
     other: &Values<T>,

@@ -1,5 +1,5 @@
-//! The interpreter allocates when it is made, not when it is called; the memory for derivatives, closed loops and changes of
-//! inertias, when they are first asked for.
+//! The interpreter allocates memory when it is made, and not in calls. The memory for derivatives, closed loops and
+//! changed inertias is allocated by the first call that needs it.
 
 use modyn_runtime::model::{Inertial, Model, ModuleTree};
 use modyn_runtime::spatial::{Pose, Wrench};
@@ -10,7 +10,7 @@ use modyn_tests::random::{State, state, tree, zoo};
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Of all joint types, with joints that follow others and without.
+/// Returns random robots with all joint types, with and without mimic joints.
 fn robots() -> impl Iterator<Item = (u64, Model)> {
     (0..20).flat_map(|seed: u64| {
         let links = 1 + usize::try_from(seed).expect("small");

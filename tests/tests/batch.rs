@@ -1,5 +1,5 @@
-//! Many states at a time are each what the function gives for one state without vectors: on every level of vector
-//! instructions that this machine has, for every remainder, bit for bit where products are not fused.
+//! Batches give each state the result of the scalar function: at every SIMD level of this machine, for every remainder,
+//! and bit for bit where products are not fused.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -22,15 +22,15 @@ macro_rules! robots {
 
 robots! {
     Gripper = "../../robots/gripper.urdf";
-    Arm = "../../robots/arm7.urdf", runtime_gravity = true, payload = ["link7"];
-    Single = "../../robots/arm7.urdf", scalar = f32;
-    Mimic = "../../robots/mimic_gripper.urdf";
-    Zoo = "../../robots/joint_zoo.urdf";
+    Arm = "../../robots/arm7.urdf", friction = none, runtime_gravity = true, payload = ["link7"];
+    Single = "../../robots/arm7.urdf", friction = none, scalar = f32;
+    Mimic = "../../robots/mimic_gripper.urdf", friction = none;
+    Zoo = "../../robots/joint_zoo.urdf", friction = none;
     Flying = "../../robots/quadruped.urdf", base = floating;
     FlyingSingle = "../../robots/quadruped.urdf", base = floating, scalar = f32;
 }
 
-/// Alone in its own function for long texts in parts.
+/// A robot whose function is long enough to be cut into chunks.
 mod long {
     modyn::modyn! {
         pub Humanoid = "../../robots/humanoid.urdf",
@@ -38,7 +38,7 @@ mod long {
     }
 }
 
-/// Results of several arrays.
+/// Robots whose functions return several arrays.
 mod several {
     macro_rules! robots {
         ($($Robot:ident = $file:literal $(, $key:ident = $choice:tt)*;)*) => {$(
@@ -55,15 +55,15 @@ mod several {
     }
 
     robots! {
-        Arm = "../../robots/arm7.urdf", runtime_gravity = true, payload = ["link7"];
-        Mimic = "../../robots/mimic_gripper.urdf";
+        Arm = "../../robots/arm7.urdf", friction = none, runtime_gravity = true, payload = ["link7"];
+        Mimic = "../../robots/mimic_gripper.urdf", friction = none;
         Single = "../../robots/double_pendulum.urdf", scalar = f32;
     }
 }
 
 /// A scalar of results.
 trait Number: Scalar + PartialEq + Into<f64> {
-    /// How far fused products may lead from unfused ones, relative to the largest number of a result.
+    /// The largest difference between fused and unfused products, relative to the largest number of a result.
     const FUSED: f64;
 }
 
@@ -75,13 +75,13 @@ impl Number for f32 {
     const FUSED: f64 = 5e-3;
 }
 
-/// The level is the process's: one test at a time.
+/// Locks the SIMD level, which belongs to the process, so that one test at a time changes it.
 fn alone() -> MutexGuard<'static, ()> {
     static ONE: Mutex<()> = Mutex::new(());
     ONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Does something on every level that there is; says whether products are fused on it.
+/// Calls `f` at every available SIMD level; the argument is whether products are fused there.
 fn on_every_level(mut f: impl FnMut(bool)) {
     let _alone = alone();
     for level in
@@ -98,7 +98,7 @@ fn on_every_level(mut f: impl FnMut(bool)) {
     assert!(force_level(None));
 }
 
-/// Whether this processor has a level, and no higher one is compiled in.
+/// Returns whether this processor has a level, and no higher level is compiled in.
 #[cfg(target_arch = "x86_64")]
 fn is_there(level: SimdLevel) -> bool {
     let avx2 = cfg!(all(target_feature = "avx2", target_feature = "fma"));
@@ -115,14 +115,14 @@ fn is_there(level: SimdLevel) -> bool {
     }
 }
 
-/// Whether the program is compiled for a level.
+/// Returns whether the program is compiled for a level.
 #[cfg(not(target_arch = "x86_64"))]
 fn is_there(level: SimdLevel) -> bool {
     let neon = cfg!(all(target_arch = "aarch64", target_feature = "neon"));
     level == if neon { SimdLevel::Neon } else { SimdLevel::Single }
 }
 
-/// Numbers in -1..1.
+/// Returns numbers in -1..1.
 fn numbers() -> impl FnMut() -> f64 {
     let mut state = 7u64;
     move || {
@@ -137,7 +137,7 @@ fn vectors<T: Scalar, const N: usize>(states: usize, size: f64) -> Vec<[T; N]> {
     (0..states).map(|_| std::array::from_fn(|_| T::from_f64(size * number()))).collect()
 }
 
-/// A slice's worth of numbers for each coordinate.
+/// Returns one column for each coordinate, with a number for each state.
 fn columns<T: Copy, const N: usize>(states: &[[T; N]]) -> [Vec<T>; N] {
     std::array::from_fn(|j| states.iter().map(|state| state[j]).collect())
 }
@@ -164,14 +164,14 @@ fn same<T: Number, const N: usize>(found: &[[T; N]], expected: &[[T; N]], fused:
     }
 }
 
-/// What a function gives for one state without vectors.
+/// Evaluates a function for one state without vectors.
 macro_rules! alone {
     ($Robot:ident, $T:ty, $function:ident $(, $argument:expr)+) => {
         number(<$Robot as Robot>::$function::<Plain<$T>>($(&plain(&$argument)),+))
     };
 }
 
-/// Compares all functions, over slices of both kinds, with what they give for each state.
+/// Compares all batch functions, with columns and with arrays of states, with the function of one state.
 macro_rules! robot {
     ($Robot:ident, $T:ty) => {{
         const NV: usize = $Robot::NV;
@@ -260,7 +260,7 @@ macro_rules! robot {
     }};
 }
 
-/// The numbers of all states of a matrix that has a slice for each, column by column.
+/// Returns the matrices of all states, by columns, from one slice for each entry.
 fn matrices<T: Copy, const N: usize, const NN: usize>(
     columns: &[[Vec<T>; N]; N],
     states: usize,
@@ -268,7 +268,7 @@ fn matrices<T: Copy, const N: usize, const NN: usize>(
     (0..states).map(|i| std::array::from_fn(|j| columns[j / N][j % N][i])).collect()
 }
 
-/// The same for results of several arrays.
+/// Compares batch functions whose results are several arrays with the function of one state.
 macro_rules! several {
     ($Robot:ident, $T:ty) => {{
         type Name = several::$Robot;
@@ -357,7 +357,7 @@ macro_rules! several {
                 Name::brge_each(&q, &mut each).expect("sizes");
                 let found: Vec<_> = each.iter().map(|one| *one.factors()).collect();
                 same(&found, &factors, fused, "factors");
-                // They are what the type's functions take.
+                // The factors of a batch solve like the factors of one state.
                 for (state, factors) in each.iter().enumerate() {
                     let (mass, solved) = (Name::mass_matrix(&q[state]), factors.solve(&x[state]));
                     let back: [$T; NV] =
@@ -413,7 +413,7 @@ fn long_texts() {
     });
 }
 
-/// Other parameters than those of the description.
+/// Returns parameters that differ from those of the description.
 macro_rules! parameters_of {
     ($params:ident) => {{
         let mut params = $params::DEFAULT;
@@ -475,7 +475,7 @@ fn parameters_of_several_arrays() {
     });
 }
 
-/// Angles beyond the fast reduction, and what is no number, are their own state's matter.
+/// Huge angles and NaN in one state change no other state.
 #[test]
 fn states_do_not_disturb_each_other() {
     const STATES: usize = 32;
@@ -507,7 +507,7 @@ fn states_do_not_disturb_each_other() {
     });
 }
 
-/// Nor in results of several arrays.
+/// Huge angles and NaN in one state change no other state's derivatives.
 #[test]
 fn derivatives_do_not_disturb_each_other() {
     use several::Arm;
@@ -600,7 +600,7 @@ fn wrong_lengths_of_several_arrays() {
     assert_eq!(error.to_string(), "`brge` holds 7 states, `q` holds 6");
 }
 
-/// The same numbers from all cores.
+/// Batches on all cores give the same numbers.
 #[test]
 fn in_parallel() {
     let _alone = alone();

@@ -1,4 +1,4 @@
-//! Figures changed at run time: as if the interpreter had been made with them.
+//! Inertias and gravity changed at run time: the interpreter then equals an interpreter made for the changed model.
 
 use std::iter::zip;
 
@@ -13,7 +13,7 @@ use modyn_tests::quantities::Quantities;
 use modyn_tests::random::{Random, State, state};
 use proptest::prelude::*;
 
-/// Asserts that both have the same dynamics.
+/// Asserts that both interpreters have the same dynamics.
 fn assert_same(changed: &mut Interpreter<f64>, fresh: &mut Interpreter<f64>, state: &State) {
     let State { q, qd, qdd, tau } = state;
     let close = |what, found: &[f64], expected: &[f64]| assert_close(what, found, expected, 1e-12);
@@ -47,7 +47,7 @@ proptest! {
         let mut interpreter = Interpreter::<f64>::new(model.clone());
         let mut random = Random::new(robot.seed());
         for _ in 0..6 {
-            // Fixed ones too, on links and on the world.
+            // Frames that are fixed to links or to the world are changed, too.
             let at = random.below(model.frames().len());
             let inertial = random.inertial();
             model = changed(&model, at, inertial);
@@ -55,7 +55,7 @@ proptest! {
             assert_same(&mut interpreter, &mut Interpreter::new(model.clone()), &state);
         }
         prop_assert_eq!(interpreter.model(), &made_for);
-        // And back.
+        // The described inertias give the described robot again.
         for (at, frame) in made_for.frames().iter().enumerate() {
             interpreter.set_inertial(at, &frame.inertial).expect("a body's");
         }
@@ -72,7 +72,7 @@ proptest! {
             interpreter.set_gravity(gravity);
             assert_same(&mut interpreter, &mut Interpreter::new(other), &state);
         }
-        // The links' weights as forces from outside do for it.
+        // The links' weights, given as external forces, replace gravity.
         let weights: Vec<_> = zip(model.frames(), interpreter.poses(&state.q))
             .map(|(frame, pose)| {
                 let lever = Vector3(pose.rotate(frame.inertial.center_of_mass));

@@ -1,16 +1,21 @@
-//! Quaternions whose length is not 1: what they do, and the check.
+//! Quaternions whose length is not 1: their effect on results, and the check that finds them.
 
 use modyn::{ConfigurationError, Interpreter, Robot, Scalar};
 use modyn_codegen::{ReadOptions, read};
 
-modyn::modyn!(Zoo = "../../robots/joint_zoo.urdf", functions = [forward_dynamics, normalize]);
+modyn::modyn!(
+    Zoo = "../../robots/joint_zoo.urdf",
+    friction = none,
+    functions = [forward_dynamics, normalize]
+);
 modyn::modyn!(
     Single = "../../robots/joint_zoo.urdf",
+    friction = none,
     scalar = f32,
     functions = [forward_dynamics, normalize]
 );
 
-/// Coordinates in general position, with the quaternion that begins at `at` of this length.
+/// Returns coordinates in general position; the quaternion that begins at `at` has the given length.
 fn coordinates(at: usize, length: f64) -> [f64; Zoo::NQ] {
     let q: [f64; Zoo::NQ] = std::array::from_fn(|i| 0.3 + 0.1 * i as f64);
     let mut q = Zoo::normalize(&q);
@@ -57,7 +62,7 @@ fn lengths_are_checked_by_joint() {
         let mut q = coordinates(at, 1.0);
         q[at + 1] = f64::NAN;
         assert!(Zoo::check_configuration(&q).is_err());
-        // Single precision is not held to more digits than it has.
+        // In single precision, the check allows the rounding of that precision.
         let single = coordinates(at, 1.0).map(|x| x as f32);
         assert_eq!(Single::check_configuration(&single), Ok(()));
         assert!(Single::check_configuration(&coordinates(at, 1.01).map(|x| x as f32)).is_err());
@@ -66,7 +71,7 @@ fn lengths_are_checked_by_joint() {
     assert_eq!(short, Err(ConfigurationError::Shape { expected: Zoo::NQ, found: 3 }));
 }
 
-/// The size of the fault that the documentation names.
+/// The size of the error is the one that the documentation gives.
 #[test]
 fn a_long_quaternion_is_a_wrong_result() {
     let (qd, tau) = ([0.4; Zoo::NV], [0.2; Zoo::NV]);

@@ -1,4 +1,4 @@
-//! Steps, differences, rates and random values of the coordinates.
+//! Steps, differences, time derivatives and random values of the coordinates.
 
 use std::f64::consts::PI;
 use std::iter::zip;
@@ -16,7 +16,7 @@ use modyn_tests::quantities::{Quantities as _, numbers};
 use modyn_tests::random::Random;
 use nalgebra::{DMatrix, Matrix3};
 
-/// A chain of joints of all types, one of them following another; link 0 floats.
+/// Returns a chain of joints of all types, with one mimic joint; link 0 floats.
 fn robot() -> Interpreter<f64> {
     let limits = |lower, upper| Some(Limits { lower, upper, velocity: None, effort: None });
     let types = [
@@ -83,7 +83,7 @@ fn vector(random: &mut Random, n: usize, size: f64) -> Vec<f64> {
     (0..n).map(|_| random.between(-size, size)).collect()
 }
 
-/// Where rotations stand: the quaternions in q, the rotation vectors in qd.
+/// Returns the indices of the rotations: of the quaternions in q, and of the rotation vectors in qd.
 fn rotations(model: &Model) -> Vec<(usize, usize)> {
     let blocks = Mechanism::new(model).coordinates;
     let place = |block: &modyn_runtime::mechanism::coordinates::Coordinates<f64>| match block.space
@@ -95,7 +95,7 @@ fn rotations(model: &Model) -> Vec<(usize, usize)> {
     blocks.iter().filter_map(place).collect()
 }
 
-/// Brings the rotation vectors in `v` to that length.
+/// Scales the rotation vectors in `v` to this length.
 fn stretch(model: &Model, v: &mut [f64], length: f64) {
     for (_, at) in rotations(model) {
         let w = &mut v[at..at + 3];
@@ -104,7 +104,7 @@ fn stretch(model: &Model, v: &mut [f64], length: f64) {
     }
 }
 
-/// The same rotations by quaternions with w not negative.
+/// Returns the same rotations, with quaternions whose w is not negative.
 fn one_sided(model: &Model, mut q: Vec<f64>) -> Vec<f64> {
     for (at, _) in rotations(model) {
         let sign = 1.0_f64.copysign(q[at + 3]);
@@ -182,14 +182,14 @@ fn single_precision_is_as_good_as_it_can_be() {
 }
 
 #[test]
-fn a_step_is_what_the_rates_add_up_to() {
+fn a_step_is_the_integral_of_the_rates() {
     let robot = robot();
     let random = &mut Random::new(5);
     let q = random_q(&robot, random);
     let qd = vector(random, robot.model().nv(), 1.5);
     let plus =
         |a: &[f64], h: f64, b: &[f64]| -> Vec<f64> { zip(a, b).map(|(a, b)| a + h * b).collect() };
-    // Runge and Kutta's fourth-order steps.
+    // Steps of the classical fourth-order Runge-Kutta method.
     let (steps, h) = (1000, 1e-3);
     let mut at = q.clone();
     for _ in 0..steps {
@@ -294,8 +294,8 @@ fn random_coordinates_are_within_limits_and_evenly_spread() {
         rotation += Matrix3::from_row_slice(&numbers(&robot.poses(&q)[0])[..9]);
     }
     let n = f64::from(count);
-    // The mean of a rotation matrix spread evenly is 0, the variance of its entries 1/3; five
-    // standard deviations.
+    // The mean of a uniformly distributed rotation matrix is 0, the variance of its entries 1/3; five standard
+    // deviations.
     assert!((rotation / n).amax() < 5.0 * (1.0 / (3.0 * n)).sqrt(), "{rotation}");
     for &(at, low, high) in &lines {
         let (mean, square) = (sums[at].0 / n, sums[at].1 / n);

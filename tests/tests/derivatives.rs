@@ -1,5 +1,5 @@
-//! Derivatives of inverse and forward dynamics: against figures from other software, against
-//! tangents of the dynamics themselves, and what they cost.
+//! Derivatives of inverse and forward dynamics: compared with reference data and with tangents of the dynamics; and
+//! their operation counts.
 
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::optimize;
@@ -16,10 +16,10 @@ use modyn_tests::golden::{self, FIXED_BASE, FLOATING_BASE, Golden};
 use modyn_tests::quantities::Quantities;
 use modyn_tests::random::{self, State};
 
-/// Of the reference data's README.
+/// The tolerance that the reference data's README gives.
 const TOLERANCE: f64 = 1e-9;
 
-/// The torques' derivatives by q and by qd.
+/// The derivatives of the torques by q and by qd.
 fn inverse(interpreter: &mut Interpreter, [q, qd, qdd]: [&[f64]; 3]) -> [Vec<f64>; 2] {
     let square = interpreter.model().nv().pow(2);
     let (mut dq, mut dqd) = (vec![0.0; square], vec![0.0; square]);
@@ -134,16 +134,16 @@ fn traced_derivatives_are_the_interpreters() {
     }
 }
 
-/// Operations of the derivatives of inverse dynamics, and of forward dynamics with its
-/// accelerations and the inverse of the mass matrix.
+/// The operations of the derivatives of inverse dynamics, and of forward dynamics with its accelerations and the
+/// inverse of the mass matrix.
 #[derive(Debug, PartialEq, Eq)]
 struct Counts {
     robot: &'static str,
     floating: bool,
     inverse: usize,
-    /// The same by tangents.
+    /// The operations of the derivatives of inverse dynamics by tangents.
     tangents: usize,
-    /// By chains, which takes no more than by links.
+    /// The operations with chains as modules, which are at most those with single links as modules.
     forward: usize,
 }
 
@@ -156,8 +156,7 @@ const fn frozen(
     Counts { robot, floating, inverse, tangents, forward }
 }
 
-/// What they take at present. A count that falls is to be entered here; one that rises is a
-/// regression.
+/// The present counts. Enter a count that falls; a count that rises is a regression.
 const FROZEN: [Counts; 6] = [
     frozen("ur5", false, [1204, 1092], 2140),
     frozen("panda", false, [2549, 5034], 4231),
@@ -201,7 +200,7 @@ fn counts_are_as_frozen() {
     );
 }
 
-/// The page on derivatives shows these counts.
+/// The data file of the page on derivatives has these counts.
 #[test]
 fn the_pages_data_have_the_frozen_counts() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/data/tangents.tsv");
@@ -213,7 +212,7 @@ fn the_pages_data_have_the_frozen_counts() {
     }
 }
 
-/// The derivatives of inverse dynamics by tangents, one direction after the other.
+/// Returns the derivatives of inverse dynamics by tangents, one direction after the other.
 fn tangents(model: &Model) -> Graph {
     let mechanism = Mechanism::new(model);
     Graph::trace(|| {

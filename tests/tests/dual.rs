@@ -1,11 +1,11 @@
-//! The interpreter on num-dual's numbers: exact derivatives.
+//! Exact derivatives by the interpreter on num-dual's numbers.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::num_dual::{Dual64, DualSVec64};
 use modyn_tests::close::assert_close;
 use modyn_tests::golden::Golden;
 
-/// Of inverse dynamics, by each coordinate: against the reference data and central differences.
+/// Derivatives of inverse dynamics by each coordinate equal the reference data and central differences.
 #[test]
 fn inverse_dynamics_by_coordinates() {
     for name in ["ur5", "panda_fingers", "solo12"] {
@@ -43,7 +43,7 @@ fn inverse_dynamics_by_coordinates() {
     }
 }
 
-/// All columns at once, by numbers with a gradient each.
+/// All columns at once, by numbers with a gradient.
 #[test]
 fn forward_dynamics_by_torques_is_the_inverse_inertia() {
     const N: usize = 6;

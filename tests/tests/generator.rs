@@ -1,10 +1,10 @@
-//! The random robots are the same everywhere, and as various as they are meant to be.
+//! The random robots are the same on every host, and they vary in every property.
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Friction, JointDynamics, Model};
 use modyn_tests::random::{State, chain, general_tree, general_zoo, state, tree, zoo};
 
-/// FNV-1a over the bits of the figures.
+/// Returns the FNV-1a hash of the bits of a model's and a state's numbers.
 fn fingerprint(model: &Model) -> u64 {
     let State { q, qd, qdd, tau } = state(0, model);
     let links = model.links().iter().flat_map(|link| {
@@ -66,7 +66,7 @@ fn inertias_are_physical() {
     }
 }
 
-/// Asserts that some but not all of the links of many robots are so.
+/// Asserts that some, but not all, of the links of many robots satisfy a condition.
 #[track_caller]
 fn assert_mixed(is_so: impl Fn(&Model, usize) -> bool) {
     let models: Vec<Model> = (0..50).map(|seed| tree(seed, 20)).collect();
@@ -120,7 +120,7 @@ fn zoos_have_all_there_is() {
     assert!((5..=30).contains(&count(&|model| matches!(model.friction(), Friction::Smooth(_)))));
 }
 
-/// No entry of an axis, a rotation or a translation is 0 or 1 in magnitude, nor near it.
+/// No entry of an axis, a rotation or a translation is near 0 or 1 in magnitude.
 #[test]
 fn general_robots_have_nothing_special() {
     for seed in 0..50 {

@@ -1,4 +1,4 @@
-//! The interpreter against figures from other software, on fixed and floating bases.
+//! The interpreter compared with reference data of other software, on fixed and floating bases.
 
 use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 use modyn_runtime::spatial::{Momentum, Twist, Vector3};
@@ -9,7 +9,7 @@ use modyn_tests::golden::{
 };
 use modyn_tests::quantities::{Quantities, numbers};
 
-/// Of the reference data's README.
+/// The tolerance that the reference data's README gives.
 const TOLERANCE: f64 = 1e-9;
 
 /// Runs `check` at every state of every robot.

@@ -1,11 +1,11 @@
-//! Closed loops in general position against Pinocchio's `constraintDynamics`.
+//! Closed loops in general position compared with Pinocchio's `constraintDynamics`.
 
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, Interpreter};
 use modyn_tests::close::assert_close;
 use modyn_tests::golden::{Golden, PLANAR_LOOP, SPATIAL_LOOPS};
 
-/// Of the reference data's README.
+/// The tolerance that the reference data's README gives.
 const TOLERANCE: f64 = 1e-9;
 
 #[test]

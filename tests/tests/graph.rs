@@ -1,4 +1,4 @@
-//! Compiled is interpreted: a traced graph on numbers gives what the interpreter gives.
+//! A traced graph, evaluated on numbers, gives the interpreter's results.
 
 use modyn_codegen::graph::Graph;
 use modyn_codegen::trace::Tracer;
@@ -13,10 +13,10 @@ use modyn_tests::quantities::{Quantities, numbers};
 use modyn_tests::random::{State, modules, state};
 use proptest::prelude::*;
 
-/// The two differ where constants are folded and signs normalised, and in nothing else.
+/// The tolerance. Constant folding and the normalization of signs change the rounding; nothing else differs.
 const TOLERANCE: f64 = 1e-11;
 
-/// Single links, chains, and something between.
+/// Returns partitions into single links, into chains, and a random partition.
 fn partitions(robot: Robot, model: &Model) -> [ModuleTree; 3] {
     [ModuleTree::links(model), ModuleTree::chains(model), modules(robot.seed(), model)]
 }

@@ -1,4 +1,4 @@
-//! What holds of every robot, whatever its figures.
+//! Physical identities that hold for every robot.
 
 use std::f64::consts::FRAC_PI_2;
 use std::iter::zip;
@@ -18,27 +18,27 @@ use modyn_tests::tangent::{along, rates};
 use nalgebra::{DVector, Matrix3};
 use proptest::prelude::*;
 
-/// Entries of constant rotations are taken for 0, 1 or -1 within 1e-11, at each of 30 joints.
+/// The tolerance: constant rotations at each of 30 joints are rounded to 0, 1 or -1 within 1e-11.
 const SNAPPED: f64 = 1e-9;
 
-/// A random robot on the interpreter, and a state of it.
+/// Returns the interpreter of a random robot, and a state.
 fn set_up(robot: Robot) -> (Interpreter<f64>, State) {
     let model = robot.model();
     let state = state(robot.seed(), &model);
     (Interpreter::new(model), state)
 }
 
-/// Chains, single links, and something between.
+/// Returns partitions into chains, into single links, and a random partition.
 fn partitions(seed: u64, model: &Model) -> [ModuleTree; 3] {
     [ModuleTree::chains(model), ModuleTree::links(model), modules(seed, model)]
 }
 
-/// `a` and that many times `b`.
+/// Returns `a + factor * b`.
 fn plus(a: &[f64], factor: f64, b: &[f64]) -> Vec<f64> {
     zip(a, b).map(|(a, b)| a + factor * b).collect()
 }
 
-/// The entries of qd that these links' joints have for themselves.
+/// Returns the entries of qd that belong to the joints of these links; mimic joints have none.
 fn own(model: &Model, links: Range<usize>) -> Range<usize> {
     let joints = |links: Range<usize>| {
         model.links()[links].iter().map(|link| &link.joint).filter(|joint| joint.mimic.is_none())
@@ -47,7 +47,7 @@ fn own(model: &Model, links: Range<usize>) -> Range<usize> {
     start..start + joints(links).map(|joint| joint.joint_type.nv()).sum::<usize>()
 }
 
-/// How many bodies a joint has inside.
+/// Returns the number of massless bodies inside a joint.
 fn inside(joint_type: JointType) -> usize {
     match joint_type {
         JointType::Universal => 1,
@@ -60,7 +60,7 @@ fn unit(n: usize, i: usize) -> Vec<f64> {
     (0..n).map(|j| if i == j { 1.0 } else { 0.0 }).collect()
 }
 
-/// The derivative of `f` at 0 by central differences, with the first error term removed.
+/// Returns the derivative of `f` at 0 by central differences, with the first error term removed.
 fn derivative(mut f: impl FnMut(f64) -> f64) -> f64 {
     let h = 1e-3;
     let mut slope = |h: f64| (f(h) - f(-h)) / (2.0 * h);
@@ -159,7 +159,7 @@ proptest! {
             let mut interpreter = Interpreter::with_modules(model.clone(), modules).expect("its own modules");
             let (mass_matrix, brge) = (interpreter.dense_mass_matrix(&q), interpreter.factors(&q));
             let x = brge.solve(&tau).expect("the length is right");
-            // Backward: what is left of the equations, against the terms in them.
+            // Backward error: the residual of the equations relative to their terms.
             let left = plus(&times(&mass_matrix, &x), -1.0, &tau);
             let scale = square(&mass_matrix).amax() * x.iter().fold(1.0, |a: f64, x| a.max(x.abs()));
             assert_close("solve", &left, &vec![0.0; tau.len()], 1e-12 * scale.max(1.0));
@@ -208,7 +208,7 @@ proptest! {
         let brge = interpreter.factors(&q);
         for m in 0..interpreter.modules().modules().len() {
             let block = brge.pivot_block(m).expect("a module");
-            // All its joints may follow others.
+            // A module of mimic joints alone has no pivot block.
             if block.is_empty() {
                 continue;
             }
@@ -294,7 +294,7 @@ proptest! {
         let (mut interpreter, State { q, qd, tau, .. }) = set_up(robot);
         let model = interpreter.model().clone();
         let qdd = interpreter.qdd(&q, &qd, &tau);
-        // d(T + V)/dt: along the velocities with them kept, and by the accelerations.
+        // d(T + V)/dt: along the velocities at constant velocity, and by the accelerations.
         let stored = derivative(|h| {
             let q = along(&model, &q, h, &qd);
             interpreter.kinetic(&q, &qd) + interpreter.potential(&q)
@@ -308,7 +308,7 @@ proptest! {
 
     #[test]
     fn energy_is_conserved_in_free_fall(robot in robots(15)) {
-        // Rotors stay, what resists does not.
+        // Rotors stay; dissipation is left out.
         let model = robot.model().with_friction(Friction::None).expect("sound");
         let State { mut q, mut qd, .. } = state(robot.seed(), &model);
         let mut interpreter = Interpreter::<f64>::new(model.clone());
@@ -320,7 +320,7 @@ proptest! {
         let (start, before) = (q.clone(), total(&q, &qd));
         let h = 1e-4;
         for _ in 0..50 {
-            // Runge and Kutta's fourth order.
+            // The classical fourth-order Runge-Kutta method.
             let moved = |by: f64, rate: &[f64]| {
                 let mut moved = plus(&q, by, rate);
                 normalize(&model, &mut moved);
@@ -374,7 +374,7 @@ proptest! {
             let empty = mass.rows(6 * bodies, 6 * (i - bodies));
             prop_assert!(empty.iter().all(|&x| x == 0.0), "nothing inside joints");
             bodies = i + 1;
-            // About the link's origin: [I, m c x; -m c x, m]. What c contributes to I drops out.
+            // About the link's origin: [I, m c x; -m c x, m]. The part of I that depends on c cancels.
             let block = |row, column| mass.fixed_view::<3, 3>(6 * i + row, 6 * i + column);
             let expected = Matrix3::identity() * link.inertial.mass;
             assert_close("mass", block(3, 3).into_owned().as_slice(), expected.as_slice(), 1e-14);
@@ -412,7 +412,7 @@ proptest! {
         for (found, expected) in zip(coarse.poses(&q), interpreter.poses(&dq)) {
             close("pose", &numbers(&found), &numbers(&expected));
         }
-        // Accelerations by what they leave of the equations, against the terms in them.
+        // Backward error: the residual of the equations relative to their terms.
         let found = double(&coarse.qdd(&q, &qd, &tau));
         let back = interpreter.tau(&dq, &dqd, &found);
         let scale = square(&interpreter.dense_mass_matrix(&dq)).amax()
@@ -446,7 +446,7 @@ proptest! {
         let model = interpreter.model().clone();
         let naive = Naive::new(&model, &q);
         let wrenches = wrenches(robot.seed(), &model);
-        // The same ones in other axes.
+        // The same wrenches in world axes.
         let turned: Vec<_> = zip(&wrenches, interpreter.poses(&q))
             .map(|(wrench, pose)| Wrench {
                 moment: Vector3(pose.rotate(wrench.moment.0)),
@@ -514,7 +514,7 @@ proptest! {
     }
 }
 
-/// One for each frame.
+/// Returns one wrench for each frame.
 fn wrenches(seed: u64, model: &Model) -> Vec<Wrench<f64>> {
     let mut random = Random::new(!seed);
     let mut vector = || Vector3(std::array::from_fn(|_| random.between(-5.0, 5.0)));

@@ -1,5 +1,6 @@
-//! What batches, and equal limbs and columns of one state, are compiled to: packed arithmetic of the level's width,
-//! without a call on the common path. What is not inlined into the function for a level would silently lose all of it.
+//! The machine code of batches, and of equal limbs and columns of one state: packed arithmetic of the level's full
+//! width, without calls on the common path. A function that is not inlined into the function of a level would lose its
+//! vector instructions without a message.
 
 #![cfg(target_arch = "x86_64")]
 
@@ -14,7 +15,7 @@ modyn::modyn! { pub Slopes = "arm7.urdf", functions = [forward_dynamics_derivati
 modyn::modyn! { pub Humanoid = "humanoid.urdf", functions = [bias_forces_batch] }
 "#;
 
-/// The assembly of a crate with some batches, as a user builds it.
+/// Returns the assembly of a crate with some batches, built as a user builds it.
 fn assembly() -> &'static str {
     static ONCE: std::sync::OnceLock<String> = std::sync::OnceLock::new();
     ONCE.get_or_init(compiled)
@@ -52,10 +53,10 @@ fn compiled() -> String {
     std::fs::read_to_string(folder.join("all.s")).expect("a file")
 }
 
-/// Arithmetic of floating-point numbers in one function.
+/// The floating-point arithmetic of one function.
 #[derive(Debug, Default)]
 struct Counts {
-    /// By the width of the registers in bits.
+    /// The width of the registers in bits, and the number of packed instructions of that width.
     packed: [(usize, usize); 3],
     scalar: usize,
     calls: Vec<String>,
@@ -89,7 +90,7 @@ impl Counts {
     }
 }
 
-/// The functions of an instruction set, by a part of their mangled names: lengths before names.
+/// Returns the functions of an instruction set, by a part of their mangled names (lengths precede names).
 fn functions<'a>(lines: &'a [&'a str], mangled: &str) -> Vec<(&'a str, Counts)> {
     let starts = lines
         .iter()
@@ -103,8 +104,8 @@ fn functions<'a>(lines: &'a [&'a str], mangled: &str) -> Vec<(&'a str, Counts)> 
     counts.collect()
 }
 
-/// Four legs in four lanes: packed, but for what is put together from single numbers. An arm's derivatives:
-/// what is carried for four columns at once, and single numbers, whose products fuse in place.
+/// Four legs in four lanes are packed, except for packs that are assembled from single numbers. An arm's derivatives
+/// have packed code for four columns at once, and scalar code whose products are fused in place.
 #[test]
 #[ignore = "slow: an optimised build of modyn and of five robots"]
 fn limbs_and_columns_are_packed() {
@@ -146,8 +147,8 @@ fn packed_and_of_full_width() {
                 counts.packed.iter().all(|&(w, n)| w == width || n == 0),
                 "{symbol} {counts:?}"
             );
-            // What corrects huge angles (its address in a register where it is called often), and the
-            // parts of long texts.
+            // The correction of huge angles (its address is in a register where it is called often), and the chunks of
+            // long functions.
             let known = |call: &String| {
                 ["correct", "outlined", &mangled].iter().any(|name| call.contains(name))
                     || call.starts_with("*%")

@@ -1,5 +1,5 @@
-//! Poses, velocities, accelerations and Jacobians of links, the centre of mass and the momentum
-//! about it: against other software, against each other, and against differences of one another.
+//! Poses, velocities, accelerations and Jacobians of links, the centre of mass and the momentum about it: compared with
+//! other software, with each other, and with finite differences.
 
 use std::iter::zip;
 
@@ -20,13 +20,13 @@ use modyn_tests::quantities::{Quantities, numbers};
 use modyn_tests::random::{Random, mixed_tree, tree};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 
-/// Of the reference data's README.
+/// The tolerance that the reference data's README gives.
 const TOLERANCE: f64 = 1e-9;
 
-/// Of the same thing by another way.
+/// The tolerance for two computations of one quantity.
 const EXACT: f64 = 1e-11;
 
-/// Of central differences with the first error term removed.
+/// The tolerance for central differences with the first error term removed.
 const DIFFERENCES: f64 = 1e-7;
 
 #[global_allocator]
@@ -64,7 +64,7 @@ fn inertial(random: &mut Random) -> Inertial {
     }
 }
 
-/// A tree of these joints, each with the link that its parent is; some follow others.
+/// Returns a tree with these joints, each with the index of its parent link; some are mimic joints.
 fn by_hand(name: &str, joints: &[(JointType, Option<usize>)], mimics: &[(usize, Mimic)]) -> Model {
     let random = &mut Random::new(joints.len() as u64);
     let (mut links, mut frames) = (Vec::new(), Vec::new());
@@ -89,7 +89,7 @@ fn by_hand(name: &str, joints: &[(JointType, Option<usize>)], mimics: &[(usize, 
     Model::new(name, DEFAULT_GRAVITY, links, frames).unwrap_or_else(|e| panic!("{name}: {e:?}"))
 }
 
-/// Every joint type, at the root, in the middle and at the end; joints that follow others.
+/// Returns models with every joint type at the root, in the middle and at the end, and with mimic joints.
 fn models() -> Vec<Model> {
     use JointType::{Continuous, Floating, Planar, Prismatic, Revolute, Spherical, Universal};
     let follow = |leader, multiplier, offset| Mimic { leader, multiplier, offset };
@@ -158,7 +158,7 @@ fn everywhere(mut check: impl FnMut(&mut Interpreter<f64>, &State)) {
 
 // Motion
 
-/// Coordinates, velocities, accelerations.
+/// Coordinates, velocities and accelerations.
 struct State {
     q: Vec<f64>,
     qd: Vec<f64>,
@@ -176,7 +176,7 @@ impl State {
         Self { q, qd: vector(1.5), qdd: vector(3.0) }
     }
 
-    /// After a short `time` of this motion: right up to third order in it.
+    /// Returns the state after a short `time`, exact up to third order in `time`.
     fn after(&self, model: &Model, time: f64) -> Self {
         let middle = plus(&self.qd, 0.5 * time, &self.qdd);
         let q = moved(model, &self.q, time, &middle);
@@ -188,7 +188,7 @@ fn plus(a: &[f64], factor: f64, b: &[f64]) -> Vec<f64> {
     zip(a, b).map(|(a, b)| a + factor * b).collect()
 }
 
-/// Where the quaternions stand.
+/// Returns the ranges of the quaternions in q.
 fn quaternions(model: &Model) -> Vec<std::ops::Range<usize>> {
     let own = model.links().iter().enumerate();
     let ranges = own.filter_map(|(i, link)| match link.joint.joint_type {
@@ -201,8 +201,8 @@ fn quaternions(model: &Model) -> Vec<std::ops::Range<usize>> {
     ranges.collect()
 }
 
-/// The coordinates after `time` at these velocities: for quaternions and floating joints by the
-/// exponential of the twist.
+/// Returns the coordinates after `time` at these velocities: for quaternions and floating joints by the exponential of
+/// the twist.
 fn moved(model: &Model, q: &[f64], time: f64, qd: &[f64]) -> Vec<f64> {
     let mut moved = q.to_vec();
     for (i, link) in model.links().iter().enumerate() {
@@ -235,7 +235,7 @@ fn moved(model: &Model, q: &[f64], time: f64, qd: &[f64]) -> Vec<f64> {
     moved
 }
 
-/// The derivative at 0 by central differences, with the first error term removed.
+/// Returns the derivative at 0 by central differences, with the first error term removed.
 fn derivative<const N: usize>(mut f: impl FnMut(f64) -> [f64; N]) -> [f64; N] {
     let h = 2e-4;
     let mut slope = |h: f64| {
@@ -265,7 +265,7 @@ fn jacobian(
     columns
 }
 
-/// The sum of columns times rates.
+/// Returns the product of a matrix, given by columns, and the velocities.
 fn times<const N: usize>(columns: impl Iterator<Item = [f64; N]>, rates: &[f64]) -> [f64; N] {
     zip(columns, rates)
         .fold([0.0; N], |sum, (column, rate)| std::array::from_fn(|i| sum[i] + column[i] * rate))
@@ -283,7 +283,7 @@ fn na(v: Vector3<f64>) -> nalgebra::Vector3<f64> {
     v.0.into()
 }
 
-/// From world axes to those of a link.
+/// Returns the components of a twist in link axes from those in world axes.
 fn to_link(pose: &Pose<f64>, t: &Twist<f64>) -> [f64; 6] {
     let back = rotation(pose).transpose();
     let (angular, linear): ([f64; 3], [f64; 3]) =
@@ -415,7 +415,7 @@ fn links_on_the_ground_do_not_move() {
 }
 
 #[test]
-fn a_force_from_outside_is_felt_by_the_jacobian() {
+fn external_forces_act_through_the_jacobian() {
     everywhere(|interpreter, State { q, qd, qdd }| {
         let mechanism = Mechanism::new(interpreter.model());
         let (frames, n) = (interpreter.model().frames().len(), interpreter.model().nv());
@@ -450,7 +450,7 @@ fn a_force_from_outside_is_felt_by_the_jacobian() {
 
 // All links together
 
-/// Mass, centre of mass and momentum about it, link by link.
+/// The mass, the centre of mass and the momentum about it, summed over the links.
 struct Summed {
     mass: f64,
     center: nalgebra::Vector3<f64>,
@@ -461,7 +461,7 @@ fn summed(interpreter: &mut Interpreter<f64>, q: &[f64], qd: &[f64]) -> Summed {
     let model = interpreter.model().clone();
     let mut parts = Vec::new();
     for (i, link) in model.links().iter().enumerate() {
-        // Of the link itself, which is a frame by the same name.
+        // The frame of the link itself, which has the link's name.
         let frame = model.frame_index(&link.name).expect("its own frame");
         assert_eq!(model.frames()[frame].link, Some(i));
         let pose = interpreter.link_pose(q, frame).expect(FINE);
@@ -535,7 +535,7 @@ fn momentum_of_a_free_robot_changes_by_gravity_alone() {
     let mut interpreter = Interpreter::new(model.clone());
     for seed in 0..5 {
         let State { q, qd, qdd: mut tau } = State::random(seed, &model);
-        // The joints' own torques change no momentum.
+        // Joint torques do not change the momentum.
         tau[..6].fill(0.0);
         let qdd = interpreter.qdd(&q, &qd, &tau);
         let mass = summed(&mut interpreter, &q, &qd).mass;
@@ -616,7 +616,7 @@ fn calls_allocate_nothing() {
 // Compiled
 
 #[test]
-fn traces_are_what_is_interpreted() {
+fn traces_agree_with_the_interpreter() {
     everywhere(|interpreter, State { q, qd, qdd }| {
         let mechanism = Mechanism::new(interpreter.model());
         let tracer = Tracer::new(&mechanism);
@@ -688,7 +688,7 @@ fn a_link_depends_on_its_chain_alone() {
         graphs.push(("J' qd", tracer.bias_acceleration(frame, axes), rate));
     }
     for (what, graph, most) in graphs {
-        // Not even in nodes that nothing needs: other branches are not visited.
+        // No node has a forbidden input, not even a node that no result needs.
         for node in graph.nodes() {
             if let Node::Input(input) = node {
                 let joint = *input as usize % n;

@@ -1,4 +1,4 @@
-//! A chain of 100,000 links: on a test thread's stack, in memory linear in the links.
+//! A chain of 100,000 links, on the stack of a test's thread: its memory is linear in the number of links.
 
 use modyn_runtime::Interpreter;
 use modyn_runtime::joint::JointType;
@@ -14,7 +14,8 @@ static ALLOCATOR: Counting = Counting;
 
 const LINKS: usize = 100_000;
 
-/// Linear quantities of a chain of that many links, and the bytes that the interpreter holds.
+/// Computes the quantities of linear cost for a chain with this number of links, and returns the bytes that the
+/// interpreter holds.
 fn run(links: usize) -> isize {
     let model = chain(1, links);
     let frames = model.frames().len();
@@ -41,13 +42,13 @@ fn run(links: usize) -> isize {
     let [kinetic, potential] = energies.expect("the lengths are right");
 
     assert!(qdd.iter().all(|x| x.is_finite()));
-    // Forces add up along the chain: what is left is small against them, not against `tau`.
+    // Forces add up along the chain, so the residual is small relative to them, not relative to `tau`.
     let scale = bias.iter().fold(0.0, |scale: f64, x| scale.max(x.abs()));
     let small = |x: &[f64]| -> Vec<f64> { x.iter().map(|x| x / scale).collect() };
     assert_close("inverse after forward dynamics", &small(&back), &small(&tau), 1e-10);
     assert_close("bias forces at rest", &at_rest, &torques, 1e-10);
     assert!(kinetic > 0.0 && kinetic.is_finite() && potential.is_finite());
-    // 100,000 rotations in a row are still a rotation.
+    // The product of 100,000 rotations is still a rotation.
     let tip = poses.last().expect("a frame").rotation;
     let square: f64 = tip[0].iter().map(|x| x * x).sum();
     assert!((square - 1.0).abs() < 1e-10, "{square}");
@@ -61,7 +62,7 @@ fn memory_is_linear_in_the_links() {
     assert!(small > 0 && large <= small * 11, "{small} bytes for a tenth of {large}");
 }
 
-/// Links of 1 kg and 1 m in a row along x, their centres of mass at mid-length, hinges along y.
+/// Returns a row of links of 1 kg and 1 m along x, their centres of mass at mid-length, their hinges along y.
 fn row(links: usize) -> Model {
     let link = |i: usize| Link {
         name: format!("link{i}"),
@@ -95,7 +96,7 @@ fn a_straight_chain_is_as_calculated() {
     let n = LINKS;
     let mut interpreter = Interpreter::<f64>::new(row(n));
     let rest = vec![0.0; n];
-    // What joint i holds: the weight of n - i links at half their length in front of it.
+    // Joint i holds the weight of the n - i links after it at half their length.
     let holding: Vec<f64> =
         (0..n).map(|i| (n - i) as f64).map(|behind| -10.0 * behind * behind / 2.0).collect();
     assert_close("gravity torques", &interpreter.gravity(&rest), &holding, 1e-12);
@@ -103,7 +104,7 @@ fn a_straight_chain_is_as_calculated() {
     assert_eq!(interpreter.potential(&rest), 0.0);
     assert_eq!(interpreter.poses(&rest)[0].translation, [n as f64, 0.0, 0.0]);
 
-    // Turning as one about its end at 1 rad/s, and hanging from it.
+    // The chain rotates as one body about its end at 1 rad/s, and it hangs from its end.
     let mut first = rest.clone();
     first[0] = 1.0;
     let inertia = (0..n).map(|i| 0.1 + (i as f64 + 0.5).powi(2)).sum::<f64>();
@@ -112,7 +113,7 @@ fn a_straight_chain_is_as_calculated() {
     let expected = -10.0 * (n as f64).powi(2) / 2.0;
     assert_close("hanging", &[interpreter.potential(&first)], &[expected], 1e-12);
 
-    // Held as calculated, it stays: up to rounding, since the end weighs 1e-15 of the chain's moment.
+    // The calculated torques hold the chain at rest, up to rounding: the last link's inertia is 1e-15 of the chain's.
     let qdd = interpreter.qdd(&rest, &rest, &holding);
     assert_close("accelerations", &qdd, &rest, 1e-5);
 }

@@ -1,4 +1,4 @@
-//! The macro reads MuJoCo's models: the generated robot is the one that the reader makes of the same text.
+//! The macro reads MuJoCo's models: the generated robot equals the reader's model of the same text.
 
 use modyn_codegen::{ReadOptions, read};
 use modyn_runtime::Interpreter;

@@ -1,4 +1,4 @@
-//! What a model and a module tree refuse, and what they keep.
+//! The errors of models and module trees, and the data that they keep.
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::ModelErrorKind::{
@@ -14,7 +14,7 @@ use modyn_tests::cases::{cases, robots};
 use modyn_tests::random::modules;
 use proptest::prelude::*;
 
-/// The parts of a model, to be broken.
+/// The parts of a model, to be made invalid.
 #[derive(Clone)]
 struct Parts {
     gravity: [f64; 3],
@@ -71,7 +71,7 @@ fn make(parts: Parts) -> Result<Model, Vec<(String, ModelErrorKind)>> {
     })
 }
 
-/// Asserts that the parts, broken so, are refused for exactly these reasons.
+/// Asserts that the changed parts are refused for exactly these reasons.
 #[track_caller]
 fn assert_refused(break_them: impl FnOnce(&mut Parts), expected: &[(&str, ModelErrorKind)]) {
     let mut parts = parts();
@@ -107,7 +107,7 @@ fn duplicate_names() {
     assert_refused(|p| p.links[2].name = "a".into(), &[("a", DuplicateName)]);
     assert_refused(|p| p.links[2].joint.name = "a_joint".into(), &[("a_joint", DuplicateName)]);
     assert_refused(|p| p.frames[2].name = "base".into(), &[("base", DuplicateName)]);
-    // A link and a joint of one name are two things.
+    // A link and a joint may have the same name.
     let mut same = parts();
     same.links[0].joint.name = "a".into();
     assert!(make(same).is_ok());
@@ -122,20 +122,20 @@ fn parents() {
 
 #[test]
 fn order() {
-    // Once d hangs on a, the branch of b and c is closed.
+    // With d attached to a, the branch of b and c is complete.
     let late = |p: &mut Parts| {
         p.links[3].parent = Some(0);
         p.links.push(link("e", Some(2)));
     };
     assert_refused(late, &[("e", Order)]);
-    // A second branch on the world is in order.
+    // A second branch on the world is valid.
     let mut second = parts();
     second.links[3].parent = None;
     assert!(make(second).is_ok());
 }
 
 #[test]
-fn figures_that_are_not_finite() {
+fn numbers_that_are_not_finite() {
     for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         assert_refused(|p| p.gravity[1] = x, &[("robot", NotFinite)]);
         assert_refused(|p| p.links[1].joint.axis[0] = x, &[("b", NotFinite)]);
@@ -173,12 +173,12 @@ fn second_axes() {
     };
     for axis in [[0.0; 3], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]] {
         assert_refused(universal(axis), &[("b_joint", SecondAxis)]);
-        // Of no meaning to another joint.
+        // Other joint types ignore the second axis.
         let mut other = parts();
         other.links[1].joint.second_axis = axis;
         assert!(make(other).is_ok());
     }
-    // It may be slanted.
+    // The second axis need not be perpendicular to the first.
     let mut slanted = parts();
     universal([0.0, 0.6, 0.8])(&mut slanted);
     assert_eq!(make(slanted).expect("a model").nv(), 5);
@@ -196,7 +196,7 @@ fn drives() {
 }
 
 #[test]
-fn figures_of_the_whole() {
+fn numbers_of_the_whole_model() {
     for width in [0.0, -0.1, f64::NAN, f64::INFINITY] {
         let errors = model().with_friction(Friction::Smooth(width)).expect_err("no velocity");
         assert_eq!(errors.iter().map(|e| e.kind).collect::<Vec<_>>(), [ModelErrorKind::Friction]);
@@ -226,7 +226,7 @@ fn joints_that_follow() {
         let name = ["b_joint", "c_joint"][follower - 1];
         assert_refused(several, &[(name, MimicError)]);
     }
-    // A chain of them, against the order of the links.
+    // A chain of mimic joints, against the order of the links.
     let mut chain = parts();
     chain.links[0].joint.mimic = follow(1);
     chain.links[1].joint.mimic = follow(3);
@@ -294,7 +294,7 @@ fn inertial_defects() {
     let with = |mass, inertia| Inertial { mass, center_of_mass: [0.0; 3], inertia }.defect();
     assert_eq!(with(1.0, [0.1, 0.0, 0.0, 0.1, 0.0, 0.1]), None);
     assert_eq!(with(0.0, [0.0; 6]), None);
-    // An ideal thin rod is the border case.
+    // An ideal thin rod is the limit of physical inertias.
     assert_eq!(with(1.0, [0.0, 0.0, 0.0, 0.1, 0.0, 0.1]), None);
     assert_eq!(with(-1.0, [0.0; 6]), Some(InertialDefect::NegativeMass(-1.0)));
     let massless = with(0.0, [0.1, 0.0, 0.0, 0.1, 0.0, 0.1]);
@@ -305,7 +305,7 @@ fn inertial_defects() {
         ) => x,
         other => panic!("{other:?}"),
     };
-    // 0.1 and -0.1 on a diagonal turned by 45 degrees.
+    // 0.1 and -0.1 on a diagonal, rotated by 45 degrees.
     let negative = with(1.0, [0.0, 0.1, 0.0, 0.0, 0.0, 0.1]);
     assert!(matches!(negative, Some(InertialDefect::NotPositiveSemidefinite(_))));
     modyn_tests::close::assert_close("moments", &moments(negative), &[-0.1, 0.1, 0.1], 1e-12);
@@ -347,7 +347,7 @@ fn unknown_links() {
 }
 
 #[test]
-fn links_that_stand_twice_or_nowhere() {
+fn links_in_two_modules_or_in_none() {
     let twice = ModuleError::Twice("c".into());
     assert_no_partition(&[&["a", "b"], &["c"], &["d"], &["c"]], &[twice]);
     let missing = ["c", "d"].map(|name| ModuleError::Missing(name.into()));
@@ -386,7 +386,7 @@ fn a_broken_model_is_not_deserialized() {
 }
 
 #[test]
-fn what_a_model_may_lack_can_be_left_out() {
+fn optional_fields_can_be_left_out() {
     let mut json = serde_json::to_value(model()).expect("plain data");
     for part in ["friction", "loop_constraints"] {
         json.as_object_mut().expect("an object").remove(part).expect("written");
@@ -424,7 +424,7 @@ proptest! {
                 }
             }
             prop_assert_eq!(next, model.links().len());
-            // The names give the same tree again.
+            // The names of a tree's modules give the same tree again.
             let names: Vec<Vec<&str>> = tree.modules().iter().rev()
                 .map(|m| m.links.clone().map(|i| model.links()[i].name.as_str()).collect())
                 .collect();

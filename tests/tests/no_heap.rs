@@ -1,4 +1,4 @@
-//! No function of a generated robot asks for memory, by whichever door it came.
+//! No function of a generated robot allocates memory, called through the type or through the trait.
 
 use std::hint::black_box;
 
@@ -13,7 +13,7 @@ static ALLOCATOR: Counting = Counting;
 modyn::modyn!("../../robots/gripper.urdf");
 modyn::modyn!("../../robots/quadruped.urdf", modules = links);
 modyn::modyn!("../../robots/humanoid.urdf");
-modyn::modyn!(Single = "../../robots/arm7.urdf", scalar = f32);
+modyn::modyn!(Single = "../../robots/arm7.urdf", friction = none, scalar = f32);
 modyn::modyn!(
     "../../robots/joint_zoo.urdf",
     functions = all,
@@ -58,7 +58,7 @@ fn calls_allocate_nothing() {
 }
 
 #[test]
-fn nor_do_those_of_all_functions() {
+fn calls_of_all_functions_allocate_nothing() {
     const V: usize = JointZoo::NV;
     let (q, v) = black_box((JointZoo::NEUTRAL, [0.3; V]));
     let forces = black_box([Wrench::<f64>::zero(); JointZoo::LINK_NAMES.len()]);

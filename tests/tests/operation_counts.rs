@@ -1,4 +1,4 @@
-//! How many operations the compiled robots take.
+//! The operation counts of the compiled robots.
 
 use modyn_codegen::graph::Graph;
 use modyn_codegen::plan::partition;
@@ -12,16 +12,15 @@ use modyn_tests::golden;
 #[derive(Debug, PartialEq, Eq)]
 struct Counts {
     robot: &'static str,
-    /// By links or by chains, whichever is less.
+    /// The smaller count of single links and of chains as modules.
     forward_dynamics: usize,
-    /// By the modules that the search finds.
+    /// The count with the modules that the search finds.
     searched: usize,
     inverse_dynamics: usize,
     mass_matrix: usize,
 }
 
-/// What they take at present. A count that falls is to be entered here; one that rises is a
-/// regression.
+/// The present counts. Enter a count that falls; a count that rises is a regression.
 const FROZEN: [Counts; 7] = [
     frozen("double_pendulum", 35, 35, 31, 11),
     frozen("double_pendulum_continuous", 38, 38, 34, 14),
@@ -42,7 +41,7 @@ const fn frozen(
     Counts { robot, forward_dynamics, searched, inverse_dynamics, mass_matrix }
 }
 
-/// Bounds of the design for forward dynamics.
+/// The design's bounds for forward dynamics.
 const LIMITS: [(&str, usize); 4] = [("ur5", 555), ("panda", 1139), ("solo12", 912), ("g1", 7683)];
 
 fn counts(robot: &'static str) -> Counts {

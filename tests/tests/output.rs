@@ -1,5 +1,5 @@
-//! The shape of the generated text: the same bytes everywhere, nothing that could panic, allocate
-//! or be unsafe, nothing too long for rustc, and names as no more than string literals.
+//! The form of the generated text: the same bytes on every host, no code that can panic or allocate, no `unsafe`, no
+//! block too long for rustc, and names in string literals only.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -9,8 +9,8 @@ use modyn_codegen::{Builder, FloatType, Function, Generated, ModuleChoice};
 use modyn_tests::fleet::Spec;
 use syn::visit::{self, Visit};
 
-/// Most statements in a block and in a function: what `modyn-codegen/src/program/outline.rs` allows
-/// itself, and the few around them (names of parameters, calls of parts).
+/// The largest number of statements in a block and in a function: the limits of `modyn-codegen/src/program/outline.rs`,
+/// and a few statements around them (names of parameters, calls of chunks).
 const BLOCK: usize = 260;
 const FUNCTION: usize = 3100;
 
@@ -28,8 +28,8 @@ fn compiled(path: &Path) -> Generated {
     Builder::new().urdf(path).generate().expect("a good robot")
 }
 
-/// With all functions of single states and run-time parameters; of robots of so many degrees of freedom at most,
-/// since the compiler runs unoptimised here.
+/// Returns the generated texts with all functions of one state and run-time parameters, of robots up to this number of
+/// degrees of freedom. The limit is there because the compiler runs unoptimised in this test.
 fn complete(path: &Path, most: usize) -> Option<Generated> {
     let plain = Builder::new().urdf(path).runtime_gravity();
     let model = compiled(path).model;
@@ -39,7 +39,7 @@ fn complete(path: &Path, most: usize) -> Option<Generated> {
     (model.nv() <= most).then(|| builder.generate().expect("a good robot"))
 }
 
-/// All texts together, with options that lead to other texts.
+/// Returns all texts together, with options that change the text.
 fn everything() -> String {
     let mut all = String::new();
     for path in robots() {
@@ -53,7 +53,7 @@ fn everything() -> String {
 
 const WRITE_TO: &str = "MODYN_TEST_WRITE_TO";
 
-/// Does something only in the process that the next test starts.
+/// Writes the texts, only in the process that the next test starts.
 #[test]
 fn writes_everything() {
     if let Some(path) = std::env::var_os(WRITE_TO) {
@@ -65,20 +65,20 @@ fn writes_everything() {
 fn the_same_bytes_twice_and_in_every_process() {
     let all = everything();
     assert!(all == everything(), "two runs in one process differ");
-    // On another thread, where thread-locals are new.
+    // Another thread has new thread-locals.
     let other = std::thread::spawn(everything).join().expect("no panic");
     assert!(all == other, "two threads differ");
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("everything.rs");
     let own = std::env::current_exe().expect("a path");
     let mut command = Command::new(own);
     command.args(["--exact", "writes_everything"]).env_clear().env(WRITE_TO, &path);
-    // What could matter but must not: the working directory, the language, the clock.
+    // The working directory, the language and the clock must not matter.
     command.current_dir(std::env::temp_dir()).env("LC_ALL", "de_DE.UTF-8").env("TZ", "Asia/Tokyo");
     assert!(command.status().expect("it starts").success());
     assert!(std::fs::read_to_string(&path).expect("a file") == all, "two processes differ");
 }
 
-/// What a text consists of.
+/// The elements of a text.
 #[derive(Default)]
 struct Findings {
     identifiers: BTreeSet<String>,
@@ -87,7 +87,7 @@ struct Findings {
     longest_block: usize,
     longest_function: usize,
     statements: usize,
-    /// By anything but a literal.
+    /// Whether an index is not a literal.
     indexing: usize,
     loops: usize,
 }
@@ -138,7 +138,7 @@ impl Visit<'_> for Findings {
     }
 
     fn visit_expr_index(&mut self, index: &syn::ExprIndex) {
-        // A literal's place in an array is checked when that is compiled.
+        // rustc checks a literal index of an array at compile time.
         self.indexing += usize::from(!matches!(*index.index, syn::Expr::Lit(_)));
         visit::visit_expr_index(self, index);
     }
@@ -178,7 +178,7 @@ fn nothing_panics_allocates_or_is_unsafe() {
         ] {
             assert!(!identifiers.contains(word), "{}: `{word}`", path.display());
         }
-        // Also where it is no identifier, such as in `unsafe fn`.
+        // The word is also found where it is not an identifier, such as in `unsafe fn`.
         let code: String =
             text.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
         for part in ["unsafe", "std::", "alloc", "panic", "unwrap"] {
@@ -201,7 +201,7 @@ fn nothing_is_too_long_for_rustc() {
             found.longest_function
         );
     }
-    // The largest robot does reach the limits, so they are tested.
+    // The largest robot reaches the limits, so the test of them is not empty.
     assert!(longest.0 > 200 && longest.1 > 1000, "{longest:?}");
 }
 
@@ -213,12 +213,12 @@ fn no_path_of_this_host_is_in_the_text() {
     }
 }
 
-/// The names of the functions of a generated text, its private ones too, without those that cannot be called.
+/// Returns the names of the functions of a generated text, with private functions, without those that cannot be called.
 fn functions(text: &str) -> BTreeSet<String> {
     struct Functions(BTreeSet<String>);
     impl Visit<'_> for Functions {
         fn visit_signature(&mut self, signature: &syn::Signature) {
-            // One that the robot does not have returns nothing.
+            // The stand-in for a function that the robot does not have returns nothing.
             let returned = &signature.output;
             if !matches!(returned, syn::ReturnType::Type(_, to) if matches!(**to, syn::Type::Never(_)))
             {
@@ -235,7 +235,7 @@ fn functions(text: &str) -> BTreeSet<String> {
 fn a_robot_has_the_functions_that_were_asked_for() {
     let gripper = robots().into_iter().find(|path| path.ends_with("gripper.urdf"));
     let builder = Builder::new().urdf(gripper.expect("a gripper"));
-    // What batches have is told in the tests of batches.
+    // Batches are tested in `batch.rs`.
     let all: Vec<Function> = Spec::all_functions().collect();
     for asked in [
         &[Function::ForwardDynamics][..],
@@ -288,13 +288,13 @@ const ODD: &[&str] = &[
     INVISIBLE,
 ];
 
-/// Characters that rustc denies in comments and literals, and others that show nothing.
+/// Characters that rustc denies in comments and literals, and other invisible characters.
 const INVISIBLE: &str = "a\u{61c}\u{200b}\u{200d}\u{200e}\u{200f}\u{2028}\u{2029}\u{202a}\u{202b}\u{202c}\u{202d}\u{202e}\
                          \u{2060}\u{2066}\u{2067}\u{2068}\u{2069}\u{feff}\u{ad}b";
 
-/// A chain whose robot, joints and links have these names.
+/// Returns a chain whose robot, joints and links have these names.
 fn chain(robot: &str, names: &[String]) -> modyn_runtime::model::Model {
-    // Some of them cannot stand in XML; a model can have them all the same.
+    // XML cannot contain some of them, but a model can.
     let mut urdf = String::from("<robot name=\"0\"><link name=\"root\"/>");
     for i in 0..names.len() {
         let parent = i.checked_sub(1).map_or("root".into(), |p| format!("l{p}"));
@@ -324,7 +324,7 @@ fn names_are_nothing_but_strings() {
     // XML has no NUL.
     let names: Vec<String> = ODD.iter().map(|name| name.replace(['\0', '\u{b}'], "?")).collect();
     for robot in &names {
-        // All of them once, then each as the name of a robot of one joint.
+        // First all names together, then each of them as the name of a robot with one joint.
         let links = if *robot == names[0] { &names[..] } else { &names[..1] };
         let model = chain(robot, links);
         let generated = Builder::new().model(model).generate().expect("a good robot");
@@ -338,7 +338,7 @@ fn names_are_nothing_but_strings() {
         let plain = chain("plain", &(0..links.len()).map(|i| format!("x{i}")).collect::<Vec<_>>());
         let builder = Builder::new().model(plain).type_name(&generated.type_name);
         let plain = Findings::of(&builder.generate().expect("a good robot").text);
-        // Apart from the variants of the enums, made of letters, digits and underscores.
+        // The text is the same except for the variants of the enums, which consist of letters, digits and underscores.
         let others: Vec<_> = found.identifiers.difference(&plain.identifiers).collect();
         assert!(others.len() <= 2 * links.len() + 1, "{others:?}");
         for other in others {

@@ -1,4 +1,5 @@
-//! The pages: every link leads somewhere, the book lists every page, the README is short.
+//! The pages: every link leads to a file and a heading, the book lists every page, and the README has at most 150
+//! lines.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -45,7 +46,7 @@ fn links(prose: &str) -> Vec<&str> {
     ends.filter_map(|rest| rest.split_once(')').map(|(target, _)| target)).collect()
 }
 
-/// The anchors of a page's headings, as GitHub and mdBook make them.
+/// Returns the anchors of a page's headings, as GitHub and mdBook make them.
 fn anchors(text: &str) -> BTreeSet<String> {
     let mut fenced = false;
     let headings = text.lines().filter(|line| {
@@ -104,7 +105,7 @@ fn the_readme_is_short() {
     assert!(readme.lines().count() <= 150);
 }
 
-/// The version of the crates is the one to cite, and the changelog has a section for it with the same date.
+/// `CITATION.cff` has the version of the crates, and the changelog has a section for that version with the same date.
 #[test]
 fn the_version_is_described() {
     let read = |name: &str| fs::read_to_string(root().join(name)).expect("a file");

@@ -1,4 +1,4 @@
-//! The paper's gripper, to every digit that is printed: (A.19)-(A.22) and Table 3.
+//! The paper's gripper, to every printed digit: (A.19)-(A.22) and Table 3.
 
 use std::path::Path;
 
@@ -22,15 +22,15 @@ fn factorized() -> UduFactorization {
     Interpreter::new(gripper()).factors(&Q)
 }
 
-/// How a printed number was cut to its last digit.
+/// The way in which a printed number was cut to its last digit.
 #[derive(Clone, Copy)]
 enum Cut {
     Rounded,
     Truncated,
 }
 
-/// Asserts that the entries of `columns`, over `unit`, print as the rows in `printed`; a dash
-/// stands for what the paper leaves out.
+/// Asserts that the entries of `columns`, divided by `unit`, print as the rows in `printed`; a dash stands for an entry
+/// that the paper leaves out.
 fn assert_prints(columns: &[f64], unit: f64, cut: Cut, printed: [&str; 4]) {
     let found = square(columns) / unit;
     for (i, row) in printed.iter().enumerate() {
@@ -111,7 +111,7 @@ fn u_and_d_are_a20() {
     exact.row_mut(0).copy_from_slice(&[1.0, 25.0 / 7.0, -24.0 / 7.0, 1.0]);
     assert_close("U", &u, exact.as_slice(), 1e-13);
 
-    // The 1 that is printed in the first row's last column belongs to nothing.
+    // The 1 that is printed in the first row's last column is a misprint.
     let printed = ["24.047 0 0 -", "0 13.333 4.166 0", "0 4.166 1.666 0", "0 0 0 1.666"];
     let d = brge.d();
     assert_prints(&d, 1e-4, Cut::Truncated, printed);
@@ -160,7 +160,7 @@ fn solution_is_table_3() {
     let mut interpreter = Interpreter::new(gripper());
     let phi: Vec<f64> = interpreter.gravity(&Q).iter().map(|x| -x).collect();
     assert_close("phi(0)", &phi, &[-0.8829, -0.1962, -0.04905, 0.0], 1e-14);
-    // The printed column lost its last number, 0.
+    // The last number of the printed column, 0, is missing.
     for (&found, printed) in phi.iter().zip(["-0.8829", "-0.1962"]) {
         assert_number(found, Cut::Rounded, printed);
     }
@@ -192,7 +192,7 @@ fn condition_numbers_of_the_pivots() {
 
 modyn::modyn! { Compiled = "../../robots/gripper.urdf" }
 
-/// So that all of the above holds for the compiled gripper, too.
+/// The compiled gripper has the same numbers.
 #[test]
 fn the_compiled_gripper_has_the_same_numbers() {
     let interpreted = factorized();

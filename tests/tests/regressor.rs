@@ -1,4 +1,4 @@
-//! Inverse dynamics as linear in the inertias, and the combinations of them that it depends on.
+//! The regressor of inverse dynamics, which is linear in the inertias, and the base parameters.
 
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::identification::BaseParameters;
@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 
 const LENGTHS: &str = "the lengths are right";
 
-/// A random state, whatever the limits: q, qd, qdd.
+/// Returns a random state, without regard to limits: q, qd, qdd.
 fn state(robot: &Interpreter<f64>, seed: u64) -> [Vec<f64>; 3] {
     let mut random = Random::new(!seed);
     let mut vector = |size: f64| -> Vec<f64> {
@@ -44,7 +44,7 @@ fn parameters(model: &Model) -> DVector<f64> {
     DVector::from_vec(all.collect())
 }
 
-/// The reference robots, on their bases and off the ground.
+/// Returns the reference robots, on fixed and on floating bases.
 fn robots() -> Vec<Model> {
     let extra = Inertial { mass: 3.0, center_of_mass: [0.1, 0.2, -0.1], inertia: [0.0; 6] };
     let fixed: Vec<Model> = FIXED_BASE.iter().map(|name| read(&urdf(name))).collect();
@@ -52,7 +52,7 @@ fn robots() -> Vec<Model> {
     [fixed, floating].concat()
 }
 
-/// A random tree with joints of all types, some of which follow others.
+/// Returns a random tree with joints of all types, some of which are mimic joints.
 fn varied(seed: u64, links: usize) -> Model {
     let mut random = Random::new(seed);
     let model = mixed_tree(seed, links);
@@ -86,7 +86,7 @@ fn varied(seed: u64, links: usize) -> Model {
         .unwrap_or_else(|errors| panic!("seed {seed}: {errors:?}"))
 }
 
-/// A link on the world.
+/// Returns a single link on the world.
 fn single(joint_type: JointType, axis: [f64; 3]) -> Model {
     let joint = Joint::new("joint", joint_type, axis, Pose::identity());
     let inertial = Inertial { mass: 1.0, center_of_mass: [0.1, 0.2, 0.3], inertia: [0.0; 6] };
@@ -115,7 +115,7 @@ fn torques_are_linear_in_the_inertias() {
 }
 
 #[test]
-fn what_drives_take_is_left_out() {
+fn joint_dynamics_are_not_in_the_regressor() {
     let model = tree(5, 6);
     let drive = JointDynamics { armature: 0.3, damping: 0.7, friction: 0.0 };
     let mut links = model.links().to_vec();
@@ -140,7 +140,7 @@ fn the_graph_computes_the_same() {
     }
 }
 
-/// Regressors at many states, one under the other, with columns of length 1 (or 0).
+/// Returns the regressors at many states, one below the other, with columns of length 1 (or 0).
 fn stacked(robot: &mut Interpreter<f64>, seed: u64) -> DMatrix<f64> {
     let columns = 10 * robot.model().links().len();
     let states = (3 * columns / robot.model().nv()).max(30) as u64;
@@ -201,10 +201,10 @@ fn base_parameters_of_random_robots() {
 fn counts_are_the_textbooks() {
     let count = |model: &Model| BaseParameters::new(model).parameters.len();
     let named = |name: &str| read(&urdf(name));
-    // Seven a revolute joint, but of a first one that is vertical, one (Gautier and Khalil 1990).
+    // Seven for each revolute joint; one for a first joint with a vertical axis (Gautier and Khalil 1990).
     assert_eq!(count(&named("ur5")), 36);
     assert_eq!(count(&named("panda")), 43);
-    // A floating base feels all ten of its own.
+    // Ten for a floating base.
     assert_eq!(count(&floated(&named("solo12"), Inertial::default())), 10 + 12 * 7);
     assert_eq!(count(&single(JointType::Revolute, [0.0, 0.0, 1.0])), 1);
     assert_eq!(count(&single(JointType::Revolute, [1.0, 0.0, 0.0])), 3);
@@ -232,7 +232,7 @@ fn base_parameters_are_named_by_their_links() {
 }
 
 #[test]
-fn what_no_torque_depends_on_is_in_no_combination() {
+fn unidentifiable_parameters_are_in_no_combination() {
     let base = BaseParameters::new(&single(JointType::Revolute, [0.0, 0.0, 1.0]));
     let [izz] = &base.parameters[..] else { panic!("{base:?}") };
     assert_eq!((izz.kept, &izz.combination[..], izz.name()), (9, &[(9, 1.0)][..], "Izz_link"));

@@ -1,4 +1,4 @@
-//! Run-time inertias, payloads and gravity in the robot's own scalar: which combinations are errors, and derivatives
+//! Run-time inertias, payloads and gravity in the robot's own scalar: the combinations that are errors, and derivatives
 //! by them.
 
 use modyn::{Inertial, ParameterError, Robot, Scalar, functions};
@@ -6,6 +6,7 @@ use modyn_runtime::num_dual::Dual64;
 
 modyn::modyn! {
     Arm = "../../robots/arm7.urdf",
+    friction = none,
     runtime_gravity = true,
     runtime_inertia = ["link7", "hand", "link4"],
     payload = ["hand"],
@@ -13,15 +14,17 @@ modyn::modyn! {
 }
 modyn::modyn! {
     Single = "../../robots/arm7.urdf",
+    friction = none,
     scalar = f32,
     runtime_gravity = true,
     runtime_inertia = ["link4"],
     payload = ["hand"],
     functions = [forward_dynamics, inverse_dynamics]
 }
-// Everything behind the wrist: without the payload and these links, the last joint moves nothing.
+// All links after the wrist have run-time inertias: without these and the payload, the last joint has no inertia.
 modyn::modyn! {
     Wrist = "../../robots/arm7.urdf",
+    friction = none,
     runtime_inertia = ["link7", "hand", "left_finger", "right_finger"],
     payload = ["grasp_point"],
     functions = [forward_dynamics]
@@ -32,7 +35,7 @@ const Q: [f64; 7] = [0.3, -0.7, 0.9, -1.8, 0.4, 1.6, -0.6];
 const QD: [f64; 7] = [0.5, -1.2, 0.8, 0.3, -0.9, 1.1, -0.4];
 const TAU: [f64; 7] = [3.0, -8.0, 5.0, 2.0, -1.0, 0.7, 0.2];
 
-/// A load in the hand.
+/// A payload in the hand.
 const LOAD: Inertial = Inertial {
     mass: 1.5,
     center_of_mass: [0.03, -0.02, 0.11],
@@ -41,7 +44,7 @@ const LOAD: Inertial = Inertial {
 
 const NONE: Inertial = Inertial { mass: 0.0, center_of_mass: [0.0; 3], inertia: [0.0; 6] };
 
-/// All accelerations that `params` have a part in, for any robot and scalar.
+/// Returns all accelerations that depend on `params`, for any robot and scalar.
 fn accelerations<R: Robot + functions::ForwardDynamics, T: Scalar>(
     params: &R::Params<T>,
     q: &R::Q<T>,
@@ -51,8 +54,8 @@ fn accelerations<R: Robot + functions::ForwardDynamics, T: Scalar>(
     R::forward_dynamics_with(params, q, qd, tau)
 }
 
-/// Asserts the derivatives of forward dynamics by the number that `set` changes: on dual numbers through the trait,
-/// and by central differences.
+/// Asserts that the derivatives of forward dynamics by the number that `set` changes are the same on dual numbers
+/// through the trait and by central differences.
 fn check_derivative(
     what: &str,
     value: f64,
@@ -138,7 +141,7 @@ fn accelerations_by_masses_and_inertias() {
             params.set_inertia_of_link7(own).expect("a body's");
         },
     );
-    // A number that is no body's is refused on dual numbers as well.
+    // Invalid inertias are refused on dual numbers as well.
     let mut params = ArmParams::<Dual64>::default();
     let negative = Inertial { mass: Dual64::from_re(-1.0), ..params.inertia_of_link4() };
     assert!(matches!(params.set_inertia_of_link4(negative), Err(ParameterError::Defect(_))));
@@ -156,13 +159,13 @@ fn no_joint_is_left_without_inertia() {
     let last = params;
     assert_eq!(params.set_inertia_of_right_finger(NONE), refused);
     assert_eq!(params, last, "nothing has changed");
-    // A point mass on the last joint's axis is not felt by it; beside the axis it is.
+    // A point mass on the last joint's axis gives that joint no inertia; a point mass beside the axis does.
     let mass = |x: f64| Inertial { mass: 0.5, center_of_mass: [x, 0.0, 0.1], ..NONE };
     assert_eq!(params.set_inertia_of_right_finger(NONE), refused);
     params.set_inertia_of_link7(mass(0.05)).expect("beside the axis");
     params.set_inertia_of_right_finger(NONE).expect("the link is left");
     assert_eq!(params.set_inertia_of_link7(mass(0.0)), refused);
-    // A payload can take over, and then must stay.
+    // A payload can give the joint its inertia; then the payload must stay.
     params.set_payload_of_grasp_point(LOAD).expect("a body's");
     params.set_inertia_of_link7(NONE).expect("the payload is left");
     assert_eq!(params.set_payload_of_grasp_point(NONE), refused);
@@ -170,7 +173,7 @@ fn no_joint_is_left_without_inertia() {
     assert!(qdd.iter().all(|x| x.is_finite() && x.abs() < 1e4), "{qdd:?}");
     let message = error.to_string();
     assert!(message.contains("`joint7`") && message.contains("infinite"), "{message}");
-    // Where other links are felt, any inertia is taken.
+    // Where other links give the joints their inertia, any inertia is accepted.
     let mut params = ArmParams::DEFAULT;
     params.set_inertia_of_link4(NONE).expect("the links behind it are felt");
 }

@@ -1,4 +1,4 @@
-//! A wrong length is an error that names what is wrong, never a panic.
+//! A wrong length is an error that names the argument, never a panic.
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::{Joint, Link, Model, ModuleTree};
@@ -96,7 +96,7 @@ fn modules_of_another_model_are_refused() {
     assert_eq!(error, Err(ModuleMismatch::default()));
     let error = Interpreter::<f64>::new(star.clone()).eliminating_by(&foreign).map(drop);
     assert_eq!(error, Err(ModuleMismatch::default()));
-    // Another robot's factorization, and one by other modules.
+    // A factorization of another robot, and one with other modules.
     let interpreter = Interpreter::<f64>::new(star.clone());
     let mut brge = interpreter.brge(&[0.2; 5]).expect("five numbers");
     let links = ModuleTree::links(&star);
@@ -109,7 +109,8 @@ fn modules_of_another_model_are_refused() {
     assert_eq!((brge.u(), brge.d()), (expected.u(), expected.d()));
 }
 
-/// As many coordinates in as many links, but of other joints: a factorization has another layout.
+/// Robots with the same numbers of coordinates and links but other joint types have another layout of the
+/// factorization.
 #[test]
 fn factorizations_of_other_joints_are_refused() {
     let joints = [JointType::Spherical, JointType::Revolute];
@@ -126,7 +127,7 @@ fn factorizations_of_other_joints_are_refused() {
     assert_eq!(brge.update(&second, &q), refused);
     assert_eq!(brge.inverse(), before.inverse(), "nothing was written");
     assert_eq!(brge.solve(&[1.0, 2.0, 3.0, 4.0]), before.solve(&[1.0, 2.0, 3.0, 4.0]));
-    // With other numbers alone, the memory serves another robot.
+    // A robot with other inertias has the same layout, so the memory can be used for it.
     let mut other = chain(&joints);
     other = Model::new("other", [0.0; 3], changed_mass(&other, 3.0), Vec::new()).expect("sound");
     let links = ModuleTree::links(&other);
@@ -136,14 +137,14 @@ fn factorizations_of_other_joints_are_refused() {
     assert_eq!(brge.inverse(), other.brge(&q).expect("five numbers").inverse());
 }
 
-/// The links of `model`, each so many times as heavy.
+/// Returns `model` with the mass of each link multiplied by a factor.
 fn changed_mass(model: &Model, times: f64) -> Vec<Link> {
     let mut links = model.links().to_vec();
     links.iter_mut().for_each(|link| link.inertial.mass *= times);
     links
 }
 
-/// A chain of joints of these types, in general position.
+/// Returns a chain of joints of these types, in general position.
 fn chain(types: &[JointType]) -> Model {
     let mut random = Random::new(5);
     let link = |(i, joint_type): (usize, &JointType)| {

@@ -1,5 +1,5 @@
-//! One case for each error a user can make through the macro. rustc itself compiles the cases, against the crate
-//! `modyn` as Cargo has it built, so that nothing is built for them. `MODYN_UI=overwrite` renews the expected messages.
+//! One case for each error that a user can make through the macro. rustc compiles the cases itself, against the crate
+//! `modyn` as Cargo has built it, so that nothing is built for them. `MODYN_UI=overwrite` renews the expected messages.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use std::{env, fs, thread};
 use modyn_codegen::diagnostics::Code;
 use serde_json::Value;
 
-/// Kinds that no input of the macro leads to, and those that are only warnings.
+/// The kinds of diagnostics that no input of the macro causes, and those that are only warnings.
 const ELSEWHERE: &[Code] = &[
     Code::IllConditioned,
     Code::Output,
@@ -29,12 +29,12 @@ const ELSEWHERE: &[Code] = &[
     Code::ImplausibleMass,
 ];
 
-/// The folder of this package, where rustc runs: it shows paths relative to it, as users see them.
+/// Returns the folder of this package, where rustc runs: rustc then prints paths relative to it, as users see them.
 fn folder() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The `.rs` files of a folder under `ui/`, by name.
+/// Returns the `.rs` files of a folder under `ui/`, by name.
 fn cases(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry"));
     let mut cases: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
@@ -43,7 +43,7 @@ fn cases(folder: &Path) -> Vec<PathBuf> {
     cases
 }
 
-/// The compiled crate `modyn`, by the Cargo and in the target folder that the tests themselves were built with.
+/// Returns the compiled crate `modyn`, from the Cargo and the target folder of the tests themselves.
 fn modyn() -> &'static Path {
     static ONCE: OnceLock<PathBuf> = OnceLock::new();
     ONCE.get_or_init(|| {
@@ -68,7 +68,7 @@ fn modyn() -> &'static Path {
     })
 }
 
-/// rustc on a case, as Cargo calls it.
+/// Returns rustc's command for a case, as Cargo calls it.
 fn rustc(case: &Path) -> Command {
     let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let mut library = OsString::from("modyn=");
@@ -87,7 +87,7 @@ fn rustc(case: &Path) -> Command {
     command
 }
 
-/// rustc's messages without its closing remarks.
+/// Returns rustc's messages without its closing remarks.
 fn messages(output: &Output) -> String {
     let text = String::from_utf8_lossy(&output.stderr);
     let remarks = ["error: aborting due to ", "For more information about ", "Some errors have "];
@@ -95,7 +95,7 @@ fn messages(output: &Output) -> String {
     lines.collect::<Vec<_>>().join("\n").trim_end().to_owned() + "\n"
 }
 
-/// Runs `check` on all cases, several at a time, and fails with all complaints.
+/// Runs `check` on all cases in parallel, and fails with all complaints.
 fn check_all(cases: &[PathBuf], check: impl Fn(&Path) -> Result<(), String> + Sync) {
     assert!(!cases.is_empty());
     let (next, complaints) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
@@ -145,7 +145,7 @@ fn good_cases_compile_and_run() {
         let name = case.file_stem().expect("a name");
         let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         let built = rustc(case).arg("-o").arg(&program).output().expect("rustc runs");
-        // Warnings of the macro about descriptions may be there; those of rustc are errors in these cases.
+        // The macro may warn about descriptions; warnings of rustc are errors in these cases.
         if !built.status.success() {
             return Err(messages(&built));
         }

@@ -1,8 +1,7 @@
-//! Crates as users have them, outside the workspace: each is built by a Cargo of its own.
+//! Crates outside the workspace, as users have them: each is built by its own call of Cargo.
 //!
 //! All of them share one target folder, so that their dependencies are built once; the workspace's `Cargo.lock` beside
-//! each one pins the versions. The slow ones are ignored unless they are asked for (`-- --include-ignored`), as
-//! `.ci/run` does.
+//! each one pins the versions. The slow ones are ignored unless `-- --include-ignored` is given, as `.ci/run` does.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -14,7 +13,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace")
 }
 
-/// The folder of a crate, with the workspace's versions.
+/// Returns the folder of a crate, with the workspace's versions.
 fn user_crate(name: &str) -> PathBuf {
     let folder = root().join("tests/crates").join(name);
     pin(&folder);
@@ -25,7 +24,7 @@ fn pin(folder: &Path) {
     std::fs::copy(root().join("Cargo.lock"), folder.join("Cargo.lock")).expect("a lock file");
 }
 
-/// Runs Cargo in a folder as a user would: nothing of the outer Cargo gets in.
+/// Runs Cargo in a folder as a user does: the variables of the outer Cargo are removed.
 fn cargo(folder: &Path, arguments: &str) -> Output {
     let mut command = Command::new(env!("CARGO"));
     for (name, _) in std::env::vars_os() {
@@ -39,7 +38,7 @@ fn cargo(folder: &Path, arguments: &str) -> Output {
     let arguments = arguments.split_whitespace();
     command.current_dir(folder).args(arguments).arg("--target-dir").arg(target);
     command.args(["--jobs", "2"]).env("CARGO_TERM_COLOR", "never");
-    // Half the time and most of the disk; the test of debug information asks for it.
+    // Without debug information builds take half the time and little disk; the test of debug information sets it.
     command.env("CARGO_PROFILE_DEV_DEBUG", "0");
     command.output().expect("Cargo runs")
 }
@@ -48,21 +47,21 @@ fn text(output: &Output) -> String {
     [&output.stdout[..], &output.stderr].map(String::from_utf8_lossy).concat()
 }
 
-/// The output of a run that must go well.
+/// Returns the output of a run that must succeed.
 fn succeeds(folder: &Path, arguments: &str) -> String {
     let output = cargo(folder, arguments);
     assert!(output.status.success(), "cargo {arguments}: {}", text(&output));
     text(&output)
 }
 
-/// The output of a run that must not go well.
+/// Returns the output of a run that must fail.
 fn fails(folder: &Path, arguments: &str) -> String {
     let output = cargo(folder, arguments);
     assert!(!output.status.success(), "cargo {arguments}: {}", text(&output));
     text(&output)
 }
 
-/// Whether a tool's list holds this; tools that are not installed hold nothing.
+/// Returns whether a tool's output lists `what`; false if the tool is not installed.
 fn has(command: &str, arguments: &[&str], what: &str) -> bool {
     let output = Command::new(command).args(arguments).output();
     let found = output.is_ok_and(|output| {
@@ -93,7 +92,8 @@ fn with_the_strictest_lints() {
         succeeds(&folder, "clippy --all-targets");
     }
     let docs = succeeds(&folder, "doc --no-deps");
-    // The description's own warnings are there as well: of the build script, and with the description's file first.
+    // The warnings about the description are in the output as well: those of the build script, and those that begin
+    // with the description's file.
     let of_rustdoc =
         |line: &str| line.starts_with("warning") && !line.starts_with("warning: user-strict@");
     assert!(!docs.lines().any(of_rustdoc), "{docs}");
@@ -108,7 +108,7 @@ fn under_another_name() {
 fn by_a_build_script() {
     let folder = user_crate("build-script");
     let output = succeeds(&folder, "test");
-    // Cargo repeats the warnings of a script that it need not run again.
+    // Cargo repeats the warnings of a build script that it does not run again.
     assert!(output.contains("odd.urdf:4:54: warning[axis-length]: joint `pivot`"), "{output}");
 }
 
@@ -116,13 +116,13 @@ fn by_a_build_script() {
 #[ignore = "slow: debug information of a long text"]
 fn the_largest_robot_with_debug_information() {
     let folder = user_crate("humanoid");
-    // Debug information makes rustc slow on long functions, or crash.
+    // With debug information rustc is slow on long functions, or crashes.
     for profile in ["dev", "release"] {
         let arguments = format!("build --profile {profile} --config profile.{profile}.debug=true");
         succeeds(&folder, &format!("{arguments} -p modyn"));
         let start = Instant::now();
         succeeds(&folder, &arguments);
-        // No limit: machines differ. `--nocapture` shows it.
+        // There is no limit, because machines differ. `--nocapture` shows the time.
         println!("cargo {arguments} of the humanoid: {:.1} s", start.elapsed().as_secs_f64());
     }
 }
@@ -139,10 +139,10 @@ fn no_path_panics() {
     assert!(output.contains("a_function_of_modyn_can_panic"), "{output}");
 }
 
-/// A new crate that only depends on `modyn`.
+/// Returns the folder of a new crate that depends on `modyn` only.
 fn new_crate(name: &str, source: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    // From an earlier run.
+    // The file can be there from an earlier run.
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(folder.join("src")).expect("a folder");
     let manifest = format!(
@@ -163,10 +163,10 @@ fn the_crate_follows_its_description() {
     let folder = new_crate("user-rebuilt", "modyn::modyn!(pub Robot = \"robot.urdf\");\n");
     let missing = fails(&folder, "build");
     assert!(missing.contains("tried `src/robot.urdf`, `robot.urdf`"), "{missing}");
-    // It appears; it changes; it is wrong; it is replaced by one beside the source.
+    // The description is written, changed, made invalid, and replaced by a file beside the source.
     let file = folder.join("robot.urdf");
     let write = |file: &Path, text: &str| {
-        // Some file systems count in seconds.
+        // Some file systems store times in whole seconds.
         std::thread::sleep(std::time::Duration::from_millis(1100));
         std::fs::write(file, text).expect("a file");
     };
@@ -181,7 +181,7 @@ fn the_crate_follows_its_description() {
     write(&file, &PENDULUM.replace("0 1 0", "0 2 0"));
     let (good, output) = rebuilt();
     assert!(good && output.contains("robot.urdf:4:54: warning[axis-length]"), "{output}");
-    // Cargo repeats what the macro said, as it does warnings.
+    // Cargo repeats the macro's messages, as it repeats warnings.
     let (good, output) = rebuilt();
     assert!(good && output.contains("Fresh user-rebuilt"), "{output}");
     assert!(output.contains("robot.urdf:4:54: warning[axis-length]"), "{output}");
@@ -223,7 +223,7 @@ fn a_member_of_a_workspace() {
     succeeds(&member, "build");
 }
 
-/// The text of the README's first block of code in `language` after `mark`.
+/// Returns the text of the README's first block of code in `language` after `mark`.
 fn block<'a>(readme: &'a str, mark: &str, language: &str) -> &'a str {
     let (_, rest) = readme.split_once(mark).unwrap_or_else(|| panic!("no {mark}"));
     let (_, rest) = rest.split_once(&format!("```{language}\n")).expect("a block of code");
@@ -231,7 +231,7 @@ fn block<'a>(readme: &'a str, mark: &str, language: &str) -> &'a str {
 }
 
 #[test]
-fn the_first_program_of_the_readme_prints_what_the_readme_says() {
+fn the_first_program_prints_the_output_in_the_readme() {
     let readme = std::fs::read_to_string(root().join("README.md")).expect("the README");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("swing");
     std::fs::create_dir_all(folder.join("src")).expect("a folder");

@@ -58,15 +58,15 @@ class Coordinates:
             spin, angle = qd[v + 2], v + 2
             by_velocity = self.angle_derivative(v, qd)
             by_acceleration = self.angle_derivative(v, qdd)
-            # The second derivative of a rotation is minus itself.
+            # The second derivative of a rotation is minus the rotation.
             by_acceleration[v:v + 2] -= spin * (self.map @ qd)[v:v + 2]
             by_q[:, angle] += by_v @ by_velocity + mass @ by_acceleration
-            # Of dG/dt v: by the velocities in the plane, then by the spin.
+            # dG/dt v: by the velocities in the plane, then by the spin.
             by_rates[:, v:v + 2] += mass[:, v:v + 2] @ (-spin * QUARTER @ self.map[v:v + 2, v:v + 2])
             by_rates[:, angle] += mass @ by_velocity
         by_q, by_rates = self.map.T @ by_q, self.map.T @ by_rates
         for v in self.planar:
-            # The derivative of G^T times the forces, which turns the other way.
+            # The derivative of G^T times the forces, which rotates in the other direction.
             by_q[v:v + 2, v + 2] += self.map[v:v + 2, v:v + 2].T @ QUARTER @ tau[v:v + 2]
         return by_q, by_rates
 

@@ -105,7 +105,7 @@ class Closed:
 def in_general_position(source, seed):
     """A URDF of joints about one point each, turned as a whole, with every link's frame turned and shifted on its axis.
 
-    The mechanism is the same: its coordinates and velocities mean what they meant, up to the direction of gravity.
+    The mechanism, its coordinates and its velocities stay the same; only the direction of gravity changes.
     """
     random = numpy.random.default_rng(seed)
     root = ElementTree.fromstring(source.encode())

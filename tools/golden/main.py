@@ -130,7 +130,7 @@ def loop(name):
 
 
 def files():
-    """By name: what makes the text of the file."""
+    """Returns, by name, the functions that make the texts of the files."""
     def text(value):
         return json.dumps(value, separators=(",", ":")) + "\n"
 

@@ -1,6 +1,6 @@
 """Random mechanisms in general position, as URDF: no axis is a coordinate axis, no frame is parallel to another.
 
-All numbers have four decimals, inertias six, so that the text is short and says exactly what is meant.
+All numbers have four decimals, inertias six, so that the text is short and exact.
 """
 
 import xml.etree.ElementTree as ElementTree

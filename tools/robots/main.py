@@ -1,7 +1,7 @@
-"""Every robot of example-robot-data: what modyn says of it, and whether its numbers are Pinocchio's.
+"""Every robot of example-robot-data: modyn's diagnostics, and the differences from Pinocchio.
 
-Writes docs/robots.md. Exit code 1 if a robot that Pinocchio loads differs, or is refused for a reason that is
-not listed as one (`table.REASONS`).
+Writes docs/data/robots.tsv and docs/data/refusals.tsv. Exit code 1 if a robot that Pinocchio loads differs, or is
+refused for a reason that is not listed (`table.REASONS`).
 """
 
 import argparse
@@ -25,7 +25,7 @@ TOLERANCE = 1e-9
 
 @dataclasses.dataclass
 class Row:
-    """What was found of a robot."""
+    """The findings about a robot."""
     name: str
     errors: list
     warnings: int
@@ -34,9 +34,9 @@ class Row:
     joints: int | None = None
     velocities: int | None = None
     compared: dict | None = None
-    #: What Pinocchio says against it.
+    #: Pinocchio's error.
     unloaded: str | None = None
-    #: Against Pinocchio: by base, the differences of mass matrix, bias forces and accelerations, and what is allowed.
+    #: By base, the differences of mass matrix, bias forces and accelerations from Pinocchio, and the tolerances.
     differences: dict = dataclasses.field(default_factory=dict)
     #: The rank of Pinocchio's mass matrix, of its velocities, where modyn refuses.
     rank: tuple | None = None
@@ -48,7 +48,7 @@ def relative(found, expected):
 
 
 def differences(description, floating, words, states):
-    """The largest differences of all states, each with what is allowed."""
+    """Returns the largest differences of all states, each with its tolerance."""
     words = [*words, "floating"] if floating and "floating" not in words else words
     interpreter = modyn.Interpreter(description, words)
     model, _ = reference.load(description, floating)
@@ -90,7 +90,7 @@ def sweep(folder, description, options):
     if errors:
         way = next((way for way in modyn.WAYS if not modyn.check(description, way)[0]), None)
     if way is None:
-        # What is only looked for in bodies that can exist.
+        # Further checks, which run only on physical inertias.
         errors += [error for error in modyn.check(description, "--unphysical-inertia warn")[0] if error not in errors]
     row = Row(name, errors, warnings, way)
     model, row.unloaded = reference.load(description)
@@ -115,7 +115,7 @@ def sweep(folder, description, options):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", default="", help="robots whose path has this in it; the table goes to the terminal")
+    parser.add_argument("--only", default="", help="robots whose path contains this; the tables go to the terminal")
     parser.add_argument("--states", type=int, default=100, help="random states against Pinocchio (default: 100)")
     parser.add_argument("--jobs", type=int, default=2, help="robots at a time (default: 2)")
     options = parser.parse_args()
@@ -125,11 +125,11 @@ def main():
     descriptions = [path for path in sorted(folder.rglob("*.urdf")) if options.only in str(path)]
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         rows = list(pool.map(lambda path: sweep(folder, path, options), descriptions))
-    text = table.text(rows, options, time.monotonic() - start)
-    if options.only:
-        print(text)
-    else:
-        (modyn.ROOT / "docs" / "robots.md").write_text(text)
+    for name, text in table.files(rows, time.monotonic() - start).items():
+        if options.only:
+            print(text)
+        else:
+            (modyn.ROOT / "docs" / "data" / f"{name}.tsv").write_text(text)
     wrong = [row.name for row in rows if not table.fine(row)]
     if wrong:
         sys.exit(f"not as it should be: {', '.join(wrong)}")

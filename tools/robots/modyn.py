@@ -10,13 +10,13 @@ import numpy
 
 ROOT = Path(__file__).resolve().parents[2]
 RELEASE = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
-#: What a refused description is tried with, one after the other: options of `modyn`, and words of `evaluate`.
+#: Options of `modyn` that are tried one after the other on a refused description, with words of `evaluate`.
 WAYS = {
     "--mimic independent": ["independent"],
     "--unphysical-inertia warn": ["warn"],
     "--base floating": ["floating"],
 }
-#: What is compared of robots of more than `SMALL` velocities, whose other functions take rustc minutes.
+#: The compared functions of robots with more than `SMALL` velocities, whose other functions take rustc minutes.
 FEW = "forward_dynamics,inverse_dynamics,mass_matrix,center_of_mass"
 SMALL = 7
 

@@ -12,7 +12,7 @@ import pinocchio
 
 
 def load(description, floating=False):
-    """The model, or what Pinocchio says against it."""
+    """Returns the model, or Pinocchio's error."""
     root = [pinocchio.JointModelFreeFlyer()] if floating else []
     try:
         return pinocchio.buildModelFromUrdf(str(description), *root), None
@@ -79,7 +79,7 @@ class Reference:
             own, at = self.q_at[name], joint.idx_q
             if joint.nv == 1:
                 angle = multiplier * q[own] + offset
-                # A continuous joint is cosine and sine.
+                # Pinocchio stores a continuous joint as cosine and sine.
                 theirs[at:at + joint.nq] = angle if joint.nq == 1 else (numpy.cos(angle), numpy.sin(angle))
             elif joint.nq == 7:
                 theirs[at:at + 7] = q[own:own + 7]

@@ -1,7 +1,9 @@
-"""What was found, as Markdown."""
+"""The findings as files of docs/data."""
 
+import datetime
 import os
 import platform
+import subprocess
 from importlib.metadata import version
 from pathlib import Path
 
@@ -13,13 +15,13 @@ REASONS = {
     "triangle-inequality": "no rigid body has such an inertia",
     "singular-joint": "a joint moves nothing that has inertia: any torque would accelerate it without bound",
     "no-moving-joint": "nothing moves, unless the base floats",
-    "mimic-target": "a joint mimics one that is not in the file: what it follows is unknown",
+    "mimic-target": "a joint mimics one that is not in the file",
     "no-link": "there is nothing in the file",
 }
 
 
 def differing(row):
-    """What differs from Pinocchio, by base and quantity."""
+    """Returns the quantities that differ from Pinocchio, by base."""
     return [f"{quantity} ({base})" for base, found in row.differences.items()
             for quantity, (difference, allowed, _) in found.items() if not difference <= allowed]
 
@@ -71,10 +73,10 @@ def refusals(row):
 
 
 def aside(row):
-    """What Pinocchio has to say of a description that is refused whatever the options."""
+    """Returns Pinocchio's error for a description that modyn refuses with all options."""
     if row.rank:
-        return f"its mass matrix in Pinocchio has rank {row.rank[0]} of {row.rank[1]}"
-    return f"Pinocchio: {row.unloaded}" if row.unloaded else ""
+        return f"the mass matrix has rank {row.rank[0]} of {row.rank[1]}"
+    return row.unloaded or ""
 
 
 def processor():
@@ -82,50 +84,28 @@ def processor():
     return next((line.split(": ")[1] for line in lines if line.startswith("model name")), platform.processor())
 
 
-def lines(head, rows):
-    yield f"| {' | '.join(head)} |"
-    yield "|" + "---|" * len(head)
-    for row in rows:
-        yield f"| {' | '.join(str(cell) for cell in row)} |"
+def output(*command):
+    return subprocess.run(command, capture_output=True, text=True, check=True, cwd=modyn.ROOT).stdout.strip()
 
 
-def text(rows, options, seconds):
-    usable = [row for row in rows if not row.errors]
-    by_option = [row for row in rows if row.errors and row.way]
-    loaded = [row for row in rows if not row.unloaded]
-    against = [row for row in rows if row.differences]
-    agreeing = [row for row in against if not differing(row)]
-    out = [
-        "# Real robots",
-        "",
-        f"The PyPI package `example-robot-data` {version('example-robot-data')} has {len(rows)} descriptions of real "
-        f"robots. {len(usable)} of them are usable as they are, {len(by_option)} with an option, and "
-        f"{len(rows) - len(usable) - len(by_option)} are refused. Pinocchio {version('pin')} loads {len(loaded)}; "
-        f"{len(against)} of these were computed by both, and {len(agreeing)} agree.",
-        "",
-        "```console",
-        "tools/robots/run",
-        "```",
-        "",
-        f"writes this page ({seconds / 60:.0f} minutes on {os.cpu_count()} cores, {processor()}, most of them in rustc). "
-        "It fetches the robots; none of their files are part of modyn.",
-        "",
-        "- *joints* are those with coordinates of their own, on a fixed base; joints that mimic others follow them. "
-        "Where an option was needed, all that stands behind it was found with that option.",
-        "- *compiled*: `modyn compare`, generated code against the interpreter in 100 random states: the largest "
-        "difference relative to the largest number of a result, and of how many functions "
-        f"(all up to {modyn.SMALL} velocities, beyond them those of dynamics without derivatives).",
-        f"- *Pinocchio*: the interpreter against Pinocchio in {options.states} random states, on a fixed and on a "
-        "floating base: largest differences relative to the largest number of a result. Allowed is 1e-9, for "
-        "accelerations times the condition number of the mass matrix: modyn takes angles within 1e-11 of a right one, "
-        "such as 1.57079632679, as right, and Pinocchio does not.",
-        "",
+def data(head, rows, note):
+    """The text of a file of docs/data: how it was made, the titles of the columns, and the rows."""
+    lines = [
+        "# command: tools/robots/run",
+        f"# date: {datetime.date.today()}",
+        f"# commit: {output('git', 'describe', '--always', '--dirty')}",
+        f"# note: {note}",
     ]
+    return "\n".join(lines + ["\t".join(str(cell) for cell in row) for row in [head, *rows]]) + "\n"
+
+
+def files(rows, seconds):
+    """The files of docs/data by name: all robots, and the reasons of those that are refused."""
+    note = (f"example-robot-data {version('example-robot-data')}, Pinocchio {version('pin')}; {seconds / 60:.0f} minutes "
+            f"on {os.cpu_count()} cores, {processor()}")
     head = ["robot", "joints", "`modyn check`", "compiled", "mass matrix, Pinocchio", "bias forces", "accelerations"]
-    out += lines(head, ([row.name, "" if row.joints is None else row.joints, checked(row), compared(row),
-                         *pinocchio(row)] for row in rows))
-    out += ["", "## What is refused, and why", ""]
-    refused = [row for row in rows if row.errors]
-    head = ["robot", "code", "the first of its kind", "why", "besides"]
-    out += lines(head, ([row.name, *line, aside(row)] for row in refused for line in refusals(row)))
-    return "\n".join(out) + "\n"
+    robots = [[row.name, "" if row.joints is None else row.joints, checked(row), compared(row), *pinocchio(row)]
+              for row in rows]
+    refused = [[row.name, *line, aside(row)] for row in rows if row.errors for line in refusals(row)]
+    why = ["robot", "code", "first error of this kind", "reason", "Pinocchio"]
+    return {"robots": data(head, robots, note), "refusals": data(why, refused, note)}

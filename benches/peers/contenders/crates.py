@@ -5,14 +5,14 @@ import os
 from environment import HERE, OUTPUT, call
 from measure import Program
 
-#: What they offer.
+#: The quantities of each crate.
 CRATES = {
     "phyz": ["forward_dynamics", "inverse_dynamics", "mass_matrix"],
     "dynamics-rs": ["forward_dynamics", "inverse_dynamics"],
 }
 WHY_NOT = {
     "Rust crate featherstone 0.1":
-        "f32 alone; what it reads of a description with turned placements has other dynamics (errors of 1), "
+        "f32 only; for descriptions with rotated placements its dynamics are wrong (errors of 1), "
         "and its joints turn the other way",
     "Rust crate k": "kinematics only",
     "Rust crate rapier3d": "a simulator: no forward dynamics as a function of q, qd and tau",

@@ -26,7 +26,7 @@ def runner(toolbox, target):
 
 
 def states(toolbox):
-    """Writes the states and what all results are checked against."""
+    """Writes the states, and the results that all others are compared with."""
     toolbox.version("rustc", call(["rustc", "--version"]))
     call([runner(toolbox, "default"), "states", toolbox.data])
 

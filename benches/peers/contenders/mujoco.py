@@ -12,7 +12,7 @@ def build(toolbox):
     if library is None or not toolbox.compilers:
         raise Unavailable("no library or no compiler")
     source = HERE / "cpp" / "mujoco.cpp"
-    # What is timed is the library; the compiler of the harness does not matter.
+    # Only the library is measured; the compiler of the harness does not matter.
     executable = toolbox.build / "mujoco"
     if not newer(executable, [source, HERE / "cpp" / "harness.hpp"]):
         call([toolbox.compilers[-1][2], "-std=c++17", "-O3", "-march=native", "-I", package / "include", source, library,

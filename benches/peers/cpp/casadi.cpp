@@ -1,4 +1,4 @@
-// The harness around a C function that CasADi wrote: FOLDER ROBOT QUANTITY REPETITIONS.
+// The harness around a C function that CasADi generated: FOLDER ROBOT QUANTITY REPETITIONS.
 #include "harness.hpp"
 
 extern "C" {

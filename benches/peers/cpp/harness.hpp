@@ -34,7 +34,7 @@ struct Joints {
     bool floating() const { return nq != nv; }
 };
 
-// FOLDER ROBOT QUANTITY REPETITIONS, and what was written for them by `modyn-runner states`.
+// FOLDER ROBOT QUANTITY REPETITIONS, and the files that `modyn-runner states` has written for them.
 struct Job {
     std::string folder, robot, quantity;
     std::size_t repetitions;
@@ -128,7 +128,7 @@ template <class Call> void time(const Job &job, Call call) {
     std::printf("ns %g\n", times[times.size() / 2]);
 }
 
-// `call(i)` computes at state i, `result(i)` says what came out, in modyn's order and by columns.
+// `call(i)` computes at state i, `result(i)` returns the result in modyn's order and by columns.
 template <class Call, class Result> void run(const Job &job, Call call, Result result) {
     check(job, [&](std::size_t i) {
         call(i);

@@ -59,7 +59,7 @@ inline pinocchio::Model read(const std::string &path) {
     return model;
 }
 
-// Where each of modyn's coordinates (velocities) stands in Pinocchio's vectors.
+// The index of each of modyn's coordinates (velocities) in Pinocchio's vectors.
 struct Order {
     std::vector<int> q, v;
 

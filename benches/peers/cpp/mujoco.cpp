@@ -1,13 +1,13 @@
-// MuJoCo's smooth dynamics: FOLDER ROBOT QUANTITY REPETITIONS MODEL forward|pieces, where forward
-// dynamics is mj_forward, or only those pieces of it that accelerations need.
+// MuJoCo's smooth dynamics: FOLDER ROBOT QUANTITY REPETITIONS MODEL forward|pieces. `forward` calls mj_forward;
+// `pieces` calls only the functions that accelerations need.
 #include <mujoco/mujoco.h>
 
 #include "harness.hpp"
 
 namespace {
 
-// A state in MuJoCo's order; of a floating base: q has the quaternion as w x y z, velocities are
-// linear in world axes, angular in the base's own.
+// A state in MuJoCo's order. For a floating base: q has the quaternion as w x y z, linear velocities are in world axes,
+// angular velocities in the base's axes.
 struct Turned {
     Numbers q, qd, tau, qdd;
 };
@@ -15,7 +15,7 @@ struct Turned {
 struct Robot {
     const mjModel *model;
     bool floating;
-    // Where each of modyn's coordinates (velocities) stands.
+    // The index of each of modyn's coordinates (velocities).
     std::vector<int> q, v;
 
     Robot(const mjModel *model, const Joints &joints) : model(model), floating(joints.floating()) {
@@ -35,7 +35,7 @@ struct Robot {
         return out;
     }
 
-    // From the base's axes to the world's, or back.
+    // Rotates from the base's axes to the world's, or back.
     static void turn(const Numbers &q, double *x, bool back) {
         double quaternion[4], out[3];
         mju_copy4(quaternion, &q[3]);
@@ -44,7 +44,7 @@ struct Robot {
         mju_copy3(x, out);
     }
 
-    // What the classical acceleration has more than the spatial one, in the base's axes.
+    // The difference between the classical and the spatial acceleration, in the base's axes.
     static void add_cross(const Numbers &own_qd, double *x, double sign) {
         double cross[3];
         mju_cross(cross, &own_qd[3], &own_qd[0]);
@@ -89,7 +89,7 @@ int main(int count, char **arguments) {
         mju_copy(data->qvel, states[i].qd.data(), n);
         mj_comVel(model, data);
     };
-    // Forces or accelerations of a floating base from the world's axes.
+    // Converts forces or accelerations of a floating base from world axes.
     const auto own = [&](std::size_t i, bool acceleration) {
         if (robot.floating) Robot::turn(states[i].q, result.data(), true);
         Numbers out = robot.back(result.data());
@@ -135,7 +135,7 @@ int main(int count, char **arguments) {
                 mj_makeM(model, data);
             },
             [&](std::size_t i) {
-                // Columns of the whole: in world axes, so a floating base is turned on both sides.
+                // Columns of the full matrix: in world axes, so the rows and columns of a floating base are rotated.
                 Numbers out;
                 for (int k = 0; k < n; ++k) {
                     Numbers unit(n);

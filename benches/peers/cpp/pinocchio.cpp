@@ -11,14 +11,14 @@ using Eigen::VectorXd;
 
 namespace {
 
-// From modyn's order to Pinocchio's.
+// Converts from modyn's order to Pinocchio's.
 VectorXd placed(const Numbers &numbers, const std::vector<int> &order) {
     VectorXd x(numbers.size());
     for (std::size_t k = 0; k < order.size(); ++k) x[order[k]] = numbers[k];
     return x;
 }
 
-// And back; what is behind `out` goes on.
+// Converts back to modyn's order; returns the numbers after `out`.
 template <class Vector> void append(Numbers &out, const Vector &x, const std::vector<int> &order) {
     for (int k : order) out.push_back(x[k]);
 }
@@ -60,7 +60,7 @@ int main(int count, char **arguments) {
                 return out;
             });
     else if (job.quantity == "mass_matrix")
-        // Fills the upper triangle alone.
+        // Fills the upper triangle only.
         run(
             job, [&](int i) { pinocchio::crba(model, data, q[i], pinocchio::Convention::LOCAL); },
             [&](int) {

@@ -15,7 +15,7 @@ using Matrix = Eigen::Matrix<SX, Eigen::Dynamic, Eigen::Dynamic>;
 
 namespace {
 
-// Numbers this near to 0, 1 and -1 are what they were meant to be.
+// Rounds numbers that are nearly 0, 1 or -1 to these values.
 constexpr double NEAR = 1e-9;
 
 void snap(double &number) {
@@ -23,7 +23,7 @@ void snap(double &number) {
         if (std::abs(number - whole) < NEAR) number = whole;
 }
 
-// Constants that CasADi can then leave out.
+// Rounds the numbers of the placements, so that CasADi can leave out zeros and ones.
 void snap(pinocchio::Model &model) {
     for (auto &placement : model.jointPlacements) {
         for (double &number : placement.rotation().reshaped()) snap(number);
@@ -32,7 +32,7 @@ void snap(pinocchio::Model &model) {
     }
 }
 
-// Symbols in modyn's order, and the same in Pinocchio's.
+// Symbols in modyn's order, and the same symbols in Pinocchio's order.
 struct Symbols {
     SX own;
     Vector placed;

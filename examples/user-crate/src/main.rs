@@ -1,10 +1,10 @@
-//! A double pendulum that is let go, and what keeps it up: `cargo run`.
+//! A double pendulum that swings freely, and the torques that hold it: `cargo run`.
 
 use modyn::simulate::State;
 
 modyn::modyn!(pub Pendulum = "robots/double_pendulum.urdf");
 
-/// The acceleration of each joint, by the torques of its motors.
+/// Returns the acceleration of each joint under the torques of its motors.
 fn accelerations(q: &[f64; 2], qd: &[f64; 2], torques: &[f64; 2]) -> [f64; 2] {
     Pendulum::forward_dynamics(q, qd, torques)
 }
@@ -12,7 +12,7 @@ fn accelerations(q: &[f64; 2], qd: &[f64; 2], torques: &[f64; 2]) -> [f64; 2] {
 fn main() {
     let (q, rest) = ([0.6, -0.3], [0.0; 2]);
     println!("let go, it accelerates by {:.3?} rad/s^2", accelerations(&q, &rest, &rest));
-    println!("what keeps it up: {:.3?} N m", Pendulum::gravity_torques(&q));
+    println!("torques that hold it: {:.3?} N m", Pendulum::gravity_torques(&q));
 
     let mut state = State::<Pendulum, f64>::at_rest(q);
     for _ in 0..1000 {

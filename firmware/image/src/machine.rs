@@ -1,4 +1,4 @@
-//! What differs between the processors: entry, faults, the count of instructions.
+//! The parts that differ between processors: entry, faults, and the count of instructions.
 
 use core::arch::asm;
 
@@ -10,8 +10,8 @@ mod arm {
     const SYST_RVR: *mut u32 = 0xe000_e014 as *mut u32;
     const SYST_CVR: *mut u32 = 0xe000_e018 as *mut u32;
 
-    /// Instructions in a tick: QEMU's boards run at 25 MHz, and `-icount shift=0` gives every
-    /// instruction a nanosecond.
+    /// The instructions in a tick: QEMU's boards run at 25 MHz, and with `-icount shift=0` every instruction takes a
+    /// nanosecond.
     const PER_TICK: u32 = 40;
 
     const MASK: u32 = 0x00ff_ffff;
@@ -42,7 +42,7 @@ mod arm {
         unsafe { SYST_CVR.read_volatile() }
     }
 
-    /// How many since `start`; at most 671 million.
+    /// Returns the instructions since `start`; at most 671 million.
     pub fn since(start: u32) -> u32 {
         (start.wrapping_sub(instructions()) & MASK) * PER_TICK
     }
@@ -54,7 +54,7 @@ mod arm {
         pointer
     }
 
-    /// An instruction that does not exist.
+    /// Executes an instruction that does not exist.
     #[cfg(feature = "fail")]
     pub fn fault() {
         // SAFETY: the handler of the fault ends the program.

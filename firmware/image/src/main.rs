@@ -1,8 +1,8 @@
-//! Runs the compiled robots on a microcontroller, compares every result with the host's bit for
-//! bit, and measures what a call takes.
+//! Runs the compiled robots on a microcontroller, compares every result with the host's bit for bit, and measures the
+//! instructions and the stack of each call.
 //!
-//! Exit codes: 0 all is well, 1 a result differs, 101 a panic, 102 a fault. What measures is written
-//! without formatting, so that a panic in the image would be the robots'.
+//! Exit codes: 0 success, 1 a result differs, 101 a panic, 102 a fault. The measuring code writes without formatting,
+//! so that a panic in the image can only come from the robots.
 #![no_std]
 #![no_main]
 
@@ -29,7 +29,7 @@ type Float = f64;
 #[cfg(not(feature = "f32"))]
 type Bits = u64;
 
-/// A state, and the bits of what the host computed there.
+/// A state, and the bits of the host's results there.
 struct Case<const N: usize> {
     q: [Bits; N],
     qd: [Bits; N],
@@ -59,7 +59,7 @@ fn bits<const N: usize>(numbers: [Float; N]) -> [Bits; N] {
     numbers.map(Float::to_bits)
 }
 
-/// The functions of a robot, each as a function of the image, and how it is run.
+/// The functions of a robot, each as a function of the image, with a function that runs it.
 macro_rules! robot {
     ($name:ident, $robot:ident, $cases:ident) => {
         mod $name {
@@ -112,7 +112,7 @@ macro_rules! robot {
                     && bits(last_link_place(&q)) == case.place
             }
 
-            /// Whether all results are the host's; prints the measurements.
+            /// Returns whether all results equal the host's, and prints the measurements.
             pub fn run() -> bool {
                 let cases = black_box(&cases::$cases);
                 // Every second state has angles far beyond the fast reduction.
@@ -152,7 +152,7 @@ robot!(leg, Leg, LEG);
 robot!(legs, Quadruped, LEGS);
 robot!(legs_shared, Quadruped, LEGS_SHARED);
 
-/// The same robot over `modyn-runtime` says the same.
+/// The same robot over `modyn-runtime` gives the same results.
 fn ordinary_agrees() -> bool {
     black_box(&cases::ARM7).iter().all(|case| {
         let (q, qd, tau) = (numbers(&case.q), numbers(&case.qd), numbers(&case.tau));
@@ -160,7 +160,7 @@ fn ordinary_agrees() -> bool {
     })
 }
 
-/// A robot with run-time parameters takes them, in its own scalar, and refuses an inertia that no body has.
+/// A robot with run-time parameters accepts them in its own scalar, and refuses an inertia that no rigid body has.
 fn loaded_agrees() -> bool {
     use robots_::loaded::{Arm7, Arm7Params};
 
@@ -193,7 +193,7 @@ fn main() -> ! {
     exit(if good { 0 } else { 1 })
 }
 
-/// Fails as the command line says, to show that each way of failing is noticed.
+/// Fails in the way that the command line names, to show that each failure is noticed.
 #[cfg(feature = "fail")]
 fn fail() {
     let mut buffer = [core::mem::MaybeUninit::uninit(); 64];

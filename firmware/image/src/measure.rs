@@ -1,4 +1,4 @@
-//! Instructions and stack of a call, and lines of text without formatting.
+//! Counts the instructions and measures the stack of a call, and writes lines of text without formatting.
 
 use core::ffi::CStr;
 
@@ -6,13 +6,13 @@ use crate::machine;
 
 pub use machine::prepare;
 
-/// How often a call is repeated: the clock is coarser than an instruction.
+/// The number of repetitions of a call: the clock's tick is longer than an instruction.
 const CALLS: u32 = 200;
 
-/// How deep below the caller the stack is painted, bytes.
+/// The depth below the caller to which the stack is painted, bytes.
 const DEPTH: usize = 32 * 1024;
 
-/// What the painter itself may use, bytes; a call's depth is at least this.
+/// The stack that the painting function itself may use, bytes; a measured depth is at least this.
 const MARGIN: usize = 48;
 
 const PAINT: u32 = 0x5afe_c0de;
@@ -26,8 +26,8 @@ pub fn report(robot: &str, function: &str, state: &str, function_call: &mut dyn 
     line.print();
 }
 
-/// Instructions of one call (rounded to the nearest), and how deep its stack was, bytes. Both count
-/// the call itself.
+/// Returns the instructions of one call (rounded to the nearest), and the depth of its stack, bytes. Both include the
+/// call itself.
 #[inline(never)]
 fn call(call: &mut dyn FnMut()) -> (u32, u32) {
     let stack = stack(call);
@@ -66,7 +66,7 @@ fn paint(bottom: usize, end: usize) {
     }
 }
 
-/// The first word from below that is not as painted.
+/// Returns the first changed word, from below.
 #[inline(never)]
 fn lowest(bottom: usize, end: usize) -> usize {
     let mut at = bottom;
@@ -91,7 +91,7 @@ impl Default for Line {
 
 impl Line {
     fn byte(&mut self, byte: u8) {
-        // The last one stays zero.
+        // The last byte stays zero.
         if self.length < 95
             && let Some(place) = self.bytes.get_mut(self.length)
         {

@@ -1,4 +1,4 @@
-//! Functions as the disassembly shows them: whom they call, what frame they take.
+//! The functions of a disassembly: the functions that they call, and their stack frames.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
@@ -8,15 +8,16 @@ use std::process::Command;
 #[derive(Debug, Default)]
 pub struct Function {
     pub name: String,
-    /// Bytes of its code and the constants between.
+    /// The bytes of its code and of the constants in between.
     pub size: u64,
-    /// Bytes of its stack frame.
+    /// The bytes of its stack frame.
     pub frame: u64,
-    /// Whether the compiler said so; else it is what the instructions take off the stack pointer.
+    /// Whether the compiler gave the frame's size; otherwise it is computed from the instructions that change the stack
+    /// pointer.
     pub frame_known: bool,
-    /// The functions it calls or jumps to.
+    /// The functions that it calls or jumps to.
     pub calls: BTreeSet<u64>,
-    /// Whether it calls what a register holds.
+    /// Whether it calls through a register.
     pub indirect: bool,
     /// Whether it jumps back within itself.
     pub loops: bool,
@@ -26,7 +27,7 @@ pub struct Function {
     pub fused: bool,
 }
 
-/// All functions, by address.
+/// Returns all functions, by address.
 pub fn read(
     objdump: &str,
     image: &str,
@@ -75,8 +76,8 @@ impl Function {
         let fused = ["vfma", "vfms", "vfnma", "vfnms", "fmadd", "fmsub", "fnmadd", "fnmsub"];
         self.fused |= fused.iter().any(|name| mnemonic.starts_with(name));
         self.frame += taken(mnemonic, operands);
-        // A jump's target stands in hexadecimal before the symbol's name; or it is the name's, where a
-        // register holds it that the instruction before has loaded.
+        // A jump's target is in hexadecimal before the symbol's name. For a jump through a register it is the name that
+        // the preceding instruction has loaded.
         let branch = mnemonic.starts_with(['b', 'j', 'c', 't']) && !mnemonic.starts_with("bic");
         let target = operands.split_once('<').and_then(|(before, name)| {
             let number = before.rsplit_once("0x").map(|(_, number)| number.trim());
@@ -92,7 +93,7 @@ impl Function {
                     self.calls.insert(target);
                 }
             }
-            // A jump through a register that holds no return address is a call at the end.
+            // A jump through a register that holds no return address is a tail call.
             _ => {
                 let through = matches!(mnemonic, "blx" | "jalr" | "c.jalr");
                 let at_the_end = match mnemonic {
@@ -106,7 +107,7 @@ impl Function {
     }
 }
 
-/// Bytes that an instruction takes off the stack pointer.
+/// Returns the bytes that an instruction subtracts from the stack pointer.
 fn taken(mnemonic: &str, operands: &str) -> u64 {
     let number = |text: &str| -> u64 {
         let text = text.trim().trim_start_matches(['#', '-']);

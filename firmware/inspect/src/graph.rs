@@ -1,20 +1,20 @@
-//! What a function takes with all that it calls.
+//! The stack and the code of a function with all functions that it calls.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::disassembly::Function;
 
-/// A function with all that it calls.
+/// A function with all functions that it calls.
 pub struct Walk {
     /// The deepest stack, bytes.
     pub stack: u64,
-    /// Whether the compiler has said so of every function on the way.
+    /// Whether the compiler gave the frame's size for every function on the path.
     pub stack_known: bool,
     /// Bytes of code.
     pub flash: u64,
 }
 
-/// Follows all calls from `start`; an error if one leads back or cannot be seen.
+/// Follows all calls from `start`; returns an error for recursion and for calls whose target is unknown.
 pub fn walk(functions: &BTreeMap<u64, Function>, start: u64) -> Result<Walk, String> {
     let mut seen = BTreeSet::new();
     let (stack, stack_known) = depth(functions, start, &mut Vec::new(), &mut seen)?;
@@ -38,13 +38,13 @@ fn depth(
         return Err(format!("recursion through {}", function.name));
     }
     if function.indirect {
-        return Err(format!("{} calls what a register holds", function.name));
+        return Err(format!("{} calls through a register", function.name));
     }
     seen.insert(start);
     path.push(start);
     let (mut deepest, mut known) = (0, function.frame_known);
     for &callee in &function.calls {
-        // A loop to its own first instruction is no call.
+        // A loop to the function's own first instruction is not a call.
         if callee == start && function.frame == 0 {
             continue;
         }

@@ -1,13 +1,15 @@
-//! What can be proved of a linked image, and what its functions take.
+//! Proves properties of a linked image, and computes the stack and the code size of its functions.
 //!
 //! `inspect IMAGE OBJDUMP MEASURED NAME [--no-double] [--loops] [--soft] [--panics]`: reads the symbols and stack sizes of
-//! IMAGE, its disassembly by LLVM's OBJDUMP, and the lines that running it printed; writes rows of a
-//! table. Fails if the image has an allocator or a panic, or a robot's function is recursive, calls
-//! what cannot be seen, loops in itself, took more stack than the bound found here, or not the same
-//! number of instructions at every state (but those with far angles).
-//! `--no-double`: nothing may compute in double precision. `--loops`: loops over the angles may stay
-//! loops, as at opt-level "s". `--soft`: floats by functions, whose instructions depend on the numbers. `--panics`: there must be a panic,
-//! to show that it would be found.
+//! IMAGE, its disassembly by LLVM's OBJDUMP, and the lines that the running image printed; writes rows of a
+//! table. Fails if the image has an allocator or a panic. Fails if a robot's function is recursive, has a call whose
+//! target is unknown, contains a loop, or took more stack than the computed bound. Fails if the number of instructions
+//! differs between states (except states with large angles).
+//!
+//! - `--no-double`: no function may compute in double precision.
+//! - `--loops`: loops over the angles are allowed, as at opt-level "s".
+//! - `--soft`: floating-point arithmetic is done by functions, whose instructions depend on the numbers.
+//! - `--panics`: the image must contain a panic, which shows that the check finds it.
 
 mod disassembly;
 mod graph;
@@ -17,11 +19,11 @@ use std::error::Error;
 
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SymbolKind};
 
-/// What a measured call uses besides the function and the closure around it.
+/// The stack of a measured call besides the function and the closure around it.
 const HARNESS: u64 = 64;
 
-/// The dynamics proper, which must be straight lines. Condition numbers are found by a fixed number of
-/// sweeps, and taking one link's place out of all may copy in a loop.
+/// The dynamics functions, which must be straight-line code. Condition numbers take a fixed number of sweeps, and
+/// selecting one link's placement may copy in a loop.
 const STRAIGHT: [&str; 4] = ["forward_dynamics", "inverse_dynamics", "mass_matrix", "brge_solve"];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -40,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let names = symbols(&file);
     let mut functions = disassembly::read(objdump, image, &names)?;
     for (address, size) in stack_sizes(&file)? {
-        // Bit 0 of a Thumb address says so.
+        // Bit 0 of a Thumb address marks Thumb code.
         if let Some(function) = functions.get_mut(&(address & !1)) {
             function.frame = size;
             function.frame_known = true;
@@ -115,7 +117,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// What calls at several states took.
+/// The measurements of calls at several states.
 #[derive(Clone, Copy, Default)]
 struct Range {
     least: u64,
@@ -123,7 +125,7 @@ struct Range {
     stack: u64,
 }
 
-/// The lines `measured FUNCTION INSTRUCTIONS STACK`, by function.
+/// Returns the lines `measured FUNCTION INSTRUCTIONS STACK`, by function.
 fn measurements(text: &str) -> BTreeMap<&str, Range> {
     let mut found: BTreeMap<&str, Range> = BTreeMap::new();
     for line in text.lines().filter_map(|line| line.strip_prefix("measured ")) {
@@ -142,7 +144,7 @@ fn demangled(name: &str) -> String {
     format!("{:#}", rustc_demangle::demangle(name))
 }
 
-/// What a panic would need: the machinery, or the handler.
+/// The symbols that a panic needs: the formatting machinery, or the handler.
 fn is_panic(name: &str) -> bool {
     let parts = ["panicking", "rust_begin_unwind", "panic_fmt", "panic_bounds", "unwrap_failed"];
     parts.iter().any(|part| name.contains(part))
@@ -153,7 +155,7 @@ fn is_allocator(name: &str) -> bool {
     parts.iter().any(|part| name.contains(part)) || ["malloc", "free", "sbrk"].contains(&name)
 }
 
-/// Arithmetic of `f64` by functions, in the names of Arm's run-time ABI and of libgcc's.
+/// The functions for arithmetic of `f64`, by their names in Arm's run-time ABI and in libgcc.
 fn is_double(name: &str) -> bool {
     let name = name.rsplit("::").next().unwrap_or(name);
     let arm = [
@@ -165,11 +167,11 @@ fn is_double(name: &str) -> bool {
         "__aeabi_l2d",
         "__aeabi_ul2d",
     ];
-    // Division of integers begins like a double's name.
+    // Names of integer division begin like those of doubles.
     arm.iter().any(|start| name.starts_with(start)) || name.starts_with("__") && name.contains("df")
 }
 
-/// Functions by address.
+/// Returns the functions by address.
 fn symbols(file: &object::File<'_>) -> BTreeMap<u64, (String, u64)> {
     file.symbols()
         .filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0)
@@ -177,7 +179,7 @@ fn symbols(file: &object::File<'_>) -> BTreeMap<u64, (String, u64)> {
         .collect()
 }
 
-/// What the compiler says of the frames of its functions: an address and a ULEB128 each.
+/// Returns the sizes of stack frames that the compiler has written: an address and a ULEB128 each.
 fn stack_sizes(file: &object::File<'_>) -> Result<Vec<(u64, u64)>, Box<dyn Error>> {
     let Some(section) = file.section_by_name(".stack_sizes") else {
         return Err("there is no section .stack_sizes: build with -Z emit-stack-sizes".into());

@@ -18,7 +18,8 @@ macro_rules! robots {
     };
 }
 
-// Self-contained, but for `ordinary` and `loaded` (with run-time parameters), which depend on `modyn-runtime`.
+// The robots are self-contained, except for `ordinary` and `loaded` (with run-time parameters), which depend on
+// `modyn-runtime`.
 robots! {
     single: arm7 = "arm7_f32", gripper = "gripper_f32", leg = "leg_f32", legs = "legs_f32",
         legs_shared = "legs_shared_f32", ordinary = "ordinary_f32", loaded = "loaded_f32";

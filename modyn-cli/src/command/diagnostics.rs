@@ -117,7 +117,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_mark_covers_what_begins_where_it_stands() {
+    fn a_mark_covers_the_name_that_begins_there() {
         let line = "  <mass value=\"-1\"/><é a='x'/>";
         let mark = |column| &line[marked_range(line, Position { line: 1, column })];
         assert_eq!(mark(3), "<mass value=\"-1\"/>");

@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn figures_of_all_sizes_keep_four_digits() {
+    fn numbers_of_all_sizes_keep_four_digits() {
         let of = |x| decimals(&[Frame { time: 0.0, points: vec![[x, 0.0, f64::INFINITY]] }]);
         assert_eq!([of(0.0), of(1.0), of(0.001), of(50.0), of(1e9)], [4, 4, 7, 2, 0]);
         let mut text = String::new();

@@ -445,7 +445,7 @@ mod tests {
     }
 
     #[test]
-    fn a_leader_feels_what_its_followers_feel() {
+    fn a_leader_feels_the_inertia_of_its_followers() {
         let body = Inertial {
             mass: 1.0,
             center_of_mass: [0.1, 0.0, 0.0],

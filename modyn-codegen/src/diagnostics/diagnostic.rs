@@ -356,7 +356,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_shown_is_bounded() {
+    fn the_displayed_text_is_bounded() {
         let shown =
             |count| Diagnostics::new(vec![Diagnostic::error(Code::Mimic, ""); count]).to_string();
         assert_eq!(shown(100).lines().count(), 100);

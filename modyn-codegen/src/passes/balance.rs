@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_late_comes_last_and_the_rest_in_pairs() {
+    fn late_terms_are_added_last_and_the_others_in_pairs() {
         let graph = Graph::trace(|| {
             let x: Vec<Expr> = (0..9).map(Expr::input).collect();
             let late = (x[0] * x[1] + x[2]) * x[3] + x[4];

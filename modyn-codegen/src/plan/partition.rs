@@ -169,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_search_finds_what_no_uniform_choice_has() {
+    fn a_search_beats_every_uniform_partition() {
         let text = include_str!("../../../robots/arm6.urdf");
         let model = crate::read_urdf(text, "arm6.urdf", &crate::ReadOptions::default())
             .expect("good")

@@ -105,7 +105,9 @@ fn operand(graph: &Graph, pieces: &[Piece], id: Id, lane: u8) -> Operand {
                 let call = if piece.width == 1 { 0 } else { usize::from(lane) };
                 Some(Value { statement: piece.first + call, place })
             });
-            scalar(Source::Result(found.expect("what others need is an output of a piece")))
+            scalar(Source::Result(
+                found.expect("a value that other chunks read is an output of its chunk"),
+            ))
         }
     }
 }

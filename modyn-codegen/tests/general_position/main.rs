@@ -217,7 +217,7 @@ fn for_all(check: impl Fn(&Mechanism, &mut Random)) {
 }
 
 #[test]
-fn double_precision_solves_what_the_dense_reference_solves() {
+fn double_precision_agrees_with_the_dense_reference() {
     for_all(|mechanism, random| {
         let name = mechanism.name;
         let lengths = lengths(&mechanism.model);

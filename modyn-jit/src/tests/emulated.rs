@@ -1,5 +1,5 @@
-//! Whole functions at all levels, also those that the host lacks, compute the bits of their program's evaluation, read
-//! nothing but their arguments and constants, and write nothing but their results and their frame.
+//! Whole functions compute the bits of their program's evaluation at all levels, also those that the host lacks. They
+//! read only their arguments and constants, and write only their results and their frame.
 
 use modyn_codegen::Function;
 use modyn_codegen::graph::{Expr, Graph};
@@ -20,7 +20,7 @@ fn compare<F: Fuse>(program: &Program, arrays: &[usize], level: Level, batch: bo
     let helpers = Helpers { reduce: REDUCE, atan2: ATAN2, logarithm: LOGARITHM };
     let generated = generate(&values, level, size_of::<F>(), arrays.len(), &helpers);
     let lanes = if batch { level.vector(true) / size_of::<F>() } else { 1 };
-    // The lanes differ: the numbers of one state, turned round.
+    // The lanes differ: the numbers of one state, rotated.
     let states: Vec<Vec<F>> = (0..lanes)
         .map(|lane| {
             let mut state = state.to_vec();
@@ -82,7 +82,7 @@ fn robots() {
 fn random_program(seed: u64, inputs: usize) -> Program {
     let mut random = Random::new(seed);
     let graph = Graph::trace(|| {
-        // Each with its number of lanes.
+        // Expressions, each with its number of lanes.
         let mut values: Vec<(usize, Expr)> = (0..inputs).map(|i| (1, Expr::input(i))).collect();
         for _ in 0..random.below(200) + 20 {
             let lanes = [1, 2, 4, 8][random.below(4)];

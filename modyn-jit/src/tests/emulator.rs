@@ -1,12 +1,12 @@
-//! A processor for the instructions that functions consist of, all levels: those too that the host lacks. Memory is a
-//! few regions with gaps between them, so that an access outside of what a function may touch ends the test.
+//! An emulator of the instructions in generated functions, at all levels, also those that the host lacks. Memory is a
+//! few regions with gaps between them, so that an access outside of a function's memory fails the test.
 
 use iced_x86::{Decoder, DecoderOptions, Instruction, OpKind, Register};
 use modyn_runtime::steps;
 
 use super::common::Fuse;
 
-/// Numbers that fit no address; helpers are called by them.
+/// Numbers that are no valid address; they stand for helpers.
 pub(super) const REDUCE: u64 = 0x11;
 pub(super) const ATAN2: u64 = 0x22;
 pub(super) const LOGARITHM: u64 = 0x33;
@@ -32,11 +32,11 @@ pub(super) struct Emulator {
     mask: u64,
     zero: bool,
     carry: bool,
-    /// How many instructions were run.
+    /// The number of executed instructions.
     pub count: usize,
 }
 
-/// A number's bits as a float operation sees them.
+/// The bits of a number as a floating-point operation reads them.
 fn number(operation: &str, size: usize, x: &[u64]) -> u64 {
     macro_rules! in_precision {
         ($float:ident, $bits:ty) => {{
@@ -76,7 +76,7 @@ fn put(bytes: &mut [u8], size: usize, lane: usize, number: u64) {
 }
 
 impl Emulator {
-    /// Runs a function on arguments; returns as many results.
+    /// Runs a function on arguments, and returns this number of results.
     pub fn run<F: Fuse>(&mut self, code: &[u8], arguments: &[&[F]], results: usize) -> Vec<F> {
         let size = size_of::<F>();
         let bytes = |numbers: &[F]| -> Vec<u8> {
@@ -95,7 +95,7 @@ impl Emulator {
             self.regions.push(region(start, bytes(argument), false));
         }
         self.regions.push(region(TABLE, table, false));
-        // An address that is a multiple of 16 and 8 more, as after a call.
+        // An address that is 8 more than a multiple of 16, as after a call.
         let top = STACK + STACK_BYTES as u64 - 8;
         self.general = std::array::from_fn(|i| 0xabcd_0000 + i as u64);
         (self.general[7], self.general[6], self.general[4]) = (TABLE, RESULTS, top);
@@ -112,7 +112,7 @@ impl Emulator {
         assert_eq!(
             (self.general[3], self.general[5], self.general[4]),
             kept,
-            "what a caller keeps"
+            "registers that the callee must preserve"
         );
         let found = self.read(RESULTS, results * size);
         let bits = (0..results).map(|i| lane(&found, size, i));
@@ -146,13 +146,13 @@ impl Emulator {
     fn address(&self, instruction: &Instruction) -> u64 {
         let distance = instruction.memory_displacement64();
         match instruction.memory_base() {
-            // The disassembler gives the address itself.
+            // The disassembler gives the absolute address.
             Register::RIP | Register::None => distance,
             base => self.general[base.number()].wrapping_add(distance),
         }
     }
 
-    /// The bytes of an operand: a register's, or those in memory.
+    /// Returns the bytes of an operand: of a register, or of memory.
     fn source(&mut self, instruction: &Instruction, operand: u32, length: usize) -> Vec<u8> {
         if instruction.op_kind(operand) == OpKind::Memory {
             let address = self.address(instruction);
@@ -243,7 +243,7 @@ impl Emulator {
         next
     }
 
-    /// A call of a helper, after which the registers that belong to it hold something else.
+    /// Calls a helper, and overwrites the registers that a call may change.
     fn helper<F: Fuse>(&mut self) {
         let size = size_of::<F>();
         let [helper, lanes, third, second, first] =
@@ -271,7 +271,7 @@ impl Emulator {
         self.mask = 0xdddd;
     }
 
-    /// An instruction on vector registers.
+    /// Runs an instruction on vector registers.
     fn vector(&mut self, instruction: &Instruction, name: &str) {
         let avx = name.starts_with('v') || name.starts_with('k');
         let name = name.strip_prefix('v').unwrap_or(name);
@@ -288,7 +288,7 @@ impl Emulator {
         let scalar = suffix.starts_with('s');
         let lanes = if scalar { 1 } else { length / size };
         let width = if scalar { size } else { length };
-        // The first source: of two operands it is the destination.
+        // The first source: with two operands it is the destination.
         let first = if avx { 1 } else { 0 };
         let last = if avx { 2 } else { 1 };
         let written = instruction.op0_register().number();
@@ -442,7 +442,7 @@ impl Emulator {
         }
     }
 
-    /// Writes a register; AVX clears what is above.
+    /// Writes a register; AVX clears the upper part.
     fn put(&mut self, register: usize, bytes: &[u8], avx: bool) {
         let vector = &mut self.vectors[register];
         vector[..bytes.len()].copy_from_slice(bytes);
@@ -452,7 +452,7 @@ impl Emulator {
     }
 }
 
-/// Moves need no alignment; of the others those of SSE do.
+/// Moves need no alignment; other SSE instructions do.
 fn is_move(instruction: &Instruction) -> bool {
     format!("{:?}", instruction.mnemonic()).starts_with("Movu")
 }

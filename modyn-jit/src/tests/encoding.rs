@@ -1,5 +1,5 @@
-//! Each instruction is decoded by iced-x86 and has the operands that it was given; whole functions are sequences of
-//! instructions that the level has.
+//! Each instruction is decoded by iced-x86 and has the given operands; whole functions consist of instructions of the
+//! level.
 
 use iced_x86::{
     Code as Decoded, CpuidFeature, Decoder, DecoderOptions, Instruction, Mnemonic, OpKind, Register,
@@ -31,7 +31,7 @@ fn register(number: u8, bytes: usize) -> Register {
     first + u32::from(number)
 }
 
-/// Registers, all combinations of bits that encodings hold apart.
+/// Registers with all combinations of the bits that encodings separate.
 const REGISTERS: [u8; 8] = [0, 3, 7, 9, 15, 16, 23, 31];
 
 const BASES: [(u8, Register); 4] =
@@ -39,7 +39,7 @@ const BASES: [(u8, Register); 4] =
 
 const DISTANCES: [i32; 9] = [0, 8, -128, 120, 128, 248, -4096, 100_000, 7];
 
-/// Whether the last operand is what was asked for.
+/// Returns whether the last operand is the given one.
 fn is_place(instruction: &Instruction, operand: u32, place: Place, bytes: usize) -> bool {
     match place {
         Place::Register(number) => {
@@ -109,7 +109,7 @@ fn three_operands(size: usize, scalar: bool) -> Vec<(Opcode, Mnemonic, bool)> {
 }
 
 #[test]
-fn three_operands_are_what_they_were() {
+fn three_operands_are_decoded_unchanged() {
     let mut encoded = 0;
     for (size, scalar) in [(8, true), (8, false), (4, true), (4, false)] {
         let vectors: &[usize] = if scalar { &[16] } else { &[16, 32, 64] };
@@ -150,7 +150,7 @@ fn three_operands_are_what_they_were() {
 }
 
 #[test]
-fn two_operands_are_what_they_were() {
+fn two_operands_are_decoded_unchanged() {
     use Mnemonic as M;
     let of = [
         (op::arithmetic(op::ADD, true, 8), M::Addsd),
@@ -195,7 +195,7 @@ fn two_operands_are_what_they_were() {
     }
 }
 
-/// The features that a level has, all of them.
+/// Returns all processor features of a level.
 fn has(level: Level, feature: CpuidFeature) -> bool {
     use CpuidFeature as F;
     let baseline = [F::INTEL8086, F::INTEL386, F::X64, F::CMOV, F::SSE, F::SSE2];

@@ -1,5 +1,5 @@
-//! Tests of the instructions, with a disassembler that shares nothing with the encoder: of single ones, and of whole
-//! functions, which are emulated.
+//! Tests of instructions and of whole functions. The instructions are decoded by a disassembler that shares no code
+//! with the encoder; the functions are emulated.
 
 #[path = "../../tests/common/mod.rs"]
 mod common;

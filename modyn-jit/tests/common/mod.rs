@@ -1,4 +1,4 @@
-//! What tests share: robots, states, and programs run on numbers that fuse products with sums.
+//! The common parts of the tests: robots, states, and programs run on numbers that fuse products with sums.
 
 #![allow(dead_code)] // Each test uses a part.
 
@@ -29,14 +29,14 @@ pub const ROBOTS: [&str; 11] = [
     "humanoid",
 ];
 
-/// A robot of the folder `robots`.
+/// Returns a robot of the folder `robots`.
 pub fn robot(name: &str) -> Model {
     let path = format!("{}/../robots/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).expect("a robot");
     read(&text, name, &ReadOptions::default()).expect("good").model
 }
 
-/// The programs of some functions of a robot; those about loops only if it has some.
+/// Returns the programs of some functions of a robot; those about loops only if it has loops.
 pub fn plan(name: &str, functions: &[Function]) -> Planning {
     let builder = Builder::new().model(robot(name));
     builder.functions(functions.iter().copied()).plan().expect("good")
@@ -48,7 +48,7 @@ pub fn numbers<F: Fuse>(seed: u64, count: usize, scale: f64) -> Vec<F> {
     (0..count).map(|_| F::from_f64(random.between(-scale, scale))).collect()
 }
 
-/// Numbers as several arrays.
+/// Returns numbers as several arrays.
 pub fn split<'a, F>(mut numbers: &'a [F], lengths: &[usize]) -> Vec<&'a [F]> {
     let next = |&length: &usize| {
         let (first, rest) = numbers.split_at(length);
@@ -58,13 +58,13 @@ pub fn split<'a, F>(mut numbers: &'a [F], lengths: &[usize]) -> Vec<&'a [F]> {
     lengths.iter().map(next).collect()
 }
 
-/// The levels that this processor has.
+/// Returns the levels of this processor.
 pub fn levels() -> impl Iterator<Item = Level> {
     let best = Level::detect();
     Level::ALL.into_iter().filter(move |&level| Some(level) <= best)
 }
 
-/// The programs that a level runs for one state: `None` for functions of a link.
+/// Returns the programs that a level runs for one state; `None` for functions of a link.
 pub fn program(planning: &Planning, function: Function, vectors: bool) -> Option<&Program> {
     let planned = planning.plan.functions.iter().find(|p| p.function == function)?;
     match &planned.kernels {
@@ -78,7 +78,7 @@ pub fn program(planning: &Planning, function: Function, vectors: bool) -> Option
 #[derive(Clone, Copy, Debug)]
 pub struct Fused<F>(pub F);
 
-/// What `Fused` needs of a float.
+/// The operations of a float that `Fused` needs.
 pub trait Fuse: Real {
     fn fused(self, a: Self, b: Self) -> Self;
     fn low_bit(self) -> bool;
@@ -197,7 +197,7 @@ fn run<F: Fuse>(steps: &Steps, inputs: [Fused<F>; 2]) -> [Fused<F>; 2] {
     steps.results.map(|step| values[step])
 }
 
-/// What a program computes with the level's rounding.
+/// Returns a program's results with the level's rounding.
 pub fn evaluate<F: Fuse>(program: &Program, level: Level, arguments: &[F]) -> Vec<F> {
     if level.fuses() {
         let arguments: Vec<Fused<F>> = arguments.iter().copied().map(Fused).collect();
@@ -207,7 +207,7 @@ pub fn evaluate<F: Fuse>(program: &Program, level: Level, arguments: &[F]) -> Ve
     }
 }
 
-/// Whether two numbers have the same bits; any NaN is any other.
+/// Returns whether two numbers have the same bits; every NaN equals every other.
 pub fn is_same<F: Real>(a: F, b: F) -> bool {
     let nan = |x: F| x.partial_cmp(&x).is_none();
     a.bits() == b.bits() || nan(a) && nan(b)

@@ -324,7 +324,7 @@ mod tests {
 
     /// Limits and the links' own inertias become numbers of the generated text, where NaN is no literal.
     #[test]
-    fn figures_that_are_only_stated_are_numbers_too() {
+    fn stated_values_must_be_finite() {
         let good = model(&[None, None]).expect("good");
         let kinds = |change: &dyn Fn(&mut Limits, &mut Inertial)| -> Vec<ModelErrorKind> {
             let mut links = good.links().to_vec();
@@ -349,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn whoever_follows_must_get_somewhere() {
+    fn mimic_joints_must_have_a_leader() {
         let bad = |leaders: &[Option<usize>]| -> Vec<String> {
             let errors = model(leaders).expect_err("refused");
             assert!(errors.iter().all(|error| error.kind == ModelErrorKind::Mimic));

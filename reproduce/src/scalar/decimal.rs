@@ -4,10 +4,10 @@ use modyn_runtime::Scalar;
 
 use super::{Number, operators};
 
-/// A number of `D` decimals, halves rounded away from zero.
+/// A number with `D` decimals; halves are rounded away from zero.
 ///
-/// That is fixed-point rounding. Rounding to D significant digits would give errors a hundred times
-/// smaller than those in Table 4.
+/// This is fixed-point rounding. Rounding to D significant digits would give errors a hundred times smaller than those
+/// in Table 4.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Decimal<const D: usize>(f64);
 

@@ -1,4 +1,4 @@
-//! Double-double numbers: about 31 digits, for solutions that others are held against.
+//! Double-double numbers: about 31 digits, for reference solutions.
 //!
 //! Sums and products by error-free transformations (Dekker 1971; Knuth, TAOCP 2, 4.2.2; Joldes,
 //! Muller and Popescu 2017). The crate `twofloat` 0.8.4 was tried and is not used: its sine keeps 21
@@ -19,7 +19,7 @@ const HALF_PI: DoubleDouble =
     DoubleDouble { high: std::f64::consts::FRAC_PI_2, low: 6.123_233_995_736_766e-17 };
 
 impl DoubleDouble {
-    /// The sum of two numbers of which the first is the larger.
+    /// Returns the sum of two numbers, of which the first is the larger.
     fn joined(high: f64, low: f64) -> Self {
         let sum = high + low;
         Self { high: sum, low: low - (sum - high) }
@@ -51,7 +51,7 @@ impl DoubleDouble {
         Self::joined(first, second).plus(Self::from_f64(rest.high / other.high))
     }
 
-    /// The sum of x^k / k! over k = `first`, `first` + `step`, ..., with signs that alternate or not.
+    /// Returns the sum of x^k / k! over k = `first`, `first` + `step`, ..., with alternating signs or not.
     fn series(self, first: u32, step: u32, alternating: bool) -> Self {
         let (mut term, mut sum) = (Self::one(), Self::zero());
         for k in 0..40 {
@@ -65,7 +65,7 @@ impl DoubleDouble {
     }
 
     fn exp(self) -> Self {
-        // Halved until the series is short, then squared as often.
+        // The argument is halved until the series is short, and the result is squared as many times.
         let mut power = (self * Self::from_f64(1.0 / 1024.0)).series(0, 1, false);
         for _ in 0..10 {
             power = power * power;

@@ -1,4 +1,4 @@
-//! What a computation would give without rounding, from figures that are rounded all the same.
+//! Computation without rounding on parameters that are rounded.
 
 use core::marker::PhantomData;
 
@@ -6,8 +6,8 @@ use modyn_runtime::Scalar;
 
 use super::{DoubleDouble, Number, operators};
 
-/// A double-double number whose figures come in as `S` has them: so its results differ from `S`'s by
-/// what rounding did on the way alone, not by what the figures had lost before.
+/// A double-double number whose parameters are rounded to `S`: results differ from `S`'s by the rounding of operations
+/// alone, not by that of the parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct Exact<S>(DoubleDouble, PhantomData<S>);
 
@@ -79,7 +79,7 @@ mod tests {
     use crate::scalar::{Decimal, Number};
 
     #[test]
-    fn figures_are_rounded_and_results_are_not() {
+    fn parameters_are_rounded_and_results_are_not() {
         let number = Exact::<Decimal<2>>::from_f64;
         assert_eq!(number(0.126).to_f64(), 0.13);
         let third = number(1.0) / number(3.0);

@@ -1,10 +1,10 @@
-//! Fixed-point numbers as small processors have them.
+//! Fixed-point numbers, as on small processors.
 
 use modyn_runtime::Scalar;
 
 use super::{Number, operators};
 
-/// Q16.16: 16 bits before the binary point and 16 behind it, rounded to nearest, saturating.
+/// Q16.16: 16 bits before the binary point and 16 after it, rounded to nearest, saturating.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Fixed(i32);
 
@@ -21,7 +21,7 @@ impl Fixed {
         if b == 0 {
             return Self(if a < 0 { i32::MIN } else { i32::MAX });
         }
-        // Half of the divisor, towards the sign of the quotient's dividend.
+        // Half of the divisor, with the sign of the dividend.
         let half = b.abs() / 2 * a.signum();
         Self::saturated((a + half) / b)
     }

@@ -1,4 +1,4 @@
-//! Numbers other than the processor's, for the study of rounding: the equations run on them unchanged.
+//! Numbers with other rounding than the processor's: the equations run on them unchanged.
 
 mod decimal;
 mod double_double;
@@ -11,10 +11,10 @@ use modyn_runtime::Scalar;
 
 /// A number that can be compared with others.
 pub trait Number: Scalar {
-    /// The nearest double.
+    /// Returns the nearest double.
     fn to_f64(self) -> f64;
 
-    /// The same number with all its digits.
+    /// Returns the same number with all its digits.
     fn to_double_double(self) -> DoubleDouble {
         DoubleDouble::from_f64(self.to_f64())
     }
@@ -32,7 +32,7 @@ impl Number for f32 {
     }
 }
 
-/// The operators of a type, from functions of two numbers.
+/// Defines the operators of a type by functions of two numbers.
 macro_rules! operators {
     ([$($generics:tt)*] $type:ty, add: $add:expr, sub: $sub:expr, mul: $mul:expr, div: $div:expr, neg: $neg:expr) => {
         operators!(@ [$($generics)*] $type, Add, add, $add);

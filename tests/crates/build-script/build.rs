@@ -1,4 +1,4 @@
-//! Several robots: one by its file, one by its type's name, and one with an odd axis, which is a
+//! Compiles several robots: one by its file, one with a type name, and one with an axis of wrong length, which causes a
 //! warning of Cargo.
 use modyn_codegen::diagnostics::{Code, Diagnostics};
 use modyn_codegen::{Builder, FloatType};

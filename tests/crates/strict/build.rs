@@ -1,4 +1,4 @@
-//! The same robots by the other door.
+//! Compiles the same robots by a build script.
 use modyn_codegen::Builder;
 use modyn_codegen::diagnostics::Diagnostics;
 

@@ -1,4 +1,4 @@
-//! Compiles the robots of `tests/src/fleet.rs` that are the package's, and writes a table of them for the macro of
+//! Compiles the robots of `tests/src/fleet.rs` that belong to the package, and writes a table of them for the macro of
 //! `tests/src/compiled.rs`. All packages of parts of the fleet have this build script.
 
 #[allow(dead_code)]

@@ -1,3 +1,3 @@
-//! A part of the fleet: robots as the build script compiled them, and the table [`ROBOTS`] of them.
+//! A part of the fleet: the robots that the build script compiled, and the table [`ROBOTS`] of them.
 
 include!(concat!(env!("OUT_DIR"), "/fleet.rs"));

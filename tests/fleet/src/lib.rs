@@ -1,4 +1,4 @@
-//! The robots of [`fleet`](modyn_tests::fleet), compiled: all of them with the feature `whole`, else the small ones.
+//! The compiled robots of [`fleet`](modyn_tests::fleet): all of them with the feature `whole`, else the small ones.
 
 use std::sync::LazyLock;
 

@@ -1,4 +1,4 @@
-//! What a generated type says about itself: names, modules, and the operations its functions take.
+//! The constants of a generated type: names, modules, and the operations of its functions.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use modyn_tests::fleet::{FLEET, Part, Spec};
 use syn::{BinOp, Block, Expr, ExprCall, File, Item, ItemFn, Stmt, UnOp};
 
 #[test]
-fn a_part_is_what_the_table_says() {
+fn a_part_has_the_robots_of_the_table() {
     for &(part, robots) in PARTS {
         let expected = FLEET.iter().filter(|spec| spec.part == part);
         assert_eq!(
@@ -67,7 +67,7 @@ fn joints_know_their_place() {
 }
 
 #[test]
-fn figures_are_the_models() {
+fn numbers_are_the_models() {
     for robot in ROBOTS.iter() {
         let (model, name) = (robot.spec.model(), robot.name());
         let links = 0..model.links().len();
@@ -83,7 +83,7 @@ fn figures_are_the_models() {
         for (i, Joint { mimic, limits: stated, drive, .. }) in
             model.links().iter().map(|link| &link.joint).enumerate()
         {
-            // What follows another joint has no entry.
+            // A mimic joint has no entry.
             if mimic.is_some() {
                 continue;
             }
@@ -144,7 +144,8 @@ fn modules_are_those_that_were_asked_for() {
     }
 }
 
-/// Against hash maps and addresses in the compiler; small robots, since it runs unoptimised here.
+/// Hash maps and addresses in the compiler do not change the text. Only small robots, since the compiler runs
+/// unoptimised here.
 #[test]
 fn another_process_compiles_the_same_text() {
     let small = ROBOTS.iter().filter(|robot| robot.consts[0].nv <= 9);
@@ -161,7 +162,7 @@ fn another_process_compiles_the_same_text() {
 }
 
 #[test]
-fn what_is_announced_is_what_is_executed() {
+fn announced_operations_equal_the_executed_ones() {
     for robot in ROBOTS.iter() {
         let functions = Functions::of(robot);
         for &(name, announced) in robot.operations {
@@ -177,7 +178,7 @@ fn what_is_announced_is_what_is_executed() {
     }
 }
 
-/// What has no announced count is straight-line code all the same.
+/// Functions without an announced count are straight-line code as well.
 #[test]
 fn factors_are_used_by_straight_lines() {
     for robot in ROBOTS.iter() {
@@ -215,8 +216,8 @@ impl Functions {
         Self(functions.collect())
     }
 
-    /// The operators and calls that running the function executes, its parts included; it must be
-    /// a straight line.
+    /// Returns the operators and calls that the function executes, its chunks included; the function must be
+    /// straight-line code.
     fn count(&self, name: &str) -> OperationCount {
         let mut count = OperationCount::default();
         let function = self.0.get(name).unwrap_or_else(|| panic!("no function `{name}`"));
@@ -224,10 +225,10 @@ impl Functions {
         count
     }
 
-    /// The same; of what depends on a link the most expensive one.
+    /// Returns the operators and calls of a function; for functions of one link, of the most expensive link.
     fn most(&self, name: &str) -> OperationCount {
         let by_link = |i: usize| format!("{name}_{i}");
-        // What is announced is what one state takes without vectors.
+        // The announced operations are those of one state without vectors.
         let scalar = format!("{name}_scalar");
         if let Some(name) = [&scalar, name].into_iter().find(|&name| self.0.contains_key(name)) {
             return self.count(name);
@@ -256,7 +257,7 @@ impl Functions {
             Expr::Path(_) | Expr::Lit(_) => {}
             Expr::Paren(inner) => self.expr(&inner.expr, count),
             Expr::Reference(inner) => self.expr(&inner.expr, count),
-            // What an earlier part has left, by a literal.
+            // A value of an earlier chunk, with a literal index.
             Expr::Index(index) if matches!(*index.index, Expr::Lit(_)) => {
                 self.expr(&index.expr, count);
             }
@@ -286,7 +287,9 @@ impl Functions {
     }
 
     fn call(&self, call: &ExprCall, count: &mut OperationCount) {
-        let Expr::Path(path) = &*call.func else { panic!("a call of what is no path") };
+        let Expr::Path(path) = &*call.func else {
+            panic!("a call of an expression that is not a path")
+        };
         let names: Vec<String> = path.path.segments.iter().map(|s| s.ident.to_string()).collect();
         match names.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
             ["k"] | ["f64", "from"] => {}

@@ -1,4 +1,4 @@
-//! Code written once for all robots and all scalars, through the trait.
+//! Functions that are written once for all robots and all scalars, through the trait.
 
 use std::cell::Cell;
 use std::iter::zip;
@@ -21,19 +21,19 @@ use modyn_tests::random::{State, state};
 use modyn_tests::values::{array, columns};
 use nalgebra::{DMatrix, Matrix4, SMatrix, SVector};
 
-/// A random state of the fleet's robot of that name.
+/// Returns a random state of the fleet's robot with this name.
 fn state_of(name: &str, seed: u64) -> State {
     let robot = ROBOTS.iter().find(|robot| robot.name() == name);
     state(seed, &robot.unwrap_or_else(|| panic!("no {name}")).spec.model())
 }
 
-/// The same numbers in any scalar, as one of a robot's vectors.
+/// Returns the numbers in any scalar, as a vector of a robot.
 fn vector<T: Scalar, A: Array<T>>(numbers: &[f64]) -> A {
     let numbers: Vec<T> = numbers.iter().map(|&x| T::from_f64(x)).collect();
     array(&numbers)
 }
 
-/// A scalar that can be looked at.
+/// A scalar that converts to `f64`.
 trait Real: Scalar {
     fn to_f64(self) -> f64;
 }
@@ -54,7 +54,7 @@ fn numbers<T: Real>(array: &impl Array<T>) -> Vec<f64> {
     array.as_ref().iter().map(|x| x.to_f64()).collect()
 }
 
-/// Where a robot is and how it moves.
+/// The configuration and the velocities of a robot.
 struct Motion<R: Robot, T: Scalar> {
     q: R::Q<T>,
     qd: R::V<T>,
@@ -73,7 +73,7 @@ impl<R: Robot, T: Scalar> Motion<R, T> {
         Self { q: vector(q), qd: vector(qd) }
     }
 
-    /// After moving on at these rates for a time `h`.
+    /// Returns the state after a time `h` at these velocities and accelerations.
     fn moved(&self, rates: &Rates<R, T>, h: T) -> Self {
         let Self { q, qd } = self;
         let Rates { qd: velocity, qdd } = rates;
@@ -96,7 +96,7 @@ struct Rates<R: Robot, T: Scalar> {
     qdd: R::V<T>,
 }
 
-/// A step of Runge and Kutta's method under the torques that `torques` gives.
+/// Returns the state after one Runge-Kutta step under the torques that `torques` returns.
 fn rk4_step<R: Robot + functions::Defaults, T: Scalar>(
     motion: &Motion<R, T>,
     torques: impl Fn(&Motion<R, T>) -> R::V<T>,
@@ -125,7 +125,7 @@ fn rk4_step<R: Robot + functions::Defaults, T: Scalar>(
     motion.moved(&rates, h)
 }
 
-/// The acceleration that leads to rest at `goal`, like that of a critically damped spring.
+/// Returns the acceleration of a critically damped spring that leads to rest at `goal`.
 fn wanted<R: Robot, T: Scalar>(motion: &Motion<R, T>, goal: &R::Q<T>) -> R::V<T> {
     let (stiffness, damping) = (T::from_f64(100.0), T::from_f64(20.0));
     Array::from_fn(|i| {
@@ -133,7 +133,7 @@ fn wanted<R: Robot, T: Scalar>(motion: &Motion<R, T>, goal: &R::Q<T>) -> R::V<T>
     })
 }
 
-/// The torques of that acceleration.
+/// Returns the torques for that acceleration.
 fn computed_torque<R: Robot + functions::Defaults, T: Scalar>(
     motion: &Motion<R, T>,
     goal: &R::Q<T>,
@@ -183,7 +183,7 @@ fn computed_torque_brings_a_robot_to_its_goal() {
 
 #[test]
 fn an_unforced_motion_keeps_its_energy() {
-    /// The change of energy in a quarter of a second, to scale.
+    /// Returns the relative change of energy in a quarter of a second.
     fn drift<R: Robot + functions::Defaults, T: Real>(name: &str, steps: u32) -> f64 {
         let State { q, qd, .. } = state_of(name, 2);
         let start = Motion::<R, T>::new(&q, &qd);
@@ -196,7 +196,7 @@ fn an_unforced_motion_keeps_its_energy() {
     }
     fn check<R: Robot + functions::Defaults>(name: &str) {
         let (coarse, fine) = (drift::<R, f64>(name, 200), drift::<R, f64>(name, 400));
-        // The method is of fourth order, but rounding has an end of it.
+        // The method is of fourth order; rounding limits the accuracy.
         assert!(fine < coarse / 10.0 || fine < 1e-13, "{name}: {coarse:e}, then {fine:e}");
         assert!(fine < 1e-7, "{name}: {fine:e}");
         let single = drift::<R, f32>(name, 400);
@@ -239,7 +239,7 @@ fn nalgebra_calls_are_the_array_calls() {
             let expected: [f64; 2] = [R::kinetic_energy(q0, qd0), R::potential_energy(q0)];
             assert_eq!(energies, expected, "{name}");
 
-            // By columns on both sides; a mass matrix is symmetric, a U is not.
+            // Both sides are by columns; the mass matrix is symmetric, U is not.
             let m = Of::<R>::mass_matrix(&q);
             assert_eq!(m.as_slice(), R::mass_matrix::<f64>(q0).concat(), "{name}");
             let [u, d]: [SMatrix<f64, N, N>; 2] =
@@ -262,10 +262,10 @@ fn nalgebra_calls_are_the_array_calls() {
     check::<Quadruped, 12, { Quadruped::LINK_NAMES.len() }>("quadruped");
 }
 
-/// A number, and its derivative by something.
+/// A number and its derivative by one variable.
 type Dual = Tangent<f64>;
 
-/// Numbers that vary with number `by`; with none if it is beyond them.
+/// Returns numbers whose derivative is 1 for entry `by` and 0 for all others; all are 0 if there is no such entry.
 fn varied<A: Array<Dual>>(x: &[f64], by: usize) -> A {
     A::from_fn(|i| Dual { x: x[i], dx: if i == by { 1.0 } else { 0.0 } })
 }
@@ -274,7 +274,7 @@ fn slopes(array: &impl Array<Dual>) -> Vec<f64> {
     array.as_ref().iter().map(|x| x.dx).collect()
 }
 
-/// The Jacobian by columns: in each the slopes of what varies with one of `n` numbers.
+/// Returns the Jacobian by columns: column j has the derivatives by number j of `n`.
 fn jacobian(n: usize, column: impl Fn(usize) -> Vec<f64>) -> DMatrix<f64> {
     DMatrix::from_column_slice(n, n, &(0..n).flat_map(column).collect::<Vec<_>>())
 }
@@ -331,7 +331,7 @@ fn dual_numbers_are_near_finite_differences() {
     assert!(exact.norm() > 1.0);
     assert_close("dqdd/dq", exact.as_slice(), differences.as_slice(), 1e-7);
 
-    // A matrix's determinant varies by the trace of its inverse times how the matrix varies.
+    // Jacobi's formula: the derivative of a matrix's log-determinant is the trace of its inverse times its derivative.
     for i in 0..N {
         let q = varied(&q, i);
         let [m, inverse] = [<R as Robot>::mass_matrix(&q), <R as Robot>::brge(&q).inverse()];
@@ -366,7 +366,7 @@ fn torques_are_the_derivatives_of_the_energies() {
     check::<Tree10_6>("tree10_6");
 }
 
-/// A number that counts what is done with it.
+/// A number that counts the operations on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Counted(f64);
 
@@ -463,7 +463,7 @@ impl Scalar for Counted {
     }
 }
 
-/// What counting finds that a function takes.
+/// Returns the operations that a call executes, by counting.
 fn counted(run: impl FnOnce()) -> OperationCount {
     COUNT.set(OperationCount::default());
     run();
@@ -471,7 +471,7 @@ fn counted(run: impl FnOnce()) -> OperationCount {
 }
 
 #[test]
-fn what_is_counted_is_what_is_announced() {
+fn counted_operations_equal_the_announced_ones() {
     fn check<R: Robot + functions::Defaults>(source: Source, links: &[R::Link]) {
         let robot = ROBOTS.iter().find(|robot| robot.spec.source == source).expect("compiled");
         let State { q, qd, qdd, tau } = state_of(&robot.name(), 5);
@@ -538,7 +538,7 @@ fn what_is_counted_is_what_is_announced() {
             };
             assert_eq!(found, announced, "{}: `{name}`", robot.name());
         }
-        // Counting changes nothing.
+        // Counting does not change the results.
         let found = R::forward_dynamics(&at, &moving, &pushed);
         let found: Vec<f64> = found.as_ref().iter().map(|x| x.0).collect();
         let expected = R::forward_dynamics::<f64>(&vector(&q), &vector(&qd), &vector(&tau));

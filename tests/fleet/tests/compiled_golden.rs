@@ -1,4 +1,4 @@
-//! Compiled robots against figures from other software.
+//! Compiled robots compared with reference data of other software.
 
 use std::collections::BTreeSet;
 use std::iter::zip;
@@ -10,7 +10,7 @@ use modyn_tests::fleet::Source;
 use modyn_tests::golden::{FIXED_BASE, FLOATING_BASE, Golden, Quantities};
 use modyn_tests::values::{Inputs, Values};
 
-/// Of the reference data's README.
+/// The tolerance that the reference data's README gives.
 const TOLERANCE: f64 = 1e-9;
 
 /// Runs `check` at every state of every robot.
@@ -85,7 +85,7 @@ fn frame_placements() {
             let at = links.iter().position(|&link| link == expected.name);
             let at = at.unwrap_or_else(|| panic!("{name}: no link `{}`", expected.name));
             let found = &values.link_poses[12 * at..12 * (at + 1)];
-            // The rotation and the translation have scales of their own.
+            // The rotation and the translation have different scales.
             assert_close(&expected.name, &found[..9], &expected.numbers[..9], TOLERANCE);
             assert_close(&expected.name, &found[9..], &expected.numbers[9..], TOLERANCE);
         }
@@ -155,7 +155,7 @@ fn jacobians() {
             for (column, found) in found.chunks(6).enumerate() {
                 let column = expected.jacobian.column(column);
                 let column: Vec<f64> = column.iter().copied().collect();
-                // There the linear part comes first.
+                // In Pinocchio's twists the linear part comes first.
                 let found = [&found[3..], &found[..3]].concat();
                 assert_close(&expected.name, &found, &column, TOLERANCE);
             }

@@ -1,4 +1,4 @@
-//! Compiled is interpreted: the generated code gives what the interpreter gives.
+//! The generated code gives the interpreter's results.
 
 use std::iter::zip;
 
@@ -12,11 +12,11 @@ use modyn_tests::fleet::{Division, Source};
 use modyn_tests::random::state;
 use modyn_tests::values::{Inputs, Values, double, interpreted, pairs};
 
-/// The two differ where constants are folded, signs normalised and factors taken out, and in
-/// nothing else.
+/// The tolerance. Constant folding, the normalization of signs and factored products change the rounding; nothing else
+/// differs.
 const TOLERANCE: f64 = 1e-11;
 
-/// Of what a single precision calculation of many steps keeps.
+/// The relative tolerance of single precision after many steps.
 const SINGLE: f64 = 2e-5;
 
 const STATES: u64 = 4;
@@ -41,7 +41,7 @@ fn subjects() -> impl Iterator<Item = Subject> {
     })
 }
 
-/// The condition number of a symmetric positive definite matrix, which may be empty.
+/// Returns the condition number of a symmetric positive definite matrix, which may be empty.
 fn condition(columns: &[f64]) -> f64 {
     if columns.is_empty() {
         return 1.0;
@@ -116,7 +116,7 @@ fn condition_numbers_are_the_interpreters() {
             assert_eq!(found.condition_numbers.len(), modules.modules().len(), "{}", robot.name());
             assert_eq!(expected.len(), modules.modules().len(), "{}", robot.name());
             for (m, (&found, &expected)) in zip(&found.condition_numbers, &expected).enumerate() {
-                // Rounding turns the smallest eigenvalue by the largest times epsilon.
+                // Rounding changes the smallest eigenvalue by the largest eigenvalue times epsilon.
                 let tolerance = 1e-13 * expected;
                 let relative = (found - expected).abs() / expected;
                 assert!(
@@ -125,7 +125,7 @@ fn condition_numbers_are_the_interpreters() {
                     robot.name()
                 );
             }
-            // And they are those of the blocks.
+            // The condition numbers equal those of the pivot blocks.
             for (block, &found) in zip(&found.pivot_blocks, &found.condition_numbers) {
                 let expected = condition(block);
                 let relative = (found - expected).abs() / expected;
@@ -149,7 +149,7 @@ fn factors_are_the_mass_matrix() {
             let unit = identity(n);
             let inverse = square(&factors.u_inverse) * &u;
             assert_close(&name, inverse.as_slice(), &unit, 1e-9);
-            // D's blocks are the pivot blocks, and nothing is beside them.
+            // D consists of the pivot blocks; all other entries are zero.
             let mut blocks = vec![0.0; unit.len()];
             for (module, block) in zip(subject.robot.consts[0].modules, &factors.pivot_blocks) {
                 let size = module.dofs;
@@ -181,7 +181,7 @@ fn a_types_own_functions_are_the_traits() {
     }
 }
 
-/// Where nothing is solved for, single precision is double precision up to its rounding.
+/// Where no equations are solved, single precision equals double precision up to rounding.
 #[test]
 fn single_precision_is_near_double_precision() {
     for subject in subjects() {
@@ -198,7 +198,7 @@ fn single_precision_is_near_double_precision() {
     }
 }
 
-/// What depends on an inverse, and so on how well conditioned the mass matrix is.
+/// The quantities that depend on an inverse, and so on the condition number of the mass matrix.
 const SOLVED: [&str; 15] = [
     "forward_dynamics",
     "forward_dynamics_external",
@@ -217,8 +217,8 @@ const SOLVED: [&str; 15] = [
     "log_determinant",
 ];
 
-/// What is solved for in single precision solves its equations, however they are conditioned; and
-/// is near what double precision finds where they are conditioned well enough.
+/// Solutions in single precision satisfy their equations at any condition number, and are near those in double
+/// precision where the condition number is small.
 #[test]
 fn single_precision_solves() {
     let mut well_conditioned = 0;

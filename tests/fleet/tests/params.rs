@@ -1,4 +1,4 @@
-//! Robots with run-time parameters: as if the description had said so.
+//! Robots with run-time parameters equal robots whose descriptions have those parameters.
 
 use std::hint::black_box;
 
@@ -22,7 +22,7 @@ static ALLOCATOR: Counting = Counting;
 
 const TOLERANCE: f64 = 1e-10;
 
-/// The robot of that name, its model and its modules.
+/// Returns the robot of that name, its model and its modules.
 fn compiled(name: &str) -> (&'static Compiled, Model, ModuleTree) {
     let robot = ROBOTS.iter().find(|robot| robot.name() == name).expect("compiled");
     let model = robot.spec.model();
@@ -30,7 +30,7 @@ fn compiled(name: &str) -> (&'static Compiled, Model, ModuleTree) {
     (robot, model, modules)
 }
 
-/// All default functions that parameters matter to.
+/// Returns all default functions that depend on parameters.
 fn defaults<R: Robot + functions::Defaults>(
     params: &R::Params<f64>,
     given: &GivenTo<R, f64>,
@@ -52,7 +52,7 @@ fn defaults<R: Robot + functions::Defaults>(
     ]
 }
 
-/// All others.
+/// Returns all other functions that depend on parameters.
 fn others<R: Robot + functions::All>(
     params: &R::Params<f64>,
     given: &GivenTo<R, f64>,
@@ -93,10 +93,10 @@ fn others<R: Robot + functions::All>(
     ]
 }
 
-/// [`others`] of a robot that has them.
+/// [`others`] of a robot that has these functions.
 type Others<R> = fn(&<R as Robot>::Params<f64>, &GivenTo<R, f64>) -> Named<f64>;
 
-/// A change of the acceleration of free fall, and of the inertias of links: their own, and payloads.
+/// A change of the gravitational acceleration, of links' inertias, and of payloads.
 #[derive(Clone, Debug, Default)]
 struct Change {
     gravity: Option<[f64; 3]>,
@@ -105,7 +105,7 @@ struct Change {
 }
 
 impl Change {
-    /// A model of a description that says so.
+    /// Returns the model of a description with this change.
     fn of(&self, model: &Model) -> Model {
         let gravity = self.gravity.unwrap_or(model.gravity());
         let fallen = model.clone().with_gravity(gravity).expect("finite");
@@ -121,7 +121,7 @@ impl Change {
     }
 }
 
-/// Changes of two links' inertias and of gravity, each alone and all together.
+/// Returns changes of two links' inertias and of gravity, each alone and all together.
 fn changes(links: [&'static str; 2]) -> Vec<Change> {
     let mut random = Random::new(7);
     let [first, second] = links.map(|link| (link, random.inertial()));
@@ -146,7 +146,7 @@ fn changes(links: [&'static str; 2]) -> Vec<Change> {
     ]
 }
 
-/// Asserts that the robot with parameters is the interpreter of the changed model.
+/// Asserts that the robot with parameters equals the interpreter of the changed model.
 fn check<R: Robot + functions::Defaults>(
     name: &str,
     links: [&'static str; 2],
@@ -172,7 +172,7 @@ fn check<R: Robot + functions::Defaults>(
     }
 }
 
-/// The parameters of a robot with that change.
+/// Returns the parameters of a robot with that change.
 macro_rules! params {
     ($params:ident, [$first:literal: $own:ident, $load:ident; $second:literal: $other:ident, $other_load:ident], $change:expr) => {{
         let Change { gravity, inertias, payloads } = $change;
@@ -196,7 +196,7 @@ macro_rules! params {
     }};
 }
 
-/// Those of the Panda.
+/// Returns the parameters of the Panda.
 fn panda(change: &Change) -> GoldenPandaLoadedParams {
     params!(
         GoldenPandaLoadedParams,
@@ -206,7 +206,7 @@ fn panda(change: &Change) -> GoldenPandaLoadedParams {
     )
 }
 
-/// Those of a robot of all joint types.
+/// Returns the parameters of a robot with all joint types.
 fn zoo(change: &Change) -> Zoo10153_8LoadedParams {
     params!(
         Zoo10153_8LoadedParams,
@@ -237,10 +237,10 @@ fn the_default_is_the_description() {
         let frame = &model.frames()[model.frame_index(link).expect("a link")];
         assert_eq!(inertial, frame.inertial, "{link}");
     }
-    // A payload is added, so by default there is none: the hand stays.
+    // A payload is added to the inertia of the hand, so the default payload is zero.
     assert_eq!(described.payload_of_panda_hand(), Inertial::default());
     assert_eq!(described.payload_of_panda_link4(), Inertial::default());
-    // A hand is fixed to another link, the other is a moving one.
+    // The hand is fixed to another link; link 4 moves.
     let fixed = |link: &str| model.links().iter().all(|moving| moving.name != link);
     assert!(fixed("panda_hand") && !fixed("panda_link4"));
 }
@@ -255,7 +255,7 @@ fn a_types_own_functions_take_parameters_as_the_traits_do() {
     assert_ne!(params, described);
     let given = GivenTo::<R, f64>::new(&Inputs::from(&state(3, &model)));
     let Given { q, qd, qdd, tau, forces, .. } = &given;
-    // Every function with these and with the default parameters, and without any.
+    // Every function with these parameters, with the default parameters, and without parameters.
     macro_rules! same {
         ($($function:ident, $with:ident($($argument:expr),*);)*) => {$({
             let own = R::$function($($argument),*);

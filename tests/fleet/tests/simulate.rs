@@ -28,7 +28,7 @@ macro_rules! for_robots {
     };
 }
 
-/// A random state of the fleet's robot of that name.
+/// Returns a random state of the fleet's robot with this name.
 fn state_of(name: &str, seed: u64) -> random::State {
     let robot = ROBOTS.iter().find(|robot| robot.name() == name);
     random::state(seed, &robot.unwrap_or_else(|| panic!("no {name}")).spec.model())
@@ -39,14 +39,14 @@ fn start<R: Robot>(name: &str) -> State<R> {
     State { q: array(&q), qd: array(&qd) }
 }
 
-/// The torques that friction takes: what of the bias forces changes sign with the velocities.
+/// Returns the friction torques: the part of the bias forces that changes sign with the velocities.
 fn dissipation<R: Robot + functions::Defaults>(State { q, qd }: &State<R>) -> R::V<f64> {
     let back = R::V::<f64>::from_fn(|i| -qd.as_ref()[i]);
     let (there, back) = (R::bias_forces(q, qd), R::bias_forces(q, &back));
     R::V::<f64>::from_fn(|i| 0.5 * (there.as_ref()[i] - back.as_ref()[i]))
 }
 
-/// Free motion without friction.
+/// Returns the accelerations of free motion without friction.
 fn free<R: Robot + functions::Defaults>(state: &State<R>) -> R::V<f64> {
     R::forward_dynamics(&state.q, &state.qd, &dissipation(state))
 }
@@ -55,7 +55,7 @@ fn energy<R: Robot + functions::Defaults>(State { q, qd }: &State<R>) -> f64 {
     R::kinetic_energy(q, qd) + R::potential_energy(q)
 }
 
-/// How a state goes on for a step.
+/// A function that returns the state after a step.
 type Step<R> = fn(&State<R>, f64) -> State<R>;
 
 fn runge_kutta<R: Robot + functions::Defaults>(state: &State<R>, dt: f64) -> State<R> {
@@ -71,7 +71,7 @@ fn run<R: Robot>(start: State<R>, step: Step<R>, time: f64, steps: u32) -> State
     (0..steps).fold(start, |state, _| step(&state, dt))
 }
 
-/// The largest difference of coordinates and velocities.
+/// Returns the largest difference of coordinates and velocities.
 fn distance<R: Robot + functions::Defaults>(a: &State<R>, b: &State<R>) -> f64 {
     let q = R::difference(&a.q, &b.q);
     let qd = a.qd.as_ref().iter().zip(b.qd.as_ref()).map(|(a, b)| a - b);
@@ -111,13 +111,13 @@ fn free_motion_keeps_its_energy() {
         let end = run(start, runge_kutta, 0.2, 400);
         let drift = (energy(&end) - energy(&start)).abs() / energy(&start).abs().max(1.0);
         assert!(drift < 1e-8, "{name}: {drift:e}");
-        // A quaternion stays one.
+        // The quaternion keeps its length.
         assert_close(name, R::normalize(&end.q).as_ref(), end.q.as_ref(), 1e-15);
     }
     for_robots!(check());
 }
 
-/// Swinging for minutes about where it hangs: the energy goes up and down, but not away.
+/// Small oscillations about the hanging position for minutes: the energy oscillates, without drift.
 #[test]
 fn semi_implicit_euler_keeps_an_oscillation_going() {
     type R = GoldenDoublePendulum;
@@ -137,7 +137,7 @@ fn semi_implicit_euler_keeps_an_oscillation_going() {
     assert!(first > 0.0 && first < 0.1 && later < 1.5 * first, "{first:e}, then {later:e}");
 }
 
-/// A spring of angular frequency w: the motion is bounded up to w dt = 2, and diverges beyond.
+/// A spring of angular frequency w: the motion is bounded for w dt < 2, and diverges beyond.
 #[test]
 fn semi_implicit_euler_is_stable_up_to_two_over_the_frequency() {
     type R = GoldenDoublePendulum;
@@ -181,7 +181,7 @@ fn computed_torque_brings_a_robot_to_its_goal() {
 #[test]
 fn computed_torque_follows_a_motion() {
     type R = JointZoo;
-    // Turning and sliding at constant rates from neutral on.
+    // Rotation and translation at constant velocities from the neutral configuration.
     let qd: [f64; R::NV] =
         std::array::from_fn(|i| 0.1 + 0.02 * f64::from(u8::try_from(i).expect("few")));
     let reference = |time: f64| Reference::<R> {

@@ -1,4 +1,4 @@
-//! dynamics-rs, which reads the description.
+//! The crate dynamics-rs, which reads the description itself.
 
 use std::hint::black_box;
 
@@ -10,7 +10,7 @@ use dynamics_rs::prelude::{
 use crate::measure::Job;
 use crate::{back, order, placed};
 
-/// Times it.
+/// Measures the crate.
 pub fn measure(job: &Job, path: &str) {
     let (model, ..) = build_models_from_urdf(path, None).expect("a robot");
     let order = order(job, model.joint_names.iter().map(String::as_str));

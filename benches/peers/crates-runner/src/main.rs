@@ -1,5 +1,5 @@
-//! Other crates that compute dynamics, timed as modyn is:
-//! `crates-runner CRATE FOLDER ROBOT QUANTITY REPETITIONS MODEL`.
+//! Other crates that compute dynamics, measured as modyn is: `crates-runner CRATE FOLDER ROBOT QUANTITY REPETITIONS
+//! MODEL`.
 
 mod dynamics_rs;
 #[path = "../../modyn-runner/src/measure.rs"]
@@ -24,19 +24,19 @@ fn main() {
     }
 }
 
-/// The numbers that modyn has in `joints`' order, in another: entry i is that of `order[i]`.
+/// Returns numbers of modyn in another order: entry i is modyn's entry `order[i]`.
 fn placed(numbers: &[f64], order: &[usize]) -> Vec<f64> {
     order.iter().map(|&k| numbers[k]).collect()
 }
 
-/// Back to modyn's order.
+/// Returns the numbers in modyn's order.
 fn back(numbers: impl Iterator<Item = f64>, order: &[usize]) -> Vec<f64> {
     let mut out = vec![0.0; order.len()];
     numbers.zip(order).for_each(|(number, &k)| out[k] = number);
     out
 }
 
-/// A square matrix in modyn's order, by columns.
+/// Returns a square matrix in modyn's order, by columns.
 fn back_matrix(entry: impl Fn(usize, usize) -> f64, order: &[usize]) -> Vec<f64> {
     let n = order.len();
     let mut out = vec![0.0; n * n];
@@ -48,7 +48,7 @@ fn back_matrix(entry: impl Fn(usize, usize) -> f64, order: &[usize]) -> Vec<f64>
     out
 }
 
-/// For each of another software's joints, where modyn has it.
+/// Returns modyn's index of each joint of the other software.
 fn order<'a>(job: &Job, names: impl Iterator<Item = &'a str>) -> Vec<usize> {
     let find = |name: &str| job.joints.iter().position(|joint| joint == name);
     let order: Vec<usize> = names.filter_map(find).collect();

@@ -1,4 +1,4 @@
-//! phyz, whose model is made of what `../../pinocchio_model.py` wrote.
+//! The crate phyz; its model is made from the output of `../../pinocchio_model.py`.
 
 use std::hint::black_box;
 
@@ -9,7 +9,7 @@ use phyz_rigid::{aba, crba, rnea};
 use crate::measure::Job;
 use crate::{back, back_matrix, order, placed};
 
-/// The model, and its joints' names.
+/// The model, and the names of its joints.
 fn read(path: &str) -> (Model, Vec<String>) {
     let text = std::fs::read_to_string(path).expect("a model");
     let mut builder = ModelBuilder::new().gravity(Vec3::new(0.0, 0.0, -9.81));
@@ -20,7 +20,7 @@ fn read(path: &str) -> (Model, Vec<String>) {
         let vector = |k: usize| Vec3::new(number(k), number(k + 1), number(k + 2));
         let matrix =
             |k: usize| Mat3::from_cols(vector(k), vector(k + 3), vector(k + 6)).transpose();
-        // Placements are turns of coordinates there.
+        // phyz's placements are rotations of coordinates.
         let mut joint = Joint::revolute(SpatialTransform::new(matrix(3).transpose(), vector(12)));
         joint.axis = match words[2] {
             "RX" => Vec3::new(1.0, 0.0, 0.0),
@@ -37,7 +37,7 @@ fn read(path: &str) -> (Model, Vec<String>) {
     (builder.build(), names)
 }
 
-/// Times it.
+/// Measures the crate.
 pub fn measure(job: &Job, path: &str) {
     let (model, names) = read(path);
     let order = order(job, names.iter().map(String::as_str));

@@ -1,4 +1,4 @@
-//! Numbers that leave vectors alone: equal limbs are computed one after the other.
+//! Numbers without vector instructions: equal limbs are computed one after the other.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

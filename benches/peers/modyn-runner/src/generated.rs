@@ -5,12 +5,12 @@ use std::hint::black_box;
 use crate::alone::Alone;
 use crate::measure::Job;
 
-/// The array that those numbers are.
+/// Returns the numbers as an array.
 fn fixed<const N: usize>(numbers: &[f64]) -> [f64; N] {
     numbers.try_into().expect("as many numbers as the robot has")
 }
 
-/// A result as a list of numbers.
+/// A result that can be flattened to a list of numbers.
 trait Flat {
     fn flat(&self) -> Vec<f64>;
 }
@@ -46,7 +46,7 @@ impl<const N: usize> Flat for modyn::ForwardDynamicsDerivatives<[f64; N], [[f64;
     }
 }
 
-/// Checks a function and times it.
+/// Checks and measures a function.
 fn run<S, R: Flat>(job: &Job, states: &[S], mut function: impl FnMut(&S) -> R) {
     job.check(states.iter().map(|state| function(state).flat()));
     job.time(states, |state| {
@@ -55,7 +55,7 @@ fn run<S, R: Flat>(job: &Job, states: &[S], mut function: impl FnMut(&S) -> R) {
     });
 }
 
-/// The call of a quantity.
+/// Calls the function of a quantity.
 macro_rules! call {
     ($Robot:ident inverse_dynamics $job:ident $states:ident) => {
         run($job, $states, |(q, qd, _, qdd)| $Robot::inverse_dynamics(q, qd, qdd))
@@ -68,7 +68,7 @@ macro_rules! call {
     };
 }
 
-/// The same of the trait's function, for numbers without vectors.
+/// Calls the trait's function of a quantity, for numbers without vectors.
 macro_rules! call_alone {
     ($Robot:ident inverse_dynamics $job:ident $states:ident) => {
         run($job, $states, |(q, qd, _, qdd)| <$Robot as modyn::Robot>::inverse_dynamics(q, qd, qdd))
@@ -85,10 +85,10 @@ macro_rules! call_alone {
     }};
 }
 
-/// All robots; the table's rows are the build script's.
+/// All robots; the build script writes the rows of the table.
 macro_rules! generated {
     ($($name:literal $Robot:ident [$($function:ident)*];)*) => {
-        /// Times the generated function.
+        /// Measures the generated function.
         pub fn measure(job: &Job) {
             match job.robot.as_str() {
                 $($name => {
@@ -113,7 +113,7 @@ macro_rules! generated {
             }
         }
 
-        /// Times it with equal limbs one after the other.
+        /// Measures the generated function with equal limbs one after the other.
         pub fn measure_alone(job: &Job) {
             match job.robot.as_str() {
                 $($name => {
@@ -145,7 +145,7 @@ macro_rules! generated {
             }
         }
 
-        /// Times forward dynamics of all states at a time.
+        /// Measures forward dynamics of all states in one call.
         pub fn measure_batch(job: &Job) {
             assert_eq!(job.quantity, "forward_dynamics", "the quantity that has a batch here");
             match job.robot.as_str() {

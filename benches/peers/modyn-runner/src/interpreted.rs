@@ -1,14 +1,14 @@
-//! modyn's interpreter: a contender, and the one that all are checked against.
+//! modyn's interpreter: one of the programs, and the reference for the results of all others.
 
 use modyn::{ForwardDerivatives, Interpreter};
 
 use crate::measure::Job;
 use crate::{robots, states};
 
-/// A quantity at q, qd, tau, qdd.
+/// Computes a quantity at q, qd, tau, qdd.
 type Function = fn(&mut Interpreter<f64>, [&[f64]; 4], &mut [f64]);
 
-/// How many numbers a quantity has.
+/// Returns the number of scalars of a quantity.
 pub fn results(quantity: &str, nv: usize) -> usize {
     match quantity {
         "mass_matrix" => nv * nv,
@@ -17,7 +17,7 @@ pub fn results(quantity: &str, nv: usize) -> usize {
     }
 }
 
-/// The quantity of that name; matrices by columns, derivatives as qdd, then by q, qd and tau.
+/// Returns the function of the quantity with this name; matrices by columns, derivatives as qdd, then by q, qd and tau.
 pub fn function(quantity: &str) -> Function {
     match quantity {
         "forward_dynamics" => |robot, [q, qd, tau, _], out| {
@@ -39,7 +39,7 @@ pub fn function(quantity: &str) -> Function {
     }
 }
 
-/// Times the interpreter.
+/// Measures the interpreter.
 pub fn measure(job: &Job) {
     let robots = robots::all();
     let robot = robots.iter().find(|robot| robot.name == job.robot).expect("a robot");

@@ -1,7 +1,8 @@
 //! modyn's part in the comparison with other software.
 //!
-//! `modyn-runner states FOLDER` writes the states and modyn's interpreter's results, which every
-//! contender is checked against. `modyn-runner c FOLDER` writes the robots' C sources. `modyn-runner CONTENDER FOLDER ROBOT QUANTITY REPETITIONS` times.
+//! `modyn-runner states FOLDER` writes the states, and the interpreter's results, against which every program is
+//! checked. `modyn-runner c FOLDER` writes the robots' C sources. `modyn-runner CONTENDER FOLDER ROBOT QUANTITY
+//! REPETITIONS` measures.
 
 mod alone;
 mod c;
@@ -15,7 +16,7 @@ use std::path::Path;
 
 use measure::Job;
 
-/// The contenders: add more here, and in `../contenders/modyn.py`.
+/// The programs: add more here, and in `../contenders/modyn.py`.
 const CONTENDERS: [(&str, fn(&Job)); 4] = [
     ("generated", generated::measure),
     ("alone", generated::measure_alone),

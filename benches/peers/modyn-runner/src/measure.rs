@@ -1,19 +1,19 @@
-//! Checking and timing, as `../cpp/harness.hpp` does it.
+//! Checks and measures functions, as `../cpp/harness.hpp` does.
 
 use std::hint::black_box;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Results are checked at the first states.
+/// The number of states, from the first on, whose results are checked.
 pub const CHECKED: usize = 64;
 
-/// What to time.
+/// The arguments of a measurement.
 pub struct Job {
     #[allow(dead_code)]
     pub robot: String,
     pub quantity: String,
     pub nv: usize,
-    /// Joints, in the order of velocities.
+    /// The joints, in the order of velocities.
     #[allow(dead_code)]
     pub joints: Vec<String>,
     nq: usize,
@@ -22,14 +22,14 @@ pub struct Job {
     reference: Vec<f64>,
 }
 
-/// Little-endian doubles.
+/// Reads little-endian doubles.
 fn numbers(path: &Path) -> Vec<f64> {
     let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     bytes.as_chunks().0.iter().map(|&number| f64::from_le_bytes(number)).collect()
 }
 
 impl Job {
-    /// From the files that [`write`](crate::states::write) left.
+    /// Reads the files that [`write`](crate::states::write) has written.
     pub fn read(folder: &Path, robot: &str, quantity: &str, repetitions: &str) -> Self {
         let file = |extension: &str| folder.join(format!("{robot}.{extension}"));
         let text = std::fs::read_to_string(file("model")).expect("written by `states`");
@@ -48,7 +48,7 @@ impl Job {
         }
     }
 
-    /// q, qd, tau, qdd of all states.
+    /// Returns q, qd, tau, qdd of all states.
     pub fn states(&self) -> Vec<[Vec<f64>; 4]> {
         let (nq, nv) = (self.nq, self.nv);
         let state = |numbers: &[f64]| {
@@ -59,8 +59,8 @@ impl Job {
         self.states.chunks_exact(nq + 3 * nv).map(state).collect()
     }
 
-    /// Prints the largest error of the first results against the interpreter's, in parts of the
-    /// largest number of a result (or of 1).
+    /// Prints the largest error of the first results against the interpreter's, relative to the largest number of a
+    /// result (or to 1).
     pub fn check(&self, results: impl Iterator<Item = Vec<f64>>) {
         let expected = self.reference.chunks_exact(self.reference.len() / CHECKED);
         let mut error = 0.0f64;
@@ -78,13 +78,13 @@ impl Job {
         }
     }
 
-    /// Prints the median time of a call, ns: a warm-up of at least 20 ms, then repetitions of at
-    /// least 4 ms, each through all states as often as it takes.
+    /// Prints the median time of a call, ns: a warm-up of at least 20 ms, then repetitions of at least 4 ms, each
+    /// through all states as many times as that takes.
     pub fn time<S>(&self, states: &[S], mut call: impl FnMut(&S)) {
         self.time_all(states.len(), || states.iter().for_each(|state| call(black_box(state))));
     }
 
-    /// The same, where a pass goes through so many states by itself.
+    /// Prints the median time for a function that computes this number of states in one call.
     pub fn time_all(&self, states: usize, mut pass: impl FnMut()) {
         let start = Instant::now();
         let mut passes = 0u32;

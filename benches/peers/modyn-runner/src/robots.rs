@@ -1,4 +1,4 @@
-//! The list of robots, for the build script and the program alike.
+//! The list of robots, for the build script and the program.
 
 use std::path::{Path, PathBuf};
 
@@ -9,13 +9,13 @@ pub struct Robot {
     pub name: String,
     pub description: PathBuf,
     pub base: Base,
-    /// Whether its derivatives are timed.
+    /// Whether its derivatives are measured.
     #[allow(dead_code)]
     pub derivatives: bool,
 }
 
 impl Robot {
-    /// The name in upper camel case.
+    /// Returns the name in upper camel case.
     #[allow(dead_code)]
     pub fn type_name(&self) -> String {
         let upper = |word: &str| word[..1].to_uppercase() + &word[1..];
@@ -23,7 +23,7 @@ impl Robot {
     }
 }
 
-/// All of them that are there: the command copies here what is of a wheel.
+/// Returns the listed robots whose files are there: the command copies robots of Python packages here.
 pub fn all() -> Vec<Robot> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..");
     let lines = include_str!("../../robots.txt").lines().filter(|line| !line.starts_with('#'));

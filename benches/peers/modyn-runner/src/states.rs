@@ -1,4 +1,4 @@
-//! States at random, and what the interpreter makes of them.
+//! Random states, and the interpreter's results at them.
 
 use std::fs;
 use std::path::Path;
@@ -10,13 +10,13 @@ use crate::interpreted::results;
 use crate::measure::CHECKED;
 use crate::robots::Robot;
 
-/// How many states a robot has.
+/// The number of states of a robot.
 const STATES: usize = 1024;
-/// What is timed.
+/// The measured quantities.
 pub const QUANTITIES: [&str; 4] =
     ["forward_dynamics", "inverse_dynamics", "mass_matrix", "forward_dynamics_derivatives"];
 
-/// The robot's model.
+/// Returns the robot's model.
 pub fn model(robot: &Robot) -> Model {
     let file = &robot.description;
     let text = fs::read_to_string(file).expect("a description");
@@ -25,7 +25,7 @@ pub fn model(robot: &Robot) -> Model {
     read(&text, &file.to_string_lossy(), &options).expect("a robot").model
 }
 
-/// Numbers in -1..1, the same on every machine: a linear congruential generator.
+/// Returns numbers in -1..1, the same on every machine: a linear congruential generator.
 fn numbers() -> impl FnMut() -> f64 {
     let mut state = 1u64;
     move || {
@@ -35,7 +35,7 @@ fn numbers() -> impl FnMut() -> f64 {
     }
 }
 
-/// Coordinates (of a floating base: position and a unit quaternion, x y z w, in front).
+/// Returns random coordinates; a floating base has its position and a unit quaternion (x, y, z, w) first.
 fn coordinates(robot: &Robot, nq: usize, number: &mut impl FnMut() -> f64) -> Vec<f64> {
     let mut q: Vec<f64> = (0..nq).map(|_| 3.0 * number()).collect();
     if robot.base == Base::Floating {

@@ -65,7 +65,7 @@ impl Torques {
             torques.rows.push(row);
         }
         if torques.times.is_empty() {
-            return Err(bad(1, "there is no row of figures".into()));
+            return Err(bad(1, "there is no row of numbers".into()));
         }
         Ok(torques)
     }

@@ -7,7 +7,7 @@ use super::{Dialect, GpuArgument, GpuKernel, Support};
 use crate::emit::FloatType;
 use crate::emit::c;
 
-/// Most threads of a block, from which the compiler knows how many registers a thread may have.
+/// The largest number of threads of a block. From it the compiler knows how many registers a thread may have.
 const BLOCK: usize = 128;
 
 pub(super) struct Cuda {
@@ -22,7 +22,7 @@ impl Cuda {
         }
     }
 
-    /// A function of the mathematical library in this precision.
+    /// Returns the name of a function of the mathematical library in this precision.
     fn library(&self, name: &str) -> String {
         match self.float {
             FloatType::F64 => name.into(),
@@ -30,7 +30,7 @@ impl Cuda {
         }
     }
 
-    /// The parameters for the buffers, from the state's place on.
+    /// Returns the parameters for the buffers, from the index of the state on.
     fn parameters(&self, kernel: &GpuKernel) -> Vec<String> {
         let real = self.real();
         let arguments = kernel.arguments.iter();
@@ -48,7 +48,7 @@ impl Dialect for Cuda {
             Support::Maximum => c::Support::Maximum,
         });
         let functions = c::support(&of_c.collect(), self.float);
-        // Tables stay `static const`: they are indexed by the counters of loops that the compiler unrolls.
+        // Tables stay `static const`: their indices are counters of loops that the compiler unrolls.
         let functions = functions.replace("\nstatic ", "\nstatic __device__ ");
         format!(
             "#ifdef __CUDACC_RTC__\n\

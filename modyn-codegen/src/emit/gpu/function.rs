@@ -1,4 +1,5 @@
-//! A program as a kernel: a statement a line. Chunks become functions that hand their values on through arrays.
+//! Prints a program as a kernel, one line for each statement. Chunks become functions that pass their values on through
+//! arrays.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -6,7 +7,7 @@ use std::fmt::Write as _;
 use super::{Dialect, Kernel, Support};
 use crate::program::{Addend, Chunk, MultiplyAdd, Operand, Operation, Source, Value};
 
-/// The text of a kernel and its chunks; the functions that it calls go to `used`.
+/// Returns the text of a kernel and its chunks, and adds the functions that it calls to `used`.
 pub(super) fn print(
     dialect: &dyn Dialect,
     kernel: &Kernel<'_>,
@@ -41,7 +42,7 @@ pub(super) fn print(
     text
 }
 
-/// The statements of a chunk.
+/// The context in which a chunk's statements are printed.
 struct Body<'a> {
     dialect: &'a dyn Dialect,
     kernel: &'a Kernel<'a>,
@@ -52,7 +53,7 @@ struct Body<'a> {
 }
 
 impl Body<'_> {
-    /// The stores of these results.
+    /// Returns the statements that store these results.
     fn stores(&self, text: &mut String, results: &[usize]) {
         for &result in results {
             let value = self.operand(&self.kernel.program.results[result]);
@@ -129,7 +130,7 @@ impl Body<'_> {
         if operand.negated { format!("(-{text})") } else { text }
     }
 
-    /// The scalar argument of that number: of the kernel, or known.
+    /// Returns the scalar argument with this number: an argument of the kernel, or a constant.
     fn argument(&self, number: usize) -> String {
         let kernel = &self.kernel.description;
         let mut rest = number;
@@ -142,7 +143,7 @@ impl Body<'_> {
         format!("({})", self.dialect.literal(self.kernel.known[rest]))
     }
 
-    /// A value: a local one, or an entry of an earlier chunk's array.
+    /// Returns a value: a local variable, or an entry of an earlier chunk's array.
     fn value(&self, value: Value) -> String {
         if value.statement >= self.first {
             return self.local(value.statement, value.place);

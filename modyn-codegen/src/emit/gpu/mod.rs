@@ -1,10 +1,10 @@
-//! Text for graphics processors: a kernel for each function, a thread for each state.
+//! Prints kernels for graphics processors: one kernel for each function, one thread for each state.
 //!
 //! Arguments and results are structures of arrays: scalar `j` of state `i` of `n` states is number `j n + i` of its
-//! buffer, so that neighbouring threads read neighbouring numbers. Run-time parameters are the same for all states.
+//! buffer, so that neighbouring threads read neighbouring numbers. Run-time parameters are shared by all states.
 //!
-//! `function.rs` prints the statements, which both languages have in common; a [`Dialect`] has the syntax in which they
-//! differ, the kernel's head and the functions that are no operator.
+//! `function.rs` prints the statements, whose syntax both languages share. A [`Dialect`] has the other syntax: the
+//! kernel's head, and the functions that are not operators.
 
 mod cuda;
 mod function;
@@ -25,7 +25,7 @@ use crate::program::Program;
 pub enum GpuLanguage {
     /// CUDA C++, for NVRTC or nvcc.
     Cuda,
-    /// WGSL, for `WebGPU`; single precision alone.
+    /// WGSL, for `WebGPU`; in single precision only.
     Wgsl,
 }
 
@@ -37,7 +37,7 @@ pub struct GpuSource {
     pub language: GpuLanguage,
     /// The prefix of all names.
     pub prefix: String,
-    /// The text, one file.
+    /// The text of one file.
     pub text: String,
     /// The kernels, in the order of the text.
     pub kernels: Vec<GpuKernel>,
@@ -53,7 +53,7 @@ pub struct GpuKernel {
     pub name: String,
     /// The name of the function.
     pub function: &'static str,
-    /// The link that the function is of, as an index into the description's links; `None` for other functions.
+    /// The link of the function, as an index into the description's links; `None` for functions without a link.
     pub link: Option<usize>,
     /// The arguments.
     pub arguments: Vec<GpuArgument>,
@@ -71,11 +71,11 @@ pub struct GpuArgument {
     pub name: String,
     /// The number of scalars.
     pub len: usize,
-    /// Whether all states have the same numbers, as they have run-time parameters: these are stored once.
+    /// Whether all states share the numbers, as they share run-time parameters: these are stored once.
     pub common: bool,
 }
 
-/// A function that is no operator. The order is that of their definitions.
+/// A function that is not an operator. The order is that of the definitions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Support {
     SinCos,
@@ -84,52 +84,53 @@ enum Support {
     Maximum,
 }
 
-/// The program of a kernel with its arguments, some of which may be known.
+/// The program of a kernel with its arguments, some of which may be constants.
 struct Kernel<'a> {
     description: GpuKernel,
     docs: String,
     program: &'a Program,
-    /// The values of the program's arguments after those of the kernel: the placement of a link that shares a program.
+    /// The values of the program's arguments after those of the kernel: the placement of a link that shares a program
+    /// with other links.
     known: Vec<f64>,
 }
 
 /// The syntax of a language.
 trait Dialect {
-    /// The text before all kernels: definitions of the functions that they call.
+    /// Returns the text before all kernels: definitions of the functions that they call.
     fn preamble(&self, used: &BTreeSet<Support>) -> String;
 
-    /// A number.
+    /// Returns a number.
     fn literal(&self, value: f64) -> String;
 
-    /// The definition of a local value.
+    /// Returns the definition of a local value.
     fn define(&self, name: &str, value: &str) -> String;
 
-    /// The statements that define the sine and the cosine of an angle.
+    /// Returns the statements that define the sine and the cosine of an angle.
     fn sin_cos(&self, angle: &str, sine: &str, cosine: &str) -> String;
 
-    /// `a b + c`, rounded once.
+    /// Returns `a b + c`, rounded once.
     fn multiply_add(&self, a: &str, b: &str, c: &str) -> String;
 
-    /// The square root.
+    /// Returns the square root.
     fn square_root(&self, x: &str) -> String;
 
-    /// The absolute value.
+    /// Returns the absolute value.
     fn absolute(&self, x: &str) -> String;
 
-    /// The second where the first is at least zero, else the third.
+    /// Returns the second value where the first is at least zero, else the third.
     fn select(&self, x: &str, then: &str, otherwise: &str) -> String;
 
-    /// The scalar `j` of an argument of this thread's state.
+    /// Returns scalar `j` of an argument of this thread's state.
     fn argument(&self, kernel: &GpuKernel, argument: &GpuArgument, j: usize) -> String;
 
-    /// The statement that stores scalar `j` of the result of this thread's state.
+    /// Returns the statement that stores scalar `j` of the result of this thread's state.
     fn store(&self, kernel: &GpuKernel, j: usize, value: &str) -> String;
 
-    /// The entry `i` of the values that an earlier chunk hands on, in a chunk (`inner`) or in the kernel.
+    /// Returns entry `i` of the values that an earlier chunk passes on, in a chunk (`inner`) or in the kernel.
     fn handed(&self, chunk: usize, i: usize, inner: bool) -> String;
 
-    /// The function of a chunk with this body, which hands `values[k]` values on from chunk `k`, reads those of `live_in`
-    /// and writes those of `own`.
+    /// Returns the function of a chunk with this body: chunk `k` passes `values[k]` values on, and the function reads
+    /// the values of `live_in` and writes those of `own`.
     fn chunk(
         &self,
         kernel: &GpuKernel,
@@ -139,14 +140,14 @@ trait Dialect {
         body: &str,
     ) -> String;
 
-    /// The statements by which the kernel calls a chunk.
+    /// Returns the statements by which the kernel calls a chunk.
     fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String;
 
-    /// The kernel with this body.
+    /// Returns the kernel with this body.
     fn kernel(&self, kernel: &GpuKernel, docs: &str, body: &str) -> String;
 }
 
-/// The text of all kernels of a plan; `prefix` begins their names.
+/// Returns the text of all kernels of a plan; all names start with `prefix`.
 pub(super) fn print(
     plan: &Plan,
     model: &Model,
@@ -174,7 +175,7 @@ pub(super) fn print(
     GpuSource { language, prefix: prefix.into(), text, kernels }
 }
 
-/// The kernels of all functions.
+/// Returns the kernels of all functions.
 fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
     let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
     let links = names::fields(&links, &[]);

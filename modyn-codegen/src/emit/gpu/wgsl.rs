@@ -1,9 +1,9 @@
-//! WGSL. Its precision is single; a driver may flush subnormal numbers to zero and ignore infinities and NaN, as the
-//! language allows.
+//! Prints WGSL, in single precision. The language allows a driver to flush subnormal numbers to zero, and to ignore
+//! infinities and NaN.
 //!
-//! Sine and cosine are the polynomials of the runtime: the language promises little about its own. The language lets a
-//! compiler reorder sums, and Mesa's does, which undoes a reduction by pi in parts. So only angles below
-//! [`LIMIT`] are reduced in floating point, where that costs little; all others are reduced in integers.
+//! Sine and cosine are the polynomials of the runtime, since the language guarantees little about its own. The language
+//! lets a compiler reorder sums. Mesa's compiler does, which destroys a reduction by pi in parts. So only angles below
+//! [`LIMIT`] are reduced in floating point; there the loss is small. All others are reduced in integers.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -14,11 +14,11 @@ use super::{Dialect, GpuArgument, GpuKernel, Support};
 use crate::emit::FloatType;
 use crate::emit::c;
 
-/// Threads of a workgroup.
+/// The threads of a workgroup.
 const WORKGROUP: usize = 64;
 
-/// Angles of the reduction in floating point are smaller, rad. The multiple of pi is then at most 3, and a compiler that
-/// adds the parts of pi to one number adds an error of 2.7e-7 at most.
+/// The limit of angles that are reduced in floating point, rad. Their multiple of pi is at most 3. If a compiler adds
+/// the parts of pi to one number, the error grows by at most 2.7e-7.
 const LIMIT: f64 = 8.0;
 
 pub(super) struct Wgsl;
@@ -34,14 +34,14 @@ impl Support {
     }
 }
 
-/// The value of a polynomial in `variable`, the highest coefficient first.
+/// Returns the value of a polynomial in `variable`, the highest coefficient first.
 fn polynomial(variable: &str, coefficients: &[f64]) -> String {
     let (first, rest) = coefficients.split_first().expect("a coefficient");
     let literal = |value: &f64| Wgsl.literal(*value);
     rest.iter().fold(literal(first), |sum, c| format!("fma({variable}, {sum}, {})", literal(c)))
 }
 
-/// The coefficients of a series, the highest first.
+/// Returns the coefficients of a series, the highest first.
 fn series(count: u32, term: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..count).rev().map(|i| term(f64::from(i))).collect()
 }
@@ -58,7 +58,7 @@ impl Dialect for Wgsl {
             ("ARCTANGENT", polynomial("z", &series(6, |i| sign(i) / (2.0 * i + 3.0)))),
             ("LOGARITHM", polynomial("z", &series(4, |i| 2.0 / (2.0 * i + 3.0)))),
         ];
-        // Bits that no constant expression may have are read from memory.
+        // These bits are read from memory: a constant expression must not be infinite or NaN.
         let mut text = String::from(
             "var<private> modyn_nan_bits: u32 = 0x7fc00000u;\nvar<private> modyn_infinity_bits: u32 = 0x7f800000u;\n\n",
         );

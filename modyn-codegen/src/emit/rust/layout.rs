@@ -42,7 +42,7 @@ mod tests {
     use super::indented;
 
     #[test]
-    fn lines_stand_by_their_brackets() {
+    fn lines_are_indented_by_their_brackets() {
         let text = "fn f() {\nlet x = [\n\"(\\\"[\",\n];\n// }\n}\n\nstruct S;\n";
         let expected =
             "fn f() {\n    let x = [\n        \"(\\\"[\",\n    ];\n    // }\n}\n\nstruct S;\n";

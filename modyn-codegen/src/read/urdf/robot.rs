@@ -76,7 +76,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             .collect();
         let message =
             "another file is included, which is not read: parts of the robot may be missing";
-        let help = "write what is in that file into this one";
+        let help = "copy the content of that file into this one";
         self.xml.report.warn_once(Code::Include, &included, message, help);
     }
 }

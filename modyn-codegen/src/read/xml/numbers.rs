@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_finite_number_is_refused() {
+    fn numbers_must_be_finite() {
         for text in ["nan", "NaN", "-inf", "+Infinity", "1e400", "-1e999"] {
             assert_eq!(code::<1>(text), Err(Code::NotFinite), "{text}");
         }

@@ -148,33 +148,39 @@ fn symmetrize<S: Scalar>(n: usize, range: Range<usize>, columns: &mut [S]) {
 /// Computes U as a full matrix by columns, (43).
 pub fn upper<S: Scalar>(layout: &UduLayout, u: &[S], columns: &mut [S]) {
     let n = layout.n();
-    columns.fill(S::zero());
-    for (m, block) in layout.blocks().iter().enumerate() {
-        for (j, column) in block.dofs.clone().enumerate() {
-            columns[column * n + column] = S::one();
-            for (dof, row) in layout.rows(m) {
-                columns[column * n + dof] = u[row + j];
-            }
-        }
-    }
+    unit_upper(layout, u, columns, |columns, column, dof, entry| {
+        columns[column * n + dof] = entry;
+    });
 }
 
 /// Computes U^-1 as a full matrix by columns, (53)-(54): each block column of U is propagated through the
 /// block columns of the preceding modules.
 pub fn upper_inverse<S: Scalar>(layout: &UduLayout, u: &[S], columns: &mut [S]) {
     let n = layout.n();
+    // Column `column` of U^-1 is e minus the sum of U's entries times the preceding columns of U^-1. (With mimic
+    // joints U^-1 has more nonzero entries than U.)
+    unit_upper(layout, u, columns, |columns, column, dof, factor| {
+        for above in 0..=dof {
+            let entry = columns[dof * n + above];
+            columns[column * n + above] = columns[column * n + above] - factor * entry;
+        }
+    });
+}
+
+/// Computes a unit upper triangular matrix by columns, in the order of the modules: the identity, then
+/// `include(columns, column, dof, entry)` for each entry of U beside its diagonal.
+fn unit_upper<S: Scalar>(
+    layout: &UduLayout,
+    u: &[S],
+    columns: &mut [S],
+    include: impl Fn(&mut [S], usize, usize, S),
+) {
     columns.fill(S::zero());
     for (m, block) in layout.blocks().iter().enumerate() {
         for (j, column) in block.dofs.clone().enumerate() {
-            columns[column * n + column] = S::one();
-            // Column `column` of U^-1 is e minus the sum of U's entries times the preceding columns of
-            // U^-1. (With mimic joints U^-1 has more nonzero entries than U.)
+            columns[column * layout.n() + column] = S::one();
             for (dof, row) in layout.rows(m) {
-                let factor = u[row + j];
-                for above in 0..=dof {
-                    let entry = columns[dof * n + above];
-                    columns[column * n + above] = columns[column * n + above] - factor * entry;
-                }
+                include(columns, column, dof, u[row + j]);
             }
         }
     }

@@ -62,10 +62,7 @@ pub fn link_velocity<S: Scalar>(
     axes: Axes,
     workspace: &mut Workspace<S>,
 ) -> Twist<S> {
-    match axes {
-        Axes::World => in_world_axes(model, frame, (q, qd, None)).velocity,
-        Axes::Link => in_link_axes(model, frame, (q, qd), workspace).velocity,
-    }
+    velocity_and_bias(model, frame, (q, qd), axes, workspace).0
 }
 
 /// Returns the acceleration of link `frame` relative to the world, in `axes`: the angular acceleration,
@@ -157,9 +154,26 @@ pub fn bias_acceleration<S: Scalar>(
     axes: Axes,
     workspace: &mut Workspace<S>,
 ) -> Twist<S> {
+    velocity_and_bias(model, frame, (q, qd), axes, workspace).1
+}
+
+/// Returns the velocity J qd and the bias acceleration dJ/dt qd of link `frame`.
+fn velocity_and_bias<S: Scalar>(
+    model: &Mechanism<S>,
+    frame: usize,
+    (q, qd): (&[S], &[S]),
+    axes: Axes,
+    workspace: &mut Workspace<S>,
+) -> (Twist<S>, Twist<S>) {
     match axes {
-        Axes::World => in_world_axes(model, frame, (q, qd, None)).acceleration,
-        Axes::Link => in_link_axes(model, frame, (q, qd), workspace).rate,
+        Axes::World => {
+            let motion = in_world_axes(model, frame, (q, qd, None));
+            (motion.velocity, motion.acceleration)
+        }
+        Axes::Link => {
+            let motion = in_link_axes(model, frame, (q, qd), workspace);
+            (motion.velocity, motion.rate)
+        }
     }
 }
 

@@ -9,7 +9,7 @@ mod inner {
     modyn::include_model!(odd);
 }
 
-/// The torque that holds the robot.
+/// Returns the torque that holds the robot.
 #[must_use]
 pub fn hold() -> (f64, f32, f64) {
     let torque = inner::Odd::gravity_torques(&[0.0]);

@@ -4,6 +4,7 @@
 
 modyn::modyn! {
     pub Arm = "../../../../robots/arm7.urdf",
+    friction = none,
     functions = [
         forward_dynamics, inverse_dynamics, mass_matrix, forward_dynamics_derivatives, random,
         forward_dynamics_batch, inverse_dynamics_batch, mass_matrix_batch
@@ -12,6 +13,7 @@ modyn::modyn! {
 
 modyn::modyn! {
     pub SingleArm = "../../../../robots/arm7.urdf",
+    friction = none,
     scalar = f32,
     functions = [
         forward_dynamics, inverse_dynamics, mass_matrix, random,

@@ -1,4 +1,4 @@
-//! Generated code on vectors against the interpreter, which has none.
+//! Generated code on vectors compared with the interpreter, which uses no vectors.
 
 use std::path::Path;
 
@@ -6,11 +6,11 @@ use modyn::{Interpreter, batch::SimdLevel};
 use modyn_codegen::{Base, ReadOptions, read};
 use modyn_neon::{Arm, Flying, Humanoid, Quadruped, SingleArm, SingleFlying};
 
-/// Relative to the largest number of a result: for `f64`, and for `f32` against `f64` at the same state.
+/// The tolerance relative to the largest number of a result: for `f64`, and for `f32` against `f64` at the same state.
 const DOUBLE: f64 = 1e-11;
 const SINGLE: f64 = 2e-3;
 
-/// The interpreter of a robot of `robots`.
+/// Returns the interpreter of a robot in `robots`.
 fn interpreter(name: &str, base: Base) -> Interpreter {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../robots").join(name);
     let text = std::fs::read_to_string(&path).expect("the robot's file");
@@ -18,7 +18,7 @@ fn interpreter(name: &str, base: Base) -> Interpreter {
     Interpreter::new(read(&text, name, &options).expect("a sound robot").model)
 }
 
-/// Numbers in 0..1.
+/// Returns numbers in 0..1.
 fn uniform() -> impl FnMut() -> f64 {
     let mut state = 11u64;
     move || {
@@ -39,7 +39,7 @@ fn close(what: &str, found: &[impl Into<f64> + Copy], expected: &[f64], toleranc
     }
 }
 
-/// Functions for one state, and batches of each remainder, of a robot in a precision.
+/// Compares functions of one state, and batches with each remainder, of a robot in a precision.
 macro_rules! check {
     ($Robot:ident, $T:ty, $tolerance:expr, $file:literal, $base:expr $(, $batches:ident)?) => {{
         const NV: usize = $Robot::NV;
@@ -86,7 +86,7 @@ macro_rules! check {
     }};
 }
 
-/// The derivatives of forward dynamics.
+/// Compares the derivatives of forward dynamics.
 macro_rules! derivatives {
     ($Robot:ident, $file:literal) => {{
         const NV: usize = $Robot::NV;

@@ -1,5 +1,5 @@
-//! Links only if no function of these robots has a path that panics: the panic handler calls a
-//! function that does not exist, so the linker complains unless it can drop the handler.
+//! This program links only if no function of these robots has a path that panics: the panic handler calls a function
+//! that does not exist, so the linker fails unless it can drop the handler.
 #![no_std]
 #![no_main]
 
@@ -21,7 +21,8 @@ modyn::modyn!(
     payload = ["tip"],
 );
 
-// The C library starts `main`. What no crate defines cannot be declared without `unsafe`; nothing else here is.
+// The C library calls `main`. A function that no crate defines cannot be declared without `unsafe`; this is the only
+// use of it.
 #[link(name = "c")]
 unsafe extern "C" {
     safe fn a_function_of_modyn_can_panic() -> !;
@@ -54,7 +55,7 @@ macro_rules! call_everything {
     }};
 }
 
-/// All functions there are.
+/// Calls all functions.
 fn call_all() {
     let (q, v) = black_box((Zoo::NEUTRAL, [0.5; Zoo::NV]));
     let forces = black_box([Wrench::<f64>::zero(); Zoo::LINK_NAMES.len()]);

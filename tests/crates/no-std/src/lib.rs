@@ -8,13 +8,13 @@ modyn::modyn!(pub Arm = "../../../../robots/arm7.urdf", scalar = f32);
 modyn::modyn!("../../../../robots/gripper.urdf");
 modyn::modyn!(pub Zoo = "../../../../robots/joint_zoo.urdf", functions = all, scalar = f32);
 
-/// Torques that hold the arm and carry it along.
+/// Returns the torques that hold the arm and accelerate it.
 #[must_use]
 pub fn control(q: &[f32; Arm::NQ], qd: &[f32; Arm::NV], qdd: &[f32; Arm::NV]) -> [f32; Arm::NV] {
     Arm::inverse_dynamics(q, qd, qdd)
 }
 
-/// How fast the gripper's joints take up speed.
+/// Returns the accelerations of the gripper's joints.
 #[must_use]
 pub fn accelerations(tau: &[f64; 4]) -> [f64; 4] {
     Gripper::brge(&[0.1; 4]).solve(tau)

@@ -1,5 +1,5 @@
-//! A crate that calls `modyn` something else, and in an older edition. Its description stands in a
-//! folder beside `Cargo.toml`.
+//! A crate of an older edition that depends on `modyn` under another name. Its description is in a folder beside
+//! `Cargo.toml`.
 //!
 //! ```
 //! dynamics::modyn!("robots/my-pendulum.urdf", crate = ::dynamics);

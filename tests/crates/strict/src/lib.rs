@@ -1,14 +1,14 @@
-//! A crate with the strictest lints, and with robots that are called like what the expansion uses.
+//! A crate with the strictest lints, whose robots have names that the expansion uses.
 #![forbid(unsafe_code)]
 #![deny(warnings, missing_docs, clippy::pedantic)]
 
 modyn::modyn!("../../../../robots/gripper.urdf");
 
-/// By the build script.
+/// The robots that the build script compiled.
 pub mod included {
     modyn::include_model!(gripper);
 
-    /// Names that clash.
+    /// Names that collide.
     pub mod names {
         modyn::include_model!(robot);
         modyn::include_model!(option);
@@ -18,7 +18,7 @@ pub mod included {
     }
 }
 
-/// By the macro.
+/// The robots that the macro compiled.
 pub mod names {
     modyn::modyn!(pub Robot = "../robots/clash.urdf");
     modyn::modyn!(pub Option = "../robots/clash.urdf");

@@ -1,4 +1,4 @@
-//! A program that uses little of its robots: what it does not use is no warning.
+//! A program that uses few functions of its robots: unused functions cause no warnings.
 #![forbid(unsafe_code)]
 #![deny(warnings, missing_docs, clippy::pedantic)]
 
