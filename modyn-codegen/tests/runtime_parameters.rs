@@ -129,6 +129,7 @@ fn a_graph_with_parameters_is_that_of_a_description_with_their_values() {
         assert_eq!(parameters.is_empty(), values.is_empty(), "{what}");
 
         let tracer = Tracer::with_parameters(&mechanism, parameters);
+        assert_eq!(tracer.parameters().len(), values.len(), "{what}");
         let changed = robot(&own, &loads, gravity);
         let mut expected = Interpreter::<f64>::new(changed);
         let (mut tau, mut qdd, mut mass) = ([0.0; 3], [0.0; 3], [0.0; 9]);

@@ -14,13 +14,18 @@ use crate::{Result, scope, test};
 const SELECTION: &str = include_str!("mutant.rs.in");
 
 /// Lists the mutants of the repository in the current folder, builds all that compile into a copy, and builds its tests.
+///
+/// If a former call has built the same mutants, those that did not compile are known.
 pub fn build(folder: &Path) -> Result<()> {
+    let former = list::read(folder).unwrap_or_default();
     list::write(folder)?;
     let mutants = list::read(folder)?;
     let copy = folder.join("sources");
-    copy_repository(&copy)?;
-    add_selection(&copy, mutants.len())?;
-    let mut dropped = BTreeSet::new();
+    copy_repository(&copy, &mutants)?;
+    let known = mutants.len() == former.len()
+        && mutants.iter().zip(&former).all(|(mutant, former)| mutant.is_same_change(former));
+    let mut dropped: BTreeSet<u32> =
+        if known { read_json(folder, "dropped.json").unwrap_or_default() } else { BTreeSet::new() };
     let woven = loop {
         let woven = weave_all(&copy, &mutants, &dropped)?;
         let failing = check(folder, &copy, &woven)?;
@@ -29,6 +34,7 @@ pub fn build(folder: &Path) -> Result<()> {
         }
         println!("{} mutants do not compile", failing.len());
         dropped.extend(failing);
+        write_json(folder, "dropped.json", &dropped)?;
     };
     let not_selectable: Vec<u32> =
         woven.iter().flat_map(|(_, woven)| &woven.not_selectable).copied().collect();
@@ -65,25 +71,34 @@ pub fn read_json<T: for<'a> Deserialize<'a>>(folder: &Path, name: &str) -> Resul
     serde_json::from_str(&text).map_err(|e| format!("{name}: {e}"))
 }
 
-/// Copies the files that git tracks, as they are in the working tree.
-fn copy_repository(copy: &Path) -> Result<()> {
+/// Copies the files that git tracks, as they are in the working tree, but for those with mutants. The library gets the
+/// function that tells which mutant is selected.
+fn copy_repository(copy: &Path, mutants: &[Mutant]) -> Result<()> {
+    let mutated: BTreeSet<&str> = mutants.iter().map(|mutant| mutant.file.as_str()).collect();
+    let library = format!("{}/src/lib.rs", scope::LIBRARY.0);
     let files = Command::new("git").args(["ls-files", "-z"]).output();
     let files = files.map_err(|e| format!("git ls-files: {e}"))?.stdout;
     for file in String::from_utf8_lossy(&files).split_terminator('\0') {
-        let to = copy.join(file);
-        let parent = to.parent().expect("a file is in a folder");
-        fs::create_dir_all(parent).map_err(|e| format!("{}: {e}", parent.display()))?;
-        fs::copy(file, &to).map_err(|e| format!("{file}: {e}"))?;
+        if mutated.contains(file) {
+            continue;
+        }
+        let mut content = fs::read(file).map_err(|e| format!("{file}: {e}"))?;
+        if file == library {
+            content.extend(SELECTION.replace("COUNT", &(mutants.len() + 1).to_string()).bytes());
+        }
+        update(&copy.join(file), &content)?;
     }
     Ok(())
 }
 
-/// Adds the function that tells which mutant is selected.
-fn add_selection(copy: &Path, count: usize) -> Result<()> {
-    let file = copy.join(scope::LIBRARY.0).join("src/lib.rs");
-    let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
-    let selection = SELECTION.replace("COUNT", &(count + 1).to_string());
-    fs::write(&file, text + &selection).map_err(|e| format!("{}: {e}", file.display()))
+/// Writes a file unless it has this content: cargo builds what is newer than its last build.
+fn update(file: &Path, content: &[u8]) -> Result<()> {
+    if fs::read(file).is_ok_and(|old| old == content) {
+        return Ok(());
+    }
+    let folder = file.parent().expect("a file is in a folder");
+    let written = fs::create_dir_all(folder).and_then(|()| fs::write(file, content));
+    written.map_err(|e| format!("{}: {e}", file.display()))
 }
 
 /// Writes all sources with their mutants.
@@ -103,7 +118,7 @@ fn weave_all(
         let root = if file.starts_with(&format!("{folder}/")) { "crate" } else { name };
         let woven = weave(&source, &mutants, dropped, &format!("{root}::__mutant"))
             .map_err(|e| format!("{file}: {e}"))?;
-        fs::write(copy.join(file), &woven.text).map_err(|e| format!("{file}: {e}"))?;
+        update(&copy.join(file), woven.text.as_bytes())?;
         all.push((file.to_string(), woven));
     }
     Ok(all)

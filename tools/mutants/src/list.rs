@@ -26,6 +26,14 @@ pub struct Mutant {
     pub span: Span,
 }
 
+impl Mutant {
+    /// Returns whether another mutant is the same change, perhaps at another place of the file.
+    pub fn is_same_change(&self, other: &Self) -> bool {
+        let change = |m: &Self| (m.file.clone(), m.genre.clone(), m.replacement.clone());
+        change(self) == change(other)
+    }
+}
+
 /// A range of a file.
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub struct Span {

@@ -38,6 +38,7 @@ pub const TESTS: &[Tests] = &[
         package: &["-p", "modyn-codegen", "--features", "mjcf"],
         binaries: &[
             "--lib",
+            "--test=external_wrenches",
             "--test=fixed_links",
             "--test=general_position",
             "--test=graphs",
@@ -45,6 +46,7 @@ pub const TESTS: &[Tests] = &[
             "--test=limbs",
             "--test=loops",
             "--test=programs",
+            "--test=runtime_parameters",
             "--test=single_precision",
             "--test=singular",
         ],

@@ -18,8 +18,8 @@ pub struct Woven {
     pub expressions: Vec<(Range<usize>, Vec<u32>)>,
     /// The match expressions, each with the mutants that delete one of its arms.
     pub matches: Vec<(Range<usize>, Vec<u32>)>,
-    /// The mutants that cannot be selected at run time: in constants, constant functions and tests, and the results of
-    /// functions that return `impl Trait`.
+    /// The mutants that cannot be selected at run time: in constants, constant functions, tests and chains of `let`, and
+    /// the results of functions that return `impl Trait`.
     pub not_selectable: Vec<u32>,
 }
 
@@ -210,19 +210,19 @@ impl Weaver<'_> {
 
     /// `a + b` becomes `(match (a, b) { (l, r) => if .. { l - r } else { l + r } })`.
     fn binary(&mut self, e: &syn::ExprBinary) {
+        let operator = self.operator(e);
+        let lazy = matches!(operator, "&&" | "||");
+        // A chain of `let` has no values that a match could bind, and no `||`.
+        if lazy && (contains_let(&e.left) || contains_let(&e.right)) {
+            return;
+        }
         let mutants = self.find(e.op.span(), "BinaryOperator");
-        let whole = e.span().byte_range();
-        let start = e.op.span().byte_range().start;
-        let operator = operator(&self.source[start..]);
-        let operator_range = start..start + operator.len();
         if mutants.is_empty() {
             return;
         }
-        let lazy = matches!(operator, "&&" | "||");
-        if lazy && (contains_let(&e.left) || contains_let(&e.right)) {
-            // `if let` has no operator to replace: the mutant does not compile.
-            return;
-        }
+        let whole = e.span().byte_range();
+        let start = e.op.span().byte_range().start;
+        let operator_range = start..start + operator.len();
         let expression = self.expression(&mutants);
         let (open, close) = (Order::Open(self.depth), Order::Close(-self.depth));
         if lazy {
@@ -325,6 +325,9 @@ impl Weaver<'_> {
 
     /// An arm gets a guard, or a guard gets a further condition.
     fn arm(&mut self, arm: &syn::Arm) {
+        if arm.guard.as_ref().is_some_and(|(_, guard)| contains_let(guard)) {
+            return;
+        }
         let deleted = self.find(arm.span(), "MatchArm");
         let deleted = deleted.first().map(|&m| format!("!{}", self.selected(m)));
         let Some((_, guard)) = &arm.guard else {
@@ -334,9 +337,6 @@ impl Weaver<'_> {
             }
             return;
         };
-        if contains_let(guard) {
-            return;
-        }
         let mutants = self.find(guard.span(), "MatchArmGuard");
         let mut open = deleted.map_or(String::new(), |kept| format!("{kept} && "));
         for &m in &mutants {
