@@ -30,8 +30,10 @@ usage: modyn-mutants COMMAND FOLDER [OPTION...]
   run FOLDER      run the tests that reach a mutant until one fails, for each mutant that no earlier run caught
   report FOLDER   print the counts, and the mutants that were not caught, by file
 
+options of `record` and `run`:
+  --longest SECONDS   leave out tests that take longer (600; 0.25)
+
 options of `run`:
-  --longest SECONDS   leave out tests that take longer (0.25)
   --budget SECONDS    processor time for each mutant (60)
   --cases N           random cases of a property test (6); 0 for the number that the test chooses
   --only TEXT         only mutants whose name (file, line, change) contains the text; can be repeated
@@ -55,15 +57,18 @@ fn command(arguments: &[String]) -> Result<()> {
     let folder = &PathBuf::from(folder).canonicalize().map_err(|e| format!("{folder}: {e}"))?;
     match (command.as_str(), options) {
         ("build", []) => build::build(folder),
-        ("record", []) => record::record(folder),
-        ("run", options) => run::run(folder, &run_options(options)?),
+        ("record", options) => {
+            // Slow tests can be recorded later, with a higher limit.
+            let default = run::Options { longest: Duration::from_secs(600), ..Default::default() };
+            record::record(folder, run_options(options, default)?.longest)
+        }
+        ("run", options) => run::run(folder, &run_options(options, run::Options::default())?),
         ("report", []) => report::report(folder),
         _ => Err(USAGE.into()),
     }
 }
 
-fn run_options(mut arguments: &[String]) -> Result<run::Options> {
-    let mut options = run::Options::default();
+fn run_options(mut arguments: &[String], mut options: run::Options) -> Result<run::Options> {
     while let [name, value, rest @ ..] = arguments {
         let number = || value.parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
         let number = || number().ok_or_else(|| format!("{name} {value}: not a number >= 0"));
