@@ -1,5 +1,4 @@
-//! Any text that is a robot becomes Rust that parses, without a constant that is no number; any other, errors that are
-//! the text's fault.
+//! Any text that is a robot becomes Rust that parses and has finite constants. Any other text becomes errors of the text.
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
@@ -21,7 +20,6 @@ const FUNCTIONS: [&[Function]; 8] = [
 
 fuzz_target!(|data: &[u8]| {
     let (text, choice) = modyn_fuzz::text(data);
-    // What is most tried is reading; `read` has it all.
     let flag = |bit: u8| choice >> bit & 1 == 1;
     let functions = FUNCTIONS[usize::from(choice & 7)];
     let mut builder =
@@ -46,7 +44,7 @@ fuzz_target!(|data: &[u8]| {
         Ok(generated) => {
             syn::parse_file(&generated.text).expect("Rust");
             syn::parse_str::<syn::Ident>(&generated.type_name).expect("an identifier");
-            assert!(!generated.text.contains("NaN"), "a constant that is no number");
+            assert!(!generated.text.contains("NaN"), "a constant is not a number");
         }
         Err(errors) => {
             assert!(errors.has_errors() && errors.iter().all(|d| d.code != Code::InvalidModel))
@@ -55,5 +53,5 @@ fuzz_target!(|data: &[u8]| {
 });
 
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
-    modyn_fuzz::mutate(data, size, max_size, seed)
+    modyn_fuzz::mutate(data, size, max_size, seed, &modyn_fuzz::vocabulary::URDF)
 });

@@ -1,12 +1,60 @@
-//! The common part of both targets: an input is the text of a description and, in its last byte, the options.
+//! The parts that the targets share. An input is the text of a description followed by one byte, which selects options.
 
 mod mutate;
+pub mod vocabulary;
+
+use modyn_codegen::diagnostics::{Code, Diagnostics, Severity};
+use modyn_codegen::{Base, Friction, Mimic, ReadOptions, Reading, Rotor};
 
 pub use mutate::mutate;
 
-/// Returns the text of an input, and the byte that selects the options.
+/// Returns the text of an input, and the byte that selects options.
 #[must_use]
 pub fn text(data: &[u8]) -> (String, u8) {
     let (choice, text) = data.split_last().unwrap_or((&0, &[]));
     (String::from_utf8_lossy(text).into_owned(), *choice)
+}
+
+/// Returns the options of reading that the bits of `choice` select.
+#[must_use]
+pub fn read_options(choice: u8) -> ReadOptions {
+    let flag = |bit: u8| choice >> bit & 1 == 1;
+    ReadOptions {
+        base: if flag(0) { Base::Floating } else { Base::Fixed },
+        mimic: [Mimic::Follow, Mimic::Follow, Mimic::Independent, Mimic::Refuse]
+            [usize::from(choice >> 1 & 3)],
+        unphysical_inertia: if flag(3) { Severity::Warning } else { Severity::Error },
+        friction: flag(4).then_some(Friction::Smooth(0.1)),
+        rotors: if flag(5) {
+            vec![Rotor { joint: "a".into(), inertia: 0.1, gear_ratio: 9.0 }]
+        } else {
+            Vec::new()
+        },
+        gravity: flag(6).then_some([0.0; 3]),
+        ..ReadOptions::default()
+    }
+}
+
+/// Checks the result of reading `text`.
+///
+/// # Panics
+///
+/// Panics if a model cannot move, if a success has errors or a failure has none, if the model refuses what reading
+/// accepted, or if a diagnostic is empty or points beyond the text.
+pub fn check(text: &str, result: &Result<Reading, Diagnostics>) {
+    match result {
+        Ok(reading) => {
+            assert!(reading.model.nq() > 0);
+            assert!(reading.warnings.iter().all(|d| d.severity == Severity::Warning));
+        }
+        Err(errors) => {
+            assert!(errors.has_errors());
+            assert!(errors.iter().all(|d| d.code != Code::InvalidModel), "{errors}");
+            let lines = text.lines().count() + 1;
+            assert!(errors.iter().all(|d| !d.to_string().is_empty()));
+            assert!(
+                errors.iter().filter_map(|d| d.position).all(|p| (1..=lines).contains(&p.line))
+            );
+        }
+    }
 }

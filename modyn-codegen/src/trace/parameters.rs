@@ -121,7 +121,6 @@ impl Tracer<'_> {
     ///
     /// An entry that moves no inertia with some run-time inertias moves none without them. No other entry has to be
     /// checked.
-    /// looked at.
     #[must_use]
     pub fn inertia_pivots(&self) -> Option<(Vec<usize>, Graph)> {
         let felt = |model: &Mechanism<f64>| {

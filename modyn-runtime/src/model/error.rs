@@ -322,6 +322,34 @@ mod tests {
         Model::new("r", DEFAULT_GRAVITY, links, Vec::new())
     }
 
+    /// Each matrix breaks one of the conditions alone.
+    #[test]
+    fn rotations_keep_lengths_angles_and_orientation() {
+        use crate::spatial::Quaternion;
+        let w = crate::spatial::Vector3([0.4, -1.1, 0.7]);
+        let good = Quaternion::exp(w).matrix().0;
+        assert!(is_rotation(&good));
+        let cross = |[x, y]: [[f64; 3]; 2]| {
+            let entry = |i: usize, j: usize| x[i] * y[j] - x[j] * y[i];
+            [x, y, [entry(1, 2), entry(2, 0), entry(0, 1)]]
+        };
+        let [x, y, z] = good;
+        let scaled = |v: [f64; 3], by: f64| v.map(|x| by * x);
+        let sheared: [f64; 3] = core::array::from_fn(|i| 0.6 * x[i] + 0.8 * y[i]);
+        for bad in [
+            cross([scaled(x, 1.01), y]),
+            cross([x, scaled(y, 0.99)]),
+            cross([x, sheared]),
+            [x, y, scaled(z, -1.0)],
+            [x, y, scaled(z, 1.01)],
+            [y, x, z],
+            [[0.0; 3]; 3],
+            [[f64::NAN; 3]; 3],
+        ] {
+            assert!(!is_rotation(&bad), "{bad:?}");
+        }
+    }
+
     /// Limits and the links' own inertias become numbers of the generated text, where NaN is no literal.
     #[test]
     fn stated_values_must_be_finite() {

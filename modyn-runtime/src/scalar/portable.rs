@@ -95,5 +95,13 @@ mod tests {
         assert_eq!(hash, HASH);
     }
 
+    #[test]
+    fn zero_selects_as_a_positive_number() {
+        for (x, positive) in [(2.0, true), (0.0, true), (-0.0, true), (-3.0, false)] {
+            let expected = if positive { 1.0 } else { -5.0 };
+            assert_eq!(Portable(x).select_nonnegative(Portable(1.0), Portable(-5.0)).0, expected);
+        }
+    }
+
     const HASH: u64 = 1_007_425_247_158_569_783;
 }

@@ -279,6 +279,20 @@ mod tests {
         }
     }
 
+    #[test]
+    fn logarithms_do_not_depend_on_the_length() {
+        for angle in [1e-9, 1e-3, 0.124, 0.126, 0.5, 1.5, 2.5, 3.1] {
+            let w = Vector3([2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0].map(|x| angle * x));
+            for length in [1e-3, 0.03, 1.0, -7.0, 1e3] {
+                let found = Quaternion::exp(w).scale(length).log();
+                for (found, expected) in found.0.iter().zip(w.0) {
+                    let error = (found - expected).abs();
+                    assert!(error <= 1e-14 * angle, "{angle}, {length}: {found} {expected}");
+                }
+            }
+        }
+    }
+
     /// The inverse maps along lines that pass zero at some distance.
     #[test]
     fn inverses_have_their_derivatives() {
