@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use modyn_codegen::{Mimic, ReadOptions, read};
 use modyn_runtime::joint::JointType;
-use modyn_runtime::model::{Inertial, Model};
-use modyn_runtime::spatial::{Vector3, Wrench};
+use modyn_runtime::model::{Contact, ContactKind, Inertial, LoopConstraintEnd, Model};
+use modyn_runtime::spatial::{Pose, Vector3, Wrench};
 use nalgebra::DMatrix;
 use serde_json::Value;
 
@@ -34,6 +34,9 @@ pub const PLANAR_LOOP: &str = "four_bar_general";
 
 /// Mechanisms in general position with one closed spatial loop each.
 pub const SPATIAL_LOOPS: [&str; 3] = ["loop_spherical", "loop_revolute", "loop_fixed"];
+
+/// Floating robots with contacts: point feet in one file, two soles and a hand in the other.
+pub const CONTACTS: [&str; 2] = ["contacts_solo12", "contacts_g1"];
 
 /// A robot, with its quantities at several states.
 pub struct Golden {
@@ -100,7 +103,8 @@ fn text(path: &Path) -> String {
 }
 
 impl Golden {
-    /// Reads the robot `name` and its quantities; the base floats if the name ends in `_ff`.
+    /// Reads the robot `name` and its quantities. The base floats if the name ends in `_ff`, or the file has
+    /// contacts.
     ///
     /// # Panics
     ///
@@ -109,10 +113,13 @@ impl Golden {
     pub fn load(name: &str) -> Self {
         let data: Value = serde_json::from_str(&text(&file(name, "json")))
             .unwrap_or_else(|error| panic!("{name}: {error}"));
-        let fixed = name.strip_suffix("_ff");
-        assert_eq!(data["floating_base"], Value::Bool(fixed.is_some()), "{name}");
-        let model = model(&urdf(fixed.unwrap_or(name)));
-        let model = if fixed.is_some() { floated(&model, Inertial::default()) } else { model };
+        let contacts = data.get("contacts");
+        let floats = name.ends_with("_ff") || contacts.is_some();
+        assert_eq!(data["floating_base"], Value::Bool(floats), "{name}");
+        let source = data["urdf"].as_str().expect("the name of a URDF");
+        let model = model(&urdf(source.trim_end_matches(".urdf")));
+        let model = if floats { floated(&model, Inertial::default()) } else { model };
+        let model = contacts.map_or(model.clone(), |contacts| with_contacts(model, contacts));
         assert_eq!(numbers(&data["gravity"]), model.gravity(), "{name}: gravity");
 
         let order = if data["coordinates"] == "modyn" {
@@ -230,12 +237,45 @@ impl Quantities {
         for (name, wrench) in given {
             let at = model.frames().iter().position(|frame| &frame.name == name);
             let at = at.unwrap_or_else(|| panic!("no link `{name}`"));
-            let wrench = numbers(wrench);
-            let [force, moment] =
-                [0, 3].map(|k| Vector3([wrench[k], wrench[k + 1], wrench[k + 2]]));
-            wrenches[at] = Wrench { moment, force };
+            wrenches[at] = self::wrench(&numbers(wrench));
         }
         wrenches
+    }
+
+    /// Returns for each contact of `model` whether it is active.
+    #[must_use]
+    pub fn active(&self, model: &Model) -> Vec<bool> {
+        let names = list(self.get("active"));
+        model
+            .contacts()
+            .iter()
+            .map(|contact| names.iter().any(|name| *name == contact.name))
+            .collect()
+    }
+
+    /// Returns the wrenches with this name on the contacts of `model`; zero for a contact that is not active.
+    #[must_use]
+    pub fn contact_wrenches(&self, model: &Model, name: &str) -> Vec<Wrench<f64>> {
+        let wrench = |found: Option<&Value>| {
+            found.map_or_else(Wrench::zero, |found| wrench(&numbers(found)))
+        };
+        let found = self.get(name);
+        model.contacts().iter().map(|contact| wrench(found.get(&contact.name))).collect()
+    }
+
+    /// Returns the derivatives with this name of the wrenches on the contacts of `model`: for each contact a wrench
+    /// for each entry of the variable; zero for a contact that is not active.
+    #[must_use]
+    pub fn wrench_derivatives(&self, model: &Model, name: &str) -> Vec<Wrench<f64>> {
+        let found = self.get(name);
+        let of_contact = |contact: &Contact| match found.get(&contact.name) {
+            None => vec![Wrench::zero(); model.nv()],
+            Some(rows) => {
+                let columns = matrix(rows).select_columns(&self.order.velocities);
+                columns.column_iter().map(|column| wrench(column.as_slice())).collect()
+            }
+        };
+        model.contacts().iter().flat_map(of_contact).collect()
     }
 
     /// Returns the number with this name.
@@ -264,6 +304,40 @@ impl Quantities {
     fn get(&self, name: &str) -> &Value {
         self.state.get(name).unwrap_or_else(|| panic!("no `{name}` in the reference data"))
     }
+}
+
+/// Returns the robot with the contacts of a file.
+fn with_contacts(model: Model, contacts: &Value) -> Model {
+    let contact = |contact: &Value| {
+        let text = |name: &str| contact[name].as_str().expect("a text");
+        let three =
+            |name: &str| <[f64; 3]>::try_from(numbers(&contact[name])).expect("three numbers");
+        let frame = model.frames().iter().position(|frame| frame.name == text("link"));
+        Contact {
+            name: text("name").into(),
+            kind: ContactKind::from_name(text("kind")).expect("a kind of contact"),
+            end: LoopConstraintEnd {
+                frame: frame.unwrap_or_else(|| panic!("no link `{}`", text("link"))),
+                pose: Pose { rotation: roll_pitch_yaw(three("rpy")), translation: three("xyz") },
+            },
+        }
+    };
+    let contacts = list(contacts).iter().map(contact).collect();
+    model.clone().with_contacts(contacts).unwrap_or_else(|errors| panic!("{errors:?}"))
+}
+
+/// Returns the rotation matrix of roll, pitch and yaw, by rows.
+fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
+    let rotation = nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw);
+    core::array::from_fn(|i| core::array::from_fn(|j| rotation[(i, j)]))
+}
+
+/// Returns the wrench of a force, which may be followed by a moment.
+fn wrench(numbers: &[f64]) -> Wrench<f64> {
+    let three =
+        |k: usize| Vector3(core::array::from_fn(|i| numbers.get(k + i).copied().unwrap_or(0.0)));
+    assert!(matches!(numbers.len(), 3 | 6), "a force, or a force and a moment");
+    Wrench { moment: three(3), force: three(0) }
 }
 
 fn list(value: &Value) -> &[Value] {

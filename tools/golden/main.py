@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy
 import pinocchio
 
+import contacts
 import loops
 import mechanisms
 import urdf
@@ -129,6 +130,20 @@ def loop(name):
             "gravity": [0.0, 0.0, -9.81], "states": states, "generator": f"pinocchio {pinocchio.__version__}"}
 
 
+def standing(name):
+    """The file of a floating robot with contacts, checked by dense solutions and by differences."""
+    source, on_links, _ = contacts.ROBOTS[name]
+    states, worst = contacts.states(name, GOLDEN)
+    if worst > AGREEMENT:
+        sys.exit(f"{name}: Pinocchio differs from the checks by {worst:e}")
+    print(f"{name}: within {worst:.0e} of dense solutions and differences")
+    order = json.loads((GOLDEN / f"{source}_ff.json").read_text())["joint_order"]
+    return {"robot": name, "urdf": f"{source}.urdf", "floating_base": True, "joint_order": order,
+            "gravity": [0.0, 0.0, -9.81], "contacts": [vars(contact) for contact in on_links],
+            "restitution": contacts.RESTITUTION, "states": [plain(state) for state in states],
+            "generator": f"pinocchio {pinocchio.__version__}"}
+
+
 def files():
     """Returns, by name, the functions that make the texts of the files."""
     def text(value):
@@ -145,6 +160,8 @@ def files():
     for name in mechanisms.LOOPS:
         yield f"{name}.urdf", lambda name=name: mechanisms.loop(name)
         yield f"{name}.json", lambda name=name: text(loop(name))
+    for name in contacts.ROBOTS:
+        yield f"{name}.json", lambda name=name: text(standing(name))
 
 
 def main():

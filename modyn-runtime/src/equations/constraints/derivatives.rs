@@ -317,11 +317,7 @@ fn invert<S: Scalar>(
 ) {
     let rows = room.rows;
     let n = room.force.len().max(1);
-    for (r, column) in own.inverse.chunks_mut(rows.max(1)).enumerate() {
-        column.fill(S::zero());
-        column[r] = S::one();
-        room.factorization.solve(column, &mut room.residuals);
-    }
+    room.factorization.inverse(&mut own.inverse);
     room.force.fill(S::zero());
     for (r, row) in own.response.chunks_mut(n).enumerate().take(rows) {
         room.right_hand_sides[1].fill(S::zero());

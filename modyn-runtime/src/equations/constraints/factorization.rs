@@ -51,6 +51,8 @@ pub(super) struct RankFactorization<S> {
     gram_reciprocals: Vec<S>,
     /// The right-hand side for each pivot.
     reduced: Vec<S>,
+    /// G^-1 P^T by columns; each column has an entry for each pivot.
+    expansion: Vec<S>,
 }
 
 /// Returns the index of the first entry of row `k` in a lower triangle.
@@ -82,6 +84,7 @@ impl<S: Scalar> RankFactorization<S> {
             gram: numbers(row_start(pivots)),
             gram_reciprocals: numbers(pivots),
             reduced: numbers(pivots),
+            expansion: numbers(rows * pivots),
         }
     }
 
@@ -186,6 +189,31 @@ impl<S: Scalar> RankFactorization<S> {
     /// Returns the number of independent rows.
     pub(super) fn rank(&self) -> S {
         self.independent.iter().fold(S::zero(), |sum, &one| sum + one)
+    }
+
+    /// Computes A^+ by columns: H^T Delta^-1 H with H = G^-1 P^T.
+    pub(super) fn inverse(&mut self, columns: &mut [S]) {
+        let (rows, pivots) = (self.rows, self.reduced.len());
+        // Column r of H.
+        for r in 0..rows {
+            for k in 0..pivots {
+                self.reduced[k] = self.columns[k * rows + r];
+            }
+            self.solve_gram();
+            self.expansion[r * pivots..][..pivots].copy_from_slice(&self.reduced);
+        }
+        let column = |r: usize| &self.expansion[r * pivots..][..pivots];
+        for j in 0..rows {
+            let scaled = column(j).iter().zip(&self.reciprocals);
+            self.reduced
+                .iter_mut()
+                .zip(scaled)
+                .for_each(|(x, (&h, &reciprocal))| *x = h * reciprocal);
+            for i in 0..=j {
+                let entry = dot(column(i), &self.reduced);
+                (columns[j * rows + i], columns[i * rows + j]) = (entry, entry);
+            }
+        }
     }
 
     /// Replaces the right-hand sides b by the multipliers A^+ b, and fills in the residuals A A^+ b - b.

@@ -39,13 +39,10 @@ pub fn operational_inertia<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
         }
     }
     room.factorize_filled(settings);
+    room.factorization.inverse(inertia);
     for (j, column) in inertia.chunks_mut(rows.max(1)).enumerate() {
-        let unit = &mut room.right_hand_sides[0];
-        unit.fill(S::zero());
-        unit[j] = S::one();
-        room.solve(0);
-        for (i, (entry, &x)) in column.iter_mut().zip(&room.right_hand_sides[0]).enumerate() {
-            *entry = x * (room.row_length(model, i) * room.row_length(model, j));
+        for (i, entry) in column.iter_mut().enumerate() {
+            *entry = *entry * (room.row_length(model, i) * room.row_length(model, j));
         }
     }
     room.factorization.rank()

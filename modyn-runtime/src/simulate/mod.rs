@@ -19,7 +19,15 @@
 //! ```
 //!
 //! Nothing here allocates. The caller computes the accelerations in a function of the state, and can add external
-//! forces, contacts and payloads there.
+//! forces and payloads there.
+//!
+//! [`State::step_on_ground`] is a step with unilateral contacts, friction and joint stops. [`SpringGround`] is the simple
+//! alternative: a force for each point, for [`State::semi_implicit_euler`].
+
+mod ground;
+pub mod impulses;
+
+pub use ground::{Ground, GroundStep, SpringGround, limit_effort};
 
 use core::fmt;
 
