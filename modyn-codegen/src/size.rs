@@ -177,6 +177,9 @@ impl Measures {
             Function::LinkAcceleration | Function::LocalLinkAcceleration => of_link(2100.0, 300.0),
             Function::Jacobian | Function::LocalJacobian => of_link(1600.0, 150.0 * nv),
             Function::BiasAcceleration | Function::LocalBiasAcceleration => of_link(1900.0, 300.0),
+            Function::IntegrateDerivatives | Function::DifferenceDerivatives => {
+                100.0 * links + 30.0 * nv.powi(2)
+            }
             Function::Random => 200.0 * links,
             _ => 100.0 * links,
         }

@@ -45,6 +45,8 @@ fn expected(function: Function, values: &Values<f64>) -> Vec<f64> {
             several(&["qdd", "dqdd_dq", "dqdd_dqd", "dqdd_dtau"])
         }
         Function::InverseDynamicsDerivatives => several(&["dtau_dq", "dtau_dqd"]),
+        Function::IntegrateDerivatives => several(&["integrate_dq", "integrate_dv"]),
+        Function::DifferenceDerivatives => several(&["difference_dfrom", "difference_dto"]),
         _ => {
             let named = values.named();
             let found = named.iter().find(|(name, _)| *name == function.name());

@@ -83,6 +83,8 @@ functions! {
     LocalBiasAcceleration "local_bias_acceleration" "`{Self}` has no function `local_bias_acceleration`";
     Integrate "integrate" "`{Self}` has no function `integrate`";
     Difference "difference" "`{Self}` has no function `difference`";
+    IntegrateDerivatives "integrate_derivatives" "`{Self}` has no function `integrate_derivatives`";
+    DifferenceDerivatives "difference_derivatives" "`{Self}` has no function `difference_derivatives`";
     VelocityToQdot "velocity_to_qdot" "`{Self}` has no function `velocity_to_qdot`";
     Normalize "normalize" "`{Self}` has no function `normalize`";
     Random "random" "`{Self}` has no function `random`";
@@ -136,7 +138,8 @@ all_of! {
     InverseDynamicsExternalWorld InverseDynamicsDerivatives ForwardDynamicsDerivatives Regressor
     CenterOfMass CenterOfMassJacobian CentroidalMomentumMatrix CentroidalMomentum LinkPoses LinkPose
     LinkVelocity LocalLinkVelocity LinkAcceleration LocalLinkAcceleration Jacobian LocalJacobian
-    BiasAcceleration LocalBiasAcceleration Integrate Difference VelocityToQdot Normalize Random
+    BiasAcceleration LocalBiasAcceleration Integrate Difference IntegrateDerivatives DifferenceDerivatives
+    VelocityToQdot Normalize Random
 }
 
 all_of! {

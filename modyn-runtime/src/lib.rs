@@ -68,8 +68,9 @@ pub use inertial::{Inertial, InertialDefect};
 pub use parameters::ParameterError;
 pub use results::{
     ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
-    ConstraintProjection, ConstraintResidual, ContactImpulse, ForwardDynamicsDerivatives,
-    InverseDynamicsDerivatives, JointLimits, KinematicModule, OperationCount, OperationalInertia,
+    ConstraintProjection, ConstraintResidual, ContactImpulse, DifferenceDerivatives,
+    ForwardDynamicsDerivatives, IntegrateDerivatives, InverseDynamicsDerivatives, JointLimits,
+    KinematicModule, OperationCount, OperationalInertia,
 };
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]

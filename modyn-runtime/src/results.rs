@@ -43,6 +43,27 @@ pub struct ForwardDynamicsDerivatives<V, M> {
     pub dtau: M,
 }
 
+/// The derivatives of the coordinates after a displacement: square matrices by columns, in tangent space.
+///
+/// Displacements of rotations and poses are in their own axes: of `q` in those before the displacement, of the
+/// result in those after it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IntegrateDerivatives<M> {
+    /// The derivative with respect to the coordinates before the displacement.
+    pub dq: M,
+    /// The derivative with respect to the displacement.
+    pub dv: M,
+}
+
+/// The derivatives of the displacement between coordinates: square matrices by columns, in tangent space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DifferenceDerivatives<M> {
+    /// The derivative with respect to the first coordinates.
+    pub dfrom: M,
+    /// The derivative with respect to the last coordinates.
+    pub dto: M,
+}
+
 /// The accelerations of a robot under its constraints, and the constraint wrenches.
 ///
 /// Wrenches and residuals are arrays with an entry for each constraint. Loop constraints come first, at the

@@ -247,6 +247,9 @@ macro_rules! other_quantities {
         let forces = &given.forces;
         let inverse = $robot::inverse_dynamics_derivatives(q, qd, qdd);
         let forward = $robot::forward_dynamics_derivatives(q, qd, tau);
+        let random = $robot::random($crate::values::uniform());
+        let integrate = $robot::integrate_derivatives(q, qd);
+        let difference = $robot::difference_derivatives(q, &random);
         vec![
             (
                 "forward_dynamics_external",
@@ -270,6 +273,10 @@ macro_rules! other_quantities {
             ("dqdd_dq", columns(&forward.dq)),
             ("dqdd_dqd", columns(&forward.dqd)),
             ("dqdd_dtau", columns(&forward.dtau)),
+            ("integrate_dq", columns(&integrate.dq)),
+            ("integrate_dv", columns(&integrate.dv)),
+            ("difference_dfrom", columns(&difference.dfrom)),
+            ("difference_dto", columns(&difference.dto)),
             ("regressor", columns(&$robot::regressor(q, qd, qdd))),
             ("center_of_mass_jacobian", each(&$robot::center_of_mass_jacobian(q), vector)),
             ("centroidal_momentum_matrix", each(&$robot::centroidal_momentum_matrix(q), momentum)),
@@ -481,6 +488,13 @@ fn interpreted_others<T: Scalar>(
         dqdd_dtau: &mut dqdd_dtau,
     };
     interpreter.forward_dynamics_derivatives(q, qd, tau, derivatives).expect(LENGTHS);
+    let mut random = q.clone();
+    interpreter.random(uniform(), &mut random).expect(LENGTHS);
+    let (mut integrate_dq, mut integrate_dv) = (zeros(n * n), zeros(n * n));
+    let integrate = interpreter.integrate_derivatives(q, qd, &mut integrate_dq, &mut integrate_dv);
+    integrate.expect(LENGTHS);
+    let (mut dfrom, mut dto) = (zeros(n * n), zeros(n * n));
+    interpreter.difference_derivatives(q, &random, &mut dfrom, &mut dto).expect(LENGTHS);
     let mut regressor = zeros(n * PARAMETERS_PER_LINK * interpreter.model().links().len());
     interpreter.regressor(q, qd, qdd, &mut regressor).expect(LENGTHS);
     let mut center = vec![Vector3::zero(); n];
@@ -510,6 +524,10 @@ fn interpreted_others<T: Scalar>(
         ("dqdd_dq", dqdd_dq),
         ("dqdd_dqd", dqdd_dqd),
         ("dqdd_dtau", dqdd_dtau),
+        ("integrate_dq", integrate_dq),
+        ("integrate_dv", integrate_dv),
+        ("difference_dfrom", dfrom),
+        ("difference_dto", dto),
         ("regressor", regressor),
         ("center_of_mass_jacobian", center.iter().flat_map(vector).collect()),
         ("centroidal_momentum_matrix", momenta.iter().flat_map(momentum).collect()),

@@ -605,6 +605,24 @@ functions! {
     )
         .by_default()
         .without_parameters();
+    /// Derivatives of coordinates after a displacement.
+    IntegrateDerivatives "integrate_derivatives" = Row::one(
+        &[Q, V],
+        shapes::integrate_derivatives,
+        "Returns the derivatives of `integrate` with respect to `q` and `v`, each an array of columns in tangent\n\
+         space: displacements of `q` and of the result are in the axes at each of them.",
+        |t, _| t.integrate_derivatives(),
+    )
+        .without_parameters();
+    /// Derivatives of the displacement between coordinates.
+    DifferenceDerivatives "difference_derivatives" = Row::one(
+        &[FROM, TO],
+        shapes::difference_derivatives,
+        "Returns the derivatives of `difference` with respect to `from` and `to`, each an array of columns in\n\
+         tangent space: displacements are in the axes at `from` and at `to`.",
+        |t, _| t.difference_derivatives(),
+    )
+        .without_parameters();
     /// The rates of the coordinates.
     VelocityToQdot "velocity_to_qdot" = Row::one(
         &[Q, QD],

@@ -193,6 +193,14 @@ pub(super) mod shapes {
         named_fields("ForwardDynamicsDerivatives", [vec![("qdd", velocities(s))], matrices.into()].concat())
     }
 
+    pub fn integrate_derivatives(s: &Sizes) -> Shape {
+        named_fields("IntegrateDerivatives", vec![("dq", square(s)), ("dv", square(s))])
+    }
+
+    pub fn difference_derivatives(s: &Sizes) -> Shape {
+        named_fields("DifferenceDerivatives", vec![("dfrom", square(s)), ("dto", square(s))])
+    }
+
     pub fn constrained(s: &Sizes) -> Shape {
         let wrenches = Shape::wrench().array(s.constraints);
         let residuals = Shape::twist().array(s.constraints);

@@ -289,6 +289,20 @@ macro_rules! robot_functions {
             /// Returns the displacement `v` with which [`integrate`](Self::integrate) leads from `from` to `to`.
             difference(from: &Self::Q<T>, to: &Self::Q<T>) -> Self::V<T>, if Difference;
 
+            /// Returns the derivatives of [`integrate`](Self::integrate) with respect to `q` and `v`, in tangent space:
+            /// displacements of `q` and of the result are in the axes at each of them.
+            integrate_derivatives(
+                q: &Self::Q<T>,
+                v: &Self::V<T>
+            ) -> IntegrateDerivatives<Self::M<T>>, if IntegrateDerivatives;
+
+            /// Returns the derivatives of [`difference`](Self::difference) with respect to `from` and `to`, in tangent
+            /// space: displacements are in the axes at `from` and at `to`.
+            difference_derivatives(
+                from: &Self::Q<T>,
+                to: &Self::Q<T>
+            ) -> DifferenceDerivatives<Self::M<T>>, if DifferenceDerivatives;
+
             /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
             velocity_to_qdot(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::Q<T>, if VelocityToQdot;
 

@@ -9,8 +9,9 @@ use crate::configuration::{self, ConfigurationError};
 use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 use crate::results::{
     ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
-    ConstraintProjection, ConstraintResidual, ContactImpulse, ForwardDynamicsDerivatives,
-    InverseDynamicsDerivatives, JointLimits, KinematicModule, OperationalInertia,
+    ConstraintProjection, ConstraintResidual, ContactImpulse, DifferenceDerivatives,
+    ForwardDynamicsDerivatives, IntegrateDerivatives, InverseDynamicsDerivatives, JointLimits,
+    KinematicModule, OperationalInertia,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use functions::{declare_functions, missing, robot_functions};
