@@ -136,7 +136,9 @@ fn the_interpreter_has_each_function() {
         "factorization",
         "kinematics",
         "momentum",
+        "products",
         "regressor",
+        "steps",
     ];
     let text: String =
         files.map(|name| file(&format!("modyn-runtime/src/interpreter/{name}.rs"))).concat();

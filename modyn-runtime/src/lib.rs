@@ -56,7 +56,7 @@ pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
     ConstrainedDerivatives, DecompositionError, ForwardDerivatives, FrameError, InertialError,
-    Interpreter, ModuleMismatch, ShapeError, UduFactorization, UpdateError,
+    Interpreter, ModuleMismatch, ShapeError, StepOutputs, UduFactorization, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
@@ -69,8 +69,9 @@ pub use parameters::ParameterError;
 pub use results::{
     ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
     ConstraintProjection, ConstraintResidual, ContactImpulse, DifferenceDerivatives,
-    ForwardDynamicsDerivatives, IntegrateDerivatives, InverseDynamicsDerivatives, JointLimits,
-    KinematicModule, OperationCount, OperationalInertia,
+    ForwardDynamicsDerivatives, ForwardDynamicsJvp, ForwardDynamicsVjp, IntegrateDerivatives,
+    InverseDynamicsDerivatives, InverseDynamicsJvp, InverseDynamicsVjp, JointLimits,
+    KinematicModule, OperationCount, OperationalInertia, Step, StepDerivatives,
 };
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]
