@@ -2,6 +2,10 @@
 //!
 //! Both modes use one table of partial derivatives. A selection, an absolute value or a maximum has the derivative of the
 //! branch that is taken. The graphs must not have packs of lanes.
+//!
+//! Rotations about an axis are most of the operations of a robot. With x' = c x - s y and y' = s x + c y, the derivatives
+//! of x' and y' by the angle are -y' and x', which the graph has. The chain rule by way of the sine and the cosine would
+//! take two products for each of them.
 
 use std::ops::Range;
 
@@ -47,8 +51,59 @@ impl Partial {
     }
 }
 
-/// Returns the operands of a node with the partial derivatives with respect to them.
+/// Returns the factors of the product `id`, the sine or cosine of an angle first; `None` for any other node.
+fn trigonometric_product(graph: &Graph, id: Id) -> Option<(Id, Id)> {
+    let Node::Mul(a, b) = graph.node(id) else { return None };
+    let is_trigonometric = |id| matches!(graph.node(id), Node::Sin(_) | Node::Cos(_));
+    match (is_trigonometric(a), is_trigonometric(b)) {
+        (true, false) => Some((a, b)),
+        (false, true) => Some((b, a)),
+        _ => None,
+    }
+}
+
+/// Returns the partial derivatives of a component of a rotated vector with respect to the components before and to the
+/// angle. `None` for other nodes, and if the graph does not have the other component.
+fn rotation(graph: &mut Graph, id: Id) -> Option<Vec<(Id, Partial)>> {
+    let (first, second, subtracts) = match graph.node(id) {
+        Node::Add(a, b) => (a, b, false),
+        Node::Sub(a, b) => (a, b, true),
+        _ => return None,
+    };
+    let ((f, x), (g, y)) =
+        (trigonometric_product(graph, first)?, trigonometric_product(graph, second)?);
+    // The derivatives of f and g by the angle, without the sign of the sine's.
+    let (by_f, by_g, angle) = match (graph.node(f), graph.node(g)) {
+        (Node::Cos(a), Node::Sin(b)) | (Node::Sin(a), Node::Cos(b)) if a == b => (g, f, a),
+        _ => return None,
+    };
+    let nodes = graph.nodes().len();
+    let (a, b) = (graph.make(Node::Mul(by_f, x)), graph.make(Node::Mul(by_g, y)));
+    // Of f x + g y and f x - g y, the derivative is b - a and -(a + b) if f is the cosine, else a - b and a + b.
+    let of_cosine = matches!(graph.node(f), Node::Cos(_));
+    let derivative = match (of_cosine, subtracts) {
+        (_, true) => graph.make(Node::Add(a, b)),
+        (true, false) => graph.make(Node::Sub(b, a)),
+        (false, false) => graph.make(Node::Sub(a, b)),
+    };
+    if graph.nodes().len() > nodes {
+        return None;
+    }
+    let derivative =
+        if of_cosine && subtracts { graph.make(Node::Neg(derivative)) } else { derivative };
+    let by_second = if subtracts { graph.make(Node::Neg(g)) } else { g };
+    Some(vec![
+        (x, Partial::Factor(f)),
+        (y, Partial::Factor(by_second)),
+        (angle, Partial::Factor(derivative)),
+    ])
+}
+
+/// Returns the operands of a node, or of its operands, with the partial derivatives with respect to them.
 fn partials(graph: &mut Graph, id: Id) -> Vec<(Id, Partial)> {
+    if let Some(rotation) = rotation(graph, id) {
+        return rotation;
+    }
     let node = graph.node(id);
     let mut times = |a, b| graph.make(Node::Mul(a, b));
     match node {
