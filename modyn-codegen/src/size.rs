@@ -177,6 +177,20 @@ impl Measures {
             Function::LinkAcceleration | Function::LocalLinkAcceleration => of_link(2100.0, 300.0),
             Function::Jacobian | Function::LocalJacobian => of_link(1600.0, 150.0 * nv),
             Function::BiasAcceleration | Function::LocalBiasAcceleration => of_link(1900.0, 300.0),
+            Function::InverseDynamicsVjp | Function::InverseDynamicsJvp => {
+                24_000.0 * carried + 1800.0 * links
+            }
+            Function::ForwardDynamicsVjp | Function::ForwardDynamicsJvp => {
+                40_000.0 * carried + 3000.0 * links
+            }
+            Function::StepSemiImplicit => 14_000.0 * carried + 800.0 * links,
+            Function::StepRk4 => 56_000.0 * carried + 3200.0 * links,
+            Function::StepSemiImplicitDerivatives => {
+                5000.0 * depths + 600.0 * squares + 350.0 * entries
+            }
+            Function::IntegrateDerivatives | Function::DifferenceDerivatives => {
+                100.0 * links + 30.0 * nv.powi(2)
+            }
             Function::Random => 200.0 * links,
             _ => 100.0 * links,
         }

@@ -23,8 +23,14 @@ fn argument(
         (_, "q" | "from") => q.clone(),
         (_, "to") => values.other("random").to_vec(),
         (_, "qd" | "v") => qd.clone(),
-        (_, "qdd") => qdd.clone(),
+        (Function::InverseDynamicsVjp, "cotangent") => tau.clone(),
+        (Function::InverseDynamicsJvp, "dq") => tau.clone(),
+        (Function::InverseDynamicsJvp, "dqd") => qdd.clone(),
+        (Function::ForwardDynamicsJvp, "dqd") => tau.clone(),
+        (_, "dqdd" | "dtau") => qd.clone(),
+        (_, "qdd" | "cotangent" | "dq") => qdd.clone(),
         (_, "tau") => tau.clone(),
+        (_, "dt") => vec![values::time_step()],
         (_, "uniforms") => (0..model.nv()).map(|_| uniform()).collect(),
         (_, "forces") => {
             let wrench = |link| values::wrench::<f64>(link);
@@ -45,6 +51,21 @@ fn expected(function: Function, values: &Values<f64>) -> Vec<f64> {
             several(&["qdd", "dqdd_dq", "dqdd_dqd", "dqdd_dtau"])
         }
         Function::InverseDynamicsDerivatives => several(&["dtau_dq", "dtau_dqd"]),
+        Function::InverseDynamicsVjp => {
+            several(&["inverse_vjp_tau", "inverse_vjp_dq", "inverse_vjp_dqd", "inverse_vjp_dqdd"])
+        }
+        Function::InverseDynamicsJvp => several(&["inverse_jvp_tau", "inverse_jvp_dtau"]),
+        Function::ForwardDynamicsVjp => {
+            several(&["forward_vjp_qdd", "forward_vjp_dq", "forward_vjp_dqd", "forward_vjp_dtau"])
+        }
+        Function::ForwardDynamicsJvp => several(&["forward_jvp_qdd", "forward_jvp_dqdd"]),
+        Function::StepSemiImplicit => several(&["semi_implicit_q", "semi_implicit_qd"]),
+        Function::StepSemiImplicitDerivatives => {
+            several(&["linear_step_q", "linear_step_qd", "linear_step_a", "linear_step_b"])
+        }
+        Function::StepRk4 => several(&["rk4_q", "rk4_qd"]),
+        Function::IntegrateDerivatives => several(&["integrate_dq", "integrate_dv"]),
+        Function::DifferenceDerivatives => several(&["difference_dfrom", "difference_dto"]),
         _ => {
             let named = values.named();
             let found = named.iter().find(|(name, _)| *name == function.name());

@@ -66,6 +66,13 @@ functions! {
     InverseDynamicsExternalWorld "inverse_dynamics_external_world" "`{Self}` has no function `inverse_dynamics_external_world`";
     InverseDynamicsDerivatives "inverse_dynamics_derivatives" "`{Self}` has no function `inverse_dynamics_derivatives`";
     ForwardDynamicsDerivatives "forward_dynamics_derivatives" "`{Self}` has no function `forward_dynamics_derivatives`";
+    InverseDynamicsVjp "inverse_dynamics_vjp" "`{Self}` has no function `inverse_dynamics_vjp`";
+    InverseDynamicsJvp "inverse_dynamics_jvp" "`{Self}` has no function `inverse_dynamics_jvp`";
+    ForwardDynamicsVjp "forward_dynamics_vjp" "`{Self}` has no function `forward_dynamics_vjp`";
+    ForwardDynamicsJvp "forward_dynamics_jvp" "`{Self}` has no function `forward_dynamics_jvp`";
+    StepSemiImplicit "step_semi_implicit" "`{Self}` has no function `step_semi_implicit`";
+    StepSemiImplicitDerivatives "step_semi_implicit_derivatives" "`{Self}` has no function `step_semi_implicit_derivatives`";
+    StepRk4 "step_rk4" "`{Self}` has no function `step_rk4`";
     Regressor "regressor" "`{Self}` has no function `regressor`";
     CenterOfMass "center_of_mass" "`{Self}` has no function `center_of_mass`";
     CenterOfMassJacobian "center_of_mass_jacobian" "`{Self}` has no function `center_of_mass_jacobian`";
@@ -83,6 +90,8 @@ functions! {
     LocalBiasAcceleration "local_bias_acceleration" "`{Self}` has no function `local_bias_acceleration`";
     Integrate "integrate" "`{Self}` has no function `integrate`";
     Difference "difference" "`{Self}` has no function `difference`";
+    IntegrateDerivatives "integrate_derivatives" "`{Self}` has no function `integrate_derivatives`";
+    DifferenceDerivatives "difference_derivatives" "`{Self}` has no function `difference_derivatives`";
     VelocityToQdot "velocity_to_qdot" "`{Self}` has no function `velocity_to_qdot`";
     Normalize "normalize" "`{Self}` has no function `normalize`";
     Random "random" "`{Self}` has no function `random`";
@@ -133,10 +142,13 @@ all_of! {
     All "`{Self}` lacks a function of one state":
     ForwardDynamics InverseDynamics BiasForces GravityTorques MassMatrix Brge KineticEnergy
     PotentialEnergy ForwardDynamicsExternal ForwardDynamicsExternalWorld InverseDynamicsExternal
-    InverseDynamicsExternalWorld InverseDynamicsDerivatives ForwardDynamicsDerivatives Regressor
+    InverseDynamicsExternalWorld InverseDynamicsDerivatives ForwardDynamicsDerivatives InverseDynamicsVjp
+    InverseDynamicsJvp ForwardDynamicsVjp ForwardDynamicsJvp StepSemiImplicit
+    StepSemiImplicitDerivatives StepRk4 Regressor
     CenterOfMass CenterOfMassJacobian CentroidalMomentumMatrix CentroidalMomentum LinkPoses LinkPose
     LinkVelocity LocalLinkVelocity LinkAcceleration LocalLinkAcceleration Jacobian LocalJacobian
-    BiasAcceleration LocalBiasAcceleration Integrate Difference VelocityToQdot Normalize Random
+    BiasAcceleration LocalBiasAcceleration Integrate Difference IntegrateDerivatives DifferenceDerivatives
+    VelocityToQdot Normalize Random
 }
 
 all_of! {

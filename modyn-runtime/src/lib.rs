@@ -60,7 +60,7 @@ pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
     ConstrainedDerivatives, DecompositionError, ForwardDerivatives, FrameError, InertialError,
-    Interpreter, ModuleMismatch, ShapeError, UduFactorization, UpdateError,
+    Interpreter, ModuleMismatch, ShapeError, StepOutputs, UduFactorization, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
@@ -72,8 +72,10 @@ pub use inertial::{Inertial, InertialDefect};
 pub use parameters::ParameterError;
 pub use results::{
     ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
-    ConstraintProjection, ConstraintResidual, ContactImpulse, ForwardDynamicsDerivatives,
-    InverseDynamicsDerivatives, JointLimits, KinematicModule, OperationCount, OperationalInertia,
+    ConstraintProjection, ConstraintResidual, ContactImpulse, DifferenceDerivatives,
+    ForwardDynamicsDerivatives, ForwardDynamicsJvp, ForwardDynamicsVjp, IntegrateDerivatives,
+    InverseDynamicsDerivatives, InverseDynamicsJvp, InverseDynamicsVjp, JointLimits,
+    KinematicModule, OperationCount, OperationalInertia, Step, StepDerivatives,
 };
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]

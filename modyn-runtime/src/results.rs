@@ -43,6 +43,95 @@ pub struct ForwardDynamicsDerivatives<V, M> {
     pub dtau: M,
 }
 
+/// The derivatives of the coordinates after a displacement: square matrices by columns, in tangent space.
+///
+/// Displacements of rotations and poses are in their own axes: of `q` in those before the displacement, of the
+/// result in those after it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IntegrateDerivatives<M> {
+    /// The derivative with respect to the coordinates before the displacement.
+    pub dq: M,
+    /// The derivative with respect to the displacement.
+    pub dv: M,
+}
+
+/// The derivatives of the displacement between coordinates: square matrices by columns, in tangent space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DifferenceDerivatives<M> {
+    /// The derivative with respect to the first coordinates.
+    pub dfrom: M,
+    /// The derivative with respect to the last coordinates.
+    pub dto: M,
+}
+
+/// The joint forces tau of inverse dynamics, and the gradients of cotangent^T tau.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InverseDynamicsVjp<V> {
+    /// The joint forces, N m or N.
+    pub tau: V,
+    /// The gradient with respect to q, in tangent space.
+    pub dq: V,
+    /// The gradient with respect to qd.
+    pub dqd: V,
+    /// The gradient with respect to qdd: the product of the mass matrix and the cotangent.
+    pub dqdd: V,
+}
+
+/// The joint forces of inverse dynamics, and their change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InverseDynamicsJvp<V> {
+    /// The joint forces, N m or N.
+    pub tau: V,
+    /// The change of the joint forces.
+    pub dtau: V,
+}
+
+/// The accelerations qdd of forward dynamics, and the gradients of cotangent^T qdd.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForwardDynamicsVjp<V> {
+    /// The joint accelerations, rad/s^2 or m/s^2.
+    pub qdd: V,
+    /// The gradient with respect to q, in tangent space.
+    pub dq: V,
+    /// The gradient with respect to qd.
+    pub dqd: V,
+    /// The gradient with respect to tau: the inverse of the mass matrix times the cotangent.
+    pub dtau: V,
+}
+
+/// The accelerations of forward dynamics, and their change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForwardDynamicsJvp<V> {
+    /// The joint accelerations, rad/s^2 or m/s^2.
+    pub qdd: V,
+    /// The change of the joint accelerations.
+    pub dqdd: V,
+}
+
+/// The state after a time step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step<Q, V> {
+    /// The coordinates after the step.
+    pub q: Q,
+    /// The velocities after the step, rad/s or m/s.
+    pub qd: V,
+}
+
+/// The state after a time step, and its derivatives in tangent space.
+///
+/// The entries of a state are those of q, in tangent space, then those of qd.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepDerivatives<Q, V, A, B> {
+    /// The coordinates after the step.
+    pub q: Q,
+    /// The velocities after the step, rad/s or m/s.
+    pub qd: V,
+    /// The derivative A with respect to the state before the step: 2 nv columns of 2 nv entries.
+    pub a: A,
+    /// The derivative B with respect to the joint forces: nv columns of 2 nv entries.
+    pub b: B,
+}
+
 /// The accelerations of a robot under its constraints, and the constraint wrenches.
 ///
 /// Wrenches and residuals are arrays with an entry for each constraint. Loop constraints come first, at the

@@ -4,7 +4,7 @@ use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 use modyn_runtime::spatial::{Momentum, Twist, Vector3, Wrench};
 use modyn_runtime::{
     Array, Factorization, Forces, ForwardDerivatives, FrameError, Interpreter, Robot, Scalar,
-    functions,
+    StepOutputs, functions,
 };
 
 use crate::quantities::{Quantities, numbers};
@@ -247,6 +247,17 @@ macro_rules! other_quantities {
         let forces = &given.forces;
         let inverse = $robot::inverse_dynamics_derivatives(q, qd, qdd);
         let forward = $robot::forward_dynamics_derivatives(q, qd, tau);
+        let random = $robot::random($crate::values::uniform());
+        let integrate = $robot::integrate_derivatives(q, qd);
+        let inverse_vjp = $robot::inverse_dynamics_vjp(q, qd, qdd, tau);
+        let inverse_jvp = $robot::inverse_dynamics_jvp(q, qd, qdd, tau, qdd, qd);
+        let forward_vjp = $robot::forward_dynamics_vjp(q, qd, tau, qdd);
+        let forward_jvp = $robot::forward_dynamics_jvp(q, qd, tau, qdd, tau, qd);
+        let dt = $crate::values::time_step();
+        let semi_implicit = $robot::step_semi_implicit(q, qd, tau, dt);
+        let linear_step = $robot::step_semi_implicit_derivatives(q, qd, tau, dt);
+        let rk4 = $robot::step_rk4(q, qd, tau, dt);
+        let difference = $robot::difference_derivatives(q, &random);
         vec![
             (
                 "forward_dynamics_external",
@@ -270,6 +281,30 @@ macro_rules! other_quantities {
             ("dqdd_dq", columns(&forward.dq)),
             ("dqdd_dqd", columns(&forward.dqd)),
             ("dqdd_dtau", columns(&forward.dtau)),
+            ("inverse_vjp_tau", list(&inverse_vjp.tau)),
+            ("inverse_vjp_dq", list(&inverse_vjp.dq)),
+            ("inverse_vjp_dqd", list(&inverse_vjp.dqd)),
+            ("inverse_vjp_dqdd", list(&inverse_vjp.dqdd)),
+            ("inverse_jvp_tau", list(&inverse_jvp.tau)),
+            ("inverse_jvp_dtau", list(&inverse_jvp.dtau)),
+            ("forward_vjp_qdd", list(&forward_vjp.qdd)),
+            ("forward_vjp_dq", list(&forward_vjp.dq)),
+            ("forward_vjp_dqd", list(&forward_vjp.dqd)),
+            ("forward_vjp_dtau", list(&forward_vjp.dtau)),
+            ("forward_jvp_qdd", list(&forward_jvp.qdd)),
+            ("forward_jvp_dqdd", list(&forward_jvp.dqdd)),
+            ("semi_implicit_q", list(&semi_implicit.q)),
+            ("semi_implicit_qd", list(&semi_implicit.qd)),
+            ("linear_step_q", list(&linear_step.q)),
+            ("linear_step_qd", list(&linear_step.qd)),
+            ("linear_step_a", columns(&linear_step.a)),
+            ("linear_step_b", columns(&linear_step.b)),
+            ("rk4_q", list(&rk4.q)),
+            ("rk4_qd", list(&rk4.qd)),
+            ("integrate_dq", columns(&integrate.dq)),
+            ("integrate_dv", columns(&integrate.dv)),
+            ("difference_dfrom", columns(&difference.dfrom)),
+            ("difference_dto", columns(&difference.dto)),
             ("regressor", columns(&$robot::regressor(q, qd, qdd))),
             ("center_of_mass_jacobian", each(&$robot::center_of_mass_jacobian(q), vector)),
             ("centroidal_momentum_matrix", each(&$robot::centroidal_momentum_matrix(q), momentum)),
@@ -313,6 +348,12 @@ macro_rules! other_quantities {
             ),
         ]
     }};
+}
+
+/// Returns the time of a step, s.
+#[must_use]
+pub fn time_step<T: Scalar>() -> T {
+    T::from_f64(1.0 / 128.0)
 }
 
 /// The arguments of a type's functions through the trait.
@@ -481,6 +522,44 @@ fn interpreted_others<T: Scalar>(
         dqdd_dtau: &mut dqdd_dtau,
     };
     interpreter.forward_dynamics_derivatives(q, qd, tau, derivatives).expect(LENGTHS);
+    let mut random = q.clone();
+    interpreter.random(uniform(), &mut random).expect(LENGTHS);
+    let (mut integrate_dq, mut integrate_dv) = (zeros(n * n), zeros(n * n));
+    let integrate = interpreter.integrate_derivatives(q, qd, &mut integrate_dq, &mut integrate_dv);
+    integrate.expect(LENGTHS);
+    let (mut dfrom, mut dto) = (zeros(n * n), zeros(n * n));
+    interpreter.difference_derivatives(q, &random, &mut dfrom, &mut dto).expect(LENGTHS);
+    let vectors = || [0; 4].map(|_| zeros(n));
+    let [mut inverse_vjp_tau, mut inverse_vjp_dq, mut inverse_vjp_dqd, mut inverse_vjp_dqdd] =
+        vectors();
+    let gradients = [&mut *inverse_vjp_dq, &mut inverse_vjp_dqd, &mut inverse_vjp_dqdd];
+    let motion = (&**q, &**qd, &**qdd);
+    interpreter.inverse_dynamics_vjp(motion, tau, &mut inverse_vjp_tau, gradients).expect(LENGTHS);
+    let [mut inverse_jvp_tau, mut inverse_jvp_dtau, mut forward_jvp_qdd, mut forward_jvp_dqdd] =
+        vectors();
+    let (changes, into) = ([&**tau, qdd, qd], (&mut inverse_jvp_tau, &mut inverse_jvp_dtau));
+    interpreter.inverse_dynamics_jvp(motion, changes, into.0, into.1).expect(LENGTHS);
+    let [mut forward_vjp_qdd, mut forward_vjp_dq, mut forward_vjp_dqd, mut forward_vjp_dtau] =
+        vectors();
+    let gradients = [&mut *forward_vjp_dq, &mut forward_vjp_dqd, &mut forward_vjp_dtau];
+    let state = (&**q, &**qd, &**tau);
+    interpreter.forward_dynamics_vjp(state, qdd, &mut forward_vjp_qdd, gradients).expect(LENGTHS);
+    let (changes, into) = ([&**qdd, tau, qd], (&mut forward_jvp_qdd, &mut forward_jvp_dqdd));
+    interpreter.forward_dynamics_jvp(state, changes, into.0, into.1).expect(LENGTHS);
+    let dt = time_step();
+    let [mut semi_implicit_q, mut linear_step_q, mut rk4_q] = [0; 3].map(|_| q.clone());
+    let [mut semi_implicit_qd, mut linear_step_qd, mut rk4_qd, _] = vectors();
+    let into = (&mut semi_implicit_q, &mut semi_implicit_qd);
+    interpreter.step_semi_implicit(state, dt, into.0, into.1).expect(LENGTHS);
+    let (mut linear_step_a, mut linear_step_b) = (zeros(4 * n * n), zeros(2 * n * n));
+    let outputs = StepOutputs {
+        q: &mut linear_step_q,
+        qd: &mut linear_step_qd,
+        a: &mut linear_step_a,
+        b: &mut linear_step_b,
+    };
+    interpreter.step_semi_implicit_derivatives(state, dt, outputs).expect(LENGTHS);
+    interpreter.step_rk4(state, dt, &mut rk4_q, &mut rk4_qd).expect(LENGTHS);
     let mut regressor = zeros(n * PARAMETERS_PER_LINK * interpreter.model().links().len());
     interpreter.regressor(q, qd, qdd, &mut regressor).expect(LENGTHS);
     let mut center = vec![Vector3::zero(); n];
@@ -510,6 +589,30 @@ fn interpreted_others<T: Scalar>(
         ("dqdd_dq", dqdd_dq),
         ("dqdd_dqd", dqdd_dqd),
         ("dqdd_dtau", dqdd_dtau),
+        ("inverse_vjp_tau", inverse_vjp_tau),
+        ("inverse_vjp_dq", inverse_vjp_dq),
+        ("inverse_vjp_dqd", inverse_vjp_dqd),
+        ("inverse_vjp_dqdd", inverse_vjp_dqdd),
+        ("inverse_jvp_tau", inverse_jvp_tau),
+        ("inverse_jvp_dtau", inverse_jvp_dtau),
+        ("forward_vjp_qdd", forward_vjp_qdd),
+        ("forward_vjp_dq", forward_vjp_dq),
+        ("forward_vjp_dqd", forward_vjp_dqd),
+        ("forward_vjp_dtau", forward_vjp_dtau),
+        ("forward_jvp_qdd", forward_jvp_qdd),
+        ("forward_jvp_dqdd", forward_jvp_dqdd),
+        ("semi_implicit_q", semi_implicit_q),
+        ("semi_implicit_qd", semi_implicit_qd),
+        ("linear_step_q", linear_step_q),
+        ("linear_step_qd", linear_step_qd),
+        ("linear_step_a", linear_step_a),
+        ("linear_step_b", linear_step_b),
+        ("rk4_q", rk4_q),
+        ("rk4_qd", rk4_qd),
+        ("integrate_dq", integrate_dq),
+        ("integrate_dv", integrate_dv),
+        ("difference_dfrom", dfrom),
+        ("difference_dto", dto),
         ("regressor", regressor),
         ("center_of_mass_jacobian", center.iter().flat_map(vector).collect()),
         ("centroidal_momentum_matrix", momenta.iter().flat_map(momentum).collect()),

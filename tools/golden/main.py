@@ -14,6 +14,7 @@ import numpy
 import pinocchio
 
 import contacts
+import displacements
 import loops
 import mechanisms
 import urdf
@@ -154,6 +155,7 @@ def files():
     for name in mechanisms.TREES:
         yield f"{name}.urdf", lambda name=name: mechanisms.tree(name)
         yield f"{name}.json", lambda name=name: text(mechanism(name))
+    yield "displacements.json", lambda: text(displacements.displacements())
     four_bar = (ROOT / "robots" / "four_bar.urdf").read_text()
     yield "four_bar_general.urdf", lambda: loops.in_general_position(four_bar, 8)
     yield "four_bar_general.json", lambda: text(loop("four_bar_general"))

@@ -5,6 +5,7 @@
 //! [tracing](Graph::trace).
 
 mod arena;
+mod compose;
 mod count;
 mod evaluate;
 mod scalar;

@@ -1,10 +1,13 @@
-//! The passes: rewrites of whole graphs, one file for each, in the order of this list.
+//! The passes: rewrites of whole graphs, one file for each, in the order of this list. `differentiate` makes graphs of
+//! derivatives.
 
 mod balance;
+mod differentiate;
 mod factor;
 
 use crate::graph::Graph;
 pub use balance::balance;
+pub use differentiate::{jvp, vjp};
 
 /// A rewrite that keeps the outputs.
 type Pass = fn(&Graph) -> Graph;

@@ -80,6 +80,12 @@ const Q: Argument = argument("q", shapes::coordinates);
 const QD: Argument = argument("qd", shapes::velocities);
 const QDD: Argument = argument("qdd", shapes::velocities);
 const TAU: Argument = argument("tau", shapes::velocities);
+const DQ: Argument = argument("dq", shapes::velocities);
+const DQD: Argument = argument("dqd", shapes::velocities);
+const DQDD: Argument = argument("dqdd", shapes::velocities);
+const DTAU: Argument = argument("dtau", shapes::velocities);
+const COTANGENT: Argument = argument("cotangent", shapes::velocities);
+const DT: Argument = argument("dt", shapes::scalar);
 const V: Argument = argument("v", shapes::velocities);
 const FROM: Argument = argument("from", shapes::coordinates);
 const TO: Argument = argument("to", shapes::coordinates);
@@ -350,6 +356,62 @@ functions! {
     )
         .packed(Packing::Derivatives)
         .hot();
+    /// Products of a vector and the derivatives of inverse dynamics.
+    InverseDynamicsVjp "inverse_dynamics_vjp" = Row::one(
+        &[Q, QD, QDD, COTANGENT],
+        shapes::inverse_vjp,
+        "Returns the joint forces tau of `qdd`, and the products of `cotangent` with their derivatives: the gradients\n\
+         of `cotangent`^T tau with respect to `q` (in tangent space), `qd` and `qdd`.",
+        |t, _| t.inverse_dynamics_vjp(),
+    );
+    /// Products of the derivatives of inverse dynamics and a vector.
+    InverseDynamicsJvp "inverse_dynamics_jvp" = Row::one(
+        &[Q, QD, QDD, DQ, DQD, DQDD],
+        shapes::inverse_jvp,
+        "Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent space), `dqd` and\n\
+         `dqdd`.",
+        |t, _| t.inverse_dynamics_jvp(),
+    );
+    /// Products of a vector and the derivatives of forward dynamics.
+    ForwardDynamicsVjp "forward_dynamics_vjp" = Row::one(
+        &[Q, QD, TAU, COTANGENT],
+        shapes::forward_vjp,
+        "Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the gradients of\n\
+         `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.",
+        |t, s| t.forward_dynamics_vjp(s.forward_dynamics),
+    );
+    /// Products of the derivatives of forward dynamics and a vector.
+    ForwardDynamicsJvp "forward_dynamics_jvp" = Row::one(
+        &[Q, QD, TAU, DQ, DQD, DTAU],
+        shapes::forward_jvp,
+        "Returns the accelerations qdd, and their change under the changes `dq` (in tangent space), `dqd` and `dtau`.",
+        |t, s| t.forward_dynamics_jvp(s.forward_dynamics),
+    );
+    /// The state after a semi-implicit Euler step.
+    StepSemiImplicit "step_semi_implicit" = Row::one(
+        &[Q, QD, TAU, DT],
+        shapes::step,
+        "Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit Euler method: the\n\
+         new velocities are `qd` + `dt` qdd, and move the coordinates.",
+        |t, s| t.step_semi_implicit(s.elimination),
+    );
+    /// Derivatives of a semi-implicit Euler step.
+    StepSemiImplicitDerivatives "step_semi_implicit_derivatives" = Row::one(
+        &[Q, QD, TAU, DT],
+        shapes::step_derivatives,
+        "Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its derivatives: `a` with\n\
+         respect to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q\n\
+         (in tangent space), then those of qd.",
+        |t, s| t.step_semi_implicit_derivatives(s.for_derivatives),
+    );
+    /// The state after a Runge-Kutta step.
+    StepRk4 "step_rk4" = Row::one(
+        &[Q, QD, TAU, DT],
+        shapes::step,
+        "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a Runge-Kutta method of\n\
+         fourth order. Rotations follow exponential maps, so quaternions keep length 1.",
+        |t, s| t.step_rk4(s.elimination),
+    );
     /// Forward dynamics with the loops closed and the active contacts held.
     ConstrainedForwardDynamics "constrained_forward_dynamics" = Row::one(
         &[Q, QD, TAU, CONTACTS, SETTINGS],
@@ -604,6 +666,24 @@ functions! {
         |t, _| t.difference(),
     )
         .by_default()
+        .without_parameters();
+    /// Derivatives of coordinates after a displacement.
+    IntegrateDerivatives "integrate_derivatives" = Row::one(
+        &[Q, V],
+        shapes::integrate_derivatives,
+        "Returns the derivatives of `integrate` with respect to `q` and `v`, each an array of columns in tangent\n\
+         space: displacements of `q` and of the result are in the axes at each of them.",
+        |t, _| t.integrate_derivatives(),
+    )
+        .without_parameters();
+    /// Derivatives of the displacement between coordinates.
+    DifferenceDerivatives "difference_derivatives" = Row::one(
+        &[FROM, TO],
+        shapes::difference_derivatives,
+        "Returns the derivatives of `difference` with respect to `from` and `to`, each an array of columns in\n\
+         tangent space: displacements are in the axes at `from` and at `to`.",
+        |t, _| t.difference_derivatives(),
+    )
         .without_parameters();
     /// The rates of the coordinates.
     VelocityToQdot "velocity_to_qdot" = Row::one(

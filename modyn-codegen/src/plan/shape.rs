@@ -22,8 +22,11 @@ pub enum Record {
     Factorization,
     /// The set of active contacts: a number for each contact, 1 if it is active, else 0.
     Contacts,
-    /// The results of a function with several results, or its settings, by name.
+    /// The results of a function with several results, or its settings, by name. The type is generic over the different
+    /// types of its fields.
     Several(&'static str),
+    /// The results of a function with several results, by name. The type is generic over the type of each field.
+    Each(&'static str),
 }
 
 impl Shape {
@@ -191,6 +194,33 @@ pub(super) mod shapes {
     pub fn forward_derivatives(s: &Sizes) -> Shape {
         let matrices = ["dq", "dqd", "dtau"].map(|name| (name, square(s)));
         named_fields("ForwardDynamicsDerivatives", [vec![("qdd", velocities(s))], matrices.into()].concat())
+    }
+
+    pub fn integrate_derivatives(s: &Sizes) -> Shape {
+        named_fields("IntegrateDerivatives", vec![("dq", square(s)), ("dv", square(s))])
+    }
+
+    pub fn difference_derivatives(s: &Sizes) -> Shape {
+        named_fields("DifferenceDerivatives", vec![("dfrom", square(s)), ("dto", square(s))])
+    }
+
+    fn vectors(name: &'static str, fields: &[&'static str], s: &Sizes) -> Shape {
+        named_fields(name, fields.iter().map(|&field| (field, velocities(s))).collect())
+    }
+
+    pub fn inverse_vjp(s: &Sizes) -> Shape { vectors("InverseDynamicsVjp", &["tau", "dq", "dqd", "dqdd"], s) }
+    pub fn inverse_jvp(s: &Sizes) -> Shape { vectors("InverseDynamicsJvp", &["tau", "dtau"], s) }
+    pub fn forward_vjp(s: &Sizes) -> Shape { vectors("ForwardDynamicsVjp", &["qdd", "dq", "dqd", "dtau"], s) }
+    pub fn forward_jvp(s: &Sizes) -> Shape { vectors("ForwardDynamicsJvp", &["qdd", "dqdd"], s) }
+
+    pub fn step(s: &Sizes) -> Shape {
+        Shape::Record(Record::Each("Step"), vec![("q", coordinates(s)), ("qd", velocities(s))])
+    }
+
+    pub fn step_derivatives(s: &Sizes) -> Shape {
+        let matrices = [("a", Shape::matrix(2 * s.nv, 2 * s.nv)), ("b", Shape::matrix(s.nv, 2 * s.nv))];
+        let state = [("q", coordinates(s)), ("qd", velocities(s))];
+        Shape::Record(Record::Each("StepDerivatives"), [state, matrices].concat())
     }
 
     pub fn constrained(s: &Sizes) -> Shape {

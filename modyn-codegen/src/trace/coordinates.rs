@@ -27,6 +27,27 @@ impl Tracer<'_> {
         })
     }
 
+    /// Returns the graph of the derivatives of the moved coordinates by `q`, then by `v`, by columns. Inputs: `q` and `v`.
+    #[must_use]
+    pub fn integrate_derivatives(&self) -> Graph {
+        self.trace(|model, [_, v]| {
+            let (mut dq, mut dv) = (self.square(), self.square());
+            coordinates::integrate_derivatives(model, &v, (&mut dq, &mut dv));
+            [dq, dv].concat()
+        })
+    }
+
+    /// Returns the graph of the derivatives of the tangent vector between coordinates by `from`, then by `to`, by
+    /// columns. Inputs: `from` and `to`.
+    #[must_use]
+    pub fn difference_derivatives(&self) -> Graph {
+        self.trace_groups([self.model.nq; 2], |model, [from, to]| {
+            let (mut dfrom, mut dto) = (self.square(), self.square());
+            coordinates::difference_derivatives(model, (&from, &to), (&mut dfrom, &mut dto));
+            [dfrom, dto].concat()
+        })
+    }
+
     /// Returns the graph of the rates of the coordinates. Inputs: `q`, `qd`.
     #[must_use]
     pub fn velocity_to_qdot(&self) -> Graph {
@@ -62,6 +83,10 @@ impl Tracer<'_> {
     #[must_use]
     pub fn uniforms(&self) -> usize {
         self.model.nv
+    }
+
+    fn square(&self) -> Vec<Expr> {
+        vec![Expr::zero(); self.model.nv * self.model.nv]
     }
 
     fn coordinates(&self) -> Vec<Expr> {

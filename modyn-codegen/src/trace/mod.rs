@@ -6,7 +6,9 @@ mod derivatives;
 mod kinematics;
 mod limbs;
 mod parameters;
+mod products;
 mod regressor;
+mod steps;
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::brge::{self, UduLayout};

@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | `kinematics/links` | poses and motion of the links, Jacobians | A.1 of the paper |
 //! | `kinematics/center_of_mass` | centre of mass, its Jacobian | |
-//! | `kinematics/coordinates` | integration, differences, rates and random values of coordinates | Murray, Li and Sastry 1994 |
+//! | `kinematics/coordinates` | integration, differences and their derivatives, rates and random values of coordinates | Murray, Li and Sastry 1994 |
 //! | `dynamics/newton_euler` | the wrenches of the bodies' motion | Newton and Euler; Luh, Walker and Paul 1980 |
 //! | `dynamics/external` | external wrenches on links | |
 //! | `dynamics/inverse_dynamics` | joint forces, bias forces | (5a) |
@@ -24,6 +24,8 @@
 //! | `factorization/limb_coupling` | the entries of the inverse that couple merged limbs | (60) |
 //! | `brge` | the public entry of the factorization | (35)-(57) |
 //! | `derivatives` | derivatives of inverse and forward dynamics | Singh, Russell and Wensing 2022 |
+//! | `steps/semi_implicit` | the state after a semi-implicit Euler step, its derivatives | |
+//! | `steps/runge_kutta` | the state after a Runge-Kutta step | Celledoni, Marthinsen and Owren 2003 |
 //! | `identification/regressor` | inverse dynamics as a linear function of the inertial parameters | Atkeson, An and Hollerbach 1986 |
 //! | `identification/base_parameters` | the combinations of inertial parameters that joint forces depend on | Gautier 1991 |
 //! | `singular` | the inertia at each joint, to find joints without inertia | Featherstone 1987 |
@@ -40,9 +42,10 @@ pub mod identification;
 pub mod kinematics;
 pub mod paper;
 pub mod singular;
+pub mod steps;
 mod workspace;
 
 pub use {
     constraints::ConstraintWorkspace, dynamics::Forces, factorization::ModulePartition,
-    workspace::Workspace,
+    steps::StepWorkspace, workspace::Workspace,
 };

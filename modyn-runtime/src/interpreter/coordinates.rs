@@ -54,6 +54,53 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
+    /// Computes the derivatives of [`integrate`](Self::integrate) with respect to `q` and `v`, nv x nv matrices by
+    /// columns.
+    ///
+    /// Both are in the tangent space: displacements of `q` are in the axes at `q`, and those of the moved
+    /// coordinates in the axes there. Nothing depends on `q` but its length.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn integrate_derivatives(
+        &self,
+        q: &[S],
+        v: &[S],
+        dq: &mut [S],
+        dv: &mut [S],
+    ) -> Result<(), ShapeError> {
+        let (nq, nv) = (self.model.nq(), self.model.nv());
+        check("q", q, nq)?;
+        check("v", v, nv)?;
+        check("dq", dq, nv * nv)?;
+        check("dv", dv, nv * nv)?;
+        coordinates::integrate_derivatives(&self.mechanism, v, (dq, dv));
+        Ok(())
+    }
+
+    /// Computes the derivatives of [`difference`](Self::difference) with respect to `from` and `to`, nv x nv
+    /// matrices by columns, in the tangent space: displacements are in the axes at `from` and at `to`.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn difference_derivatives(
+        &self,
+        from: &[S],
+        to: &[S],
+        dfrom: &mut [S],
+        dto: &mut [S],
+    ) -> Result<(), ShapeError> {
+        let (nq, nv) = (self.model.nq(), self.model.nv());
+        check("from", from, nq)?;
+        check("to", to, nq)?;
+        check("dfrom", dfrom, nv * nv)?;
+        check("dto", dto, nv * nv)?;
+        coordinates::difference_derivatives(&self.mechanism, (from, to), (dfrom, dto));
+        Ok(())
+    }
+
     /// Computes dq/dt, the rates of the coordinates `q` at the velocities `qd`, nq entries.
     ///
     /// # Errors

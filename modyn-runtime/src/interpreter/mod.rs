@@ -10,14 +10,16 @@ mod inertias;
 mod kinematics;
 mod momentum;
 mod paper;
+mod products;
 mod regressor;
+mod steps;
 
 use alloc::{vec, vec::Vec};
 
 use crate::Scalar;
 use crate::equations::brge::UduLayout;
 use crate::equations::dynamics::Elimination;
-use crate::equations::{ConstraintWorkspace, Workspace};
+use crate::equations::{ConstraintWorkspace, StepWorkspace, Workspace};
 use crate::mechanism::Mechanism;
 use crate::model::{Model, ModuleTree};
 use crate::spatial::{Pose, Vector3};
@@ -28,6 +30,7 @@ pub use derivatives::ForwardDerivatives;
 pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, UpdateError};
 pub use factorization::UduFactorization;
 pub use inertias::InertialError;
+pub use steps::StepOutputs;
 
 /// The dynamics of a model that is known at run time only.
 ///
@@ -41,7 +44,8 @@ pub use inertias::InertialError;
 /// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives), [`set_inertial`](Self::set_inertial) and
 /// [`set_payload`](Self::set_payload) allocate at their first call; and so does the first call of
 /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) or
-/// [`project_constraints`](Self::project_constraints).
+/// [`project_constraints`](Self::project_constraints), and the first step. Products with derivatives allocate
+/// matrices at each call.
 ///
 /// ```
 /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));
@@ -72,6 +76,8 @@ pub struct Interpreter<S = f64> {
     links: Option<UduLayout>,
     /// Created when constrained dynamics is first computed.
     constraints: Option<ConstraintWorkspace<S>>,
+    /// Created when a step is first computed.
+    steps: Option<StepWorkspace<S>>,
     /// For each contact, 1 if it is active, else 0.
     active: Vec<S>,
 }
@@ -105,7 +111,7 @@ impl<S: Scalar> Interpreter<S> {
         let mut workspace = Workspace::new(&mechanism);
         elimination.reserve(&mechanism, &mut workspace);
         let body_poses = vec![Pose::identity(); mechanism.bodies.len()];
-        let (inertias, links, constraints) = (None, None, None);
+        let (inertias, links, constraints, steps) = (None, None, None, None);
         let active = vec![S::zero(); model.contacts().len()];
         Self {
             model,
@@ -117,6 +123,7 @@ impl<S: Scalar> Interpreter<S> {
             inertias,
             links,
             constraints,
+            steps,
             active,
         }
     }

@@ -35,6 +35,16 @@ pub struct Coordinates<S> {
 }
 
 impl<S> Coordinates<S> {
+    /// Returns the number of the group's velocities.
+    #[must_use]
+    pub const fn velocities(&self) -> usize {
+        match self.space {
+            CoordinateSpace::Line { .. } => 1,
+            CoordinateSpace::Rotation => 3,
+            CoordinateSpace::Pose => 6,
+        }
+    }
+
     /// Returns the group with `f` applied to its numbers.
     pub fn map<T>(&self, f: impl Fn(&S) -> T) -> Coordinates<T> {
         let space = match &self.space {

@@ -92,6 +92,72 @@ macro_rules! robot_functions {
                 qdd: &Self::V<T>
             ) -> InverseDynamicsDerivatives<Self::M<T>>, if InverseDynamicsDerivatives;
 
+            /// Returns the joint forces tau of the accelerations `qdd`, and the products of `cotangent` with their
+            /// derivatives: the gradients of `cotangent`^T tau with respect to `q` (in tangent space), `qd` and `qdd`.
+            inverse_dynamics_vjp / inverse_dynamics_vjp_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                qdd: &Self::V<T>,
+                cotangent: &Self::V<T>
+            ) -> InverseDynamicsVjp<Self::V<T>>, if InverseDynamicsVjp;
+
+            /// Returns the joint forces tau of the accelerations `qdd`, and their change under the changes `dq` (in
+            /// tangent space), `dqd` and `dqdd`.
+            inverse_dynamics_jvp / inverse_dynamics_jvp_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                qdd: &Self::V<T>,
+                dq: &Self::V<T>,
+                dqd: &Self::V<T>,
+                dqdd: &Self::V<T>
+            ) -> InverseDynamicsJvp<Self::V<T>>, if InverseDynamicsJvp;
+
+            /// Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the gradients of
+            /// `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.
+            forward_dynamics_vjp / forward_dynamics_vjp_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                tau: &Self::V<T>,
+                cotangent: &Self::V<T>
+            ) -> ForwardDynamicsVjp<Self::V<T>>, if ForwardDynamicsVjp;
+
+            /// Returns the accelerations qdd, and their change under the changes `dq` (in tangent space), `dqd` and
+            /// `dtau`.
+            forward_dynamics_jvp / forward_dynamics_jvp_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                tau: &Self::V<T>,
+                dq: &Self::V<T>,
+                dqd: &Self::V<T>,
+                dtau: &Self::V<T>
+            ) -> ForwardDynamicsJvp<Self::V<T>>, if ForwardDynamicsJvp;
+
+            /// Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit Euler method.
+            step_semi_implicit / step_semi_implicit_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                tau: &Self::V<T>,
+                dt: T
+            ) -> Step<Self::Q<T>, Self::V<T>>, if StepSemiImplicit;
+
+            /// Returns the state of [`step_semi_implicit`](Self::step_semi_implicit), and its derivatives A with respect
+            /// to the state before the step (in tangent space) and B with respect to `tau`.
+            step_semi_implicit_derivatives / step_semi_implicit_derivatives_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                tau: &Self::V<T>,
+                dt: T
+            ) -> LinearStep<Self, T>, if StepSemiImplicitDerivatives;
+
+            /// Returns the state after the time `dt` (s) under the joint forces `tau`, by a Runge-Kutta method of fourth
+            /// order.
+            step_rk4 / step_rk4_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                tau: &Self::V<T>,
+                dt: T
+            ) -> Step<Self::Q<T>, Self::V<T>>, if StepRk4;
+
             /// Returns the accelerations, and the derivatives of forward dynamics with respect to `q` (in tangent
             /// space), `qd` and `tau`.
             forward_dynamics_derivatives / forward_dynamics_derivatives_with(
@@ -288,6 +354,20 @@ macro_rules! robot_functions {
 
             /// Returns the displacement `v` with which [`integrate`](Self::integrate) leads from `from` to `to`.
             difference(from: &Self::Q<T>, to: &Self::Q<T>) -> Self::V<T>, if Difference;
+
+            /// Returns the derivatives of [`integrate`](Self::integrate) with respect to `q` and `v`, in tangent space:
+            /// displacements of `q` and of the result are in the axes at each of them.
+            integrate_derivatives(
+                q: &Self::Q<T>,
+                v: &Self::V<T>
+            ) -> IntegrateDerivatives<Self::M<T>>, if IntegrateDerivatives;
+
+            /// Returns the derivatives of [`difference`](Self::difference) with respect to `from` and `to`, in tangent
+            /// space: displacements are in the axes at `from` and at `to`.
+            difference_derivatives(
+                from: &Self::Q<T>,
+                to: &Self::Q<T>
+            ) -> DifferenceDerivatives<Self::M<T>>, if DifferenceDerivatives;
 
             /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
             velocity_to_qdot(q: &Self::Q<T>, qd: &Self::V<T>) -> Self::Q<T>, if VelocityToQdot;

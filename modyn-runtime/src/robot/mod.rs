@@ -9,8 +9,10 @@ use crate::configuration::{self, ConfigurationError};
 use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 use crate::results::{
     ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
-    ConstraintProjection, ConstraintResidual, ContactImpulse, ForwardDynamicsDerivatives,
-    InverseDynamicsDerivatives, JointLimits, KinematicModule, OperationalInertia,
+    ConstraintProjection, ConstraintResidual, ContactImpulse, DifferenceDerivatives,
+    ForwardDynamicsDerivatives, ForwardDynamicsJvp, ForwardDynamicsVjp, IntegrateDerivatives,
+    InverseDynamicsDerivatives, InverseDynamicsJvp, InverseDynamicsVjp, JointLimits,
+    KinematicModule, OperationalInertia, Step, StepDerivatives,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use functions::{declare_functions, missing, robot_functions};
@@ -35,6 +37,14 @@ pub(crate) type ConstrainedDerivatives<R, T> = ConstrainedForwardDynamicsDerivat
     <R as Robot>::M<T>,
     <R as Robot>::PerConstraint<<R as Robot>::PerVelocity<Wrench<T>>>,
     T,
+>;
+
+/// The state of robot `R` after a step, and its derivatives.
+pub(crate) type LinearStep<R, T> = StepDerivatives<
+    <R as Robot>::Q<T>,
+    <R as Robot>::V<T>,
+    <R as Robot>::PerState<<R as Robot>::PerState<T>>,
+    <R as Robot>::PerVelocity<<R as Robot>::PerState<T>>,
 >;
 
 /// The settings of the constraints of robot `R`.
@@ -107,6 +117,9 @@ pub trait Robot {
     type M<T: Scalar>: Array<Self::V<T>>;
     /// The type of arrays with an entry for each entry of the velocity vector.
     type PerVelocity<X: Copy>: Array<X>;
+    /// The type of arrays with an entry for each entry of a state in tangent space: 2 nv entries, those of the
+    /// coordinates first.
+    type PerState<X: Copy>: Array<X>;
     /// The type of arrays with an entry for each link of the description, in the order of
     /// [`LINK_NAMES`](Self::LINK_NAMES).
     type PerLink<X: Copy>: Array<X>;

@@ -16,6 +16,12 @@ impl<S: Scalar> Matrix3<S> {
         Self([[S::zero(); 3]; 3])
     }
 
+    /// Returns the matrix whose column k is `column(k)`.
+    #[must_use]
+    pub fn from_columns(column: impl FnMut(usize) -> Vector3<S>) -> Self {
+        Self(core::array::from_fn(column).map(|column: Vector3<S>| column.0)).transposed()
+    }
+
     /// Returns the matrix of the cross product v x.
     #[must_use]
     pub fn cross(v: Vector3<S>) -> Self {
@@ -51,6 +57,12 @@ impl<S: Scalar> Matrix3<S> {
     #[must_use]
     pub fn transposed(&self) -> Self {
         Self(core::array::from_fn(|i| self.column(i).0))
+    }
+
+    /// Returns the matrix with all signs changed.
+    #[must_use]
+    pub fn negated(&self) -> Self {
+        Self(self.0.map(|row| row.map(|x| -x)))
     }
 
     /// Returns column `j`.

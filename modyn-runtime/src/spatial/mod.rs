@@ -35,7 +35,10 @@ pub use {
 };
 pub use {
     matrix::{Matrix3, Symmetric3},
-    quaternion::{Quaternion, screw_translation, screw_velocity},
+    quaternion::{
+        Quaternion, inverse_rotation_jacobian, rotation_jacobian, screw_translation,
+        screw_translation_by_rotation, screw_velocity,
+    },
     vector::Vector3,
     wrench::{Momentum, Twist, Wrench},
 };

@@ -1,4 +1,4 @@
-//! Quaternions, and the exponential maps of SO(3) and SE(3) with their inverses.
+//! Quaternions, and the exponential maps of SO(3) and SE(3) with their inverses and Jacobians.
 //!
 //! A rotation vector w is the axis times the angle t in rad. The maps need sin(t/2) / (t/2) and similar
 //! functions: closed forms for large t, series for small t. The closed forms are accurate enough for the values
@@ -30,6 +30,16 @@ const SINC_MINUS_COS: [f64; 6] = [
     -1.0 / 11_612_160.0,
     1.0 / 4_087_480_320.0,
     -1.0 / 2_125_489_766_400.0,
+];
+
+/// The coefficients of the derivative of [`SINC_MINUS_COS`] by t^2, in powers of t^2.
+const LAG_SLOPE: [f64; 6] = [
+    -1.0 / 480.0,
+    2.0 / 53_760.0,
+    -3.0 / 11_612_160.0,
+    4.0 / 4_087_480_320.0,
+    -5.0 / 2_125_489_766_400.0,
+    6.0 / 1_530_352_631_808_000.0,
 ];
 
 /// The coefficients of an angle divided by its tangent, in powers of the squared tangent.
@@ -190,6 +200,41 @@ pub fn screw_velocity<S: Scalar>(w: Vector3<S>, translation: Vector3<S>) -> Vect
     translation - across.scale(S::from_f64(0.5)) + w.cross(across).scale(lag / sinc)
 }
 
+/// Returns the Jacobian of the exponential map of SO(3): its product with a change of the rotation vector `w` is
+/// the change of the rotation, in the rotated axes.
+#[must_use]
+pub fn rotation_jacobian<S: Scalar>(w: Vector3<S>) -> Matrix3<S> {
+    Matrix3::from_columns(|k| screw_translation(-w, Vector3::unit(k)))
+}
+
+/// Returns the inverse of [`rotation_jacobian`], for rotations below 2 pi.
+#[must_use]
+pub fn inverse_rotation_jacobian<S: Scalar>(w: Vector3<S>) -> Matrix3<S> {
+    Matrix3::from_columns(|k| screw_velocity(-w, Vector3::unit(k)))
+}
+
+/// Returns the derivative of [`screw_translation`] by `w`, in the axes after the motion.
+#[must_use]
+pub fn screw_translation_by_rotation<S: Scalar>(w: Vector3<S>, v: Vector3<S>) -> Matrix3<S> {
+    let angle = Angle::of(w);
+    let Angle { sinc, cos, lag } = angle;
+    let square = sinc * sinc;
+    let (across, along) = (w.cross(v), w.cross(w.cross(v)));
+    let (first, second) = (S::from_f64(0.5) * square, S::from_f64(0.25) * square - cos * lag);
+    // The derivatives of these two by t^2.
+    let product = sinc * lag;
+    let first_slope = S::from_f64(-0.5) * product;
+    let second_slope = S::from_f64(-0.125) * product - cos * angle.lag_slope(w);
+    let slopes = across.scale(first_slope) + along.scale(second_slope);
+    let back = Quaternion::exp(w).conjugate();
+    Matrix3::from_columns(|k| {
+        let unit = Vector3::unit(k);
+        let turned = unit.cross(v);
+        let moved = unit.cross(across) + w.cross(turned);
+        back.rotate(turned.scale(first) + moved.scale(second) + slopes.scale(w.0[k] + w.0[k]))
+    })
+}
+
 /// The functions of the angle t of a rotation vector that the maps need.
 struct Angle<S> {
     /// sin(t/2) / (t/2)
@@ -214,6 +259,14 @@ impl<S: Scalar> Angle<S> {
         let [sinc, cos, lag] =
             core::array::from_fn(|i| (square - near).select_nonnegative(closed[i], series[i]));
         Self { sinc, cos, lag }
+    }
+
+    /// Returns the derivative of `lag` by t^2; `w` is the rotation vector.
+    fn lag_slope(&self, w: Vector3<S>) -> S {
+        let (square, near) = (w.dot(w), S::from_f64(SERIES_LIMIT));
+        let difference = S::from_f64(0.125) * self.sinc - S::from_f64(1.5) * self.lag;
+        let closed = difference / square.max(near);
+        (square - near).select_nonnegative(closed, series(&LAG_SLOPE, square))
     }
 }
 

@@ -14,7 +14,7 @@ use modyn_tests::compiled::Compiled;
 use modyn_tests::counting::{Counting, measure};
 use modyn_tests::random::{Random, state};
 use modyn_tests::values::{
-    Given, GivenTo, Inputs, Named, columns, each, interpreted, list, momentum, vector,
+    Given, GivenTo, Inputs, Named, columns, each, interpreted, list, momentum, time_step, vector,
 };
 
 #[global_allocator]
@@ -60,7 +60,21 @@ fn others<R: Robot + functions::All>(
     let Given { q, qd, qdd, tau, forces, .. } = given;
     let inverse = R::inverse_dynamics_derivatives_with(params, q, qd, qdd);
     let forward = R::forward_dynamics_derivatives_with(params, q, qd, tau);
+    let inverse_vjp = R::inverse_dynamics_vjp_with(params, q, qd, qdd, tau);
+    let inverse_jvp = R::inverse_dynamics_jvp_with(params, q, qd, qdd, tau, qdd, qd);
+    let forward_vjp = R::forward_dynamics_vjp_with(params, q, qd, tau, qdd);
+    let forward_jvp = R::forward_dynamics_jvp_with(params, q, qd, tau, qdd, tau, qd);
+    let dt = time_step();
+    let semi_implicit = R::step_semi_implicit_with(params, q, qd, tau, dt);
+    let linear_step = R::step_semi_implicit_derivatives_with(params, q, qd, tau, dt);
     vec![
+        ("inverse_vjp_dq", list(&inverse_vjp.dq)),
+        ("inverse_jvp_dtau", list(&inverse_jvp.dtau)),
+        ("forward_vjp_dq", list(&forward_vjp.dq)),
+        ("forward_jvp_dqdd", list(&forward_jvp.dqdd)),
+        ("semi_implicit_qd", list(&semi_implicit.qd)),
+        ("linear_step_a", columns(&linear_step.a)),
+        ("rk4_qd", list(&R::step_rk4_with(params, q, qd, tau, dt).qd)),
         (
             "forward_dynamics_external",
             list(&R::forward_dynamics_external_with(params, q, qd, tau, forces)),
@@ -266,6 +280,7 @@ fn a_types_own_functions_take_parameters_as_the_traits_do() {
             assert_ne!(changed, own, stringify!($with));
         })*};
     }
+    let dt = time_step();
     same! {
         forward_dynamics, forward_dynamics_with(q, qd, tau);
         forward_dynamics_external, forward_dynamics_external_with(q, qd, tau, forces);
@@ -280,6 +295,13 @@ fn a_types_own_functions_take_parameters_as_the_traits_do() {
         mass_matrix, mass_matrix_with(q);
         kinetic_energy, kinetic_energy_with(q, qd);
         potential_energy, potential_energy_with(q);
+        inverse_dynamics_vjp, inverse_dynamics_vjp_with(q, qd, qdd, tau);
+        inverse_dynamics_jvp, inverse_dynamics_jvp_with(q, qd, qdd, tau, qdd, qd);
+        forward_dynamics_vjp, forward_dynamics_vjp_with(q, qd, tau, qdd);
+        forward_dynamics_jvp, forward_dynamics_jvp_with(q, qd, tau, qdd, tau, qd);
+        step_semi_implicit, step_semi_implicit_with(q, qd, tau, dt);
+        step_semi_implicit_derivatives, step_semi_implicit_derivatives_with(q, qd, tau, dt);
+        step_rk4, step_rk4_with(q, qd, tau, dt);
         regressor, regressor_with(q, qd, qdd);
         center_of_mass, center_of_mass_with(q);
         center_of_mass_jacobian, center_of_mass_jacobian_with(q);

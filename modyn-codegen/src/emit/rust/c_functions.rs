@@ -44,6 +44,8 @@ impl Robot<'_> {
                     true => of,
                     false => format!("{of}::from_array({}.map(|x| x != 0.0))", parameter.name),
                 });
+            } else if matches!(parameter.shape, Shape::Scalar) {
+                arguments.push(format!("{}[0]", parameter.name));
             } else if parameter.shape.is_vector() {
                 arguments.push(parameter.name.to_string());
             } else {

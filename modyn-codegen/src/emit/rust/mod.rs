@@ -193,14 +193,15 @@ impl Robot<'_> {
                 "let mut uniform = uniform;\n    {name}(&::core::array::from_fn(|_| uniform()))"
             );
         }
-        let argument = |parameter: &Parameter| match parameter.shape.len() {
-            0 if parameter.contacts => "&[]",
-            _ if parameter.contacts => "&contacts.numbers()",
-            _ => parameter.name,
+        let argument = |parameter: &Parameter| match &parameter.shape {
+            shape if parameter.contacts && shape.len() == 0 => "&[]".into(),
+            _ if parameter.contacts => "&contacts.numbers()".into(),
+            Shape::Scalar => format!("&{}", parameter.name),
+            _ => parameter.name.into(),
         };
-        let mut arguments: Vec<&str> = quantity.parameters.iter().map(argument).collect();
+        let mut arguments: Vec<String> = quantity.parameters.iter().map(argument).collect();
         if quantity.runtime_parameter().is_some() {
-            arguments.push(params);
+            arguments.push(params.into());
         }
         let arguments = arguments.join(", ");
         match quantity.kernels {
@@ -227,9 +228,10 @@ impl Robot<'_> {
         if quantity.function == Function::Random {
             return format!("uniform: impl ::core::ops::FnMut() -> {t}");
         }
-        let own = quantity.parameters.iter().map(|parameter| match parameter.contacts {
-            true => format!("{}: {}", parameter.name, self.contacts_type()),
-            false => parameter.typed(t),
+        let own = quantity.parameters.iter().map(|parameter| match parameter.shape {
+            _ if parameter.contacts => format!("{}: {}", parameter.name, self.contacts_type()),
+            Shape::Scalar => format!("{}: {t}", parameter.name),
+            _ => parameter.typed(t),
         });
         let link = matches!(quantity.kernels, Kernels::ByLink(_))
             .then(|| format!("link: {}Link", self.name));
@@ -313,6 +315,7 @@ impl Robot<'_> {
              type V<T: __modyn::Scalar> = [T; {nv}];\n\
              type M<T: __modyn::Scalar> = [[T; {nv}]; {nv}];\n\
              type PerVelocity<X: ::core::marker::Copy> = [X; {nv}];\n\
+             type PerState<X: ::core::marker::Copy> = [X; {state}];\n\
              type PerLink<X: ::core::marker::Copy> = [X; {links}];\n\
              type Contacts = {contacts_type};\n\
              type PerContact<X: ::core::marker::Copy> = [X; {contacts}];\n\
@@ -321,6 +324,7 @@ impl Robot<'_> {
              type Regressor<T: __modyn::Scalar> = [[T; {nv}]; {columns}];\n\
              type UduFactorization<T: __modyn::Scalar> = {brge};\n\
              fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| T::from_f64(::core::convert::Into::into(x)))\n}}",
+            state = 2 * nv,
             rows = self.model.constraint_rows(),
             columns = PARAMETERS_PER_LINK * self.model.links().len(),
         );

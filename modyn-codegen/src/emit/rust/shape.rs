@@ -43,8 +43,12 @@ impl Shape {
                 return fields.into_iter().map(|(_, field)| field).next().unwrap_or(Self::Scalar);
             }
             Record::Factorization => (format!("{robot}UduFactorization"), "{t}".into()),
+            Record::Each(name) => {
+                let types: Vec<String> =
+                    fields.iter().map(|(_, field)| field.type_of("{t}")).collect();
+                (format!("__modyn::{name}"), types.join(", "))
+            }
             Record::Several(name) => {
-                // The structure is generic over the types of its fields.
                 let mut types: Vec<String> = Vec::new();
                 for (_, field) in &fields {
                     let field = field.type_of("{t}");

@@ -9,7 +9,10 @@
 use crate::Scalar;
 use crate::mechanism::Mechanism;
 use crate::mechanism::coordinates::{CoordinateSpace, Coordinates};
-use crate::spatial::{Quaternion, Vector3, screw_translation, screw_velocity};
+use crate::spatial::{
+    Matrix3, Quaternion, Vector3, inverse_rotation_jacobian, rotation_jacobian, screw_translation,
+    screw_translation_by_rotation, screw_velocity,
+};
 
 /// Computes the coordinates after unit time at the constant velocities `v` from `q`: q (+) v, nq entries.
 ///
@@ -37,20 +40,37 @@ pub fn integrate<S: Scalar>(model: &Mechanism<S>, (q, v): (&[S], &[S]), out: &mu
 /// Computes the tangent vector v with `from` (+) v = `to`, nv entries. Rotations are the shortest ones;
 /// joint angles are not wrapped.
 pub fn difference<S: Scalar>(model: &Mechanism<S>, (from, to): (&[S], &[S]), out: &mut [S]) {
-    let turn = |at| rotation(from, at).conjugate().times(rotation(to, at)).log();
     for block in &model.coordinates {
-        match block.space {
-            CoordinateSpace::Line { .. } => out[block.v] = to[block.q] - from[block.q],
-            CoordinateSpace::Rotation => write_vector(turn(block.q), out, block.v),
-            CoordinateSpace::Pose => {
-                let w = turn(block.q + 3);
-                let moved = vector(to, block.q) - vector(from, block.q);
-                let moved = rotation(from, block.q + 3).conjugate().rotate(moved);
-                write_vector(screw_velocity(w, moved), out, block.v);
-                write_vector(w, out, block.v + 3);
-            }
-        }
+        Tangent::between(block, from, to).write(block, out);
     }
+}
+
+/// Computes the derivatives of [`integrate`] with respect to `q` and `v`, nv x nv matrices by columns, at the
+/// displacement `v`.
+///
+/// Both are in tangent space, in the axes at `q` and at the moved coordinates. They do not depend on `q` (Sola,
+/// Deray and Atchuthan 2018, "A micro Lie theory for state estimation in robotics").
+pub fn integrate_derivatives<S: Scalar>(
+    model: &Mechanism<S>,
+    v: &[S],
+    (dq, dv): (&mut [S], &mut [S]),
+) {
+    fill(model, dq, |block| Transport::of_start(Tangent::read(block, v)));
+    fill(model, dv, |block| Transport::of_displacement(Tangent::read(block, v)));
+}
+
+/// Computes the derivatives of [`difference`] with respect to `from` and `to`, nv x nv matrices by columns, in
+/// tangent space.
+pub fn difference_derivatives<S: Scalar>(
+    model: &Mechanism<S>,
+    (from, to): (&[S], &[S]),
+    (dfrom, dto): (&mut [S], &mut [S]),
+) {
+    // `difference` of exchanged arguments has the other sign.
+    let backwards = |block: &_| Tangent::between(block, from, to).negated();
+    fill(model, dfrom, |block| Transport::inverse_of_displacement(backwards(block)).negated());
+    let forwards = |block: &_| Tangent::between(block, from, to);
+    fill(model, dto, |block| Transport::inverse_of_displacement(forwards(block)));
 }
 
 /// Computes dq/dt, the rates of the coordinates `q` at the velocities `qd`, nq entries.
@@ -100,6 +120,151 @@ pub fn random<S: Scalar>(model: &Mechanism<S>, uniform: &mut dyn FnMut() -> S, q
                 write_vector(Vector3(position), q, block.q);
                 write_rotation(any_rotation(uniform), q, block.q + 3);
             }
+        }
+    }
+}
+
+/// The entries of a tangent vector at a group of coordinates.
+#[derive(Clone, Copy)]
+enum Tangent<S> {
+    /// The entry of a number.
+    Line(S),
+    /// A rotation vector.
+    Rotation(Vector3<S>),
+    /// A linear part, then a rotation vector.
+    Pose(Vector3<S>, Vector3<S>),
+}
+
+impl<S: Scalar> Tangent<S> {
+    /// Returns the entries of `v`.
+    fn read(block: &Coordinates<S>, v: &[S]) -> Self {
+        match block.space {
+            CoordinateSpace::Line { .. } => Self::Line(v[block.v]),
+            CoordinateSpace::Rotation => Self::Rotation(vector(v, block.v)),
+            CoordinateSpace::Pose => Self::Pose(vector(v, block.v), vector(v, block.v + 3)),
+        }
+    }
+
+    /// Returns the entries of the displacement that leads from `from` to `to`.
+    fn between(block: &Coordinates<S>, from: &[S], to: &[S]) -> Self {
+        let turn = |at| rotation(from, at).conjugate().times(rotation(to, at)).log();
+        match block.space {
+            CoordinateSpace::Line { .. } => Self::Line(to[block.q] - from[block.q]),
+            CoordinateSpace::Rotation => Self::Rotation(turn(block.q)),
+            CoordinateSpace::Pose => {
+                let w = turn(block.q + 3);
+                let moved = vector(to, block.q) - vector(from, block.q);
+                let moved = rotation(from, block.q + 3).conjugate().rotate(moved);
+                Self::Pose(screw_velocity(w, moved), w)
+            }
+        }
+    }
+
+    fn write(self, block: &Coordinates<S>, out: &mut [S]) {
+        match self {
+            Self::Line(x) => out[block.v] = x,
+            Self::Rotation(w) => write_vector(w, out, block.v),
+            Self::Pose(linear, w) => {
+                write_vector(linear, out, block.v);
+                write_vector(w, out, block.v + 3);
+            }
+        }
+    }
+
+    fn negated(self) -> Self {
+        match self {
+            Self::Line(x) => Self::Line(-x),
+            Self::Rotation(w) => Self::Rotation(-w),
+            Self::Pose(linear, w) => Self::Pose(-linear, -w),
+        }
+    }
+}
+
+/// A linear map of the tangent vectors at a group of coordinates.
+#[derive(Clone, Copy)]
+enum Transport<S> {
+    /// A factor, for a number.
+    Line(S),
+    /// A map of rotation vectors.
+    Rotation(Matrix3<S>),
+    /// A map of rotation vectors and of linear parts, and the linear parts that rotation vectors add.
+    Pose(Matrix3<S>, Matrix3<S>),
+}
+
+impl<S: Scalar> Transport<S> {
+    /// Returns the derivative of the coordinates after the displacement `v` with respect to the coordinates before.
+    fn of_start(v: Tangent<S>) -> Self {
+        match v {
+            Tangent::Line(_) => Self::Line(S::one()),
+            Tangent::Rotation(w) => Self::Rotation(Quaternion::exp(w).conjugate().matrix()),
+            Tangent::Pose(linear, w) => {
+                let back = Quaternion::exp(w).conjugate().matrix();
+                let lever = Matrix3::cross(-screw_translation(w, linear));
+                Self::Pose(back, back.times(&lever))
+            }
+        }
+    }
+
+    /// Returns the derivative of the coordinates after the displacement `v` with respect to `v`.
+    fn of_displacement(v: Tangent<S>) -> Self {
+        match v {
+            Tangent::Line(_) => Self::Line(S::one()),
+            Tangent::Rotation(w) => Self::Rotation(rotation_jacobian(w)),
+            Tangent::Pose(linear, w) => {
+                Self::Pose(rotation_jacobian(w), screw_translation_by_rotation(w, linear))
+            }
+        }
+    }
+
+    /// Returns the inverse of [`of_displacement`](Self::of_displacement).
+    fn inverse_of_displacement(v: Tangent<S>) -> Self {
+        match v {
+            Tangent::Line(_) => Self::Line(S::one()),
+            Tangent::Rotation(w) => Self::Rotation(inverse_rotation_jacobian(w)),
+            Tangent::Pose(linear, w) => {
+                let inverse = inverse_rotation_jacobian(w);
+                let coupling = screw_translation_by_rotation(w, linear);
+                Self::Pose(inverse, inverse.times(&coupling).times(&inverse).negated())
+            }
+        }
+    }
+
+    fn negated(self) -> Self {
+        match self {
+            Self::Line(factor) => Self::Line(-factor),
+            Self::Rotation(map) => Self::Rotation(map.negated()),
+            Self::Pose(map, coupling) => Self::Pose(map.negated(), coupling.negated()),
+        }
+    }
+
+    /// Replaces the entries of `x` at these coordinates by their image.
+    fn apply(self, block: &Coordinates<S>, x: &mut [S]) {
+        let image = match (self, Tangent::read(block, x)) {
+            (Self::Rotation(map), Tangent::Rotation(w)) => Tangent::Rotation(map.mul_vector(w)),
+            (Self::Pose(map, coupling), Tangent::Pose(linear, w)) => {
+                let linear = map.mul_vector(linear) + coupling.mul_vector(w);
+                Tangent::Pose(linear, map.mul_vector(w))
+            }
+            (Self::Line(factor), Tangent::Line(x)) => Tangent::Line(factor * x),
+            (_, x) => x,
+        };
+        image.write(block, x);
+    }
+}
+
+/// Fills the block-diagonal matrix of these maps, by columns.
+fn fill<S: Scalar>(
+    model: &Mechanism<S>,
+    columns: &mut [S],
+    map: impl Fn(&Coordinates<S>) -> Transport<S>,
+) {
+    columns.fill(S::zero());
+    for block in &model.coordinates {
+        let map = map(block);
+        for j in block.v..block.v + block.velocities() {
+            let column = &mut columns[j * model.nv..][..model.nv];
+            column[j] = S::one();
+            map.apply(block, column);
         }
     }
 }

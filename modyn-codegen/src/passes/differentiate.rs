@@ -1,0 +1,247 @@
+//! Differentiation of graphs: Jacobian times vector (forward mode), and vector times Jacobian (reverse mode).
+//!
+//! Both modes use one table of partial derivatives. A selection, an absolute value or a maximum has the derivative of the
+//! branch that is taken. The graphs must not have packs of lanes.
+//!
+//! Rotations about an axis are most of the operations of a robot. With x' = c x - s y and y' = s x + c y, the derivatives
+//! of x' and y' by the angle are -y' and x', which the graph has. The chain rule by way of the sine and the cosine would
+//! take two products for each of them.
+
+use std::ops::Range;
+
+use crate::graph::{Graph, Id, Node};
+
+/// The partial derivative of a node with respect to an operand: a linear map of numbers.
+#[derive(Clone, Copy)]
+enum Partial {
+    /// Multiplication by 1.
+    Identity,
+    /// Multiplication by -1.
+    Negation,
+    /// Multiplication by a node.
+    Factor(Id),
+    /// Multiplication by 1 if this node is at least 0, else by 0.
+    IfNonnegative(Id),
+    /// Multiplication by 0 if this node is at least 0, else by 1.
+    IfNegative(Id),
+    /// Multiplication by 1 if this node is at least 0, else by -1.
+    Sign(Id),
+}
+
+impl Partial {
+    /// Returns the image of `x`.
+    fn apply(self, graph: &mut Graph, x: Id) -> Id {
+        match self {
+            Self::Identity => x,
+            Self::Negation => graph.make(Node::Neg(x)),
+            Self::Factor(factor) => graph.make(Node::Mul(factor, x)),
+            Self::IfNonnegative(sign) => {
+                let zero = graph.constant(0.0);
+                graph.make(Node::Select(sign, x, zero))
+            }
+            Self::IfNegative(sign) => {
+                let zero = graph.constant(0.0);
+                graph.make(Node::Select(sign, zero, x))
+            }
+            Self::Sign(sign) => {
+                let negative = graph.make(Node::Neg(x));
+                graph.make(Node::Select(sign, x, negative))
+            }
+        }
+    }
+}
+
+/// Returns the factors of the product `id`, the sine or cosine of an angle first; `None` for any other node.
+fn trigonometric_product(graph: &Graph, id: Id) -> Option<(Id, Id)> {
+    let Node::Mul(a, b) = graph.node(id) else { return None };
+    let is_trigonometric = |id| matches!(graph.node(id), Node::Sin(_) | Node::Cos(_));
+    match (is_trigonometric(a), is_trigonometric(b)) {
+        (true, false) => Some((a, b)),
+        (false, true) => Some((b, a)),
+        _ => None,
+    }
+}
+
+/// Returns the partial derivatives of a component of a rotated vector with respect to the components before and to the
+/// angle. `None` for other nodes, and if the graph does not have the other component.
+fn rotation(graph: &mut Graph, id: Id) -> Option<Vec<(Id, Partial)>> {
+    let (first, second, subtracts) = match graph.node(id) {
+        Node::Add(a, b) => (a, b, false),
+        Node::Sub(a, b) => (a, b, true),
+        _ => return None,
+    };
+    let ((f, x), (g, y)) =
+        (trigonometric_product(graph, first)?, trigonometric_product(graph, second)?);
+    // The derivatives of f and g by the angle, without the sign of the sine's.
+    let (by_f, by_g, angle) = match (graph.node(f), graph.node(g)) {
+        (Node::Cos(a), Node::Sin(b)) | (Node::Sin(a), Node::Cos(b)) if a == b => (g, f, a),
+        _ => return None,
+    };
+    let nodes = graph.nodes().len();
+    let (a, b) = (graph.make(Node::Mul(by_f, x)), graph.make(Node::Mul(by_g, y)));
+    // Of f x + g y and f x - g y, the derivative is b - a and -(a + b) if f is the cosine, else a - b and a + b.
+    let of_cosine = matches!(graph.node(f), Node::Cos(_));
+    let derivative = match (of_cosine, subtracts) {
+        (_, true) => graph.make(Node::Add(a, b)),
+        (true, false) => graph.make(Node::Sub(b, a)),
+        (false, false) => graph.make(Node::Sub(a, b)),
+    };
+    if graph.nodes().len() > nodes {
+        return None;
+    }
+    let derivative =
+        if of_cosine && subtracts { graph.make(Node::Neg(derivative)) } else { derivative };
+    let by_second = if subtracts { graph.make(Node::Neg(g)) } else { g };
+    Some(vec![
+        (x, Partial::Factor(f)),
+        (y, Partial::Factor(by_second)),
+        (angle, Partial::Factor(derivative)),
+    ])
+}
+
+/// Returns the operands of a node, or of its operands, with the partial derivatives with respect to them.
+fn partials(graph: &mut Graph, id: Id) -> Vec<(Id, Partial)> {
+    if let Some(rotation) = rotation(graph, id) {
+        return rotation;
+    }
+    let node = graph.node(id);
+    let mut times = |a, b| graph.make(Node::Mul(a, b));
+    match node {
+        Node::Constant(_) | Node::Input(_) => Vec::new(),
+        Node::Neg(a) => vec![(a, Partial::Negation)],
+        Node::Add(a, b) => vec![(a, Partial::Identity), (b, Partial::Identity)],
+        Node::Sub(a, b) => vec![(a, Partial::Identity), (b, Partial::Negation)],
+        Node::Mul(a, b) => vec![(a, Partial::Factor(b)), (b, Partial::Factor(a))],
+        Node::Recip(a) => {
+            let square = times(id, id);
+            let factor = graph.make(Node::Neg(square));
+            vec![(a, Partial::Factor(factor))]
+        }
+        Node::Sin(a) => {
+            let cosine = graph.make(Node::Cos(a));
+            vec![(a, Partial::Factor(cosine))]
+        }
+        Node::Cos(a) => {
+            let sine = graph.make(Node::Sin(a));
+            let factor = graph.make(Node::Neg(sine));
+            vec![(a, Partial::Factor(factor))]
+        }
+        Node::Atan2(y, x) => {
+            let (xx, yy) = (times(x, x), times(y, y));
+            let square = graph.make(Node::Add(xx, yy));
+            let inverse = graph.make(Node::Recip(square));
+            let by_y = graph.make(Node::Mul(x, inverse));
+            let by_x = graph.make(Node::Mul(y, inverse));
+            let by_x = graph.make(Node::Neg(by_x));
+            vec![(y, Partial::Factor(by_y)), (x, Partial::Factor(by_x))]
+        }
+        Node::Sqrt(a) => {
+            let (half, inverse) = (graph.constant(0.5), graph.make(Node::Recip(id)));
+            let factor = graph.make(Node::Mul(half, inverse));
+            vec![(a, Partial::Factor(factor))]
+        }
+        Node::Ln(a) => {
+            let factor = graph.make(Node::Recip(a));
+            vec![(a, Partial::Factor(factor))]
+        }
+        Node::Abs(a) => vec![(a, Partial::Sign(a))],
+        Node::Max(a, b) => {
+            let sign = graph.make(Node::Sub(a, b));
+            vec![(a, Partial::IfNonnegative(sign)), (b, Partial::IfNegative(sign))]
+        }
+        Node::Select(sign, a, b) => {
+            vec![(a, Partial::IfNonnegative(sign)), (b, Partial::IfNegative(sign))]
+        }
+        Node::Pack(..) | Node::ExtractLane(..) => {
+            unreachable!("graphs are differentiated before limbs are packed")
+        }
+    }
+}
+
+/// Adds `change` to `sum`, which starts at zero.
+fn add(graph: &mut Graph, sum: &mut Option<Id>, change: Id) {
+    *sum = Some(match *sum {
+        None => change,
+        Some(sum) => graph.make(Node::Add(sum, change)),
+    });
+}
+
+/// Returns the graph of the changes of the outputs of `graph` under changes of the inputs `wrt`.
+///
+/// The changes are further inputs, after the `inputs` inputs of `graph`. The graph has the partial derivatives of nodes
+/// that `wrt` reach, so inputs on which the outputs depend linearly give a linear graph.
+#[must_use]
+pub fn jvp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
+    let (live, nodes) = (graph.live(), graph.nodes().len());
+    let mut result = graph.clone();
+    let mut changes: Vec<Option<Id>> = vec![None; nodes];
+    for at in (0..nodes).filter(|&at| live[at]) {
+        let id = Id::try_from(at).expect("a graph's node");
+        if let Node::Input(number) = graph.node(id) {
+            if wrt.contains(&(number as usize)) {
+                let change = inputs + number as usize - wrt.start;
+                changes[at] = Some(input(&mut result, change));
+            }
+            continue;
+        }
+        if graph.node(id).operands().all(|operand| changes[operand as usize].is_none()) {
+            continue;
+        }
+        let mut sum = None;
+        for (operand, partial) in partials(&mut result, id) {
+            if let Some(change) = changes[operand as usize] {
+                let change = partial.apply(&mut result, change);
+                add(&mut result, &mut sum, change);
+            }
+        }
+        changes[at] = sum;
+    }
+    let zero = result.constant(0.0);
+    let outputs = graph.outputs.iter().map(|&id| changes[id as usize].unwrap_or(zero));
+    result.outputs = outputs.collect();
+    result
+}
+
+/// Returns the graph of the gradient of w^T f with respect to the inputs `wrt`; f are the outputs of `graph`.
+///
+/// The weights w are further inputs, after the `inputs` inputs of `graph`.
+#[must_use]
+pub fn vjp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
+    let nodes = graph.nodes().len();
+    let mut reached = vec![false; nodes];
+    for (at, node) in graph.nodes().iter().enumerate() {
+        reached[at] = match node {
+            Node::Input(number) => wrt.contains(&(*number as usize)),
+            node => node.operands().any(|operand| reached[operand as usize]),
+        };
+    }
+    let mut result = graph.clone();
+    let mut gradients: Vec<Option<Id>> = vec![None; nodes];
+    for (k, &output) in graph.outputs.iter().enumerate() {
+        if reached[output as usize] {
+            let weight = input(&mut result, inputs + k);
+            add(&mut result, &mut gradients[output as usize], weight);
+        }
+    }
+    for at in (0..nodes).rev() {
+        let Some(gradient) = gradients[at] else { continue };
+        for (operand, partial) in partials(&mut result, Id::try_from(at).expect("a graph's node")) {
+            if reached[operand as usize] {
+                let gradient = partial.apply(&mut result, gradient);
+                add(&mut result, &mut gradients[operand as usize], gradient);
+            }
+        }
+    }
+    let zero = result.constant(0.0);
+    let gradient = |number: usize| {
+        let id = graph.find(Node::Input(u32::try_from(number).expect("fewer than 2^32 inputs")));
+        id.and_then(|id| gradients[id as usize]).unwrap_or(zero)
+    };
+    result.outputs = wrt.map(gradient).collect();
+    result
+}
+
+/// Returns the node of the input with this number.
+fn input(graph: &mut Graph, number: usize) -> Id {
+    graph.make(Node::Input(u32::try_from(number).expect("fewer than 2^32 inputs")))
+}

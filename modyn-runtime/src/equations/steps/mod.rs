@@ -1,0 +1,60 @@
+//! Discrete dynamics: the state after a time step, and its derivatives.
+//!
+//! The joint forces are constant during the step. Coordinates follow the exponential maps of their spaces
+//! (`kinematics/coordinates`), so quaternions keep length 1.
+
+mod runge_kutta;
+mod semi_implicit;
+
+use alloc::{vec, vec::Vec};
+
+use crate::Scalar;
+use crate::mechanism::Mechanism;
+
+pub use runge_kutta::step_rk4;
+pub use semi_implicit::{StepOutputs, step_semi_implicit, step_semi_implicit_derivatives};
+
+/// The memory of the steps.
+#[derive(Clone, Debug)]
+pub struct StepWorkspace<S> {
+    /// Coordinates on the way.
+    q: Vec<S>,
+    /// A displacement of the coordinates.
+    displacement: Vec<S>,
+    /// The velocities at each evaluation.
+    velocities: [Vec<S>; 4],
+    /// The accelerations at each evaluation.
+    accelerations: [Vec<S>; 4],
+    /// Square matrices: derivatives of the accelerations, then those of the moved coordinates.
+    matrices: [Vec<S>; 3],
+}
+
+impl<S: Scalar> StepWorkspace<S> {
+    /// Returns the memory for a mechanism.
+    #[must_use]
+    pub fn new(model: &Mechanism<S>) -> Self {
+        let (nq, nv) = (model.nq, model.nv);
+        let vectors = || core::array::from_fn(|_| vec![S::zero(); nv]);
+        Self {
+            q: vec![S::zero(); nq],
+            displacement: vec![S::zero(); nv],
+            velocities: vectors(),
+            accelerations: vectors(),
+            matrices: core::array::from_fn(|_| vec![S::zero(); nv * nv]),
+        }
+    }
+}
+
+/// Computes a + factor b, entry by entry.
+fn add_scaled<S: Scalar>(a: &[S], factor: S, b: &[S], sum: &mut [S]) {
+    for ((sum, &a), &b) in sum.iter_mut().zip(a).zip(b) {
+        *sum = a + factor * b;
+    }
+}
+
+/// Computes factor x, entry by entry.
+fn scale<S: Scalar>(factor: S, x: &[S], product: &mut [S]) {
+    for (product, &x) in product.iter_mut().zip(x) {
+        *product = factor * x;
+    }
+}

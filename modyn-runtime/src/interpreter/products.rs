@@ -1,0 +1,144 @@
+//! Products with the derivatives of inverse and forward dynamics, by the matrices. Generated functions need no matrices.
+
+use alloc::{vec, vec::Vec};
+
+use super::errors::{ShapeError, check};
+use super::{ForwardDerivatives, Interpreter};
+use crate::Scalar;
+
+impl<S: Scalar> Interpreter<S> {
+    /// Computes the joint forces tau of the accelerations `qdd`, and the gradients of `cotangent`^T tau with respect
+    /// to q (in the tangent space), qd and qdd, nv entries each. Allocates memory for the matrices.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn inverse_dynamics_vjp(
+        &mut self,
+        (q, qd, qdd): (&[S], &[S], &[S]),
+        cotangent: &[S],
+        tau: &mut [S],
+        [dq, dqd, dqdd]: [&mut [S]; 3],
+    ) -> Result<(), ShapeError> {
+        let by = self.inverse_matrices((q, qd, qdd), tau)?;
+        self.check_vectors(&[("cotangent", cotangent), ("dq", dq), ("dqd", dqd), ("dqdd", dqdd)])?;
+        for (by, out) in by.iter().zip([dq, dqd, dqdd]) {
+            multiply_transposed(by, cotangent, out);
+        }
+        Ok(())
+    }
+
+    /// Computes the joint forces tau of the accelerations `qdd`, and their change under changes of q (in the tangent
+    /// space), qd and qdd. Allocates memory for the matrices.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn inverse_dynamics_jvp(
+        &mut self,
+        (q, qd, qdd): (&[S], &[S], &[S]),
+        [dq, dqd, dqdd]: [&[S]; 3],
+        tau: &mut [S],
+        dtau: &mut [S],
+    ) -> Result<(), ShapeError> {
+        let by = self.inverse_matrices((q, qd, qdd), tau)?;
+        self.check_vectors(&[("dq", dq), ("dqd", dqd), ("dqdd", dqdd), ("dtau", dtau)])?;
+        multiply(&by, [dq, dqd, dqdd], dtau);
+        Ok(())
+    }
+
+    /// Computes the accelerations qdd under the joint forces `tau`, and the gradients of `cotangent`^T qdd with
+    /// respect to q (in the tangent space), qd and tau, nv entries each. Allocates memory for the matrices.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn forward_dynamics_vjp(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        cotangent: &[S],
+        qdd: &mut [S],
+        [dq, dqd, dtau]: [&mut [S]; 3],
+    ) -> Result<(), ShapeError> {
+        let by = self.forward_matrices((q, qd, tau), qdd)?;
+        self.check_vectors(&[("cotangent", cotangent), ("dq", dq), ("dqd", dqd), ("dtau", dtau)])?;
+        for (by, out) in by.iter().zip([dq, dqd, dtau]) {
+            multiply_transposed(by, cotangent, out);
+        }
+        Ok(())
+    }
+
+    /// Computes the accelerations qdd under the joint forces `tau`, and their change under changes of q (in the
+    /// tangent space), qd and tau. Allocates memory for the matrices.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn forward_dynamics_jvp(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        [dq, dqd, dtau]: [&[S]; 3],
+        qdd: &mut [S],
+        dqdd: &mut [S],
+    ) -> Result<(), ShapeError> {
+        let by = self.forward_matrices((q, qd, tau), qdd)?;
+        self.check_vectors(&[("dq", dq), ("dqd", dqd), ("dtau", dtau), ("dqdd", dqdd)])?;
+        multiply(&by, [dq, dqd, dtau], dqdd);
+        Ok(())
+    }
+
+    /// Computes the joint forces, and returns their derivatives with respect to q, qd and qdd.
+    fn inverse_matrices(
+        &mut self,
+        (q, qd, qdd): (&[S], &[S], &[S]),
+        tau: &mut [S],
+    ) -> Result<[Vec<S>; 3], ShapeError> {
+        let mut by = self.matrices();
+        let [dq, dqd, dqdd] = &mut by;
+        self.inverse_dynamics(q, qd, qdd, tau)?;
+        self.inverse_dynamics_derivatives(q, qd, qdd, dq, dqd)?;
+        self.mass_matrix(q, dqdd)?;
+        Ok(by)
+    }
+
+    /// Computes the accelerations, and returns their derivatives with respect to q, qd and tau.
+    fn forward_matrices(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        qdd: &mut [S],
+    ) -> Result<[Vec<S>; 3], ShapeError> {
+        let mut by = self.matrices();
+        let [dqdd_dq, dqdd_dqd, dqdd_dtau] = &mut by;
+        let outputs = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
+        self.forward_dynamics_derivatives(q, qd, tau, outputs)?;
+        Ok(by)
+    }
+
+    fn matrices(&self) -> [Vec<S>; 3] {
+        core::array::from_fn(|_| vec![S::zero(); self.model.nv() * self.model.nv()])
+    }
+
+    /// Checks the lengths of joint vectors.
+    fn check_vectors(&self, vectors: &[(&'static str, &[S])]) -> Result<(), ShapeError> {
+        vectors.iter().try_for_each(|(name, vector)| check(name, vector, self.model.nv()))
+    }
+}
+
+/// Computes the transposed matrix, stored by columns, times `x`.
+fn multiply_transposed<S: Scalar>(columns: &[S], x: &[S], out: &mut [S]) {
+    for (out, column) in out.iter_mut().zip(columns.chunks(x.len().max(1))) {
+        *out = column.iter().zip(x).fold(S::zero(), |sum, (&a, &x)| sum + a * x);
+    }
+}
+
+/// Computes the sum of the products of three matrices, stored by columns, and vectors.
+fn multiply<S: Scalar>(matrices: &[Vec<S>; 3], vectors: [&[S]; 3], out: &mut [S]) {
+    out.fill(S::zero());
+    for (columns, x) in matrices.iter().zip(vectors) {
+        for (column, &x) in columns.chunks(x.len().max(1)).zip(x) {
+            for (out, &a) in out.iter_mut().zip(column) {
+                *out = *out + a * x;
+            }
+        }
+    }
+}

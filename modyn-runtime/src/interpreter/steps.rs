@@ -1,0 +1,93 @@
+//! Discrete dynamics: the state after a time step, and its derivatives.
+
+use super::Interpreter;
+use super::errors::{ShapeError, check};
+use crate::Scalar;
+use crate::equations::brge::UduLayout;
+pub use crate::equations::steps::StepOutputs;
+use crate::equations::{StepWorkspace, steps};
+use crate::model::ModuleTree;
+
+impl<S: Scalar> Interpreter<S> {
+    /// Computes the coordinates and velocities after the time `dt` (s) under the joint forces `tau`, by the
+    /// semi-implicit Euler method: `next_qd` = qd + dt qdd, and `next_q` is `q` moved by dt `next_qd`. The first
+    /// call allocates memory.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn step_semi_implicit(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        dt: S,
+        next_q: &mut [S],
+        next_qd: &mut [S],
+    ) -> Result<(), ShapeError> {
+        self.check_step((q, qd, tau), (next_q, next_qd))?;
+        let Self { mechanism, elimination, workspace, steps, .. } = self;
+        let room = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
+        let (state, rooms) = ((q, qd, tau, dt), (workspace, room));
+        steps::step_semi_implicit(mechanism, elimination, state, rooms, (next_q, next_qd));
+        Ok(())
+    }
+
+    /// Computes the state of [`step_semi_implicit`](Self::step_semi_implicit), and its derivatives A with respect
+    /// to the state before and B with respect to `tau`. The first call allocates memory.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn step_semi_implicit_derivatives(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        dt: S,
+        outputs: StepOutputs<'_, S>,
+    ) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        self.check_step((q, qd, tau), (outputs.q, outputs.qd))?;
+        check("a", outputs.a, 4 * n * n)?;
+        check("b", outputs.b, 2 * n * n)?;
+        let Self { mechanism, workspace, model, links, steps, .. } = self;
+        let layout =
+            links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
+        let room = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
+        let (state, rooms) = ((q, qd, tau, dt), (workspace, room));
+        steps::step_semi_implicit_derivatives(mechanism, layout, state, rooms, outputs);
+        Ok(())
+    }
+
+    /// Computes the coordinates and velocities after the time `dt` (s) under the joint forces `tau`, by a
+    /// Runge-Kutta method of fourth order. Rotations and poses follow exponential maps, so quaternions keep
+    /// length 1. The first call allocates memory.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn step_rk4(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        dt: S,
+        next_q: &mut [S],
+        next_qd: &mut [S],
+    ) -> Result<(), ShapeError> {
+        self.check_step((q, qd, tau), (next_q, next_qd))?;
+        let Self { mechanism, elimination, workspace, steps, .. } = self;
+        let room = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
+        let (state, rooms) = ((q, qd, tau, dt), (workspace, room));
+        steps::step_rk4(mechanism, elimination, state, rooms, (next_q, next_qd));
+        Ok(())
+    }
+
+    fn check_step(
+        &self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        (next_q, next_qd): (&[S], &[S]),
+    ) -> Result<(), ShapeError> {
+        let (nq, nv) = (self.model.nq(), self.model.nv());
+        check("q", q, nq)?;
+        check("qd", qd, nv)?;
+        check("tau", tau, nv)?;
+        check("next_q", next_q, nq)?;
+        check("next_qd", next_qd, nv)
+    }
+}

@@ -1,0 +1,237 @@
+//! Products with derivatives: the passes against dual numbers on random graphs, the functions against the matrices of the
+//! interpreter on random robots, and their operations.
+
+use modyn_codegen::graph::{Expr, Graph};
+use modyn_codegen::passes::{jvp, optimize, vjp};
+use modyn_codegen::trace::{Parameters, Tracer};
+use modyn_codegen::{Builder, Function};
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
+use modyn_runtime::model::{Inertial, Model, ModuleTree};
+use modyn_runtime::{Interpreter, Scalar};
+use modyn_tests::close::assert_close;
+use modyn_tests::dual::Tangent;
+use modyn_tests::floating::floated;
+use modyn_tests::golden;
+use modyn_tests::random::{self, Random, State};
+
+const INPUTS: usize = 5;
+/// The inputs by which graphs are differentiated.
+const WRT: std::ops::Range<usize> = 1..4;
+
+/// Runs a program of random operations of every kind, which is the same for each scalar.
+fn program<S: Scalar>(seed: u64, inputs: &[S]) -> Vec<S> {
+    let random = &mut Random::new(seed);
+    let mut values: Vec<S> = inputs.to_vec();
+    values.extend([0.0, 1.0, 2.0, -0.5].map(S::from_f64));
+    for _ in 0..40 {
+        let mut pick = |count: usize| {
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            let picked = random.between(0.0, 1e6) as usize;
+            picked % count
+        };
+        let (a, b) = (values[pick(values.len())], values[pick(values.len())]);
+        let positive = a * a + S::from_f64(0.3);
+        let (sin, cos) = a.sin_cos();
+        let value = match pick(15) {
+            0 => a + b,
+            1 => a - b,
+            2..=4 => a * b,
+            5 => -a,
+            6 => a.sin_cos().0 * b + b.sin_cos().1,
+            7 => positive.recip(),
+            8 => a.atan2(b * b + S::from_f64(0.2)),
+            9 => positive.sqrt(),
+            10 => positive.ln(),
+            11 => a.abs().max(b),
+            // Both components of a rotated vector.
+            12 => {
+                values.push(cos * b - sin * positive);
+                sin * b + cos * positive
+            }
+            13 => {
+                values.push(sin * b + cos * positive);
+                sin * positive - cos * b
+            }
+            _ => a.select_nonnegative(b, a * b),
+        };
+        // Bounded, so that rounding errors stay small.
+        values.push(value.sin_cos().0);
+    }
+    values.split_off(values.len() - 6)
+}
+
+#[test]
+fn products_of_random_graphs_are_those_of_dual_numbers() {
+    let mut nonzero = 0;
+    for seed in 0..500 {
+        let graph = Graph::trace(|| {
+            let inputs: Vec<Expr> = (0..INPUTS).map(Expr::input).collect();
+            program(seed, &inputs)
+        });
+        let random = &mut Random::new(seed + 1000);
+        let mut numbers =
+            |count: usize| (0..count).map(|_| random.between(-1.5, 1.5)).collect::<Vec<f64>>();
+        let (point, change, weights) = (numbers(INPUTS), numbers(WRT.len()), numbers(6));
+        let dual: Vec<Tangent<f64>> = (0..INPUTS)
+            .map(|k| Tangent {
+                x: point[k],
+                dx: if WRT.contains(&k) { change[k - 1] } else { 0.0 },
+            })
+            .collect();
+        let expected: Vec<f64> = program(seed, &dual).into_iter().map(|x| x.dx).collect();
+        let forward = optimize(jvp(&graph, INPUTS, WRT));
+        let found = forward.evaluate::<f64>(&[&*point, &change].concat());
+        assert_close(&format!("changes, seed {seed}"), &found, &expected, 1e-11);
+        let backward = optimize(vjp(&graph, INPUTS, WRT));
+        let gradient = backward.evaluate::<f64>(&[&*point, &weights].concat());
+        let product: f64 = gradient.iter().zip(&change).map(|(g, dx)| g * dx).sum();
+        let weighted: f64 = weights.iter().zip(&expected).map(|(w, dy)| w * dy).sum();
+        assert_close(&format!("gradient, seed {seed}"), &[product], &[weighted], 1e-11);
+        nonzero += usize::from(weighted != 0.0);
+    }
+    assert!(nonzero > 400, "{nonzero} programs depend on these inputs");
+}
+
+/// Returns a joint vector.
+fn vector(random: &mut Random, n: usize) -> Vec<f64> {
+    (0..n).map(|_| random.between(-1.0, 1.0)).collect()
+}
+
+/// Compares the graphs of all products with the interpreter, which multiplies matrices.
+fn compare(name: &str, model: &Model, seed: u64) {
+    let n = model.nv();
+    let State { q, qd, qdd, tau } = random::state(seed, model);
+    let random = &mut Random::new(seed);
+    let [cotangent, dq, dqd, du] = [0, 1, 2, 3].map(|_| vector(random, n));
+    let mut interpreter = Interpreter::new(model.clone());
+    let mechanism = Mechanism::new(model);
+    // Run-time gravity is an input after all others.
+    let tracer = Tracer::with_parameters(&mechanism, Parameters::new(model, true, &[], &[]));
+    let forward = optimize(
+        tracer.forward_dynamics(&Elimination::new(&mechanism, &ModuleTree::chains(model))),
+    );
+    let evaluate = |graph: Graph, groups: &[&[f64]]| {
+        optimize(graph).evaluate::<f64>(&[&groups.concat()[..], &model.gravity()].concat())
+    };
+    let (mut value, mut change) = (vec![0.0; n], vec![0.0; n]);
+    let mut gradients = [0, 1, 2].map(|_| vec![0.0; n]);
+    let into = gradients.each_mut().map(Vec::as_mut_slice);
+    interpreter.inverse_dynamics_vjp((&q, &qd, &qdd), &cotangent, &mut value, into).expect("fits");
+    let found = evaluate(tracer.inverse_dynamics_vjp(), &[&q, &qd, &qdd, &cotangent]);
+    let expected = [&value[..], &gradients.concat()].concat();
+    assert_close(&format!("{name}: inverse_dynamics_vjp"), &found, &expected, 1e-9);
+    let into = gradients.each_mut().map(Vec::as_mut_slice);
+    interpreter.forward_dynamics_vjp((&q, &qd, &tau), &cotangent, &mut value, into).expect("fits");
+    let found = evaluate(tracer.forward_dynamics_vjp(&forward), &[&q, &qd, &tau, &cotangent]);
+    let expected = [&value[..], &gradients.concat()].concat();
+    assert_close(&format!("{name}: forward_dynamics_vjp"), &found, &expected, 1e-8);
+    let changes = [&*dq, &*dqd, &*du];
+    interpreter
+        .inverse_dynamics_jvp((&q, &qd, &qdd), changes, &mut value, &mut change)
+        .expect("fits");
+    let found = evaluate(tracer.inverse_dynamics_jvp(), &[&q, &qd, &qdd, &dq, &dqd, &du]);
+    let expected = [&*value, &change].concat();
+    assert_close(&format!("{name}: inverse_dynamics_jvp"), &found, &expected, 1e-9);
+    interpreter
+        .forward_dynamics_jvp((&q, &qd, &tau), changes, &mut value, &mut change)
+        .expect("fits");
+    let found = evaluate(tracer.forward_dynamics_jvp(&forward), &[&q, &qd, &tau, &dq, &dqd, &du]);
+    let expected = [&*value, &change].concat();
+    assert_close(&format!("{name}: forward_dynamics_jvp"), &found, &expected, 1e-8);
+}
+
+#[test]
+fn products_of_random_robots_are_those_of_the_matrices() {
+    let (mut followers, mut types) = (0, Vec::new());
+    for seed in 0..60 {
+        let links = 1 + usize::try_from(seed % 8).expect("a digit");
+        let model = random::mixed_zoo(seed, links);
+        followers += model.links().iter().filter(|link| link.joint.mimic.is_some()).count();
+        types.extend(model.links().iter().map(|link| link.joint.joint_type.name()));
+        compare(&format!("seed {seed}"), &model, seed);
+    }
+    types.sort_unstable();
+    types.dedup();
+    assert!(followers > 5 && types.len() >= 7, "{followers} mimic joints, {types:?}");
+}
+
+#[test]
+fn products_of_floating_robots_are_those_of_the_matrices() {
+    let model = golden::model(&golden::urdf("solo12"));
+    compare("solo12, floating", &floated(&model, Inertial::default()), 3);
+}
+
+/// The operations of a robot's products.
+#[derive(Debug, PartialEq)]
+struct Counts {
+    robot: &'static str,
+    floating: bool,
+    /// Of `inverse_dynamics`, `inverse_dynamics_vjp` and `inverse_dynamics_jvp`.
+    inverse: [usize; 3],
+    /// Of `forward_dynamics`, `forward_dynamics_vjp` and `forward_dynamics_jvp`.
+    forward: [usize; 3],
+}
+
+/// The present counts. A count that falls is to be entered; one that rises is a regression.
+const FROZEN: [Counts; 6] = [
+    frozen("ur5", false, [273, 689, 705], [433, 1034, 1067]),
+    frozen("panda", false, [577, 1352, 1365], [1059, 2330, 2350]),
+    frozen("solo12", false, [548, 1336, 1368], [704, 1744, 1760]),
+    frozen("solo12", true, [1134, 2735, 2782], [2401, 5041, 5230]),
+    frozen("g1", false, [2821, 6529, 6597], [5926, 12592, 12710]),
+    frozen("g1", true, [3353, 7781, 7867], [7717, 16011, 16259]),
+];
+
+const fn frozen(
+    robot: &'static str,
+    floating: bool,
+    inverse: [usize; 3],
+    forward: [usize; 3],
+) -> Counts {
+    Counts { robot, floating, inverse, forward }
+}
+
+fn counts(&Counts { robot, floating, .. }: &Counts) -> Counts {
+    let model = golden::model(&golden::urdf(robot));
+    let model = if floating { floated(&model, Inertial::default()) } else { model };
+    let functions = [
+        Function::InverseDynamics,
+        Function::InverseDynamicsVjp,
+        Function::InverseDynamicsJvp,
+        Function::ForwardDynamics,
+        Function::ForwardDynamicsVjp,
+        Function::ForwardDynamicsJvp,
+    ];
+    let generated = Builder::new().model(model).functions(functions).generate().expect("good");
+    let count = |function: Function| {
+        let found = generated.operations.iter().find(|(name, _)| *name == function.name());
+        found.expect("generated").1.total()
+    };
+    let [inverse, forward] = [&functions[..3], &functions[3..]];
+    let three = |of: &[Function]| std::array::from_fn(|k| count(of[k]));
+    Counts { robot, floating, inverse: three(inverse), forward: three(forward) }
+}
+
+#[test]
+fn counts_are_as_frozen() {
+    let found = FROZEN.each_ref().map(counts);
+    for Counts { robot, forward: [one, vjp, _], .. } in &found {
+        assert!(2 * vjp <= 5 * one, "{robot}: {vjp} are more than 2.5 times {one}");
+    }
+    assert_eq!(
+        found, FROZEN,
+        "\nA count that falls is to be entered; one that rises is a regression."
+    );
+}
+
+/// The page on derivatives shows these counts.
+#[test]
+fn the_page_has_the_frozen_counts() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/derivatives.md");
+    let page = std::fs::read_to_string(path).expect("the page");
+    for Counts { robot, inverse, forward, .. } in FROZEN {
+        let cells = inverse.iter().chain(&forward).map(usize::to_string).collect::<Vec<_>>();
+        assert!(page.contains(&format!(" | {} |", cells.join(" | "))), "{robot}");
+    }
+}
