@@ -442,6 +442,14 @@ fn robots_in_short() -> String {
     )
 }
 
+/// The quotient of the numbers in a column of two rows, `file; row; row; column`.
+fn quotient(place: &str) -> f64 {
+    let place: Vec<&str> = place.split("; ").collect();
+    let [file, row, other, column] = place[..] else { panic!("{place:?}") };
+    let data = Data::load(file);
+    data.number(&[row], column) / data.number(&[other], column)
+}
+
 /// The text of the mark `name`.
 fn rendered(name: &str) -> String {
     let per_cent = |numbers: Vec<f64>| numbers.into_iter().map(|x| 100.0 * x).collect::<Vec<_>>();
@@ -487,6 +495,10 @@ fn rendered(name: &str) -> String {
         "small-instructions" => {
             range(per_cent(firmware("instructions", at_three)).into_iter().map(|x| x - 100.0))
         }
+        _ if name.starts_with("ratio ") => ratio(quotient(&name["ratio ".len()..])),
+        _ if name.starts_with("increase ") => {
+            format!("{:.0}", 100.0 * (quotient(&name["increase ".len()..]) - 1.0))
+        }
         _ => {
             let data = Data::load(name);
             table(&data.titles, data.rows.iter().map(Vec::as_slice)) + "\n" + &data.source() + "\n"
@@ -504,6 +516,9 @@ fn page(text: &str) -> (String, Vec<String>) {
         let (name, after) = after.split_once(" -->").expect("the mark ends");
         let (old, after) = after.split_once(END).unwrap_or_else(|| panic!("{name} has no end"));
         let line = if old.starts_with('\n') { "\n" } else { "" };
+        // A comment at the beginning of a line would end the paragraph.
+        let begins = before.trim_end_matches(' ').ends_with('\n');
+        assert!(!line.is_empty() || !begins, "{name} begins a line within a sentence");
         out += &[before, BEGIN, name, " -->", line, &rendered(name), END].concat();
         names.push(name.into());
         rest = after;
