@@ -23,7 +23,8 @@ fn assert_close(found: &[f64], expected: &[f64], what: &str) {
 fn wrenches_on_all_links_act_as_in_the_interpreter() {
     for (name, text, base) in [
         ("arm7", include_str!("../../robots/arm7.urdf"), Base::Fixed),
-        ("joint_zoo", include_str!("../../robots/joint_zoo.urdf"), Base::Floating),
+        ("joint_zoo", include_str!("../../robots/joint_zoo.urdf"), Base::Fixed),
+        ("quadruped", include_str!("../../robots/quadruped.urdf"), Base::Floating),
         ("mimic_gripper", include_str!("../../robots/mimic_gripper.urdf"), Base::Fixed),
     ] {
         let options = ReadOptions { base, ..ReadOptions::default() };

@@ -1,7 +1,7 @@
 //! Quaternions whose length is not 1: their effect on results, and the check that finds them.
 
 use modyn::{ConfigurationError, Interpreter, Robot, Scalar};
-use modyn_codegen::{Base, ReadOptions, read};
+use modyn_codegen::{ReadOptions, read};
 
 modyn::modyn!(
     Zoo = "../../robots/joint_zoo.urdf",
@@ -69,40 +69,6 @@ fn lengths_are_checked_by_joint() {
     }
     let short = interpreter.check_configuration(&[0.0; 3]);
     assert_eq!(short, Err(ConfigurationError::Shape { expected: Zoo::NQ, found: 3 }));
-}
-
-/// The names of the coordinates tell where the quaternions are, also those of joints after other joints.
-#[test]
-fn the_quaternions_of_floating_and_spherical_joints_are_found() {
-    let urdf = include_str!("../../robots/joint_zoo.urdf");
-    // A body that floats relative to the tip.
-    let flying = r#"<joint name="drift" type="floating"><parent link="tip"/><child link="drone"/></joint>
-        <link name="drone"><inertial><mass value="1"/>
-        <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
-    let tip = urdf.replace("</robot>", flying);
-    for (text, base, count) in
-        [(urdf, Base::Floating, 2), (&*tip, Base::Fixed, 2), (&*tip, Base::Floating, 3)]
-    {
-        let options = ReadOptions { base, ..ReadOptions::default() };
-        let model = read(text, "zoo.urdf", &options).expect("good").model;
-        let names = model.coordinate_names();
-        let expected: Vec<(&str, usize)> = names
-            .iter()
-            .enumerate()
-            .filter_map(|(i, name)| Some((name.strip_suffix(".qx")?, i)))
-            .collect();
-        assert_eq!(expected.len(), count);
-        assert_eq!(model.quaternions().collect::<Vec<_>>(), expected);
-        let interpreter = Interpreter::<f64>::new(model.clone());
-        let mut q = vec![0.5; model.nq()];
-        assert_eq!(interpreter.check_configuration(&q), Ok(()));
-        for (joint, at) in expected {
-            q[at..at + 4].copy_from_slice(&[0.5, 0.5, 0.5, 0.6]);
-            let error = interpreter.check_configuration(&q).expect_err("too long").to_string();
-            assert!(error.contains(&format!("`{joint}`")), "{error}");
-            q[at + 3] = 0.5;
-        }
-    }
 }
 
 /// The size of the error is the one that the documentation gives.

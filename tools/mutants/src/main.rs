@@ -34,6 +34,7 @@ options of `record` and `run`:
   --longest SECONDS   leave out tests that take longer (600; 0.25)
 
 options of `run`:
+  --shortest SECONDS  leave out tests that take less time (0)
   --budget SECONDS    processor time for each mutant (60)
   --cases N           random cases of a property test (6); 0 for the number that the test chooses
   --only TEXT         only mutants whose name (file, line, change) contains the text; can be repeated
@@ -74,6 +75,7 @@ fn run_options(mut arguments: &[String], mut options: run::Options) -> Result<ru
         let number = || number().ok_or_else(|| format!("{name} {value}: not a number >= 0"));
         let time = || number().map(Duration::from_secs_f64);
         match name.as_str() {
+            "--shortest" => options.shortest = time()?,
             "--longest" => options.longest = time()?,
             "--budget" => options.budget = time()?,
             "--cases" => options.cases = number()? as u32,

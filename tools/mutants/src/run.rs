@@ -16,6 +16,8 @@ use crate::{Result, build};
 
 /// The options of a run.
 pub struct Options {
+    /// Tests that take less time are left out.
+    pub shortest: Duration,
     /// Tests that take longer are left out.
     pub longest: Duration,
     /// The processor time for one mutant.
@@ -33,6 +35,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
+            shortest: Duration::ZERO,
             longest: Duration::from_millis(250),
             budget: Duration::from_secs(60),
             cases: 6,
@@ -149,8 +152,9 @@ fn judge(
         ran: 0,
         longest: options.longest.as_secs_f64(),
     };
-    let quick = |reach: &&Reach| reach.seconds <= options.longest.as_secs_f64();
-    let mut left: Vec<&Reach> = reaching.into_iter().filter(quick).collect();
+    let (shortest, longest) = (options.shortest.as_secs_f64(), options.longest.as_secs_f64());
+    let mut left: Vec<&Reach> = reaching;
+    left.retain(|reach| (shortest..=longest).contains(&reach.seconds));
     {
         let history = history.lock().expect("not poisoned");
         let value = |reach: &Reach| history.value(&mutant.file, reach);

@@ -39,7 +39,6 @@ pub const TESTS: &[Tests] = &[
         binaries: &[
             "--lib",
             "--test=external_wrenches",
-            "--test=fixed_links",
             "--test=general_position",
             "--test=graphs",
             "--test=limb_derivatives",

@@ -124,7 +124,7 @@ impl Binary {
     pub fn run(&self, test: &str, run: &Run<'_>) -> Result<Outcome> {
         // The shell sets limits that the process inherits: no core files, 6 GB of memory, and the time.
         let seconds = run.limit.as_secs().max(1);
-        let limits = format!("ulimit -c 0 -v 6291456 -t {seconds}; exec \"$@\"");
+        let limits = format!("ulimit -c 0; ulimit -v 6291456; ulimit -t {seconds}; exec \"$@\"");
         let mut command = Command::new("sh");
         command.args(["-c", &limits, "sh"]).arg(&self.path);
         command.args(["--exact", test, "--test-threads=1"]).current_dir(&self.package);

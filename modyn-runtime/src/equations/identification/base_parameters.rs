@@ -214,3 +214,67 @@ impl Random {
         6.0 * unit - 3.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Interpreter;
+    use crate::joint::JointType;
+    use crate::model::{DEFAULT_GRAVITY, Inertial, Joint, Link};
+    use crate::spatial::Pose;
+
+    /// Returns two bodies on revolute joints with these axes.
+    fn model(axes: [[f64; 3]; 2]) -> Model {
+        let link = |(i, axis)| {
+            let origin = Pose { translation: [0.3, -0.2, 0.5], ..Pose::identity() };
+            let name = format!("{i}");
+            let joint = Joint::new(name.clone(), JointType::Revolute, axis, origin);
+            let inertial = Inertial {
+                mass: 1.5,
+                center_of_mass: [0.1, 0.2, -0.3],
+                inertia: [0.3, 0.02, -0.01, 0.4, 0.03, 0.5],
+            };
+            Link { name, parent: (i == 1).then_some(0), joint, inertial }
+        };
+        let links = axes.into_iter().enumerate().map(link).collect();
+        Model::new("r", DEFAULT_GRAVITY, links, Vec::new()).expect("good")
+    }
+
+    #[test]
+    fn torques_are_columns_times_values() {
+        let (x, y, z) = ([0.48, 0.6, 0.64], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        for axes in [[z, y], [x, y], [z, z]] {
+            let model = model(axes);
+            let base = BaseParameters::new(&model);
+            let (columns, values) = (base.regressor_columns(), base.values(&model));
+            assert_eq!(columns.len(), values.len());
+            let mut robot = Interpreter::<f64>::new(model);
+            for k in 0..3 {
+                let vector = |j: usize| [0.7, -1.1].map(|s| s * (0.4 + f64::from(k) + j as f64));
+                let (q, qd, qdd) = (vector(0), vector(1), vector(2));
+                let (mut all, mut expected) = ([0.0; 40], [0.0; 2]);
+                robot.regressor(&q, &qd, &qdd, &mut all).expect("sizes");
+                robot.inverse_dynamics(&q, &qd, &qdd, &mut expected).expect("sizes");
+                for (row, expected) in expected.into_iter().enumerate() {
+                    let terms =
+                        columns.iter().zip(&values).map(|(c, value)| all[2 * c + row] * value);
+                    let found: f64 = terms.sum();
+                    assert!((found - expected).abs() < 1e-10, "{axes:?}: {found} {expected}");
+                }
+            }
+        }
+    }
+
+    /// With perpendicular axes, moments of inertia only matter as sums and differences.
+    #[test]
+    fn coefficients_close_to_one_are_one() {
+        let base = BaseParameters::new(&model([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]));
+        let all = || base.parameters.iter().flat_map(|one| &one.combination).map(|part| part.1);
+        for exact in [1.0, -1.0] {
+            assert!(all().any(|x| x == exact));
+            assert!(all().all(|x| x == exact || (x - exact).abs() > 1e-6));
+        }
+        assert!(base.parameters.iter().any(|one| one.name().contains(" - ")));
+        assert!(base.parameters.iter().all(|one| !one.name().contains("* 1 ")));
+    }
+}
