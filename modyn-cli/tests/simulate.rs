@@ -153,6 +153,104 @@ fn arguments_are_checked() {
     assert!(wild.err.contains("leaves all bounds"), "{}", wild.err);
 }
 
+const FEET: [&str; 8] = [
+    "--contacts",
+    "fl: point(front_left_foot)",
+    "--contacts",
+    "fr: point(front_right_foot)",
+    "--contacts",
+    "hl: point(hind_left_foot)",
+    "--contacts",
+    "hr: point(hind_right_foot)",
+];
+
+/// A quadruped with limp legs falls from 0.3 m onto its feet, which stay above the ground.
+#[test]
+fn feet_stay_above_the_ground_and_impacts_take_energy() {
+    let run = |more: &[&str]| {
+        let q = "0,0,0.35,0,0,0,1,0,0.6,-1.2,0,0.6,-1.2,0,-0.6,1.2,0,-0.6,1.2";
+        let start = ["simulate", "robots/quadruped.urdf", "--base", "floating", "--q", q];
+        modyn(&[&start[..], &FEET, &["--time", "0.4", "--step", "0.0005"], more].concat())
+    };
+    let (free, found) = (run(&[]), run(&["--ground"]));
+    assert_eq!((free.code, found.code), (0, 0), "{}{}", free.err, found.err);
+    let (head, rows) = table(&found.out);
+    let [height, dissipated] = ["floating_base.z (m)", "dissipated (J)"].map(|n| column(&head, n));
+    let last = rows.last().expect("a row");
+    let (_, falling) = table(&free.out);
+    assert!(last[height] > falling.last().expect("a row")[height] + 0.1, "{last:?}");
+    assert!(last[dissipated] > 0.5, "{}", last[dissipated]);
+    assert!(rows.windows(2).all(|pair| pair[1][dissipated] >= pair[0][dissipated] - 1e-3));
+    // Of 14 J kinetic energy; the method is of first order.
+    assert!(drift(&found.out) < 0.2, "{}", drift(&found.out));
+    let depth =
+        found.err.split("deepest contact is ").nth(1).and_then(|text| text.split(' ').next());
+    let depth: f64 = depth.and_then(|text| text.parse().ok()).expect("a depth");
+    assert!(depth < 5e-3, "{}", found.err);
+    assert!(!free.err.contains("deepest"), "{}", free.err);
+    // The default is 0.8; without friction the feet slide apart.
+    assert_eq!(run(&["--ground", "0.8"]).out, found.out);
+    assert_ne!(run(&["--ground", "0"]).out, found.out);
+}
+
+#[test]
+fn joints_stop_at_their_limits_if_that_is_asked_for() {
+    let run = |more: &[&str]| {
+        let start = ["simulate", "robots/arm7.urdf", "--q", "0,0.5,0,-1.5,0,1,0", "--time", "1"];
+        modyn(&[&start[..], more].concat())
+    };
+    let (free, stopped) = (run(&[]), run(&["--limits"]));
+    assert_eq!((free.code, stopped.code), (0, 0), "{}{}", free.err, stopped.err);
+    assert!(free.err.contains("beyond their limits, which are not enforced"), "{}", free.err);
+    assert!(!stopped.err.contains("beyond"), "{}", stopped.err);
+    let text = std::fs::read_to_string("../robots/arm7.urdf").expect("the arm");
+    let description = Document::parse(&text).expect("a URDF");
+    let joints = description.descendants().filter(|node| node.has_tag_name("joint"));
+    let (head, rows) = table(&stopped.out);
+    let mut compared = 0;
+    for joint in joints {
+        let Some(limit) = joint.children().find(|node| node.has_tag_name("limit")) else {
+            continue;
+        };
+        let bound = |name| limit.attribute(name).and_then(|text| text.parse::<f64>().ok());
+        let (Some(lower), Some(upper)) = (bound("lower"), bound("upper")) else { continue };
+        let name = format!("{} (rad)", joint.attribute("name").expect("a name"));
+        let at = column(&head, &name);
+        assert!(rows.iter().all(|row| row[at] > lower - 1e-6 && row[at] < upper + 1e-6), "{name}");
+        compared += 1;
+    }
+    assert!(compared > 5);
+}
+
+#[test]
+fn efforts_beyond_the_limits_are_reduced() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("torques.csv").to_string_lossy().into_owned();
+    std::fs::write(&path, "0,1e4,-1e4,0,0,0,0\n").expect("writes");
+    let run = |more: &[&str]| {
+        let start = ["simulate", "robots/arm6.urdf", "--time", "0.01", "--torques", &path];
+        let found = modyn(&[&start[..], more].concat());
+        let (_, rows) = table(&found.out);
+        let last = rows.last().expect("a row").clone();
+        [last[13], last[14]]
+    };
+    assert_eq!(run(&["--limits"]), [150.0, -150.0]);
+    assert_eq!(run(&[]), [1e4, -1e4]);
+}
+
+#[test]
+fn ground_without_contacts_and_limits_of_loops_are_refused() {
+    let floating = ["simulate", "robots/quadruped.urdf", "--base", "floating"];
+    let none = modyn(&[&floating[..], &["--ground"]].concat());
+    assert_eq!(none.code, 2);
+    assert!(none.err.contains("--contacts"), "{}", none.err);
+    let negative = modyn(&[&floating[..], &FEET, &["--ground=-1"]].concat());
+    assert_eq!(negative.code, 2);
+    let closed = modyn(&["simulate", "robots/four_bar.urdf", "--limits"]);
+    assert_eq!(closed.code, 2);
+    assert!(closed.err.contains("closed loops"), "{}", closed.err);
+}
+
 /// Returns the data in the page of a robot's motion.
 fn motion(html: &str) -> Value {
     let mark = "<script type=\"application/json\" id=\"motion\">";

@@ -1,5 +1,6 @@
 //! `modyn simulate`: computes a robot's motion as a table, as plots, and as a page with an animation.
 
+mod impulses;
 mod motion;
 mod plot;
 mod skeleton;
@@ -19,6 +20,7 @@ use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::Robot;
 use crate::viewer;
+use impulses::Options;
 use motion::{Motion, Settings};
 use torques::Torques;
 
@@ -30,8 +32,8 @@ const MAX_SAMPLES: f64 = 1e6;
 
 /// Simulate a robot in free fall, or under joint forces from a file
 ///
-/// Loops are closed before the start if they are nearly closed, and stay closed. Joint limits are not enforced. Without
-/// `--csv`, `--plot` and `--html` the table is written to standard output.
+/// Loops are closed before the start if they are nearly closed, and stay closed. Joint limits are enforced with `--limits`
+/// alone. Without `--csv`, `--plot` and `--html` the table is written to standard output.
 ///
 /// The exit code is 1 if the description is rejected or the motion diverges.
 #[derive(Args)]
@@ -54,6 +56,12 @@ pub struct Arguments {
     /// Start at random coordinates within the limits
     #[arg(long, value_name = "SEED", conflicts_with = "q")]
     random: Option<u64>,
+    /// Let the points of `--contacts` touch the ground, the plane z = 0, with this coefficient of friction
+    #[arg(long, value_name = "FRICTION", num_args = 0..=1, default_missing_value = "0.8", value_parser = not_negative)]
+    ground: Option<f64>,
+    /// Stop joints at their limits, and keep joint forces within the effort limits
+    #[arg(long)]
+    limits: bool,
     /// A table of joint forces (N m, N): rows of time and forces, interpolated linearly and constant outside of the table;
     /// the first row may name the columns
     #[arg(long, value_name = "FILE.csv")]
@@ -86,7 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(path) => Torques::read(path, &model)?,
         None => Torques::none(),
     };
-    let settings = arguments.settings()?;
+    let settings = arguments.settings(&model)?;
     let (q, qd) = motion::closed(&model, arguments.start(&model)?)?;
     let mut progress = Progress::start("simulating");
     let motion = Motion::simulate(&model, (q, qd), &torques, &settings)?;
@@ -104,12 +112,26 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.csv.is_none() && arguments.plot.is_none() && arguments.html.is_none() {
         to_stdout(&table::of(&model, &motion)?)?;
     }
-    to_stderr(&summary(&model, &motion));
+    to_stderr(&summary(&model, &motion, arguments.limits));
     Ok(())
 }
 
 impl Arguments {
-    fn settings(&self) -> Result<Settings, Failure> {
+    fn settings(&self, model: &Model) -> Result<Settings, Failure> {
+        let unilateral = Options { friction: self.ground, limits: self.limits };
+        if self.ground.is_some() && model.contacts().is_empty() {
+            return Err(Failure::usage(
+                "error: `--ground` needs the points that touch it: add `--contacts 'foot: point(LINK)'` for each"
+                    .to_string(),
+            ));
+        }
+        if !unilateral.is_none() && !model.loop_constraints().is_empty() {
+            return Err(Failure::usage(format!(
+                "error: `--ground` and `--limits` do not work with closed loops, and `{}` has the loop `{}`",
+                sanitize_for_display(model.name()),
+                sanitize_for_display(&model.loop_constraints()[0].name)
+            )));
+        }
         let steps = (self.time / self.step).round().max(1.0);
         let every = (self.every / self.step).round().max(1.0);
         if steps > MAX_STEPS || steps / every > MAX_SAMPLES {
@@ -120,7 +142,7 @@ impl Arguments {
             )));
         }
         let step = self.time / steps;
-        Ok(Settings { step, steps: steps as usize, every: every as usize })
+        Ok(Settings { step, steps: steps as usize, every: every as usize, unilateral })
     }
 
     fn start(&self, model: &Model) -> Result<(Vec<f64>, Vec<f64>), Failure> {
@@ -141,8 +163,8 @@ impl Arguments {
     }
 }
 
-/// Returns the summary of a motion.
-fn summary(model: &Model, motion: &Motion) -> String {
+/// Returns the summary of a motion, whose joints stop at their limits if `limits` is true.
+fn summary(model: &Model, motion: &Motion, limits: bool) -> String {
     let mut out = format!(
         "{}: {} s in {} steps; energy drifts by {:.1e} J, with {:.1e} J kinetic at most\n",
         sanitize_for_display(model.name()),
@@ -151,8 +173,15 @@ fn summary(model: &Model, motion: &Motion) -> String {
         motion.drift(),
         motion.samples.iter().map(|sample| sample.kinetic).fold(0.0, f64::max),
     );
+    if motion.lowest.is_finite() {
+        out += &format!(
+            "the ground, joint stops and friction take {:.3} J; the deepest contact is {:.1e} m in the ground\n",
+            motion.samples.last().map_or(0.0, |sample| sample.dissipated),
+            (-motion.lowest).max(0.0)
+        );
+    }
     let beyond = motion.beyond_limits(model);
-    if !beyond.is_empty() {
+    if !limits && !beyond.is_empty() {
         let shown = &beyond[..beyond.len().min(MAX_NAMES)];
         let more = match beyond.len() - shown.len() {
             0 => String::new(),
@@ -168,6 +197,13 @@ fn positive(text: &str) -> Result<f64, String> {
     match numbers(text)?.as_slice() {
         &[x] if x > 0.0 => Ok(x),
         _ => Err("expected a number above 0".into()),
+    }
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    match numbers(text)?.as_slice() {
+        &[x] if x >= 0.0 => Ok(x),
+        _ => Err("expected a number that is not negative".into()),
     }
 }
 

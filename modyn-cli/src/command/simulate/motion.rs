@@ -8,6 +8,7 @@ use modyn_runtime::model::{Friction, Model};
 use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
 
+use super::impulses::{Impulses, Options};
 use super::torques::Torques;
 use crate::command::outcome::Failure;
 use crate::command::random::Random;
@@ -20,6 +21,8 @@ pub struct Settings {
     pub steps: usize,
     /// The number of steps from one sample to the next.
     pub every: usize,
+    /// The ground and the joint limits; with them steps are of first order.
+    pub unilateral: Options,
 }
 
 /// The state of a robot at an instant, and its energies.
@@ -33,7 +36,7 @@ pub struct Sample {
     pub potential: f64,
     /// The work of the joint forces since the start, J.
     pub work: f64,
-    /// The energy dissipated by friction and damping since the start, J.
+    /// The energy dissipated by friction, damping, impacts and joint stops since the start, J.
     pub dissipated: f64,
 }
 
@@ -48,6 +51,8 @@ impl Sample {
 pub struct Motion {
     pub samples: Vec<Sample>,
     pub steps: usize,
+    /// The height of the lowest contact above the ground, m; infinite without ground.
+    pub lowest: f64,
 }
 
 /// The integrated quantities: coordinates, velocities, work and dissipated energy.
@@ -65,7 +70,9 @@ struct Dynamics<'a> {
     smooth: Option<Interpreter<f64>>,
     torques: &'a Torques,
     tau: Vec<f64>,
-    /// The stabilization of the loops.
+    impulses: Impulses,
+    lowest: f64,
+    /// The stabilization of the loops, and the ground under the contacts.
     constraint_settings: ConstraintSettings<f64, Vec<ContactTarget<f64>>>,
     /// For each contact whether it is active: none is.
     inactive: Vec<bool>,
@@ -96,6 +103,8 @@ impl Motion {
             smooth,
             torques,
             tau,
+            impulses: Impulses::new(model, settings.unilateral),
+            lowest: f64::INFINITY,
             constraint_settings,
             inactive,
             constraints,
@@ -104,7 +113,11 @@ impl Motion {
         let mut samples = vec![dynamics.sample(0.0, &state).map_err(shape)?];
         for i in 1..=settings.steps {
             let before = settings.step * (i - 1) as f64;
-            state = dynamics.step(before, settings.step, &state).map_err(shape)?;
+            state = match dynamics.impulses.is_none() {
+                true => dynamics.step(before, settings.step, &state),
+                false => dynamics.impulse_step(before, settings.step, &state),
+            }
+            .map_err(shape)?;
             let time = settings.step * i as f64;
             if !state.q.iter().chain(&state.qd).all(|x| x.is_finite()) {
                 return Err(Failure::No(format!(
@@ -116,7 +129,7 @@ impl Motion {
                 samples.push(dynamics.sample(time, &state).map_err(shape)?);
             }
         }
-        Ok(Self { samples, steps: settings.steps })
+        Ok(Self { samples, steps: settings.steps, lowest: dynamics.lowest })
     }
 
     /// Returns the largest change of the conserved quantity, J.
@@ -146,8 +159,14 @@ impl Motion {
 }
 
 impl Dynamics<'_> {
-    fn sample(&mut self, time: f64, state: &State) -> Result<Sample, ShapeError> {
+    /// Sets the joint forces to those of this time.
+    fn set_torques(&mut self, time: f64) {
         self.torques.at(time, &mut self.tau);
+        self.impulses.limit(&mut self.tau);
+    }
+
+    fn sample(&mut self, time: f64, state: &State) -> Result<Sample, ShapeError> {
+        self.set_torques(time);
         let State { q, qd, energy: [work, dissipated] } = state.clone();
         Ok(Sample {
             time,
@@ -173,8 +192,26 @@ impl Dynamics<'_> {
         Ok(next)
     }
 
+    /// Returns the state after one step of the semi-implicit Euler method with the impulses of the ground and of joint
+    /// stops.
+    fn impulse_step(&mut self, time: f64, dt: f64, state: &State) -> Result<State, ShapeError> {
+        self.set_torques(time);
+        let State { q, qd, energy: [work, dissipated] } = state;
+        let motion = (&**q, &**qd, &*self.tau);
+        let settings = &self.constraint_settings;
+        let step = self.impulses.step(&mut self.interpreter, motion, settings, dt)?;
+        self.lowest = self.lowest.min(step.lowest);
+        let mut next = State { q: vec![0.0; q.len()], qd: step.qd, energy: [0.0; 2] };
+        let moved: Vec<f64> = next.qd.iter().map(|rate| dt * rate).collect();
+        self.interpreter.integrate(q, &moved, &mut next.q)?;
+        let friction = self.friction_power(q, qd)?;
+        let power = (power(&self.tau, qd) + power(&self.tau, &next.qd)) / 2.0;
+        next.energy = [work + dt * power, dissipated + dt * friction + step.dissipated];
+        Ok(next)
+    }
+
     fn rates(&mut self, time: f64, State { q, qd, .. }: &State) -> Result<State, ShapeError> {
-        self.torques.at(time, &mut self.tau);
+        self.set_torques(time);
         let mut rates = State { q: vec![0.0; q.len()], qd: vec![0.0; qd.len()], energy: [0.0; 2] };
         self.interpreter.velocity_to_qdot(q, qd, &mut rates.q)?;
         let into = (&mut *rates.qd, &mut *self.constraints.0, &mut *self.constraints.1);
