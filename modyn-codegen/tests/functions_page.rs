@@ -25,7 +25,9 @@ fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
 /// Returns the names in backquotes that are, or could be, names of functions.
 fn names(text: &str) -> Vec<&str> {
     let quoted = text.split('`').skip(1).step_by(2);
-    let name = |text: &&str| text.bytes().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_');
+    let name = |text: &&str| {
+        text.bytes().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_')
+    };
     quoted.filter(name).collect()
 }
 
