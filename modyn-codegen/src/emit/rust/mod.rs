@@ -194,7 +194,7 @@ impl Robot<'_> {
             );
         }
         let argument = |parameter: &Parameter| match &parameter.shape {
-            shape if parameter.contacts && shape.len() == 0 => "&[]".into(),
+            shape if parameter.contacts && shape.is_empty() => "&[]".into(),
             _ if parameter.contacts => "&contacts.numbers()".into(),
             Shape::Scalar => format!("&{}", parameter.name),
             _ => parameter.name.into(),
