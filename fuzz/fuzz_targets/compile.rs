@@ -44,7 +44,8 @@ fuzz_target!(|data: &[u8]| {
         Ok(generated) => {
             syn::parse_file(&generated.text).expect("Rust");
             syn::parse_str::<syn::Ident>(&generated.type_name).expect("an identifier");
-            assert!(!generated.text.contains("NaN"), "a constant is not a number");
+            // A self-contained text has the runtime's messages, and some of them mention NaN.
+            assert!(flag(4) || !generated.text.contains("NaN"), "a constant is not a number");
         }
         Err(errors) => {
             assert!(errors.has_errors() && errors.iter().all(|d| d.code != Code::InvalidModel))

@@ -92,9 +92,11 @@ impl History {
 /// Runs the tests that reach a mutant until one of them fails, for each mutant that no earlier run caught.
 pub fn run(folder: &Path, options: &Options) -> Result<()> {
     let start = Instant::now();
-    let reaches = record::read(folder)?;
     let binaries = test::binaries(folder)?;
     let binaries: HashMap<&str, &Binary> = binaries.iter().map(|b| (b.name.as_str(), b)).collect();
+    // The record may have tests of binaries that have been removed since.
+    let mut reaches = record::read(folder)?;
+    reaches.retain(|reach| binaries.contains_key(reach.test.binary.as_str()));
     let mutants = list::read(folder)?;
     let mut history = History::default();
     let mut caught = HashSet::new();
