@@ -142,19 +142,24 @@ fn aligned(solution: &Solution, r: &Matrix3<f64>, scale: f64, lengths: &[bool]) 
     }
 }
 
-/// Returns the largest difference of two solutions, each kind of number relative to the largest of its kind.
+/// Returns the sum of the differences of two solutions: of accelerations and of wrenches relative to the largest of their
+/// kind, of residuals relative to the largest acceleration or residual. (Where no rows contradict each other, residuals are
+/// rounding errors of accelerations.)
 fn difference(found: &Solution, expected: &Solution) -> f64 {
     assert_eq!(found.rank, expected.rank);
-    let against = |found: &[f64], expected: &[f64]| {
+    let largest =
+        |least: f64, numbers: &[f64]| numbers.iter().fold(least, |size, x| size.max(x.abs()));
+    let against = |found: &[f64], expected: &[f64], least: f64| {
         assert_eq!(found.len(), expected.len());
-        let size = expected.iter().fold(1.0_f64, |size, x| size.max(x.abs()));
+        let size = largest(least, expected);
         let pairs = found.iter().zip(expected);
         // A sum propagates NaN.
         pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt() / size
     };
-    against(&found.qdd, &expected.qdd)
-        + against(&found.wrenches.concat(), &expected.wrenches.concat())
-        + against(&found.residuals.concat(), &expected.residuals.concat())
+    let accelerations = largest(1.0, &expected.qdd);
+    against(&found.qdd, &expected.qdd, 1.0)
+        + against(&found.wrenches.concat(), &expected.wrenches.concat(), 1.0)
+        + against(&found.residuals.concat(), &expected.residuals.concat(), accelerations)
 }
 
 /// Projects to the closed loops; returns the rank of the last step.
