@@ -103,6 +103,16 @@ fn compile_c(out: &Path) -> Result<(), Box<dyn Error>> {
     {
         build.flag(flag);
     }
+    // The processor that Rust compiles for.
+    let rust_flags = std::env::var("CARGO_ENCODED_RUSTFLAGS").unwrap_or_default();
+    if let Some((_, cpu)) =
+        rust_flags.split('\u{1f}').find_map(|flag| flag.split_once("target-cpu="))
+    {
+        build.flag(format!("-mcpu={cpu}"));
+    }
+    if std::env::var("CARGO_CFG_TARGET_ARCH")? == "riscv32" {
+        build.flag("-march=rv32imafc").flag("-mabi=ilp32f");
+    }
     build.try_compile("arm7_c")?;
     Ok(())
 }

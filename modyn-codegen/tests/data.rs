@@ -385,6 +385,13 @@ fn shared(row: &[String]) -> Option<[String; 4]> {
         .then(|| [row[0].clone(), row[1].clone(), row[2].clone(), format!("`legs::{function}")])
 }
 
+/// The row of the Rust function, for a row of the same function in C at opt-level 3 on a core that has the scalar.
+fn rust(row: &[String]) -> Option<[String; 4]> {
+    let function = row[3].strip_prefix("`arm7_c::")?;
+    (row[2] == "3" && (row[1] == "f32" || row[0] == "M7"))
+        .then(|| [row[0].clone(), row[1].clone(), row[2].clone(), format!("`arm7::{function}")])
+}
+
 /// The row at opt-level 3, for a row at "s".
 fn at_three(row: &[String]) -> Option<[String; 4]> {
     (row[2] == "s" && row[3] == "`arm7::forward_dynamics`")
@@ -399,12 +406,13 @@ fn single(row: &[String]) -> Option<[String; 4]> {
 
 /// The rows of the firmware's table that its page shows.
 fn firmware_in_short() -> String {
-    const SHOWN: [&str; 7] = [
+    const SHOWN: [&str; 8] = [
         "leg::forward_dynamics",
         "arm7::brge_solve",
         "arm7::mass_matrix",
         "arm7::forward_dynamics",
         "arm7::inverse_dynamics",
+        "arm7_c::forward_dynamics",
         "legs::forward_dynamics",
         "legs_shared::forward_dynamics",
     ];
@@ -489,6 +497,8 @@ fn rendered(name: &str) -> String {
         "shared-instructions" => {
             range(per_cent(firmware("instructions", shared)).into_iter().map(|x| 100.0 - x))
         }
+        "c-instructions" => range(per_cent(firmware("instructions", rust))),
+        "c-flash" => range(per_cent(firmware("flash, with callees", rust))),
         "small-flash" => range(
             per_cent(firmware("flash, with callees", at_three)).into_iter().map(|x| 100.0 - x),
         ),
