@@ -87,12 +87,18 @@ fn rustc(case: &Path) -> Command {
     command
 }
 
-/// Returns rustc's messages without its closing remarks.
+/// Returns rustc's messages without its closing remarks, and without line numbers of the library.
 fn messages(output: &Output) -> String {
     let text = String::from_utf8_lossy(&output.stderr);
     let remarks = ["error: aborting due to ", "For more information about ", "Some errors have "];
     let lines = text.lines().filter(|line| !remarks.iter().any(|start| line.starts_with(start)));
-    lines.collect::<Vec<_>>().join("\n").trim_end().to_owned() + "\n"
+    let place = |line| match str::split_once(line, ".rs:") {
+        Some((file, _)) if file.trim_start().starts_with("--> modyn-runtime/") => {
+            format!("{file}.rs")
+        }
+        _ => line.to_owned(),
+    };
+    lines.map(place).collect::<Vec<_>>().join("\n").trim_end().to_owned() + "\n"
 }
 
 /// Runs `check` on all cases in parallel, and fails with all complaints.
