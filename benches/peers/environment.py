@@ -13,7 +13,11 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 OUTPUT = ROOT / "target" / "peers"
 SITE = Path(site.getsitepackages()[0])
-QUANTITIES = ["forward_dynamics", "inverse_dynamics", "mass_matrix", "forward_dynamics_derivatives"]
+#: Of robots without contacts; derivatives of some only.
+FREE = ["forward_dynamics", "inverse_dynamics", "mass_matrix", "forward_dynamics_derivatives"]
+#: Of robots with contacts.
+CONSTRAINED = ["constrained_forward_dynamics", "constrained_forward_dynamics_derivatives"]
+QUANTITIES = FREE + CONSTRAINED
 
 
 class Unavailable(Exception):
@@ -25,17 +29,24 @@ class Robot:
     name: str
     description: Path
     base: str
-    derivatives: bool
+    #: The words of the last column.
+    timed: list
+
+    @property
+    def contacts(self):
+        """KIND:LINK of each contact."""
+        return [word for word in self.timed if ":" in word]
 
     @property
     def quantities(self):
-        return QUANTITIES if self.derivatives else QUANTITIES[:-1]
+        quantities = CONSTRAINED if self.contacts else FREE
+        return quantities if "derivatives" in self.timed else quantities[:-1]
 
 
 def robots():
     lines = (HERE / "robots.txt").read_text().splitlines()
     rows = [line.split() for line in lines if line and not line.startswith("#")]
-    rows = [Robot(name, description(name, urdf), base, last == "derivatives") for name, urdf, base, last in rows]
+    rows = [Robot(name, description(name, urdf), base, timed.split(",")) for name, urdf, base, timed in rows]
     return [robot for robot in rows if robot.description.exists()]
 
 
@@ -87,12 +98,17 @@ def machine():
 class Toolbox:
     """The compilers and flags of the programs."""
 
-    def __init__(self, robots, install):
-        self.robots, self.install = robots, install
+    def __init__(self, robots, install, beside=None):
+        self.robots, self.install, self.beside = robots, install, beside
         self.build = folder(OUTPUT / "build")
         self.data = folder(OUTPUT / "data")
         self.versions, self.missing = {}, {}
         self.compilers = self._compilers()
+
+    @property
+    def free(self):
+        """The robots without contacts."""
+        return [robot for robot in self.robots if not robot.contacts]
 
     def version(self, name, text):
         """Records the first version number in a program's output."""
@@ -140,8 +156,8 @@ class Toolbox:
         models = {}
         for robot in self.robots:
             models[robot.name] = self.build / f"{robot.name}.pinocchio"
-            if not newer(models[robot.name], [robot.description, HERE / "pinocchio_model.py"]):
-                python("pinocchio_model.py", robot.description, robot.base, models[robot.name])
+            if not newer(models[robot.name], [robot.description, HERE / "pinocchio_model.py", HERE / "robots.txt"]):
+                python("pinocchio_model.py", robot.description, robot.base, models[robot.name], *robot.contacts)
         return models
 
 

@@ -20,6 +20,7 @@ def options():
     parser.add_argument("--only", metavar="NAME,...", help=f"only these contenders: {', '.join(CONTENDERS)}")
     parser.add_argument("--quick", action="store_true", help="2 copies and 5 repetitions, for debugging")
     parser.add_argument("--copies", type=int, default=5, help="processes, each of a fresh copy of its program (5)")
+    parser.add_argument("--beside", metavar="CHECKOUT", help="measure the modyn of another checkout, too")
     parser.add_argument("--install", action="store_true", help="install missing compilers with apt-get")
     parser.add_argument("--output", default=OUTPUT, help="where to put the table and the plot (target/peers)")
     arguments = parser.parse_args()
@@ -42,16 +43,18 @@ def main():
     names = chosen(arguments.robots, [robot.name for robot in robots], "robot")
     robots = [robot for robot in robots if robot.name in names]
     only = chosen(arguments.only, CONTENDERS, "contender")
-    toolbox = environment.Toolbox(robots, arguments.install)
+    toolbox = environment.Toolbox(robots, arguments.install, arguments.beside)
+    contenders = {"beside": modyn.build_beside} if arguments.beside else {}
+    contenders.update((name, CONTENDERS[name]) for name in only)
 
     modyn.states(toolbox)
     copies, repetitions = (2, 5) if arguments.quick else (arguments.copies, 21)
     measurer = measure.Measurer(toolbox.data, copies, repetitions)
     results, missing = [], {}
-    for name in only:
+    for name, build in contenders.items():
         print(f"{name}: building", flush=True)
         try:
-            programs = CONTENDERS[name](toolbox)
+            programs = build(toolbox)
         except Unavailable as why:
             print(f"{name}: left out: {why}", flush=True)
             missing[name] = str(why)

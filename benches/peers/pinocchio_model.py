@@ -3,7 +3,7 @@
 A C++ program built for this machine's instructions cannot share Eigen's types with the wheel's
 library, which was built for any machine, so it takes the model from here.
 
-    pinocchio_model.py DESCRIPTION fixed|floating OUTPUT
+    pinocchio_model.py DESCRIPTION fixed|floating OUTPUT [KIND:LINK...]
 """
 
 import sys
@@ -26,12 +26,21 @@ def lines(model):
         )
 
 
+def placed(model, contact):
+    """A line a contact: its kind, the joint that carries it, its placement on the joint."""
+    kind, link = contact.split(":")
+    frame = model.frames[model.getFrameId(link, pinocchio.FrameType.BODY)]
+    numbers = [*frame.placement.rotation.flatten(), *frame.placement.translation]
+    return f"contact {kind} {frame.parentJoint} " + " ".join(repr(float(number)) for number in numbers)
+
+
 def main():
-    description, base, output = sys.argv[1:]
+    description, base, output, *contacts = sys.argv[1:]
     root = [pinocchio.JointModelFreeFlyer()] if base == "floating" else []
     model = pinocchio.buildModelFromUrdf(description, *root)
     with open(output, "w") as file:
         file.writelines(line + "\n" for line in lines(model))
+        file.writelines(placed(model, contact) + "\n" for contact in contacts)
 
 
 if __name__ == "__main__":

@@ -20,6 +20,12 @@ pub enum ParameterError<S = f64> {
     },
 }
 
+impl<S> From<InertialDefect<S>> for ParameterError<S> {
+    fn from(defect: InertialDefect<S>) -> Self {
+        Self::Defect(defect)
+    }
+}
+
 impl<S: fmt::Display + fmt::LowerExp> fmt::Display for ParameterError<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -68,7 +74,7 @@ pub fn with_inertial<S: Scalar + PartialOrd, const N: usize>(
     inertial: &Inertial<S>,
 ) -> Result<[S; N], ParameterError<S>> {
     if let Some(defect) = inertial.defect() {
-        return Err(ParameterError::Defect(defect));
+        return Err(defect.into());
     }
     let mut changed = *numbers;
     let Inertial { mass, center_of_mass, inertia } = *inertial;

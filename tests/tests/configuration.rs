@@ -71,7 +71,7 @@ fn lengths_are_checked_by_joint() {
     assert_eq!(short, Err(ConfigurationError::Shape { expected: Zoo::NQ, found: 3 }));
 }
 
-/// The size of the error is the one that the documentation gives.
+/// A quaternion of length 1.1 changes accelerations by more than a thousandth of the largest.
 #[test]
 fn a_long_quaternion_is_a_wrong_result() {
     let (qd, tau) = ([0.4; Zoo::NV], [0.2; Zoo::NV]);

@@ -26,7 +26,7 @@ def tracer(toolbox):
 def build(toolbox):
     trace, models = tracer(toolbox), toolbox.pinocchio_models()
     programs = []
-    for robot in toolbox.robots:
+    for robot in toolbox.free:
         for quantity in robot.quantities:
             for how in TRACES:
                 stem = f"{robot.name}_{quantity}"

@@ -27,7 +27,7 @@ def build(toolbox):
           "--target-dir", folder], env={**os.environ, "RUSTFLAGS": "-C target-cpu=native"})
     programs = []
     for crate, quantities in CRATES.items():
-        for robot in toolbox.robots:
+        for robot in toolbox.free:
             if robot.base == "floating":
                 continue
             for quantity in quantities:

@@ -1,8 +1,10 @@
 """modyn itself, and its interpreter, from `modyn-runner`."""
 
 import os
+import shutil
+from pathlib import Path
 
-from environment import HERE, OUTPUT, call
+from environment import FREE, HERE, OUTPUT, call, folder
 from measure import Program
 
 #: In the table, in the runner, and compiled for.
@@ -13,31 +15,48 @@ WAYS = [
     ("modyn batch", "batch", "native"),
     ("modyn interpreter", "interpreted", "native"),
 ]
+#: Another checkout's, for a comparison of two commits.
+BESIDE = [(f"beside: {name}", way, target) for name, way, target in WAYS if target == "native"]
 
 
-def runner(toolbox, target):
+def runner(target, here=HERE, output=OUTPUT):
     """The runner for this machine's instructions, or for any machine's."""
     flags = {"native": "-C target-cpu=native", "default": ""}[target]
-    folder = OUTPUT / f"modyn-{target}"
-    manifest = HERE / "modyn-runner" / "Cargo.toml"
-    call(["cargo", "build", "--release", "--manifest-path", manifest, "--target-dir", folder],
+    built = output / f"modyn-{target}"
+    manifest = here / "modyn-runner" / "Cargo.toml"
+    call(["cargo", "build", "--release", "--manifest-path", manifest, "--target-dir", built],
          env={**os.environ, "RUSTFLAGS": flags})
-    return folder / "release" / "modyn-runner"
+    return built / "release" / "modyn-runner"
 
 
 def states(toolbox):
     """Writes the states, and the results that all others are compared with."""
     toolbox.version("rustc", call(["rustc", "--version"]))
-    call([runner(toolbox, "default"), "states", toolbox.data])
+    call([runner("default"), "states", toolbox.data])
 
 
 def build(toolbox):
-    runners = {target: runner(toolbox, target) for target in ["default", "native"]}
-    for name, way, target in WAYS:
-        for robot in toolbox.robots:
+    runners = {target: runner(target) for target in ["default", "native"]}
+    return programs(toolbox.robots, runners, WAYS)
+
+
+def build_beside(toolbox):
+    """The programs of the checkout `--beside`, which reads the robots that this one has copied out of wheels."""
+    checkout = Path(toolbox.beside).resolve()
+    output = checkout / "target" / "peers"
+    shutil.copytree(folder(OUTPUT / "robots"), output / "robots", dirs_exist_ok=True)
+    peers = checkout / "benches" / "peers"
+    runners = {"native": runner("native", peers, output)}
+    known = {line.split()[0] for line in (peers / "robots.txt").read_text().splitlines() if line}
+    return programs([robot for robot in toolbox.robots if robot.name in known], runners, BESIDE)
+
+
+def programs(robots, runners, ways):
+    for name, way, target in ways:
+        for robot in robots:
             for quantity in robot.quantities:
                 if way == "batch" and quantity != "forward_dynamics":
                     continue
-                if way == "alone" and "derivatives" in quantity:
+                if way == "alone" and quantity not in FREE[:-1]:
                     continue
                 yield Program(name, target, robot.name, quantity, runners[target], before=(way,))

@@ -10,9 +10,9 @@ CPP = HERE / "cpp"
 
 def build(toolbox):
     sources = toolbox.build / "modyn_c"
-    call([runner(toolbox, "default"), "c", sources])
+    call([runner("default"), "c", sources])
     programs = []
-    for robot in toolbox.robots:
+    for robot in toolbox.free:
         source = next((sources / robot.name).glob("*.c"))
         for variant, c, cpp, flags in toolbox.variants():
             library = source.with_name(f"{variant}.o")

@@ -19,7 +19,7 @@ def build(toolbox):
               "-Wl,-rpath,$ORIGIN", "-o", executable])
     toolbox.missing["MuJoCo, forward_dynamics_derivatives"] = "finite differences only"
     programs = []
-    for robot in toolbox.robots:
+    for robot in toolbox.free:
         model = toolbox.build / f"{robot.name}.mjb"
         python("mujoco_model.py", models[robot.name], model)
         for quantity in robot.quantities:

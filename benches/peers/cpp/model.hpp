@@ -23,35 +23,65 @@ inline pinocchio::JointModel joint_of(const std::string &kind, const Eigen::Vect
     throw std::runtime_error("no joint " + kind);
 }
 
+// The words of a line.
+struct Words {
+    std::istringstream words;
+
+    std::string word() {
+        std::string word;
+        words >> word;
+        return word;
+    }
+    // Not `words >> double`, which may lose the last bit.
+    double number() { return std::stod(word()); }
+    Eigen::Vector3d vector() {
+        const double x = number(), y = number(), z = number();
+        return Eigen::Vector3d(x, y, z);
+    }
+    Eigen::Matrix3d matrix() {
+        Eigen::Matrix3d rows;
+        for (int i = 0; i < 3; ++i) rows.row(i) = vector();
+        return rows;
+    }
+};
+
+// A contact: whether it is a surface, the joint that carries it, and its place on the joint.
+struct Contact {
+    bool surface;
+    pinocchio::JointIndex joint;
+    pinocchio::SE3 placement;
+};
+
+inline std::vector<Contact> read_contacts(const std::string &path) {
+    std::vector<Contact> contacts;
+    std::ifstream file(path);
+    for (std::string line; std::getline(file, line);) {
+        Words words{std::istringstream(line)};
+        if (words.word() != "contact") continue;
+        const bool surface = words.word() == "surface";
+        const pinocchio::JointIndex joint = std::stoul(words.word());
+        const Eigen::Matrix3d rotation = words.matrix();
+        contacts.push_back({surface, joint, pinocchio::SE3(rotation, words.vector())});
+    }
+    return contacts;
+}
+
 inline pinocchio::Model read(const std::string &path) {
     using Eigen::Matrix3d, Eigen::Vector3d;
     pinocchio::Model model;
     std::ifstream file(path);
     for (std::string line; std::getline(file, line);) {
-        std::istringstream words(line);
-        std::string name, kind, number;
-        pinocchio::JointIndex parent;
-        words >> name >> parent >> kind;
-        // Not `words >> double`, which may lose the last bit.
-        const auto next = [&] {
-            words >> number;
-            return std::stod(number);
-        };
-        const auto vector = [&] {
-            const double x = next(), y = next(), z = next();
-            return Vector3d(x, y, z);
-        };
-        const auto matrix = [&] {
-            Matrix3d rows;
-            for (int i = 0; i < 3; ++i) rows.row(i) = vector();
-            return rows;
-        };
-        const Vector3d axis = vector();
-        const Matrix3d rotation = matrix();
-        const Vector3d translation = vector();
-        const double mass = next();
-        const Vector3d center = vector();
-        const Matrix3d inertia = matrix();
+        Words words{std::istringstream(line)};
+        const std::string name = words.word();
+        if (name == "contact") continue;
+        const pinocchio::JointIndex parent = std::stoul(words.word());
+        const std::string kind = words.word();
+        const Vector3d axis = words.vector();
+        const Matrix3d rotation = words.matrix();
+        const Vector3d translation = words.vector();
+        const double mass = words.number();
+        const Vector3d center = words.vector();
+        const Matrix3d inertia = words.matrix();
         const auto joint = model.addJoint(parent, joint_of(kind, axis),
                                           pinocchio::SE3(rotation, translation), name);
         model.appendBodyToJoint(joint, pinocchio::Inertia(mass, center, inertia));

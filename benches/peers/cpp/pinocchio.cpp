@@ -3,6 +3,8 @@
 
 #include <pinocchio/algorithm/aba-derivatives.hpp>
 #include <pinocchio/algorithm/aba.hpp>
+#include <pinocchio/algorithm/constrained-dynamics-derivatives.hpp>
+#include <pinocchio/algorithm/constrained-dynamics.hpp>
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 
@@ -27,6 +29,23 @@ void append_matrix(Numbers &out, const MatrixXd &x, const std::vector<int> &orde
     for (int column : order)
         for (int row : order) out.push_back(x(row, column));
 }
+
+// The contacts as Pinocchio's constraints.
+struct Constraints {
+    PINOCCHIO_STD_VECTOR_WITH_EIGEN_ALLOCATOR(pinocchio::RigidConstraintModel) models;
+    PINOCCHIO_STD_VECTOR_WITH_EIGEN_ALLOCATOR(pinocchio::RigidConstraintData) data;
+    // The constraints are independent, so that one step without regularization is exact.
+    pinocchio::ProximalSettings settings{1e-12, 0.0, 1};
+
+    Constraints(const pinocchio::Model &model, pinocchio::Data &of, const std::vector<Contact> &contacts) {
+        for (const Contact &contact : contacts) {
+            const auto type = contact.surface ? pinocchio::CONTACT_6D : pinocchio::CONTACT_3D;
+            models.emplace_back(type, model, contact.joint, contact.placement, pinocchio::LOCAL_WORLD_ALIGNED);
+            data.emplace_back(models.back());
+        }
+        pinocchio::initConstraintDynamics(model, of, models);
+    }
+};
 
 } // namespace
 
@@ -81,6 +100,37 @@ int main(int count, char **arguments) {
                 append_matrix(out, data.Minv, order.v);
                 return out;
             });
-    else
+    else if (job.quantity == "constrained_forward_dynamics") {
+        Constraints contacts(model, data, read_contacts(job.argument(count, arguments, 5)));
+        run(
+            job,
+            [&](int i) {
+                pinocchio::constraintDynamics(model, data, q[i], qd[i], tau[i], contacts.models, contacts.data,
+                                              contacts.settings);
+            },
+            [&](int) {
+                Numbers out;
+                append(out, data.ddq, order.v);
+                return out;
+            });
+    } else if (job.quantity == "constrained_forward_dynamics_derivatives") {
+        Constraints contacts(model, data, read_contacts(job.argument(count, arguments, 5)));
+        run(
+            job,
+            [&](int i) {
+                pinocchio::constraintDynamics(model, data, q[i], qd[i], tau[i], contacts.models, contacts.data,
+                                              contacts.settings);
+                pinocchio::computeConstraintDynamicsDerivatives(model, data, contacts.models, contacts.data,
+                                                                contacts.settings);
+            },
+            [&](int) {
+                Numbers out;
+                append(out, data.ddq, order.v);
+                append_matrix(out, data.ddq_dq, order.v);
+                append_matrix(out, data.ddq_dv, order.v);
+                append_matrix(out, data.ddq_dtau, order.v);
+                return out;
+            });
+    } else
         throw std::runtime_error("no quantity " + job.quantity);
 }

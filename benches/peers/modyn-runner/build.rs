@@ -16,16 +16,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = Path::new(&folder);
     let (mut includes, mut table, mut sources) = (String::new(), String::new(), String::new());
     for robot in robots::all() {
-        let mut functions =
-            vec![Function::ForwardDynamics, Function::InverseDynamics, Function::MassMatrix];
-        if robot.derivatives {
-            functions.push(Function::ForwardDynamicsDerivatives);
-        }
-        let names: Vec<&str> = functions.iter().map(|function| function.name()).collect();
+        let named = |name: &&str| {
+            Function::ALL.iter().copied().find(|function| function.name() == *name).expect("a function")
+        };
+        let functions: Vec<Function> = robot.quantities.iter().map(named).collect();
+        let names = robot.quantities;
         let type_name = robot.type_name();
-        let batch = [Function::ForwardDynamicsBatch];
-        let builder =
-            Builder::new().urdf(&robot.description).base(robot.base).type_name(&type_name);
+        let batch = robot.contacts.is_empty().then_some(Function::ForwardDynamicsBatch);
+        let builder = Builder::new()
+            .urdf(&robot.description)
+            .base(robot.base)
+            .contacts(robot.contacts.clone())
+            .type_name(&type_name);
         let (c, _) = builder.clone().functions(functions.clone()).generate_c()?;
         let (name, prefix) = (&robot.name, c.prefix);
         std::fs::write(folder.join(format!("{name}.h")), c.header)?;
@@ -35,7 +37,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         writeln!(sources, "    ({name:?}, {prefix:?}, {header}, {source}),")?;
         builder.functions(functions.into_iter().chain(batch)).compile()?;
         writeln!(includes, "::modyn::include_model!({});", robot.name)?;
-        writeln!(table, "    {:?} {type_name} [{}];", robot.name, names.join(" "))?;
+        let kind = if robot.contacts.is_empty() { "free" } else { "constrained" };
+        writeln!(table, "    {:?} {type_name} {kind} [{}];", robot.name, names.join(" "))?;
     }
     std::fs::write(folder.join("robots.rs"), format!("{includes}\ngenerated! {{\n{table}}}\n"))?;
     std::fs::write(folder.join("c.rs"), format!("[\n{sources}]\n"))?;

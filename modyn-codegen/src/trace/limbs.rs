@@ -85,15 +85,15 @@ impl LimbPacking {
     /// together.
     #[must_use]
     pub fn share_root_path(&self, model: &Mechanism<f64>) -> bool {
-        let ways = |of: &Lanes| {
+        let on_one_path = |of: &Lanes| {
             let parents: Vec<usize> =
                 of.iter().flatten().filter_map(|&b| model.bodies[b].parent).collect();
             let Some(&last) = parents.iter().max() else { return true };
-            let way: Vec<usize> =
+            let path: Vec<usize> =
                 iter::successors(Some(last), |&body| model.bodies[body].parent).collect();
-            parents.iter().all(|parent| way.contains(parent))
+            parents.iter().all(|parent| path.contains(parent))
         };
-        self.bodies.iter().filter(|merged| merged.first).all(|merged| ways(&merged.of))
+        self.bodies.iter().filter(|merged| merged.first).all(|merged| on_one_path(&merged.of))
     }
 
     fn new(model: &Mechanism<f64>, groups: &[Vec<Range<usize>>]) -> Self {

@@ -4,120 +4,70 @@ use super::{elementary, native};
 use crate::scalar::simd::SimdTask;
 use crate::scalar::{Scalar, trig};
 
-impl Scalar for f64 {
-    #[inline]
-    fn from_f64(value: f64) -> Self {
-        value
-    }
+macro_rules! implement_scalar {
+    ($float:ident: $mul_add:ident, $sqrt:ident, $run_simd:ident, $atan2:ident, $ln:ident) => {
+        impl Scalar for $float {
+            #[inline]
+            #[allow(clippy::cast_possible_truncation)]
+            fn from_f64(value: f64) -> Self {
+                value as $float
+            }
 
-    #[inline]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        native::mul_add_f64(self, factor, term)
-    }
+            #[inline]
+            fn mul_add(self, factor: Self, term: Self) -> Self {
+                native::$mul_add(self, factor, term)
+            }
 
-    #[inline]
-    fn sin_cos(self) -> (Self, Self) {
-        trig::sin_cos(self)
-    }
+            #[inline]
+            fn sin_cos(self) -> (Self, Self) {
+                trig::sin_cos(self)
+            }
 
-    #[inline]
-    fn sin_cos_all<const N: usize>(angles: [Self; N]) -> [(Self, Self); N] {
-        trig::sin_cos_all(angles)
-    }
+            #[inline]
+            fn sin_cos_all<const N: usize>(angles: [Self; N]) -> [(Self, Self); N] {
+                trig::sin_cos_all(angles)
+            }
 
-    #[inline]
-    fn atan2(self, x: Self) -> Self {
-        elementary::atan2_f64(self, x)
-    }
+            #[inline]
+            fn atan2(self, x: Self) -> Self {
+                elementary::$atan2(self, x)
+            }
 
-    #[inline]
-    fn sqrt(self) -> Self {
-        native::sqrt_f64(self)
-    }
+            #[inline]
+            fn sqrt(self) -> Self {
+                native::$sqrt(self)
+            }
 
-    #[inline]
-    fn ln(self) -> Self {
-        elementary::ln_f64(self)
-    }
+            #[inline]
+            fn ln(self) -> Self {
+                elementary::$ln(self)
+            }
 
-    #[inline]
-    fn abs(self) -> Self {
-        f64::abs(self)
-    }
+            #[inline]
+            fn abs(self) -> Self {
+                $float::abs(self)
+            }
 
-    #[inline]
-    fn max(self, other: Self) -> Self {
-        f64::max(self, other)
-    }
+            #[inline]
+            fn max(self, other: Self) -> Self {
+                $float::max(self, other)
+            }
 
-    #[inline]
-    fn run_simd<W: SimdTask<Self>>(work: W) -> W::Output {
-        native::run_simd_f64(work)
-    }
+            #[inline]
+            fn run_simd<W: SimdTask<Self>>(work: W) -> W::Output {
+                native::$run_simd(work)
+            }
 
-    #[inline]
-    fn select_nonnegative(self, then: Self, otherwise: Self) -> Self {
-        if self >= 0.0 { then } else { otherwise }
-    }
+            #[inline]
+            fn select_nonnegative(self, then: Self, otherwise: Self) -> Self {
+                if self >= 0.0 { then } else { otherwise }
+            }
+        }
+    };
 }
 
-impl Scalar for f32 {
-    #[inline]
-    #[allow(clippy::cast_possible_truncation)]
-    fn from_f64(value: f64) -> Self {
-        value as f32
-    }
-
-    #[inline]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        native::mul_add_f32(self, factor, term)
-    }
-
-    #[inline]
-    fn sin_cos(self) -> (Self, Self) {
-        trig::sin_cos(self)
-    }
-
-    #[inline]
-    fn sin_cos_all<const N: usize>(angles: [Self; N]) -> [(Self, Self); N] {
-        trig::sin_cos_all(angles)
-    }
-
-    #[inline]
-    fn atan2(self, x: Self) -> Self {
-        elementary::atan2_f32(self, x)
-    }
-
-    #[inline]
-    fn sqrt(self) -> Self {
-        native::sqrt_f32(self)
-    }
-
-    #[inline]
-    fn ln(self) -> Self {
-        elementary::ln_f32(self)
-    }
-
-    #[inline]
-    fn abs(self) -> Self {
-        f32::abs(self)
-    }
-
-    #[inline]
-    fn max(self, other: Self) -> Self {
-        f32::max(self, other)
-    }
-
-    #[inline]
-    fn run_simd<W: SimdTask<Self>>(work: W) -> W::Output {
-        native::run_simd_f32(work)
-    }
-
-    #[inline]
-    fn select_nonnegative(self, then: Self, otherwise: Self) -> Self {
-        if self >= 0.0 { then } else { otherwise }
-    }
-}
+implement_scalar!(f64: mul_add_f64, sqrt_f64, run_simd_f64, atan2_f64, ln_f64);
+implement_scalar!(f32: mul_add_f32, sqrt_f32, run_simd_f32, atan2_f32, ln_f32);
 
 #[cfg(test)]
 mod tests {

@@ -32,6 +32,12 @@ pub enum InertialError<S = f64> {
     },
 }
 
+impl<S> From<InertialDefect<S>> for InertialError<S> {
+    fn from(defect: InertialDefect<S>) -> Self {
+        Self::Defect(defect)
+    }
+}
+
 impl<S: fmt::Display + fmt::LowerExp> fmt::Display for InertialError<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -215,7 +221,7 @@ impl<S: Scalar + PartialOrd> Interpreter<S> {
             return Err(InertialError::NoFrame { frame, count });
         }
         if let Some(defect) = inertial.defect() {
-            return Err(InertialError::Defect(defect));
+            return Err(defect.into());
         }
         let Self { model, mechanism, inertias, .. } = self;
         let inertias = inertias.get_or_insert_with(|| Inertias::new(model, mechanism));

@@ -5,8 +5,19 @@ use super::errors::{ShapeError, check};
 use crate::Scalar;
 use crate::equations::brge::UduLayout;
 pub use crate::equations::steps::StepOutputs;
-use crate::equations::{StepWorkspace, steps};
+use crate::equations::dynamics::Elimination;
+use crate::equations::{StepWorkspace, Workspace, steps};
+use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
+
+/// A method that computes the coordinates and velocities after a time step, from q, qd, tau and dt.
+type Method<S> = fn(
+    &Mechanism<S>,
+    &Elimination,
+    (&[S], &[S], &[S], S),
+    (&mut Workspace<S>, &mut StepWorkspace<S>),
+    (&mut [S], &mut [S]),
+);
 
 impl<S: Scalar> Interpreter<S> {
     /// Computes the coordinates and velocities after the time `dt` (s) under the joint forces `tau`, by the
@@ -23,12 +34,7 @@ impl<S: Scalar> Interpreter<S> {
         next_q: &mut [S],
         next_qd: &mut [S],
     ) -> Result<(), ShapeError> {
-        self.check_step((q, qd, tau), (next_q, next_qd))?;
-        let Self { mechanism, elimination, workspace, steps, .. } = self;
-        let room = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
-        let (state, rooms) = ((q, qd, tau, dt), (workspace, room));
-        steps::step_semi_implicit(mechanism, elimination, state, rooms, (next_q, next_qd));
-        Ok(())
+        self.step(steps::step_semi_implicit, (q, qd, tau, dt), (next_q, next_qd))
     }
 
     /// Computes the state of [`step_semi_implicit`](Self::step_semi_implicit), and its derivatives A with respect
@@ -70,11 +76,20 @@ impl<S: Scalar> Interpreter<S> {
         next_q: &mut [S],
         next_qd: &mut [S],
     ) -> Result<(), ShapeError> {
+        self.step(steps::step_rk4, (q, qd, tau, dt), (next_q, next_qd))
+    }
+
+    /// Computes a step by one of the methods.
+    fn step(
+        &mut self,
+        method: Method<S>,
+        (q, qd, tau, dt): (&[S], &[S], &[S], S),
+        (next_q, next_qd): (&mut [S], &mut [S]),
+    ) -> Result<(), ShapeError> {
         self.check_step((q, qd, tau), (next_q, next_qd))?;
         let Self { mechanism, elimination, workspace, steps, .. } = self;
         let room = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
-        let (state, rooms) = ((q, qd, tau, dt), (workspace, room));
-        steps::step_rk4(mechanism, elimination, state, rooms, (next_q, next_qd));
+        method(mechanism, elimination, (q, qd, tau, dt), (workspace, room), (next_q, next_qd));
         Ok(())
     }
 

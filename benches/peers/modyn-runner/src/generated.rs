@@ -46,6 +46,21 @@ impl<const N: usize> Flat for modyn::ForwardDynamicsDerivatives<[f64; N], [[f64;
     }
 }
 
+impl<const N: usize, W, R> Flat for modyn::ConstrainedForwardDynamics<[f64; N], W, R, f64> {
+    fn flat(&self) -> Vec<f64> {
+        self.qdd.to_vec()
+    }
+}
+
+impl<const N: usize, W, D> Flat
+    for modyn::ConstrainedForwardDynamicsDerivatives<[f64; N], W, [[f64; N]; N], D, f64>
+{
+    fn flat(&self) -> Vec<f64> {
+        let Self { qdd, dq, dqd, dtau, .. } = self;
+        [&qdd[..], &dq.concat(), &dqd.concat(), &dtau.concat()].concat()
+    }
+}
+
 /// Checks and measures a function.
 fn run<S, R: Flat>(job: &Job, states: &[S], mut function: impl FnMut(&S) -> R) {
     job.check(states.iter().map(|state| function(state).flat()));
@@ -63,9 +78,58 @@ macro_rules! call {
     ($Robot:ident mass_matrix $job:ident $states:ident) => {
         run($job, $states, |(q, _, _, _)| $Robot::mass_matrix(q))
     };
+    ($Robot:ident constrained_forward_dynamics $job:ident $states:ident) => {
+        constrained!($Robot constrained_forward_dynamics $job $states)
+    };
+    ($Robot:ident constrained_forward_dynamics_derivatives $job:ident $states:ident) => {
+        constrained!($Robot constrained_forward_dynamics_derivatives $job $states)
+    };
     ($Robot:ident $function:ident $job:ident $states:ident) => {
         run($job, $states, |(q, qd, tau, _)| $Robot::$function(q, qd, tau))
     };
+}
+
+/// Calls a function of contacts with all contacts active.
+macro_rules! constrained {
+    ($Robot:ident $function:ident $job:ident $states:ident) => {{
+        let all = <<$Robot as modyn::Robot>::Contacts as modyn::ContactSet>::ALL;
+        let settings = modyn::ConstraintSettings::<f64, _>::EXACT;
+        run($job, $states, |(q, qd, tau, _)| {
+            $Robot::$function(q, qd, tau, black_box(all), black_box(&settings))
+        })
+    }};
+}
+
+/// Measures forward dynamics of all states in one call; robots with contacts have no such function here.
+macro_rules! batch {
+    ($Robot:ident constrained $job:ident) => {
+        panic!("not timed in batches")
+    };
+    ($Robot:ident free $job:ident) => {{
+        let states = $job.states();
+        let count = states.len();
+        let columns = |part: usize, j: usize| -> Vec<f64> {
+            states.iter().map(|state| state[part][j]).collect()
+        };
+        let q: [Vec<f64>; $Robot::NQ] = std::array::from_fn(|j| columns(0, j));
+        let qd: [Vec<f64>; $Robot::NV] = std::array::from_fn(|j| columns(1, j));
+        let tau: [Vec<f64>; $Robot::NV] = std::array::from_fn(|j| columns(2, j));
+        let mut qdd: [Vec<f64>; $Robot::NV] = std::array::from_fn(|_| vec![0.0; count]);
+        let pass = |qdd: &mut [Vec<f64>; $Robot::NV]| {
+            $Robot::forward_dynamics_batch(
+                q.each_ref().map(|column| black_box(&column[..])),
+                qd.each_ref().map(|column| &column[..]),
+                tau.each_ref().map(|column| &column[..]),
+                qdd.each_mut().map(|column| &mut column[..]),
+            )
+            .expect("equal lengths");
+            black_box(qdd);
+        };
+        pass(&mut qdd);
+        let result = |i: usize| qdd.iter().map(|column| column[i]).collect();
+        $job.check((0..count).map(result));
+        $job.time_all(count, || pass(&mut qdd));
+    }};
 }
 
 /// Calls the trait's function of a quantity, for numbers without vectors.
@@ -87,7 +151,7 @@ macro_rules! call_alone {
 
 /// All robots; the build script writes the rows of the table.
 macro_rules! generated {
-    ($($name:literal $Robot:ident [$($function:ident)*];)*) => {
+    ($($name:literal $Robot:ident $kind:ident [$($function:ident)*];)*) => {
         /// Measures the generated function.
         pub fn measure(job: &Job) {
             match job.robot.as_str() {
@@ -150,29 +214,7 @@ macro_rules! generated {
             assert_eq!(job.quantity, "forward_dynamics", "the quantity that has a batch here");
             match job.robot.as_str() {
                 $($name => {
-                    let states = job.states();
-                    let count = states.len();
-                    let columns = |part: usize, j: usize| -> Vec<f64> {
-                        states.iter().map(|state| state[part][j]).collect()
-                    };
-                    let q: [Vec<f64>; $Robot::NQ] = std::array::from_fn(|j| columns(0, j));
-                    let qd: [Vec<f64>; $Robot::NV] = std::array::from_fn(|j| columns(1, j));
-                    let tau: [Vec<f64>; $Robot::NV] = std::array::from_fn(|j| columns(2, j));
-                    let mut qdd: [Vec<f64>; $Robot::NV] = std::array::from_fn(|_| vec![0.0; count]);
-                    let pass = |qdd: &mut [Vec<f64>; $Robot::NV]| {
-                        $Robot::forward_dynamics_batch(
-                            q.each_ref().map(|column| black_box(&column[..])),
-                            qd.each_ref().map(|column| &column[..]),
-                            tau.each_ref().map(|column| &column[..]),
-                            qdd.each_mut().map(|column| &mut column[..]),
-                        )
-                        .expect("equal lengths");
-                        black_box(qdd);
-                    };
-                    pass(&mut qdd);
-                    let result = |i: usize| qdd.iter().map(|column| column[i]).collect();
-                    job.check((0..count).map(result));
-                    job.time_all(count, || pass(&mut qdd));
+                    batch!($Robot $kind job);
                 })*
                 other => panic!("no robot `{other}`"),
             }

@@ -1,6 +1,8 @@
 //! modyn's interpreter: one of the programs, and the reference for the results of all others.
 
-use modyn::{ForwardDerivatives, Interpreter};
+use modyn::{
+    ConstrainedDerivatives, ConstraintSettings, ContactTarget, ForwardDerivatives, Interpreter, Twist, Wrench,
+};
 
 use crate::measure::Job;
 use crate::{robots, states};
@@ -12,9 +14,17 @@ type Function = fn(&mut Interpreter<f64>, [&[f64]; 4], &mut [f64]);
 pub fn results(quantity: &str, nv: usize) -> usize {
     match quantity {
         "mass_matrix" => nv * nv,
-        "forward_dynamics_derivatives" => nv + 3 * nv * nv,
+        "forward_dynamics_derivatives" | "constrained_forward_dynamics_derivatives" => nv + 3 * nv * nv,
         _ => nv,
     }
+}
+
+/// Returns settings without stabilization.
+pub fn settings(contacts: usize) -> ConstraintSettings<f64, Vec<ContactTarget<f64>>> {
+    let ConstraintSettings { alpha, beta, tolerance, rounding, .. } =
+        ConstraintSettings::<f64>::EXACT;
+    let contacts = vec![ContactTarget::<f64>::EXACT; contacts];
+    ConstraintSettings { alpha, beta, tolerance, rounding, contacts }
 }
 
 /// Returns the function of the quantity with this name; matrices by columns, derivatives as qdd, then by q, qd and tau.
@@ -34,6 +44,47 @@ pub fn function(quantity: &str) -> Function {
             let (dqdd_dqd, dqdd_dtau) = out.split_at_mut(n * n);
             let outputs = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
             robot.forward_dynamics_derivatives(q, qd, tau, outputs).expect("sizes");
+        },
+        "constrained_forward_dynamics" => |robot, [q, qd, tau, _], out| {
+            let count = robot.model().contacts().len();
+            let (mut wrenches, mut residuals) =
+                (vec![Wrench::zero(); count], vec![Twist::zero(); count]);
+            let results = (out, &mut wrenches[..], &mut residuals[..]);
+            robot
+                .constrained_forward_dynamics(
+                    (q, qd, tau),
+                    &vec![true; count],
+                    &settings(count),
+                    results,
+                )
+                .expect("sizes");
+        },
+        "constrained_forward_dynamics_derivatives" => |robot, [q, qd, tau, _], out| {
+            let (n, count) = (qd.len(), robot.model().contacts().len());
+            let (qdd, out) = out.split_at_mut(n);
+            let (dqdd_dq, out) = out.split_at_mut(n * n);
+            let (dqdd_dqd, dqdd_dtau) = out.split_at_mut(n * n);
+            let mut wrenches = vec![Wrench::zero(); count];
+            let mut changes = [0; 3].map(|_| vec![Wrench::zero(); n * count]);
+            let [dwrenches_dq, dwrenches_dqd, dwrenches_dtau] = &mut changes;
+            let outputs = ConstrainedDerivatives {
+                qdd,
+                wrenches: &mut wrenches,
+                dqdd_dq,
+                dqdd_dqd,
+                dqdd_dtau,
+                dwrenches_dq,
+                dwrenches_dqd,
+                dwrenches_dtau,
+            };
+            robot
+                .constrained_forward_dynamics_derivatives(
+                    (q, qd, tau),
+                    &vec![true; count],
+                    &settings(count),
+                    outputs,
+                )
+                .expect("sizes");
         },
         _ => panic!("no quantity `{quantity}`"),
     }

@@ -3,18 +3,15 @@
 use std::fs;
 use std::path::Path;
 
-use modyn::{Interpreter, model::Model};
+use modyn::{Interpreter, Wrench, model::Model};
 use modyn_codegen::{Base, ReadOptions, read};
 
-use crate::interpreted::results;
+use crate::interpreted::{results, settings};
 use crate::measure::CHECKED;
 use crate::robots::Robot;
 
 /// The number of states of a robot.
 const STATES: usize = 1024;
-/// The measured quantities.
-pub const QUANTITIES: [&str; 4] =
-    ["forward_dynamics", "inverse_dynamics", "mass_matrix", "forward_dynamics_derivatives"];
 
 /// Returns the robot's model.
 pub fn model(robot: &Robot) -> Model {
@@ -22,6 +19,7 @@ pub fn model(robot: &Robot) -> Model {
     let text = fs::read_to_string(file).expect("a description");
     let mut options = ReadOptions::default();
     options.base = robot.base;
+    options.contacts.clone_from(&robot.contacts);
     read(&text, &file.to_string_lossy(), &options).expect("a robot").model
 }
 
@@ -45,18 +43,32 @@ fn coordinates(robot: &Robot, nq: usize, number: &mut impl FnMut() -> f64) -> Ve
     q
 }
 
+/// Returns the velocities after the contacts have stopped their links.
+fn at_rest(robot: &mut Interpreter<f64>, q: &[f64], qd: &[f64]) -> Vec<f64> {
+    let contacts = robot.model().contacts().len();
+    let (mut after, mut impulses) = (qd.to_vec(), vec![Wrench::zero(); contacts]);
+    let (active, settings) = (vec![true; contacts], settings(contacts));
+    let results = (&mut after[..], &mut impulses[..]);
+    robot.contact_impulse((q, qd), &active, &settings, results).expect("sizes");
+    after
+}
+
 /// Writes, as little-endian doubles, `ROBOT.states`: q, qd, tau, qdd of one state after the other,
 /// and `ROBOT.QUANTITY`: the results at the first states; as text `ROBOT.model`: nq, nv, then the
-/// joints in modyn's order.
+/// joints in modyn's order. Links that touch the ground are at rest.
 pub fn write(robot: &Robot, folder: &Path) {
     let model = model(robot);
     let (nq, nv) = (model.nq(), model.nv());
     let mut number = numbers();
+    let mut interpreter = Interpreter::<f64>::new(model.clone());
     let states: Vec<[Vec<f64>; 4]> = (0..STATES)
         .map(|_| {
             let q = coordinates(robot, nq, &mut number);
-            let [qd, tau, qdd] =
-                [2.0, 5.0, 5.0].map(|size| (0..nv).map(|_| size * number()).collect());
+            let [mut qd, tau, qdd] =
+                [2.0, 5.0, 5.0].map(|size| (0..nv).map(|_| size * number()).collect::<Vec<f64>>());
+            if !robot.contacts.is_empty() {
+                qd = at_rest(&mut interpreter, &q, &qd);
+            }
             [q, qd, tau, qdd]
         })
         .collect();
@@ -70,8 +82,7 @@ pub fn write(robot: &Robot, folder: &Path) {
     let text = format!("{nq} {nv}\n{}", joints.collect::<String>());
     fs::write(file("model"), text).expect("a folder to write to");
 
-    let mut interpreter = Interpreter::<f64>::new(model);
-    for quantity in QUANTITIES {
+    for quantity in robot.quantities {
         let mut all = Vec::new();
         let mut one = vec![0.0; results(quantity, nv)];
         let function = crate::interpreted::function(quantity);

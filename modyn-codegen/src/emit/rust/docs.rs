@@ -57,7 +57,8 @@ pub(super) fn robot(text: &mut String, robot: &Robot<'_>, operations: &[(&str, O
         robot.plan.candidates.iter().map(|(name, total)| format!("{name}: {total}")).collect();
     let _ = writeln!(
         lines,
-        "\nForward dynamics is computed with {} modules. Operations of the partitions that were considered: {}.",
+        "\nForward dynamics is computed with {} modules. Operations of the partitions that were considered, before \
+         optimisation: {}.",
         robot.plan.eliminated.modules().len(),
         costs.join("; ")
     );

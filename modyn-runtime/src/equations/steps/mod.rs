@@ -21,8 +21,8 @@ pub struct StepWorkspace<S> {
     q: Vec<S>,
     /// A displacement of the coordinates.
     displacement: Vec<S>,
-    /// The velocities at each evaluation.
-    velocities: [Vec<S>; 4],
+    /// The velocities at each evaluation but the first.
+    velocities: [Vec<S>; 3],
     /// The accelerations at each evaluation.
     accelerations: [Vec<S>; 4],
     /// Square matrices: derivatives of the accelerations, then those of the moved coordinates.
@@ -34,12 +34,12 @@ impl<S: Scalar> StepWorkspace<S> {
     #[must_use]
     pub fn new(model: &Mechanism<S>) -> Self {
         let (nq, nv) = (model.nq, model.nv);
-        let vectors = || core::array::from_fn(|_| vec![S::zero(); nv]);
+        let vector = |_| vec![S::zero(); nv];
         Self {
             q: vec![S::zero(); nq],
             displacement: vec![S::zero(); nv],
-            velocities: vectors(),
-            accelerations: vectors(),
+            velocities: core::array::from_fn(vector),
+            accelerations: core::array::from_fn(vector),
             matrices: core::array::from_fn(|_| vec![S::zero(); nv * nv]),
         }
     }

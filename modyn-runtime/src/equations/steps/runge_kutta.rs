@@ -16,18 +16,16 @@ pub fn step_rk4<S: Scalar>(
     (workspace, room): (&mut Workspace<S>, &mut StepWorkspace<S>),
     (next_q, next_qd): (&mut [S], &mut [S]),
 ) {
-    let StepWorkspace { q: at, displacement, velocities: [v1, v2, v3, v4], accelerations, .. } =
-        room;
+    let StepWorkspace { q: at, displacement, velocities: [v2, v3, v4], accelerations, .. } = room;
     let [a1, a2, a3, a4] = accelerations;
     let half = S::from_f64(0.5) * dt;
     let mut accelerate = |q: &[S], qd: &[S], qdd: &mut [S]| {
         forward_dynamics(model, elimination, (q, qd, tau), None, workspace, qdd);
     };
-    v1.copy_from_slice(qd);
-    accelerate(q, v1, a1);
+    accelerate(q, qd, a1);
 
     add_scaled(qd, half, a1, v2);
-    scale(half, v1, displacement);
+    scale(half, qd, displacement);
     integrate(model, (q, displacement), at);
     accelerate(at, v2, a2);
     next_q.copy_from_slice(at);
@@ -39,7 +37,7 @@ pub fn step_rk4<S: Scalar>(
 
     // From the second evaluation on.
     add_scaled(qd, dt, a3, v4);
-    for ((x, &first), &third) in displacement.iter_mut().zip(&*v1).zip(&*v3) {
+    for ((x, &first), &third) in displacement.iter_mut().zip(qd).zip(&*v3) {
         *x = dt * third - half * first;
     }
     integrate(model, (next_q, displacement), at);
@@ -54,8 +52,8 @@ pub fn step_rk4<S: Scalar>(
         }
         integrate(model, (from, displacement), to);
     };
-    half_step([v1, v4], q, at);
-    half_step([v4, v1], at, next_q);
+    half_step([qd, v4], q, at);
+    half_step([v4, qd], at, next_q);
 
     let sixth = twelfth + twelfth;
     for (i, next) in next_qd.iter_mut().enumerate() {
