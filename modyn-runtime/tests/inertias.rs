@@ -346,3 +346,27 @@ fn a_robot_without_inertia_keeps_its_defects() {
     interpreter.set_inertial(0, &none).expect("and its tool");
     assert_eq!(refused(interpreter.set_inertial(1, &none)), "joint0");
 }
+
+#[test]
+fn a_mimic_joint_carries_inertia_for_its_leader() {
+    let described = chain(7, &[JointType::Revolute, JointType::Revolute]);
+    for mimics in [true, false] {
+        let mut links = described.links().to_vec();
+        links[1].parent = None;
+        let mimic = Mimic { leader: 0, multiplier: -0.7, offset: 0.2 };
+        links[1].joint.mimic = mimics.then_some(mimic);
+        let model = Model::new("pair", [0.0, 0.0, -9.8], links, described.frames().to_vec());
+        let mut interpreter = Interpreter::<f64>::new(model.expect("sound parts"));
+        let none = Inertial::default();
+        interpreter.set_inertial(0, &none).expect("the tool is left");
+        let leader_alone = interpreter.set_inertial(1, &none);
+        if mimics {
+            leader_alone.expect("the mimic joint's link is left");
+            assert!(numbers(&mut interpreter).iter().all(|x| x.is_finite()));
+            interpreter.set_inertial(2, &none).expect("its tool is left");
+            assert_eq!(refused(interpreter.set_inertial(3, &none)), "joint0");
+        } else {
+            assert_eq!(refused(leader_alone), "joint0");
+        }
+    }
+}

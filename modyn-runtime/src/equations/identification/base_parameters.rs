@@ -241,6 +241,14 @@ mod tests {
     }
 
     #[test]
+    fn rounded_coefficients_are_whole() {
+        for whole in [0.0, 1.0, -1.0] {
+            assert_eq!([snap(whole + 1e-10), snap(whole - 1e-10)], [whole; 2]);
+            assert_eq!(snap(whole + 1e-6), whole + 1e-6);
+        }
+    }
+
+    #[test]
     fn torques_are_columns_times_values() {
         let (x, y, z) = ([0.48, 0.6, 0.64], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
         for axes in [[z, y], [x, y], [z, z]] {
