@@ -24,11 +24,14 @@ use ilqr::Problem;
 use problems::{GAINS, Sway};
 use robots::{Arm, ArmLink, Quadruped, Settings};
 
+/// The time of a part that a method does not have.
+const ZERO: Duration = Duration::ZERO;
+
 fn main() {
     println!(
-        "| problem | size | result | iterations | solution, us | linearization of a step, us |"
+        "| problem | size | result | iterations | solution, us | each step and iteration, us | of which derivatives, us |"
     );
-    println!("|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|");
     reach_by_ilqr();
     jump_by_ilqr();
     regulate();
@@ -46,7 +49,9 @@ fn reach_by_ilqr() {
     let size = format!("{} steps, 14 states, 7 torques", inputs.len());
     let result =
         format!("the hand is {} from the pose; {}", words(error.as_slice()), costs(&solution));
-    let times = [best(10, solve), best(1000, || problem.linearize(0, &problem.start, &inputs[0]))];
+    let time = best(10, solve);
+    let each = time / (inputs.len() * solution.iterations) as u32;
+    let times = [time, each, best(1000, || problem.linearize(0, &problem.start, &inputs[0]))];
     row("iLQR, `arm7` reaches a pose", &size, &result, solution.iterations, times);
 }
 
@@ -66,7 +71,9 @@ fn jump_by_ilqr() {
         away(&simulated),
         costs(&solution)
     );
-    let times = [best(10, solve), best(1000, || problem.linearize(0, &problem.start, &inputs[0]))];
+    let time = best(10, solve);
+    let each = time / (inputs.len() * solution.iterations) as u32;
+    let times = [time, each, best(1000, || problem.linearize(0, &problem.start, &inputs[0]))];
     row("iLQR, floating `quadruped` jumps", &size, &result, solution.iterations, times);
 }
 
@@ -80,16 +87,8 @@ fn regulate() {
     let result = format!(
         "the largest eigenvalue has the magnitude {radius:.3}; {before:.2} rad become {after:.0e} rad in 4 s"
     );
-    let (q, tau) = (regulator.rest.q, regulator.tau);
-    let linearize = || Arm::step_semi_implicit_derivatives(&q, &[0.0; 7], &tau, 0.01);
-    let times = [best(20, problems::regulator), best(1000, linearize)];
-    row(
-        "LQR, `arm7` keeps a posture",
-        "14 states, 7 torques",
-        &result,
-        regulator.iterations,
-        times,
-    );
+    let (size, time) = ("14 states, 7 torques", best(20, problems::regulator));
+    row("LQR, `arm7` keeps a posture", size, &result, regulator.iterations, [time, ZERO, ZERO]);
 }
 
 fn sway() {
@@ -117,13 +116,7 @@ fn sway() {
     );
     let time = best(200, || whole_body::command(&state, &sway.at(2.0), GAINS));
     let size = "30 unknowns, 18 equations, 44 inequalities";
-    row(
-        "whole-body QP, floating `quadruped` sways",
-        size,
-        &result,
-        iterations,
-        [time, Duration::ZERO],
-    );
+    row("whole-body QP, floating `quadruped` sways", size, &result, iterations, [time, ZERO, ZERO]);
 }
 
 fn solve_inverse_kinematics() {
@@ -151,21 +144,22 @@ fn solve_inverse_kinematics() {
     let result = format!(
         "{reached} of {TARGETS} poses reached, {first} from the first start; {stopped} joints at their limits"
     );
-    let linearize = || {
-        pose_error::pose_error_derivative::<Arm>(&Arm::NEUTRAL, ArmLink::GraspPoint, &targets[0])
-    };
-    let times = [best(10, solve) / TARGETS, best(1000, linearize)];
+    let time = best(10, solve) / TARGETS;
     let size = "7 joints, 6 equations; means of 200";
-    row("inverse kinematics, `arm7`", size, &result, iterations / reached.max(1), times);
+    let mean = iterations / reached.max(1);
+    row("inverse kinematics, `arm7`", size, &result, mean, [time, ZERO, ZERO]);
 }
 
-fn row(problem: &str, size: &str, result: &str, iterations: usize, times: [Duration; 2]) {
-    let [solution, linearization] = times.map(|time| match time.as_secs_f64() * 1e6 {
+/// Prints a row of the table; a time of zero is left out.
+fn row(problem: &str, size: &str, result: &str, iterations: usize, times: [Duration; 3]) {
+    let [solution, each, derivatives] = times.map(|time| match time.as_secs_f64() * 1e6 {
         0.0 => String::new(),
         us if us < 100.0 => format!("{us:.1}"),
         us => format!("{us:.0}"),
     });
-    println!("| {problem} | {size} | {result} | {iterations} | {solution} | {linearization} |");
+    println!(
+        "| {problem} | {size} | {result} | {iterations} | {solution} | {each} | {derivatives} |"
+    );
 }
 
 /// Returns the shortest time of several calls.
