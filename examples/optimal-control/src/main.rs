@@ -1,0 +1,195 @@
+//! Optimal control of robots that modyn compiled: iLQR, a linear-quadratic regulator, a whole-body controller by quadratic
+//! programs, and inverse kinematics. Prints a table of the results and of the times, each the best of several.
+//!
+//! `cargo run --release`
+
+mod ilqr;
+mod inverse_kinematics;
+mod jump;
+mod lqr;
+mod pose_error;
+mod problems;
+mod reaching;
+mod robots;
+mod tangent;
+mod whole_body;
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use modyn::simulate::State;
+use modyn::{Pose, Robot};
+
+use ilqr::Problem;
+use problems::{GAINS, Sway};
+use robots::{Arm, ArmLink, Quadruped, Settings};
+
+/// The time of a part that a method does not have.
+const ZERO: Duration = Duration::ZERO;
+
+fn main() {
+    println!(
+        "| problem | size | result | iterations | solution, us | each step and iteration, us | of which derivatives, us |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    reach_by_ilqr();
+    jump_by_ilqr();
+    regulate();
+    sway();
+    solve_inverse_kinematics();
+}
+
+fn reach_by_ilqr() {
+    let problem = problems::reaching();
+    let inputs = problems::hold(&problem);
+    let solve = || ilqr::solve(&problem, inputs.clone(), &ilqr::Options::default());
+    let solution = solve();
+    let last = &solution.states[solution.inputs.len()];
+    let error = pose_error::pose_error(&Arm::link_pose(&last.q, problem.link), &problem.target);
+    let size = format!("{} steps, 14 states, 7 torques", inputs.len());
+    let result =
+        format!("the hand is {} from the pose; {}", words(error.as_slice()), costs(&solution));
+    let time = best(10, solve);
+    let each = time / (inputs.len() * solution.iterations) as u32;
+    let times = [time, each, best(1000, || problem.linearize(0, &problem.start, &inputs[0]))];
+    row("iLQR, `arm7` reaches a pose", &size, &result, solution.iterations, times);
+}
+
+fn jump_by_ilqr() {
+    let problem = problems::jump();
+    let inputs = problems::stand(&problem);
+    let solve = || ilqr::solve(&problem, inputs.clone(), &ilqr::Options::default());
+    let solution = solve();
+    let last = &solution.states[solution.inputs.len()];
+    let away =
+        |x: &State<Quadruped>| words(&rotation_first(&Quadruped::difference(&problem.goal, &x.q)));
+    let simulated = jump::simulate(&problem, &solution);
+    let size = format!("{} steps, 36 states, 12 torques", inputs.len());
+    let result = format!(
+        "the base is {} from the pose in the air, on unilateral ground {}; {}",
+        away(last),
+        away(&simulated),
+        costs(&solution)
+    );
+    let time = best(10, solve);
+    let each = time / (inputs.len() * solution.iterations) as u32;
+    let times = [time, each, best(1000, || problem.linearize(0, &problem.start, &inputs[0]))];
+    row("iLQR, floating `quadruped` jumps", &size, &result, solution.iterations, times);
+}
+
+fn regulate() {
+    let regulator = problems::regulator();
+    let values = regulator.closed_loop.complex_eigenvalues();
+    let radius = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+    let start = problems::displaced(&regulator);
+    let [before, after] = [start, regulator.run(start, 400)]
+        .map(|x| tangent::difference(&regulator.rest, &x).rows(0, 7).norm());
+    let result = format!(
+        "the largest eigenvalue has the magnitude {radius:.3}; {before:.2} rad become {after:.0e} rad in 4 s"
+    );
+    let (size, time) = ("14 states, 7 torques", best(20, problems::regulator));
+    row("LQR, `arm7` keeps a posture", size, &result, regulator.iterations, [time, ZERO, ZERO]);
+}
+
+fn sway() {
+    let (sway, dt) = (Sway::default(), 0.002);
+    let mut state = State::<Quadruped>::at_rest(robots::standing());
+    let (mut worst, mut iterations, mut friction) = ([0.0_f64; 6], 0, 0.0_f64);
+    for k in 0..1000 {
+        let time = dt * f64::from(k);
+        let found = match whole_body::command(&state, &sway.at(time), GAINS) {
+            Ok(found) => found,
+            Err(status) => return eprintln!("no torques at {time} s: {status}"),
+        };
+        state = state.step_on_ground(dt, &found.tau, &problems::ground(), &Settings::DEFAULT).state;
+        let error = rotation_first(&Quadruped::difference(&sway.at(time + dt).q, &state.q));
+        if norm(&error) > norm(&worst) {
+            worst = error;
+        }
+        iterations = iterations.max(found.iterations as usize);
+        friction = found.forces.iter().map(|[x, y, z]| x.hypot(*y) / z).fold(friction, f64::max);
+    }
+    let result = format!(
+        "the base is at most {} from its motion; forces use {:.0} % of the friction",
+        words(&worst),
+        100.0 * friction / whole_body::FRICTION
+    );
+    let time = best(200, || whole_body::command(&state, &sway.at(2.0), GAINS));
+    let size = "30 unknowns, 18 equations, 44 inequalities";
+    row("whole-body QP, floating `quadruped` sways", size, &result, iterations, [time, ZERO, ZERO]);
+}
+
+fn solve_inverse_kinematics() {
+    const TARGETS: u32 = 200;
+    let mut uniform = problems::uniform(1);
+    let targets: Vec<Pose<f64>> = (0..TARGETS)
+        .map(|_| Arm::link_pose(&Arm::random(&mut uniform), ArmLink::GraspPoint))
+        .collect();
+    let options = inverse_kinematics::Options::default();
+    let solve = || -> Vec<_> {
+        let mut uniform = problems::uniform(2);
+        let mut found = Vec::new();
+        for target in &targets {
+            let link = ArmLink::GraspPoint;
+            found.extend(inverse_kinematics::reach::<Arm>(link, target, &options, &mut uniform));
+        }
+        found
+    };
+    let found = solve();
+    let (reached, first) = (found.len(), found.iter().filter(|found| found.starts == 1).count());
+    let iterations: usize = found.iter().map(|found| found.iterations).sum();
+    let limits =
+        found.iter().flat_map(|found| found.q.iter().zip(Arm::LIMITS.lower).zip(Arm::LIMITS.upper));
+    let stopped = limits.filter(|((q, lower), upper)| q == lower || q == upper).count();
+    let result = format!(
+        "{reached} of {TARGETS} poses reached, {first} from the first start; {stopped} joints at their limits"
+    );
+    let time = best(10, solve) / TARGETS;
+    let size = "7 joints, 6 equations; means of 200";
+    let mean = iterations / reached.max(1);
+    row("inverse kinematics, `arm7`", size, &result, mean, [time, ZERO, ZERO]);
+}
+
+/// Prints a row of the table; a time of zero is left out.
+fn row(problem: &str, size: &str, result: &str, iterations: usize, times: [Duration; 3]) {
+    let [solution, each, derivatives] = times.map(|time| match time.as_secs_f64() * 1e6 {
+        0.0 => String::new(),
+        us if us < 100.0 => format!("{us:.1}"),
+        us => format!("{us:.0}"),
+    });
+    println!(
+        "| {problem} | {size} | {result} | {iterations} | {solution} | {each} | {derivatives} |"
+    );
+}
+
+/// Returns the shortest time of several calls.
+fn best<T>(calls: usize, mut call: impl FnMut() -> T) -> Duration {
+    let once = |_| {
+        let start = Instant::now();
+        black_box(call());
+        start.elapsed()
+    };
+    (0..calls).map(once).min().unwrap_or_default()
+}
+
+/// Returns the first and the last cost in words.
+fn costs<R: Robot>(solution: &ilqr::Solution<R>) -> String {
+    let (first, last) = (solution.costs[0], solution.costs[solution.costs.len() - 1]);
+    let end = if solution.converged { "" } else { ", not converged" };
+    format!("cost {first:.0} to {last:.3}{end}")
+}
+
+/// Returns a displacement in words; its rotation is first.
+fn words(displacement: &[f64]) -> String {
+    let (angle, length) = (norm(&displacement[..3]), norm(&displacement[3..6]));
+    format!("{:.2} mm and {:.2} mrad", 1e3 * length, 1e3 * angle)
+}
+
+fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|x| x.powi(2)).sum::<f64>().sqrt()
+}
+
+/// Returns the displacement of the base with the rotation first.
+fn rotation_first(&[x, y, z, a, b, c, ..]: &[f64; 18]) -> [f64; 6] {
+    [a, b, c, x, y, z]
+}
