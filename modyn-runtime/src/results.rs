@@ -240,7 +240,8 @@ pub struct ConstraintResidual<D> {
     pub velocities: D,
 }
 
-/// The limits of a robot's joints; infinite without a limit in the description.
+/// The limits of a robot's joints; infinite without a limit in the description. The position limits of mimic joints are
+/// included as limits of their leaders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits<'a> {
     /// The lower position limits, rad or m, one for each entry of `q`.
