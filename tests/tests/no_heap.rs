@@ -80,6 +80,8 @@ fn calls_of_all_functions_allocate_nothing() {
         black_box(JointZoo::forward_dynamics_external_world(&q, &v, &v, &forces));
         black_box(JointZoo::inverse_dynamics_external(&q, &v, &v, &forces));
         black_box(JointZoo::inverse_dynamics_external_world(&q, &v, &v, &forces));
+        black_box(JointZoo::generalized_forces(&q, &forces));
+        black_box(JointZoo::generalized_forces_world(&q, &forces));
         black_box(JointZoo::inverse_dynamics_derivatives(&q, &v, &v));
         black_box(JointZoo::forward_dynamics_derivatives_with(&params, &q, &v, &v));
         black_box(JointZoo::regressor(&q, &v, &v));

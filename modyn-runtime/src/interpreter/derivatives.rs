@@ -39,6 +39,32 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
+    /// Computes the generalized forces `tau` = J^T f of external wrenches f (N m or N), one for each link of the
+    /// description, and their derivatives with respect to q (in the tangent space), an nv x nv matrix by columns.
+    ///
+    /// The wrenches are constant while q changes: those in link axes rotate with their links, those in world axes do
+    /// not. Both act at the links' origins, which move.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn generalized_forces(
+        &mut self,
+        q: &[S],
+        forces: Forces<'_, S>,
+        tau: &mut [S],
+        dtau_dq: &mut [S],
+    ) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        check("q", q, self.model.nq())?;
+        self.check_forces(Some(forces))?;
+        check("tau", tau, n)?;
+        check("dtau_dq", dtau_dq, n * n)?;
+        let Self { mechanism, workspace, .. } = self;
+        derivatives::generalized_forces(mechanism, (q, forces), workspace, (tau, dtau_dq));
+        Ok(())
+    }
+
     /// Computes the derivatives d tau / d q and d tau / d qd of
     /// [`inverse_dynamics_external`](Self::inverse_dynamics_external), nv x nv matrices by columns.
     ///

@@ -27,7 +27,7 @@ pub fn inverse_dynamics_external_derivatives<S: Scalar>(
     workspace: &mut Workspace<S>,
     (dtau_dq, dtau_dqd): (&mut [S], &mut [S]),
 ) {
-    let memory = generalized_forces(model, (q, forces), workspace);
+    let memory = in_memory(model, (q, forces), workspace);
     inverse_dynamics_derivatives(model, (q, qd, qdd), workspace, dtau_dq, dtau_dqd);
     for (entry, &change) in dtau_dq.iter_mut().zip(&memory[model.nv..]) {
         *entry = *entry - change;
@@ -46,7 +46,7 @@ pub fn forward_dynamics_external_derivatives<S: Scalar>(
     outputs: ForwardDerivatives<'_, S>,
 ) {
     let n = model.nv;
-    let mut memory = generalized_forces(model, (q, forces), workspace);
+    let mut memory = in_memory(model, (q, forces), workspace);
     let (total, change) = memory.split_at_mut(n);
     for (total, &tau) in total.iter_mut().zip(tau) {
         *total = *total + tau;
@@ -65,17 +65,30 @@ pub fn forward_dynamics_external_derivatives<S: Scalar>(
     workspace.external = memory;
 }
 
-/// Returns the generalized forces J^T f of external wrenches f (N m or N), and then their derivatives with respect to q, an
-/// nv x nv matrix by columns. The memory is that of `workspace.external`.
-fn generalized_forces<S: Scalar>(
+/// Returns the results of [`generalized_forces`], the derivatives after the forces. The memory is that of
+/// `workspace.external`.
+fn in_memory<S: Scalar>(
     model: &Mechanism<S>,
-    (q, forces): (&[S], Forces<'_, S>),
+    motion: (&[S], Forces<'_, S>),
     workspace: &mut Workspace<S>,
 ) -> Vec<S> {
     let mut memory = mem::take(&mut workspace.external);
-    memory.clear();
     memory.resize(model.nv * (1 + model.nv), S::zero());
-    let (generalized, derivatives) = memory.split_at_mut(model.nv);
+    let (tau, dq) = memory.split_at_mut(model.nv);
+    generalized_forces(model, motion, workspace, (tau, dq));
+    memory
+}
+
+/// Computes the generalized forces J^T f of external wrenches f (N m or N), and their derivatives with respect to q, an
+/// nv x nv matrix by columns. The wrenches are constant in the axes in which they are given.
+pub fn generalized_forces<S: Scalar>(
+    model: &Mechanism<S>,
+    (q, forces): (&[S], Forces<'_, S>),
+    workspace: &mut Workspace<S>,
+    (generalized, derivatives): (&mut [S], &mut [S]),
+) {
+    generalized.fill(S::zero());
+    derivatives.fill(S::zero());
     workspace.move_to(model, q);
     accumulate_composites(model, forces, workspace);
     for dof in &model.dofs {
@@ -111,7 +124,6 @@ fn generalized_forces<S: Scalar>(
             at = parent;
         }
     }
-    memory
 }
 
 /// Computes the external wrench of each composite (`wrenches`), and the sums of x f^T over the forces f at the points x of

@@ -20,6 +20,9 @@ mod inverse;
 mod perturbation;
 mod projection;
 
-pub use external::{forward_dynamics_external_derivatives, inverse_dynamics_external_derivatives};
+pub use external::{
+    forward_dynamics_external_derivatives, generalized_forces,
+    inverse_dynamics_external_derivatives,
+};
 pub use forward::{ForwardDerivatives, forward_dynamics_derivatives};
 pub use inverse::inverse_dynamics_derivatives;
