@@ -222,6 +222,41 @@ fn joints_stop_at_their_limits_if_that_is_asked_for() {
     assert!(compared > 5);
 }
 
+/// The fingers of the gripper move as one. The limit of the second stops both, unless it contradicts that of the first.
+#[test]
+fn joints_stop_at_the_limits_of_joints_that_mimic_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = std::fs::read_to_string("../robots/mimic_gripper.urdf").expect("the gripper");
+    let (before, after) = text.split_once("<joint name=\"right_slide\"").expect("the finger");
+    let run = |limits: &str, multiplier: &str, more: &[&str]| {
+        let joint = after.replacen("lower=\"0\" upper=\"0.04\"", limits, 1).replacen(
+            "multiplier=\"1\"",
+            &format!("multiplier=\"{multiplier}\""),
+            1,
+        );
+        assert_ne!(joint, after);
+        let path = folder.path().join("gripper.urdf");
+        std::fs::write(&path, format!("{before}<joint name=\"right_slide\"{joint}"))
+            .expect("writes");
+        let path = path.to_string_lossy().into_owned();
+        let start = ["simulate", &path, "--time", "1", "--qd", "0,0,0,0,0.1"];
+        let found = modyn(&[&start[..], more].concat());
+        assert_eq!(found.code, 0, "{}", found.err);
+        let (head, rows) = table(&found.out);
+        let finger = column(&head, "left_slide (m)");
+        (rows.iter().map(|row| row[finger]).fold(0.0, f64::max), found.err)
+    };
+    let half = "lower=\"-0.05\" upper=\"0.05\"";
+    let (reach, _) = run(half, "2", &["--limits"]);
+    assert!((reach - 0.025).abs() < 1e-9, "{reach} m");
+    let (reach, err) = run(half, "2", &[]);
+    assert!(reach > 0.05, "{reach} m");
+    assert!(err.contains("not enforced: left_slide, right_slide"), "{err}");
+    let (reach, err) = run("lower=\"0.01\" upper=\"0.04\"", "-1", &["--limits"]);
+    assert!((reach - 0.04).abs() < 1e-9, "{reach} m");
+    assert!(err.contains("contradict their leaders', and are not enforced: right_slide"), "{err}");
+}
+
 #[test]
 fn efforts_beyond_the_limits_are_reduced() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -124,6 +124,10 @@ impl Measures {
             Function::InverseDynamicsExternal | Function::InverseDynamicsExternalWorld => {
                 6000.0 * carried + wrenches
             }
+            Function::GeneralizedForces => 900.0 * depths + 60.0 * entries + wrenches,
+            Function::GeneralizedForcesWorld => {
+                1500.0 * depths + 2000.0 * links + 60.0 * entries + wrenches
+            }
             Function::InverseDynamicsDerivatives => 5000.0 * (depths + carried) + 100.0 * entries,
             Function::ForwardDynamicsDerivatives => {
                 5000.0 * depths + 600.0 * squares + 100.0 * entries

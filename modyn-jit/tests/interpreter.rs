@@ -50,6 +50,10 @@ fn expected(function: Function, values: &Values<f64>) -> Vec<f64> {
         Function::ForwardDynamicsDerivatives => {
             several(&["qdd", "dqdd_dq", "dqdd_dqd", "dqdd_dtau"])
         }
+        Function::GeneralizedForces => several(&["generalized_forces", "generalized_forces_dq"]),
+        Function::GeneralizedForcesWorld => {
+            several(&["generalized_forces_world", "generalized_forces_world_dq"])
+        }
         Function::InverseDynamicsDerivatives => several(&["dtau_dq", "dtau_dqd"]),
         Function::InverseDynamicsVjp => {
             several(&["inverse_vjp_tau", "inverse_vjp_dq", "inverse_vjp_dqd", "inverse_vjp_dqdd"])

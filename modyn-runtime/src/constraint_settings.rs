@@ -24,7 +24,8 @@ use crate::spatial::{Pose, Twist, Vector3};
 pub struct ConstraintSettings<T, C = [ContactTarget<T>; 0]> {
     /// The damping of the displacements of loop constraints, 1/s.
     pub alpha: T,
-    /// The stiffness of the displacements of loop constraints, 1/s.
+    /// The stiffness of the displacements of loop constraints, 1/s; for steps on the ground also the rate at which a joint
+    /// beyond a stop returns.
     pub beta: T,
     /// The mobility of a dependent row relative to its constraint's mobility in all six directions: the squared
     /// angular error of the mechanism's axes, rad^2.

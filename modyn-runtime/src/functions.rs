@@ -64,6 +64,8 @@ functions! {
     ForwardDynamicsExternalWorld "forward_dynamics_external_world" "`{Self}` has no function `forward_dynamics_external_world`";
     InverseDynamicsExternal "inverse_dynamics_external" "`{Self}` has no function `inverse_dynamics_external`";
     InverseDynamicsExternalWorld "inverse_dynamics_external_world" "`{Self}` has no function `inverse_dynamics_external_world`";
+    GeneralizedForces "generalized_forces" "`{Self}` has no function `generalized_forces`";
+    GeneralizedForcesWorld "generalized_forces_world" "`{Self}` has no function `generalized_forces_world`";
     InverseDynamicsDerivatives "inverse_dynamics_derivatives" "`{Self}` has no function `inverse_dynamics_derivatives`";
     ForwardDynamicsDerivatives "forward_dynamics_derivatives" "`{Self}` has no function `forward_dynamics_derivatives`";
     InverseDynamicsVjp "inverse_dynamics_vjp" "`{Self}` has no function `inverse_dynamics_vjp`";
@@ -142,7 +144,8 @@ all_of! {
     All "`{Self}` lacks a function of one state":
     ForwardDynamics InverseDynamics BiasForces GravityTorques MassMatrix Brge KineticEnergy
     PotentialEnergy ForwardDynamicsExternal ForwardDynamicsExternalWorld InverseDynamicsExternal
-    InverseDynamicsExternalWorld InverseDynamicsDerivatives ForwardDynamicsDerivatives InverseDynamicsVjp
+    InverseDynamicsExternalWorld GeneralizedForces GeneralizedForcesWorld
+    InverseDynamicsDerivatives ForwardDynamicsDerivatives InverseDynamicsVjp
     InverseDynamicsJvp ForwardDynamicsVjp ForwardDynamicsJvp StepSemiImplicit
     StepSemiImplicitDerivatives StepRk4 Regressor
     CenterOfMass CenterOfMassJacobian CentroidalMomentumMatrix CentroidalMomentum LinkPoses LinkPose

@@ -73,9 +73,9 @@ pub use parameters::ParameterError;
 pub use results::{
     ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
     ConstraintProjection, ConstraintResidual, ContactImpulse, DifferenceDerivatives,
-    ForwardDynamicsDerivatives, ForwardDynamicsJvp, ForwardDynamicsVjp, IntegrateDerivatives,
-    InverseDynamicsDerivatives, InverseDynamicsJvp, InverseDynamicsVjp, JointLimits,
-    KinematicModule, OperationCount, OperationalInertia, Step, StepDerivatives,
+    ForwardDynamicsDerivatives, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
+    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsJvp, InverseDynamicsVjp,
+    JointLimits, KinematicModule, OperationCount, OperationalInertia, Step, StepDerivatives,
 };
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]

@@ -99,6 +99,15 @@ pub struct ForwardDynamicsVjp<V> {
     pub dtau: V,
 }
 
+/// The generalized forces of external wrenches, and their derivative.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GeneralizedForces<V, M> {
+    /// The generalized forces J^T f, N m or N.
+    pub tau: V,
+    /// The derivative of the generalized forces with respect to q, in tangent space: a square matrix by columns.
+    pub dq: M,
+}
+
 /// The accelerations of forward dynamics, and their change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForwardDynamicsJvp<V> {
@@ -240,7 +249,8 @@ pub struct ConstraintResidual<D> {
     pub velocities: D,
 }
 
-/// The limits of a robot's joints; infinite without a limit in the description.
+/// The limits of a robot's joints; infinite without a limit in the description. The position limits of mimic joints are
+/// included as limits of their leaders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits<'a> {
     /// The lower position limits, rad or m, one for each entry of `q`.

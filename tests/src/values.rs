@@ -245,6 +245,8 @@ macro_rules! other_quantities {
         let (given, links) = ($given, $links);
         let (q, qd, qdd, tau) = (&given.q, &given.qd, &given.qdd, &given.tau);
         let forces = &given.forces;
+        let generalized =
+            [$robot::generalized_forces(q, forces), $robot::generalized_forces_world(q, forces)];
         let inverse = $robot::inverse_dynamics_derivatives(q, qd, qdd);
         let forward = $robot::forward_dynamics_derivatives(q, qd, tau);
         let random = $robot::random($crate::values::uniform());
@@ -275,6 +277,10 @@ macro_rules! other_quantities {
                 "inverse_dynamics_external_world",
                 list(&$robot::inverse_dynamics_external_world(q, qd, qdd, forces)),
             ),
+            ("generalized_forces", list(&generalized[0].tau)),
+            ("generalized_forces_dq", columns(&generalized[0].dq)),
+            ("generalized_forces_world", list(&generalized[1].tau)),
+            ("generalized_forces_world_dq", columns(&generalized[1].dq)),
             ("dtau_dq", columns(&inverse.dq)),
             ("dtau_dqd", columns(&inverse.dqd)),
             ("qdd", list(&forward.qdd)),
@@ -513,6 +519,14 @@ fn interpreted_others<T: Scalar>(
     interpreter
         .inverse_dynamics_derivatives(q, qd, qdd, &mut dtau_dq, &mut dtau_dqd)
         .expect(LENGTHS);
+    let [
+        (mut generalized_forces, mut generalized_forces_dq),
+        (mut generalized_forces_world, mut generalized_forces_world_dq),
+    ] = [0; 2].map(|_| (zeros(n), zeros(n * n)));
+    let into = (&mut *generalized_forces, &mut *generalized_forces_dq);
+    interpreter.generalized_forces(q, local, into.0, into.1).expect(LENGTHS);
+    let into = (&mut *generalized_forces_world, &mut *generalized_forces_world_dq);
+    interpreter.generalized_forces(q, world, into.0, into.1).expect(LENGTHS);
     let (mut at, mut dqdd_dq) = (zeros(n), zeros(n * n));
     let (mut dqdd_dqd, mut dqdd_dtau) = (zeros(n * n), zeros(n * n));
     let derivatives = ForwardDerivatives {
@@ -583,6 +597,10 @@ fn interpreted_others<T: Scalar>(
         ("forward_dynamics_external_world", interpreter.qdd_under(q, qd, tau, world)),
         ("inverse_dynamics_external", interpreter.tau_under(q, qd, qdd, local)),
         ("inverse_dynamics_external_world", interpreter.tau_under(q, qd, qdd, world)),
+        ("generalized_forces", generalized_forces),
+        ("generalized_forces_dq", generalized_forces_dq),
+        ("generalized_forces_world", generalized_forces_world),
+        ("generalized_forces_world_dq", generalized_forces_world_dq),
         ("dtau_dq", dtau_dq),
         ("dtau_dqd", dtau_dqd),
         ("qdd", at),

@@ -65,6 +65,7 @@ fn derivatives_allocate_at_their_first_call_alone() {
         let square = model.nv() * model.nv();
         let State { q, qd, tau, mut qdd } = state(seed, &model);
         let [mut dq, mut dqd, mut dtau] = [(); 3].map(|()| vec![0.0; square]);
+        let wrenches = vec![Wrench::zero(); model.frames().len()];
         let mut interpreter = Interpreter::<f64>::new(model);
         let mut derive = || {
             interpreter.inverse_dynamics_derivatives(&q, &qd, &tau, &mut dq, &mut dqd)?;
@@ -74,7 +75,17 @@ fn derivatives_allocate_at_their_first_call_alone() {
                 dqdd_dqd: &mut dqd,
                 dqdd_dtau: &mut dtau,
             };
-            interpreter.forward_dynamics_derivatives(&q, &qd, &tau, outputs)
+            interpreter.forward_dynamics_derivatives(&q, &qd, &tau, outputs)?;
+            let forces = Forces::InWorldAxes(&wrenches);
+            let motion = (&*q, &*qd, &*tau);
+            interpreter.inverse_dynamics_external_derivatives(motion, forces, &mut dq, &mut dqd)?;
+            let outputs = ForwardDerivatives {
+                qdd: &mut qdd,
+                dqdd_dq: &mut dq,
+                dqdd_dqd: &mut dqd,
+                dqdd_dtau: &mut dtau,
+            };
+            interpreter.forward_dynamics_external_derivatives(motion, forces, outputs)
         };
         assert_eq!(derive(), Ok(()));
         let (result, allocated) = measure(derive);

@@ -267,7 +267,8 @@ fn random_coordinates_are_within_limits_and_evenly_spread() {
         [
             angle,
             angle,
-            (-0.3, 1.7),
+            // The limits of the mimic joint, -0.1 <= -2 q + 0.5 <= 0.1.
+            (0.2, 0.3),
             displacement,
             displacement,
             angle,
@@ -349,6 +350,49 @@ fn limits_on_one_side_leave_a_range_on_the_other() {
     let turn = |lower, upper| range_of(JointType::Revolute, lower, upper);
     assert_eq!(turn(Some(1.0), None), (1.0, 1.0 + 2.0 * PI));
     assert_eq!(turn(None, Some(-1.0)), (-1.0 - 2.0 * PI, -1.0));
+}
+
+/// Chains of mimic joints narrow the range of their leader; contradictory limits of a mimic joint do not.
+#[test]
+fn limits_of_mimic_joints_are_limits_of_their_leader() {
+    let range_of = |own: [f64; 2], followers: [(usize, f64, f64, [f64; 2]); 2]| {
+        let joints = [(None, own)].into_iter().chain(followers.map(
+            |(leader, multiplier, offset, range)| {
+                (Some(Mimic { leader, multiplier, offset }), range)
+            },
+        ));
+        let links: Vec<Link> = joints
+            .enumerate()
+            .map(|(i, (mimic, [lower, upper]))| {
+                let joint = Joint::new(
+                    format!("joint{i}"),
+                    JointType::Revolute,
+                    [0.0, 0.0, 1.0],
+                    Pose::identity(),
+                );
+                let bound = |x: f64| x.is_finite().then_some(x);
+                let (lower, upper) = (bound(lower), bound(upper));
+                let limits = Some(Limits { lower, upper, velocity: None, effort: None });
+                let joint = Joint { limits, mimic, ..joint };
+                let name = format!("link{i}");
+                Link { name, parent: i.checked_sub(1), joint, inertial: Inertial::default() }
+            })
+            .collect();
+        let model = Model::new("mimics", DEFAULT_GRAVITY, links, vec![]).expect("a valid model");
+        let ranges = [0, 1, 2].map(|link| model.coordinate_range(link));
+        assert_eq!(ranges, [ranges[0]; 3], "a mimic joint has the range of its leader");
+        ranges[0]
+    };
+    const FREE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+    // -1 <= -2 q + 3 <= 1, and the second follows the first: -9 <= 4 (-2 q + 3) - 1 <= 1.
+    let chain = |own| range_of(own, [(0, -2.0, 3.0, [-1.0, 1.0]), (1, 4.0, -1.0, [-9.0, 1.0])]);
+    assert_close("chain", &chain(FREE), &[1.25, 2.0], 1e-15);
+    assert_close("chain", &chain([1.5, 9.0]), &[1.5, 2.0], 1e-15);
+    // The first leaves one point, and does not count; the second does.
+    assert_eq!(chain([2.0, 3.0]), [2.0, 2.5]);
+    assert_eq!(chain([5.0, 6.0]), [5.0, 6.0]);
+    let free = range_of(FREE, [(0, -2.0, 3.0, FREE), (0, 1.0, 0.0, [f64::NEG_INFINITY, 0.5])]);
+    assert_eq!(free, [f64::NEG_INFINITY, 0.5]);
 }
 
 #[test]

@@ -8,13 +8,14 @@ use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::{Workspace, dynamics::inverse_dynamics};
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Inertial, Model, ModuleTree};
-use modyn_runtime::{ForwardDerivatives, Interpreter, Scalar};
+use modyn_runtime::spatial::Wrench;
+use modyn_runtime::{Forces, ForwardDerivatives, Interpreter, Scalar};
 use modyn_tests::close::assert_close;
 use modyn_tests::dual::{Tangent, along, along_velocity, constant};
 use modyn_tests::floating::floated;
 use modyn_tests::golden::{self, FIXED_BASE, FLOATING_BASE, Golden};
 use modyn_tests::quantities::Quantities;
-use modyn_tests::random::{self, State};
+use modyn_tests::random::{self, Random, State};
 
 /// The tolerance that the reference data's README gives.
 const TOLERANCE: f64 = 1e-9;
@@ -107,6 +108,68 @@ fn random_trees_agree_with_tangents_of_the_dynamics() {
     types.dedup();
     assert_eq!(types.len(), 7, "all types occur: {types:?}");
     assert!(followers > 15, "{followers}");
+}
+
+/// External wrenches on all links are constant in the links' axes, or in the world's.
+#[test]
+fn derivatives_under_external_wrenches_agree_with_tangents_of_the_dynamics() {
+    let mut followers = 0;
+    for seed in 0..100 {
+        let model = random::mixed_zoo(seed, 1 + usize::try_from(seed % 9).expect("a digit"));
+        followers += model.links().iter().filter(|link| link.joint.mimic.is_some()).count();
+        let n = model.nv();
+        let State { q, qd, qdd, tau } = random::state(seed, &model);
+        let mut random = Random::new(seed);
+        let wrench =
+            |_: &_| Wrench::from_components(std::array::from_fn(|_| random.between(-9.0, 9.0)));
+        let wrenches: Vec<Wrench<f64>> = model.frames().iter().map(wrench).collect();
+        let duals: Vec<Wrench<Tangent<f64>>> = wrenches
+            .iter()
+            .map(|wrench| {
+                let components = constant(&wrench.components());
+                Wrench::from_components(std::array::from_fn(|i| components[i]))
+            })
+            .collect();
+        let mut interpreter = Interpreter::new(model.clone());
+        let mut dual = Interpreter::<Tangent<f64>>::new(model.clone());
+        for in_world in [false, true] {
+            let (forces, dual_forces) = match in_world {
+                false => (Forces::InLinkAxes(&wrenches), Forces::InLinkAxes(&duals)),
+                true => (Forces::InWorldAxes(&wrenches), Forces::InWorldAxes(&duals)),
+            };
+            let slopes = |values: Vec<Tangent<f64>>| values.into_iter().map(|value| value.dx);
+            let mut expected: [Vec<f64>; 5] = Default::default();
+            for k in 0..n {
+                let along_q = along_velocity(&model, &q, k);
+                let (along_qd, along_tau) = (along(&qd, k), along(&tau, k));
+                let (q, qd, qdd, tau) =
+                    (constant(&q), constant(&qd), constant(&qdd), constant(&tau));
+                expected[0].extend(slopes(dual.tau_under(&along_q, &qd, &qdd, dual_forces)));
+                expected[1].extend(slopes(dual.tau_under(&q, &along_qd, &qdd, dual_forces)));
+                expected[2].extend(slopes(dual.qdd_under(&along_q, &qd, &tau, dual_forces)));
+                expected[3].extend(slopes(dual.qdd_under(&q, &along_qd, &tau, dual_forces)));
+                expected[4].extend(slopes(dual.qdd_under(&q, &qd, &along_tau, dual_forces)));
+            }
+            let mut found = [n, n * n, n * n, n * n, n * n, n * n].map(|size| vec![f64::NAN; size]);
+            let [at, dqdd_dq, dqdd_dqd, dqdd_dtau, dtau_dq, dtau_dqd] = &mut found;
+            let outputs = ForwardDerivatives { qdd: at, dqdd_dq, dqdd_dqd, dqdd_dtau };
+            let derived =
+                interpreter.forward_dynamics_external_derivatives((&q, &qd, &tau), forces, outputs);
+            assert_eq!(derived, Ok(()));
+            let motion = (&*q, &*qd, &*qdd);
+            let derived = interpreter
+                .inverse_dynamics_external_derivatives(motion, forces, dtau_dq, dtau_dqd);
+            assert_eq!(derived, Ok(()));
+            let seed = format!("seed {seed}, in world axes: {in_world}");
+            assert_close(&seed, at, &interpreter.qdd_under(&q, &qd, &tau, forces), 1e-9);
+            assert_close(&seed, dtau_dq, &expected[0], 1e-11);
+            assert_close(&seed, dtau_dqd, &expected[1], 1e-11);
+            assert_close(&seed, dqdd_dq, &expected[2], 1e-9);
+            assert_close(&seed, dqdd_dqd, &expected[3], 1e-9);
+            assert_close(&seed, dqdd_dtau, &expected[4], 1e-9);
+        }
+    }
+    assert!(followers > 5, "{followers}");
 }
 
 #[test]

@@ -2,9 +2,9 @@
 
 use std::hint::black_box;
 
-use modyn::simulate::{Gains, Reference, State};
-use modyn::spatial::Wrench;
-use modyn::{Inertial, Nalgebra};
+use modyn::simulate::{Gains, Ground, Reference, SpringGround, State, limit_effort};
+use modyn::spatial::{Pose, Vector3, Wrench};
+use modyn::{ConstraintSettings, ContactTarget, Inertial, Nalgebra};
 use modyn_tests::counting::{Counting, measure};
 
 #[global_allocator]
@@ -21,6 +21,12 @@ modyn::modyn!(
     runtime_gravity = true,
     runtime_inertia = ["tip"],
     payload = ["tip"],
+);
+modyn::modyn!(
+    Standing = "../../robots/quadruped.urdf",
+    base = floating,
+    functions = [default, constraint_jacobian],
+    contacts = ["fl": point("front_left_foot"), "hr": point("hind_right_foot")],
 );
 
 macro_rules! allocates_nothing {
@@ -74,6 +80,8 @@ fn calls_of_all_functions_allocate_nothing() {
         black_box(JointZoo::forward_dynamics_external_world(&q, &v, &v, &forces));
         black_box(JointZoo::inverse_dynamics_external(&q, &v, &v, &forces));
         black_box(JointZoo::inverse_dynamics_external_world(&q, &v, &v, &forces));
+        black_box(JointZoo::generalized_forces(&q, &forces));
+        black_box(JointZoo::generalized_forces_world(&q, &forces));
         black_box(JointZoo::inverse_dynamics_derivatives(&q, &v, &v));
         black_box(JointZoo::forward_dynamics_derivatives_with(&params, &q, &v, &v));
         black_box(JointZoo::regressor(&q, &v, &v));
@@ -101,4 +109,37 @@ fn calls_of_all_functions_allocate_nothing() {
         black_box(next.semi_implicit_euler(0.01, |state| state.qd));
     });
     assert_eq!((allocated.calls, allocated.peak), (0, 0));
+}
+
+/// Steps on the ground allocate nothing, with feet on the ground or a knee at its limit.
+#[test]
+fn steps_on_the_ground_allocate_nothing() {
+    let settings = ConstraintSettings::<f64, [ContactTarget<f64>; 2]>::DEFAULT;
+    let spring = SpringGround {
+        plane: Pose::identity(),
+        stiffness: 1e3,
+        damping: 10.0,
+        friction: 0.5,
+        slip: 0.01,
+    };
+    for (height, bend, touches, stops) in [(0.32, 0.0, true, false), (1.0, 10.0, false, true)] {
+        let mut q = Standing::NEUTRAL;
+        (q[2], q[9]) = (height, bend);
+        let ground = black_box(Ground::with_friction(0.8));
+        let mut tau = [0.0; Standing::NV];
+        tau[8] = if stops { 5.0 } else { 0.0 };
+        let (state, tau) = black_box((State::<Standing>::at_rest(q), tau));
+        let (last, allocated) = measure(|| {
+            let tau = limit_effort::<Standing, f64>(&tau);
+            let mut last = state.step_on_ground(0.001, &tau, &ground, &settings);
+            for _ in 0..3 {
+                last = last.state.step_on_ground(0.001, &tau, &ground, &settings);
+            }
+            black_box(spring.force(Vector3([0.0, 0.0, -0.01]), Vector3([0.1, 0.0, -0.1])));
+            last
+        });
+        assert_eq!((allocated.calls, allocated.peak), (0, 0));
+        assert_eq!(last.forces.iter().any(|force| force[2] > 0.0), touches);
+        assert_eq!(last.stops.iter().any(|stop| stop.abs() > 0.0), stops);
+    }
 }

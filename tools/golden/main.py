@@ -1,4 +1,4 @@
-"""Makes the reference data of tests/golden with Pinocchio: see the README there.
+"""Makes the reference data of tests/golden with Pinocchio, and of motions on the ground with MuJoCo: see the README there.
 
 The robots taken from elsewhere keep their states, which are read from their files; all quantities are computed
 anew. The random mechanisms, the loops and their states come from seeds. With the versions of requirements.txt the
@@ -15,6 +15,7 @@ import pinocchio
 
 import contacts
 import displacements
+import ground
 import loops
 import mechanisms
 import urdf
@@ -164,6 +165,7 @@ def files():
         yield f"{name}.json", lambda name=name: text(loop(name))
     for name in contacts.ROBOTS:
         yield f"{name}.json", lambda name=name: text(standing(name))
+    yield "ground.json", lambda: text(ground.cases(ROOT))
 
 
 def main():

@@ -336,6 +336,26 @@ functions! {
          link's origin in world axes.",
         |_, s| s.all_links.inverse_dynamics_external(Axes::World),
     );
+    /// Generalized forces of external wrenches in the links' axes.
+    GeneralizedForces "generalized_forces" = Row::one(
+        &[Q, FORCES],
+        shapes::generalized_forces,
+        "Returns the generalized forces J^T f of a wrench on each link (in the order of `LINK_NAMES`), at the link's\n\
+         origin in the link's own axes, and their derivative with respect to `q` (in tangent space), an array of\n\
+         columns. The wrenches rotate with their links.",
+        |_, s| s.all_links.generalized_forces(Axes::Link),
+    )
+        .without_parameters();
+    /// Generalized forces of external wrenches in world axes.
+    GeneralizedForcesWorld "generalized_forces_world" = Row::one(
+        &[Q, FORCES],
+        shapes::generalized_forces,
+        "Returns the generalized forces J^T f of a wrench on each link (in the order of `LINK_NAMES`), at the link's\n\
+         origin in world axes, and their derivative with respect to `q` (in tangent space), an array of columns. The\n\
+         wrenches keep their directions.",
+        |_, s| s.all_links.generalized_forces(Axes::World),
+    )
+        .without_parameters();
     /// Derivatives of inverse dynamics.
     InverseDynamicsDerivatives "inverse_dynamics_derivatives" = Row::one(
         &[Q, QD, QDD],

@@ -196,6 +196,10 @@ pub(super) mod shapes {
         named_fields("ForwardDynamicsDerivatives", [vec![("qdd", velocities(s))], matrices.into()].concat())
     }
 
+    pub fn generalized_forces(s: &Sizes) -> Shape {
+        named_fields("GeneralizedForces", vec![("tau", velocities(s)), ("dq", square(s))])
+    }
+
     pub fn integrate_derivatives(s: &Sizes) -> Shape {
         named_fields("IntegrateDerivatives", vec![("dq", square(s)), ("dv", square(s))])
     }

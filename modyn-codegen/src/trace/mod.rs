@@ -12,6 +12,7 @@ mod steps;
 
 use modyn_runtime::Scalar;
 use modyn_runtime::equations::brge::{self, UduLayout};
+use modyn_runtime::equations::derivatives::generalized_forces;
 use modyn_runtime::equations::dynamics::{
     Elimination, forward_dynamics, gravity_torques, inverse_dynamics, kinetic_energy, mass_matrix,
     potential_energy, recursive_forward_dynamics, recursive_newton_euler,
@@ -31,6 +32,12 @@ fn in_axes(forces: &[Wrench<Expr>], axes: Axes) -> Forces<'_, Expr> {
         Axes::Link => Forces::InLinkAxes(forces),
         Axes::World => Forces::InWorldAxes(forces),
     }
+}
+
+/// Returns the wrenches with these numbers, six each.
+fn wrenches(numbers: &[Expr]) -> Vec<Wrench<Expr>> {
+    let wrench = |six: &[Expr]| Wrench::from_components(std::array::from_fn(|i| six[i]));
+    numbers.chunks(6).map(wrench).collect()
 }
 
 /// A robot on expressions, whose equations can be traced.
@@ -245,15 +252,27 @@ impl<'a> Tracer<'a> {
         })
     }
 
+    /// Returns the graph of the generalized forces of external wrenches, and of their derivatives by q, by columns. Inputs:
+    /// `q`, and six numbers (moment, force) for each link of the description.
+    #[must_use]
+    pub fn generalized_forces(&self, axes: Axes) -> Graph {
+        let (nq, nv) = (self.model.nq, self.model.nv);
+        self.trace_groups([nq, 6 * self.model.frames.len()], |model, [q, forces]| {
+            let (forces, workspace) = (wrenches(&forces), &mut Workspace::new(model));
+            let (mut tau, mut dq) = (self.vector(), vec![Expr::zero(); nv * nv]);
+            let motion = (&*q, in_axes(&forces, axes));
+            generalized_forces(model, motion, workspace, (&mut tau, &mut dq));
+            [tau, dq].concat()
+        })
+    }
+
     fn with_forces(
         &self,
         equations: impl FnOnce(&Mechanism<Expr>, [&[Expr]; 3], &[Wrench<Expr>]) -> Vec<Expr>,
     ) -> Graph {
         let (nq, nv) = (self.model.nq, self.model.nv);
         self.trace_groups([nq, nv, nv, 6 * self.model.frames.len()], |model, [q, a, b, forces]| {
-            let wrench = |six: &[Expr]| Wrench::from_components(std::array::from_fn(|i| six[i]));
-            let forces: Vec<_> = forces.chunks(6).map(wrench).collect();
-            equations(model, [&q, &a, &b], &forces)
+            equations(model, [&q, &a, &b], &wrenches(&forces))
         })
     }
 

@@ -24,6 +24,7 @@
 //! | `factorization/limb_coupling` | the entries of the inverse that couple merged limbs | (60) |
 //! | `brge` | the public entry of the factorization | (35)-(57) |
 //! | `derivatives` | derivatives of inverse and forward dynamics | Singh, Russell and Wensing 2022 |
+//! | `derivatives/external` | the same under external wrenches | |
 //! | `steps/semi_implicit` | the state after a semi-implicit Euler step, its derivatives | |
 //! | `steps/runge_kutta` | the state after a Runge-Kutta step | Celledoni, Marthinsen and Owren 2003 |
 //! | `identification/regressor` | inverse dynamics as a linear function of the inertial parameters | Atkeson, An and Hollerbach 1986 |

@@ -22,6 +22,8 @@ pub struct Workspace<S> {
     pub(super) fields: Vec<Field<S>>,
     pub(super) twists: Vec<Twist<S>>,
     pub(super) wrenches: Vec<Wrench<S>>,
+    /// For each composite, the sum of x f^T over the external forces f at the points x.
+    pub(super) force_moments: Vec<Matrix3<S>>,
     /// The axes of each body in the world, as columns.
     pub(super) axes: Vec<Matrix3<S>>,
     pub(super) composite: Vec<RigidInertia<S>>,
@@ -45,6 +47,8 @@ pub struct Workspace<S> {
     /// The mass matrix by columns and its packed factors, for equations that need them.
     pub(super) matrix: Vec<S>,
     pub(super) factors: Vec<S>,
+    /// The generalized forces of external wrenches, and their derivatives by columns.
+    pub(super) external: Vec<S>,
 }
 
 impl<S: Scalar> Workspace<S> {
@@ -62,6 +66,7 @@ impl<S: Scalar> Workspace<S> {
             fields: vec![Field::zero(); bodies],
             twists: vec![Twist::zero(); bodies],
             wrenches: vec![Wrench::zero(); bodies],
+            force_moments: vec![Matrix3::zero(); bodies],
             composite: vec![RigidInertia::zero(); bodies],
             velocities: vec![VelocityMoments::zero(); bodies],
             levers: vec![Vector3::zero(); bodies],
@@ -74,6 +79,7 @@ impl<S: Scalar> Workspace<S> {
             pivots: Vec::new(),
             matrix: Vec::new(),
             factors: Vec::new(),
+            external: Vec::new(),
         }
     }
 

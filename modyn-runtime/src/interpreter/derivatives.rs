@@ -6,6 +6,7 @@ use crate::Scalar;
 use crate::equations::brge::UduLayout;
 use crate::equations::derivatives;
 pub use crate::equations::derivatives::ForwardDerivatives;
+use crate::equations::dynamics::Forces;
 use crate::model::ModuleTree;
 
 impl<S: Scalar> Interpreter<S> {
@@ -35,6 +36,63 @@ impl<S: Scalar> Interpreter<S> {
         let Self { mechanism, workspace, .. } = self;
         let motion = (q, qd, qdd);
         derivatives::inverse_dynamics_derivatives(mechanism, motion, workspace, dtau_dq, dtau_dqd);
+        Ok(())
+    }
+
+    /// Computes the generalized forces `tau` = J^T f of external wrenches f (N m or N), one for each link of the
+    /// description, and their derivatives with respect to q (in the tangent space), an nv x nv matrix by columns.
+    ///
+    /// The wrenches are constant while q changes: those in link axes rotate with their links, those in world axes do
+    /// not. Both act at the links' origins, which move.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn generalized_forces(
+        &mut self,
+        q: &[S],
+        forces: Forces<'_, S>,
+        tau: &mut [S],
+        dtau_dq: &mut [S],
+    ) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        check("q", q, self.model.nq())?;
+        self.check_forces(Some(forces))?;
+        check("tau", tau, n)?;
+        check("dtau_dq", dtau_dq, n * n)?;
+        let Self { mechanism, workspace, .. } = self;
+        derivatives::generalized_forces(mechanism, (q, forces), workspace, (tau, dtau_dq));
+        Ok(())
+    }
+
+    /// Computes the derivatives d tau / d q and d tau / d qd of
+    /// [`inverse_dynamics_external`](Self::inverse_dynamics_external), nv x nv matrices by columns.
+    ///
+    /// The wrenches are constant while q changes: those in link axes rotate with their links, those in world axes do
+    /// not. Both act at the links' origins, which move. The first call
+    /// allocates memory.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn inverse_dynamics_external_derivatives(
+        &mut self,
+        (q, qd, qdd): (&[S], &[S], &[S]),
+        forces: Forces<'_, S>,
+        dtau_dq: &mut [S],
+        dtau_dqd: &mut [S],
+    ) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        check("q", q, self.model.nq())?;
+        check("qd", qd, n)?;
+        check("qdd", qdd, n)?;
+        self.check_forces(Some(forces))?;
+        check("dtau_dq", dtau_dq, n * n)?;
+        check("dtau_dqd", dtau_dqd, n * n)?;
+        let Self { mechanism, workspace, .. } = self;
+        let (motion, results) = ((q, qd, qdd), (dtau_dq, dtau_dqd));
+        let derive = derivatives::inverse_dynamics_external_derivatives;
+        derive(mechanism, motion, forces, workspace, results);
         Ok(())
     }
 
@@ -72,6 +130,47 @@ impl<S: Scalar> Interpreter<S> {
         tau: &[S],
         outputs: ForwardDerivatives<'_, S>,
     ) -> Result<(), ShapeError> {
+        self.check_derivatives((q, qd, tau), &outputs)?;
+        let Self { mechanism, workspace, model, links, .. } = self;
+        let layout =
+            links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
+        let state = (q, qd, tau);
+        derivatives::forward_dynamics_derivatives(mechanism, layout, state, workspace, outputs);
+        Ok(())
+    }
+
+    /// Computes the joint accelerations under the joint forces `tau` and external wrenches, and their derivatives with
+    /// respect to q (in the tangent space), qd and tau, nv x nv matrices by columns.
+    ///
+    /// The wrenches are constant while q changes: those in link axes rotate with their links, those in world axes do
+    /// not. Both act at the links' origins, which move. The first call
+    /// allocates memory.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn forward_dynamics_external_derivatives(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        forces: Forces<'_, S>,
+        outputs: ForwardDerivatives<'_, S>,
+    ) -> Result<(), ShapeError> {
+        self.check_forces(Some(forces))?;
+        self.check_derivatives((q, qd, tau), &outputs)?;
+        let Self { mechanism, workspace, model, links, .. } = self;
+        let layout =
+            links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
+        let state = (q, qd, tau);
+        let derive = derivatives::forward_dynamics_external_derivatives;
+        derive(mechanism, layout, state, forces, workspace, outputs);
+        Ok(())
+    }
+
+    fn check_derivatives(
+        &self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        outputs: &ForwardDerivatives<'_, S>,
+    ) -> Result<(), ShapeError> {
         let n = self.model.nv();
         check("q", q, self.model.nq())?;
         check("qd", qd, n)?;
@@ -79,12 +178,6 @@ impl<S: Scalar> Interpreter<S> {
         check("qdd", outputs.qdd, n)?;
         check("dqdd_dq", outputs.dqdd_dq, n * n)?;
         check("dqdd_dqd", outputs.dqdd_dqd, n * n)?;
-        check("dqdd_dtau", outputs.dqdd_dtau, n * n)?;
-        let Self { mechanism, workspace, model, links, .. } = self;
-        let layout =
-            links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
-        let state = (q, qd, tau);
-        derivatives::forward_dynamics_derivatives(mechanism, layout, state, workspace, outputs);
-        Ok(())
+        check("dqdd_dtau", outputs.dqdd_dtau, n * n)
     }
 }

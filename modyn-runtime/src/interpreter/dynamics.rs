@@ -74,7 +74,7 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    fn check_forces(&self, forces: Option<Forces<'_, S>>) -> Result<(), ShapeError> {
+    pub(super) fn check_forces(&self, forces: Option<Forces<'_, S>>) -> Result<(), ShapeError> {
         forces
             .map_or(Ok(()), |forces| check("forces", forces.wrenches(), self.model.frames().len()))
     }

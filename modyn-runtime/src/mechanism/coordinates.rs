@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 
 use crate::Scalar;
 use crate::joint::JointType;
-use crate::model::{Limits, Model};
+use crate::model::Model;
 
 /// The space of a group of coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,12 +66,12 @@ pub(super) fn coordinates<S: Scalar>(model: &Model) -> Vec<Coordinates<S>> {
         if joint.mimic.is_some() {
             continue;
         }
-        let limits = joint.limits.as_ref();
+        let range = model.coordinate_range(i);
         let spaces: &[CoordinateSpace<f64>] = match joint.joint_type {
-            JointType::Revolute | JointType::Continuous => &[line(limits, PI)],
-            JointType::Prismatic => &[line(limits, 1.0)],
-            JointType::Universal => &[line(None, PI); 2],
-            JointType::Planar => &[line(None, 1.0), line(None, 1.0), line(None, PI)],
+            JointType::Revolute | JointType::Continuous => &[line(range, PI)],
+            JointType::Prismatic => &[line(range, 1.0)],
+            JointType::Universal => &[line(range, PI); 2],
+            JointType::Planar => &[line(range, 1.0), line(range, 1.0), line(range, PI)],
             JointType::Spherical => &[CoordinateSpace::Rotation],
             JointType::Floating => &[CoordinateSpace::Pose],
         };
@@ -84,15 +84,13 @@ pub(super) fn coordinates<S: Scalar>(model: &Model) -> Vec<Coordinates<S>> {
     all
 }
 
-/// Returns the range of a coordinate within `limits`. Where a limit is missing, the range is 2 `reach` wide.
-fn line(limits: Option<&Limits>, reach: f64) -> CoordinateSpace<f64> {
-    let finite = |limit: Option<f64>| limit.filter(|x| x.is_finite());
-    let (lower, upper) = limits.map_or((None, None), |l| (finite(l.lower), finite(l.upper)));
-    let (low, high) = match (lower, upper) {
-        (Some(low), Some(high)) => (low, high),
-        (Some(low), None) => (low, low + 2.0 * reach),
-        (None, Some(high)) => (high - 2.0 * reach, high),
-        (None, None) => (-reach, reach),
+/// Returns the range of a coordinate. Where a limit is infinite, the range is 2 `reach` wide.
+fn line([lower, upper]: [f64; 2], reach: f64) -> CoordinateSpace<f64> {
+    let (low, high) = match (lower.is_finite(), upper.is_finite()) {
+        (true, true) => (lower, upper),
+        (true, false) => (lower, lower + 2.0 * reach),
+        (false, true) => (upper - 2.0 * reach, upper),
+        (false, false) => (-reach, reach),
     };
     CoordinateSpace::Line { low, high }
 }

@@ -306,6 +306,38 @@ impl Model {
         self.joint_indices.get(link).and_then(|place| place.mimic)
     }
 
+    /// Returns the lowest and the highest coordinate of moving link `link`'s joint, rad or m: within the limits of the
+    /// joint and of all joints that mimic it. For a mimic joint the coordinate is its leader's.
+    ///
+    /// The range is infinite without limits, for a joint with several coordinates, and if there is no such link. The limits
+    /// of a mimic joint are ignored if they contradict those before: if they would leave less than 1e-9 rad or m.
+    #[must_use]
+    pub fn coordinate_range(&self, link: usize) -> [f64; 2] {
+        let leader = self.mimic(link).map_or(link, |mimic| mimic.leader);
+        let own = self.position_limits(leader);
+        let followers = (0..self.links.len()).filter_map(|i| Some((i, self.mimic(i)?)));
+        let followers = followers.filter(|(_, mimic)| mimic.leader == leader);
+        followers.fold(own, |[low, high], (i, mimic)| {
+            let bounds = self.position_limits(i);
+            let [a, b] = bounds.map(|bound| (bound - mimic.offset) / mimic.multiplier);
+            let (lower, upper) = if mimic.multiplier < 0.0 { (b, a) } else { (a, b) };
+            let lower = if lower > low { lower } else { low };
+            let upper = if upper < high { upper } else { high };
+            if upper - lower > 1e-9 { [lower, upper] } else { [low, high] }
+        })
+    }
+
+    /// Returns the position limits of moving link `link`'s joint by itself, infinite without a limit.
+    fn position_limits(&self, link: usize) -> [f64; 2] {
+        let joint = self.links.get(link).map(|link| &link.joint);
+        let limits = joint.filter(|joint| joint.joint_type.nq() == 1);
+        let limits = limits.and_then(|joint| joint.limits.as_ref());
+        [
+            limits.and_then(|limits| limits.lower).unwrap_or(f64::NEG_INFINITY),
+            limits.and_then(|limits| limits.upper).unwrap_or(f64::INFINITY),
+        ]
+    }
+
     /// Returns whether the robot has mimic joints.
     #[must_use]
     pub fn has_mimics(&self) -> bool {

@@ -82,6 +82,20 @@ macro_rules! robot_functions {
                 forces: &Self::PerLink<Wrench<T>>
             ) -> Self::V<T>, if InverseDynamicsExternalWorld;
 
+            /// Returns the generalized forces J^T f of a wrench on each link, at the link's origin in the link's own
+            /// axes, and their derivative with respect to `q` (in tangent space). The wrenches rotate with their links.
+            generalized_forces(
+                q: &Self::Q<T>,
+                forces: &Self::PerLink<Wrench<T>>
+            ) -> GeneralizedForces<Self::V<T>, Self::M<T>>, if GeneralizedForces;
+
+            /// Returns the generalized forces J^T f of a wrench on each link, at the link's origin in world axes, and
+            /// their derivative with respect to `q` (in tangent space). The wrenches keep their directions.
+            generalized_forces_world(
+                q: &Self::Q<T>,
+                forces: &Self::PerLink<Wrench<T>>
+            ) -> GeneralizedForces<Self::V<T>, Self::M<T>>, if GeneralizedForcesWorld;
+
             /// Returns the poses of all links in the world.
             link_poses(q: &Self::Q<T>) -> Self::PerLink<Pose<T>>, if LinkPoses;
 

@@ -10,9 +10,9 @@ use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 use crate::results::{
     ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
     ConstraintProjection, ConstraintResidual, ContactImpulse, DifferenceDerivatives,
-    ForwardDynamicsDerivatives, ForwardDynamicsJvp, ForwardDynamicsVjp, IntegrateDerivatives,
-    InverseDynamicsDerivatives, InverseDynamicsJvp, InverseDynamicsVjp, JointLimits,
-    KinematicModule, OperationalInertia, Step, StepDerivatives,
+    ForwardDynamicsDerivatives, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
+    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsJvp, InverseDynamicsVjp,
+    JointLimits, KinematicModule, OperationalInertia, Step, StepDerivatives,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use functions::{declare_functions, missing, robot_functions};

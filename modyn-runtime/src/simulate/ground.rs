@@ -1,6 +1,6 @@
 //! Steps of a robot that touches the ground, and forces of a soft ground.
 
-use super::impulses::{Stop, Touch, apply_impulses, least_speed};
+use super::impulses::{FreeMotion, Stop, Touch, apply_impulses};
 use super::{State, add_scaled};
 use crate::robot::Factorization;
 use crate::spatial::{Pose, Vector3};
@@ -16,7 +16,8 @@ pub struct Ground<T = f64> {
     pub friction: T,
     /// The number of sweeps of the projected Gauss-Seidel method.
     pub sweeps: usize,
-    /// Whether joints stop at the limits of the description.
+    /// Whether joints stop at the limits of the description. A joint beyond a limit returns at the rate `beta` of
+    /// [`ConstraintSettings`].
     pub joint_limits: bool,
 }
 
@@ -92,32 +93,27 @@ impl<R: Robot, T: Scalar> State<R, T> {
                 factors.solve(&R::V::<T>::from_fn(|v| columns(contact)[v].linear[k]))
             })
         });
-        let mut touches = R::PerContact::<Touch<'_, T>>::from_fn(|contact| {
-            let target = &settings.contacts.as_ref()[contact];
-            let responses = &responses.as_ref()[contact];
+        let touches = R::PerContact::<Touch<'_, T>>::from_fn(|contact| {
+            let responses = responses.as_ref()[contact].each_ref().map(AsRef::as_ref);
+            let displacement = before.displacements.as_ref()[loops + contact];
+            let velocity = before.velocities.as_ref()[loops + contact];
             Touch::new(
-                target,
-                columns(contact),
-                responses.each_ref().map(AsRef::as_ref),
+                &settings.contacts.as_ref()[contact],
+                (columns(contact), responses),
+                (displacement, velocity),
+                FreeMotion { dt, velocities: qd.as_ref() },
                 ground.friction,
             )
         });
-        for (k, touch) in touches.as_mut().iter_mut().enumerate() {
-            let target = &settings.contacts.as_ref()[k];
-            let height = touch.normal.dot(before.displacements.as_ref()[loops + k].linear);
-            let speed = touch.normal.dot(before.velocities.as_ref()[loops + k].linear);
-            let free = touch.normal.dot(touch.velocity(qd.as_ref()));
-            let bounce = (target.beta, target.restitution);
-            touch.least_speed = least_speed((height, speed, free), bounce, dt);
-        }
         let inverse = if ground.joint_limits { Some(factors.inverse()) } else { None };
-        let stops = R::PerVelocity::<Stop<'_, T>>::from_fn(|entry| Stop {
-            entry,
-            response: inverse.as_ref().map_or(&[], |inverse| inverse.as_ref()[entry].as_ref()),
-            range: coordinate_of::<R>(entry).map_or(free_range(), |i| {
-                let bound = |limit: f64| (T::from_f64(limit) - self.q.as_ref()[i]) * dt.recip();
-                [bound(R::LIMITS.lower[i]), bound(R::LIMITS.upper[i])]
-            }),
+        let stops = R::PerVelocity::<Stop<'_, T>>::from_fn(|entry| {
+            let inverse = inverse.as_ref().map(AsRef::as_ref);
+            let response = inverse.map_or(&[][..], |columns| columns[entry].as_ref());
+            let unlimited = (T::zero(), [f64::NEG_INFINITY, f64::INFINITY]);
+            let place = coordinate_of::<R>(entry).map_or(unlimited, |i| {
+                (self.q.as_ref()[i], [R::LIMITS.lower[i], R::LIMITS.upper[i]])
+            });
+            Stop::new((entry, response), place, settings.beta, dt)
         });
         let stops = if ground.joint_limits { stops.as_ref() } else { &[] };
         let mut impulses = R::PerContact::<Vector3<T>>::from_fn(|_| Vector3::zero());
@@ -138,13 +134,10 @@ impl<R: Robot, T: Scalar> State<R, T> {
     }
 }
 
-/// Returns a range without bounds.
-fn free_range<T: Scalar>() -> [T; 2] {
-    [T::from_f64(f64::NEG_INFINITY), T::from_f64(f64::INFINITY)]
-}
-
-/// Returns the coordinate whose rate is this entry of the velocities; `None` if the coordinate is a quaternion or the
-/// velocity is in other axes than the coordinates.
+/// Returns the index of the coordinate of this entry of the velocities, `None` for the angular velocities of a quaternion.
+///
+/// The entry is the rate of the coordinate, except for the linear velocities of a planar or floating joint, which are in
+/// the axes of the moved link. Such joints have no limits: their coordinates have infinite limits.
 fn coordinate_of<R: Robot>(entry: usize) -> Option<usize> {
     let mut coordinate = entry;
     for &(_, quaternion) in R::QUATERNIONS {

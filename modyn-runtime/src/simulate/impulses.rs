@@ -26,8 +26,12 @@ pub struct Touch<'a, T> {
     pub responses: [&'a [T]; 3],
     /// The normal of the ground, away from the ground.
     pub normal: Vector3<T>,
+    /// The mobility n^T A n along the normal, and the trace of A within the plane, 1/kg; A is J I^-1 J^T.
+    pub mobilities: [T; 2],
     /// The velocity of the ground at the contact, m/s.
     pub ground: Vector3<T>,
+    /// The height of the contact's frame above the ground before the step, m.
+    pub height: T,
     /// The least speed along the normal relative to the ground after the step, m/s.
     pub least_speed: T,
     /// The coefficient of friction.
@@ -47,23 +51,47 @@ pub struct Stop<'a, T> {
     pub range: [T; 2],
 }
 
+/// The motion of a robot without the impulses of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct FreeMotion<'a, T> {
+    /// The time step, s.
+    pub dt: T,
+    /// The velocities after the step without impulses.
+    pub velocities: &'a [T],
+}
+
 impl<'a, T: Scalar> Touch<'a, T> {
-    /// Returns a contact with the plane, the velocity and the compliance of this target. Its least speed is zero.
+    /// Returns a contact with the target `target`. `before` is the displacement of the contact's frame from the target
+    /// and the rate of the displacement, both before the step: the residual of the constraint.
     #[must_use]
     pub fn new(
         target: &ContactTarget<T>,
-        columns: &'a [Twist<T>],
-        responses: [&'a [T]; 3],
+        (columns, responses): (&'a [Twist<T>], [&'a [T]; 3]),
+        before: (Twist<T>, Twist<T>),
+        free: FreeMotion<'_, T>,
         friction: T,
     ) -> Self {
+        let normal = Vector3(target.pose.rotation.map(|row| row[2]));
+        let ground = target.velocity.linear;
+        let height = normal.dot(before.0.linear);
+        let before = normal.dot(before.1.linear);
+        let after = normal.dot(velocity(columns, free.velocities) - ground);
+        let least_speed = least_speed(target, height, (before, after), free.dt);
+        let compliance = target.compliance;
+        let block = responses.map(|response| velocity(columns, response));
+        let along = (0..3).fold(T::zero(), |sum, k| sum + normal[k] * normal.dot(block[k]));
+        let trace = (0..3).fold(T::zero(), |sum, k| sum + block[k][k]);
+        let mobilities = [along, trace - along];
         Self {
             columns,
             responses,
-            normal: Vector3(target.pose.rotation.map(|row| row[2])),
-            ground: target.velocity.linear,
-            least_speed: T::zero(),
+            normal,
+            mobilities,
+            ground,
+            height,
+            least_speed,
             friction,
-            compliance: target.compliance,
+            compliance,
         }
     }
 }
@@ -72,21 +100,12 @@ impl<T: Scalar> Touch<'_, T> {
     /// Returns the velocity of the contact relative to the ground, in world axes.
     #[must_use]
     pub fn velocity(&self, velocities: &[T]) -> Vector3<T> {
-        let moves = self.columns.iter().zip(velocities).map(|(column, &v)| column.linear.scale(v));
-        moves.fold(-self.ground, |sum, velocity| sum + velocity)
+        velocity(self.columns, velocities) - self.ground
     }
 
     /// Corrects the impulse, and the velocities with it.
     fn correct(&self, velocities: &mut [T], impulse: &mut Vector3<T>) {
-        let block: [Vector3<T>; 3] = self.responses.map(|response| {
-            let moves =
-                self.columns.iter().zip(response).map(|(column, &v)| column.linear.scale(v));
-            moves.fold(Vector3::zero(), |sum, velocity| sum + velocity)
-        });
-        let normal = self.normal;
-        let along = (0..3).fold(T::zero(), |sum, k| sum + normal[k] * normal.dot(block[k]));
-        let trace = (0..3).fold(T::zero(), |sum, k| sum + block[k][k]);
-
+        let (normal, [along, across]) = (self.normal, self.mobilities);
         let before = normal.dot(*impulse);
         let missing =
             self.least_speed - normal.dot(self.velocity(velocities)) - self.compliance * before;
@@ -96,7 +115,7 @@ impl<T: Scalar> Touch<'_, T> {
 
         let slip = self.velocity(velocities);
         let slip = slip - normal.scale(normal.dot(slip));
-        let held = *impulse - normal.scale(pressed) - slip.scale((trace - along).recip());
+        let held = *impulse - normal.scale(pressed) - slip.scale(across.recip());
         let (length, most) = (held.dot(held).sqrt(), self.friction * pressed);
         // At length zero the first choice applies, so nothing is divided by zero.
         let sticks = most - length;
@@ -116,7 +135,25 @@ impl<T: Scalar> Touch<'_, T> {
     }
 }
 
-impl<T: Scalar> Stop<'_, T> {
+impl<'a, T: Scalar> Stop<'a, T> {
+    /// Returns the stop of a joint at the coordinate `at` within `limits`, rad or m; limits may be infinite.
+    ///
+    /// A joint within its limits may reach them. A joint beyond a limit returns at `beta` (1/s) times its distance.
+    #[must_use]
+    pub fn new(
+        (entry, response): (usize, &'a [T]),
+        (at, limits): (T, [f64; 2]),
+        beta: T,
+        dt: T,
+    ) -> Self {
+        let [below, above] = limits.map(|limit| T::from_f64(limit) - at);
+        let range = [
+            below * (-below).select_nonnegative(dt.recip(), return_rate(beta, dt)),
+            above * above.select_nonnegative(dt.recip(), return_rate(beta, dt)),
+        ];
+        Self { entry, response, range }
+    }
+
     /// Corrects the impulse, and the velocities with it.
     fn correct(&self, velocities: &mut [T], impulse: &mut T) {
         let per_unit = self.response[self.entry].recip();
@@ -151,22 +188,33 @@ pub fn apply_impulses<T: Scalar>(
     }
 }
 
+/// Returns the speed per depth at which a step of `dt` seconds resolves a violation: `beta`, at most 1 / `dt`.
+fn return_rate<T: Scalar>(beta: T, dt: T) -> T {
+    let per_step = dt.recip();
+    (per_step - beta).select_nonnegative(beta, per_step)
+}
+
+/// Returns the velocity of a contact's frame with this Jacobian in world axes, m/s.
+fn velocity<T: Scalar>(columns: &[Twist<T>], velocities: &[T]) -> Vector3<T> {
+    let moves = columns.iter().zip(velocities).map(|(column, &v)| column.linear.scale(v));
+    moves.fold(Vector3::zero(), |sum, velocity| sum + velocity)
+}
+
 /// Returns the least speed of a contact along its normal after a step of `dt` seconds, m/s.
 ///
-/// `height` is the height above the ground before the step, `before` the speed along the normal, and `free` the speed
-/// after the step without impulses. A contact above the ground may reach it. A contact in the ground leaves it at `beta`
-/// times its depth. A contact that would pass the ground leaves it with `restitution` times its speed, unless that is
-/// below 0.01 m/s.
-pub fn least_speed<T: Scalar>(
-    (height, before, free): (T, T, T),
-    (beta, restitution): (T, T),
+/// `height` is the height above the ground before the step, m. `before` is the speed along the normal, and `free` the
+/// speed after the step without impulses, m/s. A contact above the ground may reach it. A contact in the ground leaves it
+/// at `beta` times its depth. A contact that would pass the ground leaves it with `restitution` times its speed, unless
+/// that is below 0.01 m/s.
+fn least_speed<T: Scalar>(
+    target: &ContactTarget<T>,
+    height: T,
+    (before, free): (T, T),
     dt: T,
 ) -> T {
-    let per_step = dt.recip();
-    // The smaller of the two.
-    let gain = (per_step - beta).select_nonnegative(beta, per_step);
-    let least = -(height * height.select_nonnegative(per_step, gain));
-    let rebound = -(restitution * before);
+    let gain = height.select_nonnegative(dt.recip(), return_rate(target.beta, dt));
+    let least = -(height * gain);
+    let rebound = -(target.restitution * before);
     let faster = rebound - least;
     let bounced = faster.select_nonnegative(rebound, least);
     let bounces = rebound - T::from_f64(0.01);

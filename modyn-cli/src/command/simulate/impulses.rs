@@ -3,12 +3,10 @@
 //! `modyn::simulate::State::step_on_ground` is the same step for generated robots.
 
 use modyn_runtime::model::Model;
-use modyn_runtime::simulate::impulses::{Stop, Touch, apply_impulses, least_speed};
+use modyn_runtime::simulate::Ground;
+use modyn_runtime::simulate::impulses::{FreeMotion, Stop, Touch, apply_impulses};
 use modyn_runtime::spatial::{Twist, Vector3};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
-
-/// The number of sweeps over all contacts and stops.
-const SWEEPS: usize = 50;
 
 /// The unilateral constraints of a motion.
 #[derive(Clone, Copy, Default)]
@@ -30,10 +28,25 @@ impl Options {
 struct Limited {
     coordinate: usize,
     velocity: usize,
-    /// The lowest and the highest coordinate, rad or m.
+    /// The lowest and the highest coordinate, rad or m; mimic joints included.
     range: [f64; 2],
     /// The largest joint force, N m or N.
     effort: f64,
+}
+
+/// Returns the names of the mimic joints whose limits contradict those of their leaders. Such limits are not enforced.
+pub fn contradictory_limits(model: &Model) -> Vec<String> {
+    let contradicts = |&link: &usize| {
+        let joint = &model.links()[link].joint;
+        let (Some(limits), Some(mimic)) = (&joint.limits, model.mimic(link)) else { return false };
+        model.coordinate_range(link).iter().any(|q| {
+            let q = mimic.multiplier * q + mimic.offset;
+            limits.lower.is_some_and(|lower| q < lower - 1e-9)
+                || limits.upper.is_some_and(|upper| q > upper + 1e-9)
+        })
+    };
+    let links = (0..model.links().len()).filter(contradicts);
+    links.map(|link| model.links()[link].joint.name.clone()).collect()
 }
 
 /// The unilateral constraints of a robot.
@@ -56,16 +69,16 @@ impl Impulses {
     pub fn new(model: &Model, options: Options) -> Self {
         let limited = (0..model.links().len()).filter_map(|link| {
             let joint = &model.links()[link].joint;
-            let limits = joint.limits.as_ref().filter(|_| joint.mimic.is_none())?;
             let (q, v) = (model.q_range(link), model.v_range(link));
-            (q.len() == 1 && v.len() == 1).then(|| Limited {
+            (joint.mimic.is_none() && v.len() == 1).then(|| Limited {
                 coordinate: q.start,
                 velocity: v.start,
-                range: [
-                    limits.lower.unwrap_or(f64::NEG_INFINITY),
-                    limits.upper.unwrap_or(f64::INFINITY),
-                ],
-                effort: limits.effort.unwrap_or(f64::INFINITY),
+                range: model.coordinate_range(link),
+                effort: joint
+                    .limits
+                    .as_ref()
+                    .and_then(|limits| limits.effort)
+                    .unwrap_or(f64::INFINITY),
             })
         });
         let limited = if options.limits { limited.collect() } else { Vec::new() };
@@ -114,30 +127,28 @@ impl Impulses {
                 responses.push(factors.solve(&force)?);
             }
         }
-        let mut lowest = f64::INFINITY;
+        let ground = Ground::with_friction(self.options.friction.unwrap_or(0.0));
         let touches: Vec<Touch<'_, f64>> = (0..contacts)
             .map(|c| {
-                let target = &settings.contacts[c];
-                let responses = [0, 1, 2].map(|k| &*responses[3 * c + k]);
-                let friction = self.options.friction.unwrap_or(0.0);
-                let touch = Touch::new(target, &columns[c * n..][..n], responses, friction);
-                let height = touch.normal.dot(displacements[c].linear);
-                lowest = lowest.min(height);
-                let speeds = [velocities[c].linear, touch.velocity(&free)];
-                let [before, after] = speeds.map(|velocity| touch.normal.dot(velocity));
-                let bounce = (target.beta, target.restitution);
-                Touch { least_speed: least_speed((height, before, after), bounce, dt), ..touch }
+                Touch::new(
+                    &settings.contacts[c],
+                    (&columns[c * n..][..n], [0, 1, 2].map(|k| &*responses[3 * c + k])),
+                    (displacements[c], velocities[c]),
+                    FreeMotion { dt, velocities: &free },
+                    ground.friction,
+                )
             })
             .collect();
+        let lowest = touches.iter().map(|touch| touch.height).fold(f64::INFINITY, f64::min);
         let inverse = if self.limited.is_empty() { Vec::new() } else { factors.inverse() };
-        let stops = self.limited.iter().map(|joint| Stop {
-            entry: joint.velocity,
-            response: &inverse[joint.velocity * n..][..n],
-            range: joint.range.map(|bound| (bound - q[joint.coordinate]) / dt),
+        let stops = self.limited.iter().map(|joint| {
+            let response = &inverse[joint.velocity * n..][..n];
+            let place = (q[joint.coordinate], joint.range);
+            Stop::new((joint.velocity, response), place, settings.beta, dt)
         });
         let stops: Vec<Stop<'_, f64>> = stops.collect();
         let (mut impulses, mut torques) = (vec![Vector3::zero(); contacts], vec![0.0; stops.len()]);
-        apply_impulses((&touches, &mut impulses), (&stops, &mut torques), SWEEPS, &mut next);
+        apply_impulses((&touches, &mut impulses), (&stops, &mut torques), ground.sweeps, &mut next);
 
         // The change of the kinetic energy by impulses is their product with the mean velocity.
         let mean: Vec<f64> = free.iter().zip(&next).map(|(a, b)| (a + b) / 2.0).collect();

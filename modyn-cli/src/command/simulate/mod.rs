@@ -20,7 +20,7 @@ use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::Robot;
 use crate::viewer;
-use impulses::Options;
+use impulses::{Options, contradictory_limits};
 use motion::{Motion, Settings};
 use torques::Torques;
 
@@ -180,15 +180,21 @@ fn summary(model: &Model, motion: &Motion, limits: bool) -> String {
             (-motion.lowest).max(0.0)
         );
     }
-    let beyond = motion.beyond_limits(model);
-    if !limits && !beyond.is_empty() {
-        let shown = &beyond[..beyond.len().min(MAX_NAMES)];
-        let more = match beyond.len() - shown.len() {
+    let (found, remark) = match limits {
+        true => (
+            contradictory_limits(model),
+            "mimic joints whose limits contradict their leaders', and are not enforced",
+        ),
+        false => (motion.beyond_limits(model), "beyond their limits, which are not enforced"),
+    };
+    if !found.is_empty() {
+        let shown = &found[..found.len().min(MAX_NAMES)];
+        let more = match found.len() - shown.len() {
             0 => String::new(),
             more => format!(" and {more} more"),
         };
         let shown = sanitize_for_display(&shown.join(", "));
-        out += &format!("beyond their limits, which are not enforced: {shown}{more}\n");
+        out += &format!("{remark}: {shown}{more}\n");
     }
     out
 }

@@ -138,15 +138,14 @@ impl Motion {
         self.samples.iter().map(|s| (s.balance() - start).abs()).fold(0.0, f64::max)
     }
 
-    /// Returns the names of the joints that exceeded their limits.
+    /// Returns the names of the joints, mimic joints included, that exceeded their limits.
     pub fn beyond_limits(&self, model: &Model) -> Vec<String> {
         let beyond = |&link: &usize| {
-            let joint = &model.links()[link].joint;
-            let Some(limits) = joint.limits.as_ref().filter(|_| joint.mimic.is_none()) else {
-                return false;
-            };
+            let Some(limits) = &model.links()[link].joint.limits else { return false };
+            let ratio = model.mimic(link).map_or((1.0, 0.0), |m| (m.multiplier, m.offset));
             let range = model.q_range(link);
             self.samples.iter().flat_map(|sample| &sample.q[range.clone()]).any(|&q| {
+                let q = ratio.0 * q + ratio.1;
                 limits.lower.is_some_and(|lower| q < lower - 1e-9)
                     || limits.upper.is_some_and(|upper| q > upper + 1e-9)
             })

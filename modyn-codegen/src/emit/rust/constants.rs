@@ -165,10 +165,13 @@ impl Robot<'_> {
 
     /// Prints limits, armature, damping and friction, by coordinate or velocity.
     fn limits(&self, text: &mut String) {
-        let own = || self.model.links().iter().filter(|link| link.joint.mimic.is_none());
-        let list = |length: fn(&Link) -> usize, figure: &dyn Fn(&Link) -> f64| {
+        let own = || {
+            let links = self.model.links().iter().enumerate();
+            links.filter(|(_, link)| link.joint.mimic.is_none())
+        };
+        let list = |length: fn(&Link) -> usize, number: &dyn Fn(usize, &Link) -> f64| {
             let numbers: Vec<String> = own()
-                .flat_map(|link| std::iter::repeat_n(figure(link), length(link)))
+                .flat_map(|(i, link)| std::iter::repeat_n(number(i, link), length(link)))
                 .map(|x| match x {
                     x if x == f64::INFINITY => "f64::INFINITY".into(),
                     x if x == f64::NEG_INFINITY => "f64::NEG_INFINITY".into(),
@@ -193,13 +196,13 @@ impl Robot<'_> {
              pub const DAMPING: [f64; {n}] = [{}];\n\
              /// The description's Coulomb friction, N m or N. It acts if the option `friction` enables it.\n\
              pub const FRICTION: [f64; {n}] = [{}];",
-            list(nq, &|link| limit(link, |l| l.lower).unwrap_or(f64::NEG_INFINITY)),
-            list(nq, &|link| limit(link, |l| l.upper).unwrap_or(f64::INFINITY)),
-            list(nv, &|link| limit(link, |l| l.velocity).unwrap_or(f64::INFINITY)),
-            list(nv, &|link| limit(link, |l| l.effort).unwrap_or(f64::INFINITY)),
-            list(nv, &|link| link.joint.drive.armature),
-            list(nv, &|link| link.joint.drive.damping),
-            list(nv, &|link| link.joint.drive.friction),
+            list(nq, &|i, _| self.model.coordinate_range(i)[0]),
+            list(nq, &|i, _| self.model.coordinate_range(i)[1]),
+            list(nv, &|_, link| limit(link, |l| l.velocity).unwrap_or(f64::INFINITY)),
+            list(nv, &|_, link| limit(link, |l| l.effort).unwrap_or(f64::INFINITY)),
+            list(nv, &|_, link| link.joint.drive.armature),
+            list(nv, &|_, link| link.joint.drive.damping),
+            list(nv, &|_, link| link.joint.drive.friction),
             n = self.model.nv(),
         );
     }

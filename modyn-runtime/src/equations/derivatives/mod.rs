@@ -14,10 +14,15 @@
 //! the tangent vectors are displacements in the link's own axes. Matrices are nv x nv by columns.
 
 mod composite;
+mod external;
 mod forward;
 mod inverse;
 mod perturbation;
 mod projection;
 
+pub use external::{
+    forward_dynamics_external_derivatives, generalized_forces,
+    inverse_dynamics_external_derivatives,
+};
 pub use forward::{ForwardDerivatives, forward_dynamics_derivatives};
 pub use inverse::inverse_dynamics_derivatives;

@@ -186,7 +186,7 @@ impl<S: Scalar> Entries<'_, S> {
 }
 
 /// Returns the change, in the parent frame, of a wrench that is displaced with its body.
-fn displaced<S: Scalar>(wrench: Wrench<S>, component: usize) -> Wrench<S> {
+pub(super) fn displaced<S: Scalar>(wrench: Wrench<S>, component: usize) -> Wrench<S> {
     if let Some(k) = component.checked_sub(3) {
         let moment = Vector3::unit(k).cross(wrench.force);
         return Wrench { moment, force: Vector3::zero() };

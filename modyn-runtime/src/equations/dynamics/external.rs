@@ -27,22 +27,36 @@ impl<S: Scalar> Forces<'_, S> {
 
     /// Subtracts the external wrenches from `workspace.wrenches`. Expects the joint transforms at q.
     pub(in crate::equations) fn subtract(self, model: &Mechanism<S>, workspace: &mut Workspace<S>) {
+        self.for_each(model, workspace, |workspace, body, point, Wrench { moment, force }| {
+            let wrench = &mut workspace.wrenches[body];
+            *wrench = *wrench - Wrench { moment: moment + point.cross(force), force };
+        });
+    }
+
+    /// Calls `each` for each wrench on a body, with the body, the wrench in the axes of the body and the point at which
+    /// the wrench acts, in the frame of the body. Expects the joint transforms at q.
+    pub(in crate::equations) fn for_each(
+        self,
+        model: &Mechanism<S>,
+        workspace: &mut Workspace<S>,
+        mut each: impl FnMut(&mut Workspace<S>, usize, Vector3<S>, Wrench<S>),
+    ) {
         let in_world = matches!(self, Self::InWorldAxes(_));
         if in_world {
             (0..model.bodies.len()).for_each(|i| kinematic_path::rotate_axes(model, i, workspace));
         }
-        for (force, frame) in self.wrenches().iter().zip(&model.frames) {
+        for (wrench, frame) in self.wrenches().iter().zip(&model.frames) {
             let Some(body) = frame.body else { continue };
             let to_body = if in_world {
                 workspace.axes[body].transposed()
             } else {
                 Matrix3(frame.pose.rotation)
             };
-            let (moment, force) =
-                (to_body.mul_vector(force.moment), to_body.mul_vector(force.force));
-            let lever = Vector3(frame.pose.translation);
-            let wrench = &mut workspace.wrenches[body];
-            *wrench = *wrench - Wrench { moment: moment + lever.cross(force), force };
+            let wrench = Wrench {
+                moment: to_body.mul_vector(wrench.moment),
+                force: to_body.mul_vector(wrench.force),
+            };
+            each(workspace, body, Vector3(frame.pose.translation), wrench);
         }
     }
 }

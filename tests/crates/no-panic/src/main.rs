@@ -71,6 +71,8 @@ fn call_all() {
     black_box(Zoo::forward_dynamics_external_world(&q, &v, &v, &forces));
     black_box(Zoo::inverse_dynamics_external(&q, &v, &v, &forces));
     black_box(Zoo::inverse_dynamics_external_world(&q, &v, &v, &forces));
+    black_box(Zoo::generalized_forces(&q, &forces));
+    black_box(Zoo::generalized_forces_world(&q, &forces));
     black_box(Zoo::inverse_dynamics_derivatives(&q, &v, &v));
     black_box(Zoo::forward_dynamics_derivatives_with(&params, &q, &v, &v));
     black_box(Zoo::regressor(&q, &v, &v));
