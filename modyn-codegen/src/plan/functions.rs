@@ -94,6 +94,12 @@ const SETTINGS: Argument = argument("settings", shapes::settings);
 const CONTACTS: Argument = argument("contacts", shapes::contacts);
 const UNIFORMS: Argument = argument("uniforms", shapes::velocities);
 
+/// All arguments, in the order that they have in every function.
+pub(super) const ARGUMENTS: &[Argument] = &[
+    Q, QD, QDD, TAU, DQ, DQD, DQDD, DTAU, COTANGENT, DT, V, FROM, TO, FORCES, CONTACTS, SETTINGS,
+    UNIFORMS,
+];
+
 impl Row {
     const fn new(
         arguments: &'static [Argument],
@@ -838,7 +844,17 @@ impl Function {
 
 #[cfg(test)]
 mod tests {
-    use super::Function;
+    use super::{ARGUMENTS, Function};
+
+    #[test]
+    fn all_functions_have_their_arguments_in_one_order() {
+        for function in Function::ALL {
+            let places: Vec<usize> = (function.row().arguments.iter())
+                .map(|own| ARGUMENTS.iter().position(|one| one.name == own.name).expect("known"))
+                .collect();
+            assert!(places.is_sorted_by(|a, b| a < b), "{function:?}: {places:?}");
+        }
+    }
 
     #[test]
     fn a_function_is_suggested() {
