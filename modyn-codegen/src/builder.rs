@@ -325,7 +325,9 @@ impl Builder {
             errors.extend(too_large(model, modules, &functions));
         }
         let bundles = reading.as_ref().map(|reading| {
-            let of = |bundle: &Bundle| bundle.of(&reading.model).map_err(|found| errors.extend(found)).ok();
+            let of = |bundle: &Bundle| {
+                bundle.of(&reading.model).map_err(|found| errors.extend(found)).ok()
+            };
             self.options.code.bundles.iter().filter_map(of).collect()
         });
         let inertias = [

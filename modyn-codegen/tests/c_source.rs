@@ -210,7 +210,8 @@ fn an_arm_computes_the_bits_of_rust() {
 fn a_bundle_computes_its_functions() {
     let builder = with_bundle(all(robot("ur5")), "forearm_link").runtime_gravity();
     let (folder, header) = compiled("bundle", &builder);
-    let declared = "void ours_control(const double q[6], const double qd[6], const double tau[6], double out[";
+    let declared =
+        "void ours_control(const double q[6], const double qd[6], const double tau[6], double out[";
     assert!(header.contains(declared), "{header}");
     assert!(header.contains("void ours_control_with(const double q[6], const double qd[6], const double tau[6], const double params[3], "));
     let main = r#"
@@ -254,8 +255,12 @@ fn a_bundle_computes_its_functions() {
         let mut command = Command::new(compiler);
         command.args(STRICT).args(["-O1", "main.c", "ours.c", "-o", "main", "-lm"]);
         run(command.current_dir(&folder));
-        assert_eq!(run(&mut Command::new(folder.join("main"))), "199 0
-", "{compiler}");
+        assert_eq!(
+            run(&mut Command::new(folder.join("main"))),
+            "199 0
+",
+            "{compiler}"
+        );
     }
 }
 

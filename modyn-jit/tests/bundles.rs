@@ -3,9 +3,11 @@
 mod common;
 
 use common::{levels, random, robot};
-use modyn_codegen::plan::Shape;
+use modyn_codegen::plan::{Shape, Trace};
+use modyn_codegen::trace::{LinkFrame, Tracer};
 use modyn_codegen::{Builder, Bundle, Function};
 use modyn_jit::{CallError, CompileError, Compiled, Options};
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::Model;
 
 /// Functions of a state and joint vectors, in bundles whose arguments machine code can have.
@@ -166,6 +168,33 @@ fn agrees(model: &Model, links: &[&str], configure: impl Fn(Builder) -> Builder)
     }
 }
 
+/// The graphs that functions of one link have in bundles give the numbers of the functions by themselves.
+#[test]
+fn graphs_in_bundles() {
+    let mut compared = 0;
+    for function in Function::ALL {
+        let row = function.row();
+        let (Trace::ByLink(alone), Some(in_bundles)) = (row.trace, row.in_bundles) else {
+            continue;
+        };
+        for seed in 0..5 {
+            let model = random::general_zoo(seed, 6);
+            let mechanism = Mechanism::new(&model);
+            let bare = Mechanism { frames: Vec::new(), ..mechanism.clone() };
+            let random::State { q, qd, qdd, .. } = random::state(seed, &model);
+            let inputs = [q, qd, qdd].concat();
+            for &frame in &mechanism.frames {
+                let tracer = Tracer::with_link(&bare, LinkFrame::Known(frame));
+                let [found, expected] =
+                    [in_bundles, alone].map(|trace| trace(&tracer).evaluate(&inputs));
+                close(function.name(), &found, &expected);
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 50, "{compared}");
+}
+
 fn link_names(model: &Model) -> Vec<&str> {
     model.frames().iter().map(|frame| frame.name.as_str()).collect()
 }
@@ -203,13 +232,12 @@ fn wrong_bundles_name_the_error() {
     let control = Bundle::new("control").function(Function::MassMatrix);
     let compiled = Compiled::<f64>::build(&builder.clone().bundles([control]), Options::default());
     let compiled = compiled.expect("code");
-    let error = compiled.bundle("contrl").expect_err("not compiled");
+    let error = compiled.bundle("contrl").err().expect("not compiled");
     assert_eq!(error.to_string(), "`contrl` was not compiled; compiled were: mass_matrix, control");
     let error = compiled.bundle("control").expect("compiled").one(&[], &mut []).expect_err("one");
     assert!(matches!(error, CallError::Arguments { function: "control", found: 0, .. }), "{error}");
-    let many = Bundle::new("many")
-        .function(Function::ForwardDynamicsJvp)
-        .function(Function::Difference);
+    let many =
+        Bundle::new("many").function(Function::ForwardDynamicsJvp).function(Function::Difference);
     let error = Compiled::<f64>::build(&builder.bundles([many]), Options::default());
     let error = error.expect_err("too many arguments");
     assert!(matches!(error, CompileError::Arguments { function: "many", arrays: 8 }), "{error}");

@@ -56,7 +56,8 @@ const RESERVED: &[&str] = &[
 ];
 
 /// The first words after the name of a bundle that make a name of the bundle's own functions.
-const FORMS: &[&str] = &["batch", "each", "lanes", "of", "on", "placed", "scalar", "vectorized", "with"];
+const FORMS: &[&str] =
+    &["batch", "each", "lanes", "of", "on", "placed", "scalar", "vectorized", "with"];
 
 /// The arguments that functions of many states do not have.
 const OF_ONE_STATE: &[&str] = &["forces", "contacts", "settings"];
@@ -108,16 +109,20 @@ impl Bundle {
         }
         for (i, member) in self.members.iter().enumerate() {
             let defect = member.defect(self.batch).or_else(|| {
-                let same = self.members[..i].iter().find(|other| other.field() == member.field())?;
+                let same =
+                    self.members[..i].iter().find(|other| other.field() == member.field())?;
                 let help = match same == member {
                     true => "name it once",
-                    false => "their links have the same name in snake case: put them in two bundles",
+                    false => {
+                        "their links have the same name in snake case: put them in two bundles"
+                    }
                 };
-                Some((format!("two functions would be the field `{}`", member.field()), help.into()))
+                Some((
+                    format!("two functions would be the field `{}`", member.field()),
+                    help.into(),
+                ))
             });
-            defects.extend(
-                defect.map(|(message, help)| Defect { member: Some(i), message, help }),
-            );
+            defects.extend(defect.map(|(message, help)| Defect { member: Some(i), message, help }));
         }
         defects
     }
@@ -214,7 +219,10 @@ impl Member {
         let found = |message: String, help: &str| Some((message, help.to_string()));
         if let Some(one) = row.batch_of {
             let message = format!("`{name}` is a function of many states");
-            let help = format!("write `{}`; a bundle `name: batch(..)` has a form for many states", one.name());
+            let help = format!(
+                "write `{}`; a bundle `name: batch(..)` has a form for many states",
+                one.name()
+            );
             return Some((message, help));
         }
         if self.function == Function::Random {
@@ -233,12 +241,14 @@ impl Member {
             _ => {}
         }
         if batch && self.function == Function::Brge {
-            let message = "`brge` has no form for many states in a bundle, since its factors are private";
+            let message =
+                "`brge` has no form for many states in a bundle, since its factors are private";
             return found(message.into(), "take the function `brge_batch`, or leave out `batch`");
         }
         let other = row.arguments.iter().find(|argument| OF_ONE_STATE.contains(&argument.name));
         let argument = other.filter(|_| batch)?.name;
-        let message = format!("`{name}` has no form for many states, since it has the argument `{argument}`");
+        let message =
+            format!("`{name}` has no form for many states, since it has the argument `{argument}`");
         found(message, "leave it out, or leave out `batch`")
     }
 
@@ -246,8 +256,12 @@ impl Member {
     fn of(&self, model: &Model) -> Result<plan::Member, (String, String)> {
         let name = self.function.name();
         if !self.function.fits(model.constraints(), model.contacts().len()) {
-            let (others, help) = match self.function.is_of_constraints() && model.constraints() == 0 {
-                true => ("robots with closed loops or contacts", "leave it out, or give the robot `contacts` or `loops`"),
+            let (others, help) = match self.function.is_of_constraints() && model.constraints() == 0
+            {
+                true => (
+                    "robots with closed loops or contacts",
+                    "leave it out, or give the robot `contacts` or `loops`",
+                ),
                 false => ("robots without closed loops", "leave it out"),
             };
             return Err((format!("only {others} have the function `{name}`"), help.into()));
@@ -266,7 +280,9 @@ impl Member {
         let plain = |c: char| if c.is_ascii_alphanumeric() || "_-. ".contains(c) { c } else { '_' };
         let docs = match &self.link {
             None => format!("`{name}`"),
-            Some(link) => format!("`{name}` of link `{}`", link.chars().map(plain).collect::<String>()),
+            Some(link) => {
+                format!("`{name}` of link `{}`", link.chars().map(plain).collect::<String>())
+            }
         };
         Ok(plan::Member {
             function: self.function,
@@ -292,9 +308,16 @@ impl OptionValue for Bundle {
                 ValueKind::Word(name) => (name, None),
                 ValueKind::Call(name, arguments) => match arguments.as_slice() {
                     [link] => (name, Some(String::read(link)?)),
-                    _ => return Err(Fault::new(item.at, format!("expected one link: `{name}(\"link\")`"))),
+                    _ => {
+                        return Err(Fault::new(
+                            item.at,
+                            format!("expected one link: `{name}(\"link\")`"),
+                        ));
+                    }
                 },
-                _ => return Err(Fault::new(item.at, "expected a function, or `function(\"link\")`")),
+                _ => {
+                    return Err(Fault::new(item.at, "expected a function, or `function(\"link\")`"));
+                }
             };
             let function =
                 Function::from_name(name).ok_or_else(|| Fault::new(item.at, unknown(name)))?;

@@ -79,7 +79,8 @@ impl Bundle {
     }
 }
 
-/// The graphs of a bundle on scalars.
+/// The graphs of a bundle on scalars. A function of one link may have several graphs; the choice of the smallest union is
+/// made here.
 pub(super) struct Graphs<'a> {
     bundle: &'a Bundle,
     /// The inputs of each argument: the first, and their number.
@@ -106,15 +107,53 @@ impl<'a> Graphs<'a> {
             inputs.insert(argument.name, (arguments, length));
             arguments += length;
         }
-        let members = bundle.members.iter().map(|member| match member.function.row().trace {
-            Trace::One(trace) => trace(tracing.tracer, tracing),
-            Trace::ByLink(trace) => {
+        let graphs = |member: &Member| {
+            let row = member.function.row();
+            let of_link = |trace: fn(&Tracer<'_>) -> Graph| {
                 tracing.frames.of_link(member.link.expect("a function of one link has it"), trace)
+            };
+            match row.trace {
+                Trace::One(trace) => vec![trace(tracing.tracer, tracing)],
+                Trace::ByLink(trace) => {
+                    [Some(trace), row.in_bundles].into_iter().flatten().map(of_link).collect()
+                }
+                Trace::Poses => vec![tracing.all_links.link_poses()],
             }
-            Trace::Poses => tracing.all_links.link_poses(),
+        };
+        let candidates: Vec<Vec<Graph>> = bundle.members.iter().map(graphs).collect();
+        let count = arguments + parameters;
+        let mut all = Self { bundle, inputs, count, arguments, members: Vec::new() };
+        all.members = all.cheapest(candidates);
+        all
+    }
+
+    /// Returns a graph of each member, such that their union has few operations. The search starts with the first graphs of
+    /// all members and with the last, and changes one member at a time.
+    fn cheapest(&self, candidates: Vec<Vec<Graph>>) -> Vec<Graph> {
+        let operations = |choice: &[usize]| {
+            let members: Vec<&Graph> =
+                candidates.iter().zip(choice).map(|(all, &k)| &all[k]).collect();
+            self.union(&members).count().total()
+        };
+        let starts = [
+            vec![0; candidates.len()],
+            candidates.iter().map(|all| all.len() - 1).collect::<Vec<usize>>(),
+        ];
+        let found = starts.into_iter().map(|mut choice| {
+            let mut least = operations(&choice);
+            for (member, all) in candidates.iter().enumerate().filter(|(_, all)| all.len() > 1) {
+                for k in 0..all.len() {
+                    let changed = std::mem::replace(&mut choice[member], k);
+                    match operations(&choice) {
+                        fewer if fewer < least => least = fewer,
+                        _ => choice[member] = changed,
+                    }
+                }
+            }
+            (least, choice)
         });
-        let members = members.collect();
-        Self { bundle, inputs, count: arguments + parameters, arguments, members }
+        let (_, choice) = found.min_by_key(|(least, _)| *least).unwrap_or_default();
+        candidates.into_iter().zip(choice).map(|(mut all, k)| all.swap_remove(k)).collect()
     }
 
     /// Returns the graph on scalars.
@@ -139,7 +178,9 @@ impl<'a> Graphs<'a> {
             .collect();
         packed.iter().any(Option::is_some).then(|| {
             let all = packed.iter().zip(&self.members);
-            self.union(&all.map(|(packed, scalar)| packed.as_ref().unwrap_or(scalar)).collect::<Vec<_>>())
+            self.union(
+                &all.map(|(packed, scalar)| packed.as_ref().unwrap_or(scalar)).collect::<Vec<_>>(),
+            )
         })
     }
 

@@ -269,9 +269,8 @@ impl Plan {
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
         let mut graphs = Graphs::new(&selected);
         let known = (&tracing, &sizes, parameters.len());
-        let planned = |&function: &Function| {
-            Planned::new(function, known, choices.strategy, &mut graphs)
-        };
+        let planned =
+            |&function: &Function| Planned::new(function, known, choices.strategy, &mut graphs);
         let (mut batches, mut functions): (Vec<Planned>, Vec<Planned>) =
             selected.iter().map(planned).partition(|planned| planned.batch_of.is_some());
         for bundle in choices.bundles {
@@ -407,8 +406,7 @@ impl Planned {
         batch: bool,
     ) -> (Self, Option<Self>) {
         let arguments = shapes_of(&bundle.arguments(), sizes);
-        let parameters =
-            if bundle.any(|row| row.depends_on_parameters) { parameters } else { 0 };
+        let parameters = if bundle.any(|row| row.depends_on_parameters) { parameters } else { 0 };
         let scalars = count(&arguments, parameters);
         let graphs = bundle::Graphs::new(bundle, tracing, sizes, parameters);
         let graph = graphs.scalar();

@@ -86,7 +86,8 @@ const EXAMPLES: [&[(Function, &str)]; 2] = [
 
 /// Prints a usage example, if the robot has one of the functions of [`EXAMPLES`].
 fn example(lines: &mut String, robot: &Robot<'_>) {
-    let has = |function: Function| robot.plan.functions.iter().any(|p| p.function == Some(function));
+    let has =
+        |function: Function| robot.plan.functions.iter().any(|p| p.function == Some(function));
     let shown: Vec<(Function, &str)> = EXAMPLES
         .iter()
         .filter_map(|group| group.iter().copied().find(|(function, _)| has(*function)))
