@@ -246,10 +246,10 @@ fn a_bundle_computes_its_functions() {
             compare(x, 1);
             ours_link_pose(q, OURS_LINK_FOREARM_LINK, x);
             compare(x, 12);
-            printf("%d %d
-", at, differ);
+            printf("%d %d\n", at, differ);
             return 0;
-        }"#;
+        }
+"#;
     std::fs::write(folder.join("main.c"), main).expect("writes");
     for compiler in compilers() {
         let mut command = Command::new(compiler);
