@@ -316,7 +316,10 @@ impl OptionValue for Bundle {
                     }
                 },
                 _ => {
-                    return Err(Fault::new(item.at, "expected a function, or `function(\"link\")`"));
+                    return Err(Fault::new(
+                        item.at,
+                        "expected a function, or `function(\"link\")`",
+                    ));
                 }
             };
             let function =
