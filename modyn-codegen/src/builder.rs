@@ -16,7 +16,7 @@ use crate::emit::{
     CSource, EmitOptions, Emitted, FloatType, GpuLanguage, GpuSource, emit, emit_c, emit_gpu,
 };
 use crate::names;
-use crate::options::{Fault, ModuleChoice, Options, Value, option_table};
+use crate::options::{Bundle, Fault, ModuleChoice, Options, Value, option_table};
 use crate::plan::{Function, Plan};
 use crate::read::file::read_first;
 use crate::read::{Format, Reading};
@@ -278,6 +278,9 @@ impl Builder {
         for function in &mut options.functions {
             *function = function.batched().unwrap_or(*function);
         }
+        for bundle in &mut options.bundles {
+            bundle.batch = false;
+        }
         (options.share, options.self_contained) = (false, false);
         let plan = options.plan(&model, &modules);
         Ok(Planning { plan, model, warnings: options.warnings })
@@ -316,8 +319,17 @@ impl Builder {
         });
         if let (Some(Reading { model, .. }), Some(modules)) = (&reading, &modules) {
             let functions = self.options.code.functions.as_deref().unwrap_or(Function::DEFAULT);
-            errors.extend(too_large(model, modules, functions));
+            // Functions of one link in a bundle are short.
+            let bundled = self.options.code.bundles.iter().flat_map(Bundle::functions);
+            let functions: Vec<Function> = functions.iter().copied().chain(bundled).collect();
+            errors.extend(too_large(model, modules, &functions));
         }
+        let bundles = reading.as_ref().map(|reading| {
+            let of = |bundle: &Bundle| {
+                bundle.of(&reading.model).map_err(|found| errors.extend(found)).ok()
+            };
+            self.options.code.bundles.iter().filter_map(of).collect()
+        });
         let inertias = [
             ("runtime_inertia", Code::RuntimeInertia, &self.options.code.runtime_inertia),
             ("payload", Code::Payload, &self.options.code.payload),
@@ -347,6 +359,7 @@ impl Builder {
             self_contained: self.options.code.self_contained,
             c_prefix: self.options.code.c_functions.clone(),
             functions: self.options.code.functions.clone().unwrap_or(defaults.functions),
+            bundles: bundles.unwrap_or_default(),
             runtime_gravity: self.options.code.runtime_gravity,
             runtime_inertia: runtime_inertia.unwrap_or_default(),
             payload: payload.unwrap_or_default(),
@@ -559,6 +572,7 @@ impl Builder {
             );
         }
         errors.extend(read.gravity.and_then(gravity_error));
+        errors.extend(Bundle::errors(&self.options.code.bundles));
         errors
     }
 }

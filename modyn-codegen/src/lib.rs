@@ -32,7 +32,7 @@ pub use check::{CARRIED_BY_F32, condition_number};
 pub use description::{Base, Contact, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
 pub use emit::{CSource, FloatType, GpuLanguage, GpuSource};
 pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
-pub use options::ModuleChoice;
+pub use options::{Bundle, ModuleChoice};
 pub use plan::Function;
 #[cfg(feature = "mjcf")]
 pub use read::read_mjcf;

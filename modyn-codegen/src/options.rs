@@ -3,9 +3,11 @@
 //!
 //! A new option is a row in `option_table!`; one about reading has a field in [`ReadOptions`], too.
 
+mod bundle;
 mod types;
 mod value;
 
+pub use bundle::Bundle;
 pub use types::{Field, ModuleChoice, OptionValue};
 pub use value::{Fault, Value, ValueKind};
 
@@ -128,6 +130,13 @@ macro_rules! option_table {
                 "functions" functions(functions: impl IntoIterator<Item = Function>)
                     functions: Option<Vec<Function>>, field => *field = Some(functions.into_iter().collect()),
                     "[name, ...]", "`default`", "[default, regressor]";
+                /// Bundles of functions: one call computes all functions of a bundle, and does their common work once. A
+                /// bundle is a function of this name over the arguments of all its functions; its result is a type with a
+                /// field for each of them (`jacobian_hand`). Functions of one link are named with the link.
+                /// `name: batch(..)` makes the form for many states as well.
+                "bundles" bundles(bundles: impl IntoIterator<Item = Bundle>)
+                    bundles: Vec<Bundle>, field => field.extend(bundles),
+                    "[\"name\": (function, function(\"link\"), ...), ...]", "none", "[\"control\": (mass_matrix, bias_forces, jacobian(\"hand\"))]";
                 /// The kinematic modules: maximal serial chains, links, or lists of link names, each from its parent
                 /// outwards.
                 "modules" modules(modules: ModuleChoice)

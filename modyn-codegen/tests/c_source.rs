@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use modyn_codegen::{Base, Contact, ContactKind, LoopEnd};
-use modyn_codegen::{Builder, FloatType, Function};
+use modyn_codegen::{Builder, Bundle, FloatType, Function};
 
 fn robot(name: &str) -> Builder {
     let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
@@ -188,10 +188,80 @@ fn all(builder: Builder) -> Builder {
     builder.functions(Function::ALL.iter().copied())
 }
 
+/// A bundle of functions of a state, of which some are of one link and one has several results.
+fn with_bundle(builder: Builder, link: &str) -> Builder {
+    let bundle = Bundle::new("control")
+        .function(Function::MassMatrix)
+        .function(Function::ForwardDynamicsDerivatives)
+        .of_link(Function::Jacobian, link)
+        .function(Function::KineticEnergy)
+        .of_link(Function::LinkPose, link);
+    builder.bundles([bundle])
+}
+
 #[test]
 fn an_arm_computes_the_bits_of_rust() {
-    compare("ur5_f64", &all(robot("ur5")), FloatType::F64);
-    compare("ur5_f32", &all(robot("ur5")), FloatType::F32);
+    compare("ur5_f64", &with_bundle(all(robot("ur5")), "wrist_3_link"), FloatType::F64);
+    compare("ur5_f32", &with_bundle(all(robot("ur5")), "wrist_3_link"), FloatType::F32);
+}
+
+/// A bundle in C gives the numbers of its functions in C.
+#[test]
+fn a_bundle_computes_its_functions() {
+    let builder = with_bundle(all(robot("ur5")), "forearm_link").runtime_gravity();
+    let (folder, header) = compiled("bundle", &builder);
+    let declared =
+        "void ours_control(const double q[6], const double qd[6], const double tau[6], double out[";
+    assert!(header.contains(declared), "{header}");
+    assert!(header.contains("void ours_control_with(const double q[6], const double qd[6], const double tau[6], const double params[3], "));
+    let main = r#"
+        #include <math.h>
+        #include <stdio.h>
+        #include "ours.h"
+        static int at = 0;
+        static int differ = 0;
+        static double all[36 + 6 + 3 * 36 + 36 + 1 + 12];
+        static void compare(const double *x, int n)
+        {
+            int i;
+            for (i = 0; i < n; ++i, ++at) {
+                if (!(fabs(x[i] - all[at]) <= 1e-11 * (1.0 + fabs(x[i])))) { ++differ; }
+            }
+        }
+        int main(void)
+        {
+            const double q[6] = { 0.3, -1.2, 0.8, 0.4, 1.9, -0.7 };
+            const double qd[6] = { 0.5, -0.3, 1.1, 0.2, -0.9, 0.6 };
+            const double tau[6] = { 10.0, -20.0, 5.0, 1.0, -2.0, 0.5 };
+            const double gravity[3] = { 1.0, -2.0, -8.0 };
+            double x[200];
+            ours_control_with(q, qd, tau, gravity, all);
+            ours_mass_matrix_with(q, gravity, x);
+            compare(x, 36);
+            ours_forward_dynamics_derivatives_with(q, qd, tau, gravity, x);
+            compare(x, 6 + 3 * 36);
+            ours_jacobian(q, OURS_LINK_FOREARM_LINK, x);
+            compare(x, 36);
+            ours_kinetic_energy_with(q, qd, gravity, x);
+            compare(x, 1);
+            ours_link_pose(q, OURS_LINK_FOREARM_LINK, x);
+            compare(x, 12);
+            printf("%d %d\n", at, differ);
+            return 0;
+        }
+"#;
+    std::fs::write(folder.join("main.c"), main).expect("writes");
+    for compiler in compilers() {
+        let mut command = Command::new(compiler);
+        command.args(STRICT).args(["-O1", "main.c", "ours.c", "-o", "main", "-lm"]);
+        run(command.current_dir(&folder));
+        assert_eq!(
+            run(&mut Command::new(folder.join("main"))),
+            "199 0
+",
+            "{compiler}"
+        );
+    }
 }
 
 #[test]

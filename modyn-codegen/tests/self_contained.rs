@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use modyn_codegen::{Builder, FloatType, Function};
+use modyn_codegen::{Builder, Bundle, FloatType, Function};
 
 fn robot(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots").join(name)
@@ -46,6 +46,13 @@ fn a_file_needs_nothing_but_core() {
     for (name, float) in robots {
         let builder = Builder::new().urdf(robot(&format!("{name}.urdf"))).scalar(float);
         let builder = builder.functions(Function::ALL.iter().copied()).self_contained();
+        let link = builder.generate().expect("good").model.links()[0].name.clone();
+        let bundle = Bundle::new("state")
+            .of_link(Function::Jacobian, link)
+            .function(Function::Brge)
+            .function(Function::StepRk4)
+            .function(Function::LinkPoses);
+        let builder = builder.bundles([bundle]);
         let file = folder.join(format!("{name}.rs"));
         builder.write(&file).expect("good");
         let text = std::fs::read_to_string(&file).expect("written");
@@ -73,7 +80,9 @@ fn a_file_compiles_in_every_edition() {
     let folder = folder("editions");
     let builder =
         Builder::new().urdf(robot("joint_zoo.urdf")).type_name("Option").c_functions("zoo");
+    let bundle = Bundle::new("state").function(Function::LinkPoses).function(Function::MassMatrix);
     let builder = builder.functions(Function::ALL.iter().copied()).self_contained();
+    let builder = builder.bundles([bundle]);
     let link = builder.generate().expect("good").model.links()[0].name.clone();
     let file = folder.join("zoo.rs");
     builder.payload([link]).runtime_gravity().write(&file).expect("good");

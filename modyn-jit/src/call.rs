@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 
-use modyn_codegen::Function;
 use modyn_codegen::plan::Shape;
 
 use crate::compiled::{CompiledFunction, CompiledKernels};
@@ -88,8 +87,8 @@ impl<S: Real> Call<'_, S> {
         self.states(Some(link), arguments, results)
     }
 
-    fn name(&self) -> Function {
-        self.compiled.function
+    fn name(&self) -> &'static str {
+        self.compiled.name
     }
 
     fn check_link(&self, link: Option<usize>) -> Result<(), CallError> {

@@ -10,7 +10,7 @@ use modyn_runtime::model::{Inertial, Model};
 
 use crate::call::Call;
 use crate::error::{CallError, CompileError};
-use crate::generate::{CodeSize, generate};
+use crate::generate::{CodeSize, MAX_ARRAYS, generate};
 use crate::helper::Helpers;
 use crate::level::Level;
 use crate::lower::lower;
@@ -45,7 +45,9 @@ pub struct Compiled<S> {
 
 /// The code of a function.
 pub(crate) struct CompiledFunction {
-    pub function: Function,
+    /// The function; `None` for a bundle.
+    pub function: Option<Function>,
+    pub name: &'static str,
     pub arguments: Vec<(&'static str, Shape)>,
     /// Whether the robot's run-time parameters are a further argument.
     pub has_parameters: bool,
@@ -88,7 +90,8 @@ impl<S: Real> Compiled<S> {
     ///
     /// # Errors
     ///
-    /// If the model is invalid, this is not an x86-64 processor, or the system gives no executable memory.
+    /// If the model is invalid, this is not an x86-64 processor, a function has too many arguments, or the system gives no
+    /// executable memory.
     pub fn new(
         model: &Model,
         functions: impl IntoIterator<Item = Function>,
@@ -100,8 +103,8 @@ impl<S: Real> Compiled<S> {
     ///
     /// # Errors
     ///
-    /// If the description or an option is invalid, this processor lacks the level, or the system gives no executable
-    /// memory.
+    /// If the description or an option is invalid, this processor lacks the level, a function has too many arguments, or
+    /// the system gives no executable memory.
     pub fn build(builder: &Builder, options: Options) -> Result<Self, CompileError> {
         Self::from_plan(&builder.plan()?, options)
     }
@@ -110,7 +113,7 @@ impl<S: Real> Compiled<S> {
     ///
     /// # Errors
     ///
-    /// If this processor lacks the level, or the system gives no executable memory.
+    /// If this processor lacks the level, a function has too many arguments, or the system gives no executable memory.
     pub fn from_plan(planning: &Planning, options: Options) -> Result<Self, CompileError> {
         let available = Level::detect().ok_or(CompileError::Architecture)?;
         let level = options.level.unwrap_or(available);
@@ -118,6 +121,12 @@ impl<S: Real> Compiled<S> {
             return Err(CompileError::Level { wanted: level, available });
         }
         let Planning { plan, model, warnings, .. } = planning;
+        for planned in &plan.functions {
+            let arrays = planned.arguments.len() + usize::from(planned.parameters > 0);
+            if arrays > MAX_ARRAYS {
+                return Err(CompileError::Arguments { function: planned.name, arrays });
+            }
+        }
         let mut assembly = Assembly::<S>::new(level, options.batches);
         let functions = plan.functions.iter().map(|planned| assembly.function(planned, plan));
         let functions = functions.collect();
@@ -154,7 +163,13 @@ impl<S: Real> Compiled<S> {
 
     /// Returns the functions that can be called.
     pub fn functions(&self) -> impl Iterator<Item = Function> {
-        self.functions.iter().map(|compiled| compiled.function)
+        self.functions.iter().filter_map(|compiled| compiled.function)
+    }
+
+    /// Returns the names of the bundles that can be called.
+    pub fn bundles(&self) -> impl Iterator<Item = &'static str> {
+        let bundles = self.functions.iter().filter(|compiled| compiled.function.is_none());
+        bundles.map(|compiled| compiled.name)
     }
 
     /// Returns a function, to call it or to ask for its arguments and its size.
@@ -163,7 +178,25 @@ impl<S: Real> Compiled<S> {
     ///
     /// If it was not compiled.
     pub fn function(&self, function: Function) -> Result<Call<'_, S>, CallError> {
-        match self.functions.iter().find(|compiled| compiled.function == function) {
+        self.call(function.name(), |compiled| compiled.function == Some(function))
+    }
+
+    /// Returns the bundle of this name ([`Builder::bundles`]), to call it or to ask for its arguments and its size. The
+    /// results of its functions follow one another, as [`Call::result`] describes them.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such bundle.
+    pub fn bundle(&self, name: &str) -> Result<Call<'_, S>, CallError> {
+        self.call(name, |compiled| compiled.function.is_none() && compiled.name == name)
+    }
+
+    fn call(
+        &self,
+        name: &str,
+        is_wanted: impl Fn(&CompiledFunction) -> bool,
+    ) -> Result<Call<'_, S>, CallError> {
+        match self.functions.iter().find(|compiled| is_wanted(compiled)) {
             Some(compiled) => Ok(Call {
                 compiled,
                 pages: &self.pages,
@@ -171,7 +204,10 @@ impl<S: Real> Compiled<S> {
                 placements: &self.placements,
                 lanes: self.level.vector(true) / size_of::<S>(),
             }),
-            None => Err(CallError::NotCompiled { function, compiled: self.functions().collect() }),
+            None => Err(CallError::NotCompiled {
+                function: name.into(),
+                compiled: self.functions.iter().map(|compiled| compiled.name).collect(),
+            }),
         }
     }
 
@@ -255,7 +291,7 @@ impl<S: Real> Compiled<S> {
 
 impl<S: Real> fmt::Debug for Compiled<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let functions: Vec<&str> = self.functions().map(Function::name).collect();
+        let functions: Vec<&str> = self.functions.iter().map(|compiled| compiled.name).collect();
         f.debug_struct("Compiled")
             .field("robot", &self.model.name())
             .field("level", &self.level)
@@ -308,6 +344,7 @@ impl<S: Real> Assembly<S> {
         };
         CompiledFunction {
             function: planned.function,
+            name: planned.name,
             arguments: planned.arguments.clone(),
             has_parameters: planned.parameters > 0,
             result: planned.result.clone(),

@@ -2,9 +2,9 @@
 
 use std::{fmt, io};
 
-use modyn_codegen::Function;
 use modyn_codegen::diagnostics::Diagnostics;
 
+use crate::generate::MAX_ARRAYS;
 use crate::level::Level;
 
 /// The reason why a robot has no machine code.
@@ -21,6 +21,13 @@ pub enum CompileError {
         wanted: Level,
         /// The best level of the processor.
         available: Level,
+    },
+    /// A function has more arguments than machine code can have.
+    Arguments {
+        /// The name of the function or bundle.
+        function: &'static str,
+        /// The number of its arrays of numbers, that of the run-time parameters included.
+        arrays: usize,
     },
     /// The system gives no executable memory.
     Memory(io::Error),
@@ -39,6 +46,11 @@ impl fmt::Display for CompileError {
                 f,
                 "this processor has no {wanted:?}, its best is {available:?}; leave the level out to have the best"
             ),
+            Self::Arguments { function, arrays } => write!(
+                f,
+                "`{function}` has {arrays} arrays of arguments with the run-time parameters, and machine code at most \
+                 {MAX_ARRAYS}; leave it out, or divide the bundle"
+            ),
             Self::Memory(reason) => {
                 write!(f, "the system gives no executable memory ({reason}); {instead}")
             }
@@ -51,7 +63,7 @@ impl std::error::Error for CompileError {
         match self {
             Self::Description(diagnostics) => Some(diagnostics),
             Self::Memory(reason) => Some(reason),
-            Self::Architecture | Self::Level { .. } => None,
+            Self::Architecture | Self::Level { .. } | Self::Arguments { .. } => None,
         }
     }
 }
@@ -68,20 +80,20 @@ impl From<Diagnostics> for CompileError {
 pub enum CallError {
     /// The function was not compiled.
     NotCompiled {
-        /// The function.
-        function: Function,
-        /// The compiled functions.
-        compiled: Vec<Function>,
+        /// The name of the function or bundle.
+        function: String,
+        /// The names of the compiled functions and bundles.
+        compiled: Vec<&'static str>,
     },
     /// The function was compiled for one state at a time.
     NoBatch {
-        /// The function.
-        function: Function,
+        /// The name of the function or bundle.
+        function: &'static str,
     },
     /// The number of arguments is not that of the function.
     Arguments {
-        /// The function.
-        function: Function,
+        /// The name of the function or bundle.
+        function: &'static str,
         /// The names of its arguments.
         expected: Vec<&'static str>,
         /// The number of arguments that were given.
@@ -89,8 +101,8 @@ pub enum CallError {
     },
     /// An argument or the result has the wrong length.
     Length {
-        /// The function.
-        function: Function,
+        /// The name of the function or bundle.
+        function: &'static str,
         /// The argument's name, or `result`.
         name: &'static str,
         /// The required length.
@@ -100,8 +112,8 @@ pub enum CallError {
     },
     /// The length of an argument of a batch is no multiple of its length for one state.
     States {
-        /// The function.
-        function: Function,
+        /// The name of the function or bundle.
+        function: &'static str,
         /// The argument's name.
         name: &'static str,
         /// Its length for one state.
@@ -111,8 +123,8 @@ pub enum CallError {
     },
     /// The function is one of a link and no link was given, or the other way round.
     Link {
-        /// The function.
-        function: Function,
+        /// The name of the function or bundle.
+        function: &'static str,
         /// The link that was given.
         link: Option<usize>,
         /// The number of links; `None` if the function is not one of a link.
@@ -124,38 +136,31 @@ impl fmt::Display for CallError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotCompiled { function, compiled } => {
-                let name = function.name();
-                let names: Vec<&str> = compiled.iter().map(|function| function.name()).collect();
-                write!(f, "`{name}` was not compiled; compiled were: {}", names.join(", "))
+                write!(f, "`{function}` was not compiled; compiled were: {}", compiled.join(", "))
             }
-            Self::NoBatch { function } => {
-                let name = function.name();
-                write!(f, "`{name}` was compiled for one state at a time; set `Options::batches`")
-            }
+            Self::NoBatch { function } => write!(
+                f,
+                "`{function}` was compiled for one state at a time; set `Options::batches`"
+            ),
             Self::Arguments { function, expected, found } => {
-                let (name, expected) = (function.name(), expected.join(", "));
-                write!(f, "`{name}` takes the arguments {expected}, and {found} were given")
+                let expected = expected.join(", ");
+                write!(f, "`{function}` takes the arguments {expected}, and {found} were given")
             }
             Self::Length { function, name, expected, found } => {
-                let function = function.name();
                 write!(f, "`{name}` of `{function}` has {expected} numbers, and {found} were given")
             }
-            Self::States { function, name, one, found } => {
-                let function = function.name();
-                write!(
-                    f,
-                    "`{name}` of `{function}` has {one} numbers a state, and {found} are no multiple of that"
-                )
-            }
+            Self::States { function, name, one, found } => write!(
+                f,
+                "`{name}` of `{function}` has {one} numbers a state, and {found} are no multiple of that"
+            ),
             Self::Link { function, link: Some(_), links: None } => {
-                write!(f, "`{}` is not about one link; call it without", function.name())
+                write!(f, "`{function}` is not about one link; call it without")
             }
             Self::Link { function, link: None, .. } => {
-                write!(f, "`{}` is about one link; call it with the link's index", function.name())
+                write!(f, "`{function}` is about one link; call it with the link's index")
             }
             Self::Link { function, link: Some(link), links: Some(links) } => {
-                let name = function.name();
-                write!(f, "`{name}` of link {link}: there are {links} links, the first is 0")
+                write!(f, "`{function}` of link {link}: there are {links} links, the first is 0")
             }
         }
     }

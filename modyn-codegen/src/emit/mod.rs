@@ -12,7 +12,7 @@ use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::diagnostics::Diagnostic;
 use crate::names;
-use crate::plan::{Choices, Function, Plan, Planned, Strategy};
+use crate::plan::{Bundle, Choices, Function, Plan, Planned, Strategy};
 
 /// The scalar of the generated type's own functions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,6 +52,8 @@ pub struct EmitOptions {
     pub c_prefix: Option<String>,
     /// The selected functions.
     pub functions: Vec<Function>,
+    /// The bundles of functions.
+    pub bundles: Vec<Bundle>,
     /// Whether gravity is an argument.
     pub runtime_gravity: bool,
     /// Whether equal limbs share one function.
@@ -74,6 +76,7 @@ impl Default for EmitOptions {
             self_contained: false,
             c_prefix: None,
             functions: Function::DEFAULT.to_vec(),
+            bundles: Vec::new(),
             runtime_gravity: false,
             share: false,
             runtime_inertia: Vec::new(),
@@ -97,6 +100,7 @@ impl EmitOptions {
     fn plan_by(&self, model: &Model, modules: &ModuleTree, strategy: Strategy) -> Plan {
         let choices = Choices {
             functions: &self.functions,
+            bundles: &self.bundles,
             strategy,
             batches: !self.self_contained && strategy != Strategy::Threads,
             runtime_gravity: self.runtime_gravity,
@@ -133,9 +137,9 @@ pub struct Emitted {
 #[must_use]
 pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitted {
     let (plan, type_name) = (options.plan(model, modules), options.type_name(model));
-    let per_call = |p: &Planned| (p.function.name(), p.operations_per_call());
+    let per_call = |p: &Planned| (p.name, p.operations_per_call());
     let operations = plan.functions.iter().chain(&plan.batches).map(per_call).collect();
-    let all = |p: &Planned| (p.function.name(), p.static_operations());
+    let all = |p: &Planned| (p.name, p.static_operations());
     let static_operations = plan.functions.iter().map(all).collect();
     let (text, c_header) = rust::print((model, modules), &plan, options, &type_name);
     let partition = (plan.eliminated, plan.candidates);

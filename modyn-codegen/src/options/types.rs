@@ -262,7 +262,7 @@ impl OptionValue for Friction {
 }
 
 /// The name and the value of a pair.
-fn pair<'v>(value: &'v Value, expected: &str) -> Result<(String, &'v Value), Fault> {
+pub(super) fn pair<'v>(value: &'v Value, expected: &str) -> Result<(String, &'v Value), Fault> {
     match &value.kind {
         ValueKind::Pair(name, value) => Ok((String::read(name)?, value)),
         _ => Err(Fault::new(value.at, expected)),

@@ -115,6 +115,11 @@ impl Frames {
         all.map(|frame| trace(&Tracer::with_link(&self.bare, frame))).collect()
     }
 
+    /// Returns the graph of `trace` on a tracer with this link, by its index among the links of the description.
+    pub(super) fn of_link(&self, link: usize, trace: impl Fn(&Tracer<'_>) -> Graph) -> Graph {
+        trace(&Tracer::with_link(&self.bare, LinkFrame::Known(self.frames[link])))
+    }
+
     /// Returns two graphs: the poses of links with programs of their own and of bodies with a shared program; and the
     /// pose of a link with a shared program, from the pose of its body.
     pub(super) fn poses(&self) -> [Graph; 2] {

@@ -39,6 +39,8 @@ pub struct Row {
     pub batch_of: Option<Function>,
     /// The forms that C can call.
     pub c_form: CForm,
+    /// Other graphs of a function of one link, which share more with those of other functions of a bundle.
+    pub in_bundles: Option<fn(&Tracer<'_>) -> Graph>,
 }
 
 /// The forms of a function that C can call.
@@ -94,6 +96,12 @@ const SETTINGS: Argument = argument("settings", shapes::settings);
 const CONTACTS: Argument = argument("contacts", shapes::contacts);
 const UNIFORMS: Argument = argument("uniforms", shapes::velocities);
 
+/// All arguments, in the order that they have in every function.
+pub(super) const ARGUMENTS: &[Argument] = &[
+    Q, QD, QDD, TAU, DQ, DQD, DQDD, DTAU, COTANGENT, DT, V, FROM, TO, FORCES, CONTACTS, SETTINGS,
+    UNIFORMS,
+];
+
 impl Row {
     const fn new(
         arguments: &'static [Argument],
@@ -114,6 +122,7 @@ impl Row {
             packing: Packing::Never,
             batch_of: None,
             c_form: CForm::SourceAndExport,
+            in_bundles: None,
         }
     }
 
@@ -173,6 +182,10 @@ impl Row {
 
     const fn not_exported(self) -> Self {
         Self { c_form: CForm::Source, ..self }
+    }
+
+    const fn in_bundles(self, trace: fn(&Tracer<'_>) -> Graph) -> Self {
+        Self { in_bundles: Some(trace), ..self }
     }
 
     const fn hot(self) -> Self {
@@ -593,6 +606,7 @@ functions! {
         "Returns the pose of a link in the world. Computes the link's kinematic path only.",
         |t| t.link_pose(0),
     )
+        .in_bundles(|t| t.link_pose_from_world(0))
         .by_default()
         .without_parameters();
     /// The velocity of a link, in world axes.
@@ -621,6 +635,7 @@ functions! {
          world axes. Gravity is not included. Computes the link's kinematic path only.",
         |t| t.link_acceleration(0, Axes::World),
     )
+        .in_bundles(|t| t.link_acceleration_from_world(0))
         .without_parameters();
     /// The acceleration of a link, in its own axes.
     LocalLinkAcceleration "local_link_acceleration" = Row::by_link(
@@ -658,6 +673,7 @@ functions! {
          is the link's acceleration at zero joint accelerations. Computes the link's kinematic path only.",
         |t| t.bias_acceleration(0, Axes::World),
     )
+        .in_bundles(|t| t.bias_acceleration_from_world(0))
         .without_parameters();
     /// The bias acceleration of a link, in its own axes.
     LocalBiasAcceleration "local_bias_acceleration" = Row::by_link(
@@ -858,7 +874,17 @@ impl Function {
 
 #[cfg(test)]
 mod tests {
-    use super::Function;
+    use super::{ARGUMENTS, Function};
+
+    #[test]
+    fn all_functions_have_their_arguments_in_one_order() {
+        for function in Function::ALL {
+            let places: Vec<usize> = (function.row().arguments.iter())
+                .map(|own| ARGUMENTS.iter().position(|one| one.name == own.name).expect("known"))
+                .collect();
+            assert!(places.is_sorted_by(|a, b| a < b), "{function:?}: {places:?}");
+        }
+    }
 
     #[test]
     fn a_function_is_suggested() {

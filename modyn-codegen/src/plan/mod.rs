@@ -7,6 +7,7 @@
 //! All decisions about profit are made here: the partition into modules ([`partition`]), the packing of limbs and
 //! columns, and the balancing of sums (`packing`). A back end receives a [`Plan`] and prints it.
 
+mod bundle;
 mod factorization;
 mod frames;
 mod functions;
@@ -23,6 +24,7 @@ use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
+pub use bundle::{Bundle, Member};
 pub use factorization::FactorFunction;
 pub(crate) use frames::MAX_OWN_FUNCTIONS;
 pub use frames::{Frames, LinkCode};
@@ -31,6 +33,7 @@ pub use packing::Packing;
 pub use shape::{Record, Shape, Sizes};
 
 use crate::graph::Graph;
+use crate::names;
 use crate::passes::optimize;
 use crate::program::{Program, Target};
 use crate::trace::{LimbPacking, Parameters, Tracer};
@@ -54,6 +57,8 @@ pub enum Strategy {
 pub struct Choices<'a> {
     /// The selected functions.
     pub functions: &'a [Function],
+    /// The bundles of functions.
+    pub bundles: &'a [Bundle],
     /// The way equal limbs and columns are computed.
     pub strategy: Strategy,
     /// Whether functions of many states are generated.
@@ -68,7 +73,7 @@ pub struct Choices<'a> {
 
 /// The programs of a robot.
 pub struct Plan {
-    /// The functions of one state, in the order of [`Function::ALL`].
+    /// The functions of one state, in the order of [`Function::ALL`]; then the bundles.
     pub functions: Vec<Planned>,
     /// The functions of many states, in this order.
     pub batches: Vec<Planned>,
@@ -91,10 +96,20 @@ pub struct Plan {
     pub candidates: Vec<(&'static str, usize)>,
 }
 
-/// A function planned for a robot.
+/// A function or a bundle of functions, planned for a robot.
 pub struct Planned {
-    /// The function.
-    pub function: Function,
+    /// The function; `None` for a bundle.
+    pub function: Option<Function>,
+    /// The name.
+    pub name: &'static str,
+    /// The name of the function or bundle of one state, if this is its form for many states.
+    pub batch_of: Option<&'static str>,
+    /// The documentation, in lines.
+    pub docs: &'static str,
+    /// The documentation of each field of the result, if the result is a type of the robot's own.
+    pub fields: Vec<&'static str>,
+    /// The forms that C can call.
+    pub c_form: CForm,
     /// The arguments, with their names.
     pub arguments: Vec<(&'static str, Shape)>,
     /// The number of run-time parameters, which are the last argument; zero if the function does not depend on them.
@@ -132,12 +147,6 @@ pub enum Kernels {
 }
 
 impl Planned {
-    /// Returns the function's row of the table.
-    #[must_use]
-    pub fn row(&self) -> Row {
-        self.function.row()
-    }
-
     /// Returns the operations of one call on scalars; for a function of one link, those of the most expensive link.
     #[must_use]
     pub fn operations_per_call(&self) -> OperationCount {
@@ -259,13 +268,20 @@ impl Plan {
         };
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
         let mut graphs = Graphs::new(&selected);
-        let planned = |&function: &Function| {
-            let known = (&tracing, &sizes, parameters.len());
-            Planned::new(function, known, choices.strategy, &mut graphs)
-        };
-        let (batches, functions): (Vec<Planned>, Vec<Planned>) =
-            selected.iter().map(planned).partition(|planned| planned.row().batch_of.is_some());
-        let factorizes = selected.iter().any(|f| matches!(f, Function::Brge | Function::BrgeBatch));
+        let known = (&tracing, &sizes, parameters.len());
+        let planned =
+            |&function: &Function| Planned::new(function, known, choices.strategy, &mut graphs);
+        let (mut batches, mut functions): (Vec<Planned>, Vec<Planned>) =
+            selected.iter().map(planned).partition(|planned| planned.batch_of.is_some());
+        for bundle in choices.bundles {
+            let batch = choices.batches && bundle.batch;
+            let (one, many) = Planned::bundle(bundle, known, choices.strategy, batch);
+            functions.push(one);
+            batches.extend(many);
+        }
+        let bundled = choices.bundles.iter().flat_map(|bundle| &bundle.members);
+        let mut all = selected.iter().copied().chain(bundled.map(|member| member.function));
+        let factorizes = all.any(|f| matches!(f, Function::Brge | Function::BrgeBatch));
         let factorization =
             if factorizes { factorization::plan(&tracer, &layout, &sizes) } else { Vec::new() };
         let pivots = tracer.inertia_pivots().map(|(entries, graph)| {
@@ -332,53 +348,125 @@ impl Planned {
         graphs: &mut Graphs,
     ) -> Self {
         let row = function.row();
-        let arguments: Vec<(&'static str, Shape)> =
-            row.arguments.iter().map(|a| (a.name, (a.shape)(sizes))).collect();
+        let arguments = shapes_of(row.arguments, sizes);
         let parameters = if row.depends_on_parameters { parameters } else { 0 };
-        let scalars = parameters + arguments.iter().map(|(_, shape)| shape.len()).sum::<usize>();
-        let program = |graph: &Graph, target| Program::new(graph, scalars, target);
-        let alone = |graph: &Graph, scalars| match strategy {
-            Strategy::Threads => Program::for_threads(graph, scalars),
-            _ => Program::new(graph, scalars, Target::Scalar),
-        };
+        let scalars = count(&arguments, parameters);
         let kernels = match row.trace {
             Trace::ByLink(trace) => {
                 let graphs = tracing.frames.kernels(|tracer| optimize(trace(tracer)));
                 let (own, shared) =
                     graphs.split_at(tracing.frames.links_with_own_program().count());
-                let own = own.iter().map(|graph| alone(graph, scalars));
+                let own = own.iter().map(|graph| strategy.alone(graph, scalars));
                 let placed = scalars + Frames::PLACEMENT;
-                let shared = shared.iter().map(|graph| alone(graph, placed));
+                let shared = shared.iter().map(|graph| strategy.alone(graph, placed));
                 Kernels::ByLink(own.chain(shared).collect())
             }
             Trace::Poses if strategy != Strategy::Threads && tracing.frames.any_shared() => {
                 let [bodies, placed] = tracing.frames.poses().map(optimize);
                 let placed_arguments = Shape::pose().len() + Frames::PLACEMENT;
                 Kernels::Poses {
-                    bodies: alone(&bodies, scalars),
+                    bodies: strategy.alone(&bodies, scalars),
                     placed: Program::new(&placed, placed_arguments, Target::Scalar),
                     rows: tracing.frames.rows(),
                 }
             }
             Trace::Poses => {
                 let graph = packing::balanced(optimize(tracing.all_links.link_poses()));
-                Kernels::One(alone(&graph, scalars))
+                Kernels::One(strategy.alone(&graph, scalars))
             }
             Trace::One(trace) => {
                 let graph = graphs.scalar(function, trace, tracing);
-                match packing::packed(function, tracing, &graph) {
-                    _ if row.batch_of.is_some() => Kernels::One(program(&graph, Target::Batch)),
-                    None => Kernels::One(alone(&graph, scalars)),
-                    Some(packed) if strategy == Strategy::Routines => {
-                        Kernels::One(Program::repeated(&packed, scalars))
-                    }
-                    Some(packed) => Kernels::Dispatched {
-                        scalar: program(&graph, Target::Scalar),
-                        simd: program(&packed, Target::Simd),
-                    },
+                if row.batch_of.is_some() {
+                    Kernels::One(Program::new(&graph, scalars, Target::Batch))
+                } else {
+                    let packed = packing::packed(function, tracing, &graph);
+                    strategy.kernels(&graph, packed, scalars)
                 }
             }
         };
-        Self { function, arguments, parameters, result: (row.result)(sizes), kernels }
+        Self {
+            function: Some(function),
+            name: function.name(),
+            batch_of: row.batch_of.map(Function::name),
+            docs: row.docs,
+            fields: Vec::new(),
+            c_form: row.c_form,
+            arguments,
+            parameters,
+            result: (row.result)(sizes),
+            kernels,
+        }
     }
+
+    /// Returns a bundle, and its form for many states if `batch`.
+    fn bundle(
+        bundle: &Bundle,
+        (tracing, sizes, parameters): (&Tracing<'_>, &Sizes, usize),
+        strategy: Strategy,
+        batch: bool,
+    ) -> (Self, Option<Self>) {
+        let arguments = shapes_of(&bundle.arguments(), sizes);
+        let parameters = if bundle.any(|row| row.depends_on_parameters) { parameters } else { 0 };
+        let scalars = count(&arguments, parameters);
+        let graphs = bundle::Graphs::new(bundle, tracing, sizes, parameters);
+        let graph = graphs.scalar();
+        let packed = packing::packed_bundle(bundle, &graphs, tracing, &graph);
+        let one = Self {
+            function: None,
+            name: bundle.name,
+            batch_of: None,
+            docs: bundle.docs(),
+            fields: bundle.members.iter().map(|member| member.docs).collect(),
+            c_form: bundle.c_form(),
+            arguments,
+            parameters,
+            result: bundle.result(sizes),
+            kernels: strategy.kernels(&graph, packed, scalars),
+        };
+        let many = batch.then(|| Self {
+            name: names::intern(&format!("{}_batch", bundle.name)),
+            batch_of: Some(bundle.name),
+            fields: one.fields.clone(),
+            arguments: one.arguments.clone(),
+            result: one.result.clone(),
+            c_form: CForm::None,
+            kernels: Kernels::One(Program::new(&graph, scalars, Target::Batch)),
+            ..one
+        });
+        (one, many)
+    }
+}
+
+impl Strategy {
+    /// Returns the program of a graph on scalars.
+    fn alone(self, graph: &Graph, scalars: usize) -> Program {
+        match self {
+            Self::Threads => Program::for_threads(graph, scalars),
+            _ => Program::new(graph, scalars, Target::Scalar),
+        }
+    }
+
+    /// Returns the programs of a graph on scalars and, if packing is profitable, of the same function packed.
+    fn kernels(self, graph: &Graph, packed: Option<Graph>, scalars: usize) -> Kernels {
+        match packed {
+            None => Kernels::One(self.alone(graph, scalars)),
+            Some(packed) if self == Self::Routines => {
+                Kernels::One(Program::repeated(&packed, scalars))
+            }
+            Some(packed) => Kernels::Dispatched {
+                scalar: Program::new(graph, scalars, Target::Scalar),
+                simd: Program::new(&packed, scalars, Target::Simd),
+            },
+        }
+    }
+}
+
+/// Returns the layouts of arguments, by name.
+fn shapes_of(arguments: &[Argument], sizes: &Sizes) -> Vec<(&'static str, Shape)> {
+    arguments.iter().map(|argument| (argument.name, (argument.shape)(sizes))).collect()
+}
+
+/// Returns the number of scalars of arguments and run-time parameters.
+fn count(arguments: &[(&'static str, Shape)], parameters: usize) -> usize {
+    parameters + arguments.iter().map(|(_, shape)| shape.len()).sum::<usize>()
 }

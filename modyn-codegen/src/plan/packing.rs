@@ -3,6 +3,7 @@
 use modyn_runtime::equations::dynamics::Elimination;
 
 use super::Tracing;
+use super::bundle::{Bundle, Graphs};
 use super::functions::{Function, Trace};
 use crate::graph::Graph;
 use crate::passes::{balance, optimize};
@@ -48,7 +49,6 @@ pub(super) fn balanced(graph: Graph) -> Graph {
 pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) -> Option<Graph> {
     let row = function.row();
     let Trace::One(trace) = row.trace else { return None };
-    let operations = |graph: &Graph| graph.count().total();
     let by_limbs = tracing.limbs.iter().flat_map(|limbs| {
         let tracer = tracing.tracer.packed(limbs);
         candidates(row.packing, trace, tracing, (limbs, &tracer))
@@ -56,13 +56,52 @@ pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) 
     let has_columns =
         row.packing == Packing::Derivatives && tracing.vectors && operations(scalar) <= MAX_COLUMNS;
     let columns = has_columns.then(|| trace(&tracing.tracer.column_lanes(), tracing));
-    let graphs = by_limbs.chain(columns);
+    profitable(by_limbs.chain(columns), row.hot, tracing, scalar)
+}
+
+/// Returns the packed graph of a bundle, as [`packed`] does: of each member its packed graph, if it has one, else its graph
+/// on scalars.
+pub(super) fn packed_bundle(
+    bundle: &Bundle,
+    graphs: &Graphs<'_>,
+    tracing: &Tracing<'_>,
+    scalar: &Graph,
+) -> Option<Graph> {
+    let by_limbs = tracing.limbs.iter().filter_map(|limbs| {
+        let tracer = tracing.tracer.packed(limbs);
+        graphs.packed(|row, trace| {
+            let all = candidates(row.packing, trace, tracing, (limbs, &tracer));
+            all.into_iter().min_by_key(operations)
+        })
+    });
+    let has_columns = tracing.vectors && operations(scalar) <= MAX_COLUMNS;
+    let columns = || {
+        graphs.packed(|row, trace| {
+            let columns = row.packing == Packing::Derivatives;
+            columns.then(|| trace(&tracing.tracer.column_lanes(), tracing))
+        })
+    };
+    let columns = has_columns.then(columns).flatten();
+    profitable(by_limbs.chain(columns), bundle.any(|row| row.hot), tracing, scalar)
+}
+
+fn operations(graph: &Graph) -> usize {
+    graph.count().total()
+}
+
+/// Returns the cheapest of several packed graphs after all passes, if it is profitable compared with `scalar`.
+fn profitable(
+    graphs: impl Iterator<Item = Graph>,
+    hot: bool,
+    tracing: &Tracing<'_>,
+    scalar: &Graph,
+) -> Option<Graph> {
     let cheapest = graphs.map(|graph| balance(&optimize(graph))).min_by_key(operations);
     let is_profitable = |graph: &Graph| operations(graph) * 5 < operations(scalar) * MAX_FIFTHS;
     if let Some(graph) = cheapest.filter(is_profitable) {
         return Some(graph);
     }
-    let dispatched = tracing.vectors && row.hot && DISPATCHED.contains(&operations(scalar));
+    let dispatched = tracing.vectors && hot && DISPATCHED.contains(&operations(scalar));
     dispatched.then(|| scalar.clone())
 }
 

@@ -27,6 +27,9 @@ pub enum Record {
     Several(&'static str),
     /// The results of a function with several results, by name. The type is generic over the type of each field.
     Each(&'static str),
+    /// The results of a bundle, by the end of the type's name. The type belongs to the robot, and is generic over the
+    /// scalar.
+    Own(&'static str),
 }
 
 impl Shape {
@@ -110,6 +113,9 @@ impl Shape {
             Self::Record(_, fields) => {
                 let named = |(name, shape): &(&str, Self)| match *name {
                     "" => shape.in_words(),
+                    name if matches!(shape, Self::Record(_, fields) if fields.len() > 1) => {
+                        format!("{name}: ({})", shape.in_words())
+                    }
                     name => format!("{name}: {}", shape.in_words()),
                 };
                 fields.iter().map(named).collect::<Vec<_>>().join(", ")

@@ -42,6 +42,36 @@ impl Tracer<'_> {
         self.trace(|model, [q]| numbers(&kinematics::link_pose(model, frame, &q)))
     }
 
+    /// Returns the graph of a link's pose by the axes of the bodies in the world. Inputs: `q`.
+    #[must_use]
+    pub fn link_pose_from_world(&self, frame: usize) -> Graph {
+        self.trace(|model, [q]| {
+            let workspace = &mut Workspace::new(model);
+            numbers(&kinematics::link_pose_from_world(model, frame, &q, workspace))
+        })
+    }
+
+    /// Returns the graph of a link's acceleration in world axes by the accelerations of the bodies. Inputs: `q`, `qd`,
+    /// `qdd`.
+    #[must_use]
+    pub fn link_acceleration_from_world(&self, frame: usize) -> Graph {
+        self.trace(|model, [q, qd, qdd]| {
+            let (motion, workspace) = ((&*q, &*qd, Some(&*qdd)), &mut Workspace::new(model));
+            let acceleration = kinematics::link_acceleration_from_world;
+            acceleration(model, frame, motion, workspace).components().to_vec()
+        })
+    }
+
+    /// Returns the graph of a link's bias acceleration in world axes by the accelerations of the bodies. Inputs: `q`, `qd`.
+    #[must_use]
+    pub fn bias_acceleration_from_world(&self, frame: usize) -> Graph {
+        self.trace(|model, [q, qd]| {
+            let (motion, workspace) = ((&*q, &*qd, None), &mut Workspace::new(model));
+            let acceleration = kinematics::link_acceleration_from_world;
+            acceleration(model, frame, motion, workspace).components().to_vec()
+        })
+    }
+
     /// Returns the graph of a link's velocity. Inputs: `q`, `qd`.
     #[must_use]
     pub fn link_velocity(&self, frame: usize, axes: Axes) -> Graph {

@@ -66,7 +66,7 @@ pub fn levels() -> impl Iterator<Item = Level> {
 
 /// Returns the programs that a level runs for one state; `None` for functions of a link.
 pub fn program(planning: &Planning, function: Function, vectors: bool) -> Option<&Program> {
-    let planned = planning.plan.functions.iter().find(|p| p.function == function)?;
+    let planned = planning.plan.functions.iter().find(|p| p.function == Some(function))?;
     match &planned.kernels {
         Kernels::One(program) => Some(program),
         Kernels::Dispatched { scalar, simd } => Some(if vectors { simd } else { scalar }),

@@ -34,6 +34,11 @@ modyn::modyn!(
     Touching = "../good.urdf",
     contacts = ["tip": point("hand"), "side": surface("arm", [0, 0.1, 0], [0, 0, 1.57],), "mid": point("arm", [1, 0, 0])],
 );
+modyn::modyn!(
+    Bundled = "../good.urdf",
+    functions = [],
+    bundles = [state: (mass_matrix, jacobian("hand"), brge), "many": batch(bias_forces, link_pose(arm)),],
+);
 modyn::modyn!(Little = "../good.urdf", functions = [forward_dynamics], friction = coulomb);
 modyn::modyn!(More = "../good.urdf", functions = [default, regressor], friction = viscous);
 modyn::modyn!(Default = "../good.urdf", functions = default, payload = [], runtime_inertia = [], rotors = []);

@@ -341,8 +341,8 @@ fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
         let mut arguments = arrays(&planned.arguments);
         arguments.extend(with_parameters.then_some(parameters));
         items.push(Item {
-            name: format!("{prefix}_{}", planned.function.name()),
-            docs: planned.row().docs,
+            name: format!("{prefix}_{}", planned.name),
+            docs: planned.docs,
             arguments,
             result: &planned.result,
             programs,

@@ -182,7 +182,7 @@ fn kernels<'a>(plan: &'a Plan, model: &Model, prefix: &str) -> Vec<Kernel<'a>> {
     let placements: Vec<[f64; Frames::PLACEMENT]> = plan.frames.placements().collect();
     let mut kernels = Vec::new();
     for planned in plan.functions.iter().filter(|planned| !planned.result.is_empty()) {
-        let name = format!("{prefix}_{}", planned.function.name());
+        let name = format!("{prefix}_{}", planned.name);
         match &planned.kernels {
             Kernels::One(program) | Kernels::Dispatched { scalar: program, .. } => {
                 kernels.push(kernel(planned, (name, None), program, Vec::new()));
@@ -222,13 +222,13 @@ fn kernel<'a>(
     let arguments = planned.arguments.iter().map(argument).chain([parameters]);
     let description = GpuKernel {
         name,
-        function: planned.function.name(),
+        function: planned.name,
         link,
         arguments: arguments.filter(|argument| argument.len > 0).collect(),
         result: planned.result.len(),
         statements: program.statements.len(),
     };
-    let docs = planned.row().docs.replace('\n', "\n// ");
+    let docs = planned.docs.replace('\n', "\n// ");
     let docs = format!("// {docs}\n// `out`: {}.\n", planned.result.in_words());
     Kernel { description, docs, program, known }
 }

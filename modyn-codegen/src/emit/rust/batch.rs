@@ -83,6 +83,7 @@ impl Robot<'_> {
         let mut by_columns: Vec<String> =
             quantity.parameters.iter().map(|p| columns(p, "&")).collect();
         by_columns.extend(outputs.iter().map(|p| columns(p, "&mut ")));
+        let numbered = |p: &Parameter| numbered(p, quantity);
         let unpacked: Vec<String> = all()
             .map(|p| format!("    let {} = {};\n", p.shape.value(&numbered(p)), p.name))
             .collect();
@@ -96,15 +97,12 @@ impl Robot<'_> {
             .map(|p| format!("{}: &[{}]", p.name, p.shape.type_of(float)))
             .collect();
         by_states.push(format!("{result}: &mut [{}]", quantity.shape.type_of(float)));
-        let flat: Vec<String> =
-            quantity.parameters.iter().map(|p| format!("{}.as_flattened()", p.name)).collect();
-        let parts: Vec<String> = match &quantity.shape {
-            Shape::Struct { fields, .. } => {
-                fields.iter().map(|(name, field)| slice_of(&format!("x.{name}"), field)).collect()
-            }
-            shape => vec![slice_of("x", shape)],
+        let flat = |p: &Parameter| match p.shape {
+            Shape::Scalar => p.name.into(),
+            _ => format!("{}.as_flattened()", p.name),
         };
-        let parts = format!("|x| [{}]", parts.join(", "));
+        let flat: Vec<String> = quantity.parameters.iter().map(flat).collect();
+        let parts = parts(&quantity.shape);
 
         let dynamic = quantity.runtime_parameter().is_some();
         let doors: &[(&str, &str)] =
@@ -176,7 +174,7 @@ impl Robot<'_> {
 
 /// Returns the name of the function of one state.
 fn name(quantity: &Quantity<'_>) -> &'static str {
-    quantity.function.batched().unwrap_or(quantity.function).name()
+    quantity.batch_of.unwrap_or(quantity.name)
 }
 
 /// Returns the name of the result.
@@ -212,9 +210,55 @@ fn count(parameters: &[Parameter]) -> usize {
     parameters.iter().map(|p| p.shape.len()).sum()
 }
 
-/// Returns the names of a parameter's slices.
-fn numbered(parameter: &Parameter) -> Vec<String> {
-    (0..parameter.shape.len()).map(|i| format!("{}{i}", parameter.name)).collect()
+/// Returns the names of a parameter's slices. The names of links, which fields of the robot's own results have, may end
+/// in digits, but have no two underscores in a row.
+fn numbered(parameter: &Parameter, quantity: &Quantity<'_>) -> Vec<String> {
+    let separator = if quantity.fields.is_empty() { "" } else { "__" };
+    (0..parameter.shape.len()).map(|i| format!("{}{separator}{i}", parameter.name)).collect()
+}
+
+/// Returns the closure from a reference `x` to a result to the slices of its numbers.
+fn parts(shape: &Shape) -> String {
+    let mut lets = Vec::new();
+    let slices = match shape {
+        Shape::Struct { .. } => slices("x", shape, &mut lets),
+        _ => vec![slice_of("x", shape)],
+    };
+    match lets.is_empty() {
+        true => format!("|x| [{}]", slices.join(", ")),
+        false => format!("|x| {{ {} [{}] }}", lets.concat(), slices.join(", ")),
+    }
+}
+
+/// Returns the slices of all numbers of a value, which is a place. Elements of arrays of structures are named by `lets`.
+fn slices(value: &str, shape: &Shape, lets: &mut Vec<String>) -> Vec<String> {
+    match shape {
+        Shape::Struct { fields, .. } => {
+            let place = |(i, (name, _)): (usize, &(&str, Shape))| match *name {
+                "" => format!("{value}.{i}"),
+                name => format!("{value}.{name}"),
+            };
+            let places: Vec<String> = fields.iter().enumerate().map(place).collect();
+            let fields = fields.iter().zip(places);
+            fields.flat_map(|((_, field), place)| slices(&place, field, lets)).collect()
+        }
+        Shape::Array(of, n) if has_structures(of) => {
+            let names: Vec<String> = (0..*n).map(|i| format!("e{}_{i}", lets.len())).collect();
+            lets.push(format!("let [{}] = &mut {value};", names.join(", ")));
+            names.iter().flat_map(|name| slices(&format!("(*{name})"), of, lets)).collect()
+        }
+        Shape::Scalar => vec![slice_of(&format!("&mut {value}"), shape)],
+        Shape::Array(..) => vec![slice_of(value, shape)],
+    }
+}
+
+/// Returns whether there are structures in a value.
+fn has_structures(shape: &Shape) -> bool {
+    match shape {
+        Shape::Scalar => false,
+        Shape::Array(of, _) => has_structures(of),
+        Shape::Struct { .. } => true,
+    }
 }
 
 /// Returns all entries of `value`, a place or a reference, as a mutable slice.

@@ -26,7 +26,7 @@ impl Robot<'_> {
 
     fn c_function(&self, text: &mut String, prefix: &str, quantity: &Quantity<'_>) {
         let (name, float) = (self.name, self.options.scalar.name());
-        let function = quantity.function.name();
+        let function = quantity.name;
         let by_link = matches!(quantity.kernels, Kernels::ByLink(_));
         let scalar = matches!(quantity.shape, Shape::Scalar);
         let mut parameters: Vec<String> = quantity
@@ -107,14 +107,14 @@ impl Robot<'_> {
 
 /// Returns whether C can call the function. The results of the others are Rust types.
 pub(super) fn in_c(quantity: &Quantity<'_>) -> bool {
-    quantity.function.row().c_form == CForm::SourceAndExport
+    quantity.c_form == CForm::SourceAndExport
 }
 
 impl Quantity<'_> {
-    /// Returns whether a parameter or the result is a spatial structure.
+    /// Returns whether a parameter or the result has a structure of the runtime.
     fn uses_spatial(&self) -> bool {
-        let shapes = self.parameters.iter().map(|p| &p.shape).chain([&self.shape]);
-        shapes.into_iter().any(|shape| shape.type_of("").contains("__modyn"))
+        let mut shapes = self.parameters.iter().map(|p| &p.shape).chain([&self.shape]);
+        shapes.any(Shape::has_runtime_structures)
     }
 }
 
@@ -122,6 +122,18 @@ impl Shape {
     /// Returns whether the shape has no scalars: C has no such array.
     pub(super) fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Returns whether the shape is a structure of the runtime, or contains one.
+    fn has_runtime_structures(&self) -> bool {
+        match self {
+            Self::Scalar => false,
+            Self::Array(of, _) => of.has_runtime_structures(),
+            Self::Struct { path, fields, .. } => {
+                path.starts_with("__modyn")
+                    || fields.iter().any(|(_, field)| field.has_runtime_structures())
+            }
+        }
     }
 
     /// Returns whether the shape is an array of scalars.
@@ -137,10 +149,11 @@ impl Shape {
             Self::Array(of, n) => format!("{n} times ({})", of.c_layout()),
             Self::Struct { fields, .. } => {
                 let named = |(name, shape): &(&str, Self)| {
-                    if name.is_empty() {
-                        shape.c_layout()
-                    } else {
-                        format!("{name}: {}", shape.c_layout())
+                    let several = matches!(shape, Self::Struct { fields, .. } if fields.len() > 1);
+                    match *name {
+                        "" => shape.c_layout(),
+                        name if several => format!("{name}: ({})", shape.c_layout()),
+                        name => format!("{name}: {}", shape.c_layout()),
                     }
                 };
                 fields.iter().map(named).collect::<Vec<_>>().join(", ")

@@ -16,7 +16,7 @@ impl Robot<'_> {
         parameters: &[Parameter],
         (scalars, vectors): (&Program, &Program),
     ) {
-        let (name, shape) = (quantity.function.name(), &quantity.shape);
+        let (name, shape) = (quantity.name, &quantity.shape);
         let (scalar, vectorized) = (format!("{name}_scalar"), format!("{name}_vectorized"));
         *text += &function(&scalar, parameters, shape, scalars, self.options.scalar);
         *text += &function(&vectorized, parameters, shape, vectors, self.options.scalar);

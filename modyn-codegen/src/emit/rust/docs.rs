@@ -87,7 +87,8 @@ const EXAMPLES: [&[(Function, &str)]; 2] = [
 
 /// Prints a usage example, if the robot has one of the functions of [`EXAMPLES`].
 fn example(lines: &mut String, robot: &Robot<'_>) {
-    let has = |function: Function| robot.plan.functions.iter().any(|p| p.function == function);
+    let has =
+        |function: Function| robot.plan.functions.iter().any(|p| p.function == Some(function));
     let shown: Vec<(Function, &str)> = EXAMPLES
         .iter()
         .filter_map(|group| group.iter().copied().find(|(function, _)| has(*function)))
@@ -221,6 +222,11 @@ fn options(lines: &mut String, robot: &Robot<'_>) {
          - `friction = {friction}`",
         options.scalar.name()
     );
+    for bundle in &options.bundles {
+        let members: Vec<&str> = bundle.members.iter().map(|member| member.docs).collect();
+        let batch = if bundle.batch { ", also for many states" } else { "" };
+        let _ = writeln!(lines, "- bundle `{}`{batch}: {}", bundle.name, members.join(", "));
+    }
     for (option, links) in
         [("runtime_inertia", &options.runtime_inertia), ("payload", &options.payload)]
     {

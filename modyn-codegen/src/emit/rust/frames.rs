@@ -23,7 +23,7 @@ impl Robot<'_> {
         programs: &[Program],
     ) {
         let (frames, float) = (&self.plan.frames, self.options.scalar);
-        let (name, mut parameters) = (quantity.function.name(), quantity.all_parameters());
+        let (name, mut parameters) = (quantity.name, quantity.all_parameters());
         let (own, shared) = programs.split_at(frames.links_with_own_program().count());
         for (link, program) in frames.links_with_own_program().zip(own) {
             let name = format!("{name}_{link}");
@@ -54,7 +54,7 @@ impl Robot<'_> {
         (bodies, placed): (&Program, &Program),
     ) {
         let (frames, float) = (&self.plan.frames, self.options.scalar);
-        let (name, parameters) = (quantity.function.name(), quantity.all_parameters());
+        let (name, parameters) = (quantity.name, quantity.all_parameters());
         let shape = Shape::new(&frames.poses_of_bodies(), self.name);
         *text += &function(&format!("{name}_of_bodies"), &parameters, &shape, bodies, float);
         let pose = Shape::new(&crate::plan::Shape::pose(), self.name);

@@ -75,7 +75,7 @@ fn declaration(
     (prefix, upper): (&str, &str),
     number: &str,
 ) {
-    let function = quantity.function.name();
+    let function = quantity.name;
     let by_link = matches!(quantity.kernels, Kernels::ByLink(_));
     let array =
         |name: &str, shape: &Shape| format!("{number} {name}[{upper}_AT_LEAST({})]", shape.len());

@@ -29,7 +29,7 @@ use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 
 use super::{EmitOptions, FloatType};
 use crate::names;
-use crate::plan::{self, Function, Kernels, Plan, Planned};
+use crate::plan::{self, CForm, Function, Kernels, Plan, Planned};
 use crate::program::Program;
 use function::{Parameter, function};
 use shape::Shape;
@@ -50,11 +50,11 @@ pub(super) fn print(
     let robot = Robot { model, modules, options, plan, name };
     let quantity = |planned| Quantity::new(planned, name);
     let quantities: Vec<Quantity<'_>> = plan.functions.iter().map(quantity).collect();
-    let per_call = |p: &Planned| (p.function.name(), p.operations_per_call());
+    let per_call = |p: &Planned| (p.name, p.operations_per_call());
     let operations: Vec<(&str, OperationCount)> = plan.functions.iter().map(per_call).collect();
     let mut text = String::new();
     docs::robot(&mut text, &robot, &operations);
-    robot.types(&mut text);
+    robot.types(&mut text, &quantities);
     let path = &options.crate_path;
     let _ = writeln!(
         text,
@@ -67,7 +67,7 @@ pub(super) fn print(
     robot.constants(&mut text, &operations);
     if !options.self_contained {
         robot.robot_trait(&mut text, &quantities);
-        let generated = plan.functions.iter().chain(&plan.batches).map(|p| p.function);
+        let generated = plan.functions.iter().chain(&plan.batches).filter_map(|p| p.function);
         robot.availability(&mut text, &generated.collect::<Vec<_>>());
     }
     if robot.factorizes() {
@@ -100,32 +100,42 @@ pub(super) fn print(
 
 /// A planned function with its Rust types.
 struct Quantity<'a> {
-    function: Function,
+    /// The function; `None` for a bundle.
+    function: Option<Function>,
+    name: &'static str,
+    /// The name of the function or bundle of one state, if this is its form for many states.
+    batch_of: Option<&'static str>,
     parameters: Vec<Parameter>,
     shape: Shape,
-    /// Whether the function depends on run-time parameters.
+    /// Whether the function of the trait depends on run-time parameters.
     dynamic: bool,
     /// The number of run-time parameters.
     runtime: usize,
     kernels: &'a Kernels,
     docs: &'static str,
+    /// The documentation of each field of the result, if the result is a type of the robot's own.
+    fields: &'a [&'static str],
+    c_form: CForm,
 }
 
 impl<'a> Quantity<'a> {
     fn new(planned: &'a Planned, robot: &str) -> Self {
-        let row = planned.row();
         let parameter = |(name, shape): &(&'static str, plan::Shape)| {
             let contacts = matches!(shape, plan::Shape::Record(plan::Record::Contacts, _));
             Parameter::new(name, Shape::new(shape, robot)).with_contacts(contacts)
         };
         Self {
             function: planned.function,
+            name: planned.name,
+            batch_of: planned.batch_of,
             parameters: planned.arguments.iter().map(parameter).collect(),
             shape: Shape::new(&planned.result, robot),
-            dynamic: row.depends_on_parameters,
+            dynamic: planned.function.is_some_and(Function::depends_on_parameters),
             runtime: planned.parameters,
             kernels: &planned.kernels,
-            docs: row.docs,
+            docs: planned.docs,
+            fields: &planned.fields,
+            c_form: planned.c_form,
         }
     }
 
@@ -169,7 +179,7 @@ impl Robot<'_> {
 
     /// Prints the private functions that compute, generic over the scalar.
     fn private_functions(&self, text: &mut String, quantity: &Quantity<'_>) {
-        let (name, parameters) = (quantity.function.name(), quantity.all_parameters());
+        let (name, parameters) = (quantity.name, quantity.all_parameters());
         let function = |name: &str, program: &Program| {
             function(name, &parameters, &quantity.shape, program, self.options.scalar)
         };
@@ -187,8 +197,8 @@ impl Robot<'_> {
 
     /// Returns the body of a public function: a call of the private function, or one for each link.
     fn call(&self, quantity: &Quantity<'_>, params: &str) -> String {
-        let name = quantity.function.name();
-        if quantity.function == Function::Random {
+        let name = quantity.name;
+        if quantity.function == Some(Function::Random) {
             return format!(
                 "let mut uniform = uniform;\n    {name}(&::core::array::from_fn(|_| uniform()))"
             );
@@ -225,7 +235,7 @@ impl Robot<'_> {
 
     /// Returns the parameters of a public function over scalar `t`, after `first`.
     fn typed(&self, quantity: &Quantity<'_>, first: Option<String>, t: &str) -> String {
-        if quantity.function == Function::Random {
+        if quantity.function == Some(Function::Random) {
             return format!("uniform: impl ::core::ops::FnMut() -> {t}");
         }
         let own = quantity.parameters.iter().map(|parameter| match parameter.shape {
@@ -243,7 +253,7 @@ impl Robot<'_> {
         let (name, float) = (self.name, self.options.scalar.name());
         let _ = writeln!(text, "impl {name} {{");
         for quantity in quantities {
-            let function = quantity.function.name();
+            let function = quantity.name;
             let lines: Vec<String> =
                 quantity.docs.lines().map(|line| format!("/// {line}\n")).collect();
             let (docs, returned) = (lines.concat(), quantity.shape.type_of(float));
@@ -328,13 +338,14 @@ impl Robot<'_> {
             rows = self.model.constraint_rows(),
             columns = PARAMETERS_PER_LINK * self.model.links().len(),
         );
-        for quantity in quantities {
+        // The trait, which all robots share, has no bundles.
+        for quantity in quantities.iter().filter(|quantity| quantity.function.is_some()) {
             let with = if quantity.dynamic { "_with" } else { "" };
             let first = quantity.dynamic.then(|| "params: &Self::Params<T>".into());
             let _ = writeln!(
                 text,
                 "fn {}{with}<T: __modyn::Scalar>({}) -> {} {{\n    {}\n}}",
-                quantity.function.name(),
+                quantity.name,
                 self.typed(quantity, first, "T"),
                 quantity.shape.type_of("T"),
                 self.call(quantity, "&params.numbers"),

@@ -43,6 +43,7 @@ impl Shape {
                 return fields.into_iter().map(|(_, field)| field).next().unwrap_or(Self::Scalar);
             }
             Record::Factorization => (format!("{robot}UduFactorization"), "{t}".into()),
+            Record::Own(name) => (format!("{robot}{name}"), "{t}".into()),
             Record::Each(name) => {
                 let types: Vec<String> =
                     fields.iter().map(|(_, field)| field.type_of("{t}")).collect();

@@ -3,12 +3,13 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
-use super::{Robot, docs};
+use super::shape::Shape;
+use super::{Quantity, Robot, docs};
 use crate::names;
 
 impl Robot<'_> {
     /// Prints the public types, without their functions.
-    pub(super) fn types(&self, text: &mut String) {
+    pub(super) fn types(&self, text: &mut String, quantities: &[Quantity<'_>]) {
         let (name, vis) = (self.name, &self.options.visibility);
         let float = self.options.scalar.name();
         let _ = writeln!(
@@ -32,6 +33,7 @@ impl Robot<'_> {
         }
         self.parameters_type(text);
         self.contact_set(text);
+        self.result_types(text, quantities);
         if !self.factorizes() {
             return;
         }
@@ -43,6 +45,29 @@ impl Robot<'_> {
              {vis} struct {name}UduFactorization<T = {float}> {{\n    factors: [T; {}],\n}}\n",
             self.plan.layout.size()
         );
+    }
+
+    /// Prints the types of results that are the robot's own.
+    fn result_types(&self, text: &mut String, quantities: &[Quantity<'_>]) {
+        let (vis, float) = (&self.options.visibility, self.options.scalar.name());
+        // The path that `__modyn` stands for in the functions.
+        let path = |kind: String| kind.replace("__modyn", &self.options.crate_path);
+        for quantity in quantities.iter().filter(|quantity| !quantity.fields.is_empty()) {
+            let Shape::Struct { path: kind, fields, .. } = &quantity.shape else { continue };
+            let field = |((name, shape), docs): (&(&str, Shape), &&str)| {
+                let kind = path(shape.type_of("T"));
+                format!("    /// The result of {docs}.\n    pub {name}: {kind},\n")
+            };
+            let fields: String = fields.iter().zip(quantity.fields).map(field).collect();
+            let _ = writeln!(
+                text,
+                "/// The results of `{}::{}`.\n\
+                 #[allow(dead_code)]\n\
+                 #[derive(Clone, Copy, Debug, PartialEq)]\n\
+                 {vis} struct {kind}<T = {float}> {{\n{fields}}}\n",
+                self.name, quantity.name
+            );
+        }
     }
 
     /// Prints the functions of the enums.

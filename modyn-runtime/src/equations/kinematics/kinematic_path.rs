@@ -27,6 +27,22 @@ pub(in crate::equations) fn from_world<S>(
     path.reverse();
 }
 
+/// Computes the joint transforms and the axes in the world of body `last` and its ancestors. Stores these bodies in the
+/// workspace's path.
+pub(in crate::equations) fn move_to_world<S: Scalar>(
+    model: &Mechanism<S>,
+    last: usize,
+    q: &[S],
+    workspace: &mut Workspace<S>,
+) {
+    from_world(model, Some(last), &mut workspace.kinematic_path);
+    for k in 0..workspace.kinematic_path.len() {
+        let i = workspace.kinematic_path[k];
+        workspace.motions[i] = model.bodies[i].motion(q);
+        rotate_axes(model, i, workspace);
+    }
+}
+
 /// Computes body `i`'s axes in the world. Expects the joint transform and the parent's axes.
 pub(in crate::equations) fn rotate_axes<S: Scalar>(
     model: &Mechanism<S>,

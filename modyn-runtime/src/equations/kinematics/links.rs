@@ -1,6 +1,6 @@
 //! The poses, velocities, accelerations and Jacobians of the links.
 
-use super::acceleration::parent_motion_at_joint;
+use super::acceleration::{parent_motion, parent_motion_at_joint};
 use super::kinematic_path::{self, BodyMotion, OriginMotion};
 use crate::Scalar;
 use crate::equations::Workspace;
@@ -54,6 +54,27 @@ pub fn link_pose<S: Scalar>(model: &Mechanism<S>, frame: usize, q: &[S]) -> Pose
     Pose { rotation: seen.axes.transposed().0, translation: seen.point.0 }
 }
 
+/// Returns the pose of link `frame` in the world, as [`link_pose`] does, by the axes of the bodies in the world.
+///
+/// It takes more operations than [`link_pose`], but fewer beyond those of [`jacobian`] in world axes.
+pub fn link_pose_from_world<S: Scalar>(
+    model: &Mechanism<S>,
+    frame: usize,
+    q: &[S],
+    workspace: &mut Workspace<S>,
+) -> Pose<S> {
+    let BodyFrame { body, pose } = model.frames[frame];
+    let Some(last) = body else { return pose };
+    kinematic_path::move_to_world(model, last, q, workspace);
+    let mut point = Vector3(pose.translation);
+    for i in kinematic_path::towards_world(model, body) {
+        let placement = &model.bodies[i].placement;
+        point = placement.point_to_parent(workspace.motions[i].point_to_parent(point));
+    }
+    let rotation = workspace.axes[last].times(&Matrix3(pose.rotation));
+    Pose { rotation: rotation.0, translation: point.0 }
+}
+
 /// Returns the velocity of link `frame` relative to the world, rad/s and m/s, at the link's origin in `axes`.
 pub fn link_velocity<S: Scalar>(
     model: &Mechanism<S>,
@@ -93,6 +114,33 @@ pub fn link_acceleration<S: Scalar>(
     }
 }
 
+/// Returns the acceleration of link `frame` relative to the world in world axes, as [`link_acceleration`] does; without
+/// `qdd` the bias acceleration.
+///
+/// It goes by the bodies' axes in the world, and by the bodies' accelerations, as Newton-Euler passes have them. So it takes
+/// more operations by itself, but few beyond those of [`jacobian`] and of inverse dynamics.
+pub fn link_acceleration_from_world<S: Scalar>(
+    model: &Mechanism<S>,
+    frame: usize,
+    (q, qd, qdd): (&[S], &[S], Option<&[S]>),
+    workspace: &mut Workspace<S>,
+) -> Twist<S> {
+    let BodyFrame { body, pose } = model.frames[frame];
+    let Some(last) = body else { return Twist::zero() };
+    kinematic_path::move_to_world(model, last, q, workspace);
+    for k in 0..workspace.kinematic_path.len() {
+        let i = workspace.kinematic_path[k];
+        let carried = parent_motion(model, i, workspace);
+        let own = qdd.map(|qdd| model.rates(i, qdd));
+        let rates = model.rates(i, qd);
+        workspace.fields[i] = workspace.motions[i].accelerate(carried, &rates, own.as_deref());
+    }
+    let (axes, field) = (&workspace.axes[last], &workspace.fields[last]);
+    let a = field.a + field.relative_acceleration(Vector3(pose.translation));
+    // Gravity is an upward acceleration of the world there.
+    Twist { angular: axes.mul_vector(field.alpha), linear: axes.mul_vector(a) + model.gravity }
+}
+
 /// Computes the Jacobian J of link `frame` into `columns`, one for each entry of qd: J qd is
 /// [`link_velocity`].
 ///
@@ -110,11 +158,8 @@ pub fn jacobian<S: Scalar>(
     let BodyFrame { body: last, pose } = model.frames[frame];
     match axes {
         Axes::World => {
-            kinematic_path::from_world(model, last, &mut workspace.kinematic_path);
-            for k in 0..workspace.kinematic_path.len() {
-                let i = workspace.kinematic_path[k];
-                workspace.motions[i] = model.bodies[i].motion(q);
-                kinematic_path::rotate_axes(model, i, workspace);
+            if let Some(last) = last {
+                kinematic_path::move_to_world(model, last, q, workspace);
             }
             // The link's origin, as seen from each body on the path.
             let mut point = Vector3(pose.translation);

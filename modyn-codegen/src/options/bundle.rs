@@ -1,0 +1,362 @@
+//! Bundles as options: their names and members, and the checks that need no robot.
+
+use modyn_runtime::model::Model;
+
+use super::types::{OptionValue, pair};
+use super::value::{Fault, Value, ValueKind};
+use crate::diagnostics::{Code, Diagnostic, suggest};
+use crate::names;
+use crate::plan::{self, Function};
+
+/// A bundle: several functions that one call computes, with their common work done once.
+///
+/// ```
+/// use modyn_codegen::{Builder, Bundle, Function};
+///
+/// let control = Bundle::new("control")
+///     .function(Function::MassMatrix)
+///     .function(Function::BiasForces)
+///     .of_link(Function::Jacobian, "hand");
+/// let builder = Builder::new().urdf("arm.urdf").bundles([control]);
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Bundle {
+    name: String,
+    members: Vec<Member>,
+    batch: bool,
+}
+
+/// A function in a bundle.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Member {
+    function: Function,
+    /// The name of the link of a function of one link.
+    link: Option<String>,
+}
+
+/// An error of a bundle, and its remedy.
+struct Defect {
+    /// The member with the error, by its index; `None` for the name or the whole bundle.
+    member: Option<usize>,
+    message: String,
+    help: String,
+}
+
+/// Names of functions and other items that generated code has besides those of functions.
+const RESERVED: &[&str] = &[
+    "check_configuration",
+    "contacts",
+    "default_parameters",
+    "joint",
+    "link",
+    "neutral",
+    "params",
+    "placements",
+    "udu_factorization",
+];
+
+/// The first words after the name of a bundle that make a name of the bundle's own functions.
+const FORMS: &[&str] =
+    &["batch", "each", "lanes", "of", "on", "placed", "scalar", "vectorized", "with"];
+
+/// The arguments that functions of many states do not have.
+const OF_ONE_STATE: &[&str] = &["forces", "contacts", "settings"];
+
+impl Bundle {
+    /// Returns a bundle without functions. The name, in snake case, is that of the generated function; that of the
+    /// result's type follows from it.
+    #[must_use]
+    pub fn new(name: impl Into<String>) -> Self {
+        Self { name: name.into(), members: Vec::new(), batch: false }
+    }
+
+    /// Adds a function. Its field of the result has the function's name.
+    #[must_use]
+    pub fn function(mut self, function: Function) -> Self {
+        self.members.push(Member { function, link: None });
+        self
+    }
+
+    /// Adds a function of one link, such as `jacobian`. Its field of the result has the names of the function and the
+    /// link: `jacobian_hand`.
+    #[must_use]
+    pub fn of_link(mut self, function: Function, link: impl Into<String>) -> Self {
+        self.members.push(Member { function, link: Some(link.into()) });
+        self
+    }
+
+    /// Adds the form of the bundle for many states.
+    #[must_use]
+    pub fn batch(mut self) -> Self {
+        self.batch = true;
+        self
+    }
+
+    /// Returns the functions without those of one link.
+    pub(crate) fn functions(&self) -> impl Iterator<Item = Function> {
+        self.members.iter().map(|member| member.function).filter(|f| !f.row().is_by_link())
+    }
+
+    /// Returns the errors that no robot is needed to find.
+    fn defects(&self) -> Vec<Defect> {
+        let mut defects: Vec<Defect> = self.name_defect().into_iter().collect();
+        if self.members.is_empty() {
+            defects.push(Defect {
+                member: None,
+                message: "it has no functions".into(),
+                help: "name some, such as `(mass_matrix, bias_forces)`".into(),
+            });
+        }
+        for (i, member) in self.members.iter().enumerate() {
+            let defect = member.defect(self.batch).or_else(|| {
+                let same =
+                    self.members[..i].iter().find(|other| other.field() == member.field())?;
+                let help = match same == member {
+                    true => "name it once",
+                    false => {
+                        "their links have the same name in snake case: put them in two bundles"
+                    }
+                };
+                Some((
+                    format!("two functions would be the field `{}`", member.field()),
+                    help.into(),
+                ))
+            });
+            defects.extend(defect.map(|(message, help)| Defect { member: Some(i), message, help }));
+        }
+        defects
+    }
+
+    /// Returns the error of the bundle's name.
+    fn name_defect(&self) -> Option<Defect> {
+        let name = &self.name;
+        let defect = |message: String, help: String| Some(Defect { member: None, message, help });
+        let snake = names::snake(name);
+        if names::KEYWORDS.contains(&name.as_str()) {
+            return defect("its name is a keyword".into(), format!("`{snake}` is not one"));
+        }
+        if snake != *name {
+            return defect("its name is not in snake case".into(), format!("`{snake}` is"));
+        }
+        let help = || "give the bundle another name".to_string();
+        if RESERVED.contains(&name.as_str()) {
+            return defect(format!("generated code has another `{name}`"), help());
+        }
+        let begins = |function: &&Function| {
+            let rest = name.strip_prefix(function.name());
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
+        };
+        let function = Function::ALL.iter().find(begins)?;
+        defect(format!("its name begins with that of the function `{}`", function.name()), help())
+    }
+
+    /// Returns the errors of all bundles that no robot is needed to find.
+    pub(crate) fn errors(bundles: &[Self]) -> Vec<Diagnostic> {
+        let mut errors = Vec::new();
+        for (i, bundle) in bundles.iter().enumerate() {
+            let defects = bundle.defects().into_iter();
+            errors.extend(defects.map(|Defect { message, help, .. }| bundle.error(message, help)));
+            let others = bundles.iter().enumerate().filter(|(k, _)| *k != i);
+            for (k, other) in others {
+                let same_type = || names::type_name(&bundle.name) == names::type_name(&other.name);
+                let twice = k < i && same_type();
+                if twice || is_form(&bundle.name, &other.name) {
+                    let message = format!("its name belongs to bundle `{}`", other.name);
+                    errors.push(bundle.error(message, "give one of them another name".into()));
+                }
+            }
+        }
+        errors
+    }
+
+    fn error(&self, message: String, help: String) -> Diagnostic {
+        let message = format!("bundle `{}`: {message}", self.name);
+        Diagnostic::error(Code::Option, message).with_help(help)
+    }
+
+    /// Returns the bundle of a robot.
+    ///
+    /// # Errors
+    ///
+    /// If a link does not exist, or the robot cannot have a function.
+    pub(crate) fn of(&self, model: &Model) -> Result<plan::Bundle, Vec<Diagnostic>> {
+        let (mut members, mut errors) = (Vec::new(), Vec::new());
+        for member in &self.members {
+            match member.of(model) {
+                Ok(member) => members.push(member),
+                Err((message, help)) => errors.push(self.error(message, help)),
+            }
+        }
+        let name = names::intern(&self.name);
+        let bundle = plan::Bundle { name, members, batch: self.batch };
+        if errors.is_empty() { Ok(bundle) } else { Err(errors) }
+    }
+}
+
+/// Returns whether `name` is that of a form of the bundle `other`.
+fn is_form(name: &str, other: &str) -> bool {
+    let Some(rest) = name.strip_prefix(other).and_then(|rest| rest.strip_prefix('_')) else {
+        return false;
+    };
+    let first = rest.split('_').next().unwrap_or_default();
+    let numbered = first.trim_end_matches(|c: char| c.is_ascii_digit());
+    FORMS.contains(&first) || ["", "chunk", "routine"].contains(&numbered)
+}
+
+impl Member {
+    /// Returns the name of the field.
+    fn field(&self) -> String {
+        let function = self.function.name();
+        match &self.link {
+            None => function.into(),
+            Some(link) => format!("{function}_{}", names::snake(link)),
+        }
+    }
+
+    /// Returns the error and its remedy that no robot is needed to find, in a bundle for many states if `batch`.
+    fn defect(&self, batch: bool) -> Option<(String, String)> {
+        let (row, name) = (self.function.row(), self.function.name());
+        let found = |message: String, help: &str| Some((message, help.to_string()));
+        if let Some(one) = row.batch_of {
+            let message = format!("`{name}` is a function of many states");
+            let help = format!(
+                "write `{}`; a bundle `name: batch(..)` has a form for many states",
+                one.name()
+            );
+            return Some((message, help));
+        }
+        if self.function == Function::Random {
+            let message = "`random` has no state as argument".to_string();
+            return found(message, "call it by itself");
+        }
+        match (&self.link, row.is_by_link()) {
+            (None, true) => {
+                let help = format!("name the link: `{name}(\"link\")`");
+                return Some((format!("`{name}` is a function of one link"), help));
+            }
+            (Some(_), false) => {
+                let help = format!("write `{name}`");
+                return Some((format!("`{name}` is not a function of one link"), help));
+            }
+            _ => {}
+        }
+        if batch && self.function == Function::Brge {
+            let message =
+                "`brge` has no form for many states in a bundle, since its factors are private";
+            return found(message.into(), "take the function `brge_batch`, or leave out `batch`");
+        }
+        let other = row.arguments.iter().find(|argument| OF_ONE_STATE.contains(&argument.name));
+        let argument = other.filter(|_| batch)?.name;
+        let message =
+            format!("`{name}` has no form for many states, since it has the argument `{argument}`");
+        found(message, "leave it out, or leave out `batch`")
+    }
+
+    /// Returns the member of a robot's bundle, or the error and its remedy.
+    fn of(&self, model: &Model) -> Result<plan::Member, (String, String)> {
+        let name = self.function.name();
+        if !self.function.fits(model.constraints(), model.contacts().len()) {
+            let (others, help) = match self.function.is_of_constraints() && model.constraints() == 0
+            {
+                true => (
+                    "robots with closed loops or contacts",
+                    "leave it out, or give the robot `contacts` or `loops`",
+                ),
+                false => ("robots without closed loops", "leave it out"),
+            };
+            return Err((format!("only {others} have the function `{name}`"), help.into()));
+        }
+        let frames = || model.frames().iter().map(|frame| frame.name.as_str());
+        let link = self.link.as_ref().map(|link| {
+            frames().position(|other| other == link).ok_or_else(|| {
+                let help = suggest(link, frames()).map_or_else(
+                    || "name a link of the description".into(),
+                    |name| format!("did you mean `{name}`?"),
+                );
+                (format!("link `{link}` does not exist"), help)
+            })
+        });
+        // Names of descriptions have any characters; these end no comment of any language.
+        let plain = |c: char| if c.is_ascii_alphanumeric() || "_-. ".contains(c) { c } else { '_' };
+        let docs = match &self.link {
+            None => format!("`{name}`"),
+            Some(link) => {
+                format!("`{name}` of link `{}`", link.chars().map(plain).collect::<String>())
+            }
+        };
+        Ok(plan::Member {
+            function: self.function,
+            link: link.transpose()?,
+            field: names::intern(&self.field()),
+            docs: names::intern(&docs),
+        })
+    }
+}
+
+/// `"name": (function, function("link"), ...)`, or `"name": batch(...)`
+impl OptionValue for Bundle {
+    fn read(value: &Value) -> Result<Self, Fault> {
+        let expected = "expected `name: (function, function(\"link\"), ...)`, or `name: batch(...)` for many states as well";
+        let (name, list) = pair(value, expected)?;
+        let (items, batch) = match &list.kind {
+            ValueKind::List(items) => (items, false),
+            ValueKind::Call(word, items) if word == "batch" => (items, true),
+            _ => return Err(Fault::new(list.at, expected)),
+        };
+        let member = |item: &Value| {
+            let (name, link) = match &item.kind {
+                ValueKind::Word(name) => (name, None),
+                ValueKind::Call(name, arguments) => match arguments.as_slice() {
+                    [link] => (name, Some(String::read(link)?)),
+                    _ => {
+                        return Err(Fault::new(
+                            item.at,
+                            format!("expected one link: `{name}(\"link\")`"),
+                        ));
+                    }
+                },
+                _ => {
+                    return Err(Fault::new(
+                        item.at,
+                        "expected a function, or `function(\"link\")`",
+                    ));
+                }
+            };
+            let function =
+                Function::from_name(name).ok_or_else(|| Fault::new(item.at, unknown(name)))?;
+            Ok(Member { function, link })
+        };
+        let members = items.iter().map(member).collect::<Result<Vec<_>, Fault>>()?;
+        let bundle = Self { name, members, batch };
+        match bundle.defects().into_iter().next() {
+            None => Ok(bundle),
+            Some(Defect { member, message, help }) => {
+                let at = member.map_or(value.at, |i| items[i].at);
+                Err(Fault::new(at, format!("bundle `{}`: {message}; {help}", bundle.name)))
+            }
+        }
+    }
+
+    fn rust(&self) -> String {
+        let mut text = format!("Bundle::new({:?})", self.name);
+        for Member { function, link } in &self.members {
+            text += &match link {
+                None => format!(".function(Function::{function:?})"),
+                Some(link) => format!(".of_link(Function::{function:?}, {link:?})"),
+            };
+        }
+        if self.batch { text + ".batch()" } else { text }
+    }
+}
+
+/// Returns the message that no function of a bundle has this name.
+fn unknown(name: &str) -> String {
+    let known: Vec<&str> = (Function::ALL.iter())
+        .filter(|function| function.batched().is_none() && **function != Function::Random)
+        .map(|function| function.name())
+        .collect();
+    match suggest(name, known.iter().copied()) {
+        Some(meant) => format!("there is no function `{name}`; did you mean `{meant}`?"),
+        None => format!("there is no function `{name}`; a bundle can have: {}", known.join(", ")),
+    }
+}

@@ -1,0 +1,221 @@
+//! Bundles: several functions in one, whose common work is done once.
+//!
+//! The graph of a bundle is the union of the graphs of its members, traced over the same inputs: the arguments of all
+//! members by name, each once, then the run-time parameters. Equal nodes of the graphs are one node of the union.
+
+use std::collections::BTreeMap;
+
+use super::functions::{ARGUMENTS, Argument, CForm, Function, Row, Trace};
+use super::shape::{Record, Shape, Sizes};
+use super::{Tracing, packing};
+use crate::graph::{Graph, Id, Node};
+use crate::names;
+use crate::passes::optimize;
+use crate::trace::Tracer;
+
+/// A bundle of functions.
+#[derive(Clone, Debug)]
+pub struct Bundle {
+    /// The name, in snake case.
+    pub name: &'static str,
+    /// The functions, in the order of the result.
+    pub members: Vec<Member>,
+    /// Whether the bundle also has its form for many states.
+    pub batch: bool,
+}
+
+/// A function in a bundle.
+#[derive(Clone, Copy, Debug)]
+pub struct Member {
+    /// The function, one of a single state.
+    pub function: Function,
+    /// The link of a function of one link, as an index into the model's frames.
+    pub link: Option<usize>,
+    /// The field of the result.
+    pub field: &'static str,
+    /// The documentation of the field.
+    pub docs: &'static str,
+}
+
+impl Bundle {
+    /// Returns the arguments of all members, each once.
+    pub(super) fn arguments(&self) -> Vec<Argument> {
+        let of_a_member = |argument: &&Argument| {
+            self.any(|row| row.arguments.iter().any(|own| own.name == argument.name))
+        };
+        ARGUMENTS.iter().filter(of_a_member).copied().collect()
+    }
+
+    /// Returns the layout of the result: a field for each member.
+    pub(super) fn result(&self, sizes: &Sizes) -> Shape {
+        let field = |member: &Member| (member.field, (member.function.row().result)(sizes));
+        let name = names::intern(&names::type_name(self.name));
+        Shape::Record(Record::Own(name), self.members.iter().map(field).collect())
+    }
+
+    /// Returns whether a member has this property.
+    pub(super) fn any(&self, property: impl Fn(&Row) -> bool) -> bool {
+        self.members.iter().any(|member| property(&member.function.row()))
+    }
+
+    /// Returns the forms that C can call: those of all members.
+    pub(super) fn c_form(&self) -> CForm {
+        match self.any(|row| row.c_form == CForm::Source) {
+            true => CForm::Source,
+            false => CForm::SourceAndExport,
+        }
+    }
+
+    /// Returns the documentation of the form for one state.
+    pub(super) fn docs(&self) -> &'static str {
+        let members: Vec<&str> = self.members.iter().map(|member| member.docs).collect();
+        let (last, others) = members.split_last().expect("a bundle has members");
+        let list = match others {
+            [] => (*last).to_string(),
+            _ => format!("{} and {last}", others.join(", ")),
+        };
+        let text = format!("Returns the results of {list}, with their common work done once.");
+        names::intern(&lines(&text))
+    }
+}
+
+/// The graphs of a bundle on scalars. A function of one link may have several graphs; the choice of the smallest union is
+/// made here.
+pub(super) struct Graphs<'a> {
+    bundle: &'a Bundle,
+    /// The inputs of each argument: the first, and their number.
+    inputs: BTreeMap<&'static str, (usize, usize)>,
+    /// The inputs of all arguments and run-time parameters.
+    count: usize,
+    /// The inputs of the arguments.
+    arguments: usize,
+    /// The graphs of the members, before all passes.
+    members: Vec<Graph>,
+}
+
+impl<'a> Graphs<'a> {
+    /// Traces the members; `parameters` is the number of run-time parameters.
+    pub(super) fn new(
+        bundle: &'a Bundle,
+        tracing: &Tracing<'_>,
+        sizes: &Sizes,
+        parameters: usize,
+    ) -> Self {
+        let (mut inputs, mut arguments) = (BTreeMap::new(), 0);
+        for argument in bundle.arguments() {
+            let length = (argument.shape)(sizes).len();
+            inputs.insert(argument.name, (arguments, length));
+            arguments += length;
+        }
+        let graphs = |member: &Member| {
+            let row = member.function.row();
+            let of_link = |trace: fn(&Tracer<'_>) -> Graph| {
+                tracing.frames.of_link(member.link.expect("a function of one link has it"), trace)
+            };
+            match row.trace {
+                Trace::One(trace) => vec![trace(tracing.tracer, tracing)],
+                Trace::ByLink(trace) => {
+                    [Some(trace), row.in_bundles].into_iter().flatten().map(of_link).collect()
+                }
+                Trace::Poses => vec![tracing.all_links.link_poses()],
+            }
+        };
+        let candidates: Vec<Vec<Graph>> = bundle.members.iter().map(graphs).collect();
+        let count = arguments + parameters;
+        let mut all = Self { bundle, inputs, count, arguments, members: Vec::new() };
+        all.members = all.cheapest(candidates);
+        all
+    }
+
+    /// Returns a graph of each member, such that their union has few operations. The search starts with the first graphs of
+    /// all members and with the last, and changes one member at a time.
+    fn cheapest(&self, candidates: Vec<Vec<Graph>>) -> Vec<Graph> {
+        let operations = |choice: &[usize]| {
+            let members: Vec<&Graph> =
+                candidates.iter().zip(choice).map(|(all, &k)| &all[k]).collect();
+            self.union(&members).count().total()
+        };
+        let starts = [
+            vec![0; candidates.len()],
+            candidates.iter().map(|all| all.len() - 1).collect::<Vec<usize>>(),
+        ];
+        let found = starts.into_iter().map(|mut choice| {
+            let mut least = operations(&choice);
+            for (member, all) in candidates.iter().enumerate().filter(|(_, all)| all.len() > 1) {
+                for k in 0..all.len() {
+                    let changed = std::mem::replace(&mut choice[member], k);
+                    match operations(&choice) {
+                        fewer if fewer < least => least = fewer,
+                        _ => choice[member] = changed,
+                    }
+                }
+            }
+            (least, choice)
+        });
+        let (_, choice) = found.min_by_key(|(least, _)| *least).unwrap_or_default();
+        candidates.into_iter().zip(choice).map(|(mut all, k)| all.swap_remove(k)).collect()
+    }
+
+    /// Returns the graph on scalars.
+    pub(super) fn scalar(&self) -> Graph {
+        packing::balanced(optimize(self.union(&self.members.iter().collect::<Vec<_>>())))
+    }
+
+    /// Returns the union of the graphs of all members before all passes. `packed` returns the packed graph of a member,
+    /// if it has one; `None` if no member has one.
+    pub(super) fn packed(
+        &self,
+        packed: impl Fn(&Row, fn(&Tracer<'_>, &Tracing<'_>) -> Graph) -> Option<Graph>,
+    ) -> Option<Graph> {
+        let packed: Vec<Option<Graph>> = self
+            .bundle
+            .members
+            .iter()
+            .map(|member| match member.function.row() {
+                row @ Row { trace: Trace::One(trace), .. } => packed(&row, trace),
+                _ => None,
+            })
+            .collect();
+        packed.iter().any(Option::is_some).then(|| {
+            let all = packed.iter().zip(&self.members);
+            self.union(
+                &all.map(|(packed, scalar)| packed.as_ref().unwrap_or(scalar)).collect::<Vec<_>>(),
+            )
+        })
+    }
+
+    fn union(&self, members: &[&Graph]) -> Graph {
+        let mut union = Graph::default();
+        let inputs: Vec<Id> = (0..self.count)
+            .map(|number| union.make(Node::Input(u32::try_from(number).expect("fewer than 2^32"))))
+            .collect();
+        let mut outputs = Vec::new();
+        for (member, graph) in self.bundle.members.iter().zip(members) {
+            let own = member.function.row().arguments.iter().flat_map(|argument| {
+                let (first, length) = self.inputs[argument.name];
+                &inputs[first..first + length]
+            });
+            let own: Vec<Id> = own.chain(&inputs[self.arguments..]).copied().collect();
+            outputs.extend(union.compose(graph, &own));
+        }
+        union.outputs = outputs;
+        union
+    }
+}
+
+/// Returns a text in lines of at most 110 characters.
+fn lines(text: &str) -> String {
+    let (mut result, mut length) = (String::new(), 0);
+    for word in text.split(' ') {
+        if length > 0 && length + 1 + word.len() > 110 {
+            result.push('\n');
+            length = 0;
+        } else if length > 0 {
+            result.push(' ');
+            length += 1;
+        }
+        result += word;
+        length += word.len();
+    }
+    result
+}

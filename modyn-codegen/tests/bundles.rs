@@ -1,0 +1,273 @@
+//! Bundles: their operations beside those of their functions, the errors of the option, and the text.
+
+use modyn_codegen::options::Value;
+use modyn_codegen::plan::{Kernels, Planned};
+use modyn_codegen::{Base, Builder, Bundle, Function, Generated, Planning};
+
+fn robot(name: &str) -> Builder {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots");
+    let text = std::fs::read_to_string(format!("{folder}/{name}.urdf")).expect("a robot");
+    Builder::new().urdf_text(text, format!("{name}.urdf"))
+}
+
+fn with(builder: Builder, bundles: &str) -> Builder {
+    let value = Value::parse(bundles).expect("a value");
+    builder.set("bundles", &value).unwrap_or_else(|fault| panic!("{}", fault.message))
+}
+
+/// Returns the operations of a planned function on scalars; those of a link for a function of one link.
+fn operations(planning: &Planning, planned: &Planned, link: Option<usize>) -> usize {
+    let program = match (&planned.kernels, link) {
+        (Kernels::One(program) | Kernels::Dispatched { scalar: program, .. }, _) => program,
+        (Kernels::ByLink(programs), Some(link)) => {
+            let mut own = planning.plan.frames.links_with_own_program();
+            &programs[own.position(|other| other == link).expect("a program of its own")]
+        }
+        _ => panic!("{}", planned.name),
+    };
+    program.operations_per_call().total()
+}
+
+/// The functions of a controller, of these links.
+fn control(links: &[&str]) -> Bundle {
+    let bundle =
+        Bundle::new("control").function(Function::MassMatrix).function(Function::BiasForces);
+    let of_links = [Function::Jacobian, Function::BiasAcceleration, Function::LinkPose];
+    let all = links.iter().flat_map(|link| of_links.map(|function| (function, *link)));
+    all.fold(bundle, |bundle, (function, link)| bundle.of_link(function, link))
+}
+
+/// The operations of a bundle.
+#[derive(Debug, PartialEq, Eq)]
+struct Counts {
+    robot: &'static str,
+    bundle: usize,
+    /// The sum of the operations of its functions.
+    sum: usize,
+    /// The operations of the poses of its links, which the functions of a link share.
+    poses: usize,
+}
+
+/// Returns the operations of the bundle of a controller.
+fn counts(robot_name: &'static str, base: Base, links: &[&str]) -> Counts {
+    let functions = [
+        Function::MassMatrix,
+        Function::BiasForces,
+        Function::Jacobian,
+        Function::BiasAcceleration,
+        Function::LinkPose,
+    ];
+    let builder = robot(robot_name).base(base).functions(functions).bundles([control(links)]);
+    let planning = builder.plan().expect("good");
+    let all = &planning.plan.functions;
+    let of = |function: Function, link: Option<&str>| {
+        let planned = all.iter().find(|planned| planned.function == Some(function));
+        let link = link.map(|link| planning.model.frame_index(link).expect("a link"));
+        operations(&planning, planned.expect("planned"), link)
+    };
+    let bundle = all.iter().find(|planned| planned.function.is_none()).expect("planned");
+    let mut found = Counts {
+        robot: robot_name,
+        bundle: operations(&planning, bundle, None),
+        sum: of(Function::MassMatrix, None) + of(Function::BiasForces, None),
+        poses: 0,
+    };
+    for &link in links {
+        let [jacobian, rate, pose] =
+            [Function::Jacobian, Function::BiasAcceleration, Function::LinkPose]
+                .map(|function| of(function, Some(link)));
+        found.sum += jacobian + rate + pose;
+        found.poses += pose;
+    }
+    found
+}
+
+/// The present counts. Enter a count that falls; a count that rises is a regression.
+const FROZEN: [Counts; 4] = [
+    Counts { robot: "arm7", bundle: 1082, sum: 1359, poses: 134 },
+    Counts { robot: "quadruped", bundle: 750, sum: 812, poses: 54 },
+    Counts { robot: "quadruped", bundle: 1937, sum: 2337, poses: 216 },
+    Counts { robot: "humanoid", bundle: 7386, sum: 9032, poses: 668 },
+];
+
+#[test]
+fn counts_are_as_frozen() {
+    let found = [
+        counts("arm7", Base::Fixed, &["hand"]),
+        counts("quadruped", Base::Fixed, &["front_left_foot", "hind_right_foot"]),
+        counts("quadruped", Base::Floating, &["front_left_foot", "hind_right_foot"]),
+        counts("humanoid", Base::Floating, &["left_hand", "right_hand"]),
+    ];
+    assert_eq!(
+        found, FROZEN,
+        "\nA count that falls is to be entered; one that rises is a regression."
+    );
+    // The Jacobian of a link needs the pose of the link, which costs nothing beside it.
+    for Counts { robot, bundle, sum, poses } in FROZEN {
+        assert!(bundle + poses <= sum, "{robot}: {bundle}, the sum of the functions is {sum}");
+    }
+}
+
+/// A bundle of one function has its operations.
+#[test]
+fn a_bundle_of_one_function_costs_what_the_function_costs() {
+    for function in [Function::MassMatrix, Function::InverseDynamics, Function::StepSemiImplicit] {
+        let builder = robot("arm6").functions([function]);
+        let planning = builder.bundles([Bundle::new("one").function(function)]).plan();
+        let planning = planning.expect("good");
+        let [alone, bundle] = &*planning.plan.functions else { panic!("two") };
+        let [alone, bundle] = [alone, bundle].map(|one| operations(&planning, one, None));
+        assert_eq!(alone, bundle, "{function:?}");
+    }
+}
+
+/// Returns the first error, and its place in the value.
+fn refused(value: &str) -> (usize, String) {
+    let value = Value::parse(value).expect("a value");
+    let fault = Builder::new().set("bundles", &value).expect_err("an error");
+    (fault.at, fault.message)
+}
+
+#[test]
+fn values_with_an_error_are_refused_at_their_place() {
+    for (value, at, message) in [
+        ("mass_matrix", 0, "expected `name: (function"),
+        ("control: mass_matrix", 9, "expected `name: (function"),
+        ("control: ()", 0, "bundle `control`: it has no functions; name some"),
+        ("control: (mass_matrix, mas_matrix)", 23, "`mas_matrix`; did you mean `mass_matrix`?"),
+        ("control: (fly)", 10, "there is no function `fly`; a bundle can have: forward_dynamics, "),
+        ("control: (mass_matrix, jacobian)", 23, "is a function of one link; name the link"),
+        (
+            "control: (mass_matrix(\"hand\"))",
+            10,
+            "is not a function of one link; write `mass_matrix`",
+        ),
+        ("control: (jacobian(a, b))", 10, "expected one link: `jacobian(\"link\")`"),
+        ("control: (mass_matrix_batch)", 10, "is a function of many states; write `mass_matrix`"),
+        ("control: (normalize, random)", 21, "`random` has no state as argument"),
+        ("control: (mass_matrix, brge, mass_matrix)", 29, "the field `mass_matrix`; name it once"),
+        ("control: (jacobian(a), jacobian(a))", 23, "the field `jacobian_a`; name it once"),
+        ("control: (jacobian(\"a.1\"), jacobian(a_1))", 27, "have the same name in snake case"),
+        (
+            "control: batch(contact_impulse)",
+            15,
+            "has no form for many states, since it has the argument `contacts`",
+        ),
+        ("control: batch(mass_matrix, forward_dynamics_external)", 28, "the argument `forces`"),
+        ("control: batch(brge)", 15, "`brge` has no form for many states in a bundle"),
+        ("type: (mass_matrix)", 0, "bundle `type`: its name is a keyword; `type_` is not one"),
+        ("Control: (mass_matrix)", 0, "its name is not in snake case; `control` is"),
+        ("two__words: (mass_matrix)", 0, "not in snake case; `two_words` is"),
+        ("mass_matrix: (mass_matrix)", 0, "begins with that of the function `mass_matrix`"),
+        ("jacobian_hand: (mass_matrix)", 0, "begins with that of the function `jacobian`"),
+        ("link: (mass_matrix)", 0, "generated code has another `link`"),
+    ] {
+        let (found_at, found) = refused(value);
+        assert!(found.contains(message), "{value}: {found}");
+        assert_eq!(found_at, at, "{value}: {found}");
+    }
+}
+
+#[test]
+fn robots_with_an_error_are_refused() {
+    let errors = |builder: Builder, bundles: &str| {
+        let errors = with(builder, bundles).generate().expect_err("an error");
+        errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    };
+    for (bundles, messages) in [
+        (
+            "control: (jacobian(\"hnd\"), link_pose(\"elsewhere\"))",
+            &[
+                "bundle `control`: link `hnd` does not exist",
+                "did you mean `hand`?",
+                "link `elsewhere` does not exist",
+                "name a link of the description",
+            ][..],
+        ),
+        (
+            "control: (contact_impulse)",
+            &["only robots with closed loops or contacts have the function `contact_impulse`"],
+        ),
+        ("a: (mass_matrix), a: (brge)", &["bundle `a`: its name belongs to bundle `a`"]),
+        // Their types would have one name.
+        ("a1: (mass_matrix), a_1: (brge)", &["bundle `a_1`: its name belongs to bundle `a1`"]),
+        ("a: batch(mass_matrix), a_batch: (brge)", &["`a_batch`: its name belongs to bundle `a`"]),
+        ("a: (mass_matrix), a_chunk12: (brge)", &["`a_chunk12`: its name belongs to bundle `a`"]),
+    ] {
+        let found = errors(robot("arm7"), bundles);
+        for message in messages {
+            assert!(found.contains(message), "{bundles}: {found}");
+        }
+    }
+    with(robot("arm7"), "a: (mass_matrix), a_b: (brge), ab: (brge)").generate().expect("good");
+    // Bundles of `Builder` are checked as values are.
+    let bundle = Bundle::new("Self").function(Function::Random);
+    let errors = robot("arm7").bundles([bundle]).generate().expect_err("errors").to_string();
+    for message in ["`Self`: its name is a keyword", "`random` has no state as argument"] {
+        assert!(errors.contains(message), "{errors}");
+    }
+}
+
+#[test]
+fn the_text_has_a_function_and_a_type() {
+    let bundles =
+        "control: batch(mass_matrix, bias_forces, jacobian(\"hand\"), link_pose(\"hand\"))";
+    let builder = with(robot("arm7").functions([]).runtime_gravity(), bundles).type_name("Arm");
+    let Generated { text, operations, static_operations, .. } = builder.generate().expect("good");
+    for line in [
+        "pub struct ArmControl<T = f64> {",
+        "    /// The result of `jacobian` of link `hand`.",
+        "    pub jacobian_hand: [::modyn::spatial::Twist<T>; 7],",
+        "pub fn control(q: &[f64; 7], qd: &[f64; 7]) -> ArmControl<f64> {",
+        "pub fn control_with(params: &ArmParams, q: &[f64; 7], qd: &[f64; 7]) -> ArmControl<f64> {",
+        "pub fn control_each(",
+        "pub const CONTROL_OPERATIONS: __modyn::OperationCount",
+        "/// - bundle `control`, also for many states: `mass_matrix`, `bias_forces`,",
+    ] {
+        assert!(text.contains(line), "{line}\n{text}");
+    }
+    let names: Vec<&str> = operations.iter().map(|(name, _)| *name).collect();
+    assert_eq!(names, ["control", "control_batch"]);
+    assert_eq!(static_operations[0].0, "control");
+    // The trait of all robots has no bundles.
+    assert!(!text.contains("fn control<T: __modyn::Scalar>(params: &Self::Params<T>"));
+}
+
+/// Names of links with any characters end no comment.
+#[test]
+fn hostile_names_stay_in_comments() {
+    let name = "a*/b` \u{202e}{x}";
+    let urdf = format!(
+        "<robot name='r'><link name='w'/><joint name='j' type='continuous'><parent link='w'/><child link='{name}'/>\
+         </joint><link name='{name}'><inertial><mass value='1'/>\
+         <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link></robot>"
+    );
+    let bundle = Bundle::new("state").of_link(Function::Jacobian, name);
+    let builder = Builder::new().urdf_text(urdf, "r.urdf").functions([]).bundles([bundle]);
+    let text = builder.clone().c_functions("r").generate().expect("good").text;
+    syn::parse_file(&text).expect("Rust");
+    assert!(text.contains("    pub jacobian_a_b_x: [::modyn::spatial::Twist<T>; 1],"), "{text}");
+    let source = builder.generate_c().expect("good").0;
+    assert!(source.header.contains("`jacobian` of link `a__b_ __x_`"), "{}", source.header);
+    for text in [source.header, source.source] {
+        assert_eq!(text.matches("/*").count(), text.matches("*/").count());
+    }
+}
+
+/// A bundle of the factors has their type, and one of contacts their set.
+#[test]
+fn types_of_the_robot_are_in_the_text() {
+    let builder = robot("quadruped").base(Base::Floating).functions([]);
+    let contacts = Value::parse("foot: point(\"front_left_foot\")").expect("a value");
+    let builder = builder.set("contacts", &contacts).expect("good").type_name("Dog");
+    let bundles = "all: (brge, constrained_forward_dynamics, contact_impulse, operational_inertia)";
+    let text = with(builder, bundles).generate().expect("good").text;
+    syn::parse_file(&text).expect("Rust");
+    for part in [
+        "struct DogUduFactorization<",
+        "pub brge: DogUduFactorization<T>,",
+        "contacts: DogContacts, settings: &",
+    ] {
+        assert!(text.contains(part), "{part}");
+    }
+}

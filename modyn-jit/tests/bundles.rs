@@ -1,0 +1,244 @@
+//! Bundles of random robots and of robots of the folder give the numbers of their functions, one at a time.
+
+mod common;
+
+use common::{levels, random, robot};
+use modyn_codegen::plan::{Shape, Trace};
+use modyn_codegen::trace::{LinkFrame, Tracer};
+use modyn_codegen::{Builder, Bundle, Function};
+use modyn_jit::{CallError, CompileError, Compiled, Options};
+use modyn_runtime::mechanism::Mechanism;
+use modyn_runtime::model::Model;
+
+/// Functions of a state and joint vectors, in bundles whose arguments machine code can have.
+const BUNDLES: &[(&str, &[Function])] = &[
+    (
+        "state",
+        &[
+            Function::MassMatrix,
+            Function::BiasForces,
+            Function::Jacobian,
+            Function::LinkPose,
+            Function::ForwardDynamics,
+            Function::BiasAcceleration,
+            Function::GravityTorques,
+            Function::KineticEnergy,
+            Function::PotentialEnergy,
+            Function::CenterOfMass,
+            Function::CenterOfMassJacobian,
+            Function::CentroidalMomentumMatrix,
+            Function::CentroidalMomentum,
+            Function::LinkPoses,
+            Function::LinkVelocity,
+            Function::LocalLinkVelocity,
+            Function::LocalJacobian,
+            Function::LocalBiasAcceleration,
+            Function::Normalize,
+            Function::VelocityToQdot,
+            Function::Brge,
+        ],
+    ),
+    (
+        "steps",
+        &[
+            // The members are not in the order of the table of functions, nor are their arguments.
+            Function::StepSemiImplicit,
+            Function::InverseDynamicsDerivatives,
+            Function::ForwardDynamicsDerivatives,
+            Function::StepSemiImplicitDerivatives,
+            Function::LinkAcceleration,
+            Function::LocalLinkAcceleration,
+            Function::Regressor,
+            Function::InverseDynamics,
+            Function::StepRk4,
+        ],
+    ),
+    ("products", &[Function::ForwardDynamicsVjp, Function::InverseDynamicsVjp]),
+    (
+        "changes",
+        &[
+            Function::Difference,
+            Function::DifferenceDerivatives,
+            Function::Integrate,
+            Function::IntegrateDerivatives,
+        ],
+    ),
+    (
+        "pushed",
+        &[
+            Function::InverseDynamicsExternal,
+            Function::ForwardDynamicsExternalWorld,
+            Function::ForwardDynamicsExternal,
+            Function::InverseDynamicsExternalWorld,
+        ],
+    ),
+];
+
+/// Returns the bundles for these links, and all functions in them.
+fn bundles(links: &[&str]) -> (Vec<Bundle>, Vec<Function>) {
+    let bundle = |(name, functions): &(&str, &[Function])| {
+        let mut bundle = Bundle::new(*name);
+        for &function in *functions {
+            bundle = match function.row().is_by_link() {
+                true => links.iter().fold(bundle, |bundle, link| bundle.of_link(function, *link)),
+                false => bundle.function(function),
+            };
+        }
+        bundle
+    };
+    let functions = BUNDLES.iter().flat_map(|(_, functions)| functions.iter().copied());
+    (BUNDLES.iter().map(bundle).collect(), functions.collect())
+}
+
+/// Returns the numbers of an argument.
+fn argument(name: &str, shape: &Shape, model: &Model) -> Vec<f64> {
+    let seed = name.bytes().fold(7, |seed, byte| 31 * seed + u64::from(byte));
+    match name {
+        "q" | "from" | "to" => random::state(seed, model).q,
+        "dt" => vec![0.01],
+        _ => {
+            let mut random = random::Random::new(seed);
+            (0..shape.len()).map(|_| random.between(-2.0, 2.0)).collect()
+        }
+    }
+}
+
+fn close(name: &str, found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len(), "{name}");
+    let size = expected.iter().fold(1.0, |size: f64, x| size.max(x.abs()));
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() <= 1e-9 * size, "{name}: {found} {expected}");
+    }
+}
+
+/// Compares the bundles of a robot with their functions, at all levels, for one state and for many.
+fn agrees(model: &Model, links: &[&str], configure: impl Fn(Builder) -> Builder) {
+    let (bundles, functions) = bundles(links);
+    let builder = Builder::new().model(model.clone()).functions(functions).bundles(bundles);
+    let planning = configure(builder).plan().expect("good");
+    for level in levels() {
+        let mut options = Options::default();
+        (options.level, options.batches) = (Some(level), true);
+        let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
+        assert!(compiled.bundles().eq(BUNDLES.iter().map(|(name, _)| *name)));
+        for (name, functions) in BUNDLES {
+            let call = compiled.bundle(name).expect("compiled");
+            let given: Vec<(&str, Vec<f64>)> = (call.arguments().iter())
+                .map(|(name, shape)| (*name, argument(name, shape, model)))
+                .collect();
+            let arguments: Vec<&[f64]> = given.iter().map(|(_, numbers)| &**numbers).collect();
+            let mut found = vec![f64::NAN; call.result().len()];
+            call.one(&arguments, &mut found).expect("fits");
+            let states = 5;
+            let repeated: Vec<Vec<f64>> = arguments.iter().map(|x| x.repeat(states)).collect();
+            let repeated: Vec<&[f64]> = repeated.iter().map(Vec::as_slice).collect();
+            let mut many = vec![f64::NAN; found.len() * states];
+            call.many(&repeated, &mut many).expect("fits");
+            many.chunks(found.len()).for_each(|state| close(name, state, &found));
+            let Shape::Record(_, fields) = call.result() else { panic!("{:?}", call.result()) };
+            let (mut fields, mut rest) = (fields.iter(), &*found);
+            for &function in *functions {
+                let one = compiled.function(function).expect("compiled");
+                let own = one.arguments().iter().map(|(name, _)| {
+                    let given = given.iter().find(|(given, _)| given == name);
+                    &*given.unwrap_or_else(|| panic!("{name} of {function:?}")).1
+                });
+                let own: Vec<&[f64]> = own.collect();
+                let of: Vec<Option<&str>> = match function.row().is_by_link() {
+                    true => links.iter().copied().map(Some).collect(),
+                    false => vec![None],
+                };
+                for link in of {
+                    let (field, shape) = fields.next().expect("a field");
+                    let mut expected = vec![f64::NAN; shape.len()];
+                    match link {
+                        None => one.one(&own, &mut expected).expect("fits"),
+                        Some(link) => {
+                            let frame = model.frame_index(link).expect("a link");
+                            one.link(frame, &own, &mut expected).expect("fits");
+                        }
+                    }
+                    let (result, after) = rest.split_at(shape.len());
+                    close(&format!("{name}.{field} at {level:?}"), result, &expected);
+                    rest = after;
+                }
+            }
+            assert!(rest.is_empty() && fields.next().is_none());
+        }
+    }
+}
+
+/// The graphs that functions of one link have in bundles give the numbers of the functions by themselves.
+#[test]
+fn graphs_in_bundles() {
+    let mut compared = 0;
+    for function in Function::ALL {
+        let row = function.row();
+        let (Trace::ByLink(alone), Some(in_bundles)) = (row.trace, row.in_bundles) else {
+            continue;
+        };
+        for seed in 0..5 {
+            let model = random::general_zoo(seed, 6);
+            let mechanism = Mechanism::new(&model);
+            let bare = Mechanism { frames: Vec::new(), ..mechanism.clone() };
+            let random::State { q, qd, qdd, .. } = random::state(seed, &model);
+            let inputs = [q, qd, qdd].concat();
+            for &frame in &mechanism.frames {
+                let tracer = Tracer::with_link(&bare, LinkFrame::Known(frame));
+                let [found, expected] =
+                    [in_bundles, alone].map(|trace| trace(&tracer).evaluate(&inputs));
+                close(function.name(), &found, &expected);
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 50, "{compared}");
+}
+
+fn link_names(model: &Model) -> Vec<&str> {
+    model.frames().iter().map(|frame| frame.name.as_str()).collect()
+}
+
+#[test]
+fn random_robots() {
+    for seed in 0..3 {
+        for model in [random::mixed_zoo(seed, 4), random::general_tree(seed, 5)] {
+            agrees(&model, &link_names(&model), |builder| builder);
+        }
+    }
+}
+
+#[test]
+fn run_time_parameters() {
+    let model = random::general_zoo(3, 4);
+    let links = link_names(&model);
+    let moving: Vec<&str> = model.links().iter().map(|link| link.name.as_str()).collect();
+    agrees(&model, &links, |builder| {
+        builder.runtime_gravity().runtime_inertia([moving[1]]).payload([moving[3]])
+    });
+}
+
+/// Robots whose functions have equal limbs in the lanes of vectors.
+#[test]
+fn equal_limbs() {
+    let model = robot("quadruped");
+    agrees(&model, &["front_left_foot", "hind_right_shank", "trunk"], |builder| builder);
+}
+
+#[test]
+fn wrong_bundles_name_the_error() {
+    let model = robot("arm6");
+    let builder = Builder::new().model(model).functions([Function::MassMatrix]);
+    let control = Bundle::new("control").function(Function::MassMatrix);
+    let compiled = Compiled::<f64>::build(&builder.clone().bundles([control]), Options::default());
+    let compiled = compiled.expect("code");
+    let error = compiled.bundle("contrl").err().expect("not compiled");
+    assert_eq!(error.to_string(), "`contrl` was not compiled; compiled were: mass_matrix, control");
+    let error = compiled.bundle("control").expect("compiled").one(&[], &mut []).expect_err("one");
+    assert!(matches!(error, CallError::Arguments { function: "control", found: 0, .. }), "{error}");
+    let many =
+        Bundle::new("many").function(Function::ForwardDynamicsJvp).function(Function::Difference);
+    let error = Compiled::<f64>::build(&builder.bundles([many]), Options::default());
+    let error = error.expect_err("too many arguments");
+    assert!(matches!(error, CompileError::Arguments { function: "many", arrays: 8 }), "{error}");
+}
