@@ -121,7 +121,8 @@ pub(crate) fn solve<P: Problem>(
         solution.iterations += 1;
         let mut better = None;
         if let Some(plan) = backward(&linear, damping) {
-            solution.converged = -plan.change(1.0) < options.tolerance * motion.cost;
+            // A cost of zero has converged, too.
+            solution.converged = -plan.change(1.0) <= options.tolerance * motion.cost;
             if !solution.converged {
                 better = forward(problem, &motion, &plan);
             }
@@ -306,5 +307,78 @@ pub(crate) fn check_derivatives<P: Problem>(
         let by = columns(j, linear.b.ncols());
         let found = [linear.b.column(j), linear.by_input.column(j)];
         compare("input", found, problem.step(k, x, &(u + &by)), problem.step(k, x, &(u - &by)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lqr::Regulator;
+    use crate::problems::{WEIGHTS, regulator};
+    use crate::robots::Arm;
+
+    /// The arm stays where a regulator keeps it: the cost is the regulator's.
+    struct Stay(Regulator<Arm>);
+
+    impl Stay {
+        /// The factors of the residuals: displacements, velocities, torques.
+        fn factors() -> [DVector<f64>; 2] {
+            let square = |i| if i < 7 { WEIGHTS.displacement } else { WEIGHTS.velocity };
+            let of_state = DVector::from_fn(14, |i, _| f64::sqrt(square(i)));
+            let of_input =
+                DVector::from_fn(7, |i, _| WEIGHTS.effort.sqrt() / Arm::LIMITS.effort[i]);
+            [of_state, of_input]
+        }
+    }
+
+    impl Problem for Stay {
+        type Robot = Arm;
+
+        fn start(&self) -> State<Arm> {
+            self.0.rest
+        }
+
+        fn step(&self, _: usize, x: &State<Arm>, u: &DVector<f64>) -> Step<Arm> {
+            let next = Arm::step_semi_implicit(&x.q, &x.qd, &core::array::from_fn(|i| u[i]), 0.01);
+            let [of_state, of_input] = Self::factors();
+            let away = tangent::difference(&self.0.rest, x).component_mul(&of_state);
+            let effort = (u - DVector::from_column_slice(&self.0.tau)).component_mul(&of_input);
+            let residuals = DVector::from_iterator(21, away.iter().chain(effort.iter()).copied());
+            Step { next: State { q: next.q, qd: next.qd }, residuals }
+        }
+
+        fn linearize(&self, k: usize, x: &State<Arm>, u: &DVector<f64>) -> LinearStep {
+            let tau = core::array::from_fn(|i| u[i]);
+            let found = Arm::step_semi_implicit_derivatives(&x.q, &x.qd, &tau, 0.01);
+            let [of_state, of_input] =
+                Self::factors().map(|factors| DMatrix::from_diagonal(&factors));
+            let (mut by_state, mut by_input) = (DMatrix::zeros(21, 14), DMatrix::zeros(21, 7));
+            by_state.rows_mut(0, 14).copy_from(&of_state);
+            by_input.rows_mut(14, 7).copy_from(&of_input);
+            let residuals = self.step(k, x, u).residuals;
+            let (a, b) = (tangent::matrix(&found.a), tangent::matrix(&found.b));
+            LinearStep { a, b, residuals, by_state, by_input }
+        }
+
+        fn end(&self, x: &State<Arm>) -> DVector<f64> {
+            tangent::difference(&self.0.rest, x)
+        }
+
+        fn linearize_end(&self, _: &State<Arm>) -> DMatrix<f64> {
+            DMatrix::identity(14, 14)
+        }
+    }
+
+    /// Far from the end, the feedback gain is that of the linear-quadratic regulator, which another recursion computes.
+    #[test]
+    fn gains_are_those_of_the_regulator() {
+        let problem = Stay(regulator());
+        let inputs = vec![DVector::from_column_slice(&problem.0.tau); 200];
+        // One backward pass: the motion is the best already, but for rounding errors.
+        let solution = solve(&problem, inputs, &Options { iterations: 1, ..Options::default() });
+        let expected = &problem.0.gain;
+        let error = (&solution.gains[0] + expected).amax() / expected.amax();
+        assert!(error < 1e-8, "{error:e}");
+        assert!((&solution.gains[199] + expected).amax() > 0.01 * expected.amax());
     }
 }

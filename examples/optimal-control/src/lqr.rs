@@ -151,9 +151,9 @@ mod tests {
         assert!(at_start > 0.5 && at_end < 1e-3, "{at_start} {at_end}");
     }
 
-    /// The cost of the linear closed loop is x^T P x / 2, and every other gain costs more.
+    /// The cost of the linear closed loop is x^T P x / 2, and gains nearby cost more.
     #[test]
-    fn no_other_gain_costs_less() {
+    fn gains_nearby_cost_more() {
         let [a, b, q, r] = linear_quadratic::<Arm>(&regulator().rest.q, &WEIGHTS, 0.01);
         let (p, best, _) = riccati([&a, &b, &q, &r]).expect("converges");
         let start = DVector::from_fn(14, |i, _| (2.0 * i as f64 + 1.0).sin());
