@@ -14,10 +14,12 @@
 //! the tangent vectors are displacements in the link's own axes. Matrices are nv x nv by columns.
 
 mod composite;
+mod coriolis;
 mod forward;
 mod inverse;
 mod perturbation;
 mod projection;
 
+pub use coriolis::coriolis_matrix;
 pub use forward::{ForwardDerivatives, forward_dynamics_derivatives};
 pub use inverse::inverse_dynamics_derivatives;
