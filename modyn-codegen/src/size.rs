@@ -115,6 +115,7 @@ impl Measures {
             Function::InverseDynamics | Function::BiasForces => 8000.0 * carried + 600.0 * links,
             Function::GravityTorques => 900.0 * links,
             Function::MassMatrix => 1400.0 * depths + 10.0 * entries,
+            Function::CoriolisMatrix => 3000.0 * (depths + carried) + 60.0 * entries,
             Function::Brge => factors,
             Function::KineticEnergy => 1800.0 * carried + 100.0 * links,
             Function::PotentialEnergy => 500.0 * links,
@@ -180,6 +181,9 @@ impl Measures {
             Function::LinkVelocity | Function::LocalLinkVelocity => of_link(1300.0, 300.0),
             Function::LinkAcceleration | Function::LocalLinkAcceleration => of_link(2100.0, 300.0),
             Function::Jacobian | Function::LocalJacobian => of_link(1600.0, 150.0 * nv),
+            Function::JacobianTimeDerivative | Function::LocalJacobianTimeDerivative => {
+                of_link(4500.0, 150.0 * nv)
+            }
             Function::BiasAcceleration | Function::LocalBiasAcceleration => of_link(1900.0, 300.0),
             Function::InverseDynamicsVjp | Function::InverseDynamicsJvp => {
                 24_000.0 * carried + 1800.0 * links

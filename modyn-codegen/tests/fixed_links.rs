@@ -7,7 +7,7 @@ use modyn_codegen::{Builder, Function};
 use modyn_runtime::Interpreter;
 use modyn_runtime::spatial::{Pose, Twist};
 
-const OF_LINKS: [Function; 9] = [
+const OF_LINKS: [Function; 11] = [
     Function::LinkPose,
     Function::LinkVelocity,
     Function::LocalLinkVelocity,
@@ -15,6 +15,8 @@ const OF_LINKS: [Function; 9] = [
     Function::LocalLinkAcceleration,
     Function::Jacobian,
     Function::LocalJacobian,
+    Function::JacobianTimeDerivative,
+    Function::LocalJacobianTimeDerivative,
     Function::BiasAcceleration,
     Function::LocalBiasAcceleration,
 ];
@@ -95,6 +97,8 @@ fn main_of(scalar: &str) -> String {
              twist(Comb::local_link_acceleration(&q, &qd, &qdd, link));
              Comb::jacobian(&q, link).into_iter().for_each(twist);
              Comb::local_jacobian(&q, link).into_iter().for_each(twist);
+             Comb::jacobian_time_derivative(&q, &qd, link).into_iter().for_each(twist);
+             Comb::local_jacobian_time_derivative(&q, &qd, link).into_iter().for_each(twist);
              twist(Comb::bias_acceleration(&q, &qd, link));
              twist(Comb::local_bias_acceleration(&q, &qd, link));
          }}"
@@ -127,6 +131,10 @@ fn interpreted(urdf: &str) -> Vec<f64> {
         robot.jacobian(&Q, link, &mut columns).expect("fits");
         all.extend(twists(&columns));
         robot.local_jacobian(&Q, link, &mut columns).expect("fits");
+        all.extend(twists(&columns));
+        robot.jacobian_time_derivative(&Q, &QD, link, &mut columns).expect("fits");
+        all.extend(twists(&columns));
+        robot.local_jacobian_time_derivative(&Q, &QD, link, &mut columns).expect("fits");
         all.extend(twists(&columns));
         all.extend(twists(&[
             robot.bias_acceleration(&Q, &QD, link).expect("fits"),

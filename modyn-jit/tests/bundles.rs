@@ -17,7 +17,10 @@ const BUNDLES: &[(&str, &[Function])] = &[
         &[
             Function::MassMatrix,
             Function::BiasForces,
+            Function::CoriolisMatrix,
             Function::Jacobian,
+            Function::JacobianTimeDerivative,
+            Function::LocalJacobianTimeDerivative,
             Function::LinkPose,
             Function::ForwardDynamics,
             Function::BiasAcceleration,

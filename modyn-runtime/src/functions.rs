@@ -57,6 +57,7 @@ functions! {
     BiasForces "bias_forces" "`{Self}` has no function `bias_forces`";
     GravityTorques "gravity_torques" "`{Self}` has no function `gravity_torques`";
     MassMatrix "mass_matrix" "`{Self}` has no function `mass_matrix`";
+    CoriolisMatrix "coriolis_matrix" "`{Self}` has no function `coriolis_matrix`";
     Brge "brge" "`{Self}` has no function `brge`";
     KineticEnergy "kinetic_energy" "`{Self}` has no function `kinetic_energy`";
     PotentialEnergy "potential_energy" "`{Self}` has no function `potential_energy`";
@@ -88,6 +89,8 @@ functions! {
     LocalLinkAcceleration "local_link_acceleration" "`{Self}` has no function `local_link_acceleration`";
     Jacobian "jacobian" "`{Self}` has no function `jacobian`";
     LocalJacobian "local_jacobian" "`{Self}` has no function `local_jacobian`";
+    JacobianTimeDerivative "jacobian_time_derivative" "`{Self}` has no function `jacobian_time_derivative`";
+    LocalJacobianTimeDerivative "local_jacobian_time_derivative" "`{Self}` has no function `local_jacobian_time_derivative`";
     BiasAcceleration "bias_acceleration" "`{Self}` has no function `bias_acceleration`";
     LocalBiasAcceleration "local_bias_acceleration" "`{Self}` has no function `local_bias_acceleration`";
     Integrate "integrate" "`{Self}` has no function `integrate`";
@@ -142,7 +145,7 @@ all_of! {
 all_of! {
     /// Robots that have all functions of one state, except those of constraints.
     All "`{Self}` lacks a function of one state":
-    ForwardDynamics InverseDynamics BiasForces GravityTorques MassMatrix Brge KineticEnergy
+    ForwardDynamics InverseDynamics BiasForces GravityTorques MassMatrix CoriolisMatrix Brge KineticEnergy
     PotentialEnergy ForwardDynamicsExternal ForwardDynamicsExternalWorld InverseDynamicsExternal
     InverseDynamicsExternalWorld GeneralizedForces GeneralizedForcesWorld
     InverseDynamicsDerivatives ForwardDynamicsDerivatives InverseDynamicsVjp
@@ -150,7 +153,7 @@ all_of! {
     StepSemiImplicitDerivatives StepRk4 Regressor
     CenterOfMass CenterOfMassJacobian CentroidalMomentumMatrix CentroidalMomentum LinkPoses LinkPose
     LinkVelocity LocalLinkVelocity LinkAcceleration LocalLinkAcceleration Jacobian LocalJacobian
-    BiasAcceleration LocalBiasAcceleration Integrate Difference IntegrateDerivatives DifferenceDerivatives
+    JacobianTimeDerivative LocalJacobianTimeDerivative BiasAcceleration LocalBiasAcceleration Integrate Difference IntegrateDerivatives DifferenceDerivatives
     VelocityToQdot Normalize Random
 }
 

@@ -341,6 +341,21 @@ macro_rules! other_quantities {
                 "local_jacobian",
                 links.iter().flat_map(|&l| each(&$robot::local_jacobian(q, l), twist)).collect(),
             ),
+            ("coriolis_matrix", columns(&$robot::coriolis_matrix(q, qd))),
+            (
+                "jacobian_time_derivative",
+                links
+                    .iter()
+                    .flat_map(|&l| each(&$robot::jacobian_time_derivative(q, qd, l), twist))
+                    .collect(),
+            ),
+            (
+                "local_jacobian_time_derivative",
+                links
+                    .iter()
+                    .flat_map(|&l| each(&$robot::local_jacobian_time_derivative(q, qd, l), twist))
+                    .collect(),
+            ),
             (
                 "bias_acceleration",
                 links.iter().flat_map(|&l| twist(&$robot::bias_acceleration(q, qd, l))).collect(),
@@ -580,6 +595,8 @@ fn interpreted_others<T: Scalar>(
     interpreter.center_of_mass_jacobian(q, &mut center).expect(LENGTHS);
     let mut momenta = vec![Momentum::zero(); n];
     interpreter.centroidal_momentum_matrix(q, &mut momenta).expect(LENGTHS);
+    let mut coriolis = zeros(n * n);
+    interpreter.coriolis_matrix(q, qd, &mut coriolis).expect(LENGTHS);
     let mut columns = vec![Twist::zero(); n];
     let mut each = |motion: &MotionOf<'_, T>| {
         by_link(links, |l| twist(&motion(interpreter, l).expect(LENGTHS)))
@@ -635,10 +652,25 @@ fn interpreted_others<T: Scalar>(
         ("center_of_mass_jacobian", center.iter().flat_map(vector).collect()),
         ("centroidal_momentum_matrix", momenta.iter().flat_map(momentum).collect()),
         ("centroidal_momentum", momentum(&interpreter.centroidal_momentum(q, qd).expect(LENGTHS))),
+        ("coriolis_matrix", coriolis),
         (
             "local_jacobian",
             by_link(links, |l| {
                 interpreter.local_jacobian(q, l, &mut columns).expect(LENGTHS);
+                columns.iter().flat_map(twist).collect::<Vec<_>>()
+            }),
+        ),
+        (
+            "jacobian_time_derivative",
+            by_link(links, |l| {
+                interpreter.jacobian_time_derivative(q, qd, l, &mut columns).expect(LENGTHS);
+                columns.iter().flat_map(twist).collect::<Vec<_>>()
+            }),
+        ),
+        (
+            "local_jacobian_time_derivative",
+            by_link(links, |l| {
+                interpreter.local_jacobian_time_derivative(q, qd, l, &mut columns).expect(LENGTHS);
                 columns.iter().flat_map(twist).collect::<Vec<_>>()
             }),
         ),

@@ -291,6 +291,14 @@ functions! {
         .by_default()
         .packed(Packing::OnRootPath)
         .hot();
+    /// The Coriolis matrix.
+    CoriolisMatrix "coriolis_matrix" = Row::one(
+        &[Q, QD],
+        shapes::square,
+        "Returns the Coriolis matrix C, nv x nv, an array of columns. C `qd` are the Coriolis and centrifugal forces,\n\
+         without gravity, damping and friction, and dM/dt - 2 C is skew with the mass matrix M.",
+        |t, _| t.coriolis_matrix(),
+    );
     /// The factorization U D U^T of the mass matrix by modules.
     Brge "brge" = Row::one(
         &[Q],
@@ -663,6 +671,24 @@ functions! {
         "Returns the Jacobian of a link, an array of columns. Its product with `qd` is the velocity of the link\n\
          at its origin, in the link's own axes. Computes the link's kinematic path only.",
         |t| t.jacobian(0, Axes::Link),
+    )
+        .without_parameters();
+    /// The time derivative of the Jacobian of a link, in world axes.
+    JacobianTimeDerivative "jacobian_time_derivative" = Row::by_link(
+        &[Q, QD],
+        shapes::twists,
+        "Returns the time derivative of `jacobian`, an array of columns. Its product with `qd` is `bias_acceleration`.\n\
+         Computes the link's kinematic path only.",
+        |t| t.jacobian_time_derivative(0, Axes::World),
+    )
+        .without_parameters();
+    /// The time derivative of the Jacobian of a link, in its own axes.
+    LocalJacobianTimeDerivative "local_jacobian_time_derivative" = Row::by_link(
+        &[Q, QD],
+        shapes::twists,
+        "Returns the time derivative of `local_jacobian`, an array of columns. Its product with `qd` is\n\
+         `local_bias_acceleration`. Computes the link's kinematic path only.",
+        |t| t.jacobian_time_derivative(0, Axes::Link),
     )
         .without_parameters();
     /// The bias acceleration of a link, in world axes.

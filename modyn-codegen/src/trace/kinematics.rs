@@ -103,6 +103,18 @@ impl Tracer<'_> {
         })
     }
 
+    /// Returns the graph of the time derivative of a link's Jacobian. Inputs: `q`, `qd`.
+    #[must_use]
+    pub fn jacobian_time_derivative(&self, frame: usize, axes: Axes) -> Graph {
+        self.trace(|model, [q, qd]| {
+            let mut columns = vec![Twist::zero(); model.nv];
+            let (state, workspace) = ((&*q, &*qd), &mut Workspace::new(model));
+            let derive = kinematics::jacobian_time_derivative;
+            derive(model, frame, state, axes, workspace, &mut columns);
+            columns.iter().flat_map(Twist::components).collect()
+        })
+    }
+
     /// Returns the graph of a link's bias acceleration. Inputs: `q`, `qd`.
     #[must_use]
     pub fn bias_acceleration(&self, frame: usize, axes: Axes) -> Graph {

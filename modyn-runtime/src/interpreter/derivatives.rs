@@ -39,6 +39,27 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
+    /// Computes the Coriolis matrix C, nv x nv, by columns. C qd are the Coriolis and centrifugal forces, and dM/dt - 2 C
+    /// is skew with the [`mass_matrix`](Self::mass_matrix) M. Gravity, damping and friction are not included. The first call
+    /// allocates memory.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn coriolis_matrix(
+        &mut self,
+        q: &[S],
+        qd: &[S],
+        columns: &mut [S],
+    ) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        check("q", q, self.model.nq())?;
+        check("qd", qd, n)?;
+        check("columns", columns, n * n)?;
+        derivatives::coriolis_matrix(&self.mechanism, (q, qd), &mut self.workspace, columns);
+        Ok(())
+    }
+
     /// Computes the generalized forces `tau` = J^T f of external wrenches f (N m or N), one for each link of the
     /// description, and their derivatives with respect to q (in the tangent space), an nv x nv matrix by columns.
     ///

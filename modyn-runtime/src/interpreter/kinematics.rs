@@ -200,6 +200,53 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
+    /// Computes the time derivative dJ/dt of a link's [`jacobian`](Self::jacobian) J, in world axes, a column for each
+    /// entry of qd: dJ/dt qd is [`bias_acceleration`](Self::bias_acceleration).
+    ///
+    /// # Errors
+    ///
+    /// If there is no such link, or if a slice does not have the model's length.
+    pub fn jacobian_time_derivative(
+        &mut self,
+        q: &[S],
+        qd: &[S],
+        frame: usize,
+        columns: &mut [Twist<S>],
+    ) -> Result<(), FrameError> {
+        self.jacobian_time_derivative_in((q, qd), frame, Axes::World, columns)
+    }
+
+    /// Computes the time derivative dJ/dt of a link's [`local_jacobian`](Self::local_jacobian) J, in the link's own axes,
+    /// a column for each entry of qd: dJ/dt qd is [`local_bias_acceleration`](Self::local_bias_acceleration).
+    ///
+    /// # Errors
+    ///
+    /// If there is no such link, or if a slice does not have the model's length.
+    pub fn local_jacobian_time_derivative(
+        &mut self,
+        q: &[S],
+        qd: &[S],
+        frame: usize,
+        columns: &mut [Twist<S>],
+    ) -> Result<(), FrameError> {
+        self.jacobian_time_derivative_in((q, qd), frame, Axes::Link, columns)
+    }
+
+    fn jacobian_time_derivative_in(
+        &mut self,
+        (q, qd): (&[S], &[S]),
+        frame: usize,
+        axes: Axes,
+        columns: &mut [Twist<S>],
+    ) -> Result<(), FrameError> {
+        self.check_motion(frame, q, qd)?;
+        check("columns", columns, self.model.nv())?;
+        let Self { mechanism, workspace, .. } = self;
+        let state = (q, qd);
+        kinematics::jacobian_time_derivative(mechanism, frame, state, axes, workspace, columns);
+        Ok(())
+    }
+
     /// Returns the bias acceleration dJ/dt qd of a link in world axes: its
     /// [acceleration](Self::link_acceleration) at zero joint accelerations.
     ///

@@ -34,6 +34,13 @@ macro_rules! robot_functions {
             /// Returns the mass matrix, nv x nv, an array of columns.
             mass_matrix / mass_matrix_with(q: &Self::Q<T>) -> Self::M<T>, if MassMatrix;
 
+            /// Returns the Coriolis matrix C, nv x nv, an array of columns: C qd are the Coriolis and centrifugal forces,
+            /// and dM/dt - 2 C is skew with the mass matrix M.
+            coriolis_matrix / coriolis_matrix_with(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>
+            ) -> Self::M<T>, if CoriolisMatrix;
+
             /// Returns the factorization U D U^T of the mass matrix by modules.
             brge / brge_with(q: &Self::Q<T>) -> Self::UduFactorization<T>, if Brge;
 
@@ -346,6 +353,22 @@ macro_rules! robot_functions {
                 q: &Self::Q<T>,
                 link: Self::Link
             ) -> Self::PerVelocity<Twist<T>>, if LocalJacobian;
+
+            /// Returns the time derivative of [`jacobian`](Self::jacobian), an array of columns: its product with `qd` is
+            /// [`bias_acceleration`](Self::bias_acceleration).
+            jacobian_time_derivative(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                link: Self::Link
+            ) -> Self::PerVelocity<Twist<T>>, if JacobianTimeDerivative;
+
+            /// Returns the time derivative of [`local_jacobian`](Self::local_jacobian), an array of columns: its product
+            /// with `qd` is [`local_bias_acceleration`](Self::local_bias_acceleration).
+            local_jacobian_time_derivative(
+                q: &Self::Q<T>,
+                qd: &Self::V<T>,
+                link: Self::Link
+            ) -> Self::PerVelocity<Twist<T>>, if LocalJacobianTimeDerivative;
 
             /// Returns the bias acceleration of a link in world axes, the time derivative of
             /// [`jacobian`](Self::jacobian) times `qd`: its acceleration at zero joint accelerations.

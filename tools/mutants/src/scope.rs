@@ -56,6 +56,7 @@ pub const TESTS: &[Tests] = &[
             "--test=changes",
             "--test=configuration",
             "--test=coordinates",
+            "--test=coriolis",
             "--test=derivatives",
             "--test=dual",
             "--test=golden",

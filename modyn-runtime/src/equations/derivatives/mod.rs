@@ -14,12 +14,14 @@
 //! the tangent vectors are displacements in the link's own axes. Matrices are nv x nv by columns.
 
 mod composite;
+mod coriolis;
 mod external;
 mod forward;
 mod inverse;
 mod perturbation;
 mod projection;
 
+pub use coriolis::coriolis_matrix;
 pub use external::{
     forward_dynamics_external_derivatives, generalized_forces,
     inverse_dynamics_external_derivatives,

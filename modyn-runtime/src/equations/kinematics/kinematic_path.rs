@@ -81,7 +81,7 @@ fn axes_at_joint<S: Scalar>(
 #[derive(Clone, Copy)]
 pub(in crate::equations) struct OriginMotion<S> {
     /// The position of the link's origin.
-    point: Vector3<S>,
+    pub(in crate::equations) point: Vector3<S>,
     pub(in crate::equations) velocity: Twist<S>,
     /// The angular acceleration, and the classical acceleration of the link's origin.
     pub(in crate::equations) acceleration: Twist<S>,

@@ -187,6 +187,59 @@ pub fn jacobian<S: Scalar>(
     }
 }
 
+/// Computes the time derivative dJ/dt of the [`jacobian`] J of link `frame` into `columns`, one for each entry of qd:
+/// dJ/dt qd is [`bias_acceleration`].
+///
+/// A column of J is fixed to its body, except for the lever to the link's origin. The axes of the components rotate
+/// relative to the body: those of the world with minus the body's angular velocity, those of the link with the link's angular
+/// velocity relative to the body.
+pub fn jacobian_time_derivative<S: Scalar>(
+    model: &Mechanism<S>,
+    frame: usize,
+    (q, qd): (&[S], &[S]),
+    axes: Axes,
+    workspace: &mut Workspace<S>,
+    columns: &mut [Twist<S>],
+) {
+    columns.fill(Twist::zero());
+    let BodyFrame { body: last, pose } = model.frames[frame];
+    if let (Axes::World, Some(last)) = (axes, last) {
+        kinematic_path::move_to_world(model, last, q, workspace);
+        for k in 0..workspace.kinematic_path.len() {
+            let i = workspace.kinematic_path[k];
+            let body = &model.bodies[i];
+            let parent = body.parent.map_or_else(Vector3::zero, |p| workspace.twists[p].angular);
+            let angular = body.to_child(&workspace.motions[i], parent);
+            workspace.twists[i] = model.add_rates(i, Twist { angular, ..Twist::zero() }, qd);
+        }
+    }
+    let mut seen = LinkInBody::fixed(&pose);
+    let mut link = OriginMotion::fixed(Vector3(pose.translation));
+    for i in kinematic_path::towards_world(model, last) {
+        let (axes, turning) = match axes {
+            Axes::World => (workspace.axes[i], workspace.twists[i].angular),
+            Axes::Link => (seen.axes, -link.velocity.angular),
+        };
+        for dof in model.dofs_of(i) {
+            let (angular, linear, drift) = match dof.component.checked_sub(3) {
+                None => {
+                    let s = Vector3::unit(dof.component);
+                    (s, s.cross(link.point), s.cross(link.velocity.linear))
+                }
+                Some(k) => (Vector3::zero(), Vector3::unit(k), Vector3::zero()),
+            };
+            let along = Twist {
+                angular: axes.mul_vector(turning.cross(angular)),
+                linear: axes.mul_vector(turning.cross(linear) + drift),
+            };
+            let column = &mut columns[dof.v];
+            *column = *column + dof.multiplier.map_or(along, |multiplier| along.scale(multiplier));
+        }
+        seen = seen.towards_world(&model.bodies[i], q);
+        link = link.towards_world(model, i, (q, qd, None));
+    }
+}
+
 /// Returns the bias acceleration dJ/dt qd of link `frame`: the time derivative of J qd at constant qd.
 ///
 /// In [`Axes::World`] it is [`link_acceleration`] at qdd = 0. In [`Axes::Link`] the components also change

@@ -9,6 +9,6 @@ pub(super) mod links;
 
 pub use center_of_mass::{center_of_mass, center_of_mass_jacobian, total_mass};
 pub use links::{
-    Axes, bias_acceleration, jacobian, link_acceleration, link_acceleration_from_world, link_pose,
-    link_pose_from_world, link_poses, link_velocity,
+    Axes, bias_acceleration, jacobian, jacobian_time_derivative, link_acceleration,
+    link_acceleration_from_world, link_pose, link_pose_from_world, link_poses, link_velocity,
 };
