@@ -213,7 +213,7 @@ impl Builder {
         self
     }
 
-    /// Takes the value of the option of this name, as the macro and the command line do.
+    /// Sets the option `option` to `value`, with the syntax of the macro and the command line.
     ///
     /// # Errors
     ///

@@ -79,8 +79,9 @@ impl OptionRow {
 
 /// Calls the macro `$callback` with all options: about reading, then about code.
 ///
-/// A row has the documentation, the name, the method with its argument, the field with its type and how the method
-/// changes it, the form of values, the default, an example, and `Files` if the macro does not have it.
+/// A row starts with the documentation, the name and the method with its argument. The field follows, with its type
+/// and how the method changes it. The form of values, the default and an example end the row, and `Files` if the
+/// macro does not have the option.
 macro_rules! option_table {
     ($callback:ident) => {
         $callback! {
@@ -170,12 +171,12 @@ macro_rules! option_table {
                 "crate" crate_(path: impl Into<String>)
                     crate_path: Option<String>, field => *field = Some(path.into()),
                     "path", "`::modyn`", "::modyn";
-                /// The name of the generated type, in upper camel case. (The macro: `Name = \"robot.urdf\"`.)
+                /// The name of the generated type, in upper camel case. (The macro: `Name = "robot.urdf"`.)
                 "type_name" type_name(name: impl Into<String>)
                     type_name: Option<String>, field => *field = Some(name.into()),
                     "name", "made from the robot's name", "MyArm", Files;
                 /// The visibility of the generated types, such as `pub(crate)`; nothing for private. (The macro:
-                /// `pub(crate) Name = \"robot.urdf\"`.)
+                /// `pub(crate) Name = "robot.urdf"`.)
                 "visibility" visibility(visibility: impl Into<String>)
                     visibility: Option<String>, field => *field = Some(visibility.into()),
                     "text", "`pub`", "pub(crate)", Files;
@@ -185,7 +186,7 @@ macro_rules! option_table {
                 "self_contained" self_contained()
                     self_contained: bool, field => *field = true,
                     "true | false", "`false`", "true", Files;
-                /// Adds functions for C, named `prefix_function`: `extern \"C\"` over pointers to arrays of fixed sizes,
+                /// Adds functions for C, named `prefix_function`: `extern "C"` over pointers to arrays of fixed sizes,
                 /// without namespaces (`#[unsafe(no_mangle)]`, so not under `forbid(unsafe_code)`: that two functions have
                 /// one name is found by the linker alone). The arrays must be valid and aligned, and `out` must overlap
                 /// nothing. `Generated::c_header` is their header.

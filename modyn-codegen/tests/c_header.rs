@@ -85,6 +85,13 @@ fn compilers_take_it_without_a_word() {
             let errors = String::from_utf8_lossy(&output.stderr);
             assert!(output.status.success(), "{standard}: {errors}\n{header}");
         }
+        let mut cpp = Command::new("c++");
+        cpp.current_dir(&folder).args(["-std=c++17", "-pedantic", "-Wall", "-Wextra", "-Werror"]);
+        cpp.args(["-fsyntax-only", "-x", "c++", "-include", "rob.h", "/dev/null"]);
+        if let Ok(output) = cpp.output() {
+            let errors = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "C++: {errors}\n{header}");
+        }
     }
 }
 

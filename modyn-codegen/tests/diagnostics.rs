@@ -133,6 +133,7 @@ fn bad_files_are_refused_with_exactly_the_marked_diagnostics() {
         Code::InactiveFriction,
         Code::ImplausibleMass,
         Code::NotMjcf,
+        Code::NotText,
     ];
     let missing: Vec<_> =
         Code::ALL.iter().filter(|code| !seen.contains(code) && !elsewhere.contains(code)).collect();

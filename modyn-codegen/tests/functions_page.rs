@@ -42,7 +42,8 @@ fn named(functions: &[Function]) -> BTreeSet<&'static str> {
 #[test]
 fn the_default_functions_are_listed() {
     let page = page();
-    let found = names(between(&page, "By default it has\n", "A call of another one"));
+    let found =
+        names(between(&page, "By default it has\n", "A call of a function that was not selected"));
     assert_eq!(found.len(), Function::DEFAULT.len(), "each once");
     assert_eq!(sorted(found), named(Function::DEFAULT));
 }

@@ -164,6 +164,25 @@ fn several_joints_of_a_body_and_balls() {
 }
 
 #[test]
+fn surprises_are_warnings_with_their_lines() {
+    let text = r#"<mujoco model="m"><worldbody>
+      <body name="light">
+        <joint name="damped" axis="0 1 0" damping="0.5"/>
+        <body name="heavy" pos="0 0 0.4"><joint name="turn" axis="1 0 0"/>
+          <inertial pos="0 0 0.1" mass="2600" diaginertia="0.02 0.02 0.02"/></body></body></worldbody></mujoco>"#;
+    let read = modyn_codegen::read_mjcf(text, "m.xml", &ReadOptions::default()).expect("an MJCF");
+    let found: Vec<_> =
+        read.warnings.iter().map(|one| (one.code, one.position.map(|at| at.line))).collect();
+    for expected in [
+        (Code::MissingInertial, Some(3)),
+        (Code::InactiveFriction, Some(3)),
+        (Code::ImplausibleMass, Some(5)),
+    ] {
+        assert!(found.contains(&expected), "{expected:?}: {:?}", read.warnings);
+    }
+}
+
+#[test]
 fn a_free_body_is_a_floating_base() {
     let inertial = r#"<inertial pos="0.1 0 0" mass="3" diaginertia="0.1 0.2 0.15"/>"#;
     let model = read(&format!(

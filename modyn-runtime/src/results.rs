@@ -45,8 +45,8 @@ pub struct ForwardDynamicsDerivatives<V, M> {
 
 /// The derivatives of the coordinates after a displacement: square matrices by columns, in tangent space.
 ///
-/// Displacements of rotations and poses are in their own axes: of `q` in those before the displacement, of the
-/// result in those after it.
+/// Displacements of rotations and poses are in the link's own axes. A displacement of `q` is in the axes before
+/// the displacement, a displacement of the result in the axes after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegrateDerivatives<M> {
     /// The derivative with respect to the coordinates before the displacement.

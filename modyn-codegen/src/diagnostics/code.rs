@@ -80,6 +80,9 @@ codes! {
     /// The document is not a `MuJoCo` model.
     NotMjcf = "not-mjcf":
         "Give a file whose root element is `<mujoco>`, or read the file as the format that it has.",
+    /// The file is not text.
+    NotText = "not-text":
+        "Save the file as UTF-8. URDF and MJCF are text.",
     /// An attribute that URDF requires is missing or empty.
     MissingAttribute = "missing-attribute":
         "Write the attribute that the message names. URDF has no default for it.",

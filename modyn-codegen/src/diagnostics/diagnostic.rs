@@ -84,8 +84,8 @@ impl Diagnostic {
         Self::new(Severity::Error, code, message)
     }
 
-    /// Returns the error that the file `wanted` does not exist at any of the places that were `tried`: the folder of the
-    /// source file and that of `Cargo.toml`, or the latter only.
+    /// Returns the error that the file `wanted` does not exist at any of the places `tried`. These are the folder of
+    /// the source file and the folder of `Cargo.toml`, or the folder of `Cargo.toml` alone.
     pub fn missing_file<T: fmt::Display>(wanted: impl fmt::Display, tried: &[T]) -> Self {
         use fmt::Write;
         let mut message = format!("`{wanted}` does not exist");

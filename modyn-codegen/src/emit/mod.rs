@@ -34,6 +34,15 @@ impl FloatType {
     }
 }
 
+/// Returns the documentation of the number of coordinates, for headers.
+fn coordinates_in_c(model: &Model) -> &'static str {
+    if model.quaternions().next().is_some() {
+        "The length of the coordinate vector. Quaternions in it must have length 1; nothing checks them."
+    } else {
+        "The length of the coordinate vector."
+    }
+}
+
 /// The options that the text depends on, besides the model.
 #[derive(Clone, Debug)]
 #[non_exhaustive]

@@ -46,7 +46,7 @@ impl Program {
         self.finish_with(None);
     }
 
-    /// The same, with chunks of these lengths in place of those of the target.
+    /// Finishes the program with chunks of the lengths `limits`; `None` takes the target's lengths.
     fn finish_with(&mut self, limits: Option<&outline::Limits>) {
         if self.target == Target::Batch {
             for result in 0..self.results.len() {

@@ -79,10 +79,10 @@ fn not_text(wanted: impl Display, error: &std::string::FromUtf8Error) -> Diagnos
         column: 1 + line.chars().count(),
     };
     let byte = rest.first().copied().unwrap_or_default();
-    Diagnostic::error(Code::NotUrdf, format!("this is not UTF-8 text: byte 0x{byte:02x}"))
+    Diagnostic::error(Code::NotText, format!("this is not UTF-8 text: byte 0x{byte:02x}"))
         .in_file(wanted.to_string())
         .at(position)
-        .with_help("save the file as UTF-8; a URDF is a text file")
+        .with_help("save the file as UTF-8")
         .into()
 }
 
@@ -140,7 +140,7 @@ mod tests {
         );
         assert_eq!(read_at_most(3, "x", &b"abc"[..]).expect("fits"), "abc");
         let found = read_text("standard input", &b"<robot>\n\xff"[..]).expect_err("no text");
-        assert!(found.to_string().starts_with("standard input:2:1: error[not-urdf]"), "{found}");
+        assert!(found.to_string().starts_with("standard input:2:1: error[not-text]"), "{found}");
     }
 
     #[test]
@@ -148,7 +148,7 @@ mod tests {
         let error = String::from_utf8(b"<robot>\n\xc3\xa9\xff".to_vec()).expect_err("0xff");
         assert_eq!(
             not_text("a.urdf", &error).to_string().lines().next(),
-            Some("a.urdf:2:2: error[not-urdf]: this is not UTF-8 text: byte 0xff")
+            Some("a.urdf:2:2: error[not-text]: this is not UTF-8 text: byte 0xff")
         );
     }
 }

@@ -1,13 +1,13 @@
-//! Closed loops in general position: mechanisms rotated at random and scaled, interpreted and traced, in double and
-//! single precision. They are compared with the aligned mechanism, and with a dense solution by independent means
+//! Closed loops in general position: mechanisms rotated at random and scaled, interpreted and compiled to programs, in double
+//! and single precision. They are compared with the aligned mechanism, and with a dense solution by independent means
 //! (`reference.rs`).
 
 mod mechanisms;
 mod reference;
 
 use mechanisms::{Mechanism, Random, all, lengths, rotated};
-use modyn_codegen::graph::Graph;
 use modyn_codegen::passes::optimize;
+use modyn_codegen::program::{Program, Target};
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::joint::JointType;
@@ -20,7 +20,7 @@ use modyn_runtime::{ConstraintSettings, Interpreter, Scalar};
 use nalgebra::{Matrix3, Vector3};
 use reference::{Reference, Solution};
 
-const ROTATIONS: usize = 20;
+const ROTATIONS: usize = 20 * SIZES.len();
 const SIZES: [f64; 3] = [1.0, 0.02, 50.0];
 const ALPHA: f64 = 3.0;
 const BETA: f64 = 5.0;
@@ -86,22 +86,28 @@ fn count(rank: f64) -> usize {
     rank as usize
 }
 
-/// Forward dynamics and projection, traced as for generated code.
-struct Traced {
-    forward_dynamics: Graph,
-    projection: Graph,
+/// The programs of forward dynamics and projection that back ends print.
+struct Compiled {
+    forward_dynamics: Program,
+    projection: Program,
     n: usize,
     loops: usize,
 }
 
-impl Traced {
+impl Compiled {
     fn new(model: &Model) -> Self {
         let mechanism = modyn_runtime::mechanism::Mechanism::new(model);
         let tracer = Tracer::new(&mechanism);
         let layout = UduLayout::new(&mechanism, &ModuleTree::chains(model));
+        let settings = numbers(&<f64 as Precision>::settings()).len();
+        let (state, forces) = (model.nq() + model.nv(), model.nv());
+        let program = |graph, arguments| Program::new(&optimize(graph), arguments, Target::Scalar);
         Self {
-            forward_dynamics: optimize(tracer.constrained_forward_dynamics(&layout)),
-            projection: optimize(tracer.project_constraints(&layout)),
+            forward_dynamics: program(
+                tracer.constrained_forward_dynamics(&layout),
+                state + forces + settings,
+            ),
+            projection: program(tracer.project_constraints(&layout), state + settings),
             n: model.nv(),
             loops: model.loop_constraints().len(),
         }
@@ -238,8 +244,8 @@ fn double_precision_agrees_with_the_dense_reference() {
             let model = rotated(&mechanism.model, &r, size);
             let there = scaled(&at_rest, size, &lengths);
             let interpreted = interpreted::<f64>(&model, &there);
-            let traced = Traced::new(&model).solve::<f64>(&there);
-            for solution in [&interpreted, &traced] {
+            let compiled = Compiled::new(&model).solve::<f64>(&there);
+            for solution in [&interpreted, &compiled] {
                 let found = difference(&aligned(solution, &r, size, &lengths), &own);
                 assert!(found < 1e-9, "{name} {k} (size {size}): {found:e}");
             }
@@ -259,8 +265,8 @@ fn single_precision_finds_the_same_ranks() {
             let model = rotated(&mechanism.model, &r, size);
             let there = scaled(&at_rest, size, &lengths);
             let interpreted = interpreted::<f32>(&model, &there);
-            let traced = Traced::new(&model).solve::<f32>(&there);
-            for solution in [&interpreted, &traced] {
+            let compiled = Compiled::new(&model).solve::<f32>(&there);
+            for solution in [&interpreted, &compiled] {
                 let found = difference(&aligned(solution, &r, size, &lengths), &own);
                 assert!(found < 1e-2, "{name} {k} (size {size}): {found:e}");
             }
@@ -283,10 +289,10 @@ fn projection_assembles_mechanisms_in_general_position() {
             let off: Vec<f64> = q.iter().map(|q| q + 0.03 * random.next()).collect();
             let near = [off, random.vector(q.len(), 1.0), vec![0.0; q.len()]];
             let [mut q, mut qd, _] = scaled(&near, size, &lengths);
-            let traced = Traced::new(&model);
+            let compiled = Compiled::new(&model);
             let settings = <f64 as Precision>::settings();
             let inputs = [q.clone(), qd.clone(), numbers(&settings).to_vec()].concat();
-            let step = traced.projection.evaluate(&inputs);
+            let step = compiled.projection.evaluate(&inputs);
             let before = (q.clone(), qd.clone());
             project(&model, &mut q, &mut qd, 1);
             let taken: Vec<f64> = q

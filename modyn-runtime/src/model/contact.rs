@@ -61,9 +61,9 @@ impl ContactKind {
 }
 
 impl Model {
-    /// Returns the characteristic length of a contact, m: that of the [loop](Self::characteristic_length)
-    /// between the link and the world's origin. The links up to the root count; a floating joint has length
-    /// zero.
+    /// Returns the characteristic length of a contact, m. It is the length of the
+    /// [loop](Self::characteristic_length) from the contact's frame through the links up to the root, closed at
+    /// the world's origin. A floating joint adds zero.
     ///
     /// # Panics
     ///

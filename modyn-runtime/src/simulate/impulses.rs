@@ -1,9 +1,10 @@
 //! Impulses of unilateral constraints: contacts with Coulomb friction, and joint stops.
 //!
-//! Each sweep visits every contact and every stop once and corrects its impulse, with the other impulses as they are at
-//! that moment (projected Gauss-Seidel; Jourdan, Alart and Jean 1998, "A Gauss-Seidel like algorithm to solve frictional
-//! contact problems"). The velocities v = v_0 + I^-1 J^T p are updated with each correction, so J I^-1 J^T is never
-//! stored. A correction divides by the diagonal of that matrix:
+//! Each sweep visits every contact and every stop once and corrects its impulse. The correction holds the
+//! other impulses at their latest values. The method is projected Gauss-Seidel (Jourdan, Alart and Jean 1998,
+//! "A Gauss-Seidel like algorithm to solve frictional contact problems"). The velocities v = v_0 + I^-1 J^T p
+//! are updated with each correction, so J I^-1 J^T is never stored. A correction divides by the diagonal of
+//! that matrix:
 //!
 //! ```text
 //! normal      p_n <- max(0, p_n - (n . u + c p_n - b) / (n^T A n + c))
@@ -170,8 +171,9 @@ impl<'a, T: Scalar> Stop<'a, T> {
     }
 }
 
-/// Adds the velocity changes of the impulses of contacts (N s, in world axes) and joint stops (N m s or N s) to
-/// `velocities`, by this number of sweeps from these impulses on, whose changes the velocities must include.
+/// Corrects the impulses of contacts (N s, in world axes) and joint stops (N m s or N s) in `sweeps` sweeps, and
+/// adds the resulting changes to `velocities`. On entry, `velocities` must include the effect of the given
+/// impulses.
 pub fn apply_impulses<T: Scalar>(
     (touches, impulses): (&[Touch<'_, T>], &mut [Vector3<T>]),
     (stops, stop_impulses): (&[Stop<'_, T>], &mut [T]),

@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 
 use modyn_runtime::model::Model;
 
-use super::FloatType;
+use super::{FloatType, coordinates_in_c};
 use crate::names;
 use crate::plan::{Frames, Function, Kernels, LinkCode, Plan, Shape};
 use crate::program::Program;
@@ -116,7 +116,7 @@ impl Printer {
     /// Prints the sizes, the links by name, and the default run-time parameters.
     fn constants(&mut self, plan: &Plan, model: &Model, upper: &str) {
         for (name, value, docs) in [
-            ("NQ", plan.sizes.nq, "The length of the coordinate vector."),
+            ("NQ", plan.sizes.nq, coordinates_in_c(model)),
             (
                 "NV",
                 plan.sizes.nv,

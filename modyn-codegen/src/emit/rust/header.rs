@@ -6,6 +6,7 @@ use super::c_functions::in_c;
 use super::shape::Shape;
 use super::{Quantity, Robot};
 use crate::diagnostics::sanitize_for_display;
+use crate::emit::coordinates_in_c;
 use crate::names;
 use crate::plan::Kernels;
 
@@ -29,7 +30,7 @@ impl Robot<'_> {
         }
         let _ = writeln!(
             text,
-            "/* The length of the coordinate vector. */\n#define {upper}_NQ {}\n\
+            "/* {} */\n#define {upper}_NQ {}\n\
              /* The length of the velocity vector. */\n#define {upper}_NV {}\n\
              /* The number of links. */\n#define {upper}_LINKS {}\n\n\
              /* An array of at least n numbers, or a pointer to its first one. Compilers warn of shorter arrays. */\n\
@@ -37,6 +38,7 @@ impl Robot<'_> {
              #define {upper}_AT_LEAST(n) static n\n#else\n#define {upper}_AT_LEAST(n)\n#endif\n\n\
              /* Numbers are of {} bits. */\n\
              typedef char {prefix}_has_numbers_of_{}_bits[sizeof({number}) == {size} ? 1 : -1];\n",
+            coordinates_in_c(self.model),
             self.model.nq(),
             self.model.nv(),
             self.model.frames().len(),

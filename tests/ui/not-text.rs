@@ -1,4 +1,4 @@
 // "Unicode" as some editors save it.
-modyn::modyn!("not-urdf-utf16.urdf");
+modyn::modyn!("not-text.urdf");
 
 fn main() {}
