@@ -10,7 +10,8 @@
 //! ```
 //!
 //! The [`modyn!`] macro lists all options. [`Robot`] is the trait of all generated types. [`Interpreter`] computes the same
-//! quantities for a [`model`] that is known at run time only. The [`guides`] explain the use of modyn step by step.
+//! quantities for a [`model`] that is known at run time only. The [`guides`] explain the use of modyn step by step, and [`example`] has a
+//! generated type.
 //!
 //! # Features
 //!
@@ -39,6 +40,12 @@ pub use modyn_runtime::*;
 #[cfg(all(doc, not(doctest)))]
 pub mod guides {
     modyn_macro::guides!();
+}
+
+/// The type of a robot as it looks in the documentation of your crate: the gripper of the paper.
+#[cfg(all(doc, not(doctest)))]
+pub mod example {
+    modyn_macro::modyn!(pub Gripper = "robots/gripper.urdf", crate = crate);
 }
 
 /// Includes the text that a build script compiled with `modyn_codegen::Builder`: `include_model!(gripper)` is the robot of

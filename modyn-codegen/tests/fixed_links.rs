@@ -177,6 +177,7 @@ fn text_grows_by_little_for_each_fixed_link() {
     let (few, many) = (generated(1000), generated(2000));
     let growth = (many.text.len() - few.text.len()) / 1000;
     assert!(growth < 1500, "{growth} bytes a link");
+    assert!(generated(20_000).text.len() < 20_000_000);
     // All functions except the one shared by the links have the same operations as before.
     let operations = |generated: &modyn_codegen::Generated| -> Vec<_> {
         let of_one = generated.static_operations.iter().filter(|(name, _)| *name != "link_poses");

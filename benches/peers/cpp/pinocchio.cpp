@@ -43,7 +43,7 @@ struct Constraints {
             models.emplace_back(type, model, contact.joint, contact.placement, pinocchio::LOCAL_WORLD_ALIGNED);
             data.emplace_back(models.back());
         }
-        pinocchio::initConstraintDynamics(model, of, models);
+        pinocchio::initConstraintDynamics(model, of, models, data);
     }
 };
 

@@ -8,8 +8,10 @@ mod arena;
 mod compose;
 mod count;
 mod evaluate;
+mod node;
 mod scalar;
 mod table;
 
-pub use arena::{Graph, Id, Node};
+pub use arena::Graph;
+pub use node::{Id, Node};
 pub use scalar::{Expr, ForeignExpr};

@@ -38,6 +38,7 @@ pub struct Expr {
 
 /// An expression of one trace was used in another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ForeignExpr;
 
 impl fmt::Display for ForeignExpr {

@@ -3,7 +3,7 @@
 //! The compiler runs unoptimised in macros and build scripts. There the standard library's hash table takes several times
 //! as long as this one without generics, and dominated the time of tracing.
 
-use super::{Id, Node};
+use super::node::{Id, Node};
 
 /// The nodes of a graph by their content. The graph stores the nodes themselves.
 #[derive(Clone, Debug, Default)]

@@ -6,7 +6,6 @@
 use modyn_runtime::equations::kinematics::Axes;
 
 use super::Tracing;
-use super::packing::Packing;
 use super::shape::{Shape, Sizes, shapes};
 use crate::diagnostics::suggest;
 use crate::graph::Graph;
@@ -52,6 +51,21 @@ pub enum CForm {
     Source,
     /// None.
     None,
+}
+
+/// The way a function can be packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Packing {
+    /// No packing.
+    Never,
+    /// Equal limbs.
+    Limbs,
+    /// Equal limbs, with each of several partitions into modules.
+    ByModules,
+    /// Equal limbs whose parents are on one path to the root. Their composites are transformed together.
+    OnRootPath,
+    /// Derivatives: equal limbs whose parents are on one path to the root, or several columns.
+    Derivatives,
 }
 
 /// The way the graphs of a function are traced.

@@ -28,8 +28,7 @@ pub use bundle::{Bundle, Member};
 pub use factorization::FactorFunction;
 pub(crate) use frames::MAX_OWN_FUNCTIONS;
 pub use frames::{Frames, LinkCode};
-pub use functions::{Argument, CForm, Function, Row, Trace};
-pub use packing::Packing;
+pub use functions::{Argument, CForm, Function, Packing, Row, Trace};
 pub use shape::{Record, Shape, Sizes};
 
 use crate::graph::Graph;

@@ -4,25 +4,10 @@ use modyn_runtime::equations::dynamics::Elimination;
 
 use super::Tracing;
 use super::bundle::{Bundle, Graphs};
-use super::functions::{Function, Trace};
+use super::functions::{Function, Packing, Trace};
 use crate::graph::Graph;
 use crate::passes::{balance, optimize};
 use crate::trace::{LimbPacking, Tracer};
-
-/// The way a function can be packed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Packing {
-    /// No packing.
-    Never,
-    /// Equal limbs.
-    Limbs,
-    /// Equal limbs, with each of several partitions into modules.
-    ByModules,
-    /// Equal limbs whose parents are on one path to the root. Their composites are transformed together.
-    OnRootPath,
-    /// Derivatives: equal limbs whose parents are on one path to the root, or several columns.
-    Derivatives,
-}
 
 /// The largest number of operations on scalars for which sums are balanced along the critical path. A longer function
 /// keeps all units of a processor busy without balancing.

@@ -185,10 +185,10 @@ impl<T: Scalar> SpringGround<T> {
     /// pull. Friction is friction times the normal force times v / sqrt(|v|^2 + slip^2) with the velocity v within the
     /// plane.
     #[must_use]
-    pub fn force(&self, position: Vector3<T>, velocity: Vector3<T>) -> Vector3<T> {
+    pub fn force(&self, position: [T; 3], velocity: Vector3<T>) -> Vector3<T> {
         let Pose { rotation, translation } = self.plane;
         let normal = Vector3(rotation.map(|row| row[2]));
-        let depth = normal.dot(Vector3(translation) - position);
+        let depth = normal.dot(Vector3(translation) - Vector3(position));
         let speed = normal.dot(velocity);
         let pressed = self.stiffness * depth - self.damping * speed;
         let pressed = pressed.select_nonnegative(pressed, T::zero());

@@ -14,7 +14,7 @@ fn a_soft_ground_pushes_along_its_normal_and_against_sliding() {
     let plane = Pose { rotation: rows, translation: place.0 };
     let ground =
         SpringGround { plane, stiffness: 1000.0, damping: 10.0, friction: 0.5, slip: 0.01 };
-    let at = |depth: f64| place + columns[0].scale(0.3) - columns[2].scale(depth);
+    let at = |depth: f64| (place + columns[0].scale(0.3) - columns[2].scale(depth)).0;
     let close = |a: Vector3<f64>, b: Vector3<f64>| {
         let difference = a - b;
         assert!(difference.dot(difference) < 1e-18, "{a:?} instead of {b:?}");
