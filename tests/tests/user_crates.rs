@@ -248,31 +248,3 @@ fn the_first_program_prints_the_output_in_the_readme() {
     let expected = block(&readme, "`cargo run` prints", "text");
     assert!(printed.contains(expected), "{printed}");
 }
-
-/// The first program of the README prints what the README says.
-#[test]
-fn the_first_program() {
-    let page = std::fs::read_to_string(root().join("README.md")).expect("the README");
-    let (_, page) = page.split_once("## A first program").expect("the section");
-    let block = |language: &str| {
-        let (_, rest) = page.split_once(&format!("```{language}\n")).expect("a block");
-        rest.split_once("```").expect("its end").0
-    };
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("first-program");
-    std::fs::create_dir_all(folder.join("src")).expect("a folder");
-    let manifest = format!(
-        "[package]\nname = \"swing\"\nedition = \"2024\"\n[dependencies]\nmodyn = {{ path = {:?} }}\n[workspace]\n",
-        root()
-    );
-    for (file, text) in [
-        ("Cargo.toml", manifest.as_str()),
-        ("pendulum.urdf", block("xml")),
-        ("src/main.rs", block("rust,ignore")),
-    ] {
-        std::fs::write(folder.join(file), text).expect("writes");
-    }
-    pin(&folder);
-    let output = cargo(&folder, "run --quiet");
-    assert!(output.status.success(), "{}", text(&output));
-    assert_eq!(String::from_utf8_lossy(&output.stdout), block("text"));
-}
