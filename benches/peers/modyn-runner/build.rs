@@ -17,7 +17,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut includes, mut table, mut sources) = (String::new(), String::new(), String::new());
     for robot in robots::all() {
         let named = |name: &&str| {
-            Function::ALL.iter().copied().find(|function| function.name() == *name).expect("a function")
+            Function::ALL
+                .iter()
+                .copied()
+                .find(|function| function.name() == *name)
+                .expect("a function")
         };
         let functions: Vec<Function> = robot.quantities.iter().map(named).collect();
         let names = robot.quantities;

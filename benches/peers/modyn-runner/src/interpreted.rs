@@ -1,7 +1,8 @@
 //! modyn's interpreter: one of the programs, and the reference for the results of all others.
 
 use modyn::{
-    ConstrainedDerivatives, ConstraintSettings, ContactTarget, ForwardDerivatives, Interpreter, Twist, Wrench,
+    ConstrainedDerivatives, ConstraintSettings, ContactTarget, ForwardDerivatives, Interpreter,
+    Twist, Wrench,
 };
 
 use crate::measure::Job;
@@ -14,7 +15,9 @@ type Function = fn(&mut Interpreter<f64>, [&[f64]; 4], &mut [f64]);
 pub fn results(quantity: &str, nv: usize) -> usize {
     match quantity {
         "mass_matrix" => nv * nv,
-        "forward_dynamics_derivatives" | "constrained_forward_dynamics_derivatives" => nv + 3 * nv * nv,
+        "forward_dynamics_derivatives" | "constrained_forward_dynamics_derivatives" => {
+            nv + 3 * nv * nv
+        }
         _ => nv,
     }
 }
