@@ -9,17 +9,17 @@
 //! assert!(qdd[0] < 0.0);
 //! ```
 //!
-//! The [`modyn!`] macro lists all options. [`Robot`] is the trait of all generated types. [`Interpreter`] computes the same
-//! quantities for a [`model`] that is known at run time only. The [`guides`] explain the use of modyn step by step, and [`example`] has a
-//! generated type.
+//! The page of the [`modyn!`] macro lists all options. [`Robot`] is the trait of all generated types. [`Interpreter`] computes
+//! the same quantities for a [`model`] that is known at run time only. The [`guides`] explain the use of modyn step by step, and
+//! [`example`] has a generated type.
 //!
 //! # Features
 //!
-//! | feature | default | |
+//! | feature | default | gives |
 //! |---|---|---|
-//! | `std` | yes | implies `alloc` |
+//! | `std` | yes | the standard library; implies `alloc` |
 //! | `alloc` | through `std` | the model, the equations and the interpreter |
-//! | `mjcf` | no | the macro reads MuJoCo's models |
+//! | `mjcf` | no | MuJoCo's descriptions (MJCF) in the macro |
 //! | `nalgebra` | no | the most used functions over `SVector`, `SMatrix`, `Isometry3` |
 //! | `num-dual` | no | the numbers of num-dual as scalars, for exact derivatives |
 //! | `rayon` | no | batches on all cores |
@@ -42,14 +42,14 @@ pub mod guides {
     modyn_macro::guides!();
 }
 
-/// The type of a robot as it looks in the documentation of your crate: the gripper of the paper.
+/// A generated type as the documentation of your crate shows it: the gripper of Shah, Saha and Dutt.
 #[cfg(all(doc, not(doctest)))]
 pub mod example {
     modyn_macro::modyn!(pub Gripper = "robots/gripper.urdf", crate = crate);
 }
 
-/// Includes the text that a build script compiled with `modyn_codegen::Builder`: `include_model!(gripper)` is the robot of
-/// `gripper.urdf`.
+/// Includes the text that a build script generated with `modyn_codegen::Builder`: `include_model!(gripper)` defines the robot
+/// of `gripper.urdf`.
 #[macro_export]
 macro_rules! include_model {
     ($name:ident) => {

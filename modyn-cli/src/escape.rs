@@ -29,7 +29,7 @@ pub fn cell(text: &str) -> String {
 }
 
 /// Returns the text; characters in the middle are left out if it is longer than `most`.
-#[cfg(feature = "command")]
+#[cfg(feature = "picture")]
 pub fn shortened(text: &str, most: usize) -> String {
     let characters: Vec<char> = text.chars().collect();
     if characters.len() <= most {

@@ -1,4 +1,4 @@
-//! The command `modyn`, and the [`viewer`] for motions.
+//! The command `modyn`, the [`viewer`] for motions, and the pictures of robots.
 //!
 //! ```text
 //! robot (description and options) ─┬─ check     reports its faults, with places
@@ -10,11 +10,16 @@
 //! explain: the cause of a diagnostic, and its remedy
 //! ```
 //!
-//! Without the feature `command` the crate is the viewer only, which has no dependencies.
+//! Without the feature `command` the crate is the viewer, which has no dependencies; with the feature `picture` it has the
+//! pictures, too.
 
 #[cfg(feature = "command")]
 mod command;
 mod escape;
+#[cfg(feature = "picture")]
+pub mod picture;
+#[cfg(feature = "picture")]
+mod random;
 pub mod viewer;
 
 #[cfg(feature = "command")]

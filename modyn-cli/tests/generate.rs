@@ -258,3 +258,24 @@ fn kernels_for_graphics_processors() {
         |robot| modyn(&["generate", robot, "--target", "cuda", "-o", &file, "--check"]).code;
     assert_eq!((check("robots/arm6.urdf"), check("robots/gripper.urdf")), (0, 1));
 }
+
+#[test]
+fn functions_for_casadi() {
+    let generate = ["generate", "robots/double_pendulum.urdf", "--target", "casadi"];
+    let with = |arguments: &[&str]| modyn(&[&generate[..], arguments].concat());
+    let shown = with(&["--functions", "forward_dynamics"]);
+    assert_eq!(shown.code, 0, "{}", shown.err);
+    for name in ["", "jac_", "fwd1_", "adj1_", "jac_adj1_"] {
+        let name = format!("int {name}double_pendulum_forward_dynamics(const casadi_real** arg");
+        assert!(shown.out.contains(&name), "{name}");
+    }
+    let refused = with(&["--self-contained"]);
+    assert_eq!(refused.code, 2);
+    assert!(refused.err.contains("`--self-contained` is about Rust, not `--target casadi`"));
+    let refused = with(&["--scalar", "f32"]);
+    assert_eq!(refused.code, 2, "{}", refused.err);
+    assert!(refused.err.contains("double precision"), "{}", refused.err);
+    let warned = with(&["--functions", "[mass_matrix, regressor]"]);
+    assert_eq!(warned.code, 0);
+    assert!(warned.err.contains("`regressor` has no form for CasADi"), "{}", warned.err);
+}

@@ -1,7 +1,7 @@
 //! Prints a hash of the text that is generated for each of the repository's robots, by every kind of output.
 //!
 //! ```console
-//! cargo run --release -p modyn-codegen --example texts
+//! cargo run -p modyn-codegen --example texts
 //! ```
 //!
 //! The output is the same on every host and however the compiler was built: `.ci/run` compares that of a
@@ -10,7 +10,9 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
+use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::{Builder, FloatType, Function};
+use rayon::prelude::*;
 
 /// 64-bit FNV-1a.
 fn hash(text: &str) -> u64 {
@@ -33,22 +35,25 @@ fn descriptions(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut cases = Vec::new();
     for folder in ["robots", "tests/golden"] {
         for path in descriptions(&root.join(folder))? {
             let builder = Builder::new().urdf(&path).functions(Function::ALL.iter().copied());
-            let kinds = [
-                ("f64", builder.clone()),
-                ("f32", builder.clone().scalar(FloatType::F32)),
-                ("shared", builder.clone().share()),
-                ("self-contained", builder.self_contained().runtime_gravity().c_functions("robot")),
-            ];
-            for (kind, builder) in kinds {
-                let generated = builder.generate()?;
-                let header = generated.c_header.unwrap_or_default();
-                let name = path.file_stem().unwrap_or_default().to_string_lossy();
-                println!("{:016x} {:016x} {name} {kind}", hash(&generated.text), hash(&header));
-            }
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let shared = builder.clone().share();
+            let contained = builder.clone().self_contained().runtime_gravity();
+            cases.push((format!("{name} f32"), builder.clone().scalar(FloatType::F32)));
+            cases.push((format!("{name} f64"), builder));
+            cases.push((format!("{name} shared"), shared));
+            cases.push((format!("{name} self-contained"), contained.c_functions("robot")));
         }
     }
+    let line = |(name, builder): (String, Builder)| {
+        let generated = builder.generate()?;
+        let header = generated.c_header.unwrap_or_default();
+        Ok(format!("{:016x} {:016x} {name}", hash(&generated.text), hash(&header)))
+    };
+    let lines: Result<Vec<String>, Diagnostics> = cases.into_par_iter().map(line).collect();
+    lines?.iter().for_each(|line| println!("{line}"));
     Ok(())
 }

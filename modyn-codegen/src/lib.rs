@@ -1,7 +1,7 @@
-//! modyn's compiler: from a robot description (URDF, MJCF) to specialised Rust.
+//! modyn's compiler: from a robot description (URDF, MJCF) to specialised code.
 //!
 //! ```text
-//! text ─ read ─▶ Description ─ assemble, check ─▶ Model ─ modules ─▶ equations on Expr (trace) ─▶ Graph ─ passes, plan ─▶ Program ─ emit ─▶ Rust, C
+//! text ─ read ─▶ Description ─ assemble, check ─▶ Model ─ modules ─▶ equations on Expr (trace) ─▶ Graph ─ passes, plan ─▶ Program ─ emit ─▶ Rust, C, CUDA, WGSL
 //! ```
 //!
 //! The macro `modyn::modyn!`, build scripts and the command line use [`Builder`]. [`read`](read()) returns the model
@@ -28,9 +28,9 @@ mod size;
 pub mod trace;
 
 pub use builder::{Builder, Generated, Planning};
-pub use check::{CARRIED_BY_F32, condition_number};
+pub use check::{MAX_CONDITION_F32, condition_number};
 pub use description::{Base, Contact, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
-pub use emit::{CSource, FloatType, GpuLanguage, GpuSource};
+pub use emit::{CSource, CasadiSource, FloatType, GpuLanguage, GpuSource};
 pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 pub use options::{Bundle, ModuleChoice};
 pub use plan::Function;

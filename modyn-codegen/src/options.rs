@@ -9,7 +9,7 @@ mod value;
 
 pub use bundle::Bundle;
 pub use types::{Field, ModuleChoice, OptionValue};
-pub use value::{Fault, Value, ValueKind};
+pub use value::{OptionError, Value, ValueKind};
 
 use crate::FloatType;
 use crate::description::ReadOptions;
@@ -52,7 +52,7 @@ pub struct OptionRow {
     /// The entries that know it.
     pub entries: Entries,
     /// Takes a value.
-    set: fn(&mut Options, &Value) -> Result<(), Fault>,
+    set: fn(&mut Options, &Value) -> Result<(), OptionError>,
     /// The arguments of the method that sets it so; `None` for the default.
     arguments: fn(&Options) -> Option<String>,
 }
@@ -271,10 +271,10 @@ pub(crate) struct Options {
 
 impl Options {
     /// Takes a value for the option of this name.
-    pub fn set(&mut self, name: &str, value: &Value) -> Result<(), Fault> {
+    pub fn set(&mut self, name: &str, value: &Value) -> Result<(), OptionError> {
         match OPTIONS.iter().find(|row| row.name == name) {
             Some(row) => (row.set)(self, value),
-            None => Err(Fault::new(value.at, format!("there is no option `{name}`"))),
+            None => Err(OptionError::new(value.at, format!("there is no option `{name}`"))),
         }
     }
 

@@ -1,6 +1,6 @@
 //! The table of functions is complete: the page, the trait and the interpreter have an entry for each function.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -114,18 +114,38 @@ fn the_page_has_the_table() {
     assert_eq!(found, table());
 }
 
-/// The trait has a method for each function of one state, and a second one with run-time parameters where they matter.
+/// The runtime's table has a row for each function of one state, with a second name for the form with run-time parameters
+/// where they matter. The rows are in the groups of the compiler's table.
 #[test]
-fn the_trait_has_each_function() {
-    let text = file("modyn-runtime/src/robot/functions.rs");
-    let rows: Vec<&str> = text.lines().map(str::trim_start).collect();
-    let has = |start: String| rows.iter().any(|row| row.starts_with(&start));
-    for function in Function::ALL.iter().filter(|function| function.batched().is_none()) {
-        let name = function.name();
-        let with = has(format!("{name} / {name}_with("));
-        assert!(with || has(format!("{name}(")), "{name}");
-        assert_eq!(with, function.depends_on_parameters(), "{name}");
+fn the_runtimes_table_has_each_function() {
+    let text = file("modyn-runtime/src/functions/table.rs");
+    let (mut group, mut rows) = ("", BTreeMap::new());
+    for line in text.lines().map(str::trim_start) {
+        if let Some(name) = line.strip_suffix(" {") {
+            group = name;
+        } else if let Some((name, _)) =
+            line.split_once('(').filter(|(name, _)| !name.starts_with('/') && *name != "pub")
+        {
+            rows.insert(name, group);
+        }
     }
+    let functions = Function::ALL.iter().filter(|function| function.batched().is_none());
+    for function in functions.clone() {
+        let (name, row) = (function.name(), function.row());
+        let names = match row.depends_on_parameters {
+            true => format!("{name} / {name}_with"),
+            false => name.into(),
+        };
+        let group = match (row.of_constraints, row.without_loops, row.default) {
+            (false, _, true) => "by_default",
+            (false, _, false) => "on_request",
+            (true, false, true) => "constraints_by_default",
+            (true, false, false) => "constraints_on_request",
+            (true, true, _) => "contacts_on_request",
+        };
+        assert_eq!(rows.get(&*names), Some(&group), "{names}: {rows:#?}");
+    }
+    assert_eq!(rows.len(), functions.count(), "{rows:#?}");
 }
 
 /// The interpreter has a method for each function of one state; there the axes of wrenches are an argument.
@@ -137,6 +157,7 @@ fn the_interpreter_has_each_function() {
         "derivatives",
         "dynamics",
         "factorization",
+        "hessians",
         "kinematics",
         "momentum",
         "products",

@@ -107,10 +107,11 @@ fn derivatives_side_by_side_are_the_interpreters() {
     for (name, model) in robots() {
         let mechanism = Mechanism::new(&model);
         let tracer = Tracer::new(&mechanism);
-        let ways = LimbPacking::candidates(&mechanism, true);
-        assert_eq!(ways.len(), if name.starts_with("humanoid") { 2 } else { 1 }, "{name}");
-        assert!(ways.iter().all(|limbs| limbs.share_root_path(&mechanism)), "{name}");
-        let mut tracers: Vec<Tracer> = ways.iter().map(|limbs| tracer.packed(limbs)).collect();
+        let candidates = LimbPacking::candidates(&mechanism, true);
+        assert_eq!(candidates.len(), if name.starts_with("humanoid") { 2 } else { 1 }, "{name}");
+        assert!(candidates.iter().all(|limbs| limbs.share_root_path(&mechanism)), "{name}");
+        let mut tracers: Vec<Tracer> =
+            candidates.iter().map(|limbs| tracer.packed(limbs)).collect();
         tracers.push(tracer.column_lanes());
         let layouts = [ModuleTree::chains(&model), ModuleTree::links(&model)]
             .map(|modules| UduLayout::new(&mechanism, &modules));

@@ -62,8 +62,8 @@ fn tip(([x, z], angle): Place, length: f64) -> [f64; 2] {
 /// triangle is on the left.
 fn triangle(from: [f64; 2], to: [f64; 2], own: f64, other: f64) -> f64 {
     let [x, z] = [to[0] - from[0], to[1] - from[1]];
-    let way = x.hypot(z);
-    z.atan2(x) + ((own * own + way * way - other * other) / (2.0 * own * way)).acos()
+    let distance = x.hypot(z);
+    z.atan2(x) + ((own * own + distance * distance - other * other) / (2.0 * own * distance)).acos()
 }
 
 fn four_bar() -> Linkage {
@@ -329,8 +329,8 @@ fn sawn() -> String {
         )
     };
     let (before, rest) = FOUR_BAR.split_once("<link name=\"coupler\">").expect("a coupler");
-    let (_, behind) = rest.split_once("</link>").expect("closed");
-    let (rocker, _) = behind.split_once("<loop_joint").expect("a loop");
+    let (_, after) = rest.split_once("</link>").expect("closed");
+    let (rocker, _) = after.split_once("<loop_joint").expect("a loop");
     format!(
         "{before}{}{rocker}\
          <joint name='rocker_pin' type='continuous'><parent link='rocker'/><child link='rest'/>\
@@ -471,8 +471,8 @@ fn what_parts_changes_as_its_rate_says() {
         let step = 1e-4;
         let mut there = |by: f64| {
             let (mut q_then, by) = (vec![0.0; q.len()], by * step);
-            let way: Vec<f64> = qd.iter().map(|v| v * by).collect();
-            interpreter.integrate(&q, &way, &mut q_then).expect("fits");
+            let distance: Vec<f64> = qd.iter().map(|v| v * by).collect();
+            interpreter.integrate(&q, &distance, &mut q_then).expect("fits");
             errors(&mut interpreter, &q_then, &qd)
         };
         let [before, after] = [there(-1.0), there(1.0)];
@@ -501,8 +501,9 @@ fn keeps_what_is_held(interpreter: &mut Interpreter) {
         let step = 1e-4;
         let mut velocities = |by: f64| {
             let (mut q_then, by) = (vec![0.0; q.len()], by * step);
-            let way: Vec<f64> = qd.iter().zip(&qdd).map(|(v, a)| (v + 0.5 * a * by) * by).collect();
-            interpreter.integrate(&q, &way, &mut q_then).expect("fits");
+            let distance: Vec<f64> =
+                qd.iter().zip(&qdd).map(|(v, a)| (v + 0.5 * a * by) * by).collect();
+            interpreter.integrate(&q, &distance, &mut q_then).expect("fits");
             let qd: Vec<f64> = qd.iter().zip(&qdd).map(|(v, a)| v + a * by).collect();
             let [_, velocities] = errors(interpreter, &q_then, &qd);
             velocities

@@ -86,7 +86,7 @@ fn the_same_arm_gives_the_same_numbers() {
         assert_eq!(names(&ours), names(&theirs));
         for (a, b) in ours.links().iter().zip(theirs.links()) {
             assert_eq!(a.joint.joint_type, b.joint.joint_type);
-            assert_eq!(a.joint.drive, b.joint.drive);
+            assert_eq!(a.joint.dynamics, b.joint.dynamics);
             let range = |limits: Option<modyn_runtime::model::Limits>| {
                 limits
                     .map(|limits| [limits.lower, limits.upper].map(|x| (x.unwrap() * 1e12).round()))
@@ -233,7 +233,7 @@ fn unsupported_elements_are_refused() {
         (r#"<joint class="nowhere"/>"#, Code::NotRead),
         (r#"<joint stiffness="2"/>"#, Code::NotRead),
         (r#"<joint type="ball" damping="2"/>"#, Code::NotRead),
-        (r#"<joint damping="-2"/>"#, Code::NegativeDrive),
+        (r#"<joint damping="-2"/>"#, Code::NegativeJointDynamics),
         (r#"<joint axis="0 0 0"/>"#, Code::ZeroAxis),
         (r#"<joint pos="0 0 inf"/>"#, Code::NotFinite),
         (r#"<joint range="2 1"/>"#, Code::InvertedLimits),
@@ -300,7 +300,7 @@ fn depth_ends_in_a_refusal_and_not_on_the_stack() {
 #[test]
 fn no_mutation_panics() {
     let models = [ARM, include_str!("mjcf/rotations.xml"), include_str!("mjcf/shapes.xml")];
-    let pieces: Vec<&str> = models
+    let fragments: Vec<&str> = models
         .iter()
         .flat_map(|text| text.split_inclusive(['"', ' ', '>', '<']))
         .chain(["1e999", "-0", "nan", "zyxzyx", "class=\"light\" ", "<body>", "</body>", "1e200 "])
@@ -316,9 +316,9 @@ fn no_mutation_panics() {
         for _ in 0..=below(3) {
             let at = below(tokens.len());
             match below(3) {
-                0 => tokens[at] = pieces[below(pieces.len())],
+                0 => tokens[at] = fragments[below(fragments.len())],
                 1 => drop(tokens.remove(at)),
-                _ => tokens.insert(at, pieces[below(pieces.len())]),
+                _ => tokens.insert(at, fragments[below(fragments.len())]),
             }
         }
         usable += usize::from(read(&tokens.concat()).is_ok());

@@ -235,24 +235,24 @@ fn mimics_follow_wherever_their_leaders_stand() {
 }
 
 #[test]
-fn drives_are_those_of_the_file_or_of_the_options() {
-    let drive = |armature, damping, friction| JointDynamics { armature, damping, friction };
-    let drives = |options: &ReadOptions| {
-        let model = good("/drives.urdf", options);
-        model.links().iter().map(|link| link.joint.drive).collect::<Vec<_>>()
+fn joint_dynamics_are_those_of_the_file_or_of_the_options() {
+    let dynamics = |armature, damping, friction| JointDynamics { armature, damping, friction };
+    let read = |options: &ReadOptions| {
+        let model = good("/joint_dynamics.urdf", options);
+        model.links().iter().map(|link| link.joint.dynamics).collect::<Vec<_>>()
     };
     let mut expected = [
-        drive(0.0, 0.5, 0.25),
-        drive(2.0, 0.0, 0.0),
-        drive(8.0, 0.0, 0.0),
+        dynamics(0.0, 0.5, 0.25),
+        dynamics(2.0, 0.0, 0.0),
+        dynamics(8.0, 0.0, 0.0),
         JointDynamics::default(),
     ];
-    assert_eq!(drives(&ReadOptions::default()), expected);
+    assert_eq!(read(&ReadOptions::default()), expected);
     let rotor =
         |joint: &str, inertia, gear_ratio| Rotor { joint: joint.into(), inertia, gear_ratio };
     let rotors = vec![rotor("j0", 0.25, 2.0), rotor("j2", 0.0, 7.0)];
     (expected[0].armature, expected[2].armature) = (1.0, 0.0);
-    assert_eq!(drives(&ReadOptions { rotors, ..ReadOptions::default() }), expected);
+    assert_eq!(read(&ReadOptions { rotors, ..ReadOptions::default() }), expected);
 }
 
 #[test]
@@ -450,10 +450,9 @@ fn numbers_equal_those_of_urdf_rs() {
         );
         for link in reading.model.links() {
             let joint = robot.joints.iter().find(|j| j.name == link.joint.name).expect("joint");
-            let drive = link.joint.drive;
-            let dynamics = joint.dynamics.as_ref();
-            let figures = dynamics.map_or([0.0; 2], |d| [d.damping, d.friction]);
-            assert_eq!([drive.damping, drive.friction], figures, "{file}");
+            let found = link.joint.dynamics;
+            let written = joint.dynamics.as_ref().map_or([0.0; 2], |d| [d.damping, d.friction]);
+            assert_eq!([found.damping, found.friction], written, "{file}");
             let mimic = link.joint.mimic.map(|mimic| {
                 let leader = reading.model.links()[mimic.leader].joint.name.clone();
                 (leader, mimic.multiplier, mimic.offset)

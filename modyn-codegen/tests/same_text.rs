@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use modyn_codegen::Base;
 use modyn_codegen::{Builder, FloatType, Function, Generated};
+use rayon::prelude::*;
 
 /// Robots that take minutes.
 const LARGE: &[&str] = &["g1", "humanoid", "solo12", "quadruped", "biped"];
@@ -95,24 +96,23 @@ fn generated_code_of_large_robots_is_the_same() {
 fn compare(selected: fn(&str) -> bool) -> usize {
     let update = std::env::var_os("UPDATE_SNAPSHOTS").is_some();
     let texts = std::env::var_os("MODYN_TEXTS").map(PathBuf::from);
-    let mut found = BTreeMap::new();
-    for (robot, file) in robots() {
-        if !update && !selected(&robot) {
-            continue;
+    let cases: Vec<_> = robots()
+        .into_iter()
+        .filter(|(robot, _)| update || selected(robot))
+        .flat_map(|(robot, file)| OPTIONS.iter().map(move |one| (robot.clone(), file.clone(), one)))
+        .collect();
+    let text = |(robot, file, (options, with)): &(String, PathBuf, &Options)| {
+        // A robot that cannot have a floating base remains refused.
+        let code = with(Builder::new().urdf(file))
+            .generate()
+            .map_or_else(|e| e.to_string().replace(&*file.to_string_lossy(), ""), |g| code(&g));
+        let name = format!("{robot}, {options}");
+        if let Some(folder) = &texts {
+            std::fs::write(folder.join(format!("{name}.rs")), &code).expect("a folder");
         }
-        for (options, with) in OPTIONS {
-            let builder = with(Builder::new().urdf(&file));
-            // A robot that cannot have a floating base remains refused.
-            let code = builder
-                .generate()
-                .map_or_else(|e| e.to_string().replace(&*file.to_string_lossy(), ""), |g| code(&g));
-            let name = format!("{robot}, {options}");
-            if let Some(folder) = &texts {
-                std::fs::write(folder.join(format!("{name}.rs")), &code).expect("a folder");
-            }
-            found.insert(name, format!("{:016x}", hash(&code)));
-        }
-    }
+        (name, format!("{:016x}", hash(&code)))
+    };
+    let found: BTreeMap<String, String> = cases.par_iter().map(text).collect();
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/same_text.hashes");
     if update {
         let lines: Vec<String> =

@@ -1,6 +1,6 @@
 //! The number of digits that forward dynamics keeps in single precision, for every robot of `robots/`.
 
-use modyn_codegen::plan::partition::{Choice, choose};
+use modyn_codegen::plan::partition::{ChosenPartition, choose};
 use modyn_codegen::trace::Tracer;
 use modyn_codegen::{Builder, FloatType, condition_number, diagnostics::Code};
 use modyn_codegen::{ReadOptions, read};
@@ -22,7 +22,7 @@ fn model(name: &str) -> Model {
 fn error(model: &Model) -> f64 {
     let mechanism = Mechanism::new(model);
     let tracer = Tracer::new(&mechanism);
-    let Choice { graph, .. } = choose(model, &mechanism, &tracer);
+    let ChosenPartition { graph, .. } = choose(model, &mechanism, &tracer);
     let mut number = 0.3_f64;
     let mut uniform = || {
         number = (number + 0.618_033_988_749_894_9).fract();

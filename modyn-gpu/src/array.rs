@@ -2,6 +2,8 @@
 
 use std::sync::mpsc;
 
+use wgpu::util::DeviceExt;
+
 use crate::{Gpu, GpuError};
 
 /// Numbers for many states on a graphics processor: scalar `j` of state `i` of `n` states is number `j n + i`.
@@ -55,5 +57,38 @@ impl GpuArray {
         let bytes = copy.slice(..).get_mapped_range().map_err(|error| failed(&error))?;
         let (numbers, _) = bytes.as_chunks::<4>();
         Ok(numbers.iter().map(|number| f32::from_le_bytes(*number)).collect())
+    }
+}
+
+impl Gpu {
+    /// Copies numbers for this number of states to the processor: scalar `j` of state `i` is number `j states + i`.
+    ///
+    /// # Errors
+    ///
+    /// If the length is not a whole number of scalars for each state, or is too large for the processor.
+    pub fn upload(&self, numbers: &[f32], states: usize) -> Result<GpuArray, GpuError> {
+        if states == 0 || numbers.is_empty() || !numbers.len().is_multiple_of(states) {
+            return Err(GpuError::Length { numbers: numbers.len(), states });
+        }
+        self.check(numbers.len())?;
+        let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+        let buffer = self.inner.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: None,
+            contents: &bytes,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+        });
+        Ok(GpuArray { gpu: self.clone(), buffer, scalars: numbers.len() / states, states })
+    }
+
+    /// Returns memory for a result.
+    pub(crate) fn empty(&self, scalars: usize, states: usize) -> Result<GpuArray, GpuError> {
+        let size = self.check(scalars * states)?;
+        let buffer = self.inner.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        Ok(GpuArray { gpu: self.clone(), buffer, scalars, states })
     }
 }

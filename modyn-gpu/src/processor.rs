@@ -1,10 +1,8 @@
-//! A graphics processor, and arrays on it.
+//! A graphics processor.
 
 use std::sync::Arc;
 
-use wgpu::util::DeviceExt;
-
-use crate::{GpuArray, GpuError};
+use crate::GpuError;
 
 /// A graphics processor. Clones are cheap and refer to the same processor.
 #[derive(Clone, Debug)]
@@ -51,39 +49,8 @@ impl Gpu {
         &self.inner.name
     }
 
-    /// Copies numbers for this number of states to the processor: scalar `j` of state `i` is number `j states + i`.
-    ///
-    /// # Errors
-    ///
-    /// If the length is not a whole number of scalars for each state, or is too large for the processor.
-    pub fn upload(&self, numbers: &[f32], states: usize) -> Result<GpuArray, GpuError> {
-        if states == 0 || numbers.is_empty() || !numbers.len().is_multiple_of(states) {
-            return Err(GpuError::Length { numbers: numbers.len(), states });
-        }
-        self.check(numbers.len())?;
-        let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
-        let buffer = self.inner.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: None,
-            contents: &bytes,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-        });
-        Ok(GpuArray { gpu: self.clone(), buffer, scalars: numbers.len() / states, states })
-    }
-
-    /// Returns memory for a result.
-    pub(crate) fn empty(&self, scalars: usize, states: usize) -> Result<GpuArray, GpuError> {
-        let size = self.check(scalars * states)?;
-        let buffer = self.inner.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        Ok(GpuArray { gpu: self.clone(), buffer, scalars, states })
-    }
-
     /// Returns the size of this many numbers in bytes, if the processor has memory for them.
-    fn check(&self, numbers: usize) -> Result<u64, GpuError> {
+    pub(crate) fn check(&self, numbers: usize) -> Result<u64, GpuError> {
         let (bytes, limit) = (4 * numbers as u64, self.inner.limit);
         if bytes > limit { Err(GpuError::TooLarge { bytes, limit }) } else { Ok(bytes) }
     }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use modyn_codegen::{Builder, Function};
-use modyn_jit::{CodeSize, Compiled, Level, Options};
+use modyn_jit::{CodeSize, Compiled, InstructionSet, Options};
 
 const FUNCTIONS: [Function; 5] = [
     Function::ForwardDynamics,
@@ -20,12 +20,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let start = Instant::now();
         let planning = builder.plan()?;
         println!("{file}: {} ms from the text to the programs", start.elapsed().as_millis());
-        for level in Level::ALL.into_iter().filter(|&level| Some(level) <= Level::detect()) {
+        for instruction_set in InstructionSet::ALL
+            .into_iter()
+            .filter(|&instruction_set| Some(instruction_set) <= InstructionSet::detect())
+        {
             let mut options = Options::default();
-            options.level = Some(level);
+            options.instruction_set = Some(instruction_set);
             let start = Instant::now();
             let robot = Compiled::<f64>::from_plan(&planning, options)?;
-            println!("  {level:?}: {} us from the programs to code", start.elapsed().as_micros());
+            println!(
+                "  {instruction_set:?}: {} us from the programs to code",
+                start.elapsed().as_micros()
+            );
             for function in robot.functions() {
                 let CodeSize { bytes, constants, instructions, spills, loads, copies, .. } =
                     robot.function(function)?.size();

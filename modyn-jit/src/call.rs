@@ -4,9 +4,10 @@ use std::borrow::Cow;
 
 use modyn_codegen::plan::Shape;
 
-use crate::compiled::{CompiledFunction, CompiledKernels};
+use crate::code_size::CodeSize;
 use crate::error::CallError;
-use crate::generate::{CodeSize, MAX_ARRAYS};
+use crate::function::{CompiledFunction, CompiledKernels};
+use crate::generate::MAX_ARRAYS;
 use crate::machine::Pages;
 use crate::real::Real;
 

@@ -9,10 +9,12 @@ use modyn_codegen::{Builder, Function, Planning};
 use modyn_runtime::model::{Inertial, Model};
 
 use crate::call::Call;
+use crate::code_size::CodeSize;
 use crate::error::{CallError, CompileError};
-use crate::generate::{CodeSize, MAX_ARRAYS, generate};
+use crate::function::{CompiledFunction, CompiledKernels, Kernel};
+use crate::generate::{MAX_ARRAYS, generate};
 use crate::helper::Helpers;
-use crate::level::Level;
+use crate::instruction_set::InstructionSet;
 use crate::lower::lower;
 use crate::machine::{Code, Pages};
 use crate::parameters::{ParameterError, RunTimeParameters};
@@ -22,8 +24,8 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Options {
-    /// The vector instructions; `None` for the best level of the processor.
-    pub level: Option<Level>,
+    /// The vector instructions; `None` for the best instruction set of the processor.
+    pub instruction_set: Option<InstructionSet>,
     /// Whether functions can be called for many states at a time; false by default.
     pub batches: bool,
 }
@@ -35,7 +37,7 @@ pub struct Options {
 pub struct Compiled<S> {
     model: Model,
     warnings: Vec<Diagnostic>,
-    level: Level,
+    instruction_set: InstructionSet,
     pages: Pages,
     functions: Vec<CompiledFunction>,
     parameters: RunTimeParameters<S>,
@@ -43,55 +45,13 @@ pub struct Compiled<S> {
     placements: Vec<Vec<S>>,
 }
 
-/// The code of a function.
-pub(crate) struct CompiledFunction {
-    /// The function; `None` for a bundle.
-    pub function: Option<Function>,
-    pub name: &'static str,
-    pub arguments: Vec<(&'static str, Shape)>,
-    /// Whether the robot's run-time parameters are a further argument.
-    pub has_parameters: bool,
-    pub result: Shape,
-    pub kernels: CompiledKernels,
-    pub size: CodeSize,
-}
-
-/// The compiled programs of a function.
-pub(crate) enum CompiledKernels {
-    /// One program.
-    One(Kernel),
-    /// For each link its program, and the row of its placement if it shares the program with other links.
-    ByLink(Vec<(usize, Option<usize>)>, Vec<Kernel>),
-    /// The poses of some links and bodies, and the pose of a link from that of its body. Each link has the index of its
-    /// own pose, or the index of its body's pose and the row of its placement.
-    Poses { bodies: Kernel, placed: Kernel, links: Vec<(usize, Option<usize>)> },
-}
-
-/// The code of a program.
-pub(crate) struct Kernel {
-    /// The code for one state.
-    pub single: Code,
-    /// The code for a state in each lane.
-    pub batch: Option<Code>,
-}
-
-impl Kernel {
-    /// Returns the code for this number of states at a time: one, or the lanes of a vector.
-    pub fn code(&self, lanes: usize) -> &Code {
-        match &self.batch {
-            Some(batch) if lanes > 1 => batch,
-            _ => &self.single,
-        }
-    }
-}
-
 impl<S: Real> Compiled<S> {
     /// Compiles these functions of a robot for this processor.
     ///
     /// # Errors
     ///
-    /// If the model is invalid, this is not an x86-64 processor, a function has too many arguments, or the system gives no
-    /// executable memory.
+    /// If the model is invalid, this is not an x86-64 processor, a function has too many arguments, or the system gives
+    /// no executable memory.
     pub fn new(
         model: &Model,
         functions: impl IntoIterator<Item = Function>,
@@ -103,22 +63,24 @@ impl<S: Real> Compiled<S> {
     ///
     /// # Errors
     ///
-    /// If the description or an option is invalid, this processor lacks the level, a function has too many arguments, or
-    /// the system gives no executable memory.
+    /// If the description or an option is invalid, this processor lacks the instruction set, a function has too many
+    /// arguments, or the system gives no executable memory.
     pub fn build(builder: &Builder, options: Options) -> Result<Self, CompileError> {
         Self::from_plan(&builder.plan()?, options)
     }
 
-    /// Compiles programs that [`Builder::plan`] has made, so that several types of numbers and levels can share them.
+    /// Compiles programs that [`Builder::plan`] has made, so that several types of numbers and instruction sets can
+    /// share them.
     ///
     /// # Errors
     ///
-    /// If this processor lacks the level, a function has too many arguments, or the system gives no executable memory.
+    /// If this processor lacks the instruction set, a function has too many arguments, or the system gives no
+    /// executable memory.
     pub fn from_plan(planning: &Planning, options: Options) -> Result<Self, CompileError> {
-        let available = Level::detect().ok_or(CompileError::Architecture)?;
-        let level = options.level.unwrap_or(available);
-        if level > available {
-            return Err(CompileError::Level { wanted: level, available });
+        let available = InstructionSet::detect().ok_or(CompileError::Architecture)?;
+        let instruction_set = options.instruction_set.unwrap_or(available);
+        if instruction_set > available {
+            return Err(CompileError::InstructionSet { wanted: instruction_set, available });
         }
         let Planning { plan, model, warnings, .. } = planning;
         for planned in &plan.functions {
@@ -127,13 +89,13 @@ impl<S: Real> Compiled<S> {
                 return Err(CompileError::Arguments { function: planned.name, arrays });
             }
         }
-        let mut assembly = Assembly::<S>::new(level, options.batches);
+        let mut assembly = Assembly::<S>::new(instruction_set, options.batches);
         let functions = plan.functions.iter().map(|planned| assembly.function(planned, plan));
         let functions = functions.collect();
         let pages = Pages::new(&assembly.code).map_err(CompileError::Memory)?;
         let number = |x: f64| S::from_f64(x);
         Ok(Self {
-            level,
+            instruction_set,
             pages,
             functions,
             parameters: RunTimeParameters::new(plan, model),
@@ -157,8 +119,8 @@ impl<S: Real> Compiled<S> {
 
     /// Returns the vector instructions that the code uses.
     #[must_use]
-    pub fn level(&self) -> Level {
-        self.level
+    pub fn instruction_set(&self) -> InstructionSet {
+        self.instruction_set
     }
 
     /// Returns the functions that can be called.
@@ -202,7 +164,7 @@ impl<S: Real> Compiled<S> {
                 pages: &self.pages,
                 parameters: &self.parameters.numbers,
                 placements: &self.placements,
-                lanes: self.level.vector(true) / size_of::<S>(),
+                lanes: self.instruction_set.vector(true) / size_of::<S>(),
             }),
             None => Err(CallError::NotCompiled {
                 function: name.into(),
@@ -294,7 +256,7 @@ impl<S: Real> fmt::Debug for Compiled<S> {
         let functions: Vec<&str> = self.functions.iter().map(|compiled| compiled.name).collect();
         f.debug_struct("Compiled")
             .field("robot", &self.model.name())
-            .field("level", &self.level)
+            .field("instruction_set", &self.instruction_set)
             .field("functions", &functions)
             .finish_non_exhaustive()
     }
@@ -302,7 +264,7 @@ impl<S: Real> fmt::Debug for Compiled<S> {
 
 /// The code of all functions during compilation.
 struct Assembly<S> {
-    level: Level,
+    instruction_set: InstructionSet,
     batches: bool,
     helpers: Helpers,
     code: Vec<u8>,
@@ -310,9 +272,9 @@ struct Assembly<S> {
 }
 
 impl<S: Real> Assembly<S> {
-    fn new(level: Level, batches: bool) -> Self {
+    fn new(instruction_set: InstructionSet, batches: bool) -> Self {
         let (helpers, number) = (Helpers::new::<S>(), std::marker::PhantomData);
-        Self { level, batches, helpers, code: Vec::new(), number }
+        Self { instruction_set, batches, helpers, code: Vec::new(), number }
     }
 
     fn function(&mut self, planned: &Planned, plan: &Plan) -> CompiledFunction {
@@ -353,8 +315,8 @@ impl<S: Real> Assembly<S> {
         }
     }
 
-    /// Compiles a program. The code for one state has vectors if the program has some and the level has registers for
-    /// four numbers; the code for batches is the scalar program with a state in each lane.
+    /// Compiles a program. The code for one state has vectors if the program has some and the instruction set has
+    /// registers for four numbers; the code for batches is the scalar program with a state in each lane.
     fn kernel(
         &mut self,
         scalar: &Program,
@@ -363,7 +325,7 @@ impl<S: Real> Assembly<S> {
         size: &mut CodeSize,
     ) -> Kernel {
         let single = match simd {
-            Some(simd) if self.level.vector(false) >= 4 * size_of::<S>() => simd,
+            Some(simd) if self.instruction_set.vector(false) >= 4 * size_of::<S>() => simd,
             _ => scalar,
         };
         let (single, bytes) = self.append(single, arrays, false);
@@ -373,12 +335,13 @@ impl<S: Real> Assembly<S> {
     }
 
     fn append(&mut self, program: &Program, arrays: &[usize], batch: bool) -> (Code, CodeSize) {
-        let values = lower::<S>(program, arrays, self.level, batch);
-        let generated = generate(&values, self.level, size_of::<S>(), arrays.len(), &self.helpers);
+        let values = lower::<S>(program, arrays, self.instruction_set, batch);
+        let generated =
+            generate(&values, self.instruction_set, size_of::<S>(), arrays.len(), &self.helpers);
         self.code.resize(self.code.len().next_multiple_of(64), 0xcc);
         let entry = self.code.len();
         self.code.extend_from_slice(&generated.code);
-        let lanes = if batch { self.level.vector(true) / size_of::<S>() } else { 1 };
+        let lanes = if batch { self.instruction_set.vector(true) / size_of::<S>() } else { 1 };
         let arguments = arrays.iter().map(|length| length * lanes).collect();
         (Code { entry, arguments, results: program.results.len() * lanes }, generated.size)
     }

@@ -5,7 +5,7 @@ use std::{fmt, io};
 use modyn_codegen::diagnostics::Diagnostics;
 
 use crate::generate::MAX_ARRAYS;
-use crate::level::Level;
+use crate::instruction_set::InstructionSet;
 
 /// The reason why a robot has no machine code.
 #[derive(Debug)]
@@ -16,11 +16,11 @@ pub enum CompileError {
     /// Machine code exists for x86-64 only.
     Architecture,
     /// The processor lacks the selected vector instructions.
-    Level {
-        /// The selected level.
-        wanted: Level,
-        /// The best level of the processor.
-        available: Level,
+    InstructionSet {
+        /// The selected instruction set.
+        wanted: InstructionSet,
+        /// The best instruction set of the processor.
+        available: InstructionSet,
     },
     /// A function has more arguments than machine code can have.
     Arguments {
@@ -42,9 +42,9 @@ impl fmt::Display for CompileError {
                 let found = std::env::consts::ARCH;
                 write!(f, "machine code is made for x86-64, and this is {found}; {instead}")
             }
-            Self::Level { wanted, available } => write!(
+            Self::InstructionSet { wanted, available } => write!(
                 f,
-                "this processor has no {wanted:?}, its best is {available:?}; leave the level out to have the best"
+                "this processor has no {wanted:?}, its best is {available:?}; leave `instruction_set` out to have the best"
             ),
             Self::Arguments { function, arrays } => write!(
                 f,
@@ -63,7 +63,7 @@ impl std::error::Error for CompileError {
         match self {
             Self::Description(diagnostics) => Some(diagnostics),
             Self::Memory(reason) => Some(reason),
-            Self::Architecture | Self::Level { .. } | Self::Arguments { .. } => None,
+            Self::Architecture | Self::InstructionSet { .. } | Self::Arguments { .. } => None,
         }
     }
 }

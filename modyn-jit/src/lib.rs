@@ -1,5 +1,5 @@
-//! Machine code at run time: a robot that is read at run time is computed by functions that are made for it, within
-//! milliseconds, without a compiler on the machine.
+//! Machine code at run time. A description that is read at run time becomes functions for this robot and this processor,
+//! within milliseconds and without a compiler on the machine.
 //!
 //! ```
 //! use modyn_codegen::{Builder, Function};
@@ -13,7 +13,7 @@
 //! #   <link name="rod"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
 //! #     <inertia ixx="0.1" iyy="0.1" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
 //! let builder = Builder::new().urdf_text(urdf, "pendulum.urdf");
-//! # if modyn_jit::Level::detect().is_none() { return Ok(()) }
+//! # if modyn_jit::InstructionSet::detect().is_none() { return Ok(()) }
 //! let robot = Compiled::<f64>::build(&builder, Options::default())?;
 //! let mut qdd = [0.0];
 //! robot.forward_dynamics(&[0.3], &[0.0], &[0.0], &mut qdd)?;
@@ -27,21 +27,24 @@
 //! ```
 //!
 //! The input is a [`Program`](modyn_codegen::program::Program), as for printers: straight-line code with lanes and
-//! fused products. `lower` turns it into operations that there are instructions for. `generate` goes over them once: it
-//! takes the register whose value is needed last, and writes the instruction (`encode`). `machine` holds the pages.
+//! fused products. `lower` rewrites it as operations that the processor has. `generate` visits them once: it frees the
+//! register whose value has the most distant next use, and writes the instruction (`encode`). `machine` holds the pages.
 //!
-//! Results are those of the generated Rust code within rounding, and the same bits at each call. At a given
-//! [`Level`], they are the same bits as those of [`Program::evaluate`](modyn_codegen::program::Program::evaluate) on
-//! numbers that fuse products where the level does; that includes angles of any size, infinities and zeros. NaN is NaN,
-//! with any bits. Functions have no state: threads can call one robot at the same time.
+//! Results are those of the generated Rust code within rounding, and the same bits at each call. For a given
+//! [`InstructionSet`], they are the same bits as those of
+//! [`Program::evaluate`](modyn_codegen::program::Program::evaluate) on numbers that fuse products where the instruction
+//! set does; that includes angles of any size, infinities and zeros. The bits of a NaN are not specified. Functions have no
+//! state: threads can call one robot at the same time.
 
 mod call;
+mod code_size;
 mod compiled;
 mod encode;
 mod error;
+mod function;
 mod generate;
 mod helper;
-mod level;
+mod instruction_set;
 mod lower;
 mod machine;
 mod opcodes;
@@ -56,9 +59,9 @@ extern crate self as modyn_jit;
 mod tests;
 
 pub use call::Call;
+pub use code_size::CodeSize;
 pub use compiled::{Compiled, Options};
 pub use error::{CallError, CompileError};
-pub use generate::CodeSize;
-pub use level::Level;
+pub use instruction_set::InstructionSet;
 pub use parameters::ParameterError;
 pub use real::Real;

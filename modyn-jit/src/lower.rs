@@ -5,7 +5,7 @@ use modyn_codegen::program::{
 };
 use modyn_runtime::steps::{self, Step as SineStep, Steps};
 
-use crate::level::Level;
+use crate::instruction_set::InstructionSet;
 use crate::real::Real;
 use crate::values::{Definition, FarCheck, Operation, Reduced, Step, Value, Values};
 
@@ -16,14 +16,14 @@ pub(crate) type Arrays = [usize];
 pub(crate) fn lower<S: Real>(
     program: &Program,
     arrays: &Arrays,
-    level: Level,
+    instruction_set: InstructionSet,
     batch: bool,
 ) -> Values {
-    let native = (level.vector(batch) / size_of::<S>()) as u8;
+    let native = (instruction_set.vector(batch) / size_of::<S>()) as u8;
     let mut lowering = Lowering::<S> {
         values: Values::default(),
         arrays,
-        fused: level.fuses(),
+        fused: instruction_set.fuses(),
         native,
         scalar: if batch { native } else { 1 },
         results: Vec::with_capacity(program.statements.len()),
@@ -290,7 +290,7 @@ impl<S: Real> Lowering<'_, S> {
         self.product_and_sum([a, b], addend, signs)
     }
 
-    /// Returns (-) a b (+ or -) c, rounded once if the level fuses products, else twice.
+    /// Returns (-) a b (+ or -) c, rounded once if the instruction set fuses products, else twice.
     fn product_and_sum(
         &mut self,
         [a, b]: [Value; 2],

@@ -6,7 +6,8 @@
 //! Unsafe code: a call of a function that `generate` has made. It is sound because
 //! - the bytes at the entry are a complete function for System V's calling convention: it restores the registers that
 //!   belong to its caller (rbx, rbp, rsp) and returns; the pages live as long as the value that calls;
-//! - the processor has the instructions: the level that the code is made for is one that `Level::detect` has found;
+//! - the processor has the instructions: the instruction set that the code is made for is one that
+//!   `InstructionSet::detect` has found;
 //! - it reads numbers `0..length` of each array of arguments and writes numbers `0..length` of the results, which
 //!   [`Code::call`] has checked: the slices are as long, or longer. Further it touches its own stack frame alone, whose
 //!   pages it touches one after the other, so that a stack that is too short ends at its guard page;

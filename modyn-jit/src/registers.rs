@@ -129,8 +129,8 @@ impl<'a> Registers<'a> {
 
     /// Returns the registers that hold values, as bits.
     pub fn occupied(&self) -> u32 {
-        let held = self.holds.iter().enumerate().filter(|(_, value)| value.is_some());
-        held.fold(0, |all, (register, _)| all | 1 << register)
+        let occupied = self.holds.iter().enumerate().filter(|(_, value)| value.is_some());
+        occupied.fold(0, |all, (register, _)| all | 1 << register)
     }
 
     /// Returns the registers of these values.
@@ -151,10 +151,11 @@ impl<'a> Registers<'a> {
     ///
     /// If all registers are pinned.
     pub fn furthest(&self, pinned: u32) -> (u8, Value) {
-        let held = (0..self.count).filter(|&register| pinned >> register & 1 == 0);
-        let held = held.filter_map(|register| Some((register, self.holds[usize::from(register)]?)));
+        let unpinned = (0..self.count).filter(|&register| pinned >> register & 1 == 0);
+        let occupied =
+            unpinned.filter_map(|register| Some((register, self.holds[usize::from(register)]?)));
         let next = |value| self.next_use(value).unwrap_or(u32::MAX);
-        held.max_by_key(|&(_, value)| next(value)).expect("no instruction reads all registers")
+        occupied.max_by_key(|&(_, value)| next(value)).expect("no instruction reads all registers")
     }
 
     /// Returns whether a value would be lost with its register.

@@ -1,11 +1,11 @@
-//! Machine code computes the bits of its program's evaluation, for all robots and all levels of the processor: for
-//! small and large angles, infinities and NaN, one state and many.
+//! Machine code computes the bits of its program's evaluation, for all robots and all instruction sets of the
+//! processor: for small and large angles, infinities and NaN, one state and many.
 
 mod common;
 
-use common::{Fuse, ROBOTS, evaluate, is_same, levels, numbers, plan, program, split};
+use common::{Fuse, ROBOTS, evaluate, instruction_sets, is_same, numbers, plan, program, split};
 use modyn_codegen::{Function, Planning};
-use modyn_jit::{Compiled, Level, Options};
+use modyn_jit::{Compiled, InstructionSet, Options};
 
 const FUNCTIONS: [Function; 9] = [
     Function::ForwardDynamics,
@@ -19,9 +19,9 @@ const FUNCTIONS: [Function; 9] = [
     Function::Random,
 ];
 
-fn compile<F: Fuse>(planning: &Planning, level: Level) -> Compiled<F> {
+fn compile<F: Fuse>(planning: &Planning, instruction_set: InstructionSet) -> Compiled<F> {
     let mut options = Options::default();
-    (options.level, options.batches) = (Some(level), true);
+    (options.instruction_set, options.batches) = (Some(instruction_set), true);
     Compiled::from_plan(planning, options).expect("code")
 }
 
@@ -38,26 +38,29 @@ fn states<F: Fuse>(count: usize) -> Vec<Vec<F>> {
     states
 }
 
-fn compare<F: Fuse>(name: &str, planning: &Planning, level: Level) -> usize {
-    let compiled = compile::<F>(planning, level);
-    assert_eq!(compiled.level(), level);
+fn compare<F: Fuse>(name: &str, planning: &Planning, instruction_set: InstructionSet) -> usize {
+    let compiled = compile::<F>(planning, instruction_set);
+    assert_eq!(compiled.instruction_set(), instruction_set);
     let mut compared = 0;
     for function in compiled.functions() {
         let call = compiled.function(function).expect("compiled");
         let lengths: Vec<usize> = call.arguments().iter().map(|(_, shape)| shape.len()).collect();
         let states = states::<F>(lengths.iter().sum());
         // The processor's vectors hold at least four numbers.
-        let vectors = level.fuses() || size_of::<F>() == 4;
+        let vectors = instruction_set.fuses() || size_of::<F>() == 4;
         let mut many: Vec<Vec<F>> = vec![Vec::new(); lengths.len()];
         for (k, state) in states.iter().enumerate() {
             let arguments = split(state, &lengths);
             let mut found = vec![F::from_f64(f64::NAN); call.result().len()];
             call.one(&arguments, &mut found).expect("fits");
             let program = program(planning, function, vectors).expect("not of a link");
-            let expected = evaluate(program, level, state);
+            let expected = evaluate(program, instruction_set, state);
             for (i, (a, b)) in found.iter().zip(&expected).enumerate() {
                 let function = function.name();
-                assert!(is_same(*a, *b), "{name} {function} {level:?} {k} {i}: {a:?} {b:?}");
+                assert!(
+                    is_same(*a, *b),
+                    "{name} {function} {instruction_set:?} {k} {i}: {a:?} {b:?}"
+                );
                 compared += 1;
             }
             for (all, argument) in many.iter_mut().zip(arguments) {
@@ -70,10 +73,13 @@ fn compare<F: Fuse>(name: &str, planning: &Planning, level: Level) -> usize {
         call.many(&arguments, &mut found).expect("fits");
         let program = program(planning, function, false).expect("not of a link");
         for (k, state) in states.iter().enumerate() {
-            let expected = evaluate(program, level, state);
+            let expected = evaluate(program, instruction_set, state);
             for (i, (a, b)) in found[k * one..].iter().zip(&expected).enumerate() {
                 let function = function.name();
-                assert!(is_same(*a, *b), "{name} many {function} {level:?} {k} {i}: {a:?} {b:?}");
+                assert!(
+                    is_same(*a, *b),
+                    "{name} many {function} {instruction_set:?} {k} {i}: {a:?} {b:?}"
+                );
                 compared += 1;
             }
         }
@@ -84,8 +90,9 @@ fn compare<F: Fuse>(name: &str, planning: &Planning, level: Level) -> usize {
 fn robots(robots: &[&str]) {
     for name in robots {
         let planning = plan(name, &FUNCTIONS);
-        for level in levels() {
-            let compared = [compare::<f64>, compare::<f32>].map(|of| of(name, &planning, level));
+        for instruction_set in instruction_sets() {
+            let compared =
+                [compare::<f64>, compare::<f32>].map(|of| of(name, &planning, instruction_set));
             assert!(compared.iter().all(|&count| count > 500), "{name} {compared:?}");
         }
     }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{levels, random, robot};
+use common::{instruction_sets, random, robot};
 use modyn_codegen::plan::{Shape, Trace};
 use modyn_codegen::trace::{LinkFrame, Tracer};
 use modyn_codegen::{Builder, Bundle, Function};
@@ -56,7 +56,15 @@ const BUNDLES: &[(&str, &[Function])] = &[
             Function::StepRk4,
         ],
     ),
-    ("products", &[Function::ForwardDynamicsVjp, Function::InverseDynamicsVjp]),
+    (
+        "products",
+        &[
+            Function::ForwardDynamicsVjp,
+            Function::InverseDynamicsVjp,
+            Function::ForwardDynamicsHessian,
+            Function::InverseDynamicsHessian,
+        ],
+    ),
     (
         "changes",
         &[
@@ -114,14 +122,14 @@ fn close(name: &str, found: &[f64], expected: &[f64]) {
     }
 }
 
-/// Compares the bundles of a robot with their functions, at all levels, for one state and for many.
+/// Compares the bundles of a robot with their functions, with all instruction sets, for one state and for many.
 fn agrees(model: &Model, links: &[&str], configure: impl Fn(Builder) -> Builder) {
     let (bundles, functions) = bundles(links);
     let builder = Builder::new().model(model.clone()).functions(functions).bundles(bundles);
     let planning = configure(builder).plan().expect("good");
-    for level in levels() {
+    for instruction_set in instruction_sets() {
         let mut options = Options::default();
-        (options.level, options.batches) = (Some(level), true);
+        (options.instruction_set, options.batches) = (Some(instruction_set), true);
         let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
         assert!(compiled.bundles().eq(BUNDLES.iter().map(|(name, _)| *name)));
         for (name, functions) in BUNDLES {
@@ -162,7 +170,7 @@ fn agrees(model: &Model, links: &[&str], configure: impl Fn(Builder) -> Builder)
                         }
                     }
                     let (result, after) = rest.split_at(shape.len());
-                    close(&format!("{name}.{field} at {level:?}"), result, &expected);
+                    close(&format!("{name}.{field} at {instruction_set:?}"), result, &expected);
                     rest = after;
                 }
             }

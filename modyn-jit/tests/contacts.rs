@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{levels, random};
+use common::{instruction_sets, random};
 use modyn_codegen::{Base, Builder, Contact, ContactKind, Function, LoopEnd};
 use modyn_jit::{Compiled, Options};
 use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
@@ -101,9 +101,9 @@ fn contacts_on_the_ground_and_on_moving_frames() {
 
     let masks: Vec<[bool; 3]> = (0..8_u8).map(|i| [0, 1, 2].map(|bit| i >> bit & 1 == 1)).collect();
     let states: Vec<random::State> = (0..8).map(|seed| random::state(seed, model)).collect();
-    for level in levels() {
+    for instruction_set in instruction_sets() {
         let mut options = Options::default();
-        (options.level, options.batches) = (Some(level), true);
+        (options.instruction_set, options.batches) = (Some(instruction_set), true);
         let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
         for function in FUNCTIONS {
             let call = compiled.function(function).expect("compiled");

@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{levels, random};
+use common::{instruction_sets, random};
 use modyn_codegen::{Builder, Function};
-use modyn_jit::{Call, Compiled, Level, Options};
+use modyn_jit::{Call, Compiled, InstructionSet, Options};
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_tests::values::{self, Inputs, Values};
 
@@ -23,7 +23,9 @@ fn argument(
         (_, "q" | "from") => q.clone(),
         (_, "to") => values.other("random").to_vec(),
         (_, "qd" | "v") => qd.clone(),
-        (Function::InverseDynamicsVjp, "cotangent") => tau.clone(),
+        (Function::InverseDynamicsVjp | Function::InverseDynamicsHessian, "cotangent") => {
+            tau.clone()
+        }
         (Function::InverseDynamicsJvp, "dq") => tau.clone(),
         (Function::InverseDynamicsJvp, "dqd") => qdd.clone(),
         (Function::ForwardDynamicsJvp, "dqd") => tau.clone(),
@@ -120,9 +122,9 @@ fn agrees(model: &Model, seed: u64) {
     let planning = Builder::new().model(model.clone()).functions(functions()).plan().expect("good");
     let inputs = Inputs::from(&random::state(seed, model));
     let values = values::interpreted(model, &ModuleTree::chains(model), &inputs, true);
-    for level in levels() {
+    for instruction_set in instruction_sets() {
         let mut options = Options::default();
-        (options.level, options.batches) = (Some(level), true);
+        (options.instruction_set, options.batches) = (Some(instruction_set), true);
         let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
         assert_eq!(compiled.functions().count(), functions().count());
         for function in compiled.functions() {
@@ -194,10 +196,12 @@ fn threads_share_a_robot() {
 #[test]
 fn a_level_above_the_processor_is_refused() {
     let planning = common::plan("double_pendulum", &[Function::ForwardDynamics]);
-    let best = Level::detect().expect("x86-64");
-    for level in Level::ALL.into_iter().filter(|&level| level > best) {
+    let best = InstructionSet::detect().expect("x86-64");
+    for instruction_set in
+        InstructionSet::ALL.into_iter().filter(|&instruction_set| instruction_set > best)
+    {
         let mut options = Options::default();
-        options.level = Some(level);
+        options.instruction_set = Some(instruction_set);
         let error = Compiled::<f64>::from_plan(&planning, options).expect_err("too high");
         assert!(error.to_string().contains(&format!("{best:?}")), "{error}");
     }

@@ -18,7 +18,7 @@ pub use crate::lanes::force_level;
 use crate::lanes::{BatchTask, MAX_LANES};
 pub use crate::lanes::{Chunk, Float, Lanes, SimdLevel, level};
 #[doc(hidden)]
-pub use crate::scalar::simd::{Pack, SimdBackend, SimdTask};
+pub use crate::scalar::{Pack, SimdBackend, SimdTask};
 
 /// The computation for one state: `O` outputs from `I` inputs, on any vectors.
 ///

@@ -1,7 +1,7 @@
 //! The runtime of modyn's generated code, and the equations of motion.
 //!
-//! Without features, this crate has what generated code needs, on `core` alone (and `libm` for square roots):
-//! [`Scalar`], [`Pose`], the [`Robot`] trait with its [`functions`], and [`conventions`]. Features add:
+//! Without features, this crate has the types and functions that generated code uses, on `core` alone (and `libm` for
+//! square roots): [`Scalar`], [`Pose`], the [`Robot`] trait with its [`functions`], and [`conventions`]. Features add:
 //!
 //! - `alloc`: the [`model`], the [`equations`], and the [`Interpreter`] for models that are known at run time only
 //! - `nalgebra`: the most used functions over nalgebra's types
@@ -59,8 +59,9 @@ pub use ::num_dual;
 pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
-    ConstrainedDerivatives, DecompositionError, ForwardDerivatives, FrameError, InertialError,
-    Interpreter, ModuleMismatch, ShapeError, StepOutputs, UduFactorization, UpdateError,
+    ConstrainedDerivatives, DecompositionError, ForwardDerivatives, FrameError, HessianOutputs,
+    InertialError, Interpreter, ModuleMismatch, ShapeError, StepOutputs, UduFactorization,
+    UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
@@ -73,9 +74,10 @@ pub use parameters::ParameterError;
 pub use results::{
     ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
     ConstraintProjection, ConstraintResidual, ContactImpulse, DifferenceDerivatives,
-    ForwardDynamicsDerivatives, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
-    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsJvp, InverseDynamicsVjp,
-    JointLimits, KinematicModule, OperationCount, OperationalInertia, Step, StepDerivatives,
+    ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
+    GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian,
+    InverseDynamicsJvp, InverseDynamicsVjp, JointLimits, KinematicModule, OperationCount,
+    OperationalInertia, Step, StepDerivatives,
 };
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]

@@ -94,7 +94,7 @@ impl<R: Robot, T: Scalar + RealField> Nalgebra<R, T> {
         R::brge::<T>(array(q))
     }
 
-    /// Returns the solution x of I(q) x = `rhs`.
+    /// Returns the solution x of M(q) x = `rhs` with the mass matrix M.
     #[must_use]
     pub fn solve<const NQ: usize, const NV: usize>(
         q: &SVector<T, NQ>,

@@ -99,6 +99,54 @@ pub struct ForwardDynamicsVjp<V> {
     pub dtau: V,
 }
 
+/// The joint forces tau of inverse dynamics, and the gradients and the Hessian of cotangent^T tau.
+///
+/// Matrices are square, by columns: `dq_dqd[j][i]` is the second derivative with respect to entry i of q and entry j of qd.
+/// The block of qd and qdd and the block of qdd and qdd are zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InverseDynamicsHessian<V, M> {
+    /// The joint forces, N m or N.
+    pub tau: V,
+    /// The gradient with respect to q, in tangent space.
+    pub dq: V,
+    /// The gradient with respect to qd.
+    pub dqd: V,
+    /// The gradient with respect to qdd: the product of the mass matrix and the cotangent.
+    pub dqdd: V,
+    /// The second derivatives with respect to q, in tangent space: symmetric.
+    pub dq_dq: M,
+    /// The second derivatives with respect to q (rows) and qd (columns).
+    pub dq_dqd: M,
+    /// The second derivatives with respect to qd: symmetric.
+    pub dqd_dqd: M,
+    /// The second derivatives with respect to q (rows) and qdd (columns).
+    pub dq_dqdd: M,
+}
+
+/// The accelerations qdd of forward dynamics, and the gradients and the Hessian of cotangent^T qdd.
+///
+/// Matrices are square, by columns: `dq_dqd[j][i]` is the second derivative with respect to entry i of q and entry j of qd.
+/// The block of qd and tau and the block of tau and tau are zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForwardDynamicsHessian<V, M> {
+    /// The joint accelerations, rad/s^2 or m/s^2.
+    pub qdd: V,
+    /// The gradient with respect to q, in tangent space.
+    pub dq: V,
+    /// The gradient with respect to qd.
+    pub dqd: V,
+    /// The gradient with respect to tau: the inverse of the mass matrix times the cotangent.
+    pub dtau: V,
+    /// The second derivatives with respect to q, in tangent space: symmetric.
+    pub dq_dq: M,
+    /// The second derivatives with respect to q (rows) and qd (columns).
+    pub dq_dqd: M,
+    /// The second derivatives with respect to qd: symmetric.
+    pub dqd_dqd: M,
+    /// The second derivatives with respect to q (rows) and tau (columns).
+    pub dq_dtau: M,
+}
+
 /// The generalized forces of external wrenches, and their derivative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeneralizedForces<V, M> {

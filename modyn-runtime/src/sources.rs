@@ -19,6 +19,6 @@ macro_rules! sources {
 /// All modules, by their paths.
 pub const SOURCES: &[Source] = sources!(
     "configuration" "constraint_settings" "float/elementary" "float/root" "float/scalars" "inertial"
-    "jacobi" "parameters" "results" "scalar/real" "scalar/simd" "scalar/trig"
+    "jacobi" "parameters" "results" "scalar/traits" "scalar/trig"
     "spatial/pose" "spatial/vector" "spatial/wrench"
 );

@@ -39,27 +39,27 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// From an angle below [`limit`]: the angle in [-pi/2, pi/2] that differs from it by a multiple of pi, and a number
-    /// whose lowest bit is the multiple's.
+    /// Returns the reduction of an angle whose absolute value is below [`limit`]. Its results are the angle in [-pi/2, pi/2]
+    /// that differs by a multiple of pi, and a number with the multiple's lowest bit.
     #[must_use]
     pub fn reduction<F: Float>() -> Self {
         record(|[angle, _]| F::reduce_small(angle))
     }
 
-    /// From a reduced angle and the number with the multiple's lowest bit: sine and cosine.
+    /// Returns the polynomials of sine and cosine. The inputs are the results of [`reduction`](Self::reduction).
     #[must_use]
     pub fn polynomials<F: Float>() -> Self {
         record(|[angle, turns]| F::polynomials(angle, turns))
     }
 }
 
-/// Angles whose absolute value is smaller are reduced by [`Steps::reduction`].
+/// Returns the absolute value below which [`Steps::reduction`] reduces an angle, rad.
 #[must_use]
 pub fn limit<F: Float>() -> F {
     F::LIMIT
 }
 
-/// The results of [`Steps::reduction`] for any angle, whatever its size; NaN if it is not finite.
+/// Returns the results of [`Steps::reduction`] for an angle of any size; NaN if the angle is not finite.
 #[must_use]
 pub fn reduce_far<F: Float>(angle: F) -> [F; 2] {
     let (reduced, turns) = angle.reduce_large();

@@ -17,7 +17,7 @@ fn model() -> Model {
         let k = i as f64;
         let origin = Pose { translation: [0.3, -0.2 * k, 0.4], ..Pose::identity() };
         let mut joint = Joint::new(format!("joint{i}"), types[i], axes[i], origin);
-        joint.drive = JointDynamics {
+        joint.dynamics = JointDynamics {
             armature: if i == 2 { 0.0 } else { 0.1 + 0.2 * k },
             damping: 0.7 - 0.1 * k,
             friction: 0.4 + 0.3 * k,

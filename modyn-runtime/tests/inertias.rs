@@ -320,12 +320,12 @@ fn inertia_is_needed_where_a_joint_moves_it() {
     interpreter.set_inertial(2, &none).expect("the tool is left");
     assert_eq!(refused(interpreter.set_inertial(3, &none)), "joint1");
     // A rotor is enough, and so is a mimic joint that moves an inertia.
-    links[1].joint.drive = JointDynamics { armature: 0.1, ..JointDynamics::default() };
+    links[1].joint.dynamics = JointDynamics { armature: 0.1, ..JointDynamics::default() };
     let model = Model::new("rotor", [0.0; 3], links.clone(), frames.clone()).expect("sound");
     let mut interpreter = Interpreter::<f64>::new(model);
     interpreter.set_inertial(2, &none).expect("the tool is left");
     interpreter.set_inertial(3, &none).expect("the rotor is felt");
-    links[1].joint.drive = JointDynamics::default();
+    links[1].joint.dynamics = JointDynamics::default();
     links[2].joint.mimic = Some(Mimic { leader: 1, multiplier: -0.5, offset: 0.1 });
     let model = Model::new("mimic", [0.0; 3], links, frames).expect("sound");
     let mut interpreter = Interpreter::<f64>::new(model);

@@ -99,7 +99,7 @@ impl Dice {
         }
         if self.below(4) == 0 {
             let [armature, damping, friction] = self.numbers().map(f64::abs);
-            joint.drive = JointDynamics { armature, damping, friction };
+            joint.dynamics = JointDynamics { armature, damping, friction };
         }
         joint
     }

@@ -36,17 +36,17 @@ pub struct Counts {
 /// Counts the operations.
 #[must_use]
 pub fn counts(model: &Model) -> Counts {
-    let prepared = Mechanism::new(model);
-    let tracer = Tracer::new(&prepared);
+    let mechanism = Mechanism::new(model);
+    let tracer = Tracer::new(&mechanism);
     let total = |graph: &Graph| graph.count().total();
     let by = |elimination: &Elimination| total(&tracer.forward_dynamics(elimination));
     let chains = ModuleTree::chains(model);
     Counts {
         n: model.nv(),
-        by_links: by(&Elimination::new(&prepared, &ModuleTree::links(model))),
-        by_chains: by(&Elimination::new(&prepared, &chains)),
-        by_matrix: by(&Elimination::Matrix(UduLayout::new(&prepared, &chains))),
-        searched: partition::choose(model, &prepared, &tracer)
+        by_links: by(&Elimination::new(&mechanism, &ModuleTree::links(model))),
+        by_chains: by(&Elimination::new(&mechanism, &chains)),
+        by_matrix: by(&Elimination::Matrix(UduLayout::new(&mechanism, &chains))),
+        searched: partition::choose(model, &mechanism, &tracer)
             .candidates
             .first()
             .map_or(0, |&(_, cost)| cost),

@@ -202,7 +202,7 @@ fn composite_modules_make_the_mass_matrix() {
 /// Returns the rotor's inertia at entry `v`.
 fn interpreter_rotor(model: &Model, v: usize) -> f64 {
     let link = (0..model.links().len()).find(|&i| model.v_range(i).contains(&v)).expect("a joint");
-    model.links()[link].joint.drive.armature
+    model.links()[link].joint.dynamics.armature
 }
 
 #[test]
@@ -442,10 +442,10 @@ fn the_matrices_are_symbolic_too() {
         let case = case(&model, modules.clone(), 3).expect("no mimics");
         let d = &case.decomposition;
         let graph = Graph::trace(|| {
-            let prepared = Mechanism::new(&model).cast::<Expr>();
+            let mechanism = Mechanism::new(&model).cast::<Expr>();
             let q: Vec<Expr> = (0..model.nq()).map(Expr::input).collect();
-            let workspace = &mut Workspace::new(&prepared);
-            let d = Decomposition::new(&prepared, &modules, &q, workspace).expect("no mimics");
+            let workspace = &mut Workspace::new(&mechanism);
+            let d = Decomposition::new(&mechanism, &modules, &q, workspace).expect("no mimics");
             let matrices =
                 [d.u(), d.d(), d.articulated(0).clone(), d.articulated_propagation(2, 0)];
             matrices.into_iter().flat_map(|matrix| matrix.entries).collect()
@@ -480,7 +480,7 @@ fn the_gripper_is_eliminated_in_two_stages() {
         assert_same("(11)", &case, &block(&mass_matrix, i, j), &expected);
     }
     for (module, single) in [(0, true), (1, false), (2, true)] {
-        let (within, alone) = (d.propagation_within(module), d.joints_alone(module));
+        let (within, alone) = (d.propagation_within(module), d.joint_motion_propagation(module));
         assert_same("(12)", &case, &d.joints(module), &within.times(&alone));
         assert_eq!(d.joints(module).rows, if single { 6 } else { 12 });
     }
@@ -574,7 +574,7 @@ fn twists_of_neighbouring_links_are_appendix_a1() {
             assert!((found - expected).abs() < 1e-15, "(A.2), row {i}, column {j}: {found}");
         }
     }
-    let axis = d.joints_alone(1);
+    let axis = d.joint_motion_propagation(1);
     for (found, expected) in axis.entries.iter().zip([0.0, -1.0, 0.0, 0.0, 0.0, 0.0]) {
         assert!((found - expected).abs() < 1e-15, "(A.2)");
     }

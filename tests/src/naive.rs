@@ -236,7 +236,7 @@ impl<'a> Naive<'a> {
         let mut sum = DMatrix::zeros(self.model.nv(), self.model.nv());
         for (link, motions) in self.model.links().iter().zip(&self.motions) {
             for Motion { v, ratio, .. } in motions {
-                sum[(*v, *v)] += ratio * ratio * link.joint.drive.armature;
+                sum[(*v, *v)] += ratio * ratio * link.joint.dynamics.armature;
             }
         }
         sum
@@ -266,16 +266,16 @@ impl<'a> Naive<'a> {
     pub fn dissipation(&self, qd: &[f64]) -> Vec<f64> {
         let mut tau = vec![0.0; qd.len()];
         for (link, motions) in self.model.links().iter().zip(&self.motions) {
-            let drive = &link.joint.drive;
+            let dynamics = &link.joint.dynamics;
             for Motion { v, ratio, .. } in motions {
                 let rate = ratio * qd[*v];
                 let sign = if rate == 0.0 { 0.0 } else { rate.signum() };
                 tau[*v] += ratio
                     * match self.model.friction() {
-                        Friction::Viscous => drive.damping * rate,
-                        Friction::Coulomb => drive.damping * rate + drive.friction * sign,
+                        Friction::Viscous => dynamics.damping * rate,
+                        Friction::Coulomb => dynamics.damping * rate + dynamics.friction * sign,
                         Friction::Smooth(w) => {
-                            drive.damping * rate + drive.friction * rate / rate.hypot(w)
+                            dynamics.damping * rate + dynamics.friction * rate / rate.hypot(w)
                         }
                         _ => 0.0,
                     };

@@ -219,7 +219,7 @@ impl Random {
 }
 
 /// Returns a tree with this number of links (at least one). It is serial or has few or many branches, also on the world;
-/// fixed frames are on links and on the world. Joints have one coordinate each, and no drives.
+/// fixed frames are on links and on the world. Joints have one coordinate each, and no armature, damping or friction.
 #[must_use]
 pub fn tree(seed: u64, links: usize) -> Model {
     let parts = grow(seed, links, serial(seed), |random, i, _| random.joint(i));
@@ -242,7 +242,7 @@ pub fn chain(seed: u64, links: usize) -> Model {
 }
 
 /// Returns such a tree with joints of all types. Some joints follow others, in any direction through the tree; some have
-/// drives, damping and smooth friction; fixed frames have inertias.
+/// armature, damping and smooth friction; fixed frames have inertias.
 #[must_use]
 pub fn zoo(seed: u64, links: usize) -> Model {
     let parts = grow(seed, links, serial(seed), Random::any_joint);
@@ -269,7 +269,7 @@ pub fn mixed_zoo(seed: u64, links: usize) -> Model {
     if seed.is_multiple_of(2) { zoo(seed, links) } else { general_zoo(seed, links) }
 }
 
-/// Returns the model of these parts with mimic joints, drives, friction, and inertias of fixed frames.
+/// Returns the model of these parts with mimic joints, joint dynamics, friction, and inertias of fixed frames.
 fn furnished(mut parts: Parts, seed: u64, name: String) -> Model {
     let mut random = Random::new(seed ^ 0x005a_4f4f);
     parts.weigh_frames(&mut random);
@@ -277,7 +277,7 @@ fn furnished(mut parts: Parts, seed: u64, name: String) -> Model {
         parts.follow(&mut random);
     }
     if random.chance(0.7) {
-        parts.drive(&mut random);
+        parts.joint_dynamics(&mut random);
     }
     let friction = match random.below(3) {
         0 => Friction::None,
@@ -404,10 +404,10 @@ impl Parts {
         true
     }
 
-    /// Gives drives to joints.
-    fn drive(&mut self, random: &mut Random) {
+    /// Gives armature, damping and friction to joints.
+    fn joint_dynamics(&mut self, random: &mut Random) {
         for link in &mut self.links {
-            link.joint.drive = JointDynamics {
+            link.joint.dynamics = JointDynamics {
                 armature: random.some(0.4, 0.5),
                 damping: random.some(0.5, 1.0),
                 friction: random.some(0.5, 2.0),

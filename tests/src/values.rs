@@ -3,8 +3,8 @@
 use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 use modyn_runtime::spatial::{Momentum, Twist, Vector3, Wrench};
 use modyn_runtime::{
-    Array, Factorization, Forces, ForwardDerivatives, FrameError, Interpreter, Robot, Scalar,
-    StepOutputs, functions,
+    Array, Factorization, Forces, ForwardDerivatives, FrameError, HessianOutputs, Interpreter,
+    Robot, Scalar, StepOutputs, functions,
 };
 
 use crate::quantities::{Quantities, numbers};
@@ -255,6 +255,8 @@ macro_rules! other_quantities {
         let inverse_jvp = $robot::inverse_dynamics_jvp(q, qd, qdd, tau, qdd, qd);
         let forward_vjp = $robot::forward_dynamics_vjp(q, qd, tau, qdd);
         let forward_jvp = $robot::forward_dynamics_jvp(q, qd, tau, qdd, tau, qd);
+        let inverse_hessian = $robot::inverse_dynamics_hessian(q, qd, qdd, tau);
+        let forward_hessian = $robot::forward_dynamics_hessian(q, qd, tau, qdd);
         let dt = $crate::values::time_step();
         let semi_implicit = $robot::step_semi_implicit(q, qd, tau, dt);
         let linear_step = $robot::step_semi_implicit_derivatives(q, qd, tau, dt);
@@ -299,6 +301,34 @@ macro_rules! other_quantities {
             ("forward_vjp_dtau", list(&forward_vjp.dtau)),
             ("forward_jvp_qdd", list(&forward_jvp.qdd)),
             ("forward_jvp_dqdd", list(&forward_jvp.dqdd)),
+            (
+                "inverse_dynamics_hessian",
+                [
+                    list(&inverse_hessian.tau),
+                    list(&inverse_hessian.dq),
+                    list(&inverse_hessian.dqd),
+                    list(&inverse_hessian.dqdd),
+                    columns(&inverse_hessian.dq_dq),
+                    columns(&inverse_hessian.dq_dqd),
+                    columns(&inverse_hessian.dqd_dqd),
+                    columns(&inverse_hessian.dq_dqdd),
+                ]
+                .concat(),
+            ),
+            (
+                "forward_dynamics_hessian",
+                [
+                    list(&forward_hessian.qdd),
+                    list(&forward_hessian.dq),
+                    list(&forward_hessian.dqd),
+                    list(&forward_hessian.dtau),
+                    columns(&forward_hessian.dq_dq),
+                    columns(&forward_hessian.dq_dqd),
+                    columns(&forward_hessian.dqd_dqd),
+                    columns(&forward_hessian.dq_dtau),
+                ]
+                .concat(),
+            ),
             ("semi_implicit_q", list(&semi_implicit.q)),
             ("semi_implicit_qd", list(&semi_implicit.qd)),
             ("linear_step_q", list(&linear_step.q)),
@@ -575,6 +605,11 @@ fn interpreted_others<T: Scalar>(
     interpreter.forward_dynamics_vjp(state, qdd, &mut forward_vjp_qdd, gradients).expect(LENGTHS);
     let (changes, into) = ([&**qdd, tau, qd], (&mut forward_jvp_qdd, &mut forward_jvp_dqdd));
     interpreter.forward_dynamics_jvp(state, changes, into.0, into.1).expect(LENGTHS);
+    let [mut inverse_hessian, mut forward_hessian] = [0; 2].map(|_| zeros(4 * n + 4 * n * n));
+    let into = hessian_outputs(&mut inverse_hessian, n);
+    interpreter.inverse_dynamics_hessian(motion, tau, into).expect(LENGTHS);
+    let into = hessian_outputs(&mut forward_hessian, n);
+    interpreter.forward_dynamics_hessian(state, qdd, into).expect(LENGTHS);
     let dt = time_step();
     let [mut semi_implicit_q, mut linear_step_q, mut rk4_q] = [0; 3].map(|_| q.clone());
     let [mut semi_implicit_qd, mut linear_step_qd, mut rk4_qd, _] = vectors();
@@ -636,6 +671,8 @@ fn interpreted_others<T: Scalar>(
         ("forward_vjp_dtau", forward_vjp_dtau),
         ("forward_jvp_qdd", forward_jvp_qdd),
         ("forward_jvp_dqdd", forward_jvp_dqdd),
+        ("inverse_dynamics_hessian", inverse_hessian),
+        ("forward_dynamics_hessian", forward_hessian),
         ("semi_implicit_q", semi_implicit_q),
         ("semi_implicit_qd", semi_implicit_qd),
         ("linear_step_q", linear_step_q),
@@ -677,6 +714,27 @@ fn interpreted_others<T: Scalar>(
     ];
     named.extend(motions);
     named
+}
+
+/// Returns the parts of `numbers` as the results of a Hessian, in the order of generated functions; `n` is the number of
+/// velocities.
+///
+/// # Panics
+///
+/// If there are not 4 `n` + 4 `n`^2 numbers.
+pub fn hessian_outputs<T>(numbers: &mut [T], n: usize) -> HessianOutputs<'_, T> {
+    assert_eq!(numbers.len(), 4 * n + 4 * n * n);
+    let (mut rest, length) = (numbers, [n, n * n]);
+    let mut next = |k: usize| {
+        let (part, others) = core::mem::take(&mut rest).split_at_mut(length[k]);
+        rest = others;
+        part
+    };
+    HessianOutputs {
+        value: next(0),
+        gradients: std::array::from_fn(|_| next(0)),
+        hessian: std::array::from_fn(|_| next(1)),
+    }
 }
 
 const LENGTHS: &str = "the lengths are right";

@@ -22,7 +22,7 @@ fn fingerprint(model: &Model) -> u64 {
         .concat()
     });
     let extras = model.links().iter().flat_map(|link| {
-        let JointDynamics { armature, damping, friction } = link.joint.drive;
+        let JointDynamics { armature, damping, friction } = link.joint.dynamics;
         let mimic = link.joint.mimic.map_or([0.0; 2], |mimic| [mimic.multiplier, mimic.offset]);
         [&link.joint.second_axis[..], &[armature, damping, friction], &mimic].concat()
     });
@@ -114,7 +114,7 @@ fn zoos_have_all_there_is() {
     }
     assert!((10..=40).contains(&count(&Model::has_mimics)));
     let driven =
-        |model: &Model| model.links().iter().any(|l| l.joint.drive != JointDynamics::default());
+        |model: &Model| model.links().iter().any(|l| l.joint.dynamics != JointDynamics::default());
     assert!((20..=45).contains(&count(&driven)));
     assert!((5..=30).contains(&count(&|model| model.friction() == Friction::Viscous)));
     assert!((5..=30).contains(&count(&|model| matches!(model.friction(), Friction::Smooth(_)))));

@@ -2,8 +2,8 @@
 
 use modyn_runtime::joint::JointType;
 use modyn_runtime::model::ModelErrorKind::{
-    Axis, DuplicateName, JointDynamics as DriveError, Mimic as MimicError, NoJoint, NotFinite,
-    Order, Parent, Rotation, SecondAxis,
+    Axis, DuplicateName, JointDynamics as JointDynamicsError, Mimic as MimicError, NoJoint,
+    NotFinite, Order, Parent, Rotation, SecondAxis,
 };
 use modyn_runtime::model::{
     DEFAULT_GRAVITY, Frame, Friction, Inertial, InertialDefect, Joint, JointDynamics, Link, Mimic,
@@ -142,9 +142,9 @@ fn numbers_that_are_not_finite() {
         assert_refused(|p| p.links[1].joint.origin.translation[0] = x, &[("b", NotFinite)]);
         assert_refused(|p| p.links[1].joint.origin.rotation[2][1] = x, &[("b", NotFinite)]);
         assert_refused(|p| p.links[1].joint.second_axis[2] = x, &[("b", NotFinite)]);
-        assert_refused(|p| p.links[1].joint.drive.armature = x, &[("b", NotFinite)]);
-        assert_refused(|p| p.links[1].joint.drive.damping = x, &[("b", NotFinite)]);
-        assert_refused(|p| p.links[1].joint.drive.friction = x, &[("b", NotFinite)]);
+        assert_refused(|p| p.links[1].joint.dynamics.armature = x, &[("b", NotFinite)]);
+        assert_refused(|p| p.links[1].joint.dynamics.damping = x, &[("b", NotFinite)]);
+        assert_refused(|p| p.links[1].joint.dynamics.friction = x, &[("b", NotFinite)]);
         let follow = |multiplier, offset| Some(Mimic { leader: 0, multiplier, offset });
         assert_refused(|p| p.links[1].joint.mimic = follow(x, 0.0), &[("b", NotFinite)]);
         assert_refused(|p| p.links[1].joint.mimic = follow(1.0, x), &[("b", NotFinite)]);
@@ -185,13 +185,16 @@ fn second_axes() {
 }
 
 #[test]
-fn drives() {
-    for drive in [
+fn joint_dynamics() {
+    for dynamics in [
         JointDynamics { armature: -1e-9, ..JointDynamics::default() },
         JointDynamics { damping: -1.0, ..JointDynamics::default() },
         JointDynamics { friction: -1.0, ..JointDynamics::default() },
     ] {
-        assert_refused(|p| p.links[1].joint.drive = drive, &[("b_joint", DriveError)]);
+        assert_refused(
+            |p| p.links[1].joint.dynamics = dynamics,
+            &[("b_joint", JointDynamicsError)],
+        );
     }
 }
 

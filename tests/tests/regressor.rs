@@ -117,16 +117,16 @@ fn torques_are_linear_in_the_inertias() {
 #[test]
 fn joint_dynamics_are_not_in_the_regressor() {
     let model = tree(5, 6);
-    let drive = JointDynamics { armature: 0.3, damping: 0.7, friction: 0.0 };
+    let dynamics = JointDynamics { armature: 0.3, damping: 0.7, friction: 0.0 };
     let mut links = model.links().to_vec();
-    links.iter_mut().for_each(|link| link.joint.drive = drive);
+    links.iter_mut().for_each(|link| link.joint.dynamics = dynamics);
     let model = Model::new("driven", model.gravity(), links, vec![]).expect("a valid model");
     let mut robot = Interpreter::new(model.with_friction(Friction::Viscous).expect("sound"));
     let state = state(&robot, 5);
     let [q, qd, qdd] = &state;
     let linear = regressor(&mut robot, &state) * parameters(robot.model());
-    let drives = 0.3 * DVector::from_column_slice(qdd) + 0.7 * DVector::from_column_slice(qd);
-    assert_close("driven", (linear + drives).as_slice(), &robot.tau(q, qd, qdd), 1e-10);
+    let joints = 0.3 * DVector::from_column_slice(qdd) + 0.7 * DVector::from_column_slice(qd);
+    assert_close("driven", (linear + joints).as_slice(), &robot.tau(q, qd, qdd), 1e-10);
 }
 
 #[test]

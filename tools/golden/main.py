@@ -16,6 +16,7 @@ import pinocchio
 import contacts
 import displacements
 import ground
+import hessians
 import loops
 import mechanisms
 import urdf
@@ -157,6 +158,8 @@ def files():
         yield f"{name}.urdf", lambda name=name: mechanisms.tree(name)
         yield f"{name}.json", lambda name=name: text(mechanism(name))
     yield "displacements.json", lambda: text(displacements.displacements())
+    yield "hessians.urdf", hessians.tree
+    yield "hessians.json", lambda: text(hessians.hessians(hessians.tree()))
     four_bar = (ROOT / "robots" / "four_bar.urdf").read_text()
     yield "four_bar_general.urdf", lambda: loops.in_general_position(four_bar, 8)
     yield "four_bar_general.json", lambda: text(loop("four_bar_general"))

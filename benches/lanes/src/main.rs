@@ -4,7 +4,7 @@
 #[cfg(any(feature = "loops4", feature = "loops8", feature = "loops16"))]
 mod loops;
 #[cfg(feature = "plain")]
-#[path = "../../peers/modyn-runner/src/alone.rs"]
+#[path = "../../peers/modyn-runner/src/scalar_only.rs"]
 mod plain;
 
 use std::hint::black_box;
@@ -87,14 +87,18 @@ fn contenders([q, qd, x, y]: &mut [Numbers; 4]) {
 #[cfg(feature = "plain")]
 fn contenders([q, qd, x, y]: &mut [Numbers; 4]) {
     use modyn::Robot;
-    use plain::Alone;
+    use plain::ScalarOnly;
     for (name, f) in [
-        ("forward", <Arm as Robot>::forward_dynamics::<Alone> as fn(&_, &_, &_) -> [Alone; N]),
-        ("inverse", <Arm as Robot>::inverse_dynamics::<Alone>),
+        (
+            "forward",
+            <Arm as Robot>::forward_dynamics::<ScalarOnly> as fn(&_, &_, &_) -> [ScalarOnly; N],
+        ),
+        ("inverse", <Arm as Robot>::inverse_dynamics::<ScalarOnly>),
     ] {
         time(name, || {
             for i in 0..STATES {
-                let [q, qd, x] = [q.states[i], qd.states[i], x.states[i]].map(|s| s.map(Alone));
+                let [q, qd, x] =
+                    [q.states[i], qd.states[i], x.states[i]].map(|s| s.map(ScalarOnly));
                 y.states[i] = f(&q, &qd, &x).map(|number| number.0);
             }
             black_box(&mut y.states);

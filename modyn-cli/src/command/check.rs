@@ -1,4 +1,4 @@
-//! `modyn check`: reports the faults of descriptions, with their places.
+//! `modyn check`: reports the errors and warnings of descriptions, with their places.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use crate::command::options::ReadingOptions;
 use crate::command::outcome::{Failure, to_stdout};
 use crate::command::robot::Description;
 
-/// Report the faults of descriptions
+/// Report the errors and warnings of descriptions
 ///
 /// The exit code is 0 if all descriptions are valid, 1 if one is rejected, 2 if a file cannot be read.
 #[derive(Args)]
@@ -21,7 +21,7 @@ pub struct Arguments {
     /// The descriptions (URDF or MJCF); `-` for standard input
     #[arg(value_name = "ROBOT.urdf", required = true)]
     paths: Vec<PathBuf>,
-    /// Reject descriptions with warnings, too
+    /// Also reject descriptions with warnings
     #[arg(long)]
     deny_warnings: bool,
     /// Print JSON: for each file its name, whether it is valid, and the diagnostics
@@ -42,24 +42,24 @@ struct Outcome {
 /// Checks all files, in order.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = arguments.options.read_options();
-    let mut answers = Vec::new();
+    let mut outcomes = Vec::new();
     let mut unread = false;
     for path in &arguments.paths {
         match Description::open(path) {
-            Ok(description) => answers.push(check_one(description, &options, arguments)),
+            Ok(description) => outcomes.push(check_one(description, &options, arguments)),
             Err(found) => {
                 let refused = found.iter().any(|one| one.position.is_some());
                 unread |= !refused;
                 let name = path.display().to_string();
-                answers.push(Outcome { name, text: None, found, usable: false });
+                outcomes.push(Outcome { name, text: None, found, usable: false });
             }
         }
     }
-    to_stdout(&if arguments.json { as_json(&answers) } else { as_text(&answers) })?;
+    to_stdout(&if arguments.json { as_json(&outcomes) } else { as_text(&outcomes) })?;
     if unread {
         return Err(Failure::Usage(String::from("error: not all files could be read")));
     }
-    if answers.iter().all(|answer| answer.usable) { Ok(()) } else { Err(Failure::Said) }
+    if outcomes.iter().all(|outcome| outcome.usable) { Ok(()) } else { Err(Failure::Said) }
 }
 
 fn check_one(description: Description, options: &ReadOptions, arguments: &Arguments) -> Outcome {
@@ -74,9 +74,9 @@ fn check_one(description: Description, options: &ReadOptions, arguments: &Argume
     Outcome { name, text: Some(text), found, usable }
 }
 
-fn as_text(answers: &[Outcome]) -> String {
+fn as_text(outcomes: &[Outcome]) -> String {
     let mut out = String::new();
-    for Outcome { name, text, found, usable } in answers {
+    for Outcome { name, text, found, usable } in outcomes {
         out += &diagnostics::render(found.as_slice(), text.as_deref());
         let count = |severity, what: &str| {
             let count = found.iter().filter(|one| one.severity == severity).count();
@@ -94,14 +94,14 @@ fn as_text(answers: &[Outcome]) -> String {
     out
 }
 
-fn as_json(answers: &[Outcome]) -> String {
-    let all: Vec<_> = answers
+fn as_json(outcomes: &[Outcome]) -> String {
+    let all: Vec<_> = outcomes
         .iter()
-        .map(|answer| {
+        .map(|outcome| {
             json!({
-                "file": answer.name,
-                "usable": answer.usable,
-                "diagnostics": diagnostics::to_json(answer.found.as_slice()),
+                "file": outcome.name,
+                "usable": outcome.usable,
+                "diagnostics": diagnostics::to_json(outcome.found.as_slice()),
             })
         })
         .collect();

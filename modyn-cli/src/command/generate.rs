@@ -1,10 +1,10 @@
-//! `modyn generate`: writes a robot's dynamics as Rust, C, CUDA or WGSL, and a header for Rust functions that C calls.
+//! `modyn generate`: writes a robot's dynamics as Rust, C, CUDA, WGSL or C for CasADi, and a header for Rust functions that C calls.
 
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use modyn_codegen::diagnostics::Diagnostics;
 use modyn_codegen::diagnostics::sanitize_for_display;
+use modyn_codegen::diagnostics::{Diagnostic, Diagnostics};
 use modyn_codegen::{Builder, GpuLanguage, names};
 
 use crate::command::options::CodeOptions;
@@ -12,7 +12,7 @@ use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::{Description, Robot};
 
-/// Compile a description to Rust, C, CUDA or WGSL
+/// Compile a description to Rust, C, CUDA, WGSL or C for CasADi
 ///
 /// The exit code is 0 if the file was written (with `--check`, if it is up to date), 1 if the description is rejected
 /// (with `--check`, if the file is stale), 2 if an option or a file is invalid.
@@ -24,8 +24,9 @@ pub struct Arguments {
     /// Write nothing, but report whether FILE (and the header) is up to date: exit code 0, or 1 if it is stale
     #[arg(long, requires = "output")]
     check: bool,
-    /// The language: Rust; C99 that needs `<math.h>` only, FILE.c with its header FILE.h; or kernels for graphics
-    /// processors, CUDA C++ or WGSL, with a thread for each state
+    /// The language: Rust; C99 that needs `<math.h>` only, FILE.c with its header FILE.h; kernels for graphics
+    /// processors, CUDA C++ or WGSL, with a thread for each state; or C99 for `casadi.external`, one file with all
+    /// derivatives
     #[arg(long, value_enum, default_value_t)]
     target: Target,
     /// Write the header of the functions for C; without `--c-functions` their prefix is the robot's name
@@ -44,13 +45,14 @@ enum Target {
     C,
     Cuda,
     Wgsl,
+    Casadi,
 }
 
 impl Target {
     /// The language, if it is one for graphics processors.
     fn gpu(self) -> Option<GpuLanguage> {
         match self {
-            Self::Rust | Self::C => None,
+            Self::Rust | Self::C | Self::Casadi => None,
             Self::Cuda => Some(GpuLanguage::Cuda),
             Self::Wgsl => Some(GpuLanguage::Wgsl),
         }
@@ -66,7 +68,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return c_source(arguments, &builder, &description, &named);
     }
     if let Some(language) = arguments.target.gpu() {
-        return kernels(arguments, &builder, language, &description, &named);
+        let text = || builder.generate_gpu(language).map(|(source, found)| (source.text, found));
+        return one_file(arguments, text, &description, &named);
+    }
+    if arguments.target == Target::Casadi {
+        let text = || builder.generate_casadi().map(|(source, found)| (source.text, found));
+        return one_file(arguments, text, &description, &named);
     }
     let mut progress = Progress::start("compiling");
     let result = match &arguments.output {
@@ -112,28 +119,27 @@ fn refuse_rust_options(arguments: &Arguments, target: &str) -> Result<(), Failur
     Ok(())
 }
 
-/// Writes the kernels for graphics processors, or checks them.
-fn kernels(
+/// Writes a text that is one file, or checks the file.
+fn one_file(
     arguments: &Arguments,
-    builder: &Builder,
-    language: GpuLanguage,
+    text: impl FnOnce() -> Result<(String, Vec<Diagnostic>), Diagnostics>,
     description: &Description,
     named: &impl Fn(Diagnostics) -> Failure,
 ) -> Result<(), Failure> {
     let target = arguments.target.to_possible_value();
     refuse_rust_options(arguments, target.as_ref().map_or("c", |value| value.get_name()))?;
     let mut progress = Progress::start("compiling");
-    let (source, warnings) = builder.generate_gpu(language).map_err(named)?;
+    let (text, warnings) = text().map_err(named)?;
     progress.stop();
     description.warn(arguments.robot.named(Diagnostics::new(warnings)));
-    let Some(output) = &arguments.output else { return to_stdout(&source.text) };
-    let current = std::fs::read_to_string(output).is_ok_and(|found| found == source.text);
+    let Some(output) = &arguments.output else { return to_stdout(&text) };
+    let current = std::fs::read_to_string(output).is_ok_and(|found| found == text);
     if arguments.check {
         let found = if current { "up to date" } else { "stale" };
         to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
         return if current { Ok(()) } else { Err(Failure::Said) };
     }
-    if current { Ok(()) } else { to_file(output, &source.text) }
+    if current { Ok(()) } else { to_file(output, &text) }
 }
 
 /// Writes the C files, or checks them.

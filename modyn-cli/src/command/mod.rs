@@ -11,7 +11,6 @@ mod numbers;
 mod options;
 mod outcome;
 mod progress;
-mod random;
 mod robot;
 mod simulate;
 mod table;

@@ -37,7 +37,7 @@ pub fn merge(
     let place = vec![(None, Pose::identity()); description.links.len()];
     let mut assembly = Assembly { links: Vec::new(), bodies: Vec::new(), place };
     for &link in &tree.order {
-        let part = &description.links[link];
+        let record = &description.links[link];
         if let Some(j) = tree.joint[link] {
             let joint = &description.joints[j];
             let above = tree.parent[j].map_or((None, Pose::identity()), |p| assembly.place[p]);
@@ -46,7 +46,7 @@ pub fn merge(
                 None => (above.0, origin),
                 Some(moved) => {
                     let known = joint.sound && joint.kind != Kind::Unknown;
-                    assembly.push(part, above.0, moved, Some(j), known)
+                    assembly.push(record, above.0, moved, Some(j), known)
                 }
             };
             if let (Some(carrier), false) = (assembly.place[link].0, joint.sound) {
@@ -56,9 +56,9 @@ pub fn merge(
             let up = [0.0, 0.0, 1.0];
             let joint =
                 Joint::new(base_name(description), JointType::Floating, up, Pose::identity());
-            assembly.place[link] = assembly.push(part, None, joint, None, true);
+            assembly.place[link] = assembly.push(record, None, joint, None, true);
         }
-        assembly.add_inertia(link, part);
+        assembly.add_inertia(link, record);
     }
     assembly
 }
@@ -67,25 +67,25 @@ impl Assembly {
     /// Adds a moving link, which carries itself.
     fn push(
         &mut self,
-        part: &LinkRecord,
+        record: &LinkRecord,
         parent: Option<usize>,
         joint: Joint,
         index: Option<usize>,
         known: bool,
     ) -> (Option<usize>, Pose<f64>) {
-        let name = part.name.text.clone();
+        let name = record.name.text.clone();
         self.links.push(Link { name, parent, joint, inertial: Inertial::default() });
         self.bodies.push(MergedBody { links: Vec::new(), joint: index, known });
         (Some(self.links.len() - 1), Pose::identity())
     }
 
     /// Adds the inertia of a link of the description to the moving link that carries it.
-    fn add_inertia(&mut self, link: usize, part: &LinkRecord) {
+    fn add_inertia(&mut self, link: usize, record: &LinkRecord) {
         // Links that are fixed to the world have no effect on the dynamics.
         let (Some(carrier), pose) = self.place[link] else { return };
         let body = &mut self.bodies[carrier];
         body.links.push(link);
-        if let Some(own) = &part.inertial {
+        if let Some(own) = &record.inertial {
             let sum = &mut self.links[carrier].inertial;
             *sum = sum.merged(&own.inertial.transformed(&pose));
         }
@@ -125,18 +125,18 @@ fn joint_origin(joint: &JointRecord, above: &Pose<f64>, report: &mut Report<'_>)
 }
 
 /// Returns the joint; `None` for a fixed joint.
-fn moving_joint(part: &JointRecord, origin: Pose<f64>) -> Option<Joint> {
-    let joint_type = match part.kind {
+fn moving_joint(record: &JointRecord, origin: Pose<f64>) -> Option<Joint> {
+    let joint_type = match record.kind {
         Kind::Fixed => return None,
         Kind::Moving(joint_type) => joint_type,
         // An unknown type is already an error; with a stand-in the rest can be checked.
         Kind::Unknown => JointType::Revolute,
     };
     Some(Joint {
-        second_axis: part.second_axis,
-        limits: part.limits,
-        drive: part.drive,
-        ..Joint::new(part.name.text.clone(), joint_type, part.axis, origin)
+        second_axis: record.second_axis,
+        limits: record.limits,
+        dynamics: record.dynamics,
+        ..Joint::new(record.name.text.clone(), joint_type, record.axis, origin)
     })
 }
 
@@ -157,8 +157,8 @@ impl MergedBody {
                 name: &record.name.text,
                 at: Some(record.name.at),
                 mimic_at: record.mimic.as_ref().map(|mimic| mimic.leader.at),
-                drive: record.drive,
-                drive_at: Some(record.drive_at),
+                dynamics: record.dynamics,
+                dynamics_at: Some(record.dynamics_at),
             }
         });
         let link = |&link: &usize| {

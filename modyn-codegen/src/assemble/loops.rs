@@ -24,13 +24,13 @@ pub fn from_option(option: &Loop, report: &mut Report<'_>) -> LoopRecord {
         LoopConstraintKind::Prismatic(axis) => unit(axis).map(LoopConstraintKind::Prismatic),
         kind => Some(kind),
     };
-    let part = LoopRecord { name: option.name.clone(), at: None, kind, ends };
+    let record = LoopRecord { name: option.name.clone(), at: None, kind, ends };
     if let (Some(axis), None) = (option.kind.axis(), kind) {
         let message = format!("{axis:?} is not a direction");
-        let error = Diagnostic::error(Code::Option, message).with_subject(part.subject());
+        let error = Diagnostic::error(Code::Option, message).with_subject(record.subject());
         report.push(error.with_help("give a direction, such as [0.0, 0.0, 1.0]"));
     }
-    part
+    record
 }
 
 /// Returns the loop constraints. `carriers` has, for each link of the description, the moving link that carries it.
@@ -46,7 +46,7 @@ pub fn loop_constraints(
     let names = description.joint_names().collect();
     let mut search = Search { description, links, names, near: Suggestions::new() };
     let all = description.loops.iter();
-    all.filter_map(|part| search.constraint(part, carriers, report)).collect()
+    all.filter_map(|record| search.constraint(record, carriers, report)).collect()
 }
 
 struct Search<'p> {
@@ -61,24 +61,24 @@ impl<'p> Search<'p> {
     /// Returns the constraint of a record; `None` with an error in the report.
     fn constraint(
         &mut self,
-        part: &'p LoopRecord,
+        record: &'p LoopRecord,
         carriers: &[Option<usize>],
         report: &mut Report<'_>,
     ) -> Option<LoopConstraint> {
         let errors = report.errors();
         let mut error = |code, at: Option<usize>, message: String, help: &str| {
-            report.error(code, at, Some(&part.subject()), message, help);
+            report.error(code, at, Some(&record.subject()), message, help);
         };
         // A missing name is already an error.
-        if !part.name.is_empty() && !self.names.insert(&part.name) {
+        if !record.name.is_empty() && !self.names.insert(&record.name) {
             let message = "another joint has the same name";
-            error(Code::DuplicateJoint, part.at, message.into(), "give one of them another name");
+            error(Code::DuplicateJoint, record.at, message.into(), "give one of them another name");
         }
-        let ends = part.ends.each_ref().map(|end| {
-            let figures = end.pose.rotation.iter().flatten().chain(&end.pose.translation);
-            if !figures.into_iter().all(|x| x.abs() < MAX_NUMBER) {
+        let ends = record.ends.each_ref().map(|end| {
+            let numbers = end.pose.rotation.iter().flatten().chain(&end.pose.translation);
+            if !numbers.into_iter().all(|x| x.abs() < MAX_NUMBER) {
                 let message = "its origin is too far away to compute with";
-                error(Code::NotFinite, end.at.or(part.at), message.into(), "write `xyz` in m");
+                error(Code::NotFinite, end.at.or(record.at), message.into(), "write `xyz` in m");
             }
             let link = end.link.as_deref()?;
             let found = self.links.get(link).copied();
@@ -105,12 +105,12 @@ impl<'p> Search<'p> {
                 )
             };
             let help = "name two links with a moving joint between them";
-            error(Code::LoopEnds, part.ends[1].at, message, help);
+            error(Code::LoopEnds, record.ends[1].at, message, help);
         }
         if report.errors() > errors {
             return None;
         }
         let [a, b] = ends;
-        Some(LoopConstraint { name: part.name.clone(), kind: part.kind?, ends: [a?, b?] })
+        Some(LoopConstraint { name: record.name.clone(), kind: record.kind?, ends: [a?, b?] })
     }
 }

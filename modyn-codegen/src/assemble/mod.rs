@@ -34,7 +34,12 @@ pub fn assemble(
     description.loops.extend(loops);
     let description = &description;
     for joint in description.joints.iter().filter(|joint| joint.kind != Kind::Fixed) {
-        check::motion::check_dynamics(&joint.drive, Some(joint.drive_at), &joint.subject(), report);
+        check::motion::check_dynamics(
+            &joint.dynamics,
+            Some(joint.dynamics_at),
+            &joint.subject(),
+            report,
+        );
     }
     let leaders = mimics::leaders(description, options.mimic, report);
     let tree = tree::build_tree(description, report)?;

@@ -47,6 +47,6 @@ pub fn apply(description: &mut Description, rotors: &[Rotor], report: &mut Repor
         }
     }
     for (j, armature) in armatures {
-        description.joints[j].drive.armature = armature;
+        description.joints[j].dynamics.armature = armature;
     }
 }

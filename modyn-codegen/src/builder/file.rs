@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::{Builder, Generated, Source, resolve_path};
+use super::source::{Source, resolve_path};
+use super::{Builder, Generated};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics};
 use crate::read::Format;
 

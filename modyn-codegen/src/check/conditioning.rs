@@ -14,7 +14,7 @@ const STATES: u32 = 8;
 const MAX_VELOCITIES: usize = 100;
 
 /// The largest condition number at which single precision, with its 24 bits, is certain to keep two digits.
-pub const CARRIED_BY_F32: f64 = 1e5;
+pub const MAX_CONDITION_F32: f64 = 1e5;
 
 /// Returns the largest condition number (2-norm) of the mass matrix at a few states spread over the joints' ranges. The
 /// matrix is scaled to a diagonal of ones. `None` for a robot that is too large.
@@ -55,7 +55,7 @@ pub fn condition_number(model: &Model) -> Option<f64> {
 
 /// Returns a warning if single precision may not suffice for the robot's dynamics.
 pub(crate) fn warning(model: &Model) -> Option<Diagnostic> {
-    let number = condition_number(model).filter(|&number| number > CARRIED_BY_F32)?;
+    let number = condition_number(model).filter(|&number| number > MAX_CONDITION_F32)?;
     let message = format!(
         "single precision may keep no digits of the accelerations: the condition number of the \
          mass matrix (scaled to a diagonal of ones) reaches {number:.1e}"

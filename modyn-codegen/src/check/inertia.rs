@@ -34,8 +34,8 @@ fn check_whole(
 ) -> bool {
     let Some((moving, fixed)) = body.links.split_first() else { return true };
     let at = body.inertials().next().map_or(moving.at, |(_, own)| own.at);
-    let figures = [whole.mass].into_iter().chain(whole.center_of_mass).chain(whole.inertia);
-    if !figures.into_iter().all(|x| x.abs() < MAX_NUMBER) {
+    let numbers = [whole.mass].into_iter().chain(whole.center_of_mass).chain(whole.inertia);
+    if !numbers.into_iter().all(|x| x.abs() < MAX_NUMBER) {
         let message = "the inertia is too large to compute with";
         let help = "write kg, m and kg m^2";
         report.error(Code::NotFinite, at, Some(&moving.subject()), message, help);

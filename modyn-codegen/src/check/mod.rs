@@ -8,7 +8,7 @@ mod options;
 mod singular;
 
 pub(crate) use conditioning::warning as conditioning_warning;
-pub use conditioning::{CARRIED_BY_F32, condition_number};
+pub use conditioning::{MAX_CONDITION_F32, condition_number};
 use modyn_runtime::model::{Inertial, JointDynamics, Model};
 use modyn_runtime::spatial::Pose;
 pub(crate) use options::{friction_error, gravity_error};
@@ -38,8 +38,8 @@ pub struct JointView<'d> {
     pub name: &'d str,
     pub at: Option<usize>,
     pub mimic_at: Option<usize>,
-    pub drive: JointDynamics,
-    pub drive_at: Option<usize>,
+    pub dynamics: JointDynamics,
+    pub dynamics_at: Option<usize>,
 }
 
 impl JointView<'_> {
@@ -95,13 +95,13 @@ pub fn check_model(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic
         .links()
         .iter()
         .map(|link| {
-            let (drive, inertial) = (link.joint.drive, link.inertial);
+            let (dynamics, inertial) = (link.joint.dynamics, link.inertial);
             let joint = JointView {
                 name: &link.joint.name,
                 at: None,
                 mimic_at: None,
-                drive,
-                drive_at: None,
+                dynamics,
+                dynamics_at: None,
             };
             let inertial = InertialView { inertial, at: None, mass_at: None, sound: true };
             let links = vec![LinkView {
@@ -116,7 +116,7 @@ pub fn check_model(model: &Model, unphysical: Severity) -> Result<Vec<Diagnostic
     for (link, body) in model.links().iter().zip(&bodies) {
         let joint = Subject::Joint(link.joint.name.clone());
         is_near(&link.joint.origin, None, &joint, &mut report);
-        motion::check_dynamics(&link.joint.drive, None, &joint, &mut report);
+        motion::check_dynamics(&link.joint.dynamics, None, &joint, &mut report);
         inertia::check(body, &link.inertial, unphysical, &mut report);
     }
     inertia::densities(&bodies, &mut report);
@@ -167,8 +167,8 @@ mod tests {
         assert_eq!(codes(|link| link.joint.mimic = mimic(1e70, 0.0)), [Code::NotFinite]);
         assert_eq!(codes(|link| link.joint.mimic = mimic(1.0, -1e70)), [Code::NotFinite]);
         let damped = |damping| JointDynamics { damping, ..JointDynamics::default() };
-        assert_eq!(codes(|link| link.joint.drive = damped(2.0)), []);
-        assert_eq!(codes(|link| link.joint.drive = damped(1e70)), [Code::NotFinite]);
+        assert_eq!(codes(|link| link.joint.dynamics = damped(2.0)), []);
+        assert_eq!(codes(|link| link.joint.dynamics = damped(1e70)), [Code::NotFinite]);
         assert_eq!(codes(|link| link.joint.joint_type = JointType::Floating), []);
         let tip = |joint_type| {
             codes(|link| (link.inertial, link.joint.joint_type) = (Inertial::default(), joint_type))

@@ -8,12 +8,15 @@ use crate::diagnostics::{Code, Place, Report, Subject};
 
 /// Reports armature, damping or friction that is too large to compute with.
 pub fn check_dynamics(
-    drive: &JointDynamics,
+    dynamics: &JointDynamics,
     at: Option<usize>,
     joint: &Subject,
     report: &mut Report<'_>,
 ) {
-    if ![drive.armature, drive.damping, drive.friction].iter().all(|x| x.abs() < MAX_NUMBER) {
+    if ![dynamics.armature, dynamics.damping, dynamics.friction]
+        .iter()
+        .all(|x| x.abs() < MAX_NUMBER)
+    {
         let message = "its armature, damping or friction is too large to compute with";
         let help = "write kg m^2 (or kg), N m s/rad (or N s/m) and N m (or N)";
         report.error(Code::NotFinite, at, Some(joint), message, help);
@@ -27,11 +30,11 @@ pub fn inactive_friction(bodies: &[Body], chosen: Option<Friction>, report: &mut
     }
     let joints = || bodies.iter().filter_map(|body| body.joint.as_ref());
     let places: Vec<Place> = joints()
-        .filter(|joint| joint.drive.damping > 0.0 || joint.drive.friction > 0.0)
-        .map(|joint| (joint.drive_at, Some(joint.subject())))
+        .filter(|joint| joint.dynamics.damping > 0.0 || joint.dynamics.friction > 0.0)
+        .map(|joint| (joint.dynamics_at, Some(joint.subject())))
         .collect();
-    let damps = joints().any(|joint| joint.drive.damping > 0.0);
-    let rubs = joints().any(|joint| joint.drive.friction > 0.0);
+    let damps = joints().any(|joint| joint.dynamics.damping > 0.0);
+    let rubs = joints().any(|joint| joint.dynamics.friction > 0.0);
     let message = match (damps, rubs) {
         (true, false) => "its damping does not act",
         (false, _) => "its friction does not act",

@@ -46,7 +46,8 @@ pub fn singular_joints(model: &Model) -> Vec<usize> {
 
 /// Returns, for each joint, whether one of its pivots is zero in this configuration.
 fn singular_pivots(model: &Model, configuration: usize) -> Vec<bool> {
-    let mut rotors: Vec<f64> = model.links().iter().map(|link| link.joint.drive.armature).collect();
+    let mut rotors: Vec<f64> =
+        model.links().iter().map(|link| link.joint.dynamics.armature).collect();
     if model.has_mimics() {
         let pivots = least_pivots(model, configuration, &rotors);
         for (i, pivot) in pivots.into_iter().enumerate() {
@@ -70,7 +71,7 @@ fn least_pivots(model: &Model, configuration: usize, rotors: &[f64]) -> Vec<f64>
         let (mut motions, pose) = motions(&link.joint, &coordinates(model, i, configuration));
         let body = bodies[i];
         let mut subtree = body.articulated;
-        let mut held = body.articulated;
+        let mut uncancelled = body.articulated;
         while let Some(k) =
             largest_pivot(&motions, |axis| pivot(&subtree, axis) / body.rounding(axis))
         {
@@ -83,7 +84,7 @@ fn least_pivots(model: &Model, configuration: usize, rotors: &[f64]) -> Vec<f64>
                 // Where the pivot is zero, so is the momentum: there is nothing to eliminate. The remaining inertia along
                 // the axis is rounding noise, which the terms that cancelled reveal.
                 pivot = rotors[i];
-                held = body.before;
+                uncancelled = body.before;
             }
             least[i] = least[i].min(pivot.abs());
         }
@@ -94,10 +95,10 @@ fn least_pivots(model: &Model, configuration: usize, rotors: &[f64]) -> Vec<f64>
         let pose = link.joint.origin.compose(&pose);
         let parent = &mut bodies[parent];
         parent.articulated = parent.articulated + to_parent(&subtree, &pose);
-        parent.before = parent.before + to_parent(&held, &pose);
+        parent.before = parent.before + to_parent(&uncancelled, &pose);
         let [x, y, z] = pose.translation;
-        parent.rounding +=
-            trace(&held.rotational) + trace(&held.translational) * (x * x + y * y + z * z);
+        parent.rounding += trace(&uncancelled.rotational)
+            + trace(&uncancelled.translational) * (x * x + y * y + z * z);
     }
     least
 }
@@ -113,18 +114,18 @@ fn largest_pivot(motions: &[Twist<f64>], pivot: impl Fn(&Twist<f64>) -> f64) -> 
 /// intermediate frame of the joint.
 fn motions(joint: &Joint, q: &[f64; 6]) -> (Vec<Twist<f64>>, Pose<f64>) {
     let axis = joint.axis;
-    let turn = |rotation| Pose { rotation, translation: [0.0; 3] };
-    let shift = |translation| Pose { translation, ..Pose::identity() };
+    let rotated = |rotation| Pose { rotation, translation: [0.0; 3] };
+    let translated = |translation| Pose { translation, ..Pose::identity() };
     match joint.joint_type {
         JointType::Revolute | JointType::Continuous => {
-            (vec![rotation_about(axis)], turn(rotation(axis, q[0]).0))
+            (vec![rotation_about(axis)], rotated(rotation(axis, q[0]).0))
         }
-        JointType::Prismatic => (vec![translation_along(axis)], shift(axis.map(|x| x * q[0]))),
+        JointType::Prismatic => (vec![translation_along(axis)], translated(axis.map(|x| x * q[0]))),
         JointType::Universal => {
             let second = joint.second_axis;
             let inner = rotation(second, q[1]);
             let first = inner.transposed().mul_vector(Vector3(axis)).0;
-            let pose = turn(rotation(axis, q[0]).times(&inner).0);
+            let pose = rotated(rotation(axis, q[0]).times(&inner).0);
             (vec![rotation_about(second), rotation_about(first)], pose)
         }
         JointType::Planar => {
@@ -135,7 +136,7 @@ fn motions(joint: &Joint, q: &[f64; 6]) -> (Vec<Twist<f64>>, Pose<f64>) {
             (vec![rotation_about(normal), translation_along(x), translation_along(y)], pose)
         }
         JointType::Spherical => {
-            (UNITS.map(rotation_about).into(), turn(any_rotation([q[0], q[1], q[2]])))
+            (UNITS.map(rotation_about).into(), rotated(any_rotation([q[0], q[1], q[2]])))
         }
         JointType::Floating => {
             let motions = UNITS.map(translation_along).into_iter().chain(UNITS.map(rotation_about));
@@ -294,7 +295,7 @@ mod tests {
                 joint.origin.translation = [0.3, -0.2, 0.5];
             }
             if self.below(8) == 0 {
-                joint.drive = JointDynamics { armature: 0.1, ..JointDynamics::default() };
+                joint.dynamics = JointDynamics { armature: 0.1, ..JointDynamics::default() };
             }
             let inertial = match self.below(4) {
                 0 => Inertial { mass: 1.0, center_of_mass: [0.2, 0.3, 0.4], inertia: [0.0; 6] },
@@ -332,7 +333,7 @@ mod tests {
             let known = jacobian.len();
             jacobian.extend(own);
             for (k, row) in matrix.iter_mut().enumerate().take(jacobian.len()).skip(known) {
-                row[k] += link.joint.drive.armature;
+                row[k] += link.joint.dynamics.armature;
             }
             let rigid = articulated(&link.inertial);
             for (j, axis) in jacobian.iter().enumerate() {
@@ -410,14 +411,14 @@ mod tests {
                 };
                 let (ahead, behind) = (at(1e-5), at(-1e-5));
                 let rate = |a: f64, b: f64| (a - b) / 2e-5;
-                let turn: [Vec3; 3] = core::array::from_fn(|i| {
+                let spin: [Vec3; 3] = core::array::from_fn(|i| {
                     core::array::from_fn(|j| rate(ahead.rotation[i][j], behind.rotation[i][j]))
                 });
-                let turn = back.times(&Matrix3(turn)).0;
+                let spin = back.times(&Matrix3(spin)).0;
                 let speed =
                     core::array::from_fn(|i| rate(ahead.translation[i], behind.translation[i]));
                 let linear = back.mul_vector(Vector3(speed)).0;
-                let change = [turn[2][1], turn[0][2], turn[1][0], linear[0], linear[1], linear[2]];
+                let change = [spin[2][1], spin[0][2], spin[1][0], linear[0], linear[1], linear[2]];
                 assert!(change.iter().any(|x| x.abs() > 0.1), "{joint_type:?}");
                 let rest = left_over(&allowed, change);
                 assert!(rest.iter().all(|x| x.abs() < 1e-8), "{joint_type:?}: {rest:?}");

@@ -102,9 +102,9 @@ pub struct JointRecord {
     pub second_axis: [f64; 3],
     pub limits: Option<Limits>,
     pub mimic: Option<MimicRecord>,
-    pub drive: JointDynamics,
+    pub dynamics: JointDynamics,
     /// The byte offset of armature, damping and friction.
-    pub drive_at: usize,
+    pub dynamics_at: usize,
     /// Whether all its numbers could be read.
     pub sound: bool,
 }

@@ -187,7 +187,7 @@ codes! {
     LoopEnds = "loop-ends":
         "Name two links with a moving joint between them, or remove the loop joint.",
     /// The damping, friction or rotor of a joint is negative.
-    NegativeDrive = "negative-drive":
+    NegativeJointDynamics = "negative-joint-dynamics":
         "Write a number of at least 0: damping and friction oppose the motion, and a rotor's inertia is positive.",
     /// The description has damping or friction, but the option `friction` is not set; they have no effect.
     InactiveFriction = "inactive-friction":

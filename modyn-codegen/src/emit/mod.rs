@@ -1,18 +1,19 @@
 //! Back ends: from a [`Plan`] to text, one folder for each language. Back ends make no decisions.
 
 mod c;
+mod casadi;
 mod gpu;
 mod rust;
 
 pub use c::CSource;
+pub use casadi::CasadiSource;
 pub use gpu::{GpuArgument, GpuKernel, GpuLanguage, GpuSource};
 
-use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use crate::diagnostics::Diagnostic;
 use crate::names;
-use crate::plan::{Bundle, Choices, Function, Plan, Planned, Strategy};
+use crate::plan::{CasadiPlan, Constants, Plan};
 
 /// The scalar of the generated type's own functions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,7 +44,7 @@ fn coordinates_in_c(model: &Model) -> &'static str {
     }
 }
 
-/// The options that the text depends on, besides the model.
+/// The options that the text depends on, besides the plan.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct EmitOptions {
@@ -59,18 +60,6 @@ pub struct EmitOptions {
     pub self_contained: bool,
     /// The prefix of functions for C; `None` for no such functions.
     pub c_prefix: Option<String>,
-    /// The selected functions.
-    pub functions: Vec<Function>,
-    /// The bundles of functions.
-    pub bundles: Vec<Bundle>,
-    /// Whether gravity is an argument.
-    pub runtime_gravity: bool,
-    /// Whether equal limbs share one function.
-    pub share: bool,
-    /// The links whose own inertia is an argument, as indices into the model's frames.
-    pub runtime_inertia: Vec<usize>,
-    /// The links with a payload that is an argument, as indices into the model's frames.
-    pub payload: Vec<usize>,
     /// The warnings about the description, for the documentation.
     pub warnings: Vec<Diagnostic>,
 }
@@ -84,48 +73,24 @@ impl Default for EmitOptions {
             scalar: FloatType::default(),
             self_contained: false,
             c_prefix: None,
-            functions: Function::DEFAULT.to_vec(),
-            bundles: Vec::new(),
-            runtime_gravity: false,
-            share: false,
-            runtime_inertia: Vec::new(),
-            payload: Vec::new(),
             warnings: Vec::new(),
         }
     }
 }
 
 impl EmitOptions {
-    /// Returns the plan for these options. Self-contained files have neither vectors nor batches, which need the runtime.
-    pub(crate) fn plan(&self, model: &Model, modules: &ModuleTree) -> Plan {
-        let strategy = match (self.share, self.self_contained) {
-            (true, _) => Strategy::Routines,
-            (false, true) => Strategy::Scalar,
-            (false, false) => Strategy::Vectors,
-        };
-        self.plan_by(model, modules, strategy)
-    }
-
-    fn plan_by(&self, model: &Model, modules: &ModuleTree, strategy: Strategy) -> Plan {
-        let choices = Choices {
-            functions: &self.functions,
-            bundles: &self.bundles,
-            strategy,
-            batches: !self.self_contained && strategy != Strategy::Threads,
-            runtime_gravity: self.runtime_gravity,
-            runtime_inertia: &self.runtime_inertia,
-            payload: &self.payload,
-        };
-        Plan::new(model, modules, &choices)
-    }
-
     /// Returns the type's name.
     fn type_name(&self, model: &Model) -> String {
         self.type_name.clone().unwrap_or_else(|| names::type_name(model.name()))
     }
+
+    /// Returns the prefix of functions outside of Rust: the type's name in snake case.
+    pub(crate) fn prefix(&self, model: &Model) -> String {
+        names::snake(&self.type_name(model))
+    }
 }
 
-/// The generated text, and information about it.
+/// The generated text of a robot.
 #[non_exhaustive]
 pub struct Emitted {
     /// Rust items.
@@ -134,52 +99,44 @@ pub struct Emitted {
     pub c_header: Option<String>,
     /// The name of the type.
     pub type_name: String,
-    /// The operations of one call of each function, by name.
-    pub operations: Vec<(&'static str, OperationCount)>,
-    /// The operations in the text of each function of one state, by name.
-    pub static_operations: Vec<(&'static str, OperationCount)>,
-    /// The modules of forward dynamics, and the operations of each candidate.
-    pub partition: (ModuleTree, Vec<(&'static str, usize)>),
 }
 
-/// Returns the Rust text of `model`.
+/// Returns the Rust text of a robot with its programs and constants.
 #[must_use]
-pub fn emit(model: &Model, modules: &ModuleTree, options: &EmitOptions) -> Emitted {
-    let (plan, type_name) = (options.plan(model, modules), options.type_name(model));
-    let per_call = |p: &Planned| (p.name, p.operations_per_call());
-    let operations = plan.functions.iter().chain(&plan.batches).map(per_call).collect();
-    let all = |p: &Planned| (p.name, p.static_operations());
-    let static_operations = plan.functions.iter().map(all).collect();
-    let (text, c_header) = rust::print((model, modules), &plan, options, &type_name);
-    let partition = (plan.eliminated, plan.candidates);
-    Emitted { text, c_header, type_name, operations, static_operations, partition }
-}
-
-/// Returns the C99 text of `model`: a header and a source file. `header` is the name of the header's file; by default it
-/// is derived from the type's name. Equal limbs share one function if `options` select it.
-#[must_use]
-pub fn emit_c(
-    model: &Model,
-    modules: &ModuleTree,
+pub fn emit(
+    robot: (&Model, &ModuleTree),
+    plan: &Plan,
+    constants: &Constants,
     options: &EmitOptions,
-    header: Option<&str>,
-) -> CSource {
-    // C has neither vectors nor batches.
-    let options = EmitOptions { self_contained: true, ..options.clone() };
-    let prefix = names::snake(&options.type_name(model));
-    let header = header.map_or_else(|| format!("{prefix}.h"), String::from);
-    c::print(&options.plan(model, modules), model, (&prefix, &header), options.scalar)
+) -> Emitted {
+    let type_name = options.type_name(robot.0);
+    let (text, c_header) = rust::print(robot, (plan, constants), options, &type_name);
+    Emitted { text, c_header, type_name }
 }
 
-/// Compiles `model` to kernels for graphics processors, whose names begin with the type's name in snake case.
+/// Returns the C99 text of a robot: a header and a source file. `header` is the name of the header's file; by default it
+/// is derived from the type's name.
+#[must_use]
+pub fn emit_c(model: &Model, plan: &Plan, options: &EmitOptions, header: Option<&str>) -> CSource {
+    let prefix = options.prefix(model);
+    let header = header.map_or_else(|| format!("{prefix}.h"), String::from);
+    c::print(plan, model, (&prefix, &header), options.scalar)
+}
+
+/// Returns kernels of a robot for graphics processors, whose names begin with the type's name in snake case.
 #[must_use]
 pub fn emit_gpu(
     model: &Model,
-    modules: &ModuleTree,
+    plan: &Plan,
     options: &EmitOptions,
     language: GpuLanguage,
 ) -> GpuSource {
-    let prefix = names::snake(&options.type_name(model));
-    let plan = options.plan_by(model, modules, Strategy::Threads);
-    gpu::print(&plan, model, &prefix, language, options.scalar)
+    let prefix = options.prefix(model);
+    gpu::print(plan, model, &prefix, language, options.scalar)
+}
+
+/// Returns the C99 text of the functions that `CasADi` loads. `prefix` is the one of their names.
+#[must_use]
+pub fn emit_casadi(model: &Model, plan: CasadiPlan, prefix: String) -> CasadiSource {
+    casadi::print(plan, model, prefix)
 }

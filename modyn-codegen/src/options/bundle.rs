@@ -3,7 +3,7 @@
 use modyn_runtime::model::Model;
 
 use super::types::{OptionValue, pair};
-use super::value::{Fault, Value, ValueKind};
+use super::value::{OptionError, Value, ValueKind};
 use crate::diagnostics::{Code, Diagnostic, suggest};
 use crate::names;
 use crate::plan::{self, Function};
@@ -295,13 +295,13 @@ impl Member {
 
 /// `"name": (function, function("link"), ...)`, or `"name": batch(...)`
 impl OptionValue for Bundle {
-    fn read(value: &Value) -> Result<Self, Fault> {
+    fn read(value: &Value) -> Result<Self, OptionError> {
         let expected = "expected `name: (function, function(\"link\"), ...)`, or `name: batch(...)` for many states as well";
         let (name, list) = pair(value, expected)?;
         let (items, batch) = match &list.kind {
             ValueKind::List(items) => (items, false),
             ValueKind::Call(word, items) if word == "batch" => (items, true),
-            _ => return Err(Fault::new(list.at, expected)),
+            _ => return Err(OptionError::new(list.at, expected)),
         };
         let member = |item: &Value| {
             let (name, link) = match &item.kind {
@@ -309,30 +309,30 @@ impl OptionValue for Bundle {
                 ValueKind::Call(name, arguments) => match arguments.as_slice() {
                     [link] => (name, Some(String::read(link)?)),
                     _ => {
-                        return Err(Fault::new(
+                        return Err(OptionError::new(
                             item.at,
                             format!("expected one link: `{name}(\"link\")`"),
                         ));
                     }
                 },
                 _ => {
-                    return Err(Fault::new(
+                    return Err(OptionError::new(
                         item.at,
                         "expected a function, or `function(\"link\")`",
                     ));
                 }
             };
-            let function =
-                Function::from_name(name).ok_or_else(|| Fault::new(item.at, unknown(name)))?;
+            let function = Function::from_name(name)
+                .ok_or_else(|| OptionError::new(item.at, unknown(name)))?;
             Ok(Member { function, link })
         };
-        let members = items.iter().map(member).collect::<Result<Vec<_>, Fault>>()?;
+        let members = items.iter().map(member).collect::<Result<Vec<_>, OptionError>>()?;
         let bundle = Self { name, members, batch };
         match bundle.defects().into_iter().next() {
             None => Ok(bundle),
             Some(Defect { member, message, help }) => {
                 let at = member.map_or(value.at, |i| items[i].at);
-                Err(Fault::new(at, format!("bundle `{}`: {message}; {help}", bundle.name)))
+                Err(OptionError::new(at, format!("bundle `{}`: {message}; {help}", bundle.name)))
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 
-use super::value::{Fault, Value, ValueKind};
+use super::value::{OptionError, Value, ValueKind};
 use crate::FloatType;
 use crate::description::{Base, Contact, Loop, LoopEnd, Mimic, Rotor};
 use crate::diagnostics::Severity;
@@ -28,7 +28,7 @@ pub trait OptionValue: Sized {
     /// # Errors
     ///
     /// If the value has another form; the message says which forms there are.
-    fn read(value: &Value) -> Result<Self, Fault>;
+    fn read(value: &Value) -> Result<Self, OptionError>;
 
     /// The argument in Rust.
     fn rust(&self) -> String;
@@ -41,14 +41,14 @@ pub trait Field {
     /// # Errors
     ///
     /// As for [`OptionValue::read`].
-    fn set(&mut self, value: &Value) -> Result<(), Fault>;
+    fn set(&mut self, value: &Value) -> Result<(), OptionError>;
 
     /// The arguments of the call of `Builder` that sets it; `None` if it has its default.
     fn arguments(&self) -> Option<String>;
 }
 
 impl<T: OptionValue> Field for Option<T> {
-    fn set(&mut self, value: &Value) -> Result<(), Fault> {
+    fn set(&mut self, value: &Value) -> Result<(), OptionError> {
         *self = Some(T::read(value)?);
         Ok(())
     }
@@ -59,7 +59,7 @@ impl<T: OptionValue> Field for Option<T> {
 }
 
 impl<T: OptionValue> Field for Vec<T> {
-    fn set(&mut self, value: &Value) -> Result<(), Fault> {
+    fn set(&mut self, value: &Value) -> Result<(), OptionError> {
         for item in value.items() {
             self.push(T::read(item)?);
         }
@@ -72,7 +72,7 @@ impl<T: OptionValue> Field for Vec<T> {
 }
 
 impl Field for bool {
-    fn set(&mut self, value: &Value) -> Result<(), Fault> {
+    fn set(&mut self, value: &Value) -> Result<(), OptionError> {
         *self = choice(value, &[("true", true), ("false", false)])?;
         Ok(())
     }
@@ -88,14 +88,14 @@ fn list<T: OptionValue>(items: &[T]) -> String {
 }
 
 /// The value of one of these words.
-fn choice<T: Clone>(value: &Value, choices: &[(&str, T)]) -> Result<T, Fault> {
+fn choice<T: Clone>(value: &Value, choices: &[(&str, T)]) -> Result<T, OptionError> {
     let found = match &value.kind {
         ValueKind::Word(word) => choices.iter().find(|(name, _)| name == word),
         _ => None,
     };
     found.map(|(_, value)| value.clone()).ok_or_else(|| {
         let names: Vec<String> = choices.iter().map(|(name, _)| format!("`{name}`")).collect();
-        Fault::new(value.at, format!("expected {}", names.join(" or ")))
+        OptionError::new(value.at, format!("expected {}", names.join(" or ")))
     })
 }
 
@@ -103,7 +103,7 @@ fn choice<T: Clone>(value: &Value, choices: &[(&str, T)]) -> Result<T, Fault> {
 macro_rules! choices {
     ($($type:ident: $($word:literal $variant:ident),+;)*) => {$(
         impl OptionValue for $type {
-            fn read(value: &Value) -> Result<Self, Fault> {
+            fn read(value: &Value) -> Result<Self, OptionError> {
                 choice(value, &[$(($word, Self::$variant)),+])
             }
 
@@ -113,7 +113,7 @@ macro_rules! choices {
         }
 
         impl Field for $type {
-            fn set(&mut self, value: &Value) -> Result<(), Fault> {
+            fn set(&mut self, value: &Value) -> Result<(), OptionError> {
                 *self = Self::read(value)?;
                 Ok(())
             }
@@ -133,10 +133,10 @@ choices! {
 }
 
 impl OptionValue for f64 {
-    fn read(value: &Value) -> Result<Self, Fault> {
+    fn read(value: &Value) -> Result<Self, OptionError> {
         match value.kind {
             ValueKind::Number(x) => Ok(x),
-            _ => Err(Fault::new(value.at, "expected a number")),
+            _ => Err(OptionError::new(value.at, "expected a number")),
         }
     }
 
@@ -146,15 +146,15 @@ impl OptionValue for f64 {
 }
 
 impl OptionValue for [f64; 3] {
-    fn read(value: &Value) -> Result<Self, Fault> {
+    fn read(value: &Value) -> Result<Self, OptionError> {
         let ValueKind::List(items) = &value.kind else {
-            return Err(Fault::new(value.at, "expected three numbers: `[x, y, z]`"));
+            return Err(OptionError::new(value.at, "expected three numbers: `[x, y, z]`"));
         };
-        let numbers = items.iter().map(f64::read).collect::<Result<Vec<f64>, Fault>>()?;
+        let numbers = items.iter().map(f64::read).collect::<Result<Vec<f64>, OptionError>>()?;
         let count = numbers.len();
-        numbers
-            .try_into()
-            .map_err(|_| Fault::new(value.at, format!("expected three numbers, there are {count}")))
+        numbers.try_into().map_err(|_| {
+            OptionError::new(value.at, format!("expected three numbers, there are {count}"))
+        })
     }
 
     fn rust(&self) -> String {
@@ -163,10 +163,10 @@ impl OptionValue for [f64; 3] {
 }
 
 impl OptionValue for String {
-    fn read(value: &Value) -> Result<Self, Fault> {
+    fn read(value: &Value) -> Result<Self, OptionError> {
         match &value.kind {
             ValueKind::Word(text) | ValueKind::Text(text) => Ok(text.clone()),
-            _ => Err(Fault::new(value.at, "expected a name")),
+            _ => Err(OptionError::new(value.at, "expected a name")),
         }
     }
 
@@ -176,13 +176,13 @@ impl OptionValue for String {
 }
 
 impl OptionValue for ModuleChoice {
-    fn read(value: &Value) -> Result<Self, Fault> {
+    fn read(value: &Value) -> Result<Self, OptionError> {
         let ValueKind::List(modules) = &value.kind else {
             return choice(value, &[("chains", Self::Chains), ("links", Self::Links)]);
         };
         let module = |module: &Value| match &module.kind {
             ValueKind::List(names) => names.iter().map(String::read).collect(),
-            _ => Err(Fault::new(
+            _ => Err(OptionError::new(
                 module.at,
                 "expected the names of a module's links: `[\"a\", \"b\"]`",
             )),
@@ -196,7 +196,7 @@ impl OptionValue for ModuleChoice {
 }
 
 impl Field for ModuleChoice {
-    fn set(&mut self, value: &Value) -> Result<(), Fault> {
+    fn set(&mut self, value: &Value) -> Result<(), OptionError> {
         *self = Self::read(value)?;
         Ok(())
     }
@@ -208,19 +208,19 @@ impl Field for ModuleChoice {
 
 /// A list of names in which `default` and `all` stand for several functions.
 impl OptionValue for Vec<Function> {
-    fn read(value: &Value) -> Result<Self, Fault> {
+    fn read(value: &Value) -> Result<Self, OptionError> {
         let mut functions = Self::new();
         for item in value.items() {
             let ValueKind::Word(name) = &item.kind else {
                 let message = "expected names of functions, `default` or `all`";
-                return Err(Fault::new(item.at, message));
+                return Err(OptionError::new(item.at, message));
             };
             match name.as_str() {
                 "all" => functions.extend(Function::ALL),
                 "default" => functions.extend(Function::DEFAULT),
                 name => functions.push(
                     Function::from_name(name)
-                        .ok_or_else(|| Fault::new(item.at, Function::unknown(name)))?,
+                        .ok_or_else(|| OptionError::new(item.at, Function::unknown(name)))?,
                 ),
             }
         }
@@ -235,23 +235,24 @@ impl OptionValue for Vec<Function> {
 
 /// `none`, `viscous`, `coulomb` or `smooth(0.01)`
 impl OptionValue for Friction {
-    fn read(value: &Value) -> Result<Self, Fault> {
+    fn read(value: &Value) -> Result<Self, OptionError> {
         let help = "expected a velocity, rad/s or m/s: `smooth(0.01)`";
         match &value.kind {
             ValueKind::Call(word, arguments) if word == "smooth" => match arguments.as_slice() {
                 [velocity] => f64::read(velocity).map(Self::Smooth),
-                _ => Err(Fault::new(value.at, help)),
+                _ => Err(OptionError::new(value.at, help)),
             },
             // A shell needs no quotes for `smooth=0.01`.
             ValueKind::Pair(name, velocity) if name.kind == ValueKind::Word("smooth".into()) => {
                 f64::read(velocity).map(Self::Smooth)
             }
-            ValueKind::Word(word) if word == "smooth" => Err(Fault::new(value.at, help)),
+            ValueKind::Word(word) if word == "smooth" => Err(OptionError::new(value.at, help)),
             _ => {
                 let words =
                     [("none", Self::None), ("viscous", Self::Viscous), ("coulomb", Self::Coulomb)];
-                choice(value, &words)
-                    .map_err(|fault| Fault::new(fault.at, fault.message + " or `smooth(velocity)`"))
+                choice(value, &words).map_err(|fault| {
+                    OptionError::new(fault.at, fault.message + " or `smooth(velocity)`")
+                })
             }
         }
     }
@@ -262,20 +263,23 @@ impl OptionValue for Friction {
 }
 
 /// The name and the value of a pair.
-pub(super) fn pair<'v>(value: &'v Value, expected: &str) -> Result<(String, &'v Value), Fault> {
+pub(super) fn pair<'v>(
+    value: &'v Value,
+    expected: &str,
+) -> Result<(String, &'v Value), OptionError> {
     match &value.kind {
         ValueKind::Pair(name, value) => Ok((String::read(name)?, value)),
-        _ => Err(Fault::new(value.at, expected)),
+        _ => Err(OptionError::new(value.at, expected)),
     }
 }
 
 /// `"joint": (inertia, gear_ratio)`
 impl OptionValue for Rotor {
-    fn read(value: &Value) -> Result<Self, Fault> {
+    fn read(value: &Value) -> Result<Self, OptionError> {
         let expected = "expected `\"joint\": (inertia, gear_ratio)`";
         let (joint, numbers) = pair(value, expected)?;
         let [inertia, gear_ratio] = numbers.items() else {
-            return Err(Fault::new(numbers.at, expected));
+            return Err(OptionError::new(numbers.at, expected));
         };
         Ok(Self::new(joint, f64::read(inertia)?, f64::read(gear_ratio)?))
     }
@@ -288,19 +292,19 @@ impl OptionValue for Rotor {
 /// `"name": type("link", [x, y, z], "link", [x, y, z], axis = [x, y, z])`; after each origin may stand roll, pitch and
 /// yaw.
 impl OptionValue for Loop {
-    fn read(value: &Value) -> Result<Self, Fault> {
+    fn read(value: &Value) -> Result<Self, OptionError> {
         let expected = "expected `\"name\": type(\"link\", [x, y, z], \"link\", [x, y, z])`, and perhaps \
                         `axis = [x, y, z]`";
         let (name, joint) = pair(value, expected)?;
         let types = ["spherical", "fixed", "revolute", "continuous", "prismatic"];
         let ValueKind::Call(joint_type, arguments) = &joint.kind else {
-            return Err(Fault::new(joint.at, expected));
+            return Err(OptionError::new(joint.at, expected));
         };
         let word = Value { at: joint.at, kind: ValueKind::Word(joint_type.clone()) };
         choice(&word, &types.map(|name| (name, ())))?;
         let mut rest = arguments.as_slice();
         let mut end = || {
-            let missing = || Fault::new(joint.at, expected);
+            let missing = || OptionError::new(joint.at, expected);
             let [link, origin, others @ ..] = rest else { return Err(missing()) };
             rest = others;
             let mut rpy = [0.0; 3];
@@ -316,17 +320,18 @@ impl OptionValue for Loop {
             [] => None,
             [axis] => match pair(axis, expected)? {
                 (word, value) if word == "axis" => Some((<[f64; 3]>::read(value)?, axis.at)),
-                _ => return Err(Fault::new(axis.at, "expected `axis`")),
+                _ => return Err(OptionError::new(axis.at, "expected `axis`")),
             },
-            [_, other, ..] => return Err(Fault::new(other.at, "expected `)`")),
+            [_, other, ..] => return Err(OptionError::new(other.at, "expected `)`")),
         };
         let along = axis.map_or([1.0, 0.0, 0.0], |(axis, _)| axis);
         let kind = LoopConstraintKind::of_joint(joint_type, along)
-            .ok_or_else(|| Fault::new(joint.at, "expected the type of a joint"))?;
+            .ok_or_else(|| OptionError::new(joint.at, "expected the type of a joint"))?;
         match axis {
-            Some((_, at)) if kind.axis().is_none() => {
-                Err(Fault::new(at, format!("a loop joint of type `{joint_type}` has no axis")))
-            }
+            Some((_, at)) if kind.axis().is_none() => Err(OptionError::new(
+                at,
+                format!("a loop joint of type `{joint_type}` has no axis"),
+            )),
             _ => Ok(Self { name, kind, ends }),
         }
     }
@@ -338,24 +343,24 @@ impl OptionValue for Loop {
 
 /// `"name": type("link", [x, y, z], [roll, pitch, yaw])`; the last two are zero if they are left out.
 impl OptionValue for Contact {
-    fn read(value: &Value) -> Result<Self, Fault> {
+    fn read(value: &Value) -> Result<Self, OptionError> {
         let expected = "expected `\"name\": point(\"link\")` or `\"name\": surface(\"link\")`, and perhaps `[x, y, z]` \
                         and `[roll, pitch, yaw]` after the link";
         let (name, contact) = pair(value, expected)?;
         let ValueKind::Call(contact_type, arguments) = &contact.kind else {
-            return Err(Fault::new(contact.at, expected));
+            return Err(OptionError::new(contact.at, expected));
         };
         let word = Value { at: contact.at, kind: ValueKind::Word(contact_type.clone()) };
         let types = [("point", ContactKind::Point), ("surface", ContactKind::Surface)];
         let kind = choice(&word, &types)?;
         let [link, numbers @ ..] = arguments.as_slice() else {
-            return Err(Fault::new(contact.at, expected));
+            return Err(OptionError::new(contact.at, expected));
         };
         let (xyz, rpy) = match numbers {
             [] => (None, None),
             [origin] => (Some(origin), None),
             [origin, angles] => (Some(origin), Some(angles)),
-            [_, _, other, ..] => return Err(Fault::new(other.at, "expected `)`")),
+            [_, _, other, ..] => return Err(OptionError::new(other.at, "expected `)`")),
         };
         let vector = |value: Option<&Value>| value.map_or(Ok([0.0; 3]), <[f64; 3]>::read);
         let end = LoopEnd { link: String::read(link)?, xyz: vector(xyz)?, rpy: vector(rpy)? };

@@ -8,14 +8,14 @@
 
 /// An error in the value of an option.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fault {
+pub struct OptionError {
     /// The place in the text, in bytes.
     pub at: usize,
     /// The error, and the form that the value should have.
     pub message: String,
 }
 
-impl Fault {
+impl OptionError {
     pub(super) fn new(at: usize, message: impl Into<String>) -> Self {
         Self { at, message: message.into() }
     }
@@ -59,11 +59,11 @@ impl Value {
     /// # Errors
     ///
     /// If `text` is not a value, or more than one that commas separate.
-    pub fn parse(text: &str) -> Result<Self, Fault> {
+    pub fn parse(text: &str) -> Result<Self, OptionError> {
         let mut parser = Parser { text, at: 0, depth: 0 };
         let mut values = parser.values(None)?;
         match values.len() {
-            0 => Err(Fault::new(text.len(), "expected a value")),
+            0 => Err(OptionError::new(text.len(), "expected a value")),
             1 => Ok(values.remove(0)),
             _ => Ok(Self { at: 0, kind: ValueKind::List(values) }),
         }
@@ -106,12 +106,14 @@ impl Parser<'_> {
     }
 
     /// Values with commas between them, perhaps one after the last, up to `end`.
-    fn values(&mut self, end: Option<char>) -> Result<Vec<Value>, Fault> {
+    fn values(&mut self, end: Option<char>) -> Result<Vec<Value>, OptionError> {
         let mut values = Vec::new();
         loop {
             match (self.peek(), end) {
                 (None, None) => return Ok(values),
-                (None, Some(end)) => return Err(Fault::new(self.at, format!("expected `{end}`"))),
+                (None, Some(end)) => {
+                    return Err(OptionError::new(self.at, format!("expected `{end}`")));
+                }
                 (next, end) if next == end => {
                     self.at += 1;
                     return Ok(values);
@@ -120,13 +122,13 @@ impl Parser<'_> {
             }
             let next = self.peek();
             if next.is_some() && next != end && !self.take(',') {
-                return Err(Fault::new(self.at, "expected `,`"));
+                return Err(OptionError::new(self.at, "expected `,`"));
             }
         }
     }
 
     /// A value, or a name with a value.
-    fn pair(&mut self) -> Result<Value, Fault> {
+    fn pair(&mut self) -> Result<Value, OptionError> {
         let first = self.value()?;
         let named = matches!(first.kind, ValueKind::Word(_) | ValueKind::Text(_));
         if named && (self.take(':') || self.take('=')) {
@@ -136,7 +138,7 @@ impl Parser<'_> {
         Ok(first)
     }
 
-    fn value(&mut self) -> Result<Value, Fault> {
+    fn value(&mut self) -> Result<Value, OptionError> {
         let next = self.peek();
         let at = self.at;
         let kind = match next {
@@ -149,9 +151,12 @@ impl Parser<'_> {
     }
 
     /// The values after an opening bracket, up to `end`.
-    fn group(&mut self, end: char) -> Result<Vec<Value>, Fault> {
+    fn group(&mut self, end: char) -> Result<Vec<Value>, OptionError> {
         if self.depth == MAX_DEPTH {
-            return Err(Fault::new(self.at, format!("more than {MAX_DEPTH} brackets are open")));
+            return Err(OptionError::new(
+                self.at,
+                format!("more than {MAX_DEPTH} brackets are open"),
+            ));
         }
         (self.at, self.depth) = (self.at + 1, self.depth + 1);
         let values = self.values(Some(end))?;
@@ -160,7 +165,7 @@ impl Parser<'_> {
     }
 
     /// Returns the text in quotes. Quotes and backslashes of the text are escaped by a backslash.
-    fn quoted(&mut self) -> Result<String, Fault> {
+    fn quoted(&mut self) -> Result<String, OptionError> {
         let (start, mut text) = (self.at, String::new());
         let mut characters = self.text[start + 1..].char_indices();
         while let Some((i, c)) = characters.next() {
@@ -173,11 +178,11 @@ impl Parser<'_> {
                 c => text.push(c),
             }
         }
-        Err(Fault::new(start, "the quotes are not closed"))
+        Err(OptionError::new(start, "the quotes are not closed"))
     }
 
     /// A word, a word with arguments, or a number.
-    fn word(&mut self) -> Result<ValueKind, Fault> {
+    fn word(&mut self) -> Result<ValueKind, OptionError> {
         let rest = &self.text[self.at..];
         let mut length = 0;
         while let Some(next) = rest[length..].chars().next() {
@@ -191,7 +196,7 @@ impl Parser<'_> {
         }
         let (at, word) = (self.at, &rest[..length]);
         if word.is_empty() {
-            return Err(Fault::new(at, "expected a value"));
+            return Err(OptionError::new(at, "expected a value"));
         }
         self.at += length;
         if word.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+' | '.'))

@@ -280,8 +280,8 @@ mod tests {
                 &ModuleTree::links(&model),
             ));
             let graph = optimize(Tracer::new(&mechanism).forward_dynamics(&links));
-            let figures = |graph: &Graph| [critical_path(graph) as usize, graph.count().total()];
-            assert_eq!((figures(&graph), figures(&balance(&graph))), (before, after), "{robot}");
+            let costs = |graph: &Graph| [critical_path(graph) as usize, graph.count().total()];
+            assert_eq!((costs(&graph), costs(&balance(&graph))), (before, after), "{robot}");
         }
     }
 }

@@ -1,13 +1,15 @@
 //! The passes: rewrites of whole graphs, one file for each, in the order of this list. `differentiate` makes graphs of
-//! derivatives.
+//! products with derivatives, `jacobian` makes graphs of whole matrices.
 
 mod balance;
 mod differentiate;
 mod factor;
+mod jacobian;
 
 use crate::graph::Graph;
 pub use balance::balance;
 pub use differentiate::{jvp, vjp};
+pub use jacobian::{hessian, jacobian, unit_vector};
 
 /// A rewrite that keeps the outputs.
 type Pass = fn(&Graph) -> Graph;

@@ -5,12 +5,11 @@
 
 use std::collections::BTreeMap;
 
+use super::Tracing;
 use super::functions::{ARGUMENTS, Argument, CForm, Function, Row, Trace};
 use super::shape::{Record, Shape, Sizes};
-use super::{Tracing, packing};
 use crate::graph::{Graph, Id, Node};
 use crate::names;
-use crate::passes::optimize;
 use crate::trace::Tracer;
 
 /// A bundle of functions.
@@ -156,9 +155,9 @@ impl<'a> Graphs<'a> {
         candidates.into_iter().zip(choice).map(|(mut all, k)| all.swap_remove(k)).collect()
     }
 
-    /// Returns the graph on scalars.
+    /// Returns the union of the graphs of all members on scalars, before all passes.
     pub(super) fn scalar(&self) -> Graph {
-        packing::balanced(optimize(self.union(&self.members.iter().collect::<Vec<_>>())))
+        self.union(&self.members.iter().collect::<Vec<_>>())
     }
 
     /// Returns the union of the graphs of all members before all passes. `packed` returns the packed graph of a member,

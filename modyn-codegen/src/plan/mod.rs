@@ -8,9 +8,13 @@
 //! columns, and the balancing of sums (`packing`). A back end receives a [`Plan`] and prints it.
 
 mod bundle;
+mod casadi;
+mod choices;
+mod constants;
 mod factorization;
 mod frames;
 mod functions;
+mod measures;
 mod packing;
 pub mod partition;
 mod shape;
@@ -25,10 +29,13 @@ use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
 pub use bundle::{Bundle, Member};
+pub use casadi::{CasadiFunction, CasadiMatrix, CasadiPlan};
+pub use choices::{Choices, Execution};
+pub use constants::{BaseParameterTable, Constants};
 pub use factorization::FactorFunction;
-pub(crate) use frames::MAX_OWN_FUNCTIONS;
 pub use frames::{Frames, LinkCode};
 pub use functions::{Argument, CForm, Function, Packing, Row, Trace};
+pub use measures::Measures;
 pub use shape::{Record, Shape, Sizes};
 
 use crate::graph::Graph;
@@ -36,42 +43,13 @@ use crate::names;
 use crate::passes::optimize;
 use crate::program::{Program, Target};
 use crate::trace::{LimbPacking, Parameters, Tracer};
-use partition::Choice;
-
-/// The way equal limbs and columns of one state are computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Strategy {
-    /// One after the other.
-    Scalar,
-    /// By one routine, with a table of constants for each limb.
-    Routines,
-    /// Packed into vectors, on processors that have them.
-    Vectors,
-    /// One after another, one state in each thread of a graphics processor.
-    Threads,
-}
-
-/// The choices of a user that a plan depends on.
-#[derive(Clone, Debug)]
-pub struct Choices<'a> {
-    /// The selected functions.
-    pub functions: &'a [Function],
-    /// The bundles of functions.
-    pub bundles: &'a [Bundle],
-    /// The way equal limbs and columns are computed.
-    pub strategy: Strategy,
-    /// Whether functions of many states are generated.
-    pub batches: bool,
-    /// Whether gravity is an argument.
-    pub runtime_gravity: bool,
-    /// The links whose own inertia is an argument, as indices into the model's frames.
-    pub runtime_inertia: &'a [usize],
-    /// The links with a payload that is an argument, as indices into the model's frames.
-    pub payload: &'a [usize],
-}
+use choices::Strategy;
+use partition::ChosenPartition;
 
 /// The programs of a robot.
 pub struct Plan {
+    /// The choices of the user.
+    pub choices: Choices,
     /// The functions of one state, in the order of [`Function::ALL`]; then the bundles.
     pub functions: Vec<Planned>,
     /// The functions of many states, in this order.
@@ -90,7 +68,7 @@ pub struct Plan {
     /// The links, grouped by their programs.
     pub frames: Frames,
     /// The modules of forward dynamics.
-    pub eliminated: ModuleTree,
+    pub elimination_modules: ModuleTree,
     /// The partitions that were considered, with their operations; the chosen one is first.
     pub candidates: Vec<(&'static str, usize)>,
 }
@@ -207,11 +185,18 @@ pub struct Tracing<'a> {
 }
 
 impl Plan {
-    /// Returns the plan of `model`'s functions; `modules` is the user's partition.
+    /// Returns the plan of `model`'s functions for a back end that runs them in this way; `modules` is the user's partition.
     #[must_use]
-    pub fn new(model: &Model, modules: &ModuleTree, choices: &Choices<'_>) -> Self {
+    pub fn new(
+        model: &Model,
+        modules: &ModuleTree,
+        choices: &Choices,
+        execution: Execution,
+    ) -> Self {
+        let strategy = choices.strategy(execution);
+        let batches = execution == Execution::Vectors;
         let mechanism = Mechanism::new(model);
-        let (inertias, payloads) = (choices.runtime_inertia, choices.payload);
+        let (inertias, payloads) = (&*choices.runtime_inertia, &*choices.payload);
         let described = inertias.is_empty() && payloads.is_empty();
         let parameters = Parameters::new(model, choices.runtime_gravity, inertias, payloads);
         let frames = Frames::new(&mechanism);
@@ -221,17 +206,18 @@ impl Plan {
             true => Tracer::with_parameters(frames.mechanism_without_links(), parameters.clone()),
             false => all_links.clone(),
         };
-        let Choice { modules: eliminated, graph: forward_dynamics, candidates } =
+        let ChosenPartition { modules: elimination_modules, graph: forward_dynamics, candidates } =
             partition::choose(model, &mechanism, &tracer);
         let layout = UduLayout::new(&mechanism, modules);
         // Limbs with run-time inertias are never equal.
-        let packs = matches!(choices.strategy, Strategy::Routines | Strategy::Vectors) && described;
-        let joins = choices.strategy == Strategy::Vectors;
+        let packs = matches!(strategy, Strategy::Routines | Strategy::Vectors) && described;
+        let joins = strategy == Strategy::Vectors;
         let limbs = if packs { LimbPacking::candidates(&mechanism, joins) } else { Vec::new() };
         // The cheapest partition on scalars may not be the cheapest for packed limbs.
         let uniform = [ModuleTree::links(model), partition::whole_chains(model)];
-        let others = uniform.iter().filter(|modules| !limbs.is_empty() && **modules != eliminated);
-        let partitions: Vec<ModulePartition> = [&eliminated]
+        let others =
+            uniform.iter().filter(|modules| !limbs.is_empty() && **modules != elimination_modules);
+        let partitions: Vec<ModulePartition> = [&elimination_modules]
             .into_iter()
             .chain(others)
             .map(|m| ModulePartition::new(&mechanism, m))
@@ -253,8 +239,8 @@ impl Plan {
             limbs: &limbs,
             partitions: &partitions,
             independent: limbs.first().is_some_and(|limbs| limbs.independent(&mechanism)),
-            vectors: choices.strategy == Strategy::Vectors,
-            elimination: &Elimination::new(&mechanism, &eliminated),
+            vectors: strategy == Strategy::Vectors,
+            elimination: &Elimination::new(&mechanism, &elimination_modules),
             layout: &layout,
             for_derivatives: &UduLayout::new(&mechanism, &partition::whole_chains(model)),
             forward_dynamics: &forward_dynamics,
@@ -262,21 +248,20 @@ impl Plan {
         let selected = |function: &Function| {
             let row = function.row();
             choices.functions.contains(function)
-                && (choices.batches || row.batch_of.is_none())
+                && (batches || row.batch_of.is_none())
                 && function.fits(sizes.constraints, sizes.contacts)
         };
         let selected: Vec<Function> = Function::ALL.iter().copied().filter(selected).collect();
         let mut graphs = Graphs::new(&selected);
         let known = (&tracing, &sizes, parameters.len());
-        let planned =
-            |&function: &Function| Planned::new(function, known, choices.strategy, &mut graphs);
-        let (mut batches, mut functions): (Vec<Planned>, Vec<Planned>) =
+        let planned = |&function: &Function| Planned::new(function, known, strategy, &mut graphs);
+        let (mut many, mut functions): (Vec<Planned>, Vec<Planned>) =
             selected.iter().map(planned).partition(|planned| planned.batch_of.is_some());
-        for bundle in choices.bundles {
-            let batch = choices.batches && bundle.batch;
-            let (one, many) = Planned::bundle(bundle, known, choices.strategy, batch);
+        for bundle in &choices.bundles {
+            let batch = batches && bundle.batch;
+            let (one, of_many) = Planned::bundle(bundle, known, strategy, batch);
             functions.push(one);
-            batches.extend(many);
+            many.extend(of_many);
         }
         let bundled = choices.bundles.iter().flat_map(|bundle| &bundle.members);
         let mut all = selected.iter().copied().chain(bundled.map(|member| member.function));
@@ -288,17 +273,31 @@ impl Plan {
             (entries, program)
         });
         Self {
+            choices: choices.clone(),
             functions,
-            batches,
+            batches: many,
             factorization,
             layout,
             sizes,
             parameters,
             inertia_pivots: pivots,
             frames,
-            eliminated,
+            elimination_modules,
             candidates,
         }
+    }
+
+    /// Returns the operations of one call of each function and bundle, by name.
+    #[must_use]
+    pub fn operations_per_call(&self) -> Vec<(&'static str, OperationCount)> {
+        let planned = self.functions.iter().chain(&self.batches);
+        planned.map(|planned| (planned.name, planned.operations_per_call())).collect()
+    }
+
+    /// Returns the operations of all programs of each function and bundle of one state, by name.
+    #[must_use]
+    pub fn static_operations(&self) -> Vec<(&'static str, OperationCount)> {
+        self.functions.iter().map(|planned| (planned.name, planned.static_operations())).collect()
     }
 }
 
@@ -355,23 +354,23 @@ impl Planned {
                 let graphs = tracing.frames.kernels(|tracer| optimize(trace(tracer)));
                 let (own, shared) =
                     graphs.split_at(tracing.frames.links_with_own_program().count());
-                let own = own.iter().map(|graph| strategy.alone(graph, scalars));
+                let own = own.iter().map(|graph| strategy.scalar_program(graph, scalars));
                 let placed = scalars + Frames::PLACEMENT;
-                let shared = shared.iter().map(|graph| strategy.alone(graph, placed));
+                let shared = shared.iter().map(|graph| strategy.scalar_program(graph, placed));
                 Kernels::ByLink(own.chain(shared).collect())
             }
             Trace::Poses if strategy != Strategy::Threads && tracing.frames.any_shared() => {
                 let [bodies, placed] = tracing.frames.poses().map(optimize);
                 let placed_arguments = Shape::pose().len() + Frames::PLACEMENT;
                 Kernels::Poses {
-                    bodies: strategy.alone(&bodies, scalars),
+                    bodies: strategy.scalar_program(&bodies, scalars),
                     placed: Program::new(&placed, placed_arguments, Target::Scalar),
                     rows: tracing.frames.rows(),
                 }
             }
             Trace::Poses => {
                 let graph = packing::balanced(optimize(tracing.all_links.link_poses()));
-                Kernels::One(strategy.alone(&graph, scalars))
+                Kernels::One(strategy.scalar_program(&graph, scalars))
             }
             Trace::One(trace) => {
                 let graph = graphs.scalar(function, trace, tracing);
@@ -408,7 +407,7 @@ impl Planned {
         let parameters = if bundle.any(|row| row.depends_on_parameters) { parameters } else { 0 };
         let scalars = count(&arguments, parameters);
         let graphs = bundle::Graphs::new(bundle, tracing, sizes, parameters);
-        let graph = graphs.scalar();
+        let graph = packing::balanced(optimize(graphs.scalar()));
         let packed = packing::packed_bundle(bundle, &graphs, tracing, &graph);
         let one = Self {
             function: None,
@@ -438,7 +437,7 @@ impl Planned {
 
 impl Strategy {
     /// Returns the program of a graph on scalars.
-    fn alone(self, graph: &Graph, scalars: usize) -> Program {
+    fn scalar_program(self, graph: &Graph, scalars: usize) -> Program {
         match self {
             Self::Threads => Program::for_threads(graph, scalars),
             _ => Program::new(graph, scalars, Target::Scalar),
@@ -448,7 +447,7 @@ impl Strategy {
     /// Returns the programs of a graph on scalars and, if packing is profitable, of the same function packed.
     fn kernels(self, graph: &Graph, packed: Option<Graph>, scalars: usize) -> Kernels {
         match packed {
-            None => Kernels::One(self.alone(graph, scalars)),
+            None => Kernels::One(self.scalar_program(graph, scalars)),
             Some(packed) if self == Self::Routines => {
                 Kernels::One(Program::repeated(&packed, scalars))
             }

@@ -18,7 +18,7 @@ use crate::passes::optimize;
 use crate::trace::Tracer;
 
 /// Forward dynamics by the cheapest partition.
-pub struct Choice {
+pub struct ChosenPartition {
     /// The chosen modules.
     pub modules: ModuleTree,
     /// The graph after all passes.
@@ -46,7 +46,7 @@ pub fn whole_chains(model: &Model) -> ModuleTree {
 
 /// Returns the cheapest partition, after tracing and counting the candidates.
 #[must_use]
-pub fn choose(model: &Model, mechanism: &Mechanism<f64>, tracer: &Tracer<'_>) -> Choice {
+pub fn choose(model: &Model, mechanism: &Mechanism<f64>, tracer: &Tracer<'_>) -> ChosenPartition {
     let trace =
         |modules: &ModuleTree| tracer.forward_dynamics(&Elimination::new(mechanism, modules));
     let mut search = Search::new(model);
@@ -86,7 +86,7 @@ pub fn choose(model: &Model, mechanism: &Mechanism<f64>, tracer: &Tracer<'_>) ->
         candidates.push(("the modules found by the search", cost));
     }
     candidates.sort_by_key(|(_, cost)| *cost);
-    Choice { modules, graph: optimize(graph), candidates }
+    ChosenPartition { modules, graph: optimize(graph), candidates }
 }
 
 /// The chains of a robot, in groups with the same joint types, and the cut of each group.
@@ -175,7 +175,7 @@ mod tests {
             .expect("good")
             .model;
         let mechanism = Mechanism::new(&model);
-        let Choice { modules, graph, candidates } =
+        let ChosenPartition { modules, graph, candidates } =
             choose(&model, &mechanism, &Tracer::new(&mechanism));
         assert_eq!(candidates[0].0, "the modules found by the search");
         assert!(candidates.iter().all(|(_, cost)| *cost >= candidates[0].1));

@@ -223,6 +223,21 @@ pub(super) mod shapes {
     pub fn forward_vjp(s: &Sizes) -> Shape { vectors("ForwardDynamicsVjp", &["qdd", "dq", "dqd", "dtau"], s) }
     pub fn forward_jvp(s: &Sizes) -> Shape { vectors("ForwardDynamicsJvp", &["qdd", "dqdd"], s) }
 
+    fn hessian(name: &'static str, vectors: &[&'static str], matrices: &[&'static str], s: &Sizes) -> Shape {
+        let vectors = vectors.iter().map(|&field| (field, velocities(s)));
+        named_fields(name, vectors.chain(matrices.iter().map(|&field| (field, square(s)))).collect())
+    }
+
+    pub fn inverse_hessian(s: &Sizes) -> Shape {
+        let matrices = ["dq_dq", "dq_dqd", "dqd_dqd", "dq_dqdd"];
+        hessian("InverseDynamicsHessian", &["tau", "dq", "dqd", "dqdd"], &matrices, s)
+    }
+
+    pub fn forward_hessian(s: &Sizes) -> Shape {
+        let matrices = ["dq_dq", "dq_dqd", "dqd_dqd", "dq_dtau"];
+        hessian("ForwardDynamicsHessian", &["qdd", "dq", "dqd", "dtau"], &matrices, s)
+    }
+
     pub fn step(s: &Sizes) -> Shape {
         Shape::Record(Record::Each("Step"), vec![("q", coordinates(s)), ("qd", velocities(s))])
     }

@@ -12,13 +12,14 @@ impl Program {
     /// If an argument that is read is missing.
     #[must_use]
     pub fn evaluate<S: Scalar>(&self, arguments: &[S]) -> Vec<S> {
-        // For each statement and each of its results, the lanes.
-        let mut values: Vec<Vec<Vec<S>>> = Vec::with_capacity(self.statements.len());
+        let mut values = Values::with_capacity(self.statements.len());
+        // The lanes of the results of a statement, one result after the other.
+        let mut results: Vec<S> = Vec::new();
         for statement in &self.statements {
             let lanes = 0..usize::from(statement.lanes);
-            let at = |operand: &Operand, lane: usize| lane_of(operand, lane, &values, arguments);
-            let each = |of: &dyn Fn(usize) -> S| vec![lanes.clone().map(of).collect::<Vec<S>>()];
-            let results = match &statement.operation {
+            let at = |operand: &Operand, lane: usize| values.lane(operand, lane, arguments);
+            let mut each = |of: &dyn Fn(usize) -> S| results.extend(lanes.clone().map(of));
+            match &statement.operation {
                 Operation::Add(a, b) => each(&|lane| at(a, lane) + at(b, lane)),
                 Operation::Subtract(a, b) => each(&|lane| at(a, lane) - at(b, lane)),
                 Operation::Multiply(a, b) => each(&|lane| at(a, lane) * at(b, lane)),
@@ -34,14 +35,14 @@ impl Program {
                     signed(*negative_product, at(a, lane)).mul_add(at(b, lane), addend)
                 }),
                 Operation::Reciprocal(a) => each(&|lane| at(a, lane).recip()),
-                Operation::SinCos(angles) => angles
-                    .iter()
-                    .flat_map(|angle| {
+                Operation::SinCos(angles) => {
+                    for angle in angles {
                         let both: Vec<(S, S)> =
                             lanes.clone().map(|lane| at(angle, lane).sin_cos()).collect();
-                        [both.iter().map(|x| x.0).collect(), both.iter().map(|x| x.1).collect()]
-                    })
-                    .collect(),
+                        results.extend(both.iter().map(|x| x.0));
+                        results.extend(both.iter().map(|x| x.1));
+                    }
+                }
                 Operation::Atan2(a, b) => each(&|lane| at(a, lane).atan2(at(b, lane))),
                 Operation::SquareRoot(a) => each(&|lane| at(a, lane).sqrt()),
                 Operation::Logarithm(a) => each(&|lane| at(a, lane).ln()),
@@ -53,7 +54,7 @@ impl Program {
                 Operation::Pack(packed) => each(&|lane| at(&packed[lane], 0)),
                 Operation::Constants(packed) => each(&|lane| S::from_f64(packed[lane])),
                 Operation::Unpack(vector) => {
-                    (0..usize::from(vector.lanes)).map(|lane| vec![at(vector, lane)]).collect()
+                    results.extend((0..usize::from(vector.lanes)).map(|lane| at(vector, lane)));
                 }
                 Operation::Call(call) => {
                     let routine = &self.routines[call.routine];
@@ -61,29 +62,49 @@ impl Program {
                     let operands = call.own.iter().chain(&call.common);
                     let all = constants.map(|&x| S::from_f64(x));
                     let all: Vec<S> = all.chain(operands.map(|operand| at(operand, 0))).collect();
-                    routine.program.evaluate(&all).into_iter().map(|x| vec![x]).collect()
+                    results.extend(routine.program.evaluate(&all));
                 }
+            }
+            let width = match &statement.operation {
+                // Each result is a scalar.
+                Operation::Unpack(_) | Operation::Call(_) => 1,
+                _ => usize::from(statement.lanes),
             };
-            values.push(results);
+            values.push(width, &mut results);
         }
-        self.results.iter().map(|result| lane_of(result, 0, &values, arguments)).collect()
+        self.results.iter().map(|result| values.lane(result, 0, arguments)).collect()
     }
 }
 
-/// Returns one lane of an operand.
-fn lane_of<S: Scalar>(
-    operand: &Operand,
-    lane: usize,
-    values: &[Vec<Vec<S>>],
-    arguments: &[S],
-) -> S {
-    let value = match operand.source {
-        Source::Constant(value) => S::from_f64(value),
-        Source::Argument(number) => arguments[number],
-        Source::Result(value) => match &*values[value.statement][value.place] {
-            [scalar] => *scalar,
-            lanes => lanes[lane],
-        },
-    };
-    if operand.negated { -value } else { value }
+/// The results of the statements so far, one after the other.
+struct Values<S> {
+    numbers: Vec<S>,
+    /// For each statement the index of its first number, and the lanes of each of its results.
+    statements: Vec<(usize, usize)>,
+}
+
+impl<S: Scalar> Values<S> {
+    fn with_capacity(statements: usize) -> Self {
+        let numbers = Vec::with_capacity(statements);
+        Self { numbers, statements: Vec::with_capacity(statements) }
+    }
+
+    /// Adds the results of a statement, each with `width` lanes, and leaves `results` empty.
+    fn push(&mut self, width: usize, results: &mut Vec<S>) {
+        self.statements.push((self.numbers.len(), width));
+        self.numbers.append(results);
+    }
+
+    /// Returns one lane of an operand; a scalar is the same in all lanes.
+    fn lane(&self, operand: &Operand, lane: usize, arguments: &[S]) -> S {
+        let value = match operand.source {
+            Source::Constant(value) => S::from_f64(value),
+            Source::Argument(number) => arguments[number],
+            Source::Result(value) => {
+                let (start, width) = self.statements[value.statement];
+                self.numbers[start + value.place * width + if width == 1 { 0 } else { lane }]
+            }
+        };
+        if operand.negated { -value } else { value }
+    }
 }

@@ -23,7 +23,7 @@ use std::ops::Range;
 
 use modyn_runtime::OperationCount;
 
-pub use validate::Fault;
+pub use validate::InvalidProgram;
 
 /// The kind of numbers that a program runs on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -45,9 +45,9 @@ pub(super) fn chunks(program: &Program, limits: Option<&Limits>) -> Vec<Chunk> {
         Target::Scalar | Target::Simd => SCALAR,
     };
     let Limits { whole, chunk } = *limits.unwrap_or(&of_target);
-    let parts = if count <= whole { 1 } else { count.div_ceil(chunk) };
+    let chunks = if count <= whole { 1 } else { count.div_ceil(chunk) };
     let ranges: Vec<Range<usize>> =
-        (0..parts).map(|k| k * count / parts..(k + 1) * count / parts).collect();
+        (0..chunks).map(|k| k * count / chunks..(k + 1) * count / chunks).collect();
     let chunk = |statements: &Range<usize>| {
         let read = statements.clone().flat_map(|s| program.reads(s));
         let earlier = read.filter(|&s| s < statements.start);

@@ -1,7 +1,7 @@
 //! Equal limbs by one routine, with a table of constants for each limb.
 //!
-//! A graph with packed limbs is split into pieces: scalars, then limbs that need them, then scalars that need the limbs,
-//! and so on. Each piece becomes a routine over its inputs. In a limb's routine a value has one lane instead of all
+//! A graph with packed limbs is split into stages: scalars, then limbs that need them, then scalars that need the limbs,
+//! and so on. Each stage becomes a routine over its inputs. In a limb's routine a value has one lane instead of all
 //! lanes, and the routine is called once for each lane.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,12 +13,12 @@ impl Program {
     /// Returns the program, on scalars only, of a graph with packed limbs over `arguments` scalars.
     #[must_use]
     pub fn repeated(graph: &Graph, arguments: usize) -> Self {
-        let pieces = pieces(graph);
+        let stages = stages(graph);
         let (mut statements, mut routines) = (Vec::new(), Vec::new());
-        for (routine, piece) in pieces.iter().enumerate() {
-            let [constants, own, common] = piece.kinds();
-            let operand = |id: &Id, lane| operand(graph, &pieces, *id, lane);
-            for lane in 0..piece.calls {
+        for (routine, stage) in stages.iter().enumerate() {
+            let [constants, own, common] = stage.kinds();
+            let operand = |id: &Id, lane| operand(graph, &stages, *id, lane);
+            for lane in 0..stage.calls {
                 let call = Call {
                     routine,
                     repetition: lane.into(),
@@ -28,7 +28,7 @@ impl Program {
                 statements.push(Statement {
                     operation: Operation::Call(call),
                     lanes: 1,
-                    used: vec![true; piece.outputs.len()],
+                    used: vec![true; stage.outputs.len()],
                     last_use: 0,
                     stores: Vec::new(),
                 });
@@ -38,13 +38,13 @@ impl Program {
                 constants.iter().map(|id| number(id).expect("a constant")).collect()
             };
             routines.push(Routine {
-                program: Self::new(&piece.graph, piece.given.len(), Target::Scalar),
-                tables: (0..piece.calls).map(table).collect(),
+                program: Self::new(&stage.graph, stage.inputs.len(), Target::Scalar),
+                tables: (0..stage.calls).map(table).collect(),
                 own: own.len(),
                 common: common.len(),
             });
         }
-        let results = graph.outputs.iter().map(|&id| operand(graph, &pieces, id, 0)).collect();
+        let results = graph.outputs.iter().map(|&id| operand(graph, &stages, id, 0)).collect();
         let mut program = Self {
             target: Target::Scalar,
             arguments,
@@ -59,9 +59,9 @@ impl Program {
     }
 }
 
-/// An input of a piece.
+/// An input of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Given {
+enum Input {
     /// Constants, one for each lane.
     Table(Id),
     /// A value that differs from lane to lane.
@@ -70,7 +70,7 @@ enum Given {
     Common(Id),
 }
 
-impl Given {
+impl Input {
     fn id(self) -> Id {
         let (Self::Table(id) | Self::Own(id) | Self::Common(id)) = self;
         id
@@ -78,32 +78,32 @@ impl Given {
 }
 
 /// Nodes that one routine computes.
-struct Piece {
+struct Stage {
     /// The number of lanes of the nodes; 1 for scalars.
     width: u8,
     /// The number of calls: the lanes that are used.
     calls: u8,
     /// The index of the first call among all calls.
     first: usize,
-    given: Vec<Given>,
-    /// The nodes that other pieces need.
+    inputs: Vec<Input>,
+    /// The nodes that other stages need.
     outputs: Vec<Id>,
     graph: Graph,
 }
 
 /// Returns one lane of a value, as a call reads it.
-fn operand(graph: &Graph, pieces: &[Piece], id: Id, lane: u8) -> Operand {
+fn operand(graph: &Graph, stages: &[Stage], id: Id, lane: u8) -> Operand {
     let scalar = |source| Operand { source, negated: false, lanes: 1 };
     match graph.node(id) {
         Node::Constant(bits) => scalar(Source::Constant(f64::from_bits(bits))),
         Node::Input(number) => scalar(Source::Argument(number as usize)),
-        Node::ExtractLane(vector, lane) => operand(graph, pieces, vector, lane),
-        Node::Pack(..) => operand(graph, pieces, graph.packed_at(id, lane), 0),
+        Node::ExtractLane(vector, lane) => operand(graph, stages, vector, lane),
+        Node::Pack(..) => operand(graph, stages, graph.packed_at(id, lane), 0),
         _ => {
-            let found = pieces.iter().find_map(|piece| {
-                let place = piece.outputs.iter().position(|&output| output == id)?;
-                let call = if piece.width == 1 { 0 } else { usize::from(lane) };
-                Some(Value { statement: piece.first + call, place })
+            let found = stages.iter().find_map(|stage| {
+                let place = stage.outputs.iter().position(|&output| output == id)?;
+                let call = if stage.width == 1 { 0 } else { usize::from(lane) };
+                Some(Value { statement: stage.first + call, place })
             });
             scalar(Source::Result(
                 found.expect("a value that other chunks read is an output of its chunk"),
@@ -117,8 +117,8 @@ fn is_known(node: Node) -> bool {
     matches!(node, Node::Constant(_) | Node::Input(_) | Node::Pack(..) | Node::ExtractLane(..))
 }
 
-/// Returns the pieces of a graph, each after the pieces that it needs.
-fn pieces(graph: &Graph) -> Vec<Piece> {
+/// Returns the stages of a graph, each after the stages that it needs.
+fn stages(graph: &Graph) -> Vec<Stage> {
     let (nodes, live) = (graph.nodes(), graph.live());
     let mut members: BTreeMap<(usize, u8), Vec<Id>> = BTreeMap::new();
     let mut class = vec![None; nodes.len()];
@@ -129,7 +129,7 @@ fn pieces(graph: &Graph) -> Vec<Piece> {
             members.entry((level, graph.width(id))).or_default().push(id);
         }
     }
-    // The nodes that are needed outside of their piece.
+    // The nodes that are needed outside of their stage.
     let mut needed = vec![false; nodes.len()];
     for (i, node) in nodes.iter().enumerate().filter(|(i, _)| live[*i]) {
         for operand in node.operands().map(|id| id as usize) {
@@ -144,13 +144,13 @@ fn pieces(graph: &Graph) -> Vec<Piece> {
         });
         lanes.max().unwrap_or(1)
     };
-    let mut pieces: Vec<Piece> = Vec::new();
+    let mut stages: Vec<Stage> = Vec::new();
     for ((_, width), ids) in &members {
         let outputs = ids.iter().copied().filter(|&id| needed[id as usize]).collect();
-        let first = pieces.last().map_or(0, |piece| piece.first + usize::from(piece.calls));
-        pieces.push(Piece::new(graph, (*width, lanes(*width), first), ids, outputs));
+        let first = stages.last().map_or(0, |stage| stage.first + usize::from(stage.calls));
+        stages.push(Stage::new(graph, (*width, lanes(*width), first), ids, outputs));
     }
-    pieces
+    stages
 }
 
 /// Returns, for each node, how often the path to it changes between scalars and lanes: even for scalars, odd for lanes.
@@ -167,7 +167,7 @@ fn levels(graph: &Graph) -> Vec<usize> {
     levels
 }
 
-impl Piece {
+impl Stage {
     fn new(
         graph: &Graph,
         (width, calls, first): (u8, u8, usize),
@@ -175,21 +175,21 @@ impl Piece {
         outputs: Vec<Id>,
     ) -> Self {
         let own: BTreeSet<Id> = ids.iter().copied().collect();
-        let given = |id: Id| match graph.node(id) {
+        let input = |id: Id| match graph.node(id) {
             _ if own.contains(&id) => None,
             Node::Constant(_) => None,
-            _ if graph.width(id) == 1 => Some(Given::Common(id)),
-            _ if graph.is_constant(id) => Some(Given::Table(id)),
-            _ => Some(Given::Own(id)),
+            _ if graph.width(id) == 1 => Some(Input::Common(id)),
+            _ if graph.is_constant(id) => Some(Input::Table(id)),
+            _ => Some(Input::Own(id)),
         };
         let operands = ids.iter().flat_map(|&id| graph.node(id).operands());
-        let all: BTreeSet<Given> = operands.filter_map(given).collect();
-        let all: Vec<Given> = all.into_iter().collect();
+        let all: BTreeSet<Input> = operands.filter_map(input).collect();
+        let all: Vec<Input> = all.into_iter().collect();
         let mut made = Graph::default();
         let mut ids_made: BTreeMap<Id, Id> = BTreeMap::new();
-        for (place, given) in all.iter().enumerate() {
-            let input = Node::Input(u32::try_from(place).expect("fewer than 2^32"));
-            ids_made.insert(given.id(), made.make(input));
+        for (place, input) in all.iter().enumerate() {
+            let node = Node::Input(u32::try_from(place).expect("fewer than 2^32"));
+            ids_made.insert(input.id(), made.make(node));
         }
         for &id in ids {
             for operand in graph.node(id).operands() {
@@ -203,14 +203,14 @@ impl Piece {
             ids_made.insert(id, same);
         }
         made.outputs = outputs.iter().map(|id| ids_made[id]).collect();
-        Self { width, calls, first, given: all, outputs, graph: made }
+        Self { width, calls, first, inputs: all, outputs, graph: made }
     }
 
-    /// Returns the inputs of the piece: constants, values of each lane, values that are the same for all lanes.
+    /// Returns the inputs of the stage: constants, values of each lane, values that are the same for all lanes.
     fn kinds(&self) -> [Vec<Id>; 3] {
-        [Given::Table, Given::Own, Given::Common].map(|kind: fn(Id) -> Given| {
-            let ids = self.given.iter().map(|given| given.id());
-            ids.filter(|&id| self.given.contains(&kind(id))).collect()
+        [Input::Table, Input::Own, Input::Common].map(|kind: fn(Id) -> Input| {
+            let ids = self.inputs.iter().map(|input| input.id());
+            ids.filter(|&id| self.inputs.contains(&kind(id))).collect()
         })
     }
 }

@@ -6,7 +6,7 @@ use super::{Call, Chunk, Operand, Operation, Program, Routine, Source, Target, V
 
 /// A violation of a rule.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fault {
+pub struct InvalidProgram {
     /// The statement that breaks the rule; `None` for the program as a whole.
     pub statement: Option<usize>,
     /// The rule.
@@ -20,10 +20,10 @@ impl Program {
     /// # Errors
     ///
     /// Returns the first violation.
-    pub fn validate(&self) -> Result<(), Fault> {
+    pub fn validate(&self) -> Result<(), InvalidProgram> {
         for s in 0..self.statements.len() {
             self.statement_fault(s)
-                .map_or(Ok(()), |rule| Err(Fault { statement: Some(s), rule }))?;
+                .map_or(Ok(()), |rule| Err(InvalidProgram { statement: Some(s), rule }))?;
         }
         let end = self.statements.len();
         let results = self.results.iter().find_map(|result| self.operand_fault(result, end));
@@ -33,7 +33,7 @@ impl Program {
             .or_else(|| self.store_fault())
             .or_else(|| self.cut_fault())
             .or_else(|| self.routines.iter().find_map(routine_fault));
-        rule.map_or(Ok(()), |rule| Err(Fault { statement: None, rule }))?;
+        rule.map_or(Ok(()), |rule| Err(InvalidProgram { statement: None, rule }))?;
         self.routines.iter().try_for_each(|routine| routine.program.validate())
     }
 

@@ -25,13 +25,13 @@ impl Tracer<'_> {
             let count = model.constraints.len();
             let (mut qdd, mut wrenches) = (self.vector(), vec![Wrench::zero(); count]);
             let mut residuals = vec![Twist::zero(); count];
-            let room = &mut ConstraintWorkspace::new(model, layout);
+            let memory = &mut ConstraintWorkspace::new(model, layout);
             let rank = constraints::constrained_forward_dynamics(
                 model,
                 layout,
                 (&q, &qd, &tau),
                 (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), room),
+                (&mut Workspace::new(model), memory),
                 (&mut qdd, &mut wrenches, &mut residuals),
             );
             let wrenches = wrenches.iter().flat_map(Wrench::components);
@@ -64,13 +64,13 @@ impl Tracer<'_> {
         let groups = [nq, nv, contacts, settings_count(self.model)];
         self.trace_groups(groups, |model, [q, qd, active, settings]| {
             let (mut dq, mut dqd) = (self.vector(), self.vector());
-            let room = &mut ConstraintWorkspace::new(model, layout);
+            let memory = &mut ConstraintWorkspace::new(model, layout);
             let rank = constraints::project_constraints(
                 model,
                 layout,
                 (&q, &qd),
                 (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), room),
+                (&mut Workspace::new(model), memory),
                 (&mut dq, &mut dqd),
             );
             [dq, dqd, vec![rank]].concat()
@@ -88,13 +88,13 @@ impl Tracer<'_> {
         self.trace_groups(groups, |model, [q, qd, active, settings]| {
             let (mut after, mut impulses) =
                 (self.vector(), vec![Wrench::zero(); model.constraints.len()]);
-            let room = &mut ConstraintWorkspace::new(model, layout);
+            let memory = &mut ConstraintWorkspace::new(model, layout);
             let rank = constraints::contact_impulse(
                 model,
                 layout,
                 (&q, &qd),
                 (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), room),
+                (&mut Workspace::new(model), memory),
                 (&mut after, &mut impulses),
             );
             let impulses = impulses.iter().flat_map(Wrench::components);
@@ -127,13 +127,13 @@ impl Tracer<'_> {
                 dwrenches_dqd,
                 dwrenches_dtau,
             };
-            let room = &mut ConstraintWorkspace::new(model, layout);
+            let memory = &mut ConstraintWorkspace::new(model, layout);
             let rank = constraints::constrained_forward_dynamics_derivatives(
                 model,
                 layout,
                 (&q, &qd, &tau),
                 (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), room),
+                (&mut Workspace::new(model), memory),
                 outputs,
             );
             let wrenches = wrenches.iter().chain(changes.iter().flatten());
@@ -154,12 +154,12 @@ impl Tracer<'_> {
         self.trace_groups(groups, |model, [q, qd, qdd, active, settings]| {
             let (mut tau, mut wrenches) =
                 (self.vector(), vec![Wrench::zero(); model.constraints.len()]);
-            let room = &mut ConstraintWorkspace::new(model, layout);
+            let memory = &mut ConstraintWorkspace::new(model, layout);
             let rank = constraints::constrained_inverse_dynamics(
                 model,
                 (&q, &qd, &qdd),
                 (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), room),
+                (&mut Workspace::new(model), memory),
                 (&mut tau, &mut wrenches),
             );
             let wrenches = wrenches.iter().flat_map(Wrench::components);
@@ -172,8 +172,8 @@ impl Tracer<'_> {
     pub fn constraint_jacobian(&self, layout: &UduLayout) -> Graph {
         self.trace(|model, [q]| {
             let mut columns = vec![Twist::zero(); model.constraints.len() * model.nv];
-            let room = &mut ConstraintWorkspace::new(model, layout);
-            let rooms = (&mut Workspace::new(model), room);
+            let memory = &mut ConstraintWorkspace::new(model, layout);
+            let rooms = (&mut Workspace::new(model), memory);
             constraints::constraint_jacobian(model, &q, rooms, &mut columns);
             columns.iter().flat_map(Twist::components).collect()
         })
@@ -204,13 +204,13 @@ impl Tracer<'_> {
             let rows: usize = model.constraints.iter().map(|c| c.rows.len()).sum();
             let matrix = || vec![Expr::zero(); rows * rows];
             let (mut inverse, mut inertia) = (matrix(), matrix());
-            let room = &mut ConstraintWorkspace::new(model, layout);
+            let memory = &mut ConstraintWorkspace::new(model, layout);
             let rank = constraints::operational_inertia(
                 model,
                 layout,
                 &q,
                 (&active, &settings_of(&settings)),
-                (&mut Workspace::new(model), room),
+                (&mut Workspace::new(model), memory),
                 (&mut inverse, &mut inertia),
             );
             [inverse, inertia, vec![rank]].concat()

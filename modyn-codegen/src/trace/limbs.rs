@@ -398,12 +398,12 @@ fn optional(dofs: &[&Dof<f64>], of: impl Fn(&Dof<f64>) -> Option<f64>) -> Option
 /// Returns bodies as one body of lanes.
 fn packed_body(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> {
     let first = each[0];
-    let turns = |of: fn(&Body<f64>) -> AxisRotation<f64>| {
+    let rotations = |of: fn(&Body<f64>) -> AxisRotation<f64>| {
         packed_rotation(&each.iter().map(|body| of(body)).collect::<Vec<_>>())
     };
     let mut translations = numbers(each, |b, f| b.placement.translation.0.into_iter().for_each(f));
     let mut inertias = numbers(each, |b, f| _ = b.inertia.map(f));
-    let mut minimal = numbers(each, |b, f| _ = b.base_inertia.map(f));
+    let mut base_inertias = numbers(each, |b, f| _ = b.base_inertia.map(f));
     let next = "as many for each body";
     Body {
         parent: None,
@@ -411,50 +411,51 @@ fn packed_body(each: &[&Body<f64>], dofs: Range<usize>, q: usize) -> Body<Expr> 
         q,
         mimic: None,
         dofs,
-        zero: packed_offset(&each.iter().map(|body| body.zero).collect::<Vec<_>>()),
+        offset: packed_offset(&each.iter().map(|body| body.offset).collect::<Vec<_>>()),
         placement: modyn_runtime::spatial::DhTransform {
-            azimuth: turns(|body| body.placement.azimuth),
+            azimuth: rotations(|body| body.placement.azimuth),
             translation: modyn_runtime::spatial::Vector3(
                 first.placement.translation.0.map(|_| translations.next().expect(next)),
             ),
-            tilt: turns(|body| body.placement.tilt),
+            tilt: rotations(|body| body.placement.tilt),
         },
         link: Pose::identity(),
         inertia: first.inertia.map(|_| inertias.next().expect(next)),
-        base_inertia: first.base_inertia.map(|_| minimal.next().expect(next)),
+        base_inertia: first.base_inertia.map(|_| base_inertias.next().expect(next)),
     }
 }
 
 /// Returns rotations as one rotation of lanes; free of operations if all are the same quarter turn.
-fn packed_rotation(turns: &[AxisRotation<f64>]) -> AxisRotation<Expr> {
+fn packed_rotation(rotations: &[AxisRotation<f64>]) -> AxisRotation<Expr> {
     if let (AxisRotation::Quarters(n), true) =
-        (turns[0], turns.iter().all(|turn| *turn == turns[0]))
+        (rotations[0], rotations.iter().all(|rotation| *rotation == rotations[0]))
     {
         return AxisRotation::Quarters(n);
     }
-    let direction = |turn: &AxisRotation<f64>| match *turn {
+    let direction = |rotation: &AxisRotation<f64>| match *rotation {
         AxisRotation::Angle { cos, sin } => (cos, sin),
         AxisRotation::Quarters(n) => {
             [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][usize::from(n % 4)]
         }
     };
     AxisRotation::Angle {
-        cos: pack(turns.iter().map(|turn| constant(direction(turn).0))),
-        sin: pack(turns.iter().map(|turn| constant(direction(turn).1))),
+        cos: pack(rotations.iter().map(|rotation| constant(direction(rotation).0))),
+        sin: pack(rotations.iter().map(|rotation| constant(direction(rotation).1))),
     }
 }
 
 /// Returns offsets as one offset of lanes.
-fn packed_offset(zeros: &[JointOffset<f64>]) -> JointOffset<Expr> {
-    if let (JointOffset::Quarters(n), true) = (zeros[0], zeros.iter().all(|zero| *zero == zeros[0]))
+fn packed_offset(offsets: &[JointOffset<f64>]) -> JointOffset<Expr> {
+    if let (JointOffset::Quarters(n), true) =
+        (offsets[0], offsets.iter().all(|offset| *offset == offsets[0]))
     {
         return JointOffset::Quarters(n);
     }
-    let angle = |zero: &JointOffset<f64>| match *zero {
+    let angle = |offset: &JointOffset<f64>| match *offset {
         JointOffset::Angle(angle) => angle,
         JointOffset::Quarters(n) => f64::from(n) * std::f64::consts::FRAC_PI_2,
     };
-    JointOffset::Angle(pack(zeros.iter().map(|zero| constant(angle(zero)))))
+    JointOffset::Angle(pack(offsets.iter().map(|offset| constant(angle(offset)))))
 }
 
 #[cfg(test)]

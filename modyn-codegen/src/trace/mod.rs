@@ -3,6 +3,8 @@
 mod constraints;
 mod coordinates;
 mod derivatives;
+mod entries;
+mod hessians;
 mod kinematics;
 mod limbs;
 mod parameters;
@@ -24,6 +26,7 @@ use modyn_runtime::spatial::{Pose, Wrench};
 
 use crate::graph::{Expr, Graph};
 
+pub use entries::EntryDerivatives;
 pub use limbs::LimbPacking;
 pub use parameters::Parameters;
 

@@ -110,7 +110,7 @@ impl Parameters {
             let body = &mut model.bodies[body];
             body.inertia = rest.map(S::from_f64).placed(&body.link);
         }
-        model.minimize();
+        model.update_base_inertias();
     }
 }
 
@@ -123,23 +123,23 @@ impl Tracer<'_> {
     /// checked.
     #[must_use]
     pub fn inertia_pivots(&self) -> Option<(Vec<usize>, Graph)> {
-        let felt = |model: &Mechanism<f64>| {
+        let moves_inertia = |model: &Mechanism<f64>| {
             let mut pivots = vec![0.0; model.nv];
             singular::pivots(model, f64::EPSILON, &mut PivotWorkspace::new(model), &mut pivots);
             pivots.into_iter().map(|pivot| pivot > 0.0).collect::<Vec<bool>>()
         };
         let mut least = self.model.clone();
         self.parameters.remove(&mut least);
-        let (described, least) = (felt(self.model), felt(&least));
-        let needy: Vec<usize> = (0..least.len()).filter(|&v| described[v] && !least[v]).collect();
-        if needy.is_empty() {
+        let (described, least) = (moves_inertia(self.model), moves_inertia(&least));
+        let entries: Vec<usize> = (0..least.len()).filter(|&v| described[v] && !least[v]).collect();
+        if entries.is_empty() {
             return None;
         }
         let graph = self.trace_groups([1], |model, [epsilon]| {
             let mut pivots = self.vector();
             singular::pivots(model, epsilon[0], &mut PivotWorkspace::new(model), &mut pivots);
-            needy.iter().map(|&v| pivots[v]).collect()
+            entries.iter().map(|&v| pivots[v]).collect()
         });
-        Some((needy, graph))
+        Some((entries, graph))
     }
 }

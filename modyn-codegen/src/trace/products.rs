@@ -11,38 +11,65 @@ use crate::graph::{Graph, Id, Node};
 use crate::passes::{jvp, optimize, vjp};
 
 /// A graph of several graphs, with groups of inputs.
-struct Composition {
-    graph: Graph,
+pub(super) struct Composition {
+    pub(super) graph: Graph,
     inputs: u32,
 }
 
 impl Composition {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self { graph: Graph::default(), inputs: 0 }
     }
 
     /// Returns the next `count` inputs.
-    fn inputs(&mut self, count: usize) -> Vec<Id> {
+    pub(super) fn inputs(&mut self, count: usize) -> Vec<Id> {
         let first = self.inputs;
         self.inputs += u32::try_from(count).expect("fewer than 2^32 inputs");
         (first..self.inputs).map(|number| self.graph.make(Node::Input(number))).collect()
     }
 
     /// Adds a graph with these groups of inputs, and returns its outputs.
-    fn add(&mut self, graph: &Graph, groups: &[&[Id]]) -> Vec<Id> {
+    pub(super) fn add(&mut self, graph: &Graph, groups: &[&[Id]]) -> Vec<Id> {
         self.graph.compose(graph, &groups.concat())
     }
 
-    fn negated(&mut self, x: &[Id]) -> Vec<Id> {
+    pub(super) fn negated(&mut self, x: &[Id]) -> Vec<Id> {
         x.iter().map(|&x| self.graph.make(Node::Neg(x))).collect()
     }
 
-    fn difference(&mut self, a: &[Id], b: &[Id]) -> Vec<Id> {
+    pub(super) fn difference(&mut self, a: &[Id], b: &[Id]) -> Vec<Id> {
         a.iter().zip(b).map(|(&a, &b)| self.graph.make(Node::Sub(a, b))).collect()
     }
 
+    pub(super) fn sums(&mut self, a: &[Id], b: &[Id]) -> Vec<Id> {
+        a.iter().zip(b).map(|(&a, &b)| self.sum(a, b)).collect()
+    }
+
+    pub(super) fn sum(&mut self, a: Id, b: Id) -> Id {
+        self.graph.make(Node::Add(a, b))
+    }
+
+    pub(super) fn product(&mut self, a: Id, b: Id) -> Id {
+        self.graph.make(Node::Mul(a, b))
+    }
+
+    pub(super) fn constant(&mut self, value: f64) -> Id {
+        self.graph.constant(value)
+    }
+
+    /// Returns the product of two square matrices of `n` columns, by columns.
+    pub(super) fn multiply(&mut self, a: &[Id], b: &[Id], n: usize) -> Vec<Id> {
+        let mut dot = |i: usize, j: usize| {
+            (0..n).fold(self.constant(0.0), |sum, k| {
+                let product = self.product(a[k * n + i], b[j * n + k]);
+                self.sum(sum, product)
+            })
+        };
+        (0..n * n).map(|k| dot(k % n, k / n)).collect()
+    }
+
     /// Returns the graph with these groups of outputs.
-    fn with_outputs(mut self, groups: &[&[Id]]) -> Graph {
+    pub(super) fn with_outputs(mut self, groups: &[&[Id]]) -> Graph {
         self.graph.outputs = groups.concat();
         self.graph
     }
@@ -55,7 +82,7 @@ impl Tracer<'_> {
     }
 
     /// Returns the inputs that are `q` and the first `vectors` joint vectors.
-    fn state(&self, vectors: usize) -> Range<usize> {
+    pub(super) fn state(&self, vectors: usize) -> Range<usize> {
         0..self.model.nq + vectors * self.model.nv
     }
 
@@ -74,6 +101,20 @@ impl Tracer<'_> {
         all.add(&rates, &[q, &rest, gradient])
     }
 
+    /// Returns the graph of the weighted gradients of a function of `q` and joint vectors, by `q` (in tangent space) and by
+    /// the `vectors` joint vectors. Inputs: `q`, the joint vectors and the weights.
+    pub(super) fn gradient(&self, function: &Graph, vectors: usize) -> Graph {
+        let (nq, nv) = (self.model.nq, self.model.nv);
+        let mut all = Composition::new();
+        let [q, state, weights] = [nq, vectors * nv, nv].map(|count| all.inputs(count));
+        let parameters = all.inputs(self.parameters.len());
+        let gradients = vjp(function, self.inputs(vectors), self.state(vectors));
+        let gradients = all.add(&gradients, &[&q, &state, &parameters, &weights]);
+        let (by_q, rest) = gradients.split_at(nq);
+        let by_q = self.in_tangent_space(&mut all, &q, by_q);
+        all.with_outputs(&[&by_q, rest])
+    }
+
     /// Returns the graph of the joint forces, and of their weighted gradients by `q` (in tangent space), `qd` and `qdd`.
     /// Inputs: `q`, `qd`, `qdd` and the weights.
     #[must_use]
@@ -84,11 +125,9 @@ impl Tracer<'_> {
         let [q, qd, qdd, weights] = [nq, nv, nv, nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
         let tau = all.add(&inverse, &[&q, &qd, &qdd, &parameters]);
-        let gradients = vjp(&inverse, self.inputs(2), self.state(2));
-        let gradients = all.add(&gradients, &[&q, &qd, &qdd, &parameters, &weights]);
-        let (by_q, rest) = gradients.split_at(nq);
-        let by_q = self.in_tangent_space(&mut all, &q, by_q);
-        all.with_outputs(&[&tau, &by_q, rest])
+        let gradients = self.gradient(&inverse, 2);
+        let gradients = all.add(&gradients, &[&q, &qd, &qdd, &weights, &parameters]);
+        all.with_outputs(&[&tau, &gradients])
     }
 
     /// Returns the graph of the joint forces, and of their change. Inputs: `q`, `qd`, `qdd` and their changes, that of `q`

@@ -1,5 +1,5 @@
-//! Whole functions compute the bits of their program's evaluation at all levels, also those that the host lacks. They
-//! read only their arguments and constants, and write only their results and their frame.
+//! Whole functions compute the bits of their program's evaluation with all instruction sets, also those that the host
+//! lacks. They read only their arguments and constants, and write only their results and their frame.
 
 use modyn_codegen::Function;
 use modyn_codegen::graph::{Expr, Graph};
@@ -11,15 +11,21 @@ use super::common::{Fuse, evaluate, is_same, numbers, plan, random::Random, spli
 use super::emulator::{ATAN2, Emulator, LOGARITHM, REDUCE};
 use crate::generate::generate;
 use crate::helper::Helpers;
-use crate::level::Level;
+use crate::instruction_set::InstructionSet;
 use crate::lower::lower;
 
-/// Compares a program at one level, for one state or with a state in each lane.
-fn compare<F: Fuse>(program: &Program, arrays: &[usize], level: Level, batch: bool, state: &[F]) {
-    let values = lower::<F>(program, arrays, level, batch);
+/// Compares a program with one instruction set, for one state or with a state in each lane.
+fn compare<F: Fuse>(
+    program: &Program,
+    arrays: &[usize],
+    instruction_set: InstructionSet,
+    batch: bool,
+    state: &[F],
+) {
+    let values = lower::<F>(program, arrays, instruction_set, batch);
     let helpers = Helpers { reduce: REDUCE, atan2: ATAN2, logarithm: LOGARITHM };
-    let generated = generate(&values, level, size_of::<F>(), arrays.len(), &helpers);
-    let lanes = if batch { level.vector(true) / size_of::<F>() } else { 1 };
+    let generated = generate(&values, instruction_set, size_of::<F>(), arrays.len(), &helpers);
+    let lanes = if batch { instruction_set.vector(true) / size_of::<F>() } else { 1 };
     // The lanes differ: the numbers of one state, rotated.
     let states: Vec<Vec<F>> = (0..lanes)
         .map(|lane| {
@@ -35,18 +41,18 @@ fn compare<F: Fuse>(program: &Program, arrays: &[usize], level: Level, batch: bo
     let results = program.results.len();
     let found = emulator.run(&generated.code, &split(&given, &lengths), results * lanes);
     for (lane, state) in states.iter().enumerate() {
-        let expected = evaluate(program, level, state);
+        let expected = evaluate(program, instruction_set, state);
         for (i, expected) in expected.iter().enumerate() {
             let found = found[i * lanes + lane];
-            assert!(is_same(found, *expected), "{level:?} {i}: {found:?} {expected:?}");
+            assert!(is_same(found, *expected), "{instruction_set:?} {i}: {found:?} {expected:?}");
         }
     }
 }
 
 fn all_levels<F: Fuse>(scalar: &Program, simd: &Program, arrays: &[usize], state: &[F]) {
-    for level in Level::ALL {
-        compare(simd, arrays, level, false, state);
-        compare(scalar, arrays, level, true, state);
+    for instruction_set in InstructionSet::ALL {
+        compare(simd, arrays, instruction_set, false, state);
+        compare(scalar, arrays, instruction_set, true, state);
     }
 }
 
@@ -145,11 +151,17 @@ fn random_programs() {
         let count = arrays.iter().sum();
         let program = random_program(seed, count);
         results += program.results.len();
-        for level in Level::ALL {
-            compare::<f64>(&program, &arrays, level, false, &numbers(seed, count, 3.0));
-            compare::<f32>(&program, &arrays, level, false, &numbers(seed, count, 3.0));
+        for instruction_set in InstructionSet::ALL {
+            compare::<f64>(&program, &arrays, instruction_set, false, &numbers(seed, count, 3.0));
+            compare::<f32>(&program, &arrays, instruction_set, false, &numbers(seed, count, 3.0));
             if program.widths().len() == 1 {
-                compare::<f64>(&program, &arrays, level, true, &numbers(seed, count, 1e6));
+                compare::<f64>(
+                    &program,
+                    &arrays,
+                    instruction_set,
+                    true,
+                    &numbers(seed, count, 1e6),
+                );
             }
         }
     }

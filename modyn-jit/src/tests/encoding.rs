@@ -1,5 +1,5 @@
 //! Each instruction is decoded by iced-x86 and has the given operands; whole functions consist of instructions of the
-//! level.
+//! instruction set.
 
 use iced_x86::{
     Code as Decoded, CpuidFeature, Decoder, DecoderOptions, Instruction, Mnemonic, OpKind, Register,
@@ -9,7 +9,7 @@ use modyn_codegen::{Builder, Function, ReadOptions, read};
 use crate::encode::{Encoder, Encoding, Opcode, Operands, Place};
 use crate::generate::generate;
 use crate::helper::Helpers;
-use crate::level::Level;
+use crate::instruction_set::InstructionSet;
 use crate::lower::lower;
 use crate::opcodes as op;
 use crate::real::Real;
@@ -195,15 +195,15 @@ fn two_operands_are_decoded_unchanged() {
     }
 }
 
-/// Returns all processor features of a level.
-fn has(level: Level, feature: CpuidFeature) -> bool {
+/// Returns all processor features of an instruction set.
+fn has(instruction_set: InstructionSet, feature: CpuidFeature) -> bool {
     use CpuidFeature as F;
     let baseline = [F::INTEL8086, F::INTEL386, F::X64, F::CMOV, F::SSE, F::SSE2];
     let avx2 = [F::AVX, F::AVX2, F::FMA];
     let avx512 = [F::AVX512F, F::AVX512DQ, F::AVX512VL];
     baseline.contains(&feature)
-        || level >= Level::Avx2 && avx2.contains(&feature)
-        || level >= Level::Avx512 && avx512.contains(&feature)
+        || instruction_set >= InstructionSet::Avx2 && avx2.contains(&feature)
+        || instruction_set >= InstructionSet::Avx512 && avx512.contains(&feature)
 }
 
 fn whole_functions<S: Real>(name: &str) {
@@ -219,22 +219,27 @@ fn whole_functions<S: Real>(name: &str) {
             _ => continue,
         };
         let arrays: Vec<usize> = planned.arguments.iter().map(|(_, shape)| shape.len()).collect();
-        for level in Level::ALL {
+        for instruction_set in InstructionSet::ALL {
             for (program, batch) in [(scalar, false), (simd, false), (scalar, true)] {
-                let values = lower::<S>(program, &arrays, level, batch);
+                let values = lower::<S>(program, &arrays, instruction_set, batch);
                 let helpers = Helpers::new::<S>();
-                let generated = generate(&values, level, size_of::<S>(), arrays.len(), &helpers);
+                let generated =
+                    generate(&values, instruction_set, size_of::<S>(), arrays.len(), &helpers);
                 let code = &generated.code[..generated.size.bytes];
                 let mut decoder = Decoder::with_ip(64, code, 0, DecoderOptions::NONE);
                 let mut count = 0;
                 let mut returns = 0;
                 while decoder.can_decode() {
                     let instruction = decoder.decode();
-                    assert!(!instruction.is_invalid(), "{name} {level:?} {}", instruction.ip());
+                    assert!(
+                        !instruction.is_invalid(),
+                        "{name} {instruction_set:?} {}",
+                        instruction.ip()
+                    );
                     let features = instruction.cpuid_features();
                     assert!(
-                        features.iter().all(|&feature| has(level, feature)),
-                        "{name} {level:?} {instruction:?} {features:?}"
+                        features.iter().all(|&feature| has(instruction_set, feature)),
+                        "{name} {instruction_set:?} {instruction:?} {features:?}"
                     );
                     count += 1;
                     if instruction.mnemonic() == Mnemonic::Ret {

@@ -9,7 +9,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use modyn_codegen::plan::Kernels;
 use modyn_codegen::program::Program;
 use modyn_codegen::{Builder, Function, Planning, ReadOptions, read};
-use modyn_jit::{Level, Real};
+use modyn_jit::{InstructionSet, Real};
 use modyn_runtime::Scalar;
 use modyn_runtime::model::Model;
 use modyn_runtime::steps::{self, Step, Steps};
@@ -58,13 +58,13 @@ pub fn split<'a, F>(mut numbers: &'a [F], lengths: &[usize]) -> Vec<&'a [F]> {
     lengths.iter().map(next).collect()
 }
 
-/// Returns the levels of this processor.
-pub fn levels() -> impl Iterator<Item = Level> {
-    let best = Level::detect();
-    Level::ALL.into_iter().filter(move |&level| Some(level) <= best)
+/// Returns the instruction sets of this processor.
+pub fn instruction_sets() -> impl Iterator<Item = InstructionSet> {
+    let best = InstructionSet::detect();
+    InstructionSet::ALL.into_iter().filter(move |&instruction_set| Some(instruction_set) <= best)
 }
 
-/// Returns the programs that a level runs for one state; `None` for functions of a link.
+/// Returns the programs that an instruction set runs for one state; `None` for functions of a link.
 pub fn program(planning: &Planning, function: Function, vectors: bool) -> Option<&Program> {
     let planned = planning.plan.functions.iter().find(|p| p.function == Some(function))?;
     match &planned.kernels {
@@ -197,9 +197,13 @@ fn run<F: Fuse>(steps: &Steps, inputs: [Fused<F>; 2]) -> [Fused<F>; 2] {
     steps.results.map(|step| values[step])
 }
 
-/// Returns a program's results with the level's rounding.
-pub fn evaluate<F: Fuse>(program: &Program, level: Level, arguments: &[F]) -> Vec<F> {
-    if level.fuses() {
+/// Returns a program's results with the instruction set's rounding.
+pub fn evaluate<F: Fuse>(
+    program: &Program,
+    instruction_set: InstructionSet,
+    arguments: &[F],
+) -> Vec<F> {
+    if instruction_set.fuses() {
         let arguments: Vec<Fused<F>> = arguments.iter().copied().map(Fused).collect();
         program.evaluate(&arguments).into_iter().map(|x| x.0).collect()
     } else {

@@ -5,6 +5,8 @@
 //! must have the model's sizes: the [`Interpreter`](crate::Interpreter) checks them, and the compiler
 //! provides them.
 //!
+//! The public items of a folder's files are the folder's: a quantity in a file is exported without another line.
+//!
 //! | file | quantity | source |
 //! |---|---|---|
 //! | `kinematics/links` | poses and motion of the links, Jacobians | A.1 of the paper |
@@ -33,6 +35,9 @@
 //! | `constraints` | forward dynamics of closed loops, constraint wrenches, rank and residuals; projection | Featherstone 2008, Baumgarte 1972, Courrieu 2005 |
 //! | `paper/denoc` | the DeNOC matrices, dense, link by link | (1)-(5), A.1, A.2 |
 //! | `paper/decomposition` | composite and articulated modules, EBUTMs, U, D and their inverses, dense | (1)-(57) |
+//!
+//! Numbers in brackets, A.1, A.2 and Table 6 are those of S. V. Shah, S. K. Saha and A. Dutt, "A new perspective towards
+//! decomposition of the generalized inertia matrix of multibody systems".
 
 pub mod brge;
 pub mod constraints;

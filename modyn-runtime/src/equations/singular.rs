@@ -142,9 +142,9 @@ fn sweep<S: Scalar>(
                 if component < 3 { &next_held.rotational } else { &next_held.translational };
             let rounding = units(CANCELLED) * next_held.entry(component, component)
                 + units(ROTATED) * (block.xx + block.yy + block.zz);
-            let felt =
+            let carried =
                 (rounding - column[component]).select_nonnegative(S::zero(), column[component]);
-            let mut pivot = dof.armature.map_or(felt, |armature| felt + armature);
+            let mut pivot = dof.armature.map_or(carried, |armature| carried + armature);
             if dof.multiplier.is_none()
                 && let Some(&following) = followers.get(dof.v)
             {

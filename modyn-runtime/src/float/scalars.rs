@@ -1,7 +1,7 @@
 //! `f64` and `f32` as scalars.
 
 use super::{elementary, native};
-use crate::scalar::simd::SimdTask;
+use crate::scalar::SimdTask;
 use crate::scalar::{Scalar, trig};
 
 macro_rules! implement_scalar {

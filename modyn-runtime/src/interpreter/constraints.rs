@@ -108,8 +108,8 @@ impl<S: Scalar> Interpreter<S> {
         let Self { mechanism, workspace, model, links, constraints, active, .. } = self;
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
-        let room = constraints.get_or_insert_with(|| ConstraintWorkspace::new(mechanism, layout));
-        Constraints { mechanism, layout, active, rooms: (workspace, room) }
+        let memory = constraints.get_or_insert_with(|| ConstraintWorkspace::new(mechanism, layout));
+        Constraints { mechanism, layout, active, rooms: (workspace, memory) }
     }
 
     /// Computes the displacement (m) and the velocity (rad/s, m/s) of each loop constraint's second frame

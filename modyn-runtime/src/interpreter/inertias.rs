@@ -89,7 +89,7 @@ pub(super) struct Inertias<S> {
     /// For each body, whether the inertia of one of its links has changed.
     changed: Vec<bool>,
     /// For each entry of qd, whether it moves inertia in the description.
-    felt: Vec<bool>,
+    moves_inertia: Vec<bool>,
     pivots: Vec<S>,
     workspace: PivotWorkspace<S>,
 }
@@ -120,7 +120,7 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
             rest,
             links: links.collect(),
             changed: vec![false; mechanism.bodies.len()],
-            felt: pivots.iter().map(|&pivot| pivot > S::zero()).collect(),
+            moves_inertia: pivots.iter().map(|&pivot| pivot > S::zero()).collect(),
             pivots,
             workspace,
         }
@@ -149,15 +149,15 @@ impl<S: Scalar + PartialOrd> Inertias<S> {
                 mechanism.add_inertia(frame, &rigid_inertia(payload));
             }
         }
-        mechanism.minimize();
+        mechanism.update_base_inertias();
     }
 
     /// Returns the first entry of qd, from the leaves, that no longer moves inertia.
     fn first_singular(&mut self, mechanism: &Mechanism<S>) -> Option<usize> {
-        let Self { felt, pivots, workspace, .. } = self;
+        let Self { moves_inertia, pivots, workspace, .. } = self;
         singular::pivots(mechanism, epsilon(), workspace, pivots);
         let positive = |v: usize| pivots[v].partial_cmp(&S::zero()) == Some(Ordering::Greater);
-        (0..felt.len()).rev().find(|&v| felt[v] && !positive(v))
+        (0..moves_inertia.len()).rev().find(|&v| moves_inertia[v] && !positive(v))
     }
 }
 

@@ -6,6 +6,7 @@ mod derivatives;
 mod dynamics;
 mod errors;
 mod factorization;
+mod hessians;
 mod inertias;
 mod kinematics;
 mod momentum;
@@ -29,6 +30,7 @@ pub use constraints::ConstrainedDerivatives;
 pub use derivatives::ForwardDerivatives;
 pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, UpdateError};
 pub use factorization::UduFactorization;
+pub use hessians::HessianOutputs;
 pub use inertias::InertialError;
 pub use steps::StepOutputs;
 
@@ -44,8 +46,8 @@ pub use steps::StepOutputs;
 /// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives), [`set_inertial`](Self::set_inertial) and
 /// [`set_payload`](Self::set_payload) allocate at their first call; and so does the first call of
 /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) or
-/// [`project_constraints`](Self::project_constraints), and the first step. Products with derivatives allocate
-/// matrices at each call.
+/// [`project_constraints`](Self::project_constraints), and the first step. Products with derivatives and
+/// Hessians allocate matrices at each call.
 ///
 /// ```
 /// # let model = include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pendulum.in"));

@@ -56,8 +56,8 @@ impl<S: Scalar> Interpreter<S> {
         let Self { mechanism, workspace, model, links, steps, .. } = self;
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
-        let room = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
-        let (state, rooms) = ((q, qd, tau, dt), (workspace, room));
+        let memory = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
+        let (state, rooms) = ((q, qd, tau, dt), (workspace, memory));
         steps::step_semi_implicit_derivatives(mechanism, layout, state, rooms, outputs);
         Ok(())
     }
@@ -88,8 +88,8 @@ impl<S: Scalar> Interpreter<S> {
     ) -> Result<(), ShapeError> {
         self.check_step((q, qd, tau), (next_q, next_qd))?;
         let Self { mechanism, elimination, workspace, steps, .. } = self;
-        let room = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
-        method(mechanism, elimination, (q, qd, tau, dt), (workspace, room), (next_q, next_qd));
+        let memory = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
+        method(mechanism, elimination, (q, qd, tau, dt), (workspace, memory), (next_q, next_qd));
         Ok(())
     }
 

@@ -1,4 +1,4 @@
-//! Joints: what each joint type contributes to the equations, one file for each type.
+//! Joints: the contribution of each joint type to the equations, one file for each type.
 //!
 //! In the equations every joint axis is the z axis of its link's frame (`mechanism` rotates the frames). A
 //! joint type is therefore described by its effect on spatial quantities about z.

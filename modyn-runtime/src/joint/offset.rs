@@ -15,7 +15,7 @@ pub enum JointOffset<S> {
 impl<S: Scalar> JointOffset<S> {
     /// Returns the rotation by the offset.
     #[must_use]
-    pub fn turn(self) -> AxisRotation<S> {
+    pub fn rotation(self) -> AxisRotation<S> {
         match self {
             Self::Quarters(n) => AxisRotation::Quarters(n),
             Self::Angle(angle) => {

@@ -7,8 +7,8 @@ use crate::spatial::{
 };
 
 /// Returns the rotation at angle `q`.
-pub(super) fn turn<S: Scalar>(zero: JointOffset<S>, q: S) -> AxisRotation<S> {
-    match zero {
+pub(super) fn rotation<S: Scalar>(offset: JointOffset<S>, q: S) -> AxisRotation<S> {
+    match offset {
         JointOffset::Quarters(n) => {
             let (sin, cos) = q.sin_cos();
             let (cos, sin) = match n {
@@ -26,31 +26,31 @@ pub(super) fn turn<S: Scalar>(zero: JointOffset<S>, q: S) -> AxisRotation<S> {
     }
 }
 
-pub(super) fn twist_to_child<S: Scalar>(turn: AxisRotation<S>, t: Twist<S>) -> Twist<S> {
-    let back = turn.inverse();
+pub(super) fn twist_to_child<S: Scalar>(rotation: AxisRotation<S>, t: Twist<S>) -> Twist<S> {
+    let back = rotation.inverse();
     Twist { angular: back.vector(Axis::Z, t.angular), linear: back.vector(Axis::Z, t.linear) }
 }
 
-pub(super) fn wrench_to_parent<S: Scalar>(turn: AxisRotation<S>, w: Wrench<S>) -> Wrench<S> {
-    Wrench { moment: turn.vector(Axis::Z, w.moment), force: turn.vector(Axis::Z, w.force) }
+pub(super) fn wrench_to_parent<S: Scalar>(rotation: AxisRotation<S>, w: Wrench<S>) -> Wrench<S> {
+    Wrench { moment: rotation.vector(Axis::Z, w.moment), force: rotation.vector(Axis::Z, w.force) }
 }
 
 pub(super) fn rigid_to_parent<S: Scalar>(
-    turn: AxisRotation<S>,
+    rotation: AxisRotation<S>,
     i: &RigidInertia<S>,
 ) -> RigidInertia<S> {
     RigidInertia {
         mass: i.mass,
-        first_moment: turn.vector(Axis::Z, i.first_moment),
-        second_moment: turn.symmetric(Axis::Z, &i.second_moment),
+        first_moment: rotation.vector(Axis::Z, i.first_moment),
+        second_moment: rotation.symmetric(Axis::Z, &i.second_moment),
     }
 }
 
 pub(super) fn articulated_to_parent<S: Scalar>(
-    turn: AxisRotation<S>,
+    rotation: AxisRotation<S>,
     i: &ArticulatedInertia<S>,
 ) -> ArticulatedInertia<S> {
-    i.rotated_about(turn, Axis::Z)
+    i.rotated_about(rotation, Axis::Z)
 }
 
 pub(super) fn accelerate<S: Scalar>(

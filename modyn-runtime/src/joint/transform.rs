@@ -30,19 +30,19 @@ pub enum JointTransform<S> {
 }
 
 impl<S: Scalar> JointTransform<S> {
-    /// Returns the transform of `joint` at the coordinates `q`; `zero` is the frame's offset.
+    /// Returns the transform of `joint` at the coordinates `q`; `offset` is the frame's offset.
     #[must_use]
-    pub fn new(joint: ElementaryJoint, zero: JointOffset<S>, q: &[S]) -> Self {
+    pub fn new(joint: ElementaryJoint, offset: JointOffset<S>, q: &[S]) -> Self {
         match (joint, q) {
             (ElementaryJoint::Prismatic, &[q]) => Self::Prismatic(q),
             (ElementaryJoint::Spherical, &[x, y, z, w]) => {
-                Self::Spherical(spherical::rotation(zero, [x, y, z, w]))
+                Self::Spherical(spherical::rotation(offset, [x, y, z, w]))
             }
             (ElementaryJoint::Floating, &[px, py, pz, x, y, z, w]) => Self::Floating {
-                rotation: spherical::rotation(zero, [x, y, z, w]),
-                position: zero.turn().vector(Axis::Z, Vector3([px, py, pz])),
+                rotation: spherical::rotation(offset, [x, y, z, w]),
+                position: offset.rotation().vector(Axis::Z, Vector3([px, py, pz])),
             },
-            (_, q) => Self::Revolute(revolute::turn(zero, q[0])),
+            (_, q) => Self::Revolute(revolute::rotation(offset, q[0])),
         }
     }
 
@@ -85,7 +85,7 @@ impl<S: Scalar> JointTransform<S> {
     #[must_use]
     pub fn to_child(&self, v: Vector3<S>) -> Vector3<S> {
         match self {
-            Self::Revolute(turn) => turn.inverse().vector(Axis::Z, v),
+            Self::Revolute(rotation) => rotation.inverse().vector(Axis::Z, v),
             Self::Prismatic(_) => v,
             Self::Spherical(rotation) | Self::Floating { rotation, .. } => {
                 rotation.transposed().mul_vector(v)
@@ -97,7 +97,7 @@ impl<S: Scalar> JointTransform<S> {
     #[must_use]
     pub fn to_parent(&self, v: Vector3<S>) -> Vector3<S> {
         match self {
-            Self::Revolute(turn) => turn.vector(Axis::Z, v),
+            Self::Revolute(rotation) => rotation.vector(Axis::Z, v),
             Self::Prismatic(_) => v,
             Self::Spherical(rotation) | Self::Floating { rotation, .. } => rotation.mul_vector(v),
         }
@@ -112,15 +112,15 @@ impl<S: Scalar> JointTransform<S> {
     /// Returns a point in the parent frame, from the child frame.
     #[must_use]
     pub fn point_to_parent(&self, point: Vector3<S>) -> Vector3<S> {
-        let turned = self.to_parent(point);
-        self.displacement().map_or(turned, |displacement| turned + displacement)
+        let rotated = self.to_parent(point);
+        self.displacement().map_or(rotated, |displacement| rotated + displacement)
     }
 
     /// Returns the child's axes, from the parent's axes; both as columns, in some third frame.
     #[must_use]
     pub fn rotate_axes(&self, axes: &Matrix3<S>) -> Matrix3<S> {
         match self {
-            Self::Revolute(turn) => turn.columns(Axis::Z, axes),
+            Self::Revolute(rotation) => rotation.columns(Axis::Z, axes),
             Self::Prismatic(_) => *axes,
             Self::Spherical(rotation) | Self::Floating { rotation, .. } => axes.times(rotation),
         }
@@ -131,7 +131,7 @@ impl<S: Scalar> JointTransform<S> {
     #[must_use]
     pub fn twist_to_child(&self, t: Twist<S>) -> Twist<S> {
         match self {
-            Self::Revolute(turn) => revolute::twist_to_child(*turn, t),
+            Self::Revolute(rotation) => revolute::twist_to_child(*rotation, t),
             Self::Prismatic(q) => prismatic::twist_to_child(*q, t),
             Self::Spherical(rotation) => rotated::twist_to_child(rotation, t),
             Self::Floating { rotation, position } => {
@@ -145,7 +145,7 @@ impl<S: Scalar> JointTransform<S> {
     #[must_use]
     pub fn wrench_to_parent(&self, w: Wrench<S>) -> Wrench<S> {
         match self {
-            Self::Revolute(turn) => revolute::wrench_to_parent(*turn, w),
+            Self::Revolute(rotation) => revolute::wrench_to_parent(*rotation, w),
             Self::Prismatic(q) => prismatic::wrench_to_parent(*q, w),
             Self::Spherical(rotation) => rotated::wrench_to_parent(rotation, w),
             Self::Floating { rotation, position } => {
@@ -159,7 +159,7 @@ impl<S: Scalar> JointTransform<S> {
     #[must_use]
     pub fn rigid_to_parent(&self, i: &RigidInertia<S>) -> RigidInertia<S> {
         match self {
-            Self::Revolute(turn) => revolute::rigid_to_parent(*turn, i),
+            Self::Revolute(rotation) => revolute::rigid_to_parent(*rotation, i),
             Self::Prismatic(q) => prismatic::rigid_to_parent(*q, i),
             Self::Spherical(rotation) => i.rotated(rotation),
             Self::Floating { rotation, position } => i.rotated(rotation).shifted(*position),
@@ -177,10 +177,10 @@ impl<S: Scalar> JointTransform<S> {
     ) -> VelocityMoments<S> {
         let twice = |own: &[S]| Vector3(core::array::from_fn(|k| own[k] + own[k]));
         match self {
-            Self::Revolute(turn) => {
-                let turned = self.rigid_to_parent(body);
+            Self::Revolute(rotation) => {
+                let rotated = self.rigid_to_parent(body);
                 let spin = Vector3::along_z(rates[0] + rates[0]);
-                velocities.rotated_about(*turn, Axis::Z).with_angular_velocity(spin, &turned)
+                velocities.rotated_about(*rotation, Axis::Z).with_angular_velocity(spin, &rotated)
             }
             Self::Prismatic(q) => {
                 let slide = Vector3::along_z(rates[0] + rates[0]);
@@ -192,11 +192,11 @@ impl<S: Scalar> JointTransform<S> {
             }
             Self::Floating { rotation, position } => {
                 let (slide, spin) = (twice(rates), twice(&rates[3..]));
-                let turned = body.rotated(rotation);
+                let rotated = body.rotated(rotation);
                 velocities
                     .rotated(rotation)
-                    .with_angular_velocity(rotation.mul_vector(spin), &turned)
-                    .with_linear_velocity(rotation.mul_vector(slide), &turned)
+                    .with_angular_velocity(rotation.mul_vector(spin), &rotated)
+                    .with_linear_velocity(rotation.mul_vector(slide), &rotated)
                     .shifted(*position)
             }
         }
@@ -219,7 +219,7 @@ impl<S: Scalar> JointTransform<S> {
     #[must_use]
     pub fn articulated_to_parent(&self, i: &ArticulatedInertia<S>) -> ArticulatedInertia<S> {
         match self {
-            Self::Revolute(turn) => revolute::articulated_to_parent(*turn, i),
+            Self::Revolute(rotation) => revolute::articulated_to_parent(*rotation, i),
             Self::Prismatic(q) => prismatic::articulated_to_parent(*q, i),
             Self::Spherical(rotation) => i.rotated(rotation),
             Self::Floating { rotation, position } => i.rotated(rotation).shifted(*position),

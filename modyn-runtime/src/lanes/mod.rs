@@ -27,8 +27,8 @@ mod sse2;
 mod vector;
 
 use crate::Scalar;
-pub use crate::scalar::simd::Chunk;
-use crate::scalar::simd::SimdTask;
+pub use crate::scalar::Chunk;
+use crate::scalar::SimdTask;
 use crate::scalar::trig::Precision;
 pub use level::{SimdLevel, force_level, level};
 

@@ -3,7 +3,7 @@
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::Scalar;
-use crate::scalar::simd::Pack;
+use crate::scalar::Pack;
 
 /// The first and the second half of the lanes.
 #[derive(Clone, Copy)]

@@ -27,7 +27,7 @@ one!(f64 f32);
 /// instead of looped over, since rustc would have to unroll a loop at each use.
 macro_rules! pack {
     ($($vector:ty: $lanes:literal of $one:ty, [$($unpacked:literal)*] in [$($lane:literal)*];)*) => {$(
-        impl crate::scalar::simd::Pack<$one, $lanes> for $vector {
+        impl crate::scalar::Pack<$one, $lanes> for $vector {
             #[inline(always)]
             fn broadcast(number: $one) -> Self {
                 <Self as crate::lanes::Lanes>::splat(crate::lanes::simd::SingleLane::number(number))
@@ -64,7 +64,7 @@ macro_rules! backend {
             /// The vector types of these instructions.
             pub enum $set {}
 
-            impl crate::scalar::simd::SimdBackend for $set {
+            impl crate::scalar::SimdBackend for $set {
                 type Number = $float;
                 type One = $one;
                 type Two = $two;
@@ -94,7 +94,7 @@ macro_rules! backend {
             }
 
             $(#[target_feature(enable = $features)])?
-            pub(super) fn $function<W: crate::scalar::simd::SimdTask<$float>>(work: W) -> W::Output {
+            pub(super) fn $function<W: crate::scalar::SimdTask<$float>>(work: W) -> W::Output {
                 work.vectorized::<$set>()
             }
         )*

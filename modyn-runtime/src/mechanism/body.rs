@@ -25,7 +25,7 @@ pub struct Body<S> {
     /// The joint's degrees of freedom, as a range of [`Mechanism::dofs`](super::Mechanism::dofs).
     pub dofs: Range<usize>,
     /// The offset between the joint's coordinate and the angle in this frame.
-    pub zero: JointOffset<S>,
+    pub offset: JointOffset<S>,
     /// The constant pose of the joint's frame in the parent.
     pub placement: DhTransform<S>,
     /// The pose of the model's link frame in this frame; without meaning for a body inside a joint.
@@ -45,7 +45,7 @@ impl<S: Scalar> Body<S> {
             q: self.q,
             mimic: self.mimic.map(|(multiplier, offset)| (f(multiplier), f(offset))),
             dofs: self.dofs.clone(),
-            zero: self.zero.map(f),
+            offset: self.offset.map(f),
             placement: self.placement.map(f),
             link: self.link.map(f),
             inertia: self.inertia.map(f),
@@ -59,9 +59,9 @@ impl<S: Scalar> Body<S> {
         let own = &q[self.q..self.q + self.elementary_joint.nq()];
         match (self.mimic, own) {
             (Some((multiplier, offset)), &[q]) => {
-                JointTransform::new(self.elementary_joint, self.zero, &[multiplier * q + offset])
+                JointTransform::new(self.elementary_joint, self.offset, &[multiplier * q + offset])
             }
-            _ => JointTransform::new(self.elementary_joint, self.zero, own),
+            _ => JointTransform::new(self.elementary_joint, self.offset, own),
         }
     }
 
@@ -130,8 +130,8 @@ impl<S: Scalar> Body<S> {
         mass: S,
         first_moment: Vector3<S>,
     ) -> (S, Vector3<S>) {
-        let turned = motion.to_parent(first_moment);
-        let at_joint = motion.displacement().map_or(turned, |d| turned + d.scale(mass));
+        let rotated = motion.to_parent(first_moment);
+        let at_joint = motion.displacement().map_or(rotated, |d| rotated + d.scale(mass));
         (mass, self.placement.to_parent(at_joint) + self.placement.origin().scale(mass))
     }
 }

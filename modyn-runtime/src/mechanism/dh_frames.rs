@@ -17,7 +17,7 @@ pub(super) struct Frames {
     pub(super) azimuth: Vec<Direction>,
     pub(super) translation: Vec<Vector3<f64>>,
     pub(super) tilt: Vec<Direction>,
-    pub(super) zero: Vec<Direction>,
+    pub(super) offset: Vec<Direction>,
     /// The pose of the model's link frame in the rotated and shifted frame.
     pub(super) link: Vec<Pose<f64>>,
 }
@@ -31,7 +31,7 @@ impl Frames {
             azimuth: Vec::with_capacity(elementary.len()),
             translation: Vec::with_capacity(elementary.len()),
             tilt: Vec::with_capacity(elementary.len()),
-            zero: Vec::with_capacity(elementary.len()),
+            offset: Vec::with_capacity(elementary.len()),
             link: elementary
                 .iter()
                 .map(|a| Pose { rotation: a.frame.transposed().0, translation: [0.0; 3] })
@@ -45,11 +45,11 @@ impl Frames {
                 rotation = back.times(&rotation);
                 translation = back.mul_vector(translation);
             }
-            let [azimuth, tilt, zero] = split(&rotation);
+            let [azimuth, tilt, offset] = split(&rotation);
             frames.translation.push(rotation_by(inverse(azimuth)).vector(Axis::Z, translation));
             frames.azimuth.push(azimuth);
             frames.tilt.push(tilt);
-            frames.zero.push(zero);
+            frames.offset.push(offset);
         }
         frames
     }
@@ -57,11 +57,11 @@ impl Frames {
     /// Rotates each frame about its own z axis. A prismatic joint's frame is rotated by the rotation after its
     /// tilt, a revolute joint's towards its main child, a leaf's towards its centre of mass. Joints without an
     /// axis keep the link's frame, since their velocities are in its axes.
-    pub(super) fn turn(&mut self, elementary: &[ElementaryBody<'_>]) {
+    pub(super) fn rotate(&mut self, elementary: &[ElementaryBody<'_>]) {
         for (i, own) in elementary.iter().enumerate() {
             let by = match self.children[i].first() {
                 _ if self.elementary_joint[i] == ElementaryJoint::Prismatic => {
-                    inverse(self.zero[i])
+                    inverse(self.offset[i])
                 }
                 _ if self.elementary_joint[i] != ElementaryJoint::Revolute => continue,
                 // Parallel axes need no azimuth, so the rotation can simplify the translation.
@@ -72,7 +72,7 @@ impl Frames {
                 }
             };
             // Rz(q) Rz(by): the new frame is ahead of the old frame by `by`.
-            self.zero[i] = combine(self.zero[i], by);
+            self.offset[i] = combine(self.offset[i], by);
             let back = rotation_by(inverse(by));
             let columns = Matrix3(self.link[i].rotation).transposed().0;
             let columns = columns.map(|c| back.vector(Axis::Z, Vector3(c)).0);
@@ -83,7 +83,7 @@ impl Frames {
                 if sin == 0.0 {
                     // Rz(a) Rx(0 or pi) = Rx(0 or pi) Rz(a or -a): it merges with the child's offset.
                     let sense = if cos > 0.0 { azimuth } else { inverse(azimuth) };
-                    self.zero[child] = combine(sense, self.zero[child]);
+                    self.offset[child] = combine(sense, self.offset[child]);
                     self.translation[child] =
                         rotation_by(azimuth).vector(Axis::Z, self.translation[child]);
                 } else {

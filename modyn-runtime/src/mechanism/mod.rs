@@ -9,7 +9,7 @@
 //! 3. **Shifted origins.** A revolute joint's frame may be anywhere along its axis. It is shifted to where one
 //!    component of the translation from its parent vanishes. (2 and 3 generalize Denavit and Hartenberg to
 //!    trees.)
-//! 4. **Base inertia** (`base_inertia`). Mass on a revolute axis moves alike with parent and child. The child's
+//! 4. **Base inertia** (`base_inertia`). Mass on a revolute axis has one motion with the parent and the child. The child's
 //!    mass, first moment along z and second moment along z may therefore be moved to the parent. After a
 //!    prismatic joint this holds for the whole second moment, after a spherical joint for the mass. The child
 //!    keeps the parameters that its joint's force depends on (Gautier and Khalil 1990, "Direct calculation of
@@ -85,6 +85,24 @@ pub struct Mechanism<S> {
 }
 
 impl<S: Scalar> Mechanism<S> {
+    /// Returns the mechanism with `f` applied to its numbers.
+    #[must_use]
+    pub fn map<T>(&self, f: impl Fn(S) -> T + Copy) -> Mechanism<T> {
+        Mechanism {
+            gravity: Vector3(self.gravity.0.map(f)),
+            bodies: self.bodies.iter().map(|body| body.map(f)).collect(),
+            dofs: self.dofs.iter().map(|dof| dof.map(f)).collect(),
+            static_inertia: self.static_inertia.map(f),
+            links: self.links.clone(),
+            nq: self.nq,
+            nv: self.nv,
+            coordinates: self.coordinates.iter().map(|c| c.map(|x| f(*x))).collect(),
+            smooth: self.smooth.map(f),
+            frames: self.frames.iter().map(|frame| frame.map(f)).collect(),
+            constraints: self.constraints.iter().map(|constraint| constraint.map(f)).collect(),
+        }
+    }
+
     /// Returns the structure of each body, in the order of the bodies.
     pub fn structure(&self) -> impl Iterator<Item = BodyStructure> + '_ {
         self.bodies.iter().map(|body| body.structure(&self.dofs))
@@ -139,7 +157,7 @@ impl<S: Scalar> Mechanism<S> {
     }
 
     /// Recomputes the base inertias and the static inertia from the bodies' inertias.
-    pub fn minimize(&mut self) {
+    pub fn update_base_inertias(&mut self) {
         self.static_inertia = base_inertia::move_to_parents(&mut self.bodies);
     }
 }
@@ -150,7 +168,7 @@ impl Mechanism<f64> {
     pub fn new(model: &Model) -> Self {
         let (elementary, links) = expand_composite_joints(model);
         let mut frames = Frames::with_axes_along_z(&elementary);
-        frames.turn(&elementary);
+        frames.rotate(&elementary);
         frames.shift();
         let mut bodies = bodies(&elementary, &frames);
         let static_inertia = base_inertia::move_to_parents(&mut bodies);
@@ -191,20 +209,7 @@ impl Mechanism<f64> {
     /// Returns the mechanism with its numbers as scalars of type `S`.
     #[must_use]
     pub fn cast<S: Scalar>(&self) -> Mechanism<S> {
-        let f = S::from_f64;
-        Mechanism {
-            gravity: Vector3(self.gravity.0.map(f)),
-            bodies: self.bodies.iter().map(|body| body.map(f)).collect(),
-            dofs: self.dofs.iter().map(|dof| dof.map(f)).collect(),
-            static_inertia: self.static_inertia.map(f),
-            links: self.links.clone(),
-            nq: self.nq,
-            nv: self.nv,
-            coordinates: self.coordinates.iter().map(|c| c.map(|x| f(*x))).collect(),
-            smooth: self.smooth.map(f),
-            frames: self.frames.iter().map(|frame| frame.map(f)).collect(),
-            constraints: self.constraints.iter().map(|constraint| constraint.map(f)).collect(),
-        }
+        self.map(S::from_f64)
     }
 }
 
@@ -221,7 +226,7 @@ fn bodies(elementary: &[ElementaryBody<'_>], frames: &Frames) -> Vec<Body<f64>> 
             q: own.q,
             mimic: own.mimic,
             dofs: first..next,
-            zero: match rotation_by(frames.zero[i]) {
+            offset: match rotation_by(frames.offset[i]) {
                 AxisRotation::Quarters(n) => JointOffset::Quarters(n),
                 AxisRotation::Angle { cos, sin } => JointOffset::Angle(libm::atan2(sin, cos)),
             },
@@ -243,16 +248,16 @@ fn dofs(elementary: &[ElementaryBody<'_>], friction: Friction) -> Vec<Dof<f64>> 
     let acting = |x: f64, acts: bool| (acts && x != 0.0).then_some(x);
     let dry = matches!(friction, Friction::Coulomb | Friction::Smooth(_));
     let of = |(body, own): (usize, &ElementaryBody<'_>)| {
-        let drive = own.joint.drive;
+        let dynamics = own.joint.dynamics;
         let (v, multiplier) = (own.v, own.mimic.map(|(multiplier, _)| multiplier));
         own.elementary_joint.components().iter().enumerate().map(move |(k, &component)| Dof {
             body,
             component,
             v: v + k,
             multiplier,
-            armature: acting(drive.armature, true),
-            damping: acting(drive.damping, friction != Friction::None),
-            friction: acting(drive.friction, dry),
+            armature: acting(dynamics.armature, true),
+            damping: acting(dynamics.damping, friction != Friction::None),
+            friction: acting(dynamics.friction, dry),
         })
     };
     elementary.iter().enumerate().flat_map(of).collect()

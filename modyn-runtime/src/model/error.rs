@@ -124,7 +124,7 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
             && finite(&pose.1)
             && finite(&joint.axis)
             && finite(&joint.second_axis)
-            && finite(&[joint.drive.armature, joint.drive.damping, joint.drive.friction])
+            && finite(&[joint.dynamics.armature, joint.dynamics.damping, joint.dynamics.friction])
             && joint.mimic.is_none_or(|mimic| finite(&[mimic.multiplier, mimic.offset]))
             && finite(&[inertial.mass])
             && finite(&inertial.center_of_mass)
@@ -145,7 +145,7 @@ pub(super) fn check(model: &Model) -> Vec<ModelError> {
         {
             report(&joint.name, ModelErrorKind::SecondAxis);
         }
-        if [joint.drive.armature, joint.drive.damping, joint.drive.friction]
+        if [joint.dynamics.armature, joint.dynamics.damping, joint.dynamics.friction]
             .iter()
             .any(|x| *x < 0.0)
         {

@@ -26,7 +26,7 @@ pub struct Joint {
     /// The joint that a mimic joint follows; a mimic joint has no coordinate of its own.
     pub mimic: Option<Mimic>,
     /// Armature, damping and friction.
-    pub drive: JointDynamics,
+    pub dynamics: JointDynamics,
 }
 
 impl Joint {
@@ -46,7 +46,7 @@ impl Joint {
             origin,
             limits: None,
             mimic: None,
-            drive: JointDynamics::default(),
+            dynamics: JointDynamics::default(),
         }
     }
 }

@@ -66,6 +66,8 @@ struct JointIndices {
     v: Range<usize>,
     /// Chains of mimic joints are resolved: the leader has a coordinate of its own.
     mimic: Option<Mimic>,
+    /// The links whose joints mimic this one.
+    followers: Vec<usize>,
 }
 
 impl Model {
@@ -115,14 +117,17 @@ impl Model {
             let own = link.joint.mimic.is_none();
             let joint_type = link.joint.joint_type;
             let (nq, nv) = if own { (joint_type.nq(), joint_type.nv()) } else { (0, 0) };
-            joint_indices.push(JointIndices { q: q..q + nq, v: v..v + nv, mimic: None });
+            let followers = Vec::new();
+            joint_indices.push(JointIndices { q: q..q + nq, v: v..v + nv, mimic: None, followers });
             (q, v) = (q + nq, v + nv);
         }
         for (i, mimic) in self.resolved_mimics().into_iter().enumerate() {
             if let Some(mimic) = mimic {
                 // The leader at the end of a chain has a place of its own.
-                joint_indices[i] =
-                    JointIndices { mimic: Some(mimic), ..joint_indices[mimic.leader].clone() };
+                let leader = &mut joint_indices[mimic.leader];
+                leader.followers.push(i);
+                let (q, v) = (leader.q.clone(), leader.v.clone());
+                joint_indices[i] = JointIndices { q, v, mimic: Some(mimic), followers: Vec::new() };
             }
         }
         joint_indices
@@ -315,8 +320,8 @@ impl Model {
     pub fn coordinate_range(&self, link: usize) -> [f64; 2] {
         let leader = self.mimic(link).map_or(link, |mimic| mimic.leader);
         let own = self.position_limits(leader);
-        let followers = (0..self.links.len()).filter_map(|i| Some((i, self.mimic(i)?)));
-        let followers = followers.filter(|(_, mimic)| mimic.leader == leader);
+        let followers = self.joint_indices.get(leader).map_or(&[][..], |place| &place.followers);
+        let followers = followers.iter().filter_map(|&i| Some((i, self.mimic(i)?)));
         followers.fold(own, |[low, high], (i, mimic)| {
             let bounds = self.position_limits(i);
             let [a, b] = bounds.map(|bound| (bound - mimic.offset) / mimic.multiplier);

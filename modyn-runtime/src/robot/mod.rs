@@ -7,15 +7,17 @@ mod functions;
 use crate::Scalar;
 use crate::configuration::{self, ConfigurationError};
 use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
+use crate::functions::robot_functions;
 use crate::results::{
     ConstrainedForwardDynamics, ConstrainedForwardDynamicsDerivatives, ConstrainedInverseDynamics,
     ConstraintProjection, ConstraintResidual, ContactImpulse, DifferenceDerivatives,
-    ForwardDynamicsDerivatives, ForwardDynamicsJvp, ForwardDynamicsVjp, GeneralizedForces,
-    IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsJvp, InverseDynamicsVjp,
-    JointLimits, KinematicModule, OperationalInertia, Step, StepDerivatives,
+    ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
+    GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian,
+    InverseDynamicsJvp, InverseDynamicsVjp, JointLimits, KinematicModule, OperationalInertia, Step,
+    StepDerivatives,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
-use functions::{declare_functions, missing, robot_functions};
+use functions::{declare_function, declare_functions, missing};
 
 pub use {
     array::Array,

@@ -7,13 +7,16 @@ mod lane_scalar;
 #[cfg(test)]
 pub(crate) mod near_pi;
 mod portable;
-mod real;
-pub(crate) mod simd;
+#[cfg(feature = "alloc")]
+mod tangent;
+mod traits;
 pub(crate) mod trig;
 
 #[cfg(feature = "alloc")]
 pub use lane_scalar::LaneScalar;
 pub use portable::Portable;
-pub use real::Scalar;
-pub(crate) use real::epsilon;
+#[cfg(feature = "alloc")]
+pub(crate) use tangent::Tangent;
+pub(crate) use traits::epsilon;
+pub use traits::{Chunk, Pack, Scalar, SimdBackend, SimdTask};
 pub use trig::{SIN_COS_F32, SIN_COS_F64, SinCosNumbers};

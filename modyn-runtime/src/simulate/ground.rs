@@ -1,6 +1,6 @@
 //! Steps of a robot that touches the ground, and forces of a soft ground.
 
-use super::impulses::{FreeMotion, Stop, Touch, apply_impulses};
+use super::impulses::{FreeMotion, JointStop, StepContact, apply_impulses};
 use super::{State, add_scaled};
 use crate::robot::Factorization;
 use crate::spatial::{Pose, Vector3};
@@ -93,11 +93,11 @@ impl<R: Robot, T: Scalar> State<R, T> {
                 factors.solve(&R::V::<T>::from_fn(|v| columns(contact)[v].linear[k]))
             })
         });
-        let touches = R::PerContact::<Touch<'_, T>>::from_fn(|contact| {
+        let touches = R::PerContact::<StepContact<'_, T>>::from_fn(|contact| {
             let responses = responses.as_ref()[contact].each_ref().map(AsRef::as_ref);
             let displacement = before.displacements.as_ref()[loops + contact];
             let velocity = before.velocities.as_ref()[loops + contact];
-            Touch::new(
+            StepContact::new(
                 &settings.contacts.as_ref()[contact],
                 (columns(contact), responses),
                 (displacement, velocity),
@@ -106,14 +106,14 @@ impl<R: Robot, T: Scalar> State<R, T> {
             )
         });
         let inverse = if ground.joint_limits { Some(factors.inverse()) } else { None };
-        let stops = R::PerVelocity::<Stop<'_, T>>::from_fn(|entry| {
+        let stops = R::PerVelocity::<JointStop<'_, T>>::from_fn(|entry| {
             let inverse = inverse.as_ref().map(AsRef::as_ref);
             let response = inverse.map_or(&[][..], |columns| columns[entry].as_ref());
             let unlimited = (T::zero(), [f64::NEG_INFINITY, f64::INFINITY]);
             let place = coordinate_of::<R>(entry).map_or(unlimited, |i| {
                 (self.q.as_ref()[i], [R::LIMITS.lower[i], R::LIMITS.upper[i]])
             });
-            Stop::new((entry, response), place, settings.beta, dt)
+            JointStop::new((entry, response), place, settings.beta, dt)
         });
         let stops = if ground.joint_limits { stops.as_ref() } else { &[] };
         let mut impulses = R::PerContact::<Vector3<T>>::from_fn(|_| Vector3::zero());

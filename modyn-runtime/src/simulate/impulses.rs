@@ -20,7 +20,7 @@ use crate::{ContactTarget, Scalar};
 
 /// A contact during a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Touch<'a, T> {
+pub struct StepContact<'a, T> {
     /// The Jacobian of the contact's frame, a column for each velocity, in world axes.
     pub columns: &'a [Twist<T>],
     /// The changes of the velocities by unit impulses along x, y and z: I^-1 J^T.
@@ -43,7 +43,7 @@ pub struct Touch<'a, T> {
 
 /// A joint stop during a step: the range of one entry of the velocities.
 #[derive(Clone, Copy, Debug)]
-pub struct Stop<'a, T> {
+pub struct JointStop<'a, T> {
     /// The index of the velocity.
     pub entry: usize,
     /// The changes of the velocities by a unit impulse: a column of the inverse mass matrix.
@@ -61,7 +61,7 @@ pub struct FreeMotion<'a, T> {
     pub velocities: &'a [T],
 }
 
-impl<'a, T: Scalar> Touch<'a, T> {
+impl<'a, T: Scalar> StepContact<'a, T> {
     /// Returns a contact with the target `target`. `before` is the displacement of the contact's frame from the target
     /// and the rate of the displacement, both before the step: the residual of the constraint.
     #[must_use]
@@ -97,7 +97,7 @@ impl<'a, T: Scalar> Touch<'a, T> {
     }
 }
 
-impl<T: Scalar> Touch<'_, T> {
+impl<T: Scalar> StepContact<'_, T> {
     /// Returns the velocity of the contact relative to the ground, in world axes.
     #[must_use]
     pub fn velocity(&self, velocities: &[T]) -> Vector3<T> {
@@ -136,7 +136,7 @@ impl<T: Scalar> Touch<'_, T> {
     }
 }
 
-impl<'a, T: Scalar> Stop<'a, T> {
+impl<'a, T: Scalar> JointStop<'a, T> {
     /// Returns the stop of a joint at the coordinate `at` within `limits`, rad or m; limits may be infinite.
     ///
     /// A joint within its limits may reach them. A joint beyond a limit returns at `beta` (1/s) times its distance.
@@ -175,8 +175,8 @@ impl<'a, T: Scalar> Stop<'a, T> {
 /// adds the resulting changes to `velocities`. On entry, `velocities` must include the effect of the given
 /// impulses.
 pub fn apply_impulses<T: Scalar>(
-    (touches, impulses): (&[Touch<'_, T>], &mut [Vector3<T>]),
-    (stops, stop_impulses): (&[Stop<'_, T>], &mut [T]),
+    (touches, impulses): (&[StepContact<'_, T>], &mut [Vector3<T>]),
+    (stops, stop_impulses): (&[JointStop<'_, T>], &mut [T]),
     sweeps: usize,
     velocities: &mut [T],
 ) {

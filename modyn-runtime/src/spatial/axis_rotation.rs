@@ -78,9 +78,9 @@ impl<S: Scalar> AxisRotation<S> {
     #[must_use]
     pub fn vector(self, about: Axis, v: Vector3<S>) -> Vector3<S> {
         let (i, j, _) = about.indices();
-        let mut turned = v;
-        (turned[i], turned[j]) = self.planar(v[i], v[j]);
-        turned
+        let mut rotated = v;
+        (rotated[i], rotated[j]) = self.planar(v[i], v[j]);
+        rotated
     }
 
     /// Returns M R: each row of the matrix is rotated by R^T.
@@ -97,10 +97,10 @@ impl<S: Scalar> AxisRotation<S> {
     pub fn matrix(self, about: Axis, m: &Matrix3<S>) -> Matrix3<S> {
         let (i, j, k) = about.indices();
         let m = &m.0;
-        let mut turned = *m;
-        (turned[i][k], turned[j][k]) = self.planar(m[i][k], m[j][k]);
-        (turned[k][i], turned[k][j]) = self.planar(m[k][i], m[k][j]);
-        ((turned[i][i], turned[i][j]), (turned[j][i], turned[j][j])) = match self {
+        let mut rotated = *m;
+        (rotated[i][k], rotated[j][k]) = self.planar(m[i][k], m[j][k]);
+        (rotated[k][i], rotated[k][j]) = self.planar(m[k][i], m[k][j]);
+        ((rotated[i][i], rotated[i][j]), (rotated[j][i], rotated[j][j])) = match self {
             Self::Quarters(0) => ((m[i][i], m[i][j]), (m[j][i], m[j][j])),
             Self::Quarters(2) => ((m[i][i], m[i][j]), (m[j][i], m[j][j])),
             Self::Quarters(_) => ((m[j][j], -m[j][i]), (-m[i][j], m[i][i])),
@@ -110,7 +110,7 @@ impl<S: Scalar> AxisRotation<S> {
                 ((m[i][i] - s, c - m[j][i]), (c - m[i][j], m[j][j] + s))
             }
         };
-        Matrix3(turned)
+        Matrix3(rotated)
     }
 
     /// Returns R M R^T of a symmetric matrix.
@@ -118,9 +118,9 @@ impl<S: Scalar> AxisRotation<S> {
     pub fn symmetric(self, about: Axis, m: &Symmetric3<S>) -> Symmetric3<S> {
         let (i, j, k) = about.indices();
         let m = m.full().0;
-        let mut turned = m;
-        (turned[i][k], turned[j][k]) = self.planar(m[i][k], m[j][k]);
-        (turned[i][i], turned[i][j], turned[j][j]) = match self {
+        let mut rotated = m;
+        (rotated[i][k], rotated[j][k]) = self.planar(m[i][k], m[j][k]);
+        (rotated[i][i], rotated[i][j], rotated[j][j]) = match self {
             Self::Quarters(0 | 2) => (m[i][i], m[i][j], m[j][j]),
             Self::Quarters(_) => (m[j][j], -m[i][j], m[i][i]),
             Self::Angle { cos, sin } => {
@@ -132,20 +132,20 @@ impl<S: Scalar> AxisRotation<S> {
         // Either (i, j, k) = (0, 1, 2) or (1, 2, 0): each entry is read from where it was stored.
         match about {
             Axis::Z => Symmetric3 {
-                xx: turned[0][0],
-                xy: turned[0][1],
-                xz: turned[0][2],
-                yy: turned[1][1],
-                yz: turned[1][2],
-                zz: turned[2][2],
+                xx: rotated[0][0],
+                xy: rotated[0][1],
+                xz: rotated[0][2],
+                yy: rotated[1][1],
+                yz: rotated[1][2],
+                zz: rotated[2][2],
             },
             Axis::X => Symmetric3 {
-                xx: turned[0][0],
-                xy: turned[1][0],
-                xz: turned[2][0],
-                yy: turned[1][1],
-                yz: turned[1][2],
-                zz: turned[2][2],
+                xx: rotated[0][0],
+                xy: rotated[1][0],
+                xz: rotated[2][0],
+                yy: rotated[1][1],
+                yz: rotated[1][2],
+                zz: rotated[2][2],
             },
         }
     }

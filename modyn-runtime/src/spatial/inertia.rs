@@ -173,10 +173,10 @@ impl<S: Scalar> ArticulatedInertia<S> {
     #[must_use]
     pub fn times(&self, t: &Twist<S>) -> Wrench<S> {
         let (rotational, translational) = (self.rotational.full(), self.translational.full());
-        let (turned, coupled) = (self.coupling.transposed(), &self.coupling);
+        let (rotated, coupled) = (self.coupling.transposed(), &self.coupling);
         Wrench {
             moment: rotational.mul_vector(t.angular) + coupled.mul_vector(t.linear),
-            force: turned.mul_vector(t.angular) + translational.mul_vector(t.linear),
+            force: rotated.mul_vector(t.angular) + translational.mul_vector(t.linear),
         }
     }
 
@@ -202,27 +202,27 @@ impl<S: Scalar> ArticulatedInertia<S> {
         }
     }
 
-    /// Returns the inertia in the original axes, from the axes rotated by `turn`.
+    /// Returns the inertia in the original axes, from the axes rotated by `rotation`.
     #[must_use]
-    pub fn rotated_about(&self, turn: AxisRotation<S>, about: Axis) -> Self {
+    pub fn rotated_about(&self, rotation: AxisRotation<S>, about: Axis) -> Self {
         Self {
-            rotational: turn.symmetric(about, &self.rotational),
-            coupling: turn.matrix(about, &self.coupling),
-            translational: turn.symmetric(about, &self.translational),
+            rotational: rotation.symmetric(about, &self.rotational),
+            coupling: rotation.matrix(about, &self.coupling),
+            translational: rotation.symmetric(about, &self.translational),
         }
     }
 
     /// Returns the inertia in new axes; the columns of `rotation` are the present axes in the new ones.
     #[must_use]
     pub fn rotated(&self, rotation: &Matrix3<S>) -> Self {
-        let turned = |m: &Symmetric3<S>| {
-            let turned = rotation.congruence(&m.full()).0;
-            Symmetric3::from_fn(|i, j| turned[i][j])
+        let rotated = |m: &Symmetric3<S>| {
+            let rotated = rotation.congruence(&m.full()).0;
+            Symmetric3::from_fn(|i, j| rotated[i][j])
         };
         Self {
-            rotational: turned(&self.rotational),
+            rotational: rotated(&self.rotational),
             coupling: rotation.congruence(&self.coupling),
-            translational: turned(&self.translational),
+            translational: rotated(&self.translational),
         }
     }
 

@@ -229,9 +229,9 @@ pub fn screw_translation_by_rotation<S: Scalar>(w: Vector3<S>, v: Vector3<S>) ->
     let back = Quaternion::exp(w).conjugate();
     Matrix3::from_columns(|k| {
         let unit = Vector3::unit(k);
-        let turned = unit.cross(v);
-        let moved = unit.cross(across) + w.cross(turned);
-        back.rotate(turned.scale(first) + moved.scale(second) + slopes.scale(w.0[k] + w.0[k]))
+        let rotated = unit.cross(v);
+        let moved = unit.cross(across) + w.cross(rotated);
+        back.rotate(rotated.scale(first) + moved.scale(second) + slopes.scale(w.0[k] + w.0[k]))
     })
 }
 
@@ -355,15 +355,15 @@ mod tests {
                 let what = std::format!("at {angle}, {distance} from zero");
                 let aside = Vector3([0.6, 0.0, -0.8].map(|x| Number::from_f64(distance * x)));
                 let w = along([0.48, 0.8, 0.36], at(angle)) + aside;
-                let turned = Quaternion::exp(w);
-                let backwards = turned.scale(-Number::one());
+                let rotated = Quaternion::exp(w);
+                let backwards = rotated.scale(-Number::one());
                 let moved = screw_velocity(w, screw_translation(w, v));
                 for i in 0..3 {
-                    close(turned.log().0[i], w.0[i], &what);
+                    close(rotated.log().0[i], w.0[i], &what);
                     close(backwards.log().0[i], w.0[i], &what);
                     close(moved.0[i], v.0[i], &what);
                 }
-                close(turned.square(), Number::one(), &what);
+                close(rotated.square(), Number::one(), &what);
             }
         }
     }

@@ -57,10 +57,13 @@ impl<S: Scalar> VelocityMoments<S> {
         Self { first: self.first, second: self.second + Matrix3::outer(self.first, p) }
     }
 
-    /// Returns the moments in the original axes, from the axes rotated by `turn`.
+    /// Returns the moments in the original axes, from the axes rotated by `rotation`.
     #[must_use]
-    pub fn rotated_about(&self, turn: AxisRotation<S>, about: Axis) -> Self {
-        Self { first: turn.vector(about, self.first), second: turn.matrix(about, &self.second) }
+    pub fn rotated_about(&self, rotation: AxisRotation<S>, about: Axis) -> Self {
+        Self {
+            first: rotation.vector(about, self.first),
+            second: rotation.matrix(about, &self.second),
+        }
     }
 
     /// Returns the moments in new axes; the columns of `rotation` are the present axes in the new ones.

@@ -80,7 +80,7 @@ fn numbers_are_the_models() {
         for figures in [limits.velocity, limits.effort, armature, damping, friction] {
             assert_eq!(figures.len(), model.nv(), "{name}");
         }
-        for (i, Joint { mimic, limits: stated, drive, .. }) in
+        for (i, Joint { mimic, limits: stated, dynamics, .. }) in
             model.links().iter().map(|link| &link.joint).enumerate()
         {
             // A mimic joint has no entry.
@@ -97,7 +97,11 @@ fn numbers_are_the_models() {
                 let stated = [limit(|l| l.velocity), limit(|l| l.effort)];
                 assert_eq!(found, stated.map(|x| x.unwrap_or(f64::INFINITY)), "{name}");
                 let found = [armature[k], damping[k], friction[k]];
-                assert_eq!(found, [drive.armature, drive.damping, drive.friction], "{name}");
+                assert_eq!(
+                    found,
+                    [dynamics.armature, dynamics.damping, dynamics.friction],
+                    "{name}"
+                );
             }
         }
     }

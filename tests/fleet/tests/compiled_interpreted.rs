@@ -79,11 +79,11 @@ fn the_fleet_is_various() {
         assert!(all.iter().any(is_so), "{joint_type:?}");
     }
     let count = |is_so: &dyn Fn(&Subject) -> bool| all.iter().filter(|s| is_so(s)).count();
-    let drives = |s: &Subject, is_so: fn(&JointDynamics) -> bool| {
-        s.model.links().iter().any(|link| is_so(&link.joint.drive))
+    let has = |s: &Subject, is_so: fn(&JointDynamics) -> bool| {
+        s.model.links().iter().any(|link| is_so(&link.joint.dynamics))
     };
     assert!(count(&|s| s.model.has_mimics()) >= 3, "mimics");
-    assert!(count(&|s| drives(s, |drive| drive.armature > 0.0)) >= 3, "rotors");
+    assert!(count(&|s| has(s, |dynamics| dynamics.armature > 0.0)) >= 3, "rotors");
     assert!(count(&|s| s.model.friction() == Friction::Coulomb) >= 1, "Coulomb friction");
     assert!(count(&|s| matches!(s.model.friction(), Friction::Smooth(_))) >= 2, "friction");
     assert!(count(&|s| s.robot.spec.floating) >= 1, "floating bases");

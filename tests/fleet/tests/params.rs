@@ -64,6 +64,8 @@ fn others<R: Robot + functions::All>(
     let inverse_jvp = R::inverse_dynamics_jvp_with(params, q, qd, qdd, tau, qdd, qd);
     let forward_vjp = R::forward_dynamics_vjp_with(params, q, qd, tau, qdd);
     let forward_jvp = R::forward_dynamics_jvp_with(params, q, qd, tau, qdd, tau, qd);
+    let inverse_hessian = R::inverse_dynamics_hessian_with(params, q, qd, qdd, tau);
+    let forward_hessian = R::forward_dynamics_hessian_with(params, q, qd, tau, qdd);
     let dt = time_step();
     let semi_implicit = R::step_semi_implicit_with(params, q, qd, tau, dt);
     let linear_step = R::step_semi_implicit_derivatives_with(params, q, qd, tau, dt);
@@ -72,6 +74,34 @@ fn others<R: Robot + functions::All>(
         ("inverse_jvp_dtau", list(&inverse_jvp.dtau)),
         ("forward_vjp_dq", list(&forward_vjp.dq)),
         ("forward_jvp_dqdd", list(&forward_jvp.dqdd)),
+        (
+            "inverse_dynamics_hessian",
+            [
+                list(&inverse_hessian.tau),
+                list(&inverse_hessian.dq),
+                list(&inverse_hessian.dqd),
+                list(&inverse_hessian.dqdd),
+                columns(&inverse_hessian.dq_dq),
+                columns(&inverse_hessian.dq_dqd),
+                columns(&inverse_hessian.dqd_dqd),
+                columns(&inverse_hessian.dq_dqdd),
+            ]
+            .concat(),
+        ),
+        (
+            "forward_dynamics_hessian",
+            [
+                list(&forward_hessian.qdd),
+                list(&forward_hessian.dq),
+                list(&forward_hessian.dqd),
+                list(&forward_hessian.dtau),
+                columns(&forward_hessian.dq_dq),
+                columns(&forward_hessian.dq_dqd),
+                columns(&forward_hessian.dqd_dqd),
+                columns(&forward_hessian.dq_dtau),
+            ]
+            .concat(),
+        ),
         ("semi_implicit_qd", list(&semi_implicit.qd)),
         ("linear_step_a", columns(&linear_step.a)),
         ("rk4_qd", list(&R::step_rk4_with(params, q, qd, tau, dt).qd)),
@@ -299,6 +329,8 @@ fn a_types_own_functions_take_parameters_as_the_traits_do() {
         inverse_dynamics_jvp, inverse_dynamics_jvp_with(q, qd, qdd, tau, qdd, qd);
         forward_dynamics_vjp, forward_dynamics_vjp_with(q, qd, tau, qdd);
         forward_dynamics_jvp, forward_dynamics_jvp_with(q, qd, tau, qdd, tau, qd);
+        inverse_dynamics_hessian, inverse_dynamics_hessian_with(q, qd, qdd, tau);
+        forward_dynamics_hessian, forward_dynamics_hessian_with(q, qd, tau, qdd);
         step_semi_implicit, step_semi_implicit_with(q, qd, tau, dt);
         step_semi_implicit_derivatives, step_semi_implicit_derivatives_with(q, qd, tau, dt);
         step_rk4, step_rk4_with(q, qd, tau, dt);

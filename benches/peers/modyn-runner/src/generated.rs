@@ -2,8 +2,8 @@
 
 use std::hint::black_box;
 
-use crate::alone::Alone;
 use crate::measure::Job;
+use crate::scalar_only::ScalarOnly;
 
 /// Returns the numbers as an array.
 fn fixed<const N: usize>(numbers: &[f64]) -> [f64; N] {
@@ -21,13 +21,13 @@ impl<const N: usize> Flat for [f64; N] {
     }
 }
 
-impl<const N: usize> Flat for [Alone; N] {
+impl<const N: usize> Flat for [ScalarOnly; N] {
     fn flat(&self) -> Vec<f64> {
         self.iter().map(|x| x.0).collect()
     }
 }
 
-impl<const N: usize> Flat for [[Alone; N]; N] {
+impl<const N: usize> Flat for [[ScalarOnly; N]; N] {
     fn flat(&self) -> Vec<f64> {
         self.as_flattened().iter().map(|x| x.0).collect()
     }
@@ -182,20 +182,20 @@ macro_rules! generated {
             match job.robot.as_str() {
                 $($name => {
                     type State = (
-                        [Alone; $Robot::NQ],
-                        [Alone; $Robot::NV],
-                        [Alone; $Robot::NV],
-                        [Alone; $Robot::NV],
+                        [ScalarOnly; $Robot::NQ],
+                        [ScalarOnly; $Robot::NV],
+                        [ScalarOnly; $Robot::NV],
+                        [ScalarOnly; $Robot::NV],
                     );
                     let states: Vec<State> = job
                         .states()
                         .iter()
                         .map(|[q, qd, tau, qdd]| {
                             (
-                                fixed(q).map(Alone),
-                                fixed(qd).map(Alone),
-                                fixed(tau).map(Alone),
-                                fixed(qdd).map(Alone),
+                                fixed(q).map(ScalarOnly),
+                                fixed(qd).map(ScalarOnly),
+                                fixed(tau).map(ScalarOnly),
+                                fixed(qdd).map(ScalarOnly),
                             )
                         })
                         .collect();

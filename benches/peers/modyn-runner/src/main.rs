@@ -4,12 +4,12 @@
 //! checked. `modyn-runner c FOLDER` writes the robots' C sources. `modyn-runner CONTENDER FOLDER ROBOT QUANTITY
 //! REPETITIONS` measures.
 
-mod alone;
 mod c;
 mod generated;
 mod interpreted;
 mod measure;
 mod robots;
+mod scalar_only;
 mod states;
 
 use std::path::Path;

@@ -20,9 +20,9 @@ use crate::command::choices::module_tree;
 use crate::command::options::{Functions, functions, modules};
 use crate::command::outcome::{Failure, to_stderr, to_stdout};
 use crate::command::progress::Progress;
-use crate::command::random::Random;
 use crate::command::robot::Robot;
 use crate::command::table::Table;
+use crate::random::Random;
 use harness::Harness;
 use quantities::{Quantity, State, quantities};
 

@@ -1,6 +1,6 @@
 //! The output of `modyn inspect --json`.
 
-use modyn_codegen::CARRIED_BY_F32;
+use modyn_codegen::MAX_CONDITION_F32;
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::Model;
 use serde_json::{Value, json};
@@ -55,7 +55,7 @@ pub fn of(inspection: &Inspection) -> String {
         })).collect::<Vec<_>>(),
         "modules": modules,
         "condition_number": condition.filter(|number| number.is_finite()),
-        "f32_will_do": condition.map(|number| number <= CARRIED_BY_F32),
+        "f32_will_do": condition.map(|number| number <= MAX_CONDITION_F32),
         "functions": costs.as_ref().and_then(|costs| costs.as_ref().ok()).map(|costs| costs.iter().map(cost).collect::<Vec<_>>()),
         "not_compiled": costs.as_ref().and_then(|costs| costs.as_ref().err()).map(|why| diagnostics::to_json(why.as_slice())),
         "diagnostics": diagnostics::to_json(warnings),
@@ -88,9 +88,9 @@ fn joint(model: &Model, link: usize) -> Value {
             "multiplier": mimic.multiplier,
             "offset": mimic.offset,
         })),
-        "armature": joint.drive.armature,
-        "damping": joint.drive.damping,
-        "friction": joint.drive.friction,
+        "armature": joint.dynamics.armature,
+        "damping": joint.dynamics.damping,
+        "friction": joint.dynamics.friction,
         "damping_acts": damps,
         "friction_acts": rubs,
     })

@@ -2,9 +2,7 @@
 
 mod advice;
 mod json;
-mod picture;
 mod size;
-mod sparsity;
 mod text;
 
 use std::collections::BTreeMap;
@@ -23,8 +21,8 @@ use crate::command::options::{Functions, functions, modules};
 use crate::command::outcome::{Failure, to_file, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::Robot;
+use crate::picture::{self, Sparsity};
 use advice::Advice;
-use sparsity::Sparsity;
 
 /// Show a robot: joints, masses, modules, suspicious properties; with `--functions`, the cost of functions
 ///
@@ -102,7 +100,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     progress.stop();
     if let Some(path) = &arguments.svg {
-        let sparsity = Sparsity::of(&inspection.model, &inspection.modules)?;
+        let sparsity = Sparsity::of(&inspection.model, &inspection.modules)
+            .map_err(|why| Failure::usage(format!("error: {why}")))?;
         to_file(path, &picture::draw(&inspection.model, &inspection.modules, &sparsity))?;
     }
     if arguments.json {

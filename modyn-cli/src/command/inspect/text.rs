@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use modyn_codegen::CARRIED_BY_F32;
+use modyn_codegen::MAX_CONDITION_F32;
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_runtime::model::{Contact, Friction, Link, LoopConstraint, Model, ModuleTree};
 use unicode_width::UnicodeWidthStr;
@@ -163,12 +163,14 @@ fn notes(model: &Model, link: usize) -> String {
         let (ratio, offset) = (four_digits(mimic.multiplier), four_digits(mimic.offset));
         notes.push(format!("follows {leader} times {ratio} plus {offset}"));
     }
-    let drive = &joint.drive;
-    if drive.armature != 0.0 {
-        notes.push(format!("rotor {}", four_digits(drive.armature)));
+    let dynamics = &joint.dynamics;
+    if dynamics.armature != 0.0 {
+        notes.push(format!("rotor {}", four_digits(dynamics.armature)));
     }
     let [damps, rubs] = active_friction(model);
-    for (what, x, acts) in [("damping", drive.damping, damps), ("friction", drive.friction, rubs)] {
+    for (what, x, acts) in
+        [("damping", dynamics.damping, damps), ("friction", dynamics.friction, rubs)]
+    {
         if x != 0.0 {
             let inactive = if acts { "" } else { " (does not act)" };
             notes.push(format!("{what} {}{inactive}", four_digits(x)));
@@ -257,7 +259,7 @@ fn conditioning(condition: Option<f64>) -> String {
         None => "not computed: the robot is too large\n".into(),
         Some(number) => format!(
             "mass matrix, scaled to a unit diagonal: up to {number:.1e}; f32 {}\n",
-            if number > CARRIED_BY_F32 {
+            if number > MAX_CONDITION_F32 {
                 "may keep no digits of the accelerations: use f64, or compare with it".into()
             } else {
                 let digits = (F32_DIGITS - number.log10()).floor();

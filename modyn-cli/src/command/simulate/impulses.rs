@@ -4,7 +4,7 @@
 
 use modyn_runtime::model::Model;
 use modyn_runtime::simulate::Ground;
-use modyn_runtime::simulate::impulses::{FreeMotion, Stop, Touch, apply_impulses};
+use modyn_runtime::simulate::impulses::{FreeMotion, JointStop, StepContact, apply_impulses};
 use modyn_runtime::spatial::{Twist, Vector3};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
 
@@ -128,9 +128,9 @@ impl Impulses {
             }
         }
         let ground = Ground::with_friction(self.options.friction.unwrap_or(0.0));
-        let touches: Vec<Touch<'_, f64>> = (0..contacts)
+        let touches: Vec<StepContact<'_, f64>> = (0..contacts)
             .map(|c| {
-                Touch::new(
+                StepContact::new(
                     &settings.contacts[c],
                     (&columns[c * n..][..n], [0, 1, 2].map(|k| &*responses[3 * c + k])),
                     (displacements[c], velocities[c]),
@@ -144,9 +144,9 @@ impl Impulses {
         let stops = self.limited.iter().map(|joint| {
             let response = &inverse[joint.velocity * n..][..n];
             let place = (q[joint.coordinate], joint.range);
-            Stop::new((joint.velocity, response), place, settings.beta, dt)
+            JointStop::new((joint.velocity, response), place, settings.beta, dt)
         });
-        let stops: Vec<Stop<'_, f64>> = stops.collect();
+        let stops: Vec<JointStop<'_, f64>> = stops.collect();
         let (mut impulses, mut torques) = (vec![Vector3::zero(); contacts], vec![0.0; stops.len()]);
         apply_impulses((&touches, &mut impulses), (&stops, &mut torques), ground.sweeps, &mut next);
 

@@ -3,7 +3,6 @@
 mod impulses;
 mod motion;
 mod plot;
-mod skeleton;
 mod table;
 mod torques;
 mod units;
@@ -19,6 +18,7 @@ use crate::command::numbers::numbers;
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::Robot;
+use crate::picture::Skeleton;
 use crate::viewer;
 use impulses::{Options, contradictory_limits};
 use motion::{Motion, Settings};
@@ -106,8 +106,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         to_file(path, &plot::of(&model, &motion))?;
     }
     if let Some(path) = &arguments.html {
-        let skeleton = skeleton::of(&model, &motion)?;
-        to_file(path, &viewer::page(model.name(), &skeleton.edges, &skeleton.frames))?;
+        let skeleton = Skeleton::new(&model);
+        let states = motion.samples.iter().map(|sample| (sample.time, &*sample.q));
+        let frames = skeleton
+            .frames(&model, states)
+            .map_err(|error| Failure::usage(format!("error: {error}")))?;
+        to_file(path, &viewer::page(model.name(), &skeleton.edges, &frames))?;
     }
     if arguments.csv.is_none() && arguments.plot.is_none() && arguments.html.is_none() {
         to_stdout(&table::of(&model, &motion)?)?;

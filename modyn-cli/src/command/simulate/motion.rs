@@ -11,7 +11,7 @@ use modyn_runtime::{ConstraintSettings, ContactTarget, Interpreter, ShapeError};
 use super::impulses::{Impulses, Options};
 use super::torques::Torques;
 use crate::command::outcome::Failure;
-use crate::command::random::Random;
+use crate::random::Random;
 
 /// The settings of the integration.
 pub struct Settings {

@@ -113,7 +113,7 @@ fn grouped(
             panels: entries.map(panel).collect(),
         }
     };
-    let blocks = [Kind::Turn, Kind::Shift, Kind::Quaternion].map(block);
+    let blocks = [Kind::Angle, Kind::Displacement, Kind::Quaternion].map(block);
     blocks.into_iter().filter(|block| !block.panels.is_empty()).collect()
 }
 

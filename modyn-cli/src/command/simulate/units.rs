@@ -7,9 +7,9 @@ use modyn_runtime::model::Model;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// An angle, or a rotation about an axis.
-    Turn,
+    Angle,
     /// A displacement along an axis.
-    Shift,
+    Displacement,
     /// A component of a unit quaternion.
     Quaternion,
 }
@@ -18,20 +18,20 @@ impl Kind {
     /// Returns the unit of the coordinate.
     pub fn coordinate(self) -> &'static str {
         match self {
-            Self::Turn => "rad",
-            Self::Shift => "m",
+            Self::Angle => "rad",
+            Self::Displacement => "m",
             Self::Quaternion => "1",
         }
     }
 
     /// Returns the unit of the velocity.
     pub fn velocity(self) -> &'static str {
-        if self == Self::Shift { "m/s" } else { "rad/s" }
+        if self == Self::Displacement { "m/s" } else { "rad/s" }
     }
 
     /// Returns the unit of the joint force.
     pub fn torque(self) -> &'static str {
-        if self == Self::Shift { "N" } else { "N m" }
+        if self == Self::Displacement { "N" } else { "N m" }
     }
 }
 
@@ -45,16 +45,16 @@ pub fn velocities(model: &Model) -> Vec<Kind> {
     kinds(model, JointType::velocities)
 }
 
-fn kinds(model: &Model, parts: fn(JointType) -> &'static [&'static str]) -> Vec<Kind> {
+fn kinds(model: &Model, components: fn(JointType) -> &'static [&'static str]) -> Vec<Kind> {
     let own = model.links().iter().map(|link| &link.joint).filter(|joint| joint.mimic.is_none());
-    let kind = |joint_type, part: &&str| match *part {
-        "" if joint_type == JointType::Prismatic => Kind::Shift,
-        "x" | "y" | "z" | "vx" | "vy" | "vz" => Kind::Shift,
+    let kind = |joint_type, component: &&str| match *component {
+        "" if joint_type == JointType::Prismatic => Kind::Displacement,
+        "x" | "y" | "z" | "vx" | "vy" | "vz" => Kind::Displacement,
         "qx" | "qy" | "qz" | "qw" => Kind::Quaternion,
-        _ => Kind::Turn,
+        _ => Kind::Angle,
     };
     own.flat_map(|joint| {
-        parts(joint.joint_type).iter().map(move |part| kind(joint.joint_type, part))
+        components(joint.joint_type).iter().map(move |component| kind(joint.joint_type, component))
     })
     .collect()
 }

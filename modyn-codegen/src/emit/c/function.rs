@@ -10,7 +10,7 @@ use crate::program::{Addend, Chunk, MultiplyAdd, Operand, Operation, Program, So
 
 impl Printer {
     /// Prints the function of one program: its routines, its chunks, and the function itself.
-    pub(super) fn function(
+    pub(in crate::emit) fn function(
         &mut self,
         linkage: &str,
         name: &str,
@@ -35,7 +35,7 @@ impl Printer {
         }
         let last = program.chunks.len() - 1;
         for (k, chunk) in program.chunks.iter().enumerate() {
-            let part = |k: usize| Array {
+            let live_out = |k: usize| Array {
                 name: format!("chunk{k}"),
                 len: program.chunks[k].live_out.len(),
             };
@@ -44,18 +44,18 @@ impl Printer {
             let mut text = String::new();
             let (linkage, name, arrays, out) = if k == last {
                 for k in 0..last {
-                    let handed = program.chunks[k].live_in.iter().map(|&k| part(k));
+                    let live_in = program.chunks[k].live_in.iter().map(|&k| live_out(k));
                     let arrays: Vec<Array> =
-                        given.iter().cloned().chain(handed).chain([part(k)]).collect();
+                        given.iter().cloned().chain(live_in).chain([live_out(k)]).collect();
                     let names: Vec<&str> = arrays.iter().map(|array| array.name.as_str()).collect();
-                    let (real, len) = (self.real(), part(k).len.max(1));
+                    let (real, len) = (self.real(), live_out(k).len.max(1));
                     let _ = writeln!(text, "    {real} chunk{k}[{len}];");
                     let _ = writeln!(text, "    {name}_chunk{k}({});", names.join(", "));
                 }
                 (linkage, name.to_string(), given.to_vec(), results)
             } else {
-                let handed = chunk.live_in.iter().map(|&k| part(k));
-                let arrays = given.iter().cloned().chain(handed).collect();
+                let live_in = chunk.live_in.iter().map(|&k| live_out(k));
+                let arrays = given.iter().cloned().chain(live_in).collect();
                 ("static ", format!("{name}_chunk{k}"), arrays, chunk.live_out.len())
             };
             let mut read = BTreeSet::new();

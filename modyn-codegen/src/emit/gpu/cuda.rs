@@ -97,8 +97,8 @@ impl Dialect for Cuda {
         format!("out[{j} * n] = {value};")
     }
 
-    fn handed(&self, chunk: usize, i: usize, _: bool) -> String {
-        format!("part{chunk}[{i}]")
+    fn live_value(&self, chunk: usize, i: usize, _: bool) -> String {
+        format!("chunk{chunk}[{i}]")
     }
 
     fn chunk(
@@ -112,10 +112,10 @@ impl Dialect for Cuda {
         let real = self.real();
         let mut parameters = self.parameters(kernel);
         parameters.push("size_t n".into());
-        parameters.extend(live_in.iter().map(|k| format!("const {real} *__restrict__ part{k}")));
-        parameters.push(format!("{real} *__restrict__ part{own}"));
+        parameters.extend(live_in.iter().map(|k| format!("const {real} *__restrict__ chunk{k}")));
+        parameters.push(format!("{real} *__restrict__ chunk{own}"));
         format!(
-            "static __device__ __noinline__ void {}_part{own}({})\n{{\n{body}}}\n\n",
+            "static __device__ __noinline__ void {}_chunk{own}({})\n{{\n{body}}}\n\n",
             kernel.name,
             parameters.join(", ")
         )
@@ -124,10 +124,10 @@ impl Dialect for Cuda {
     fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String {
         let buffers = kernel.arguments.iter().map(|argument| argument.name.clone());
         let buffers = buffers.chain(["out".into(), "n".into()]);
-        let parts = live_in.iter().chain([&own]).map(|k| format!("part{k}"));
-        let arguments: Vec<String> = buffers.chain(parts).collect();
+        let chunks = live_in.iter().chain([&own]).map(|k| format!("chunk{k}"));
+        let arguments: Vec<String> = buffers.chain(chunks).collect();
         format!(
-            "    {} part{own}[{}];\n    {}_part{own}({});\n",
+            "    {} chunk{own}[{}];\n    {}_chunk{own}({});\n",
             self.real(),
             values[own].max(1),
             kernel.name,

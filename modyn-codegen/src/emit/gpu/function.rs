@@ -30,7 +30,7 @@ pub(super) fn print(
         }
         if inner {
             for (i, &value) in chunk.live_out.iter().enumerate() {
-                let place = dialect.handed(k, i, true);
+                let place = dialect.live_value(k, i, true);
                 let _ = writeln!(lines, "    {place} = {};", body.value(value));
             }
             text += &dialect.chunk(&kernel.description, k, &chunk.live_in, &values, &lines);
@@ -150,7 +150,7 @@ impl Body<'_> {
         }
         let place = |(k, chunk): (usize, &Chunk)| {
             let i = chunk.live_out.binary_search(&value).ok()?;
-            Some(self.dialect.handed(k, i, self.inner))
+            Some(self.dialect.live_value(k, i, self.inner))
         };
         let found = self.kernel.program.chunks.iter().enumerate().find_map(place);
         found.expect("a value that crosses a cut is named there")

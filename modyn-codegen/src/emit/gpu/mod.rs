@@ -127,7 +127,7 @@ trait Dialect {
     fn store(&self, kernel: &GpuKernel, j: usize, value: &str) -> String;
 
     /// Returns entry `i` of the values that an earlier chunk passes on, in a chunk (`inner`) or in the kernel.
-    fn handed(&self, chunk: usize, i: usize, inner: bool) -> String;
+    fn live_value(&self, chunk: usize, i: usize, inner: bool) -> String;
 
     /// Returns the function of a chunk with this body: chunk `k` passes `values[k]` values on, and the function reads
     /// the values of `live_in` and writes those of `own`.

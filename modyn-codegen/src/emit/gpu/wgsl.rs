@@ -120,8 +120,8 @@ impl Dialect for Wgsl {
         format!("{}_out[{j}u * n + state] = {value};", kernel.name)
     }
 
-    fn handed(&self, chunk: usize, i: usize, inner: bool) -> String {
-        if inner { format!("(*part{chunk})[{i}]") } else { format!("part{chunk}[{i}]") }
+    fn live_value(&self, chunk: usize, i: usize, inner: bool) -> String {
+        if inner { format!("(*chunk{chunk})[{i}]") } else { format!("chunk{chunk}[{i}]") }
     }
 
     fn chunk(
@@ -132,20 +132,20 @@ impl Dialect for Wgsl {
         values: &[usize],
         body: &str,
     ) -> String {
-        let parts = live_in.iter().chain([&own]);
-        let parts =
-            parts.map(|&k| format!(", part{k}: ptr<function, array<f32, {}>>", values[k].max(1)));
+        let chunks = live_in.iter().chain([&own]);
+        let chunks =
+            chunks.map(|&k| format!(", chunk{k}: ptr<function, array<f32, {}>>", values[k].max(1)));
         format!(
-            "fn {}_part{own}(n: u32, state: u32{}) {{\n{body}}}\n\n",
+            "fn {}_chunk{own}(n: u32, state: u32{}) {{\n{body}}}\n\n",
             kernel.name,
-            parts.collect::<String>()
+            chunks.collect::<String>()
         )
     }
 
     fn call(&self, kernel: &GpuKernel, own: usize, live_in: &[usize], values: &[usize]) -> String {
-        let parts: String = live_in.iter().chain([&own]).map(|k| format!(", &part{k}")).collect();
+        let chunks: String = live_in.iter().chain([&own]).map(|k| format!(", &chunk{k}")).collect();
         format!(
-            "    var part{own}: array<f32, {}>;\n    {}_part{own}(n, state{parts});\n",
+            "    var chunk{own}: array<f32, {}>;\n    {}_chunk{own}(n, state{chunks});\n",
             values[own].max(1),
             kernel.name
         )

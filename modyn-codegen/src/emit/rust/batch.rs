@@ -5,7 +5,8 @@
 
 use std::fmt::Write as _;
 
-use super::function::{Parameter, function};
+use super::function::function;
+use super::parameter::Parameter;
 use super::shape::Shape;
 use super::{Quantity, Robot};
 use crate::plan::Kernels;
@@ -102,12 +103,12 @@ impl Robot<'_> {
             _ => format!("{}.as_flattened()", p.name),
         };
         let flat: Vec<String> = quantity.parameters.iter().map(flat).collect();
-        let parts = parts(&quantity.shape);
+        let slices = slices_of_result(&quantity.shape);
 
         let dynamic = quantity.runtime_parameter().is_some();
-        let doors: &[(&str, &str)] =
+        let forms: &[(&str, &str)] =
             if dynamic { &[("_with", "params"), ("", "DEFAULT")] } else { &[("", "")] };
-        for (with, params) in doors {
+        for (with, params) in forms {
             let mut first = String::new();
             let numbers = match *params {
                 "params" => {
@@ -119,7 +120,7 @@ impl Robot<'_> {
             };
             let kernel =
                 format!("&{}({numbers}), Self::{}", kernel_name(quantity), table_name(quantity));
-            let door = |suffix: &str, arguments: &[String], docs: &str, body: &str| {
+            let form = |suffix: &str, arguments: &[String], docs: &str, body: &str| {
                 format!(
                     "/// {summary}\n///\n/// {docs}\n///\n/// # Errors\n///\n\
                      /// If the arguments hold different numbers of states.\n\
@@ -128,13 +129,13 @@ impl Robot<'_> {
                 )
             };
             let (unpacked, inputs, outputs) = &split;
-            *text += &door(
+            *text += &form(
                 "batch",
                 &by_columns,
                 "Computes many states: each slice holds one entry for each state. Results are written to the last arguments.",
                 &format!("{unpacked}    __modyn::batch::run({kernel}, [{inputs}], [{outputs}])\n"),
             );
-            let parallel = door(
+            let parallel = form(
                 "batch_par",
                 &by_columns,
                 "Computes many states on all cores: each slice holds one entry for each state. Results are written to the\n/// last arguments.",
@@ -143,12 +144,12 @@ impl Robot<'_> {
                 ),
             );
             let _ = writeln!(text, "__modyn::__with_rayon! {{\n{parallel}}}");
-            *text += &door(
+            *text += &form(
                 "each",
                 &by_states,
                 "Computes many states: each element of a slice is a state. Results are written to the last argument.",
                 &format!(
-                    "    __modyn::batch::run_each({kernel}, [{}], {result}, {parts})\n",
+                    "    __modyn::batch::run_each({kernel}, [{}], {result}, {slices})\n",
                     flat.join(", ")
                 ),
             );
@@ -218,7 +219,7 @@ fn numbered(parameter: &Parameter, quantity: &Quantity<'_>) -> Vec<String> {
 }
 
 /// Returns the closure from a reference `x` to a result to the slices of its numbers.
-fn parts(shape: &Shape) -> String {
+fn slices_of_result(shape: &Shape) -> String {
     let mut lets = Vec::new();
     let slices = match shape {
         Shape::Struct { .. } => slices("x", shape, &mut lets),

@@ -3,13 +3,10 @@
 use std::fmt::Write as _;
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
-use modyn_runtime::equations::kinematics::coordinates;
-use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::Link;
 
 use super::Robot;
-use crate::plan::Function;
+use crate::plan::{BaseParameterTable, Constants};
 
 impl Robot<'_> {
     /// Prints the type's constants.
@@ -17,12 +14,12 @@ impl Robot<'_> {
         let (name, model) = (self.name, self.model);
         let (nq, nv, float) = (model.nq(), model.nv(), self.options.scalar.name());
         let (joints, link_names) = (self.joint_names(), self.link_names());
-        let (links, link_parents) = (link_names.len(), self.link_parents());
+        let Constants { neutral, link_parents, inertial_parameters, base_parameters } =
+            self.constants;
+        let parent = |parent: &Option<usize>| format!("::core::option::Option::{parent:?}");
+        let link_parents: Vec<String> = link_parents.iter().map(parent).collect();
+        let (links, link_parents) = (link_names.len(), link_parents.join(", "));
         let quaternions: Vec<(&str, usize)> = model.quaternions().collect();
-        let parameters: Vec<f64> = (0..model.links().len())
-            .filter_map(|link| model.inertial_parameters(link))
-            .flatten()
-            .collect();
         let _ = writeln!(
             text,
             "impl {name} {{\n\
@@ -47,9 +44,9 @@ impl Robot<'_> {
              /// x.\n\
              pub const QUATERNIONS: [(&'static str, usize); {}] = {quaternions:?};\n\
              /// The neutral coordinates: zero for every joint, the identity for quaternions.\n\
-             pub const NEUTRAL: [{float}; {nq}] = {:?};\n\
+             pub const NEUTRAL: [{float}; {nq}] = {neutral:?};\n\
              /// The inertial parameters of the moving links, ten for each link, as in `regressor`.\n\
-             pub const PARAMETERS: [f64; {}] = {parameters:?};\n\
+             pub const PARAMETERS: [f64; {}] = {inertial_parameters:?};\n\
              /// The acceleration of free fall in world axes, m/s^2.\n\
              pub const GRAVITY: [f64; 3] = {:?};",
             model.name(),
@@ -57,8 +54,7 @@ impl Robot<'_> {
             model.coordinate_names(),
             model.velocity_names(),
             quaternions.len(),
-            self.neutral(),
-            parameters.len(),
+            inertial_parameters.len(),
             model.gravity(),
         );
         let loop_constraints: Vec<&str> =
@@ -81,8 +77,8 @@ impl Robot<'_> {
             );
         }
         self.limits(text);
-        if self.options.functions.contains(&Function::Regressor) {
-            self.base_parameters(text);
+        if let Some(base) = base_parameters {
+            print_base_parameters(text, base);
         }
         self.module_table(text);
         for (quantity, count) in operations {
@@ -96,45 +92,6 @@ impl Robot<'_> {
             );
         }
         text.push_str("}\n\n");
-    }
-
-    /// Prints the base parameters, for robots that have the regressor: finding them takes a while.
-    fn base_parameters(&self, text: &mut String) {
-        let base = BaseParameters::new(self.model);
-        let names: Vec<&str> = base.parameters.iter().map(BaseParameter::name).collect();
-        let _ = writeln!(
-            text,
-            "/// The base parameters, a minimal set of combinations of `PARAMETERS` that determines all joint forces:\n\
-             /// tau is the sum of the base parameters times the columns `BASE_COLUMNS` of `regressor`.\n\
-             pub const BASE_PARAMETERS: [f64; {n}] = {:?};\n\
-             /// The columns of `regressor` that belong to `BASE_PARAMETERS`.\n\
-             pub const BASE_COLUMNS: [usize; {n}] = {:?};\n\
-             /// The combinations of `BASE_PARAMETERS`, as text.\n\
-             pub const BASE_PARAMETER_NAMES: [&'static str; {n}] = {names:?};",
-            base.values(self.model),
-            base.regressor_columns(),
-            n = names.len(),
-        );
-    }
-
-    /// Returns the entries of `LINK_PARENTS`, as text.
-    fn link_parents(&self) -> String {
-        let (links, frames) = (self.model.links(), self.model.frames());
-        let parents = frames.iter().map(|frame| {
-            let carrier = frame.link.and_then(|link| match links[link].name == frame.name {
-                true => links[link].parent,
-                false => Some(link),
-            });
-            let parent = carrier.and_then(|link| self.model.frame_index(&links[link].name));
-            format!("::core::option::Option::{parent:?}")
-        });
-        parents.collect::<Vec<_>>().join(", ")
-    }
-
-    fn neutral(&self) -> Vec<f64> {
-        let mut q = vec![0.0; self.model.nq()];
-        coordinates::neutral(&Mechanism::new(self.model), &mut q);
-        q
     }
 
     fn module_table(&self, text: &mut String) {
@@ -200,10 +157,26 @@ impl Robot<'_> {
             list(nq, &|i, _| self.model.coordinate_range(i)[1]),
             list(nv, &|_, link| limit(link, |l| l.velocity).unwrap_or(f64::INFINITY)),
             list(nv, &|_, link| limit(link, |l| l.effort).unwrap_or(f64::INFINITY)),
-            list(nv, &|_, link| link.joint.drive.armature),
-            list(nv, &|_, link| link.joint.drive.damping),
-            list(nv, &|_, link| link.joint.drive.friction),
+            list(nv, &|_, link| link.joint.dynamics.armature),
+            list(nv, &|_, link| link.joint.dynamics.damping),
+            list(nv, &|_, link| link.joint.dynamics.friction),
             n = self.model.nv(),
         );
     }
+}
+
+/// Prints the base parameters.
+fn print_base_parameters(text: &mut String, base: &BaseParameterTable) {
+    let BaseParameterTable { values, columns, names } = base;
+    let _ = writeln!(
+        text,
+        "/// The base parameters, a minimal set of combinations of `PARAMETERS` that determines all joint forces:\n\
+         /// tau is the sum of the base parameters times the columns `BASE_COLUMNS` of `regressor`.\n\
+         pub const BASE_PARAMETERS: [f64; {n}] = {values:?};\n\
+         /// The columns of `regressor` that belong to `BASE_PARAMETERS`.\n\
+         pub const BASE_COLUMNS: [usize; {n}] = {columns:?};\n\
+         /// The combinations of `BASE_PARAMETERS`, as text.\n\
+         pub const BASE_PARAMETER_NAMES: [&'static str; {n}] = {names:?};",
+        n = names.len(),
+    );
 }

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::function::{Parameter, function, unpacked, vector_types};
+use super::function::{function, vector_types};
+use super::parameter::{Parameter, unpacked};
 use super::{Quantity, Robot};
 use crate::names::helper_type;
 use crate::program::Program;

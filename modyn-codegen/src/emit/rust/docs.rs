@@ -59,7 +59,7 @@ pub(super) fn robot(text: &mut String, robot: &Robot<'_>, operations: &[(&str, O
         lines,
         "\nForward dynamics is computed with {} modules. Operations of the partitions that were considered, before \
          optimisation: {}.",
-        robot.plan.eliminated.modules().len(),
+        robot.plan.elimination_modules.modules().len(),
         costs.join("; ")
     );
     warnings(&mut lines, &robot.options.warnings);
@@ -201,17 +201,17 @@ fn contacts(lines: &mut String, model: &Model) {
 
 /// Prints the options that the type was compiled with.
 fn options(lines: &mut String, robot: &Robot<'_>) {
-    let (model, options) = (robot.model, robot.options);
+    let (model, options, choices) = (robot.model, robot.options, &robot.plan.choices);
     let is = |functions: &[Function]| {
-        functions.len() == options.functions.len()
-            && functions.iter().all(|function| options.functions.contains(function))
+        functions.len() == choices.functions.len()
+            && functions.iter().all(|function| choices.functions.contains(function))
     };
     let functions = if is(Function::DEFAULT) {
         "default".into()
     } else if is(Function::ALL) {
         "all".into()
     } else {
-        let names: Vec<&str> = options.functions.iter().map(|function| function.name()).collect();
+        let names: Vec<&str> = choices.functions.iter().map(|function| function.name()).collect();
         format!("[{}]", names.join(", "))
     };
     let friction = format!("{:?}", model.friction()).to_lowercase();
@@ -222,23 +222,23 @@ fn options(lines: &mut String, robot: &Robot<'_>) {
          - `friction = {friction}`",
         options.scalar.name()
     );
-    for bundle in &options.bundles {
+    for bundle in &choices.bundles {
         let members: Vec<&str> = bundle.members.iter().map(|member| member.docs).collect();
         let batch = if bundle.batch { ", also for many states" } else { "" };
         let _ = writeln!(lines, "- bundle `{}`{batch}: {}", bundle.name, members.join(", "));
     }
     for (option, links) in
-        [("runtime_inertia", &options.runtime_inertia), ("payload", &options.payload)]
+        [("runtime_inertia", &choices.runtime_inertia), ("payload", &choices.payload)]
     {
         let names: Vec<String> = links.iter().map(|&i| code(&model.frames()[i].name)).collect();
         if !names.is_empty() {
             let _ = writeln!(lines, "- `{option}`: {}", names.join(", "));
         }
     }
-    if options.runtime_gravity {
+    if choices.runtime_gravity {
         lines.push_str("- `runtime_gravity = true`\n");
     }
-    if options.share {
+    if choices.share {
         lines.push_str("- `share = true`\n");
     }
     if options.self_contained {

@@ -27,13 +27,13 @@ pub(super) fn mul_add_f32(a: f32, b: f32, c: f32) -> f32 {
 
 /// Runs work on packed limbs one limb after the other.
 #[inline]
-pub(super) fn run_simd_f64<W: crate::scalar::simd::SimdTask<f64>>(work: W) -> W::Output {
+pub(super) fn run_simd_f64<W: crate::scalar::SimdTask<f64>>(work: W) -> W::Output {
     work.scalar()
 }
 
 /// Runs work on packed limbs one limb after the other.
 #[inline]
-pub(super) fn run_simd_f32<W: crate::scalar::simd::SimdTask<f32>>(work: W) -> W::Output {
+pub(super) fn run_simd_f32<W: crate::scalar::SimdTask<f32>>(work: W) -> W::Output {
     work.scalar()
 }
 ";
@@ -101,8 +101,8 @@ pub(super) fn module(items: &str) -> String {
     write_folder(
         &mut text,
         "scalar",
-        &["real", "simd", "trig"],
-        "pub use self::real::Scalar;\n    pub(crate) use self::real::epsilon;",
+        &["traits", "trig"],
+        "pub(crate) use self::traits::epsilon;\n    pub use self::traits::{Scalar, SimdTask};",
     );
     if spatial {
         let exported = "pub use self::{\n        pose::Pose,\n        vector::Vector3,\n        \

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::function::{Parameter, function, literal};
+use super::function::{function, literal};
+use super::parameter::Parameter;
 use super::shape::Shape;
 use super::{FloatType, Quantity, Robot};
 use crate::plan::{Frames, LinkCode};

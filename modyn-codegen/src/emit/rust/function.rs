@@ -3,74 +3,20 @@
 //! Scopes become blocks, `let (live, ...) = { ... };`. Chunks become functions (`name_chunk0` and so on) that return the
 //! values that later chunks read. The last chunk has the function's own name.
 
+mod operations;
+mod vectors;
+
 use std::cell::{Cell, OnceCell};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use super::parameter::{Parameter, unpacked};
 use super::{FloatType, Shape};
 use crate::names::helper_type;
-use crate::program::{
-    Addend, Call, Chunk, MultiplyAdd, Operand, Operation, Program, Routine, Source, Target, Value,
-};
+use crate::program::{Chunk, Program, Routine, Scope, Target, Value};
+use vectors::VectorType;
 
-/// A parameter, passed by reference.
-#[derive(Clone, Debug)]
-pub(super) struct Parameter {
-    pub name: &'static str,
-    pub shape: Shape,
-    /// The type of the numbers of a table of constants; `None` for other parameters.
-    constants: Option<&'static str>,
-    /// Whether the parameter is the set of active contacts, for which public functions have a type.
-    pub(super) contacts: bool,
-}
-
-impl Parameter {
-    pub(super) fn new(name: &'static str, shape: Shape) -> Self {
-        Self { name, shape, constants: None, contacts: false }
-    }
-
-    /// Returns the parameter, as the set of active contacts if `contacts`.
-    pub(super) fn with_contacts(self, contacts: bool) -> Self {
-        Self { contacts, ..self }
-    }
-
-    /// Returns a parameter of constants, in the type's own scalar.
-    pub(super) fn constants(name: &'static str, shape: Shape, float: &'static str) -> Self {
-        Self { name, shape, constants: Some(float), contacts: false }
-    }
-
-    /// Returns the name of entry `i` in the function. It differs from all temporaries: names of temporaries start with
-    /// letters and a digit (`x1`, `s1_0`), names of parameters have letters only (and are not `k`, a function of
-    /// constants).
-    pub(super) fn entry(&self, i: usize) -> String {
-        debug_assert!(self.name != "k" && !self.name.contains(|c: char| c.is_ascii_digit()));
-        format!("{}_{i}", self.name)
-    }
-
-    /// Returns the parameter with its type over scalar `t`.
-    pub(super) fn typed(&self, t: &str) -> String {
-        format!("{}: &{}", self.name, self.shape.type_of(self.constants.unwrap_or(t)))
-    }
-}
-
-/// A vector type of `V` with this number of lanes.
-struct VectorType {
-    lanes: u8,
-    /// The name as a type parameter of functions, which compiles faster than a projection.
-    name: &'static str,
-    /// The name of the associated type of `V`.
-    of: &'static str,
-    /// The trait that the type implements.
-    bound: &'static str,
-}
-
-/// The vector types of `V`.
-const VECTORS: [VectorType; 4] = [
-    VectorType { lanes: 1, name: "A", of: "One", bound: "Scalar" },
-    VectorType { lanes: 2, name: "B", of: "Two", bound: "batch::Pack<A, 2>" },
-    VectorType { lanes: 4, name: "C", of: "Four", bound: "batch::Pack<A, 4>" },
-    VectorType { lanes: 8, name: "D", of: "Eight", bound: "batch::Pack<A, 8>" },
-];
+pub(super) use operations::literal;
 
 /// Returns the number of vector types among the type parameters of a function for [`Target::Simd`], before `V`.
 pub(super) fn vector_types(program: &Program) -> usize {
@@ -91,8 +37,8 @@ pub(super) fn function(
     program: &Program,
     float: FloatType,
 ) -> String {
-    let (part, places) = (Cell::new(0), OnceCell::new());
-    Printer { name, parameters, result, program, float, part, places }.function()
+    let (chunk_start, places) = (Cell::new(0), OnceCell::new());
+    Printer { name, parameters, result, program, float, chunk_start, places }.function()
 }
 
 struct Printer<'a> {
@@ -103,7 +49,7 @@ struct Printer<'a> {
     /// The type of constants in tables.
     float: FloatType,
     /// The first statement of the chunk that is being printed.
-    part: Cell<usize>,
+    chunk_start: Cell<usize>,
     /// The texts of the values that earlier chunks compute.
     places: OnceCell<BTreeMap<Value, String>>,
 }
@@ -114,11 +60,11 @@ impl Printer<'_> {
         for (number, routine) in self.program.routines.iter().enumerate() {
             self.routine(&mut text, number, routine);
         }
-        let parts = &self.program.chunks;
-        for (k, chunk) in parts.iter().enumerate() {
-            self.part.set(chunk.statements.start);
-            if k + 1 == parts.len() {
-                self.entry_chunk(&mut text, chunk, &parts[..k]);
+        let chunks = &self.program.chunks;
+        for (k, chunk) in chunks.iter().enumerate() {
+            self.chunk_start.set(chunk.statements.start);
+            if k + 1 == chunks.len() {
+                self.entry_chunk(&mut text, chunk, &chunks[..k]);
             } else {
                 self.chunk(&mut text, k, chunk);
             }
@@ -146,7 +92,7 @@ impl Printer<'_> {
         *text += &head(self.name, &bounds, &self.inputs(), &returned);
         self.prelude(text);
         *text += &self.stores(&self.program.first_stores);
-        self.call_parts(text, others);
+        self.call_chunks(text, others);
         self.scopes(text, chunk);
         let results = self.program.results.iter().map(|result| match target {
             Target::Simd => format!("V::number({})", self.operand(result)),
@@ -162,10 +108,10 @@ impl Printer<'_> {
     /// Prints another chunk, which returns the values that later chunks read.
     fn chunk(&self, text: &mut String, k: usize, chunk: &Chunk) {
         let name = format!("{}_chunk{k}", self.name);
-        let handed = chunk.live_in.iter().map(|&part| {
-            format!("chunk{part}: &{}", self.types(&self.program.chunks[part].live_out))
+        let live_in = chunk.live_in.iter().map(|&earlier| {
+            format!("chunk{earlier}: &{}", self.types(&self.program.chunks[earlier].live_out))
         });
-        let inputs: Vec<String> = self.inputs().into_iter().chain(handed).collect();
+        let inputs: Vec<String> = self.inputs().into_iter().chain(live_in).collect();
         let returned = self.types(&chunk.live_out);
         let end = match self.program.target {
             Target::Scalar => {
@@ -230,17 +176,17 @@ impl Printer<'_> {
     }
 
     /// Prints the calls of the earlier chunks, in the last chunk.
-    fn call_parts(&self, text: &mut String, parts: &[Chunk]) {
-        for (k, chunk) in parts.iter().enumerate() {
+    fn call_chunks(&self, text: &mut String, chunks: &[Chunk]) {
+        for (k, chunk) in chunks.iter().enumerate() {
             let mut arguments: Vec<String> =
                 self.parameters.iter().map(|p| p.name.to_string()).collect();
             if self.program.target == Target::Batch {
                 arguments.push("outputs".into());
             }
             let scalar = self.program.target == Target::Scalar;
-            let name = |part: &usize| match scalar {
-                true => format!("&chunk{part}"),
-                false => format!("chunk{part}: &chunk{part}"),
+            let name = |earlier: &usize| match scalar {
+                true => format!("&chunk{earlier}"),
+                false => format!("chunk{earlier}: &chunk{earlier}"),
             };
             arguments.extend(chunk.live_in.iter().map(name));
             let (name, arguments) = (format!("{}_chunk{k}", self.name), arguments.join(", "));
@@ -251,8 +197,8 @@ impl Printer<'_> {
             let call = if scalar {
                 format!("{name}({arguments})")
             } else {
-                let part = format!("{}::<'_, {own}>", helper_type(&name));
-                format!("{by}::outlined({part} {{ {arguments}, of: ::core::marker::PhantomData }})")
+                let kind = format!("{}::<'_, {own}>", helper_type(&name));
+                format!("{by}::outlined({kind} {{ {arguments}, of: ::core::marker::PhantomData }})")
             };
             let _ = writeln!(text, "    let chunk{k} = {call};");
         }
@@ -260,7 +206,7 @@ impl Printer<'_> {
 
     /// Prints the statements of a chunk, in blocks if there are several scopes.
     fn scopes(&self, text: &mut String, chunk: &Chunk) {
-        let statements = |text: &mut String, scope: &crate::program::Scope, indent: &str| {
+        let statements = |text: &mut String, scope: &Scope, indent: &str| {
             for s in scope.statements.clone() {
                 self.statement(text, s, indent);
                 *text += &self.stores(&self.program.statements[s].stores);
@@ -284,89 +230,6 @@ impl Printer<'_> {
             format!("outputs.set::<{i}>({});\n", self.operand(&self.program.results[i]))
         };
         results.iter().map(stored).collect()
-    }
-
-    fn statement(&self, text: &mut String, s: usize, indent: &str) {
-        let statement = &self.program.statements[s];
-        // Where several results are bound, `_` replaces those that are not read.
-        let names: Vec<String> = statement
-            .used
-            .iter()
-            .enumerate()
-            .map(|(place, used)| match used {
-                true => self.name(Value { statement: s, place }),
-                false => "_".into(),
-            })
-            .collect();
-        let pattern = match &statement.operation {
-            Operation::SinCos(angles) => {
-                let pairs: Vec<String> =
-                    names.chunks(2).map(|pair| format!("({})", pair.join(", "))).collect();
-                if angles.len() == 1 { pairs.concat() } else { format!("[{}]", pairs.join(", ")) }
-            }
-            Operation::Unpack(_) => format!("[{}]", names.join(", ")),
-            Operation::Call(call) => {
-                if call.repetition == 0 && !call.common.is_empty() {
-                    let _ = writeln!(text, "{indent}let common = &[{}];", self.all(&call.common));
-                }
-                format!("[{}]", names.join(", "))
-            }
-            _ => names.concat(),
-        };
-        let value = self.operation(&statement.operation, statement.lanes);
-        let _ = writeln!(text, "{indent}let {pattern} = {value};");
-    }
-
-    /// Returns the text of an operation on this number of lanes.
-    fn operation(&self, operation: &Operation, lanes: u8) -> String {
-        let (t, kind) = (|operand| self.operand(operand), self.kind(lanes));
-        let call = |function: &str, operands: &[Operand]| {
-            format!("{kind}::{function}({})", self.all(operands))
-        };
-        match operation {
-            Operation::Add(a, b) => format!("{} + {}", t(a), t(b)),
-            Operation::Subtract(a, b) => format!("{} - {}", t(a), t(b)),
-            Operation::Multiply(a, b) => format!("{} * {}", t(a), t(b)),
-            Operation::MultiplyAdd(MultiplyAdd {
-                negative_product,
-                factors: [a, b],
-                negative_addend,
-                addend,
-            }) => {
-                let sign = |negative: &bool| if *negative { "-" } else { "" };
-                let addend = match addend {
-                    Addend::Value(addend) => t(addend),
-                    Addend::Product(a, b) => format!("{} * {}", t(a), t(b)),
-                };
-                let (product, sum) = (sign(negative_product), sign(negative_addend));
-                format!("{kind}::mul_add({product}{}, {}, {sum}{addend})", t(a), t(b))
-            }
-            Operation::Reciprocal(a) => call("recip", &[*a]),
-            Operation::SinCos(angles) if angles.len() == 1 => call("sin_cos", angles),
-            Operation::SinCos(angles) => format!("{kind}::sin_cos_all([{}])", self.all(angles)),
-            Operation::Atan2(a, b) => call("atan2", &[*a, *b]),
-            Operation::SquareRoot(a) => call("sqrt", &[*a]),
-            Operation::Logarithm(a) => call("ln", &[*a]),
-            Operation::Absolute(a) => call("abs", &[*a]),
-            Operation::Maximum(a, b) => call("max", &[*a, *b]),
-            Operation::Select(a, b, c) => call("select_nonnegative", &[*a, *b, *c]),
-            Operation::Pack(lanes) => format!("{kind}::pack([{}])", self.all(lanes)),
-            Operation::Constants(lanes) => {
-                let lanes: Vec<String> = lanes.iter().map(|&lane| number(lane)).collect();
-                format!("{kind}::constants([{}])", lanes.join(", "))
-            }
-            Operation::Unpack(a) => format!("{}::unpack({})", self.kind(a.lanes), t(a)),
-            Operation::Call(Call { routine, repetition, own, common }) => {
-                let name = self.routine_name(*routine);
-                let tables = &self.program.routines[*routine].tables;
-                let table = (!tables[*repetition].is_empty())
-                    .then(|| format!("&{}", table_name(&name, *repetition)));
-                let own = (!own.is_empty()).then(|| format!("&[{}]", self.all(own)));
-                let common = (!common.is_empty()).then(|| "common".to_string());
-                let arguments: Vec<String> = [table, own, common].into_iter().flatten().collect();
-                format!("{name}({})", arguments.join(", "))
-            }
-        }
     }
 
     /// Prints a routine's function and its tables of constants.
@@ -397,144 +260,6 @@ impl Printer<'_> {
     fn routine_name(&self, number: usize) -> String {
         format!("{}_routine{number}", self.name)
     }
-
-    /// Returns the texts of operands, separated by commas.
-    fn all(&self, operands: &[Operand]) -> String {
-        operands.iter().map(|operand| self.operand(operand)).collect::<Vec<_>>().join(", ")
-    }
-
-    /// Returns the text of an operand.
-    fn operand(&self, operand: &Operand) -> String {
-        let text = match operand.source {
-            Source::Constant(value) => constant(value, operand.lanes),
-            Source::Argument(number) => self.argument(number),
-            Source::Result(value) if value.statement < self.part.get() => {
-                self.places()[&value].clone()
-            }
-            Source::Result(value) => self.name(value),
-        };
-        let sign = if operand.negated { "-" } else { "" };
-        let constant = matches!(operand.source, Source::Constant(_));
-        if constant || self.program.lanes_of(operand.source) == operand.lanes {
-            format!("{sign}{text}")
-        } else {
-            format!("{}::broadcast({sign}{text})", self.kind(operand.lanes))
-        }
-    }
-
-    /// Returns the text of a scalar argument.
-    fn argument(&self, number: usize) -> String {
-        let mut rest = number;
-        for parameter in self.parameters {
-            if rest < parameter.shape.len() {
-                let name = parameter.entry(rest);
-                let is_constant = parameter.constants.is_some();
-                return if is_constant { format!("k(f64::from({name}))") } else { name };
-            }
-            rest -= parameter.shape.len();
-        }
-        unreachable!("a program's arguments are the function's parameters")
-    }
-
-    /// Returns the name of a value.
-    fn name(&self, Value { statement: s, place }: Value) -> String {
-        match &self.program.statements[s].operation {
-            Operation::SinCos(angles) => {
-                let function = if place % 2 == 0 { "s" } else { "c" };
-                let angle =
-                    if angles.len() == 1 { String::new() } else { format!("_{}", place / 2) };
-                format!("{function}{s}{angle}")
-            }
-            Operation::Unpack(_) => format!("x{s}_{place}"),
-            Operation::Call(call) => format!("p{}_{}_{place}", call.routine, call.repetition),
-            _ => format!("x{s}"),
-        }
-    }
-
-    /// Returns the texts of the values that earlier chunks compute.
-    fn places(&self) -> &BTreeMap<Value, String> {
-        self.places.get_or_init(|| {
-            let mut places = BTreeMap::new();
-            for (k, chunk) in self.program.chunks.iter().enumerate() {
-                for (group, values) in self.by_width(&chunk.live_out).iter().enumerate() {
-                    for (i, &value) in values.iter().enumerate() {
-                        let group = match self.program.target {
-                            Target::Simd => format!(".{group}"),
-                            Target::Scalar | Target::Batch => String::new(),
-                        };
-                        places.insert(value, format!("chunk{k}{group}[{i}]"));
-                    }
-                }
-            }
-            places
-        })
-    }
-
-    /// Returns values grouped by their lanes, as in [`VECTORS`].
-    fn by_width(&self, values: &[Value]) -> [Vec<Value>; VECTORS.len()] {
-        VECTORS.each_ref().map(|kind| {
-            let of_kind =
-                |value: &&Value| self.program.statements[value.statement].lanes == kind.lanes;
-            values.iter().filter(of_kind).copied().collect()
-        })
-    }
-
-    /// Returns the values that a chunk returns, as an expression.
-    fn list(&self, values: &[Value]) -> String {
-        let lists = self.by_width(values).map(|values| {
-            let names: Vec<String> = values.iter().map(|&value| self.name(value)).collect();
-            format!("[{}]", names.join(", "))
-        });
-        match self.program.target {
-            Target::Simd => format!("({})", lists.join(", ")),
-            Target::Scalar | Target::Batch => lists[0].clone(),
-        }
-    }
-
-    /// Returns the type of the values that a chunk returns.
-    fn types(&self, values: &[Value]) -> String {
-        if self.program.target != Target::Simd {
-            return format!("[T; {}]", values.len());
-        }
-        let groups = self.by_width(values);
-        let types = VECTORS.iter().zip(&groups).map(|(kind, values)| {
-            // An empty array has no values of a type that the function does not mention.
-            let kind = if values.is_empty() { "A" } else { kind.name };
-            format!("[{kind}; {}]", values.len())
-        });
-        format!("({})", types.collect::<Vec<_>>().join(", "))
-    }
-
-    /// Returns the type for this number of lanes.
-    fn kind(&self, lanes: u8) -> &'static str {
-        let vector = VECTORS.iter().find(|kind| kind.lanes == lanes);
-        match (self.program.target, vector) {
-            (Target::Simd, Some(vector)) => vector.name,
-            _ => "T",
-        }
-    }
-
-    /// Returns the vector types that the function mentions, scalars included.
-    fn vectors(&self) -> impl Iterator<Item = &'static VectorType> {
-        let widths = self.program.widths();
-        VECTORS.iter().filter(move |kind| widths.contains(&kind.lanes))
-    }
-
-    /// Returns the type parameters of these types, with bounds.
-    fn vector_bounds(&self) -> String {
-        let bounded = self.vectors().map(|kind| format!("{}: __modyn::{}", kind.name, kind.bound));
-        bounded.collect::<Vec<_>>().join(", ")
-    }
-
-    /// Returns the names of these types.
-    fn vector_names(&self) -> String {
-        self.vectors().map(|kind| kind.name).collect::<Vec<_>>().join(", ")
-    }
-}
-
-/// Returns the name of the constants of one repetition.
-fn table_name(routine: &str, repetition: usize) -> String {
-    format!("{}_TABLE_{repetition}", routine.to_uppercase())
 }
 
 /// Returns the start of a function's text.
@@ -542,49 +267,7 @@ fn head(name: &str, bound: &str, inputs: &[String], returned: &str) -> String {
     format!("fn {name}<{bound}>({}) -> {returned} {{\n", inputs.join(", "))
 }
 
-/// Returns a constant as an expression, the same in all lanes.
-fn constant(value: f64, lanes: u8) -> String {
-    let k = if lanes == 1 { "k".to_string() } else { format!("k{lanes}") };
-    format!("{k}({})", number(value))
-}
-
-/// Returns a constant in double precision.
-fn number(value: f64) -> String {
-    // Numbers of descriptions are below 1e60 (`read/xml/numbers.rs`), but folding multiplies them along a chain of any
-    // length. An overflow is printed as the infinity that it would be at run time.
-    literal(value, FloatType::F64)
-}
-
-/// Returns a constant as a literal of its type.
-#[allow(clippy::cast_possible_truncation)]
-pub(super) fn literal(value: f64, float: FloatType) -> String {
-    let single = value as f32;
-    match float {
-        FloatType::F64 if value.is_finite() => format!("{value:?}"),
-        FloatType::F64 => format!("f64::from_bits({})", value.to_bits()),
-        // A literal that exceeds the type's range would not compile.
-        FloatType::F32 if single.is_finite() => format!("{single:?}"),
-        FloatType::F32 => format!("f32::from_bits({})", single.to_bits()),
-    }
-}
-
-/// Returns the statement that names a parameter's entries.
-pub(super) fn unpacked(parameter: &Parameter) -> String {
-    let Parameter { name, shape, .. } = parameter;
-    let names: Vec<String> = (0..shape.len()).map(|i| parameter.entry(i)).collect();
-    format!("let {} = *{name};", shape.value(&names))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn constants_are_literals_of_their_type() {
-        assert_eq!(literal(0.1, FloatType::F64), "0.1");
-        assert_eq!(literal(0.1, FloatType::F32), "0.1");
-        assert_eq!(literal(-1e50, FloatType::F64), "-1e50");
-        assert_eq!(literal(-1e50, FloatType::F32), "f32::from_bits(4286578688)");
-        assert_eq!(literal(f64::INFINITY, FloatType::F64), "f64::from_bits(9218868437227405312)");
-    }
+/// Returns the name of the constants of one repetition.
+fn table_name(routine: &str, repetition: usize) -> String {
+    format!("{}_TABLE_{repetition}", routine.to_uppercase())
 }

@@ -18,6 +18,7 @@ mod function;
 mod header;
 mod layout;
 mod missing;
+mod parameter;
 mod parameters;
 mod shape;
 mod types;
@@ -29,16 +30,17 @@ use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 
 use super::{EmitOptions, FloatType};
 use crate::names;
-use crate::plan::{self, CForm, Function, Kernels, Plan, Planned};
+use crate::plan::{self, CForm, Constants, Function, Kernels, Plan, Planned};
 use crate::program::Program;
-use function::{Parameter, function};
+use function::function;
+use parameter::Parameter;
 use shape::Shape;
 
 /// Returns the items of a robot, and the header of its functions for C if the options request them.
 #[must_use]
 pub(super) fn print(
     (model, modules): (&Model, &ModuleTree),
-    plan: &Plan,
+    (plan, constants): (&Plan, &Constants),
     options: &EmitOptions,
     name: &str,
 ) -> (String, Option<String>) {
@@ -47,7 +49,7 @@ pub(super) fn print(
         options.crate_path = format!("self::{}", embedded::MODULE);
     }
     let options = &options;
-    let robot = Robot { model, modules, options, plan, name };
+    let robot = Robot { model, modules, options, plan, constants, name };
     let quantity = |planned| Quantity::new(planned, name);
     let quantities: Vec<Quantity<'_>> = plan.functions.iter().map(quantity).collect();
     let per_call = |p: &Planned| (p.name, p.operations_per_call());
@@ -156,6 +158,7 @@ struct Robot<'a> {
     modules: &'a ModuleTree,
     options: &'a EmitOptions,
     plan: &'a Plan,
+    constants: &'a Constants,
     name: &'a str,
 }
 

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::function::{Parameter, function};
+use super::function::function;
+use super::parameter::Parameter;
 use super::{FloatType, Robot, Shape, docs};
 use crate::names;
 

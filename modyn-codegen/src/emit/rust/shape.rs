@@ -103,8 +103,8 @@ impl Shape {
                 let fields: Vec<String> = fields
                     .iter()
                     .map(|(name, field)| {
-                        let (own, behind) = rest.split_at(field.len());
-                        rest = behind;
+                        let (own, after) = rest.split_at(field.len());
+                        rest = after;
                         let value = field.value(own);
                         if name.is_empty() { value } else { format!("{name}: {value}") }
                     })

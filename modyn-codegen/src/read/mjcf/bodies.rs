@@ -105,8 +105,8 @@ impl Bodies {
                 0 => format!("{name}_joint"),
                 _ => format!("{name}_joint_{}", k + 1),
             });
-            let alone = parent == 0 && body.joints.len() == 1;
-            let made = reader.joint(joint, &joint_name, place, alone);
+            let is_only_joint = parent == 0 && body.joints.len() == 1;
+            let made = reader.joint(joint, &joint_name, place, is_only_joint);
             let free = joint.type_ == Type::Free;
             let is_sound = joint.pos.iter().all(|x| x.is_finite());
             let anchor = if free || !is_sound { [0.0; 3] } else { joint.pos };
@@ -166,8 +166,8 @@ fn joint(name: String, at: usize) -> JointRecord {
         second_axis: [0.0, 1.0, 0.0],
         limits: None,
         mimic: None,
-        drive: JointDynamics::default(),
-        drive_at: at,
+        dynamics: JointDynamics::default(),
+        dynamics_at: at,
         sound: true,
     }
 }
@@ -205,7 +205,7 @@ impl Reader<'_, '_, '_, '_> {
     }
 
     /// Returns a joint without its links.
-    fn joint(&mut self, joint: &Joint, name: &str, at: usize, alone: bool) -> JointRecord {
+    fn joint(&mut self, joint: &Joint, name: &str, at: usize, is_only_joint: bool) -> JointRecord {
         let subject = Subject::Joint(name.into());
         let errors = self.report.errors();
         let mut refuse = |code, message: &str, help: &str| {
@@ -216,37 +216,37 @@ impl Reader<'_, '_, '_, '_> {
             refuse(Code::NotRead, "its spring is not read", help);
         }
         let Joint { armature, damping, frictionloss: friction, .. } = *joint;
-        let figures = [armature, damping, friction];
-        if figures.iter().any(|&figure| figure < 0.0) {
+        let numbers = [armature, damping, friction];
+        if numbers.iter().any(|&number| number < 0.0) {
             let help = "write numbers of at least 0: damping and friction oppose the motion";
             refuse(
-                Code::NegativeDrive,
+                Code::NegativeJointDynamics,
                 "`armature`, `damping` or `frictionloss` is negative",
                 help,
             );
         }
         let single = matches!(joint.type_, Type::Hinge | Type::Slide);
-        if !single && figures.iter().any(|&figure| figure != 0.0) {
+        if !single && numbers.iter().any(|&number| number != 0.0) {
             let message =
                 "`armature`, `damping` and `frictionloss` of a ball or free joint are not read";
             refuse(Code::NotRead, message, "write 0, or the class that the joint should have");
         }
-        let drive = if single {
+        let dynamics = if single {
             JointDynamics { armature, damping, friction }
         } else {
             JointDynamics::default()
         };
-        if joint.type_ == Type::Free && !alone {
+        if joint.type_ == Type::Free && !is_only_joint {
             let message = "a free joint must be the only joint of a body of the world";
             refuse(Code::NotRead, message, "write the body in `<worldbody>`, with this joint only");
         }
-        let mut figures = figures
+        let mut numbers = numbers
             .into_iter()
             .chain(joint.pos)
             .chain(joint.axis)
             .chain([joint.ref_])
             .chain(joint.range.into_iter().flatten());
-        if !figures.all(|figure| figure.abs() < MAX_NUMBER) {
+        if !numbers.all(|number| number.abs() < MAX_NUMBER) {
             refuse(Code::NotFinite, "a number is not finite", "write finite numbers in SI units");
         }
         let axis = if single {
@@ -286,7 +286,7 @@ impl Reader<'_, '_, '_, '_> {
         });
         let axis = axis.unwrap_or([0.0, 0.0, 1.0]);
         let sound = self.is_read && self.report.errors() == errors;
-        JointRecord { kind, axis, limits, drive, sound, ..self::joint(name.into(), at) }
+        JointRecord { kind, axis, limits, dynamics, sound, ..self::joint(name.into(), at) }
     }
 
     /// Returns the inertia of a body in its frame, and the place of the `<inertial>`.

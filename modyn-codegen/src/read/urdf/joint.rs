@@ -51,14 +51,14 @@ impl<'a> Reader<'a, '_, '_, '_> {
             second_axis: Y,
             limits: None,
             mimic: None,
-            drive: JointDynamics::default(),
-            drive_at: node.range().start,
+            dynamics: JointDynamics::default(),
+            dynamics_at: node.range().start,
             sound: true,
         };
         // The other elements of a fixed joint have no meaning.
         if kind != Kind::Fixed {
             [joint.axis, joint.second_axis] = self.axes(node, kind, subject);
-            (joint.drive, joint.drive_at) = self.joint_dynamics(node, subject);
+            (joint.dynamics, joint.dynamics_at) = self.joint_dynamics(node, subject);
         }
         if let Kind::Moving(joint_type) = kind {
             joint.limits = self.limits(node, joint_type, subject);
@@ -297,8 +297,9 @@ impl<'a> Reader<'a, '_, '_, '_> {
                 .map(|name| self.dissipation(node, name, subject));
         let gear = self.xml.number(node, "gear_ratio", subject).unwrap_or(1.0);
         self.check_armature(node, subject);
-        let drive = JointDynamics { armature: armature + gear * gear * rotor, damping, friction };
-        (drive, node.range().start)
+        let dynamics =
+            JointDynamics { armature: armature + gear * gear * rotor, damping, friction };
+        (dynamics, node.range().start)
     }
 
     /// Returns a number of `<dynamics>`, which must be at least zero; zero if it is missing.
@@ -309,7 +310,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         {
             let message = format!("the attribute `{name}` of `<dynamics>` is {value}");
             let help = "write a number of at least 0: damping and friction oppose the motion";
-            self.xml.report.error(Code::NegativeDrive, text.at, subject, message, help);
+            self.xml.report.error(Code::NegativeJointDynamics, text.at, subject, message, help);
             return 0.0;
         }
         value

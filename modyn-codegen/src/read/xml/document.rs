@@ -74,8 +74,8 @@ fn end_of_tag(text: &str, start: usize) -> Option<usize> {
     None
 }
 
-/// Returns the parsed XML; `None` with an error in the report.
-pub fn parse<'t>(text: &'t str, report: &mut Report<'_>) -> Option<Document<'t>> {
+/// Returns the parsed XML, whose outermost element has the name `root` in its format; `None` with an error in the report.
+pub fn parse<'t>(text: &'t str, root: &str, report: &mut Report<'_>) -> Option<Document<'t>> {
     let error = match Document::parse(text) {
         Ok(document) => return Some(document),
         Err(error) => error,
@@ -86,32 +86,31 @@ pub fn parse<'t>(text: &'t str, report: &mut Report<'_>) -> Option<Document<'t>>
         Error::DtdDetected => {
             position = report.position(text.find("<!DOCTYPE").unwrap_or(0));
             let message = "a document type declaration (DTD) can redefine the contents of the file";
-            (Code::Dtd, message.into(), "remove `<!DOCTYPE ...>` and write entities out")
+            (Code::Dtd, message.into(), "remove `<!DOCTYPE ...>` and write entities out".into())
         }
         Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
-            (Code::Xacro, "this is a xacro file, not a URDF".into(), XACRO_HELP)
+            (Code::Xacro, "this is a xacro file, not a URDF".into(), XACRO_HELP.into())
         }
         Error::UnknownNamespace(prefix, _) => {
             let message = format!("the namespace prefix `{prefix}` is not declared");
-            (
-                Code::MalformedXml,
-                message,
-                "declare it on `<robot>`, as in `xmlns:p=\"...\"`, or remove the element",
-            )
+            let help =
+                format!("declare it on `<{root}>`, as in `xmlns:p=\"...\"`, or remove the element");
+            (Code::MalformedXml, message, help)
         }
         Error::UnexpectedEndOfStream | Error::UnclosedRootNode => {
             position = report.position(text.trim_end().len());
-            let message = "the text ends before the element `<robot>` is closed";
-            (Code::MalformedXml, message.into(), "close every element and every quote")
+            let message = format!("the text ends before the element `<{root}>` is closed");
+            (Code::MalformedXml, message, "close every element and every quote".into())
         }
         Error::NoRootNode => (
             Code::MalformedXml,
             "the text has no element".into(),
-            "a URDF is one element `<robot>`",
+            format!("a description is one element `<{root}>`"),
         ),
         other => {
             let message = other.to_string().replace(&format!(" at {at}"), "");
-            (Code::MalformedXml, message, "repair the XML; `xmllint FILE` shows where it breaks")
+            let help = "repair the XML; `xmllint FILE` shows where it breaks".into();
+            (Code::MalformedXml, message, help)
         }
     };
     report.push(Diagnostic::error(code, message).at(position).with_help(help));

@@ -185,14 +185,14 @@ impl<S: Scalar> Path<S> {
         let big = front.omega;
         let omega = last.omega - big;
         let velocity = last.velocity - front.velocity;
-        let turned = big.cross(velocity);
+        let rotated = big.cross(velocity);
         let alpha = last.alpha - front.alpha - big.cross(omega);
-        let acceleration = last.acceleration - front.acceleration - (turned + turned);
-        let (turned_omega, turned_velocity) = (angular.cross(omega), angular.cross(velocity));
-        let coriolis = big.cross(turned_velocity);
-        let first = Twist { angular: turned_omega, linear: big.cross(linear) + turned_velocity };
+        let acceleration = last.acceleration - front.acceleration - (rotated + rotated);
+        let (rotated_omega, rotated_velocity) = (angular.cross(omega), angular.cross(velocity));
+        let coriolis = big.cross(rotated_velocity);
+        let first = Twist { angular: rotated_omega, linear: big.cross(linear) + rotated_velocity };
         let second = Twist {
-            angular: big.cross(turned_omega) + angular.cross(alpha),
+            angular: big.cross(rotated_omega) + angular.cross(alpha),
             linear: front.alpha.cross(linear)
                 + big.cross(big.cross(linear))
                 + (coriolis + coriolis)
@@ -225,11 +225,11 @@ pub fn constrained_forward_dynamics_derivatives<S: Scalar, C: AsRef<[ContactTarg
     layout: &UduLayout,
     state: (&[S], &[S], &[S]),
     (active, settings): Settings<'_, S, C>,
-    (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     outputs: ConstrainedDerivatives<'_, S>,
 ) -> S {
-    let (rows, n) = (room.rows, model.nv.max(1));
-    let taken = room.derivatives.take();
+    let (rows, n) = (memory.rows, model.nv.max(1));
+    let taken = memory.derivatives.take();
     let mut own = taken.unwrap_or_else(|| DerivativeWorkspace::new(model, rows));
     let ConstrainedDerivatives { qdd, wrenches, .. } = outputs;
     let (q, qd, _) = state;
@@ -239,10 +239,10 @@ pub fn constrained_forward_dynamics_derivatives<S: Scalar, C: AsRef<[ContactTarg
         layout,
         state,
         (active, settings),
-        (workspace, room),
+        (workspace, memory),
         results,
     );
-    own.multipliers.copy_from_slice(&room.right_hand_sides[0]);
+    own.multipliers.copy_from_slice(&memory.right_hand_sides[0]);
     let [dq, dqd] = &mut own.forces;
     inverse_dynamics_derivatives(model, (q, qd, qdd), workspace, dq, dqd);
     let mut row = 0;
@@ -250,13 +250,13 @@ pub fn constrained_forward_dynamics_derivatives<S: Scalar, C: AsRef<[ContactTarg
         of_contact(model, (constraint, target, row), (q, qd), workspace, &mut own);
         row += constraint.rows.len();
     }
-    invert(layout, room, &mut own);
+    invert(layout, memory, &mut own);
 
     let mut multipliers = core::mem::take(&mut own.multipliers);
     let DerivativeWorkspace { forces, accelerations, inverse, response, gain, .. } = &own;
     let ConstrainedDerivatives { dqdd_dq, dqdd_dqd, dqdd_dtau, .. } = outputs;
     let ConstrainedDerivatives { dwrenches_dq, dwrenches_dqd, dwrenches_dtau, .. } = outputs;
-    brge::inverse(layout, &room.factors, dqdd_dtau);
+    brge::inverse(layout, &memory.factors, dqdd_dtau);
     for j in 0..model.nv {
         for i in 0..=j {
             let products = (0..rows).map(|r| response[r * n + i] * gain[r * n + j]);
@@ -280,15 +280,15 @@ pub fn constrained_forward_dynamics_derivatives<S: Scalar, C: AsRef<[ContactTarg
                 let moved = sum((0..model.nv).map(|k| gain[r * n + k] * force[k]));
                 *multiplier = moved - sum((0..rows).map(|s| inverse[s * rows + r] * change(s)));
             }
-            wrenches_of(model, room, &multipliers, (j, dwrenches));
+            wrenches_of(model, memory, &multipliers, (j, dwrenches));
         }
     }
     for j in 0..model.nv {
         (0..rows).for_each(|r| multipliers[r] = -gain[r * n + j]);
-        wrenches_of(model, room, &multipliers, (j, dwrenches_dtau));
+        wrenches_of(model, memory, &multipliers, (j, dwrenches_dtau));
     }
     own.multipliers = multipliers;
-    room.derivatives = Some(own);
+    memory.derivatives = Some(own);
     rank
 }
 
@@ -299,11 +299,11 @@ fn sum<S: Scalar>(products: impl Iterator<Item = S>) -> S {
 /// Writes the wrenches of these multipliers to column `j` of each constraint.
 fn wrenches_of<S: Scalar>(
     model: &Mechanism<S>,
-    room: &ConstraintWorkspace<S>,
+    memory: &ConstraintWorkspace<S>,
     multipliers: &[S],
     (j, wrenches): (usize, &mut [Wrench<S>]),
 ) {
-    room.by_constraint(model, multipliers, |c, constraint, sum| {
+    memory.by_constraint(model, multipliers, |c, constraint, sum| {
         let moment = sum.angular.scale(constraint.length);
         wrenches[c * model.nv + j] = Wrench { moment, force: sum.linear };
     });
@@ -312,17 +312,17 @@ fn wrenches_of<S: Scalar>(
 /// Computes A^+, Z and L^T.
 fn invert<S: Scalar>(
     layout: &UduLayout,
-    room: &mut ConstraintWorkspace<S>,
+    memory: &mut ConstraintWorkspace<S>,
     own: &mut DerivativeWorkspace<S>,
 ) {
-    let rows = room.rows;
-    let n = room.force.len().max(1);
-    room.factorization.inverse(&mut own.inverse);
-    room.force.fill(S::zero());
+    let rows = memory.rows;
+    let n = memory.force.len().max(1);
+    memory.factorization.inverse(&mut own.inverse);
+    memory.force.fill(S::zero());
     for (r, row) in own.response.chunks_mut(n).enumerate().take(rows) {
-        room.right_hand_sides[1].fill(S::zero());
-        room.right_hand_sides[1][r] = S::one();
-        room.respond(layout, 1, row);
+        memory.right_hand_sides[1].fill(S::zero());
+        memory.right_hand_sides[1][r] = S::one();
+        memory.respond(layout, 1, row);
     }
     for (r, row) in own.gain.chunks_mut(n).enumerate().take(rows) {
         for (i, entry) in row.iter_mut().enumerate() {
@@ -350,12 +350,12 @@ fn of_contact<S: Scalar>(
     for a in &path.joints {
         let dof = &model.dofs[a.dof];
         let Twist { angular, linear } = a.twist;
-        let (turned, moved) = (linear.cross(force) + angular.cross(moment), linear.cross(force));
+        let (rotated, moved) = (linear.cross(force) + angular.cross(moment), linear.cross(force));
         for b in &path.joints {
             let other = &model.dofs[b.dof];
             // The joint force at `a` changes with a displacement along `b`, and at `b` with one along `a`.
             if b.body <= a.body {
-                let entry = b.twist.angular.dot(turned);
+                let entry = b.twist.angular.dot(rotated);
                 let entry = dof.scale(other.scale(entry));
                 let sum = &mut forces[0][other.v * n + dof.v];
                 *sum = *sum - entry;

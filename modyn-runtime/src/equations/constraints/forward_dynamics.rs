@@ -26,19 +26,19 @@ pub fn constrained_forward_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     layout: &UduLayout,
     (q, qd, tau): (&[S], &[S], &[S]),
     (active, settings): Settings<'_, S, C>,
-    (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     (qdd, wrenches, residuals): (&mut [S], &mut [Wrench<S>], &mut [Twist<S>]),
 ) -> S {
     bias_in_free_fall(model, (q, qd), workspace, qdd);
     for (qdd, &tau) in qdd.iter_mut().zip(tau) {
         *qdd = tau - *qdd;
     }
-    brge::factorize(model, layout, q, workspace, &mut room.factors);
-    room.set_force(layout, qdd);
-    room.set_fall(model, qd, workspace);
+    brge::factorize(model, layout, q, workspace, &mut memory.factors);
+    memory.set_force(layout, qdd);
+    memory.set_fall(model, qd, workspace);
     let contacts = settings.contacts.as_ref();
     let loops = model.constraints.len() - contacts.len();
-    constraint_rows(model, (q, qd), contacts, workspace, room, |c, component, motion| {
+    constraint_rows(model, (q, qd), contacts, workspace, memory, |c, component, motion| {
         let (alpha, beta) = match c.checked_sub(loops) {
             None => (settings.alpha, settings.beta),
             Some(contact) => (contacts[contact].alpha, contacts[contact].beta),
@@ -47,15 +47,15 @@ pub fn constrained_forward_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
         let stiffness = beta * beta * component(motion.displacement);
         [-component(motion.bias_acceleration) - (damping + stiffness), S::zero()]
     });
-    room.factorize(model, layout, (active, settings), |room| {
-        room.subtract_accelerations(model, layout)
+    memory.factorize(model, layout, (active, settings), |memory| {
+        memory.subtract_accelerations(model, layout)
     });
-    room.solve(0);
-    room.respond(layout, 0, qdd);
-    for (qdd, &fall) in qdd.iter_mut().zip(&room.fall) {
+    memory.solve(0);
+    memory.respond(layout, 0, qdd);
+    for (qdd, &fall) in qdd.iter_mut().zip(&memory.fall) {
         *qdd = *qdd + fall;
     }
-    room.wrenches(model, 0, wrenches);
-    room.missed(model, residuals);
-    room.factorization.rank()
+    memory.wrenches(model, 0, wrenches);
+    memory.missed(model, residuals);
+    memory.factorization.rank()
 }

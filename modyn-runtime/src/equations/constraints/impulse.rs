@@ -24,16 +24,16 @@ pub fn contact_impulse<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     layout: &UduLayout,
     (q, qd): (&[S], &[S]),
     (active, settings): Settings<'_, S, C>,
-    (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     (after, impulses): (&mut [S], &mut [Wrench<S>]),
 ) -> S {
-    brge::factorize(model, layout, q, workspace, &mut room.factors);
+    brge::factorize(model, layout, q, workspace, &mut memory.factors);
     let contacts = settings.contacts.as_ref();
-    constraint_rows(model, (q, qd), contacts, workspace, room, |_, component, motion| {
+    constraint_rows(model, (q, qd), contacts, workspace, memory, |_, component, motion| {
         [-component(motion.velocity), S::zero()]
     });
     let mut row = 0;
-    let mut touching = room.frames.iter().zip(contacts);
+    let mut touching = memory.frames.iter().zip(contacts);
     for constraint in &model.constraints {
         let rows = row..row + constraint.rows.len();
         row = rows.end;
@@ -41,7 +41,7 @@ pub fn contact_impulse<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
             continue;
         };
         let normal = frame.to_root(Matrix3(target.pose.rotation).column(2));
-        let stops = &mut room.right_hand_sides[0][rows];
+        let stops = &mut memory.right_hand_sides[0][rows];
         // The displacements are the last three rows.
         let first = stops.len() - 3;
         let stops = &mut stops[first..];
@@ -49,13 +49,13 @@ pub fn contact_impulse<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
         let rebound = target.restitution * rebound;
         stops.iter_mut().zip(normal.0).for_each(|(stop, n)| *stop = *stop + rebound * n);
     }
-    room.factorize(model, layout, (active, settings), |_| {});
-    room.force.fill(S::zero());
-    room.solve(0);
-    room.respond(layout, 0, after);
+    memory.factorize(model, layout, (active, settings), |_| {});
+    memory.force.fill(S::zero());
+    memory.solve(0);
+    memory.respond(layout, 0, after);
     for (after, &before) in after.iter_mut().zip(qd) {
         *after = before + *after;
     }
-    room.wrenches(model, 0, impulses);
-    room.factorization.rank()
+    memory.wrenches(model, 0, impulses);
+    memory.factorization.rank()
 }

@@ -40,15 +40,15 @@ pub fn constrained_inverse_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     model: &Mechanism<S>,
     (q, qd, qdd): (&[S], &[S], &[S]),
     (active, settings): Settings<'_, S, C>,
-    (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     (tau, wrenches): (&mut [S], &mut [Wrench<S>]),
 ) -> S {
     inverse_dynamics(model, (q, qd, Some(qdd)), None, workspace, tau);
     let contacts = settings.contacts.as_ref();
-    constraint_rows(model, (q, qd), contacts, workspace, room, |_, _, _| [S::zero(); 2]);
+    constraint_rows(model, (q, qd), contacts, workspace, memory, |_, _, _| [S::zero(); 2]);
     let n = model.nv.max(1);
     let loops = model.constraints.len() - contacts.len();
-    let ConstraintWorkspace { jacobian, owner, carried, right_hand_sides, residuals, .. } = room;
+    let ConstraintWorkspace { jacobian, owner, carried, right_hand_sides, residuals, .. } = memory;
     let Carried { entries, factorization, forces, missed, weights } = carried;
     for (weight, &constraint) in weights.iter_mut().zip(&*owner) {
         *weight = constraint
@@ -83,8 +83,8 @@ pub fn constrained_inverse_dynamics<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
         }
     }
     residuals.fill(S::zero());
-    room.wrenches(model, 0, wrenches);
-    room.carried.factorization.rank()
+    memory.wrenches(model, 0, wrenches);
+    memory.carried.factorization.rank()
 }
 
 /// Memory for the wrenches that carry floating bases.

@@ -16,7 +16,7 @@ use crate::spatial::{Twist, Vector3};
 pub fn constraint_jacobian<S: Scalar>(
     model: &Mechanism<S>,
     q: &[S],
-    (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     columns: &mut [Twist<S>],
 ) {
     let results = columns.chunks_mut(model.nv.max(1));
@@ -30,7 +30,7 @@ pub fn constraint_jacobian<S: Scalar>(
             continue;
         }
         let ancestor = common_ancestor(model, constraint);
-        let [first, second] = &mut room.columns;
+        let [first, second] = &mut memory.columns;
         let reach = |end, columns: &mut [Twist<S>]| {
             columns.fill(Twist::zero());
             relative_to_ancestor(model, end, ancestor, q, |i, seen| {

@@ -52,14 +52,10 @@ mod relative_motion;
 mod residual;
 mod rows;
 
-pub use derivatives::{ConstrainedDerivatives, constrained_forward_dynamics_derivatives};
-pub use forward_dynamics::constrained_forward_dynamics;
-pub use impulse::contact_impulse;
-pub use inverse_dynamics::constrained_inverse_dynamics;
-pub use jacobian::{constraint_bias_acceleration, constraint_jacobian};
-pub use operational_inertia::operational_inertia;
-pub use projection::project_constraints;
-pub use residual::constraint_residual;
+pub use {
+    derivatives::*, forward_dynamics::*, impulse::*, inverse_dynamics::*, jacobian::*,
+    operational_inertia::*, projection::*, residual::*,
+};
 
 use alloc::{vec, vec::Vec};
 
@@ -208,8 +204,8 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         if constraint.rows[row - first].angular { constraint.length } else { S::one() }
     }
 
-    /// Turns the Jacobian's rows of contacts into world axes.
-    fn turn_contact_rows(&mut self, model: &Mechanism<S>) {
+    /// Expresses the Jacobian's rows of contacts in world axes.
+    fn rotate_contact_rows(&mut self, model: &Mechanism<S>) {
         let n = model.nv.max(1);
         let (mut next, mut frames) = (0, self.frames.iter());
         for constraint in &model.constraints {
@@ -217,9 +213,9 @@ impl<S: Scalar> ConstraintWorkspace<S> {
             if let Some(frame) = constraint.contact.then(|| frames.next()).flatten() {
                 for three in self.jacobian[next * n..(next + count) * n].chunks_mut(3 * n) {
                     for k in 0..n {
-                        let turned =
+                        let rotated =
                             frame.to_world(Vector3([three[k], three[n + k], three[2 * n + k]]));
-                        (0..3).for_each(|i| three[i * n + k] = turned[i]);
+                        (0..3).for_each(|i| three[i * n + k] = rotated[i]);
                     }
                 }
             }

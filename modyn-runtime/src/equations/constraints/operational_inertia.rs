@@ -21,29 +21,29 @@ pub fn operational_inertia<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     layout: &UduLayout,
     q: &[S],
     (active, settings): Settings<'_, S, C>,
-    (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     (inverse, inertia): (&mut [S], &mut [S]),
 ) -> S {
-    brge::factorize(model, layout, q, workspace, &mut room.factors);
+    brge::factorize(model, layout, q, workspace, &mut memory.factors);
     let contacts = settings.contacts.as_ref();
-    let rest = core::mem::take(&mut room.rest);
-    constraint_rows(model, (q, &rest), contacts, workspace, room, |_, _, _| [S::zero(); 2]);
-    room.rest = rest;
-    room.turn_contact_rows(model);
-    room.fill(model, layout, (active, settings));
-    let rows = room.rows;
-    let length = |row: usize| room.row_length(model, row);
+    let rest = core::mem::take(&mut memory.rest);
+    constraint_rows(model, (q, &rest), contacts, workspace, memory, |_, _, _| [S::zero(); 2]);
+    memory.rest = rest;
+    memory.rotate_contact_rows(model);
+    memory.fill(model, layout, (active, settings));
+    let rows = memory.rows;
+    let length = |row: usize| memory.row_length(model, row);
     for (j, column) in inverse.chunks_mut(rows.max(1)).enumerate() {
         for (i, entry) in column.iter_mut().enumerate() {
-            *entry = room.factorization.entry(i, j) * (length(i) * length(j)).recip();
+            *entry = memory.factorization.entry(i, j) * (length(i) * length(j)).recip();
         }
     }
-    room.factorize_filled(settings);
-    room.factorization.inverse(inertia);
+    memory.factorize_filled(settings);
+    memory.factorization.inverse(inertia);
     for (j, column) in inertia.chunks_mut(rows.max(1)).enumerate() {
         for (i, entry) in column.iter_mut().enumerate() {
-            *entry = *entry * (room.row_length(model, i) * room.row_length(model, j));
+            *entry = *entry * (memory.row_length(model, i) * memory.row_length(model, j));
         }
     }
-    room.factorization.rank()
+    memory.factorization.rank()
 }

@@ -18,19 +18,19 @@ pub fn project_constraints<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     layout: &UduLayout,
     (q, qd): (&[S], &[S]),
     (active, settings): Settings<'_, S, C>,
-    (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     (dq, dqd): (&mut [S], &mut [S]),
 ) -> S {
-    brge::factorize(model, layout, q, workspace, &mut room.factors);
+    brge::factorize(model, layout, q, workspace, &mut memory.factors);
     let contacts = settings.contacts.as_ref();
-    constraint_rows(model, (q, qd), contacts, workspace, room, |_, component, motion| {
+    constraint_rows(model, (q, qd), contacts, workspace, memory, |_, component, motion| {
         [-component(motion.displacement), -component(motion.velocity)]
     });
-    room.factorize(model, layout, (active, settings), |_| {});
-    room.force.fill(S::zero());
+    memory.factorize(model, layout, (active, settings), |_| {});
+    memory.force.fill(S::zero());
     for (side, step) in [dq, dqd].into_iter().enumerate() {
-        room.solve(side);
-        room.respond(layout, side, step);
+        memory.solve(side);
+        memory.respond(layout, side, step);
     }
-    room.factorization.rank()
+    memory.factorization.rank()
 }

@@ -19,10 +19,10 @@ pub fn constraint_residual<S: Scalar>(
     model: &Mechanism<S>,
     (q, qd): (&[S], &[S]),
     contacts: &[ContactTarget<S>],
-    (workspace, room): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
+    (workspace, memory): (&mut Workspace<S>, &mut ConstraintWorkspace<S>),
     (displacements, velocities): (&mut [Twist<S>], &mut [Twist<S>]),
 ) {
-    let columns = &mut room.columns[0];
+    let columns = &mut memory.columns[0];
     let loops = model.constraints.len() - model.contacts();
     let results = displacements.iter_mut().zip(velocities);
     for ((c, constraint), (displacement, velocity)) in

@@ -68,22 +68,22 @@ pub(super) fn constraint_rows<S: Scalar>(
     (q, qd): (&[S], &[S]),
     contacts: &[ContactTarget<S>],
     workspace: &mut Workspace<S>,
-    room: &mut ConstraintWorkspace<S>,
+    memory: &mut ConstraintWorkspace<S>,
     target: impl Fn(usize, &dyn Fn(Twist<S>) -> S, &RelativeMotion<S>) -> [S; 2],
 ) {
     let n = model.nv.max(1);
-    let (constrained, free) = room.jacobian.split_at_mut(room.rows * model.nv);
+    let (constrained, free) = memory.jacobian.split_at_mut(memory.rows * model.nv);
     let mut constrained = constrained.chunks_mut(n).enumerate();
     let mut free = free.chunks_mut(n);
     let loops = model.constraints.len() - model.contacts();
-    room.frames.clear();
+    memory.frames.clear();
     for (c, constraint) in model.constraints.iter().enumerate() {
-        let [first, second] = &mut room.columns;
+        let [first, second] = &mut memory.columns;
         let motion = if constraint.contact {
             let frame = ContactFrame::new(model, constraint.ends[1], q, workspace, first);
             let (surface, target) = (constraint.holds_rotation(), &contacts[c - loops]);
             let motion = frame.motion(model, target, surface, (&*first, qd), workspace);
-            room.frames.push(frame);
+            memory.frames.push(frame);
             motion
         } else {
             let ancestor = common_ancestor(model, constraint);
@@ -109,7 +109,7 @@ pub(super) fn constraint_rows<S: Scalar>(
         };
         for (row, (k, entries)) in constraint.rows.iter().zip(&mut constrained) {
             fill(row, entries);
-            [room.right_hand_sides[0][k], room.right_hand_sides[1][k]] =
+            [memory.right_hand_sides[0][k], memory.right_hand_sides[1][k]] =
                 target(c, &|twist| component(row, twist), &motion);
         }
         for (row, entries) in constraint.free.iter().zip(&mut free) {
@@ -124,11 +124,11 @@ pub(super) fn mobilities<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,
     (active, contacts): (&[S], &[ContactTarget<S>]),
-    room: &mut ConstraintWorkspace<S>,
+    memory: &mut ConstraintWorkspace<S>,
 ) {
     let n = model.nv.max(1);
-    let ConstraintWorkspace { jacobian, reduced, factorization, mobilities, factors, .. } = room;
-    let (owner, supports) = (&room.owner, &room.supports);
+    let ConstraintWorkspace { jacobian, reduced, factorization, mobilities, factors, .. } = memory;
+    let (owner, supports) = (&memory.owner, &memory.supports);
     reduced.copy_from_slice(jacobian);
     for (row, &c) in reduced.chunks_mut(n).zip(owner) {
         solve_upper_factor(layout, factors, supports[c].modules.iter().copied(), row);
@@ -157,7 +157,7 @@ pub(super) fn mobilities<S: Scalar>(
         }
         sum
     });
-    let (mut row, mut free) = (0, room.rows);
+    let (mut row, mut free) = (0, memory.rows);
     for (mobility, constraint) in mobilities.iter_mut().zip(&model.constraints) {
         let (rows, free_rows) =
             (row..row + constraint.rows.len(), free..free + constraint.free.len());

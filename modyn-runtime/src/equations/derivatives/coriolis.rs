@@ -59,7 +59,7 @@ fn add_brackets<S: Scalar>(
     }
     for column in dofs {
         // [(w, v), (s, t)] = (w x s, w x t + v x s)
-        let (turned, moved) = match column.component.checked_sub(3) {
+        let (rotated, moved) = match column.component.checked_sub(3) {
             None => {
                 let s = Vector3::unit(column.component);
                 (angular.cross(s), linear.cross(s))
@@ -68,7 +68,7 @@ fn add_brackets<S: Scalar>(
         };
         for dof in dofs {
             let bracket = match dof.component.checked_sub(3) {
-                None => turned.0[dof.component],
+                None => rotated.0[dof.component],
                 Some(k) => moved.0[k],
             };
             for row in 0..n {

@@ -21,10 +21,4 @@ mod inverse;
 mod perturbation;
 mod projection;
 
-pub use coriolis::coriolis_matrix;
-pub use external::{
-    forward_dynamics_external_derivatives, generalized_forces,
-    inverse_dynamics_external_derivatives,
-};
-pub use forward::{ForwardDerivatives, forward_dynamics_derivatives};
-pub use inverse::inverse_dynamics_derivatives;
+pub use {coriolis::*, external::*, forward::*, inverse::*};

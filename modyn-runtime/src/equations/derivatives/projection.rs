@@ -218,11 +218,11 @@ impl<'a, S: Scalar> Composite<'a, S> {
     fn required_wrench(&self, perturbation: &AccelerationPerturbation<S>) -> Wrench<S> {
         let AccelerationPerturbation { relative, turning, uniform, .. } = *perturbation;
         let RigidInertia { mass, first_moment, second_moment } = *self.inertia;
-        let turned = second_moment.full().mul_vector(self.twice_omega);
+        let rotated = second_moment.full().mul_vector(self.twice_omega);
         Wrench {
             moment: self.inertia.rotational().full().mul_vector(relative)
                 + self.rotational.mul_vector(turning)
-                + turned.cross(turning)
+                + rotated.cross(turning)
                 + first_moment.cross(uniform),
             force: relative.cross(first_moment)
                 + turning.cross(self.velocities.first)

@@ -65,6 +65,35 @@ pub(in crate::equations) fn is_base<S: Scalar>(model: &Mechanism<S>, i: usize) -
     floats && model.dofs_of(i).iter().all(|dof| dof.armature.is_none())
 }
 
+/// Returns the bodies on the world with a floating joint that has no rotors, damping and friction. Their pose and linear
+/// velocity have no effect on the motion relative to free fall.
+pub fn free_bases<S: Scalar>(model: &Mechanism<S>) -> impl Iterator<Item = usize> + '_ {
+    let is_free = |i| {
+        let resists = model.dofs_of(i).iter().any(|d| d.damping.is_some() || d.friction.is_some());
+        is_base(model, i) && !resists
+    };
+    (0..model.bodies.len()).filter(move |&i| is_free(i))
+}
+
+/// Computes the joint accelerations in free fall, nv entries: g - omega x v in the axes of the base for the linear entries
+/// of each of the [`free_bases`], zero for all others.
+pub fn free_fall_accelerations<S: Scalar>(
+    model: &Mechanism<S>,
+    (q, qd): (&[S], &[S]),
+    workspace: &mut Workspace<S>,
+    qdd: &mut [S],
+) {
+    qdd.fill(S::zero());
+    workspace.move_to(model, q);
+    for i in free_bases(model) {
+        let rates = model.rates(i, qd);
+        workspace.fields[i].omega = Vector3([rates[3], rates[4], rates[5]]);
+        // The entries of a floating base are contiguous, the linear ones first.
+        let first = model.dofs_of(i)[0].v;
+        qdd[first..first + 3].copy_from_slice(&free_fall(model, i, qd, workspace).0);
+    }
+}
+
 /// Returns the linear acceleration of a floating base `i` in free fall, in the coordinates of its joint:
 /// g - omega x v.
 pub(in crate::equations) fn free_fall<S: Scalar>(

@@ -3,5 +3,4 @@
 mod base_parameters;
 mod regressor;
 
-pub use base_parameters::{BaseParameter, BaseParameters};
-pub use regressor::regressor;
+pub use {base_parameters::*, regressor::*};

@@ -22,16 +22,16 @@ pub fn integrate<S: Scalar>(model: &Mechanism<S>, (q, v): (&[S], &[S]), out: &mu
         match block.space {
             CoordinateSpace::Line { .. } => out[block.q] = q[block.q] + v[block.v],
             CoordinateSpace::Rotation => {
-                let turned = rotation(q, block.q).times(Quaternion::exp(vector(v, block.v)));
-                write_rotation(turned.renormalized(), out, block.q);
+                let rotated = rotation(q, block.q).times(Quaternion::exp(vector(v, block.v)));
+                write_rotation(rotated.renormalized(), out, block.q);
             }
             CoordinateSpace::Pose => {
                 let (linear, w) = (vector(v, block.v), vector(v, block.v + 3));
                 let attitude = rotation(q, block.q + 3);
                 let moved = attitude.rotate(screw_translation(w, linear));
                 write_vector(vector(q, block.q) + moved, out, block.q);
-                let turned = attitude.times(Quaternion::exp(w)).renormalized();
-                write_rotation(turned, out, block.q + 3);
+                let rotated = attitude.times(Quaternion::exp(w)).renormalized();
+                write_rotation(rotated, out, block.q + 3);
             }
         }
     }
@@ -147,12 +147,12 @@ impl<S: Scalar> Tangent<S> {
 
     /// Returns the entries of the displacement that leads from `from` to `to`.
     fn between(block: &Coordinates<S>, from: &[S], to: &[S]) -> Self {
-        let turn = |at| rotation(from, at).conjugate().times(rotation(to, at)).log();
+        let displacement = |at| rotation(from, at).conjugate().times(rotation(to, at)).log();
         match block.space {
             CoordinateSpace::Line { .. } => Self::Line(to[block.q] - from[block.q]),
-            CoordinateSpace::Rotation => Self::Rotation(turn(block.q)),
+            CoordinateSpace::Rotation => Self::Rotation(displacement(block.q)),
             CoordinateSpace::Pose => {
-                let w = turn(block.q + 3);
+                let w = displacement(block.q + 3);
                 let moved = vector(to, block.q) - vector(from, block.q);
                 let moved = rotation(from, block.q + 3).conjugate().rotate(moved);
                 Self::Pose(screw_velocity(w, moved), w)
@@ -276,10 +276,10 @@ fn interpolate<S: Scalar>(low: S, high: S, part: S) -> S {
 
 /// Returns a uniformly distributed rotation: Shoemake 1992, "Uniform random rotations", Graphics Gems III.
 fn any_rotation<S: Scalar>(uniform: &mut dyn FnMut() -> S) -> Quaternion<S> {
-    let turn = S::from_f64(core::f64::consts::TAU);
+    let full_turn = S::from_f64(core::f64::consts::TAU);
     let part = uniform();
     let (near, far) = ((S::one() - part).sqrt(), part.sqrt());
-    let (first, second) = ((turn * uniform()).sin_cos(), (turn * uniform()).sin_cos());
+    let (first, second) = ((full_turn * uniform()).sin_cos(), (full_turn * uniform()).sin_cos());
     Quaternion::from_components([near * first.0, near * first.1, far * second.0, far * second.1])
 }
 

@@ -111,18 +111,18 @@ impl<S: Scalar> OriginMotion<S> {
         } else {
             self.with_joint_motion(rates, changes).across_joint(&motion)
         };
-        let turned = at_joint.rotated(|v| body.placement.to_parent(v));
-        Self { point: body.placement.point_to_parent(at_joint.point), ..turned }
+        let rotated = at_joint.rotated(|v| body.placement.to_parent(v));
+        Self { point: body.placement.point_to_parent(at_joint.point), ..rotated }
     }
 
     /// Rotates the motion into the axes before the joint. It stays relative to the body.
     fn across_joint(self, motion: &JointTransform<S>) -> Self {
-        let turned = self.rotated(|v| motion.to_parent(v));
-        Self { point: motion.point_to_parent(self.point), ..turned }
+        let rotated = self.rotated(|v| motion.to_parent(v));
+        Self { point: motion.point_to_parent(self.point), ..rotated }
     }
 
-    fn rotated(self, turn: impl Fn(Vector3<S>) -> Vector3<S>) -> Self {
-        let twist = |t: Twist<S>| Twist { angular: turn(t.angular), linear: turn(t.linear) };
+    fn rotated(self, rotate: impl Fn(Vector3<S>) -> Vector3<S>) -> Self {
+        let twist = |t: Twist<S>| Twist { angular: rotate(t.angular), linear: rotate(t.linear) };
         let (velocity, acceleration) = (twist(self.velocity), twist(self.acceleration));
         Self { velocity, acceleration, ..self }
     }

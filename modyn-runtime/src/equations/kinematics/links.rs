@@ -117,8 +117,8 @@ pub fn link_acceleration<S: Scalar>(
 /// Returns the acceleration of link `frame` relative to the world in world axes, as [`link_acceleration`] does; without
 /// `qdd` the bias acceleration.
 ///
-/// It goes by the bodies' axes in the world, and by the bodies' accelerations, as Newton-Euler passes have them. So it takes
-/// more operations by itself, but few beyond those of [`jacobian`] and of inverse dynamics.
+/// The method uses the axes of the bodies in the world and the accelerations of the bodies, as Newton-Euler passes do. Alone it
+/// takes more operations, but few beyond those of [`jacobian`] and of inverse dynamics.
 pub fn link_acceleration_from_world<S: Scalar>(
     model: &Mechanism<S>,
     frame: usize,

@@ -7,8 +7,4 @@ pub(super) mod first_moment;
 pub(super) mod kinematic_path;
 pub(super) mod links;
 
-pub use center_of_mass::{center_of_mass, center_of_mass_jacobian, total_mass};
-pub use links::{
-    Axes, bias_acceleration, jacobian, jacobian_time_derivative, link_acceleration,
-    link_acceleration_from_world, link_pose, link_pose_from_world, link_poses, link_velocity,
-};
+pub use {center_of_mass::*, links::*};

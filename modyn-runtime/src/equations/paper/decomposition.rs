@@ -138,14 +138,14 @@ impl<S: Scalar> Decomposition<S> {
 
     /// Returns N_i,d: the joint-motion propagations of the joints of module `i`, (A.5).
     #[must_use]
-    pub fn joints_alone(&self, i: usize) -> Dense<S> {
+    pub fn joint_motion_propagation(&self, i: usize) -> Dense<S> {
         self.denoc.joints.block(self.rows(i), self.entries(i))
     }
 
     /// Returns the module-joint-motion propagation N_i = N_i,l N_i,d, (A.4), (A.7).
     #[must_use]
     pub fn joints(&self, i: usize) -> Dense<S> {
-        self.propagation_within(i).times(&self.joints_alone(i))
+        self.propagation_within(i).times(&self.joint_motion_propagation(i))
     }
 
     /// Returns the module-twist propagation A_j,i, (A.7): from the last link of module `i` to the links of

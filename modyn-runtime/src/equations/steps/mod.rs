@@ -11,8 +11,7 @@ use alloc::{vec, vec::Vec};
 use crate::Scalar;
 use crate::mechanism::Mechanism;
 
-pub use runge_kutta::step_rk4;
-pub use semi_implicit::{StepOutputs, step_semi_implicit, step_semi_implicit_derivatives};
+pub use {runge_kutta::*, semi_implicit::*};
 
 /// The memory of the steps.
 #[derive(Clone, Debug)]

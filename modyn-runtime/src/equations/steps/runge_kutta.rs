@@ -13,10 +13,10 @@ pub fn step_rk4<S: Scalar>(
     model: &Mechanism<S>,
     elimination: &Elimination,
     (q, qd, tau, dt): (&[S], &[S], &[S], S),
-    (workspace, room): (&mut Workspace<S>, &mut StepWorkspace<S>),
+    (workspace, memory): (&mut Workspace<S>, &mut StepWorkspace<S>),
     (next_q, next_qd): (&mut [S], &mut [S]),
 ) {
-    let StepWorkspace { q: at, displacement, velocities: [v2, v3, v4], accelerations, .. } = room;
+    let StepWorkspace { q: at, displacement, velocities: [v2, v3, v4], accelerations, .. } = memory;
     let [a1, a2, a3, a4] = accelerations;
     let half = S::from_f64(0.5) * dt;
     let mut accelerate = |q: &[S], qd: &[S], qdd: &mut [S]| {

@@ -29,10 +29,10 @@ pub fn step_semi_implicit<S: Scalar>(
     model: &Mechanism<S>,
     elimination: &Elimination,
     (q, qd, tau, dt): (&[S], &[S], &[S], S),
-    (workspace, room): (&mut Workspace<S>, &mut StepWorkspace<S>),
+    (workspace, memory): (&mut Workspace<S>, &mut StepWorkspace<S>),
     (next_q, next_qd): (&mut [S], &mut [S]),
 ) {
-    let StepWorkspace { displacement, accelerations: [qdd, ..], .. } = room;
+    let StepWorkspace { displacement, accelerations: [qdd, ..], .. } = memory;
     forward_dynamics(model, elimination, (q, qd, tau), None, workspace, qdd);
     add_scaled(qd, dt, qdd, next_qd);
     scale(dt, next_qd, displacement);
@@ -47,11 +47,11 @@ pub fn step_semi_implicit_derivatives<S: Scalar>(
     model: &Mechanism<S>,
     layout: &UduLayout,
     (q, qd, tau, dt): (&[S], &[S], &[S], S),
-    (workspace, room): (&mut Workspace<S>, &mut StepWorkspace<S>),
+    (workspace, memory): (&mut Workspace<S>, &mut StepWorkspace<S>),
     outputs: StepOutputs<'_, S>,
 ) {
     let StepOutputs { q: next_q, qd: next_qd, a, b } = outputs;
-    let StepWorkspace { displacement, accelerations: [qdd, ..], matrices, .. } = room;
+    let StepWorkspace { displacement, accelerations: [qdd, ..], matrices, .. } = memory;
     let n = model.nv;
     let [dqdd_dq, dqdd_dqd, dqdd_dtau] = &mut *matrices;
     let derivatives = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };

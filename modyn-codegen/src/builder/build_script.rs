@@ -1,0 +1,59 @@
+//! Compilation in a build script.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use super::source::{Source, resolve_path};
+use super::{Builder, Generated};
+use crate::diagnostics::{Code, Diagnostic, Diagnostics};
+use crate::names;
+
+impl Builder {
+    /// Compiles to `OUT_DIR` from a build script, for `modyn::include_model!`. Cargo runs the script again when the
+    /// description changes, and shows the warnings.
+    ///
+    /// The name for `include_model!` is derived from the type, if a name was [given](Self::type_name) (`LeftArm` is
+    /// `include_model!(left_arm)`), else from the description's file (`my-robot.urdf` is `include_model!(my_robot)`).
+    ///
+    /// # Errors
+    ///
+    /// Returns all errors of the description and the options, or that a file cannot be written.
+    pub fn compile(&self) -> Result<Generated, Diagnostics> {
+        if let Source::File(path) = &self.source {
+            // Also for a missing file: Cargo then checks again.
+            println!("cargo::rerun-if-changed={}", resolve_path(path).display());
+        }
+        let generated = self.generate()?;
+        let error = |message: String, help: &str| {
+            Diagnostics::from(Diagnostic::error(Code::Output, message).with_help(help))
+        };
+        let folder = std::env::var_os("OUT_DIR").ok_or_else(|| {
+            error("OUT_DIR is not set: `compile` is for build scripts".into(), "call `generate`")
+        })?;
+        let stem = match (&self.options.code.type_name, &self.source) {
+            (None, Source::File(path)) => path.file_stem().map(|stem| stem.to_string_lossy()),
+            _ => None,
+        };
+        let name = names::snake(stem.as_deref().unwrap_or(&generated.type_name));
+        let file = Path::new(&folder).join(format!("{name}.rs"));
+        // The files that this process, a build script, has written: a robot must not overwrite another.
+        static WRITTEN: Mutex<BTreeMap<PathBuf, String>> = Mutex::new(BTreeMap::new());
+        let mut written = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
+        let text = written.entry(file.clone()).or_insert_with(|| generated.text.clone());
+        if *text != generated.text {
+            let message = format!("two robots would be `include_model!({name})`");
+            return Err(error(message, "give one of them a `type_name`"));
+        }
+        std::fs::write(&file, &generated.text).map_err(|reason| {
+            let message = format!("`{}` cannot be written: {reason}", file.display());
+            error(message, "OUT_DIR must be a writable folder")
+        })?;
+        let warnings = generated.warnings.iter().take(Diagnostics::SHOWN);
+        let more = Diagnostics::count_hidden(generated.warnings.len());
+        for warning in warnings.map(ToString::to_string).chain(more) {
+            println!("cargo::warning={}", warning.replace(char::is_control, " "));
+        }
+        Ok(generated)
+    }
+}

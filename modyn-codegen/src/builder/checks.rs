@@ -1,0 +1,176 @@
+//! Checks of the options, by themselves and with the robot.
+
+use modyn_runtime::model::{Model, ModuleError, ModuleTree};
+
+use super::Builder;
+use super::source::Source;
+use super::syntax::{is_c_prefix, is_path, is_visibility};
+use crate::check::gravity_error;
+use crate::description::{Base, Mimic};
+use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
+use crate::names;
+use crate::options::{Bundle, ModuleChoice};
+
+impl Builder {
+    /// Returns the errors of options that are copied into the text.
+    pub(super) fn option_errors(&self) -> Vec<Diagnostic> {
+        let mut errors = Vec::new();
+        let mut error = |code, message: String, help: String| {
+            errors.push(Diagnostic::error(code, message).with_help(help));
+        };
+        if let Some(name) =
+            self.options.code.type_name.as_ref().filter(|&name| names::type_name(name) != *name)
+        {
+            error(
+                Code::TypeName,
+                format!("{name:?} is not a type name in upper camel case"),
+                format!("`{}` is one", names::type_name(name)),
+            );
+        }
+        if let Some(visibility) =
+            self.options.code.visibility.as_ref().filter(|text| !is_visibility(text))
+        {
+            error(
+                Code::Option,
+                format!("{visibility:?} is not a visibility"),
+                "`pub`, `pub(crate)`, `pub(super)`, `pub(in path)`, or nothing for private".into(),
+            );
+        }
+        if let Some(path) = self.options.code.crate_path.as_ref().filter(|text| !is_path(text)) {
+            error(
+                Code::Option,
+                format!("{path:?} is not the path of a crate or module"),
+                "give the path of `modyn`, such as `::modyn` or `crate::robots::modyn`".into(),
+            );
+        }
+        if let Some(prefix) =
+            self.options.code.c_functions.as_ref().filter(|name| !is_c_prefix(name))
+        {
+            error(
+                Code::Option,
+                format!("{prefix:?} is not a prefix of C functions"),
+                "use a letter, then letters, digits and underscores".into(),
+            );
+        }
+        if self.options.code.self_contained && self.options.code.crate_path.is_some() {
+            error(
+                Code::Option,
+                "a self-contained file does not use the crate `modyn`, so `crate` has no effect"
+                    .into(),
+                "remove `crate` or `self_contained`".into(),
+            );
+        }
+        if matches!(self.source, Source::Model(_)) && !self.options.read.loops.is_empty() {
+            error(
+                Code::Option,
+                "a `Model` has its own loop constraints".into(),
+                "set them with `Model::with_loop_constraints`".into(),
+            );
+        }
+        if matches!(self.source, Source::Model(_)) && !self.options.read.contacts.is_empty() {
+            error(
+                Code::Option,
+                "a model that is given as one has its own contacts".into(),
+                "set them with `Model::with_contacts`".into(),
+            );
+        }
+        let read = &self.options.read;
+        let of_reading = [
+            ("base", read.base != Base::default()),
+            ("mimic", read.mimic != Mimic::default()),
+            ("rotors", !read.rotors.is_empty()),
+            ("friction", read.friction.is_some()),
+        ];
+        let given = of_reading.iter().filter(|(_, given)| *given);
+        for (option, _) in given.filter(|_| matches!(self.source, Source::Model(_))) {
+            error(
+                Code::Option,
+                format!("`{option}` is an option for descriptions, but the robot is a `Model`"),
+                "set it in the model: joints have their type and rotor, `Model::with_friction` sets the friction"
+                    .into(),
+            );
+        }
+        errors.extend(read.gravity.and_then(gravity_error));
+        errors.extend(Bundle::errors(&self.options.code.bundles));
+        errors
+    }
+
+    /// Returns a warning for a type `Robot`, which would collide with the trait that users import.
+    pub(super) fn name_conflict(
+        &self,
+        model: &Model,
+        warnings: &[Diagnostic],
+    ) -> Option<Diagnostic> {
+        let name = names::type_name(model.name());
+        // A robot without a name already has a warning.
+        let said = warnings.iter().any(|w| w.code == Code::MissingAttribute && w.subject.is_none());
+        (self.options.code.type_name.is_none() && name == "Robot" && !said).then(|| {
+            let message = "the type `Robot` will collide with `use modyn::Robot`";
+            let help = "name it: `modyn!(pub MyArm = \"...\")`, or `Builder::type_name`";
+            let subject = Subject::Robot(model.name().into());
+            let warning = Diagnostic::new(Severity::Warning, Code::TypeName, message);
+            warning.with_subject(subject).with_help(help)
+        })
+    }
+
+    /// Returns the modules that the option `modules` selects.
+    pub(super) fn module_tree(&self, model: &Model) -> Result<ModuleTree, Diagnostics> {
+        match &self.options.code.modules {
+            ModuleChoice::Chains => Ok(ModuleTree::chains(model)),
+            ModuleChoice::Links => Ok(ModuleTree::links(model)),
+            ModuleChoice::List(list) => ModuleTree::from_names(model, list).map_err(|errors| {
+                let names = || model.links().iter().map(|link| link.name.as_str());
+                let diagnostic = |error: &ModuleError| {
+                    let diagnostic = Diagnostic::error(Code::Modules, error.to_string());
+                    let meant = match error {
+                        ModuleError::UnknownLink { name, .. } => suggest(name, names()),
+                        _ => None,
+                    };
+                    match meant {
+                        Some(meant) => diagnostic.with_help(format!("did you mean `{meant}`?")),
+                        None => diagnostic,
+                    }
+                };
+                Diagnostics::new(errors.iter().map(diagnostic).collect())
+            }),
+        }
+    }
+}
+
+/// Returns the links of this `option`, as indices into the model's frames.
+pub(super) fn moving_frames(
+    model: &Model,
+    option: &str,
+    code: Code,
+    links: &[String],
+) -> Result<Vec<usize>, Diagnostics> {
+    let mut errors = Vec::new();
+    let mut frames = Vec::new();
+    let names = || model.frames().iter().map(|frame| frame.name.as_str());
+    for name in links {
+        let mut error = |message: String, help: String| {
+            errors.push(Diagnostic::error(code, message).with_help(help));
+        };
+        match names().position(|other| other == name) {
+            None => {
+                let help = match suggest(name, names()) {
+                    Some(meant) => format!("did you mean `{meant}`?"),
+                    None => "name a link of the description".into(),
+                };
+                error(format!("`{name}` in `{option}` is not a link"), help);
+            }
+            Some(frame) if model.frames()[frame].link.is_none() => error(
+                format!("link `{name}` in `{option}` does not move"),
+                "remove it: a link that is fixed to the world has no effect on the dynamics".into(),
+            ),
+            Some(frame) if frames.contains(&frame) => {
+                error(
+                    format!("link `{name}` is listed in `{option}` twice"),
+                    "name it once".into(),
+                );
+            }
+            Some(frame) => frames.push(frame),
+        }
+    }
+    if errors.is_empty() { Ok(frames) } else { Err(Diagnostics::new(errors)) }
+}

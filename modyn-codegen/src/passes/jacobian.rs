@@ -1,0 +1,70 @@
+//! Matrices of derivatives, from the products of [`differentiate`](super::differentiate).
+
+use std::ops::Range;
+
+use super::{jvp, vjp};
+use crate::graph::{Graph, Id, Node};
+
+/// Returns the graph of the derivatives of the outputs of `graph` with respect to the inputs `wrt`: a matrix with a row for
+/// each output, by columns.
+///
+/// Forward mode gives a column at a time, reverse mode a row at a time. The mode with fewer operations is taken.
+#[must_use]
+pub fn jacobian(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
+    let (rows, columns) = (graph.outputs.len(), wrt.len());
+    let by_columns = at_unit_vectors(&jvp(graph, inputs, wrt.clone()), inputs, columns);
+    let mut by_rows = at_unit_vectors(&vjp(graph, inputs, wrt), inputs, rows);
+    by_rows.outputs =
+        (0..rows * columns).map(|k| by_rows.outputs[k % rows * columns + k / rows]).collect();
+    let operations = |graph: &Graph| graph.count().total();
+    if operations(&by_rows) < operations(&by_columns) { by_rows } else { by_columns }
+}
+
+/// Returns the graph of the derivatives of `gradient` with respect to its first inputs, one for each output: a symmetric
+/// matrix by columns, since `gradient` must be the gradient of a function of these inputs. Only half of the matrix is
+/// computed.
+#[must_use]
+pub fn hessian(gradient: &Graph, inputs: usize) -> Graph {
+    let size = gradient.outputs.len();
+    let mut change = jvp(gradient, inputs, 0..size);
+    let changes = std::mem::take(&mut change.outputs);
+    let (mut all, given) = with_inputs(inputs);
+    let mut matrix = vec![0; size * size];
+    for column in 0..size {
+        change.outputs = changes[column..].to_vec();
+        let unit = unit_vector(&mut all, size, column);
+        let ids = all.compose(&change, &[&*given, &unit].concat());
+        for (row, id) in (column..).zip(ids) {
+            matrix[column * size + row] = id;
+            matrix[row * size + column] = id;
+        }
+    }
+    all.outputs = matrix;
+    all
+}
+
+/// Returns the graph of the outputs of `linear` at each unit vector of its last `count` inputs, one after the other.
+fn at_unit_vectors(linear: &Graph, inputs: usize, count: usize) -> Graph {
+    let (mut all, given) = with_inputs(inputs);
+    let mut outputs = Vec::with_capacity(count * linear.outputs.len());
+    for k in 0..count {
+        let unit = unit_vector(&mut all, count, k);
+        outputs.extend(all.compose(linear, &[&*given, &unit].concat()));
+    }
+    all.outputs = outputs;
+    all
+}
+
+/// Returns a graph with this number of inputs, and their nodes.
+fn with_inputs(count: usize) -> (Graph, Vec<Id>) {
+    let mut graph = Graph::default();
+    let input = |number| graph.make(Node::Input(u32::try_from(number).expect("fewer than 2^32")));
+    let inputs = (0..count).map(input).collect();
+    (graph, inputs)
+}
+
+/// Returns the nodes of a unit vector of `length` entries.
+pub fn unit_vector(graph: &mut Graph, length: usize, at: usize) -> Vec<Id> {
+    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+    (0..length).map(|k| if k == at { one } else { zero }).collect()
+}

@@ -1,0 +1,306 @@
+//! The graphs of functions of plain numbers, and of their derivatives by every entry of their inputs.
+//!
+//! Other graphs of derivatives are in tangent space. A library that differentiates by plain numbers, as `CasADi` does, has
+//! four entries for a quaternion, whose length is 1 at a solution only. Here a function scales quaternions to length 1
+//! first. So it has a value at any length, and its derivatives by all four entries are those of this value: the derivative
+//! along the quaternion is zero.
+
+use std::ops::Range;
+
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::mechanism::coordinates::CoordinateSpace;
+
+use super::Tracer;
+use super::products::Composition;
+use crate::graph::{Graph, Id, Node};
+use crate::passes::{hessian, jacobian, jvp, optimize, unit_vector, vjp};
+
+/// The graphs of a function and of its derivatives with respect to its inputs, plain numbers.
+pub struct EntryDerivatives {
+    /// The function.
+    pub value: Graph,
+    /// The derivatives of the outputs, by columns: a column for each input.
+    pub jacobian: Graph,
+    /// The change of the outputs. Further inputs: the changes of all inputs.
+    pub forward: Graph,
+    /// The gradient of a weighted sum of the outputs. Further inputs: the weights.
+    pub adjoint: Graph,
+    /// The second derivatives of a weighted sum of the outputs, a symmetric matrix by columns. Further inputs: the weights.
+    pub hessian: Graph,
+}
+
+impl EntryDerivatives {
+    /// Returns the graphs of a function of `inputs` numbers, by differentiation of its graph.
+    #[must_use]
+    pub fn new(value: Graph, inputs: usize) -> Self {
+        let jacobian = jacobian(&value, inputs, 0..inputs);
+        Self::with_jacobian(value, inputs, jacobian)
+    }
+
+    fn with_jacobian(value: Graph, inputs: usize, jacobian: Graph) -> Self {
+        let adjoint = vjp(&value, inputs, 0..inputs);
+        Self {
+            forward: jvp(&value, inputs, 0..inputs),
+            hessian: hessian(&adjoint, inputs + value.outputs.len()),
+            value,
+            jacobian,
+            adjoint,
+        }
+    }
+}
+
+/// The inputs of forward and inverse dynamics: `q`, `qd`, then `tau` or the accelerations, then the run-time parameters.
+#[derive(Clone)]
+struct DynamicsInputs {
+    q: Range<usize>,
+    /// The inputs that are joint forces of forward dynamics, and accelerations of inverse dynamics.
+    last: Range<usize>,
+    all: usize,
+}
+
+impl DynamicsInputs {
+    /// Returns the inputs with the accelerations in place of the joint forces.
+    fn with_accelerations(&self, x: &[Id], qdd: &[Id]) -> Vec<Id> {
+        [&x[..self.last.start], qdd, &x[self.last.end..]].concat()
+    }
+}
+
+impl Tracer<'_> {
+    /// Returns the graph of a function of `inputs` numbers with quaternions of length 1. `coordinates` are the first inputs
+    /// of the function's vectors of coordinates.
+    #[must_use]
+    pub fn with_unit_quaternions(
+        &self,
+        graph: &Graph,
+        coordinates: &[usize],
+        inputs: usize,
+    ) -> Graph {
+        let normalize = self.normalize();
+        let mut all = Composition::new();
+        let mut given = all.inputs(inputs);
+        for &first in coordinates {
+            let q = first..first + self.model.nq;
+            let unit = all.add(&normalize, &[&given[q.clone()]]);
+            given[q].copy_from_slice(&unit);
+        }
+        let outputs = all.add(graph, &[&given]);
+        all.with_outputs(&[&outputs])
+    }
+
+    fn dynamics_inputs(&self) -> DynamicsInputs {
+        let (nq, nv) = (self.model.nq, self.model.nv);
+        let last = nq + nv..nq + 2 * nv;
+        DynamicsInputs { q: 0..nq, all: last.end + self.parameters.len(), last }
+    }
+
+    fn inverse_dynamics_of_entries(&self) -> Graph {
+        let inputs = self.dynamics_inputs();
+        self.with_unit_quaternions(&optimize(self.inverse_dynamics()), &[0], inputs.all)
+    }
+
+    /// Returns inverse dynamics and its derivatives. The Jacobian has the derivatives in closed form.
+    #[must_use]
+    pub fn inverse_dynamics_by_entries(&self) -> EntryDerivatives {
+        let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
+        let value = self.inverse_dynamics_of_entries();
+        let mut all = Composition::new();
+        let x = all.inputs(inputs.all);
+        let (q, rest) = x.split_at(inputs.q.end);
+        let unit = all.add(&self.normalize(), &[q]);
+        let derivatives = optimize(self.inverse_dynamics_derivatives());
+        let derivatives = all.add(&derivatives, &[&unit, rest]);
+        let (dq, dqd) = derivatives.split_at(nv * nv);
+        let dq = self.by_entries(&mut all, q, &unit, dq);
+        let parameters = &x[inputs.last.end..];
+        let mass = all.add(&optimize(self.mass_matrix()), &[&unit, parameters]);
+        let by_parameters = jacobian(&value, inputs.all, inputs.last.end..inputs.all);
+        let by_parameters = all.add(&by_parameters, &[&x]);
+        let jacobian = all.with_outputs(&[&dq, dqd, &mass, &by_parameters]);
+        EntryDerivatives::with_jacobian(value, inputs.all, jacobian)
+    }
+
+    /// Returns forward dynamics and its derivatives. `forward` is the graph of forward dynamics, and `layout` the
+    /// factorization of the mass matrix for the derivatives in closed form.
+    ///
+    /// With tau = ID(z, qdd), where z are `q`, `qd` and the parameters, the derivatives of the accelerations go through
+    /// inverse dynamics. mu is the product of the inverse mass matrix and the weights, and D the Jacobian of the
+    /// accelerations. The Hessian of the weighted accelerations then is -(A + C^T D + D^T C), where A and C are the second
+    /// derivatives of mu^T ID by z and z, and by qdd and z. Forward dynamics itself is differentiated by nothing but `tau`.
+    #[must_use]
+    pub fn forward_dynamics_by_entries(
+        &self,
+        forward: &Graph,
+        layout: &UduLayout,
+    ) -> EntryDerivatives {
+        let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
+        let value = self.with_unit_quaternions(forward, &[0], inputs.all);
+        let inverse = self.inverse_dynamics_of_entries();
+        let closed = self.forward_dynamics_in_closed_form(&inverse, layout);
+        let mut jacobian = closed.clone();
+        jacobian.outputs.drain(..nv);
+        EntryDerivatives {
+            forward: self.forward_change(&value, &inverse),
+            adjoint: self.forward_adjoint(&value, &inverse),
+            hessian: self.forward_hessian(&closed, &inverse),
+            value,
+            jacobian,
+        }
+    }
+
+    /// Returns the graph of the accelerations, then of their derivatives by all inputs, by columns.
+    fn forward_dynamics_in_closed_form(&self, inverse: &Graph, layout: &UduLayout) -> Graph {
+        let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
+        let mut all = Composition::new();
+        let x = all.inputs(inputs.all);
+        let (q, rest) = x.split_at(inputs.q.end);
+        let unit = all.add(&self.normalize(), &[q]);
+        let derivatives = optimize(self.forward_dynamics_derivatives(layout));
+        let derivatives = all.add(&derivatives, &[&unit, rest]);
+        let (qdd, matrices) = derivatives.split_at(nv);
+        let (dq, matrices) = matrices.split_at(nv * nv);
+        let (_, dtau) = matrices.split_at(nv * nv);
+        let dq = self.by_entries(&mut all, q, &unit, dq);
+        let by_parameters = jacobian(inverse, inputs.all, inputs.last.end..inputs.all);
+        let forces = all.add(&by_parameters, &[&inputs.with_accelerations(&x, qdd)]);
+        let mut by_parameters = Vec::new();
+        for column in forces.chunks(nv) {
+            by_parameters.extend((0..nv).map(|row| {
+                let products = (0..nv).map(|k| (dtau[k * nv + row], column[k]));
+                let sum = sum_of_products(&mut all.graph, products);
+                all.graph.make(Node::Neg(sum))
+            }));
+        }
+        all.with_outputs(&[qdd, &dq, matrices, &by_parameters])
+    }
+
+    /// Returns the graph of the change of the accelerations: M^-1 (d tau - d ID), with d ID at constant accelerations.
+    fn forward_change(&self, value: &Graph, inverse: &Graph) -> Graph {
+        let inputs = self.dynamics_inputs();
+        let mut all = Composition::new();
+        let (x, dx) = (all.inputs(inputs.all), all.inputs(inputs.all));
+        let qdd = all.add(value, &[&x]);
+        let zeros = vec![all.graph.constant(0.0); qdd.len()];
+        let change = jvp(inverse, inputs.all, 0..inputs.all);
+        let motion = inputs.with_accelerations(&x, &qdd);
+        let change = all.add(&change, &[&motion, &inputs.with_accelerations(&dx, &zeros)]);
+        let unmet = all.difference(&dx[inputs.last.clone()], &change);
+        let solve = jvp(value, inputs.all, inputs.last);
+        let change = all.add(&solve, &[&x, &unmet]);
+        all.with_outputs(&[&change])
+    }
+
+    /// Returns the graph of the gradient of weighted accelerations: mu by `tau`, and -d (mu^T ID) by all other inputs.
+    fn forward_adjoint(&self, value: &Graph, inverse: &Graph) -> Graph {
+        let inputs = self.dynamics_inputs();
+        let mut all = Composition::new();
+        let (x, weights) = (all.inputs(inputs.all), all.inputs(self.model.nv));
+        let qdd = all.add(value, &[&x]);
+        // M^-1 is symmetric.
+        let solve = jvp(value, inputs.all, inputs.last.clone());
+        let mu = all.add(&solve, &[&x, &weights]);
+        let gradient = vjp(inverse, inputs.all, 0..inputs.all);
+        let gradient = all.add(&gradient, &[&inputs.with_accelerations(&x, &qdd), &mu]);
+        let gradient = all.negated(&gradient);
+        let gradient = inputs.with_accelerations(&gradient, &mu);
+        all.with_outputs(&[&gradient])
+    }
+
+    /// Returns the graph of the second derivatives of weighted accelerations. `closed` is the graph of the accelerations and
+    /// their derivatives.
+    fn forward_hessian(&self, closed: &Graph, inverse: &Graph) -> Graph {
+        let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
+        let size = inputs.all;
+        let mut all = Composition::new();
+        let (x, weights) = (all.inputs(size), all.inputs(nv));
+        let found = all.add(closed, &[&x]);
+        let (qdd, d) = found.split_at(nv);
+        let by_tau = &d[inputs.last.start * nv..inputs.last.end * nv];
+        let mu: Vec<Id> = (by_tau.chunks(nv))
+            .map(|column| {
+                sum_of_products(&mut all.graph, column.iter().copied().zip(weights.iter().copied()))
+            })
+            .collect();
+        let gradient = vjp(inverse, size, 0..size);
+        let mut change = jvp(&gradient, size + nv, 0..size);
+        let changes = std::mem::take(&mut change.outputs);
+        let motion = inputs.with_accelerations(&x, qdd);
+        // For each input of inverse dynamics but the accelerations, the change of the gradient by the inputs from there on,
+        // which is a column of A, and of the gradient by the accelerations, which is a column of C.
+        let (mut a, mut c) = (vec![Vec::new(); size], vec![Vec::new(); size]);
+        for column in (0..size).filter(|column| !inputs.last.contains(column)) {
+            let of_c = &changes[inputs.last.clone()];
+            change.outputs = [&changes[column..], of_c].concat();
+            let unit = unit_vector(&mut all.graph, size, column);
+            a[column] = all.add(&change, &[&motion, &mu, &unit]);
+            c[column] = a[column].split_off(size - column);
+        }
+        let mut matrix = vec![0; size * size];
+        for column in 0..size {
+            for row in column..size {
+                let by = |x: usize| (0..nv).map(move |k| d[x * nv + k]);
+                let products = |x: usize, y: usize| c[x].iter().copied().zip(by(y));
+                let terms = products(row, column).chain(products(column, row));
+                let mut sum = sum_of_products(&mut all.graph, terms);
+                if !inputs.last.contains(&row)
+                    && let Some(&second) = a[column].get(row - column)
+                {
+                    sum = all.graph.make(Node::Add(sum, second));
+                }
+                let entry = all.graph.make(Node::Neg(sum));
+                matrix[column * size + row] = entry;
+                matrix[row * size + column] = entry;
+            }
+        }
+        all.with_outputs(&[&matrix])
+    }
+
+    /// Returns a matrix of derivatives by the entries of `q`, from the derivatives in tangent space at the coordinates `unit`
+    /// with quaternions of length 1; both by columns.
+    ///
+    /// The rates of coordinates are T v. For a quaternion n of length 1, T^T T is 1/4, for other coordinates 1. So a change of
+    /// the entries of a quaternion q = |q| n is 4 T^T dq / |q| in tangent space; the part along n has no effect.
+    fn by_entries(&self, all: &mut Composition, q: &[Id], unit: &[Id], dq: &[Id]) -> Vec<Id> {
+        let (nq, nv) = (self.model.nq, self.model.nv);
+        let rates = self.velocity_to_qdot();
+        let rates: Vec<Vec<Id>> = (0..nv)
+            .map(|k| {
+                let velocity = unit_vector(&mut all.graph, nv, k);
+                all.add(&rates, &[unit, &velocity])
+            })
+            .collect();
+        let mut scales = vec![None; nq];
+        for block in &self.model.coordinates {
+            let first = match block.space {
+                CoordinateSpace::Line { .. } => continue,
+                CoordinateSpace::Rotation => block.q,
+                CoordinateSpace::Pose => block.q + 3,
+            };
+            let entries = first..first + 4;
+            let squares = entries.clone().map(|i| (q[i], q[i]));
+            let square = sum_of_products(&mut all.graph, squares);
+            let length = all.graph.make(Node::Sqrt(square));
+            let inverse = all.graph.make(Node::Recip(length));
+            let four = all.graph.constant(4.0);
+            scales[entries].fill(Some(all.graph.make(Node::Mul(four, inverse))));
+        }
+        let mut columns = Vec::with_capacity(nq * nv);
+        for (entry, scale) in scales.into_iter().enumerate() {
+            for row in 0..nv {
+                let products = (0..nv).map(|k| (rates[k][entry], dq[k * nv + row]));
+                let sum = sum_of_products(&mut all.graph, products);
+                columns.push(scale.map_or(sum, |scale| all.graph.make(Node::Mul(scale, sum))));
+            }
+        }
+        columns
+    }
+}
+
+/// Returns the node of a sum of products.
+fn sum_of_products(graph: &mut Graph, products: impl Iterator<Item = (Id, Id)>) -> Id {
+    let mut sum = graph.constant(0.0);
+    for (a, b) in products {
+        let product = graph.make(Node::Mul(a, b));
+        sum = graph.make(Node::Add(sum, product));
+    }
+    sum
+}

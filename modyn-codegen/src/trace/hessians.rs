@@ -1,0 +1,285 @@
+//! The graphs of contracted Hessians: of w^T tau of inverse dynamics, and of w^T qdd of forward dynamics.
+//!
+//! The graph of a gradient, in reverse mode, is differentiated in forward mode along unit displacements. Hessians of forward
+//! dynamics go through inverse dynamics ID, as its gradients do. With the mass matrix M, mu = M^-1 w, the Hessian Phi of
+//! mu^T ID at constant mu, and B = Phi_{q qdd} M^-1:
+//!
+//! ```text
+//! H_{q q}   = B ID_q + (B ID_q)^T - Phi_{q q}        H_{q tau} = -B
+//! H_{q qd}  = B ID_qd - Phi_{q qd}                   H_{qd tau} = H_{tau tau} = 0
+//! H_{qd qd} = -Phi_{qd qd}
+//! ```
+//!
+//! All products with M^-1 = U^-T D^-1 U^-1 keep the zeros of U and D, which the branches of a robot have.
+//!
+//! The pose and the linear velocity of a floating base have no effect on the motion relative to free fall. So forward
+//! dynamics is differentiated with its bases in neutral poses without linear velocities, and the free fall is added.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use modyn_runtime::equations::Workspace;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::dynamics::{free_bases, free_fall_accelerations};
+
+use super::Tracer;
+use super::products::Composition;
+use crate::graph::{Graph, Id};
+use crate::passes::{jvp, optimize};
+
+/// The variables of a Hessian. A variable has an entry for each velocity.
+const Q: usize = 0;
+const QD: usize = 1;
+const QDD: usize = 2;
+
+/// An entry of a variable.
+type Entry = (usize, usize);
+
+/// Second derivatives of a weighted sum, as far as they have been computed.
+struct Hessian {
+    /// The changes of the gradient.
+    changes: Graph,
+    /// The outputs of `changes`: nv entries for each variable.
+    outputs: Vec<Id>,
+    /// The inputs of the gradient.
+    point: Vec<Id>,
+    nv: usize,
+    /// The changes of gradient entries (second) along unit displacements (first).
+    found: BTreeMap<(Entry, Entry), Id>,
+}
+
+impl Hessian {
+    /// Returns the Hessian of a function of q and `vectors` joint vectors, without any entries yet. `gradient` is the graph
+    /// that [`Tracer::gradient`] returns, and `point` are its inputs, q first.
+    fn new(tracer: &Tracer<'_>, gradient: Graph, vectors: usize, point: Vec<Id>) -> Self {
+        let gradient = optimize(gradient);
+        let changes = jvp(&gradient, point.len(), tracer.state(vectors));
+        let outputs = changes.outputs.clone();
+        Self { changes, outputs, point, nv: tracer.model.nv, found: BTreeMap::new() }
+    }
+
+    /// Computes the changes of some entries of the gradient along a unit displacement.
+    fn differentiate(
+        &mut self,
+        tracer: &Tracer<'_>,
+        all: &mut Composition,
+        along: Entry,
+        entries: impl Iterator<Item = Entry>,
+    ) {
+        let (nq, nv) = (tracer.model.nq, self.nv);
+        let entries: Vec<Entry> = entries.collect();
+        let (zero, one) = (all.constant(0.0), all.constant(1.0));
+        let mut change = vec![zero; self.outputs.len()];
+        change[along.0 * nv + along.1] = one;
+        let rates = tracer.velocity_to_qdot();
+        let rest = vec![zero; tracer.parameters.len()];
+        let dq = all.add(&rates, &[&self.point[..nq], &change[..nv], &rest]);
+        let output = |&(variable, entry): &Entry| self.outputs[variable * nv + entry];
+        self.changes.outputs = entries.iter().map(output).collect();
+        let changes = all.add(&self.changes, &[&self.point, &dq, &change[nv..]]);
+        let keyed = entries.into_iter().zip(changes);
+        self.found.extend(keyed.map(|(entry, change)| ((along, entry), change)));
+    }
+
+    /// Returns the entry (a, b) of the Hessian. Displacements of one rotation or pose do not commute: the second derivative
+    /// along geodesics is the symmetric part.
+    fn entry(&self, all: &mut Composition, a: Entry, b: Entry) -> Id {
+        match (self.found.get(&(a, b)), self.found.get(&(b, a))) {
+            (Some(&x), Some(&y)) if a != b => {
+                let sum = all.sum(x, y);
+                let half = all.constant(0.5);
+                all.product(half, sum)
+            }
+            (Some(&x), _) | (_, Some(&x)) => x,
+            (None, None) => all.constant(0.0),
+        }
+    }
+
+    /// Returns the entries of two variables by columns.
+    fn block(&self, all: &mut Composition, rows: usize, columns: usize) -> Vec<Id> {
+        let n = self.nv;
+        let entries = (0..n).flat_map(|j| (0..n).map(move |i| ((rows, i), (columns, j))));
+        entries.map(|(i, j)| self.entry(all, i, j)).collect()
+    }
+}
+
+/// A state in which the pose and the linear velocity of each free base are constants.
+struct Still {
+    q: Vec<Id>,
+    qd: Vec<Id>,
+    /// For each entry of qd, whether q and qd are constant there.
+    constant: Vec<[bool; 2]>,
+}
+
+impl Still {
+    /// Returns whether an entry of q or qd is a variable.
+    fn varies(&self, (variable, entry): Entry) -> bool {
+        !self.constant[entry][variable]
+    }
+}
+
+impl Tracer<'_> {
+    /// Returns, for each entry of qd, the entries of the same rotation or pose; the entry alone for all other joints.
+    fn groups(&self) -> Vec<Range<usize>> {
+        let mut groups: Vec<Range<usize>> = (0..self.model.nv).map(|v| v..v + 1).collect();
+        for block in &self.model.coordinates {
+            let group = block.v..block.v + block.velocities();
+            groups[group.clone()].fill(group);
+        }
+        groups
+    }
+
+    /// Returns the graph of the joint forces, of the weighted gradients by `q` (in tangent space), `qd` and `qdd`, and of the
+    /// Hessian's blocks (q, q), (q, qd), (qd, qd) and (q, qdd), by columns. Inputs: `q`, `qd`, `qdd` and the weights.
+    #[must_use]
+    pub fn inverse_dynamics_hessian(&self) -> Graph {
+        let (nq, nv) = (self.model.nq, self.model.nv);
+        let inverse = optimize(self.inverse_dynamics());
+        let mut all = Composition::new();
+        let [q, qd, qdd, weights] = [nq, nv, nv, nv].map(|count| all.inputs(count));
+        let parameters = all.inputs(self.parameters.len());
+        let tau = all.add(&inverse, &[&q, &qd, &qdd, &parameters]);
+        let gradient = self.gradient(&inverse, 2);
+        let point = [&q[..], &qd, &qdd, &weights, &parameters].concat();
+        let gradients = all.add(&gradient, &[&point]);
+        let mut hessian = Hessian::new(self, gradient, 2, point);
+        self.second_derivatives(&mut all, &mut hessian, |_| true);
+        let blocks = [(Q, Q), (Q, QD), (QD, QD), (Q, QDD)];
+        let blocks = blocks.map(|(rows, columns)| hessian.block(&mut all, rows, columns));
+        all.with_outputs(&[&tau, &gradients, &blocks.concat()])
+    }
+
+    /// Computes the second derivatives of inverse dynamics by the entries for which `varies` holds, and by all of qdd.
+    fn second_derivatives(
+        &self,
+        all: &mut Composition,
+        hessian: &mut Hessian,
+        varies: impl Fn(Entry) -> bool,
+    ) {
+        let nv = self.model.nv;
+        let all_of = |variable: usize| (0..nv).map(move |i| (variable, i));
+        for (j, group) in self.groups().iter().enumerate() {
+            if varies((Q, j)) {
+                // The rows of descendants take fewer operations than those of ancestors.
+                let rows = all_of(Q).filter(|&(_, i)| i >= j || group.contains(&i));
+                let rows = rows.chain(all_of(QD)).filter(|&row| varies(row)).chain(all_of(QDD));
+                hessian.differentiate(self, all, (Q, j), rows);
+            }
+            if varies((QD, j)) {
+                let rows = all_of(QD).skip(j).filter(|&row| varies(row));
+                hessian.differentiate(self, all, (QD, j), rows);
+            }
+        }
+    }
+
+    /// Returns the graph of the accelerations, of their weighted gradients by `q` (in tangent space), `qd` and `tau`, and of
+    /// the Hessian's blocks (q, q), (q, qd), (qd, qd) and (q, tau), by columns. Inputs: `q`, `qd`, `tau` and the weights.
+    /// The mass matrix is factorized with `layout`.
+    #[must_use]
+    pub fn forward_dynamics_hessian(&self, layout: &UduLayout) -> Graph {
+        let (nq, nv) = (self.model.nq, self.model.nv);
+        let mut all = Composition::new();
+        let [q, qd, tau, weights] = [nq, nv, nv, nv].map(|count| all.inputs(count));
+        let parameters = all.inputs(self.parameters.len());
+        let still = self.still(&mut all, &q, &qd);
+        let factors = all.add(&self.brge(layout), &[&still.q, &parameters]);
+        let bias = all.add(&self.bias_forces(), &[&still.q, &still.qd, &parameters]);
+        let (solve, unmet) = (self.solve(layout), all.difference(&tau, &bias));
+        let relative = all.add(&solve, &[&factors, &unmet]);
+        let by_tau = all.add(&solve, &[&factors, &weights]);
+
+        let free_fall = self.free_fall();
+        let qdd = all.add(&free_fall, &[&q, &qd, &parameters]);
+        let still_fall = all.add(&free_fall, &[&still.q, &still.qd, &parameters]);
+        let qdd = all.difference(&qdd, &still_fall);
+        let qdd = all.sums(&relative, &qdd);
+        let gradient = self.gradient(&free_fall, 1);
+        let point = [&q[..], &qd, &weights, &parameters].concat();
+        let of_fall = all.add(&gradient, &[&point]);
+        let mut fall = Hessian::new(self, gradient, 1, point);
+        self.second_derivatives_of_free_fall(&mut all, &mut fall);
+
+        let gradient = self.gradient(&optimize(self.inverse_dynamics()), 2);
+        let point = [&still.q[..], &still.qd, &relative, &by_tau, &parameters].concat();
+        let gradients = all.add(&gradient, &[&point]);
+        let zero = all.constant(0.0);
+        let varying = gradients[..2 * nv].iter().enumerate();
+        let varying = varying.map(|(k, &x)| if still.varies((k / nv, k % nv)) { x } else { zero });
+        let gradients = all.difference(&of_fall, &varying.collect::<Vec<_>>());
+        let mut phi = Hessian::new(self, gradient, 2, point);
+        self.second_derivatives(&mut all, &mut phi, |entry| still.varies(entry));
+
+        // B = W U^-1 with W = Phi_{q qdd} U^-T D^-1.
+        let u = all.add(&self.u_inverse(layout), &[&factors]);
+        let d = all.add(&self.d_inverse(layout), &[&factors]);
+        let w = phi.block(&mut all, Q, QDD);
+        let w = all.multiply(&w, &transposed(&u, nv), nv);
+        let w = all.multiply(&w, &d, nv);
+        let b = all.multiply(&w, &u, nv);
+        let derivatives = self.inverse_dynamics_derivatives();
+        let derivatives = all.add(&derivatives, &[&still.q, &still.qd, &relative, &parameters]);
+        let [by_q, by_qd] = [Q, QD].map(|variable| {
+            let columns = derivatives[variable * nv * nv..][..nv * nv].iter().enumerate();
+            let varies = |k: usize| still.varies((variable, k / nv));
+            let columns = columns.map(|(k, &entry)| if varies(k) { entry } else { zero });
+            let columns = all.multiply(&u, &columns.collect::<Vec<_>>(), nv);
+            all.multiply(&w, &columns, nv)
+        });
+        let by_q = all.sums(&by_q, &transposed(&by_q, nv));
+        let none = vec![zero; nv * nv];
+        let blocks = [(Q, Q, by_q), (Q, QD, by_qd), (QD, QD, none)];
+        let blocks = blocks.map(|(rows, columns, through_qdd)| {
+            let own = phi.block(&mut all, rows, columns);
+            let own = all.difference(&through_qdd, &own);
+            let fall = fall.block(&mut all, rows, columns);
+            all.sums(&own, &fall)
+        });
+        let by_q_tau = all.negated(&b);
+        all.with_outputs(&[&qdd, &gradients, &by_tau, &blocks.concat(), &by_q_tau])
+    }
+
+    /// Returns the state with each free base in the neutral pose and without linear velocity.
+    fn still(&self, all: &mut Composition, q: &[Id], qd: &[Id]) -> Still {
+        let mut still =
+            Still { q: q.to_vec(), qd: qd.to_vec(), constant: vec![[false; 2]; self.model.nv] };
+        let [zero, one] = [0.0, 1.0].map(|x| all.constant(x));
+        for base in free_bases(self.model) {
+            // Three coordinates of the position, four of the quaternion; linear velocities come before angular ones.
+            let (at, v) = (self.model.bodies[base].q, self.model.dofs_of(base)[0].v);
+            still.q[at..at + 6].fill(zero);
+            still.q[at + 6] = one;
+            still.qd[v..v + 3].fill(zero);
+            still.constant[v..v + 3].fill([true, true]);
+            still.constant[v + 3..v + 6].fill([true, false]);
+        }
+        still
+    }
+
+    /// Returns the graph of the accelerations of free fall: g - omega x v for each free base, zero for all other entries.
+    /// Inputs: `q`, `qd`.
+    fn free_fall(&self) -> Graph {
+        self.trace(|model, [q, qd]| {
+            let mut qdd = self.vector();
+            free_fall_accelerations(model, (&q, &qd), &mut Workspace::new(model), &mut qdd);
+            qdd
+        })
+    }
+
+    /// Computes the second derivatives of free fall, which only the entries of the free bases have.
+    fn second_derivatives_of_free_fall(&self, all: &mut Composition, fall: &mut Hessian) {
+        for base in free_bases(self.model) {
+            let entries = self.model.dofs_of(base).iter().map(|dof| dof.v);
+            for j in entries.clone() {
+                for variable in [Q, QD] {
+                    let rows = entries.clone().map(|i| (variable, i));
+                    fall.differentiate(self, all, (variable, j), rows);
+                }
+            }
+        }
+    }
+}
+
+/// Returns the transpose of a square matrix of `n` columns.
+fn transposed(columns: &[Id], n: usize) -> Vec<Id> {
+    (0..n * n).map(|k| columns[k % n * n + k / n]).collect()
+}

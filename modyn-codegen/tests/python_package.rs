@@ -1,0 +1,420 @@
+//! The Python package has a method, a type of results and a stub for each function of the table, and a stub of each option.
+//! With the variable `UPDATE_SNAPSHOTS`, the test writes them.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use modyn_codegen::Function;
+use modyn_codegen::options::{Entries, OPTIONS, OptionRow, Stage};
+use modyn_codegen::plan::{Record, Row, Shape, Sizes};
+
+/// Sizes that are numbers of their own, so that the lengths of axes name them.
+const SIZES: Sizes = Sizes {
+    nq: 1009,
+    nv: 1013,
+    links: 1019,
+    moving: 1021,
+    constraints: 1031,
+    contacts: 1033,
+    constraint_rows: 1039,
+    factors: 1049,
+};
+
+/// Returns the name of the length of an axis.
+fn length(n: usize) -> String {
+    let sizes = [
+        (SIZES.nq, "nq"),
+        (SIZES.nv, "nv"),
+        (2 * SIZES.nv, "2 nv"),
+        (SIZES.links, "links"),
+        (10 * SIZES.moving, "10 moving links"),
+        (SIZES.constraints, "constraints"),
+        (SIZES.contacts, "contacts"),
+        (SIZES.constraint_rows, "constraint rows"),
+    ];
+    let named = sizes.iter().find(|(size, _)| *size == n);
+    named.map_or_else(|| n.to_string(), |(_, name)| (*name).to_owned())
+}
+
+/// Returns a shape as Python writes it.
+fn tuple(axes: &[usize]) -> String {
+    match axes {
+        [] => "a number".into(),
+        [one] => format!("({},)", length(*one)),
+        _ => {
+            let axes: Vec<String> = axes.iter().map(|&n| length(n)).collect();
+            format!("({})", axes.join(", "))
+        }
+    }
+}
+
+/// Returns the axes of an argument.
+fn argument(name: &str, shape: &Shape) -> String {
+    match (name, shape) {
+        ("settings", _) => {
+            "`ConstraintSettings`, by default with the ground at z = 0 under all contacts".into()
+        }
+        ("contacts", _) => {
+            "(contacts,), 1 for each active contact, else 0; by default all are".into()
+        }
+        (_, Shape::Scalar) => "a number".into(),
+        (_, Shape::Array(inner, n)) if **inner != Shape::Scalar => {
+            tuple(&[*n, inner.len()]) + components(inner)
+        }
+        _ => tuple(&[shape.len()]),
+    }
+}
+
+/// Returns the order of the components of a shape's spatial vectors, after a comma.
+fn components(shape: &Shape) -> &'static str {
+    match shape {
+        Shape::Scalar => "",
+        Shape::Array(inner, _) => components(inner),
+        Shape::Record(Record::Spatial("Twist" | "Momentum"), _) => {
+            ", angular before linear components"
+        }
+        Shape::Record(Record::Spatial("Wrench"), _) => ", moments before forces",
+        Shape::Record(_, fields) => {
+            let all = fields.iter().map(|(_, field)| components(field));
+            all.max_by_key(|text| text.len()).unwrap_or_default()
+        }
+    }
+}
+
+/// An array or a named tuple of a result.
+enum Layout {
+    Array(Vec<usize>),
+    Tuple(&'static str, Vec<(&'static str, Layout)>),
+}
+
+/// Returns the layout of a result after the axes `outer`.
+fn layout(shape: &Shape, outer: &[usize], in_pose: bool) -> Layout {
+    let array = |axes: &[usize]| Layout::Array([outer, axes].concat());
+    let is_vector = |shape: &Shape| match shape {
+        Shape::Array(inner, _) => **inner == Shape::Scalar,
+        Shape::Record(Record::Spatial(name), _) => *name != "Pose",
+        _ => false,
+    };
+    match shape {
+        Shape::Scalar => array(&[]),
+        Shape::Array(inner, n) if **inner == Shape::Scalar => array(&[*n]),
+        Shape::Array(inner, n) if is_vector(inner) => {
+            let is_spatial = matches!(**inner, Shape::Record(..));
+            let is_by_columns = !in_pose && (!is_spatial || *n == SIZES.nv);
+            if is_by_columns { array(&[inner.len(), *n]) } else { array(&[*n, inner.len()]) }
+        }
+        Shape::Array(inner, n) => layout(inner, &[outer, &[*n]].concat(), in_pose),
+        Shape::Record(Record::Spatial(name), _) if *name != "Pose" => array(&[shape.len()]),
+        Shape::Record(record, fields) => {
+            let (Record::Spatial(name)
+            | Record::Plain(name)
+            | Record::Several(name)
+            | Record::Each(name)) = record
+            else {
+                return array(&[shape.len()]);
+            };
+            let field = |(field, shape): &(&'static str, Shape)| {
+                (*field, layout(shape, outer, *name == "Pose"))
+            };
+            Layout::Tuple(name, fields.iter().map(field).collect())
+        }
+    }
+}
+
+/// Returns the functions that are methods of their own.
+fn functions() -> impl Iterator<Item = (usize, Function, Row)> {
+    let all = Function::ALL.iter().copied().enumerate().map(|(i, f)| (i, f, f.row()));
+    // `brge` returns an object with the operations of its factors.
+    all.filter(|(_, function, row)| row.batch_of.is_none() && *function != Function::Brge)
+}
+
+/// Returns the documentation of a function in Python's terms.
+fn docs(row: &Row) -> String {
+    let mut text = row.docs.replace('\n', " ");
+    for part in [", each an array of columns", ", an array of columns", ", arrays of columns"] {
+        text = text.replace(part, "");
+    }
+    text = text.replace(" Both matrices are arrays of columns; each", " Each");
+    let constants = ["LINK_NAMES", "LOOP_CONSTRAINT_NAMES", "CONTACT_NAMES", "PARAMETERS"];
+    for name in constants {
+        text = text.replace(&format!("`{name}`"), &format!("`{}`", name.to_lowercase()));
+    }
+    text.replace("`from`", "`from_`")
+}
+
+/// Returns the documentation with the shapes of arguments and results, in lines.
+fn documentation(row: &Row) -> Vec<String> {
+    let mut lines = wrap(&docs(row), 100);
+    lines.push(String::new());
+    let mut arguments: Vec<String> = (row.arguments.iter())
+        .map(|own| format!("`{}`: {}", python(own.name), argument(own.name, &(own.shape)(&SIZES))))
+        .collect();
+    if row.is_by_link() {
+        arguments.push("`link`: the name of a link, or its index in `link_names`".into());
+    }
+    let result = match layout(&(row.result)(&SIZES), &[], false) {
+        Layout::Array(axes) => tuple(&axes),
+        Layout::Tuple(name, fields) => {
+            let field = |(field, layout): &(&str, Layout)| match layout {
+                Layout::Array(axes) => format!("`{field}` {}", tuple(axes)),
+                Layout::Tuple(..) => format!("`{field}`"),
+            };
+            format!("`{name}`: {}", fields.iter().map(field).collect::<Vec<_>>().join(", "))
+        }
+    };
+    let result = result + components(&(row.result)(&SIZES));
+    lines.extend(wrap(&format!("Arguments: {}.", arguments.join("; ")), 100));
+    lines.extend(wrap(
+        &format!("Result: {result}. Several states have one more axis, the first."),
+        100,
+    ));
+    lines
+}
+
+/// Returns a text in lines of at most this length.
+fn wrap(text: &str, most: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let line = lines.last_mut().expect("one");
+        if !line.is_empty() && line.len() + 1 + word.len() > most {
+            lines.push(word.into());
+        } else {
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            line.push_str(word);
+        }
+    }
+    lines
+}
+
+/// Returns the name of an argument in Python, where `from` is a keyword.
+fn python(name: &str) -> &str {
+    if name == "from" { "from_" } else { name }
+}
+
+/// Returns whether an argument has a default.
+fn is_optional(name: &str) -> bool {
+    matches!(name, "contacts" | "settings")
+}
+
+/// Returns the methods in Rust.
+fn methods() -> String {
+    let mut text = String::from(
+        "//! A method for each function of modyn's table.\n\
+         //!\n\
+         //! `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen --test python_package` writes this file.\n\
+         #![allow(clippy::too_many_arguments)]\n\n\
+         use pyo3::prelude::*;\n\n\
+         use crate::robot::Robot;\n\n\
+         type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;\n\n\
+         #[rustfmt::skip]\n\
+         #[pymethods]\n\
+         impl Robot {\n",
+    );
+    for (index, function, row) in functions() {
+        for line in documentation(&row) {
+            let _ = writeln!(text, "{}", format!("    /// {line}").trim_end());
+        }
+        let names: Vec<&str> = row.arguments.iter().map(|a| python(a.name)).collect();
+        let signature: Vec<String> = (names.iter())
+            .map(|name| if is_optional(name) { format!("{name}=None") } else { (*name).into() })
+            .collect();
+        let link = if row.is_by_link() { ", link" } else { "" };
+        let given: Vec<String> = (names.iter())
+            .map(|name| if is_optional(name) { (*name).into() } else { format!("Some({name})") })
+            .collect();
+        let types: String = (names.iter())
+            .map(|name| match is_optional(name) {
+                true => format!("{name}: Argument<'_, 'py>, "),
+                false => format!("{name}: &Bound<'py, PyAny>, "),
+            })
+            .collect();
+        let link_type = if row.is_by_link() { "link: &Bound<'py, PyAny>, " } else { "" };
+        let link_given = if row.is_by_link() { "Some(link)" } else { "None" };
+        let _ = writeln!(
+            text,
+            "    #[pyo3(signature = ({}{link}, *, out=None))]\n    \
+             fn {}<'py>(&self, py: Python<'py>, {types}{link_type}out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {{\n        \
+             self.call(py, {index}, &[{}], {link_given}, out)\n    }}\n",
+            signature.join(", "),
+            function.name(),
+            given.join(", "),
+        );
+    }
+    text.truncate(text.trim_end().len());
+    text + "\n}\n"
+}
+
+/// Returns the named tuples of results by name.
+fn tuples() -> BTreeMap<&'static str, Vec<(&'static str, Layout)>> {
+    fn add(layout: Layout, all: &mut BTreeMap<&'static str, Vec<(&'static str, Layout)>>) {
+        let Layout::Tuple(name, fields) = layout else { return };
+        let mut own = Vec::new();
+        for (field, layout) in fields {
+            own.push(match layout {
+                Layout::Tuple(inner, fields) => {
+                    add(Layout::Tuple(inner, fields), all);
+                    (field, Layout::Tuple(inner, Vec::new()))
+                }
+                array => (field, array),
+            });
+        }
+        all.entry(name).or_insert(own);
+    }
+    let mut all = BTreeMap::new();
+    for (_, _, row) in functions() {
+        add(layout(&(row.result)(&SIZES), &[], false), &mut all);
+    }
+    all
+}
+
+/// Returns the types of results in Python.
+fn results() -> String {
+    let mut text = String::from(
+        "\"\"\"The results of functions with several results: named tuples of arrays.\n\n\
+         `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen --test python_package` writes this file.\n\"\"\"\n\n\
+         from typing import NamedTuple\n\n\
+         import numpy as np\n\
+         from numpy.typing import NDArray\n\n\
+         __all__ = [\n",
+    );
+    for name in tuples().keys() {
+        let _ = writeln!(text, "    \"{name}\",");
+    }
+    text += "]\n";
+    for (name, fields) in tuples() {
+        let functions = functions().filter(|(_, _, row)| {
+            let result = (row.result)(&SIZES);
+            matches!(layout(&result, &[], false), Layout::Tuple(own, _) if own == name)
+        });
+        let functions: Vec<String> = functions.map(|(_, f, _)| format!("`{}`", f.name())).collect();
+        let of = match functions.is_empty() {
+            true => String::new(),
+            false => format!(" of {}", functions.join(", ")),
+        };
+        let _ = writeln!(text, "\n\nclass {name}(NamedTuple):\n    \"\"\"The result{of}.\"\"\"\n");
+        for (field, layout) in &fields {
+            let (class, shape) = match layout {
+                Layout::Array(axes) => ("NDArray[np.float64]", tuple(axes)),
+                Layout::Tuple(name, _) => (*name, (*name).to_owned()),
+            };
+            let _ = writeln!(text, "    {field}: {class}\n    \"\"\"{shape}\"\"\"");
+        }
+        text.truncate(text.trim_end().len());
+        text.push('\n');
+    }
+    text
+}
+
+/// Returns the options that `load` takes.
+fn options() -> impl Iterator<Item = &'static OptionRow> {
+    let of_text = ["functions", "scalar", "share", "crate"];
+    OPTIONS.iter().filter(move |row| {
+        row.entries == Entries::All && (row.stage == Stage::Reading || !of_text.contains(&row.name))
+    })
+}
+
+/// Returns the type of an option in Python.
+fn option_type(row: &OptionRow) -> &'static str {
+    match row.form {
+        "[x, y, z]" => "Sequence[float]",
+        "true | false" => "bool",
+        "links" => "Sequence[str]",
+        form if form.starts_with("[\"") => "Mapping[str, Any] | str",
+        form if form.contains("[[") => "str | Sequence[Sequence[str]]",
+        _ => "str",
+    }
+}
+
+/// Returns the keyword arguments of `load` in the stub.
+fn option_stubs() -> String {
+    let mut text = String::new();
+    for row in options() {
+        let docs = format!("{} By default {}.", row.docs.trim(), row.default.replace('`', ""));
+        let _ = writeln!(text, "    {}: {} | None", row.name, option_type(row));
+        let lines = wrap(&docs, 108);
+        let _ = writeln!(text, "    \"\"\"{}\"\"\"", lines.join("\n    "));
+    }
+    text
+}
+
+/// Returns the methods in the stub.
+fn method_stubs() -> String {
+    let mut text = String::new();
+    for (_, function, row) in functions() {
+        let mut arguments: Vec<String> = (row.arguments.iter())
+            .map(|own| match own.name {
+                "settings" => "settings: ConstraintSettings | ArrayLike | None = None".into(),
+                name if is_optional(name) => format!("{name}: ArrayLike | None = None"),
+                name => format!("{}: ArrayLike", python(name)),
+            })
+            .collect();
+        if row.is_by_link() {
+            arguments.push("link: str | int".into());
+        }
+        let result = match layout(&(row.result)(&SIZES), &[], false) {
+            Layout::Tuple(name, _) => name.to_owned(),
+            Layout::Array(axes) if axes.is_empty() => "float | Array".into(),
+            Layout::Array(_) => "Array".into(),
+        };
+        let out = if result.ends_with("Array") { "Array" } else { &result };
+        let _ = writeln!(
+            text,
+            "    def {}(\n        self, {}, *, out: {out} | None = None\n    ) -> {result}:",
+            function.name(),
+            arguments.join(", "),
+        );
+        let lines = documentation(&row);
+        let _ = writeln!(text, "        \"\"\"{}", lines[0]);
+        for line in &lines[1..] {
+            let _ = writeln!(text, "{}", format!("        {line}").trim_end());
+        }
+        text += "        \"\"\"\n";
+    }
+    text
+}
+
+/// Replaces the lines between the marks `# begin NAME` and `# end NAME`, which stay.
+fn between(text: &str, name: &str, lines: &str) -> String {
+    let (begin, end) = (format!("# begin {name}\n"), format!("# end {name}\n"));
+    let (before, rest) = text.split_once(&begin).unwrap_or_else(|| panic!("no {begin}"));
+    let (_, after) = rest.split_once(&end).unwrap_or_else(|| panic!("no {end}"));
+    let indent = &before[before.rfind('\n').map_or(0, |at| at + 1)..];
+    format!("{before}{begin}{lines}{indent}{end}{after}")
+}
+
+/// Compares a file of the package with the text that it should have, or writes it.
+fn check(path: &str, text: impl Fn(&str) -> String) {
+    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../modyn-python").join(path);
+    let found = std::fs::read_to_string(&path).unwrap_or_default();
+    let expected = text(&found);
+    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        std::fs::write(&path, expected).expect("writes");
+    } else {
+        assert!(
+            found == expected,
+            "{} is not current; UPDATE_SNAPSHOTS=1 writes it",
+            path.display()
+        );
+    }
+}
+
+#[test]
+fn each_function_is_a_method() {
+    check("src/methods.rs", |_| methods());
+}
+
+#[test]
+fn each_group_of_results_is_a_type() {
+    check("python/modyn/_results.py", |_| results());
+}
+
+#[test]
+fn each_function_and_option_has_a_stub() {
+    check("python/modyn/_modyn.pyi", |found| {
+        let text = between(found, "options", &option_stubs());
+        between(&text, "functions", &method_stubs())
+    });
+}

@@ -1,0 +1,49 @@
+//! The code of a function.
+
+use modyn_codegen::Function;
+use modyn_codegen::plan::Shape;
+
+use crate::code_size::CodeSize;
+use crate::machine::Code;
+
+/// The code of a function.
+pub(crate) struct CompiledFunction {
+    /// The function; `None` for a bundle.
+    pub function: Option<Function>,
+    pub name: &'static str,
+    pub arguments: Vec<(&'static str, Shape)>,
+    /// Whether the robot's run-time parameters are a further argument.
+    pub has_parameters: bool,
+    pub result: Shape,
+    pub kernels: CompiledKernels,
+    pub size: CodeSize,
+}
+
+/// The compiled programs of a function.
+pub(crate) enum CompiledKernels {
+    /// One program.
+    One(Kernel),
+    /// For each link its program, and the row of its placement if it shares the program with other links.
+    ByLink(Vec<(usize, Option<usize>)>, Vec<Kernel>),
+    /// The poses of some links and bodies, and the pose of a link from that of its body. Each link has the index of its
+    /// own pose, or the index of its body's pose and the row of its placement.
+    Poses { bodies: Kernel, placed: Kernel, links: Vec<(usize, Option<usize>)> },
+}
+
+/// The code of a program.
+pub(crate) struct Kernel {
+    /// The code for one state.
+    pub single: Code,
+    /// The code for a state in each lane.
+    pub batch: Option<Code>,
+}
+
+impl Kernel {
+    /// Returns the code for this number of states at a time: one, or the lanes of a vector.
+    pub fn code(&self, lanes: usize) -> &Code {
+        match &self.batch {
+            Some(batch) if lanes > 1 => batch,
+            _ => &self.single,
+        }
+    }
+}

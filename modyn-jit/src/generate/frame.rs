@@ -1,0 +1,99 @@
+//! The frame of a function: the registers that point to memory, entry and return.
+
+use super::{Generated, Generator};
+use crate::code_size::CodeSize;
+use crate::encode::{Encoder, RSP};
+use crate::instruction_set::InstructionSet;
+
+/// The largest number of arrays of arguments.
+pub(crate) const MAX_ARRAYS: usize = BASES.len();
+
+/// The registers that point to the arguments.
+pub(super) const BASES: [u8; 6] = [7, 6, 2, 8, 9, 10];
+pub(super) const RAX: u8 = 0;
+pub(super) const RCX: u8 = 1;
+pub(super) const RDX: u8 = 2;
+pub(super) const RBX: u8 = 3;
+pub(super) const RSI: u8 = 6;
+pub(super) const RDI: u8 = 7;
+pub(super) const R11: u8 = 11;
+
+/// The range of displacements of one byte, on both sides.
+pub(super) const SHORT: i32 = 128;
+
+impl Generator<'_> {
+    /// Returns the offset from rax.
+    pub(super) fn frame_base(&self) -> i32 {
+        64 + self.saved as i32 + SHORT
+    }
+
+    /// Writes the function: entry, body, return, code for large angles, constants.
+    pub(super) fn finish(mut self, pool: &[u8]) -> Generated {
+        if self.instruction_set != InstructionSet::Sse2 {
+            self.encoder.bytes(&[0xc5, 0xf8, 0x77]);
+        }
+        // mov rsp, rbp; pop rbx; pop rbp; ret
+        for bytes in [&[0x48, 0x89, 0xec][..], &[0x5b], &[0x5d], &[0xc3]] {
+            self.encoder.bytes(bytes);
+        }
+        let mut entry = Encoder::default();
+        // push rbp; push rbx; mov rbp, rsp; and rsp, -64
+        for bytes in [&[0x55][..], &[0x53], &[0x48, 0x89, 0xe5], &[0x48, 0x83, 0xe4, 0xc0]] {
+            entry.bytes(bytes);
+        }
+        let frame = (64 + self.saved as u32 + self.registers.frame).next_multiple_of(64);
+        allocate(&mut entry, frame);
+        entry.general(0x89, RDI, RSP, 0);
+        entry.general(0x89, RSI, RSP, 8);
+        // lea rbx, [rip + constants + 128]
+        entry.bytes(&[0x48, 0x8d, 0x1d, 0, 0, 0, 0]);
+        let constants_at = entry.code.len() - 4;
+        point(&mut entry, self.arrays, self.frame_base());
+        let instructions = entry.instructions + self.encoder.instructions;
+        self.detours();
+        let mut code = Encoder { code: [entry.code, self.encoder.code].concat(), instructions };
+        let bytes = code.code.len();
+        // int3
+        code.code.resize(bytes.next_multiple_of(64), 0xcc);
+        let start = code.code.len();
+        code.patch(constants_at, start + SHORT as usize);
+        code.code.extend_from_slice(pool);
+        let size = CodeSize {
+            bytes,
+            constants: pool.len(),
+            frame: frame as usize,
+            instructions,
+            ..self.counts
+        };
+        Generated { code: code.code, size }
+    }
+}
+
+/// Moves the stack pointer down. The code touches each page, so that an overflow is found at the guard page.
+fn allocate(entry: &mut Encoder, frame: u32) {
+    const PAGE: u32 = 4096;
+    let pages = frame / PAGE;
+    if pages > 0 {
+        // mov r11d, pages
+        entry.bytes(&[&[0x41, 0xbb][..], &pages.to_le_bytes()].concat());
+        let start = entry.code.len();
+        // sub rsp, 4096; or dword [rsp], 0; dec r11d; jne
+        entry.bytes(&[0x48, 0x81, 0xec, 0, 0x10, 0, 0]);
+        entry.bytes(&[0x83, 0x0c, 0x24, 0]);
+        entry.bytes(&[0x41, 0xff, 0xcb]);
+        let distance = start as i64 - (entry.code.len() as i64 + 2);
+        entry.bytes(&[0x75, (distance as i8).cast_unsigned()]);
+    }
+    // sub rsp, rest
+    entry.bytes(&[&[0x48, 0x81, 0xec][..], &(frame % PAGE).to_le_bytes()].concat());
+}
+
+/// Loads the pointers to the frame, the results and the arguments.
+pub(super) fn point(encoder: &mut Encoder, arrays: usize, frame_base: i32) {
+    encoder.general(0x8b, R11, RSP, 0);
+    encoder.general(0x8b, RCX, RSP, 8);
+    encoder.general(0x8d, RAX, RSP, frame_base);
+    for (&register, k) in BASES.iter().zip(0..arrays as i32) {
+        encoder.general(0x8b, register, R11, 8 * k);
+    }
+}

@@ -1,0 +1,780 @@
+# The parts between the marks are written by
+# `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen --test python_package`.
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from typing_extensions import TypedDict, Unpack
+
+from ._results import *
+from ._types import ConstraintSettings, Joint, JointLimits
+
+Array: TypeAlias = NDArray[np.float64]
+
+class Options(TypedDict, total=False):
+    # begin options
+    gravity: Sequence[float] | None
+    """The acceleration of free fall in world axes, m/s^2; an MJCF or a model has its own. By default [0.0, 0.0,
+    -9.81], or the MJCF's or the model's own."""
+    base: str | None
+    """Whether the root link is fixed to the world or floats. By default fixed."""
+    mimic: str | None
+    """How joints that mimic another one are read: they follow it and have no coordinate of their own, have one, or
+    are refused. By default follow."""
+    rotors: Mapping[str, Any] | str | None
+    """Rotors of joints: the inertia (kg m^2) and the gear ratio of each, in place of what the description says of
+    the joint. By default the description's."""
+    loops: Mapping[str, Any] | str | None
+    """Joints that close loops, besides the `<loop_joint>`s of the description: of type `spherical`, `fixed`,
+    `revolute`, `continuous` or `prismatic`, the last three with `axis = [x, y, z]` at the end. After each
+    origin may stand roll, pitch and yaw. By default the description's."""
+    contacts: Mapping[str, Any] | str | None
+    """Frames of links that can touch the world: of type `point`, which stops the motion of the frame's origin, or
+    `surface`, which stops rotations too. After the link may stand the frame's origin, then its roll, pitch and
+    yaw. By default none."""
+    friction: str | None
+    """The damping and friction of the description that act on the joints. By default none, with a warning if there
+    are some."""
+    unphysical_inertia: str | None
+    """How inertias that no rigid body has are reported. A negative mass is always an error. By default error."""
+    bundles: Mapping[str, Any] | str | None
+    """Bundles of functions: one call computes all functions of a bundle, and does their common work once. A bundle
+    is a function of this name over the arguments of all its functions; its result is a type with a field for
+    each of them (`jacobian_hand`). Functions of one link are named with the link. `name: batch(..)` makes the
+    form for many states as well. By default none."""
+    modules: str | Sequence[Sequence[str]] | None
+    """The kinematic modules: maximal serial chains, links, or lists of link names, each from its parent outwards.
+    By default chains."""
+    runtime_gravity: bool | None
+    """Makes gravity an argument, one of the robot's `Params`; its value is then the default. By default false."""
+    runtime_inertia: Sequence[str] | None
+    """The links whose own inertia is an argument, among the robot's `Params`: each replaces the description's,
+    which is the default. (Of each link alone, without the links that are fixed to it.) By default none."""
+    payload: Sequence[str] | None
+    """The links to which an inertia is added that is an argument, among the robot's `Params`: the inertia of a
+    load, by default none. By default none."""
+    # end options
+    machine_code: bool
+    """Whether functions are compiled to machine code; without, they are evaluated. By default true."""
+
+def load(path: str | os.PathLike[str], /, **options: Unpack[Options]) -> Robot:
+    """Reads the robot of a file, URDF or MJCF.
+
+    The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`, `loops`, `contacts`,
+    `friction`, `unphysical_inertia`, `bundles`, `modules`, `runtime_gravity`, `runtime_inertia` and `payload`; with
+    `machine_code=False`, functions are evaluated instead of compiled.
+
+    `OSError` if the file cannot be read, `DescriptionError` with file, line and column if the description is wrong.
+    """
+
+def loads(text: str, /, file: str = "robot", **options: Unpack[Options]) -> Robot:
+    """Reads the robot of a text, URDF or MJCF; `file` is the name in diagnostics. The keyword arguments are those of
+    `load`."""
+
+def functions() -> list[str]:
+    """Returns the names of the functions of one state in modyn's table, which are methods of `Robot`."""
+
+def options_table() -> list[tuple[str, str, str, str]]:
+    """Returns the names of the options of `load`, each with its form, its default and its documentation."""
+
+def set_threads(threads: int | None) -> None:
+    """Sets the number of threads that share a batch; `None` for all processors, the default."""
+
+def mujoco_to_qpos(q: Array) -> Array: ...
+def mujoco_from_qpos(qpos: Array) -> Array: ...
+def mujoco_to_qvel(q: Array, qd: Array) -> Array: ...
+def mujoco_from_qvel(q: Array, qvel: Array) -> Array: ...
+def mujoco_to_qacc(q: Array, qd: Array, qdd: Array) -> Array: ...
+def mujoco_from_qacc(q: Array, qd: Array, qacc: Array) -> Array: ...
+def pinocchio_cos_sin(angles: Array) -> Array: ...
+def pinocchio_angle(cos_sin: Array) -> Array: ...
+
+@final
+class Factorization:
+    """The factorization U D U^T of a mass matrix by kinematic modules, of one state."""
+
+    def u(self) -> Array:
+        """Returns the block upper triangular U, (nv, nv)."""
+    def d(self) -> Array:
+        """Returns the block diagonal D, (nv, nv)."""
+    def u_inverse(self) -> Array:
+        """Returns the inverse of U, (nv, nv)."""
+    def d_inverse(self) -> Array:
+        """Returns the inverse of D, (nv, nv)."""
+    def inverse(self) -> Array:
+        """Returns the inverse of the mass matrix, (nv, nv)."""
+    def log_determinant(self) -> float:
+        """Returns the natural logarithm of the mass matrix's determinant."""
+    def solve(self, rhs: ArrayLike) -> Array:
+        """Returns the solution x, (nv,), of I x = `rhs` with the mass matrix I; `rhs` is (nv,)."""
+
+@final
+class Robot:
+    """A robot: a description (URDF or MJCF) whose functions are compiled to machine code, each at its first use.
+
+    `load` and `loads` make robots. Arguments and results are in SI units and radians, and joint vectors have the order of
+    `coordinate_names` and `velocity_names`. Each argument has one state, or n states as n rows; the result then has n
+    rows, too. `out` is an array (for several results: an earlier result) that the call writes and returns.
+    """
+
+    @property
+    def name(self) -> str:
+        """The robot's name in its description."""
+    @property
+    def nq(self) -> int:
+        """The length of the coordinate vector `q`."""
+    @property
+    def nv(self) -> int:
+        """The length of the velocity vector `qd`: the number of degrees of freedom."""
+    @property
+    def joint_names(self) -> list[str]:
+        """The names of the moving joints, depth first, including mimic joints."""
+    @property
+    def link_names(self) -> list[str]:
+        """The names of all links of the description, in its order."""
+    @property
+    def coordinate_names(self) -> list[str]:
+        """The name of each entry of `q`: the joint's name, and the component for joints with several coordinates."""
+    @property
+    def velocity_names(self) -> list[str]:
+        """The name of each entry of `qd`."""
+    @property
+    def loop_constraint_names(self) -> list[str]:
+        """The names of the joints that close loops, in the description's order."""
+    @property
+    def contact_names(self) -> list[str]:
+        """The names of the contacts, in the order of the option."""
+    @property
+    def bundle_names(self) -> list[str]:
+        """The names of the bundles, each of which is a method."""
+    @property
+    def gravity(self) -> Array:
+        """The acceleration of free fall in the description, in world axes, (3,), m/s^2."""
+    @property
+    def limits(self) -> JointLimits:
+        """The joint limits, infinite without a limit."""
+    @property
+    def joints(self) -> list[Joint]:
+        """The joints with coordinates of their own: the name, the type and the entries of `q` and `qd` of each."""
+    @property
+    def parameters(self) -> Array:
+        """The inertial parameters of the moving links, ten for each link, as in `regressor`."""
+    def neutral(self) -> Array:
+        """Returns the neutral coordinates, (nq,): zero for every joint, the identity for quaternions."""
+    def check_configuration(self, q: ArrayLike) -> None:
+        """Checks that the quaternions of spherical and floating joints in `q`, (nq,), have length 1."""
+    def animation(self, times: ArrayLike, trajectory: ArrayLike) -> str:
+        """Returns a page of HTML that animates the lines between the links. `times`, (n,), s, must ascend; `trajectory`,
+        (n, nq), has the coordinates at each time."""
+    def set_gravity(self, gravity: ArrayLike) -> None:
+        """Sets gravity, the acceleration of free fall in world axes, (3,), m/s^2. Needs the option `runtime_gravity`."""
+    def set_inertia(
+        self, link: str, mass: float, center_of_mass: ArrayLike, inertia: ArrayLike
+    ) -> None:
+        """Sets the inertia of a link, in its own frame, in place of the description's: the mass, kg; the centre of mass
+        (3,), m; ixx, ixy, ixz, iyy, iyz, izz about the centre of mass, (6,), kg m^2. Needs the option `runtime_inertia`."""
+    def set_payload(
+        self,
+        link: str,
+        mass: float,
+        center_of_mass: ArrayLike | None = None,
+        inertia: ArrayLike | None = None,
+    ) -> None:
+        """Sets the payload of a link, in the link's frame: an inertia that is added to the link's, with the units of
+        `set_inertia`. The default is a point mass at the link's origin. Needs the option `payload`."""
+    def bundle(self, name: str, *arguments: ArrayLike, out: Any = None, **named: ArrayLike) -> Any:
+        """Calls a bundle by its name, with the arguments of all its functions by position or name."""
+    def brge(self, q: ArrayLike) -> Factorization:
+        """Returns the factorization U D U^T of the mass matrix at `q`, (nq,), by kinematic modules, by block reverse
+        Gaussian elimination. The option `modules` selects the modules."""
+    def __getattr__(self, name: str) -> Any:
+        """Returns a bundle as a callable."""
+    def _repr_html_(self) -> str | None: ...
+
+    # begin functions
+    def forward_dynamics(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and velocities `qd` under
+        the joint forces `tau` (N m or N), gravity included. The method is block reverse Gaussian
+        elimination of the mass matrix by inter- and intra-modular recursion.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,).
+        Result: (nv,). Several states have one more axis, the first.
+        """
+    def inverse_dynamics(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the joint forces (N m or N) of the accelerations `qdd` at the coordinates `q` and velocities
+        `qd`, gravity included, by the recursive Newton-Euler algorithm.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
+        Result: (nv,). Several states have one more axis, the first.
+        """
+    def bias_forces(
+        self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the bias forces (N m or N): inverse dynamics at zero acceleration. They are the Coriolis,
+        centrifugal and gravity forces, with damping and friction if these are enabled.
+
+        Arguments: `q`: (nq,); `qd`: (nv,).
+        Result: (nv,). Several states have one more axis, the first.
+        """
+    def gravity_torques(
+        self, q: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the joint forces (N m or N) that balance gravity at `q` and zero velocity.
+
+        Arguments: `q`: (nq,).
+        Result: (nv,). Several states have one more axis, the first.
+        """
+    def mass_matrix(
+        self, q: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the mass matrix at `q`, nv x nv.
+
+        Arguments: `q`: (nq,).
+        Result: (nv, nv). Several states have one more axis, the first.
+        """
+    def coriolis_matrix(
+        self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the Coriolis matrix C, nv x nv. C `qd` are the Coriolis and centrifugal forces, without
+        gravity, damping and friction, and dM/dt - 2 C is skew with the mass matrix M.
+
+        Arguments: `q`: (nq,); `qd`: (nv,).
+        Result: (nv, nv). Several states have one more axis, the first.
+        """
+    def kinetic_energy(
+        self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
+    ) -> float | Array:
+        """Returns the kinetic energy of the moving links and the rotors, J.
+
+        Arguments: `q`: (nq,); `qd`: (nv,).
+        Result: a number. Several states have one more axis, the first.
+        """
+    def potential_energy(
+        self, q: ArrayLike, *, out: Array | None = None
+    ) -> float | Array:
+        """Returns the potential energy of the moving links under gravity, J; zero for mass at the world's
+        origin.
+
+        Arguments: `q`: (nq,).
+        Result: a number. Several states have one more axis, the first.
+        """
+    def forward_dynamics_external(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, forces: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the joint accelerations under `tau` and a wrench on each link (in the order of
+        `link_names`), at the link's origin in the link's own axes.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before forces.
+        Result: (nv,). Several states have one more axis, the first.
+        """
+    def forward_dynamics_external_world(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, forces: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the joint accelerations under `tau` and a wrench on each link (in the order of
+        `link_names`), at the link's origin in world axes.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `forces`: (links, 6), moments before forces.
+        Result: (nv,). Several states have one more axis, the first.
+        """
+    def inverse_dynamics_external(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, forces: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the joint forces of `qdd` under a wrench on each link (in the order of `link_names`), at the
+        link's origin in the link's own axes.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before forces.
+        Result: (nv,). Several states have one more axis, the first.
+        """
+    def inverse_dynamics_external_world(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, forces: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the joint forces of `qdd` under a wrench on each link (in the order of `link_names`), at the
+        link's origin in world axes.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `forces`: (links, 6), moments before forces.
+        Result: (nv,). Several states have one more axis, the first.
+        """
+    def generalized_forces(
+        self, q: ArrayLike, forces: ArrayLike, *, out: GeneralizedForces | None = None
+    ) -> GeneralizedForces:
+        """Returns the generalized forces J^T f of a wrench on each link (in the order of `link_names`), at the
+        link's origin in the link's own axes, and their derivative with respect to `q` (in tangent space).
+        The wrenches rotate with their links.
+
+        Arguments: `q`: (nq,); `forces`: (links, 6), moments before forces.
+        Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis, the
+        first.
+        """
+    def generalized_forces_world(
+        self, q: ArrayLike, forces: ArrayLike, *, out: GeneralizedForces | None = None
+    ) -> GeneralizedForces:
+        """Returns the generalized forces J^T f of a wrench on each link (in the order of `link_names`), at the
+        link's origin in world axes, and their derivative with respect to `q` (in tangent space). The
+        wrenches keep their directions.
+
+        Arguments: `q`: (nq,); `forces`: (links, 6), moments before forces.
+        Result: `GeneralizedForces`: `tau` (nv,), `dq` (nv, nv). Several states have one more axis, the
+        first.
+        """
+    def inverse_dynamics_derivatives(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, out: InverseDynamicsDerivatives | None = None
+    ) -> InverseDynamicsDerivatives:
+        """Returns the derivatives of inverse dynamics with respect to `q` (in tangent space) and `qd`. The
+        derivative with respect to `qdd` is the mass matrix.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
+        Result: `InverseDynamicsDerivatives`: `dq` (nv, nv), `dqd` (nv, nv). Several states have one more
+        axis, the first.
+        """
+    def forward_dynamics_derivatives(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, *, out: ForwardDynamicsDerivatives | None = None
+    ) -> ForwardDynamicsDerivatives:
+        """Returns the joint accelerations, and the derivatives of forward dynamics with respect to `q` (in
+        tangent space), `qd` and `tau`.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,).
+        Result: `ForwardDynamicsDerivatives`: `qdd` (nv,), `dq` (nv, nv), `dqd` (nv, nv), `dtau` (nv, nv).
+        Several states have one more axis, the first.
+        """
+    def inverse_dynamics_vjp(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, cotangent: ArrayLike, *, out: InverseDynamicsVjp | None = None
+    ) -> InverseDynamicsVjp:
+        """Returns the joint forces tau of `qdd`, and the products of `cotangent` with their derivatives: the
+        gradients of `cotangent`^T tau with respect to `q` (in tangent space), `qd` and `qdd`.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,).
+        Result: `InverseDynamicsVjp`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,). Several states
+        have one more axis, the first.
+        """
+    def inverse_dynamics_jvp(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, dq: ArrayLike, dqd: ArrayLike, dqdd: ArrayLike, *, out: InverseDynamicsJvp | None = None
+    ) -> InverseDynamicsJvp:
+        """Returns the joint forces tau of `qdd`, and their change under the changes `dq` (in tangent space),
+        `dqd` and `dqdd`.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `dq`: (nv,); `dqd`: (nv,); `dqdd`: (nv,).
+        Result: `InverseDynamicsJvp`: `tau` (nv,), `dtau` (nv,). Several states have one more axis, the
+        first.
+        """
+    def forward_dynamics_vjp(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, *, out: ForwardDynamicsVjp | None = None
+    ) -> ForwardDynamicsVjp:
+        """Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the gradients
+        of `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,).
+        Result: `ForwardDynamicsVjp`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,). Several states
+        have one more axis, the first.
+        """
+    def forward_dynamics_jvp(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dq: ArrayLike, dqd: ArrayLike, dtau: ArrayLike, *, out: ForwardDynamicsJvp | None = None
+    ) -> ForwardDynamicsJvp:
+        """Returns the accelerations qdd, and their change under the changes `dq` (in tangent space), `dqd` and
+        `dtau`.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dq`: (nv,); `dqd`: (nv,); `dtau`: (nv,).
+        Result: `ForwardDynamicsJvp`: `qdd` (nv,), `dqdd` (nv,). Several states have one more axis, the
+        first.
+        """
+    def inverse_dynamics_hessian(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, cotangent: ArrayLike, *, out: InverseDynamicsHessian | None = None
+    ) -> InverseDynamicsHessian:
+        """Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T tau with
+        respect to `q` (in tangent space), `qd` and `qdd`. The blocks of the Hessian are arrays of columns;
+        the blocks of `qd` and `qdd` and of `qdd` and `qdd` are zero.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,).
+        Result: `InverseDynamicsHessian`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,), `dq_dq` (nv,
+        nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dqdd` (nv, nv). Several states have one more axis,
+        the first.
+        """
+    def forward_dynamics_hessian(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, *, out: ForwardDynamicsHessian | None = None
+    ) -> ForwardDynamicsHessian:
+        """Returns the accelerations qdd, and the gradients and the Hessian of `cotangent`^T qdd with respect
+        to `q` (in tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the
+        blocks of `qd` and `tau` and of `tau` and `tau` are zero.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,).
+        Result: `ForwardDynamicsHessian`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv,
+        nv), `dq_dqd` (nv, nv), `dqd_dqd` (nv, nv), `dq_dtau` (nv, nv). Several states have one more axis,
+        the first.
+        """
+    def step_semi_implicit(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: Step | None = None
+    ) -> Step:
+        """Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit Euler
+        method: the new velocities are `qd` + `dt` qdd, and move the coordinates.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
+        Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
+        """
+    def step_semi_implicit_derivatives(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: StepDerivatives | None = None
+    ) -> StepDerivatives:
+        """Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its derivatives:
+        `a` with respect to the state before and `b` with respect to `tau`. A state has the entries of q (in
+        tangent space), then those of qd.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
+        Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states
+        have one more axis, the first.
+        """
+    def step_rk4(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: Step | None = None
+    ) -> Step:
+        """Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a Runge-Kutta
+        method of fourth order. Rotations follow exponential maps, so quaternions keep length 1.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
+        Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
+        """
+    def constrained_forward_dynamics(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamics | None = None
+    ) -> ConstrainedForwardDynamics:
+        """Returns the joint accelerations under the joint forces `tau` with the loops closed and the active
+        contacts held. Also returns the wrench on each constraint's link and the unmet part of the
+        constraint's acceleration, and the number of independent constraint rows. Loop constraints come
+        first, in the order of `loop_constraint_names`, at the second frame's origin in the first frame's
+        axes. Contacts follow, in the order of `contact_names`, at the frame's origin in world axes.
+        Redundant rows get the multipliers of smallest norm.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: (contacts,), 1 for each active
+        contact, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the ground at
+        z = 0 under all contacts.
+        Result: `ConstrainedForwardDynamics`: `qdd` (nv,), `wrenches` (constraints, 6), `residuals`
+        (constraints, 6), `rank` a number, angular before linear components. Several states have one more
+        axis, the first.
+        """
+    def constraint_residual(
+        self, q: ArrayLike, qd: ArrayLike, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstraintResidual | None = None
+    ) -> ConstraintResidual:
+        """Returns the displacement and the velocity of each loop constraint's second frame relative to its
+        first, in the first frame's axes; then of each contact's frame, active or not, relative to its
+        target, in world axes. Components along free directions are zero. A rotation is its axis times the
+        sine of its angle.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `settings`: `ConstraintSettings`, by default with the ground at
+        z = 0 under all contacts.
+        Result: `ConstraintResidual`: `displacements` (constraints, 6), `velocities` (constraints, 6),
+        angular before linear components. Several states have one more axis, the first.
+        """
+    def project_constraints(
+        self, q: ArrayLike, qd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstraintProjection | None = None
+    ) -> ConstraintProjection:
+        """Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q` and moves
+        the active contacts to their targets to first order, the smallest change of `qd` that keeps them
+        there, and the number of independent constraint rows. The settings `alpha` and `beta` have no
+        effect.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: (contacts,), 1 for each active contact, else 0; by
+        default all are; `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all
+        contacts.
+        Result: `ConstraintProjection`: `dq` (nv,), `dqd` (nv,), `rank` a number. Several states have one
+        more axis, the first.
+        """
+    def constrained_forward_dynamics_derivatives(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamicsDerivatives | None = None
+    ) -> ConstrainedForwardDynamicsDerivatives:
+        """Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their derivatives
+        with respect to `q` (in tangent space), `qd` and `tau`. The derivatives of wrenches are arrays for
+        each constraint, in world axes. The rank is assumed constant; redundant rows get the derivatives of
+        smallest norm. Robots with loops do not have this function.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `contacts`: (contacts,), 1 for each active
+        contact, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the ground at
+        z = 0 under all contacts.
+        Result: `ConstrainedForwardDynamicsDerivatives`: `qdd` (nv,), `wrenches` (constraints, 6), `dq` (nv,
+        nv), `dqd` (nv, nv), `dtau` (nv, nv), `wrenches_dq` (constraints, 6, nv), `wrenches_dqd`
+        (constraints, 6, nv), `wrenches_dtau` (constraints, 6, nv), `rank` a number, moments before forces.
+        Several states have one more axis, the first.
+        """
+    def contact_impulse(
+        self, q: ArrayLike, qd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ContactImpulse | None = None
+    ) -> ContactImpulse:
+        """Returns the velocities after an impact that closes the loops and stops the active contacts relative
+        to their targets at the same instant, the impulse of each constraint, and the number of independent
+        constraint rows. Along its normal, a contact leaves with `restitution` times the speed before the
+        impact. The settings `alpha` and `beta` have no effect.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `contacts`: (contacts,), 1 for each active contact, else 0; by
+        default all are; `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all
+        contacts.
+        Result: `ContactImpulse`: `qd` (nv,), `impulses` (constraints, 6), `rank` a number, moments before
+        forces. Several states have one more axis, the first.
+        """
+    def constrained_inverse_dynamics(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedInverseDynamics | None = None
+    ) -> ConstrainedInverseDynamics:
+        """Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts that carry
+        the floating bases, and the rank of the contacts' columns of the bases. The wrenches have the
+        smallest sum of (force^2 + (moment / l)^2) / weight with the characteristic length l of each
+        contact. The joint forces of a base are the wrench on it that no contact can carry. The wrenches of
+        loop constraints are zero.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `contacts`: (contacts,), 1 for each active
+        contact, else 0; by default all are; `settings`: `ConstraintSettings`, by default with the ground at
+        z = 0 under all contacts.
+        Result: `ConstrainedInverseDynamics`: `tau` (nv,), `wrenches` (constraints, 6), `rank` a number,
+        moments before forces. Several states have one more axis, the first.
+        """
+    def constraint_jacobian(
+        self, q: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint, the
+        constrained part of the twist of its second frame relative to its first, in the first frame's axes;
+        for a contact, active or not, the constrained part of its frame's twist in world axes.
+
+        Arguments: `q`: (nq,).
+        Result: (constraints, 6, nv), angular before linear components. Several states have one more axis,
+        the first.
+        """
+    def constraint_bias_acceleration(
+        self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the bias acceleration of each constraint: the time derivative of `constraint_jacobian` times
+        `qd`, in the same axes.
+
+        Arguments: `q`: (nq,); `qd`: (nv,).
+        Result: (constraints, 6), angular before linear components. Several states have one more axis, the
+        first.
+        """
+    def operational_inertia(
+        self, q: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: OperationalInertia | None = None
+    ) -> OperationalInertia:
+        """Returns the operational-space inertia of the constraints, its inverse J I^-1 J^T with the mass
+        matrix I, and the number of independent constraint rows. Each constraint has its constrained
+        rotations, then its constrained displacements, of a contact in world axes. The entries of inactive
+        contacts are zero. The inverse contains the compliance.
+
+        Arguments: `q`: (nq,); `contacts`: (contacts,), 1 for each active contact, else 0; by default all
+        are; `settings`: `ConstraintSettings`, by default with the ground at z = 0 under all contacts.
+        Result: `OperationalInertia`: `inverse` (constraint rows, constraint rows), `inertia` (constraint
+        rows, constraint rows), `rank` a number. Several states have one more axis, the first.
+        """
+    def regressor(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has ten
+        entries for each moving link: mass, mass times centre of mass x, y, z, and Ixx, Ixy, Ixz, Iyy, Iyz,
+        Izz about the link's origin in the link's own axes (`parameters`).
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,).
+        Result: (nv, 10 moving links). Several states have one more axis, the first.
+        """
+    def center_of_mass(
+        self, q: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the centre of mass of the moving links in world axes, m.
+
+        Arguments: `q`: (nq,).
+        Result: (3,). Several states have one more axis, the first.
+        """
+    def center_of_mass_jacobian(
+        self, q: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the centre of
+        mass in world axes.
+
+        Arguments: `q`: (nq,).
+        Result: (3, nv). Several states have one more axis, the first.
+        """
+    def centroidal_momentum_matrix(
+        self, q: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the centre of
+        mass, in world axes.
+
+        Arguments: `q`: (nq,).
+        Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+        """
+    def centroidal_momentum(
+        self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the momentum of the moving links about their centre of mass, in world axes.
+
+        Arguments: `q`: (nq,); `qd`: (nv,).
+        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        """
+    def link_poses(
+        self, q: ArrayLike, *, out: Pose | None = None
+    ) -> Pose:
+        """Returns the poses in the world of all links of the description, fixed links included, in the order
+        of `link_names`.
+
+        Arguments: `q`: (nq,).
+        Result: `Pose`: `rotation` (links, 3, 3), `translation` (links, 3). Several states have one more
+        axis, the first.
+        """
+    def link_pose(
+        self, q: ArrayLike, link: str | int, *, out: Pose | None = None
+    ) -> Pose:
+        """Returns the pose of a link in the world. Computes the link's kinematic path only.
+
+        Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
+        Result: `Pose`: `rotation` (3, 3), `translation` (3,). Several states have one more axis, the first.
+        """
+    def link_velocity(
+        self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
+    ) -> Array:
+        """Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world axes.
+        Computes the link's kinematic path only.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
+        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        """
+    def local_link_velocity(
+        self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
+    ) -> Array:
+        """Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the link's own
+        axes. Computes the link's kinematic path only.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
+        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        """
+    def link_acceleration(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, link: str | int, *, out: Array | None = None
+    ) -> Array:
+        """Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
+        (rad/s^2), in world axes. Gravity is not included. Computes the link's kinematic path only.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index in
+        `link_names`.
+        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        """
+    def local_link_acceleration(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, link: str | int, *, out: Array | None = None
+    ) -> Array:
+        """Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
+        (rad/s^2), in the link's own axes. Gravity is not included. Computes the link's kinematic path only.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `link`: the name of a link, or its index in
+        `link_names`.
+        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        """
+    def jacobian(
+        self, q: ArrayLike, link: str | int, *, out: Array | None = None
+    ) -> Array:
+        """Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
+        world axes. Computes the link's kinematic path only.
+
+        Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
+        Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+        """
+    def local_jacobian(
+        self, q: ArrayLike, link: str | int, *, out: Array | None = None
+    ) -> Array:
+        """Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
+        the link's own axes. Computes the link's kinematic path only.
+
+        Arguments: `q`: (nq,); `link`: the name of a link, or its index in `link_names`.
+        Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+        """
+    def jacobian_time_derivative(
+        self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
+    ) -> Array:
+        """Returns the time derivative of `jacobian`. Its product with `qd` is `bias_acceleration`. Computes
+        the link's kinematic path only.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
+        Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+        """
+    def local_jacobian_time_derivative(
+        self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
+    ) -> Array:
+        """Returns the time derivative of `local_jacobian`. Its product with `qd` is `local_bias_acceleration`.
+        Computes the link's kinematic path only.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
+        Result: (6, nv), angular before linear components. Several states have one more axis, the first.
+        """
+    def bias_acceleration(
+        self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
+    ) -> Array:
+        """Returns the bias acceleration of a link in world axes: the time derivative of `jacobian` times `qd`,
+        which is the link's acceleration at zero joint accelerations. Computes the link's kinematic path
+        only.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
+        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        """
+    def local_bias_acceleration(
+        self, q: ArrayLike, qd: ArrayLike, link: str | int, *, out: Array | None = None
+    ) -> Array:
+        """Returns the bias acceleration of a link in its own axes: the time derivative of `local_jacobian`
+        times `qd`. Computes the link's kinematic path only.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `link`: the name of a link, or its index in `link_names`.
+        Result: (6,), angular before linear components. Several states have one more axis, the first.
+        """
+    def integrate(
+        self, q: ArrayLike, v: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
+
+        Arguments: `q`: (nq,); `v`: (nv,).
+        Result: (nq,). Several states have one more axis, the first.
+        """
+    def difference(
+        self, from_: ArrayLike, to: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations are the
+        shortest ones; joint angles are not wrapped.
+
+        Arguments: `from_`: (nq,); `to`: (nq,).
+        Result: (nv,). Several states have one more axis, the first.
+        """
+    def integrate_derivatives(
+        self, q: ArrayLike, v: ArrayLike, *, out: IntegrateDerivatives | None = None
+    ) -> IntegrateDerivatives:
+        """Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space: displacements
+        of `q` and of the result are in the axes at each of them.
+
+        Arguments: `q`: (nq,); `v`: (nv,).
+        Result: `IntegrateDerivatives`: `dq` (nv, nv), `dv` (nv, nv). Several states have one more axis, the
+        first.
+        """
+    def difference_derivatives(
+        self, from_: ArrayLike, to: ArrayLike, *, out: DifferenceDerivatives | None = None
+    ) -> DifferenceDerivatives:
+        """Returns the derivatives of `difference` with respect to `from_` and `to` in tangent space:
+        displacements are in the axes at `from_` and at `to`.
+
+        Arguments: `from_`: (nq,); `to`: (nq,).
+        Result: `DifferenceDerivatives`: `dfrom` (nv, nv), `dto` (nv, nv). Several states have one more
+        axis, the first.
+        """
+    def velocity_to_qdot(
+        self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
+
+        Arguments: `q`: (nq,); `qd`: (nv,).
+        Result: (nq,). Several states have one more axis, the first.
+        """
+    def normalize(
+        self, q: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns the coordinates with quaternions scaled to length 1.
+
+        Arguments: `q`: (nq,).
+        Result: (nq,). Several states have one more axis, the first.
+        """
+    def random(
+        self, uniforms: ArrayLike, *, out: Array | None = None
+    ) -> Array:
+        """Returns coordinates within the joint limits, from random numbers uniformly distributed in [0, 1).
+        Angles without limits are in [-pi, pi), displacements without limits in [-1, 1) m, rotations uniform
+        over SO(3).
+
+        Arguments: `uniforms`: (nv,).
+        Result: (nq,). Several states have one more axis, the first.
+        """
+    # end functions

@@ -1,0 +1,91 @@
+"""Types that several parts of the package share."""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+class JointLimits(NamedTuple):
+    """The limits of the joints; infinite without a limit."""
+
+    lower: NDArray[np.float64]
+    """(nq,), rad or m"""
+    upper: NDArray[np.float64]
+    """(nq,), rad or m"""
+    velocity: NDArray[np.float64]
+    """(nv,), rad/s or m/s"""
+    effort: NDArray[np.float64]
+    """(nv,), N m or N"""
+
+
+@dataclass
+class ContactTarget:
+    """The frame in the world that a contact holds its link's frame to; by default the plane z = 0, at rest and rigid."""
+
+    rotation: ArrayLike = field(default_factory=lambda: np.eye(3))
+    """(3, 3): the columns are the target's axes in the world; z is the normal"""
+    translation: ArrayLike = (0.0, 0.0, 0.0)
+    """(3,), m"""
+    velocity: ArrayLike = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """(6,): the velocity of the ground in world axes, angular, then linear, rad/s and m/s"""
+    tangential: float = 0.0
+    """the factor of the tangential displacement: 0 for a plane, 1 for a frame"""
+    alpha: float = 20.0
+    """the damping of the displacement, 1/s"""
+    beta: float = 20.0
+    """the stiffness of the displacement, 1/s"""
+    compliance: float = 0.0
+    """the relative acceleration that the contact allows per force, 1/kg"""
+    restitution: float = 0.0
+    """the coefficient of restitution along the normal"""
+    weight: float = 1.0
+    """the weight of the contact in the distribution of the load by inverse dynamics"""
+
+    def __array__(self, dtype: object = None, copy: bool | None = None) -> NDArray[np.float64]:
+        vectors = [np.asarray(x, float).ravel() for x in (self.rotation, self.translation, self.velocity)]
+        numbers = [self.tangential, self.alpha, self.beta, self.compliance, self.restitution, self.weight]
+        return np.concatenate([*vectors, numbers])
+
+
+@dataclass
+class ConstraintSettings:
+    """The stabilization of constraints, the limits below which rows count as dependent, and the targets of contacts."""
+
+    contacts: list[ContactTarget] = field(default_factory=list)
+    """the target of each contact, active or not, in the order of `contact_names`"""
+    alpha: float = 20.0
+    """the damping of the displacements of loop constraints, 1/s"""
+    beta: float = 20.0
+    """the stiffness of the displacements of loop constraints, 1/s"""
+    tolerance: float = 1e-10
+    """the mobility of a dependent row relative to its constraint's mobility in all six directions"""
+    rounding: float = 1e-10
+    """the part of a row's own mobility that rounding may leave"""
+
+    def __array__(self, dtype: object = None, copy: bool | None = None) -> NDArray[np.float64]:
+        numbers = np.array([self.alpha, self.beta, self.tolerance, self.rounding])
+        return np.concatenate([numbers, *(np.asarray(contact) for contact in self.contacts)])
+
+
+class Joint(NamedTuple):
+    """A joint with coordinates of its own."""
+
+    name: str
+    type: str
+    """`revolute`, `continuous`, `prismatic`, `universal`, `planar`, `spherical` or `floating`"""
+    q: slice
+    """the joint's entries of `q`"""
+    v: slice
+    """the joint's entries of `qd`"""
+
+
+@cache
+def bundle(name: str, fields: tuple[str, ...]) -> type[tuple[Any, ...]]:
+    """Returns the type of a bundle's results: a named tuple with a field for each of its functions."""
+    return namedtuple(name, fields)

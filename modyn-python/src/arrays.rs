@@ -1,0 +1,348 @@
+//! Arrays of NumPy as arguments and results, without copies where their memory allows it.
+
+use numpy::prelude::*;
+use numpy::{IxDyn, PyArrayDyn, PyReadonlyArrayDyn, PyReadwriteArrayDyn};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyFloat, PyTuple};
+
+use crate::layout::{Class, Layout, Leaf};
+
+/// An argument: its numbers, and the number of states if it has several.
+pub struct Given<'py> {
+    numbers: Numbers<'py>,
+    /// The number of states; `None` for one state without an axis of states.
+    pub states: Option<usize>,
+}
+
+enum Numbers<'py> {
+    Borrowed(PyReadonlyArrayDyn<'py, f64>),
+    Owned(Vec<f64>),
+}
+
+impl<'py> Given<'py> {
+    /// Returns an argument of one state from numbers.
+    pub fn owned(numbers: Vec<f64>) -> Self {
+        Self { numbers: Numbers::Owned(numbers), states: None }
+    }
+
+    /// Returns the argument `name` of `function`, whose axes have these lengths for one state. An array of `float64` in C
+    /// order is borrowed; all else is converted.
+    ///
+    /// # Errors
+    ///
+    /// `TypeError` if these are not real numbers, `ValueError` for another shape.
+    pub fn read(
+        function: &str,
+        name: &str,
+        shape: &[usize],
+        object: &Bound<'py, PyAny>,
+    ) -> PyResult<Self> {
+        if shape.is_empty()
+            && let Ok(number) = object.cast::<PyFloat>()
+        {
+            return Ok(Self::owned(vec![number.value()]));
+        }
+        let array = match object.cast::<PyArrayDyn<f64>>() {
+            Ok(array) if array.is_c_contiguous() && array.is_aligned() => array.clone(),
+            _ => converted(function, name, object)?,
+        };
+        let states = match array.shape() {
+            found if found == shape => None,
+            [states, rest @ ..] if rest == shape => Some(*states),
+            found => {
+                let (one, many, found) = (tuple(shape), batch(shape), tuple(found));
+                return Err(PyValueError::new_err(format!(
+                    "`{name}` of `{function}` has the shape {found}; expected {one}, or {many} for n states"
+                )));
+            }
+        };
+        if states.is_none() {
+            // The numbers of a state are few: copying them takes less time than borrowing them.
+            return Ok(Self { numbers: Numbers::Owned(array.to_vec()?), states });
+        }
+        let array = array.try_into_readonly().map_err(|_| overlap(function, name))?;
+        Ok(Self { numbers: Numbers::Borrowed(array), states })
+    }
+
+    /// Returns the numbers, those of one state after another.
+    pub fn as_slice(&self) -> &[f64] {
+        match &self.numbers {
+            Numbers::Borrowed(array) => array.as_slice().unwrap_or_default(),
+            Numbers::Owned(numbers) => numbers,
+        }
+    }
+}
+
+fn overlap(function: &str, name: &str) -> PyErr {
+    PyValueError::new_err(format!(
+        "`{name}` of `{function}` is being written by another call; give it memory of its own"
+    ))
+}
+
+/// Returns a new array of `float64` in C order with the numbers of an object.
+fn converted<'py>(
+    function: &str,
+    name: &str,
+    object: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let py = object.py();
+    let convert = || {
+        let array = py.import("numpy")?.call_method1("asarray", (object,))?;
+        let options = PyDict::new(py);
+        options.set_item("order", "C")?;
+        options.set_item("casting", "same_kind")?;
+        let array = array.call_method("astype", ("float64",), Some(&options))?;
+        Ok::<_, PyErr>(array.cast_into::<PyArrayDyn<f64>>()?)
+    };
+    convert().map_err(|reason| {
+        PyTypeError::new_err(format!(
+            "`{name}` of `{function}` must be an array of real numbers: {reason}"
+        ))
+    })
+}
+
+/// Returns a shape as Python shows it.
+pub fn tuple(shape: &[usize]) -> String {
+    match shape {
+        [one] => format!("({one},)"),
+        _ => {
+            let lengths: Vec<String> = shape.iter().map(usize::to_string).collect();
+            format!("({})", lengths.join(", "))
+        }
+    }
+}
+
+/// Returns the shape of n states as Python shows it.
+fn batch(shape: &[usize]) -> String {
+    match shape {
+        [] => "(n,)".into(),
+        _ => format!("(n, {}", tuple(shape).trim_start_matches('(').replace(",)", ")")),
+    }
+}
+
+/// The memory that a call writes, and the object that it returns.
+pub struct Output<'py> {
+    memory: PyReadwriteArrayDyn<'py, f64>,
+    returned: Bound<'py, PyAny>,
+    /// The caller's array, if its memory has another order.
+    copied_to: Option<Bound<'py, PyAny>>,
+}
+
+impl<'py> Output<'py> {
+    /// Returns the output of `function` with this layout and `length` numbers for each state: new arrays, or `out`.
+    ///
+    /// # Errors
+    ///
+    /// `TypeError` if `out` is not an array of `float64` or a named tuple of them, `ValueError` if it has another shape,
+    /// cannot be written or overlaps an argument.
+    pub fn new(
+        py: Python<'py>,
+        function: &str,
+        (layout, length): (&Layout, usize),
+        states: Option<usize>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        match (layout, out) {
+            (_, None) => Self::allocated(py, (layout, length), states),
+            (Layout::Array(leaf), Some(out)) => {
+                Self::array(py, function, (leaf, length), states, out)
+            }
+            (Layout::Tuple(class, fields), Some(out)) => {
+                Self::tuple(function, (class.name(), fields, length), states, out)
+            }
+        }
+    }
+
+    fn allocated(
+        py: Python<'py>,
+        (layout, length): (&Layout, usize),
+        states: Option<usize>,
+    ) -> PyResult<Self> {
+        if let Layout::Array(leaf) = layout
+            && let Some(is_fortran) = order(leaf, states, length)
+        {
+            let array = PyArrayDyn::<f64>::zeros(py, IxDyn(&leaf.shape(states)), is_fortran);
+            let returned = array.clone().into_any();
+            return Ok(Self { memory: array.readwrite(), returned, copied_to: None });
+        }
+        let shape: Vec<usize> = states.into_iter().chain([length]).collect();
+        let base = PyArrayDyn::<f64>::zeros(py, IxDyn(&shape), false);
+        let returned = views(&base, layout, states, length)?;
+        Ok(Self { memory: base.readwrite(), returned, copied_to: None })
+    }
+
+    fn array(
+        py: Python<'py>,
+        function: &str,
+        (leaf, length): (&Leaf, usize),
+        states: Option<usize>,
+        out: &Bound<'py, PyAny>,
+    ) -> PyResult<Self> {
+        let array = out.cast::<PyArrayDyn<f64>>().map_err(|_| {
+            PyTypeError::new_err(format!("`out` of `{function}` must be an array of float64"))
+        })?;
+        let shape = leaf.shape(states);
+        if array.shape() != shape {
+            let (found, expected) = (tuple(array.shape()), tuple(&shape));
+            return Err(PyValueError::new_err(format!(
+                "`out` of `{function}` has the shape {found}; expected {expected}"
+            )));
+        }
+        let strides = leaf.strides(states, length);
+        let fits = array.shape().iter().zip(array.strides()).zip(&strides);
+        let fits = fits
+            .into_iter()
+            .all(|((&n, &found), &stride)| n <= 1 || usize::try_from(found) == Ok(stride));
+        let returned = out.clone();
+        if fits {
+            // The axes in the order of the memory, which is then in C order.
+            let mut axes: Vec<usize> = (0..shape.len()).collect();
+            axes.sort_by_key(|&axis| (std::cmp::Reverse(strides[axis]), axis));
+            let ordered = match axes.is_sorted() {
+                true => array.clone(),
+                false => array.permute(Some(IxDyn(&axes)))?,
+            };
+            let memory = writable(function, &ordered)?;
+            return Ok(Self { memory, returned, copied_to: None });
+        }
+        // The caller's memory has another order: the call must not write what it cannot.
+        drop(writable(function, array)?);
+        let own = Self::allocated(py, (&Layout::Array(leaf.clone()), length), states)?;
+        Ok(Self { copied_to: Some(returned), ..own })
+    }
+
+    /// Returns the output in the memory of an earlier result of the same function.
+    fn tuple(
+        function: &str,
+        (class, fields, length): (&str, &[(&'static str, Layout)], usize),
+        states: Option<usize>,
+        out: &Bound<'py, PyAny>,
+    ) -> PyResult<Self> {
+        let wrong = || {
+            PyValueError::new_err(format!(
+                "`out` of `{function}` must be the `{class}` that an earlier call of it returned for as many states"
+            ))
+        };
+        let shape: Vec<usize> = states.into_iter().chain([length]).collect();
+        let (mut base, mut leaves) = (None, Vec::new());
+        gather(fields, out, &mut leaves).map_err(|_| wrong())?;
+        for (leaf, array) in leaves {
+            let own = array.getattr("base")?.cast_into::<PyArrayDyn<f64>>().map_err(|_| wrong())?;
+            let base = base.get_or_insert_with(|| own.clone());
+            let strides = leaf.strides(states, length);
+            let is_view = own.is(&*base)
+                && base.is_c_contiguous()
+                && base.shape() == shape
+                && array.shape() == leaf.shape(states)
+                && array.strides().iter().zip(&strides).all(|(&a, &b)| usize::try_from(a) == Ok(b))
+                && array.data().addr() == base.data().addr() + leaf.offset * size_of::<f64>();
+            if !is_view {
+                return Err(wrong());
+            }
+        }
+        let memory = writable(function, &base.ok_or_else(wrong)?)?;
+        Ok(Self { memory, returned: out.clone(), copied_to: None })
+    }
+
+    /// Returns the memory, the numbers of one state after those of another.
+    pub fn as_mut_slice(&mut self) -> &mut [f64] {
+        self.memory.as_slice_mut().unwrap_or_default()
+    }
+
+    /// Returns the object that the call returns.
+    pub fn finish(self) -> PyResult<Bound<'py, PyAny>> {
+        let Self { memory, returned, copied_to } = self;
+        drop(memory);
+        match copied_to {
+            None => Ok(returned),
+            Some(out) => {
+                out.set_item(pyo3::types::PyEllipsis::get(out.py()), returned)?;
+                Ok(out)
+            }
+        }
+    }
+}
+
+/// Returns the arrays of a named tuple with their layouts.
+fn gather<'py, 'l>(
+    fields: &'l [(&'static str, Layout)],
+    out: &Bound<'py, PyAny>,
+    leaves: &mut Vec<(&'l Leaf, Bound<'py, PyArrayDyn<f64>>)>,
+) -> PyResult<()> {
+    for (name, layout) in fields {
+        let field = out.getattr(*name)?;
+        match layout {
+            Layout::Array(leaf) => leaves.push((leaf, field.cast_into()?)),
+            Layout::Tuple(_, fields) => gather(fields, &field, leaves)?,
+        }
+    }
+    Ok(())
+}
+
+fn writable<'py>(
+    function: &str,
+    array: &Bound<'py, PyArrayDyn<f64>>,
+) -> PyResult<PyReadwriteArrayDyn<'py, f64>> {
+    array.try_readwrite().map_err(|reason| {
+        PyValueError::new_err(format!(
+            "`out` of `{function}` cannot be written, or overlaps an argument: {reason}"
+        ))
+    })
+}
+
+/// Returns the shape of a result of one state, and whether it is in Fortran's order, if it is one array in either order.
+pub fn single(layout: &Layout, length: usize) -> Option<(Vec<usize>, bool)> {
+    match layout {
+        Layout::Array(leaf) => Some((leaf.shape(None), order(leaf, None, length)?)),
+        Layout::Tuple(..) => None,
+    }
+}
+
+/// Returns whether an array that is all numbers of a result is in Fortran's order; `None` if it is in neither order.
+fn order(leaf: &Leaf, states: Option<usize>, length: usize) -> Option<bool> {
+    let axes = states.map(|states| (states, length)).into_iter().chain(leaf.axes.iter().copied());
+    let axes: Vec<(usize, usize)> = axes.collect();
+    // The numbers so far, from the axis of the smallest stride; `None` after an axis with another stride.
+    let next = |sum: Option<usize>, &(n, stride): &(usize, usize)| {
+        sum.filter(|&numbers| stride == numbers).map(|numbers| numbers * n)
+    };
+    let all = Some(length * states.unwrap_or(1));
+    if axes.iter().rev().fold(Some(1), next) == all {
+        Some(false)
+    } else {
+        (axes.iter().fold(Some(1), next) == all).then_some(true)
+    }
+}
+
+/// Returns the arrays of a layout as views into `base`, in named tuples.
+fn views<'py>(
+    base: &Bound<'py, PyArrayDyn<f64>>,
+    layout: &Layout,
+    states: Option<usize>,
+    length: usize,
+) -> PyResult<Bound<'py, PyAny>> {
+    static NDARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let py = base.py();
+    match layout {
+        Layout::Array(leaf) => {
+            let ndarray = NDARRAY.import(py, "numpy", "ndarray")?;
+            let (shape, strides) = (leaf.shape(states), leaf.strides(states, length));
+            let (shape, strides) = (PyTuple::new(py, shape)?, PyTuple::new(py, strides)?);
+            ndarray.call1((shape, "d", base, leaf.offset * size_of::<f64>(), strides))
+        }
+        Layout::Tuple(class, fields) => {
+            let names = PyTuple::new(py, fields.iter().map(|(name, _)| *name))?;
+            let fields = fields.iter().map(|(_, layout)| views(base, layout, states, length));
+            let fields = fields.collect::<PyResult<Vec<_>>>()?;
+            let class = match class {
+                Class::Package(name) => py.import("modyn._results")?.getattr(*name)?,
+                Class::Bundle(name) => {
+                    py.import("modyn._types")?.getattr("bundle")?.call1((*name, names))?
+                }
+            };
+            class.call1(PyTuple::new(py, fields)?)
+        }
+    }
+}

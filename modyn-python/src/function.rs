@@ -1,0 +1,304 @@
+//! A function of a robot: its code, and calls of it for one state or many.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{PoisonError, RwLock};
+
+use modyn_codegen::plan::Planned;
+use modyn_codegen::{Function, Planning};
+use modyn_jit::{Call, Compiled, Options, ParameterError};
+use modyn_runtime::model::Model;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyFloat;
+
+use crate::arrays::{self, Given, Output};
+use crate::change::Change;
+use crate::evaluated::Evaluated;
+use crate::layout::{self, Layout};
+use crate::memory::filled;
+
+/// The largest number of arguments of a function.
+const MAX_ARGUMENTS: usize = 16;
+
+/// The instructions that a thread should have, about 50 us; starting a thread takes about 20 us.
+const INSTRUCTIONS_PER_THREAD: usize = 200_000;
+
+/// The number of threads for a batch; zero for all processors.
+pub static THREADS: AtomicUsize = AtomicUsize::new(0);
+
+/// A function or a bundle of a robot, compiled.
+pub struct RobotFunction {
+    /// The name.
+    pub name: &'static str,
+    /// The arguments: their names and the lengths of their axes.
+    pub arguments: Vec<(&'static str, Vec<usize>)>,
+    /// The function; `None` for a bundle.
+    function: Option<Function>,
+    result: Layout,
+    /// The numbers of a result of one state.
+    length: usize,
+    /// The shape of a result of one state that is one array, and whether it is in Fortran's order.
+    single: Option<(Vec<usize>, bool)>,
+    /// A change of run-time parameters waits until running batches end.
+    code: RwLock<Code>,
+}
+
+enum Code {
+    Machine(Compiled<f64>),
+    Evaluated(Evaluated),
+}
+
+impl RobotFunction {
+    /// Returns the function of a planning that has this one alone, as machine code; the reason why there is none is added,
+    /// and the function is then evaluated.
+    pub fn new(planning: Planning, machine_code: bool) -> Option<(Self, Option<String>)> {
+        let planned = planning.plan.functions.first()?;
+        let (name, function) = (planned.name, planned.function);
+        let arguments = planned.arguments.iter();
+        let arguments =
+            arguments.map(|(name, shape)| (*name, layout::of_argument(shape))).collect();
+        let length = planned.result.len();
+        let result = match function {
+            Some(function) => layout::of_function(function, &planning.plan.sizes),
+            None => layout::of_bundle(&planned.result, &planning.plan.sizes),
+        };
+        let mut options = Options::default();
+        options.batches = true;
+        let compiled = machine_code.then(|| Compiled::from_plan(&planning, options));
+        let (code, reason) = match compiled {
+            Some(Ok(compiled)) => (Code::Machine(compiled), None),
+            other => {
+                let reason = other.and_then(Result::err).map(|error| error.to_string());
+                (Code::Evaluated(evaluated(planning)?), reason)
+            }
+        };
+        let (code, single) = (RwLock::new(code), arrays::single(&result, length));
+        Some((Self { name, arguments, function, result, length, single, code }, reason))
+    }
+
+    /// Returns whether the function is one of a link.
+    fn is_by_link(&self) -> bool {
+        self.function.is_some_and(|function| function.row().is_by_link())
+    }
+
+    /// Applies a change of the robot's run-time parameters.
+    ///
+    /// # Errors
+    ///
+    /// If the robot does not have the parameter, or no rigid body has the inertia.
+    pub fn apply(&self, change: &Change, model: &Model) -> Result<(), String> {
+        let mut code = self.code.write().unwrap_or_else(PoisonError::into_inner);
+        match &mut *code {
+            Code::Evaluated(evaluated) => evaluated.apply(change, model),
+            Code::Machine(compiled) => match change {
+                Change::Gravity(gravity) => compiled.set_gravity(*gravity),
+                Change::Inertia(link, inertial) => compiled.set_inertia(link, inertial),
+                Change::Payload(link, inertial) => compiled.set_payload(link, inertial),
+            }
+            .map_err(|error| match error {
+                ParameterError::NotAParameter { .. } => change.missing(),
+                error => error.to_string(),
+            }),
+        }
+    }
+
+    /// Calls the function for one state, or for many if an argument has many. The interpreter's lock is released for many.
+    ///
+    /// # Errors
+    ///
+    /// If arguments have different numbers of states, or `out` does not fit.
+    pub fn call<'py>(
+        &self,
+        py: Python<'py>,
+        link: Option<usize>,
+        given: &[Given<'py>],
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let link = link.filter(|_| self.is_by_link());
+        let mut states: Option<(usize, usize)> = None;
+        for (i, count) in given.iter().enumerate().filter_map(|(i, one)| Some((i, one.states?))) {
+            let (first, expected) = *states.get_or_insert((i, count));
+            if count != expected {
+                return Err(PyValueError::new_err(format!(
+                    "`{}` of `{}` has {count} states, and `{}` has {expected}",
+                    self.arguments[i].0, self.name, self.arguments[first].0
+                )));
+            }
+        }
+        match states {
+            None => self.call_once(py, link, given, out),
+            Some((_, states)) => self.call_many(py, link, given, states, out),
+        }
+    }
+
+    fn call_once<'py>(
+        &self,
+        py: Python<'py>,
+        link: Option<usize>,
+        given: &[Given<'py>],
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mut arguments: [&[f64]; MAX_ARGUMENTS] = [&[]; MAX_ARGUMENTS];
+        for (argument, given) in arguments.iter_mut().zip(given) {
+            *argument = given.as_slice();
+        }
+        let arguments = &arguments[..given.len()];
+        let code = self.code.read().unwrap_or_else(PoisonError::into_inner);
+        match (&self.single, out) {
+            (Some((shape, _)), None) if shape.is_empty() => {
+                let mut number = [0.0];
+                self.one(&code, link, arguments, &mut number)?;
+                Ok(PyFloat::new(py, number[0]).into_any())
+            }
+            (Some((shape, is_fortran)), None) => {
+                let fill = |result: &mut [f64]| self.one(&code, link, arguments, result);
+                Ok(filled(py, (shape, *is_fortran), fill)?.into_any())
+            }
+            _ => {
+                let mut output =
+                    Output::new(py, self.name, (&self.result, self.length), None, out)?;
+                self.one(&code, link, arguments, output.as_mut_slice())?;
+                output.finish()
+            }
+        }
+    }
+
+    fn call_many<'py>(
+        &self,
+        py: Python<'py>,
+        link: Option<usize>,
+        given: &[Given<'py>],
+        states: usize,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let layout = (&self.result, self.length);
+        let mut output = Output::new(py, self.name, layout, Some(states), out)?;
+        let result = output.as_mut_slice();
+        let repeated = given.iter().map(|given| match given.states {
+            None => Some(given.as_slice().repeat(states)),
+            Some(_) => None,
+        });
+        let repeated: Vec<Option<Vec<f64>>> = repeated.collect();
+        let arguments = given.iter().zip(&repeated);
+        let arguments: Vec<&[f64]> = arguments
+            .map(|(given, repeated)| repeated.as_deref().unwrap_or_else(|| given.as_slice()))
+            .collect();
+        py.detach(|| self.many(link, &arguments, states, result))?;
+        output.finish()
+    }
+
+    fn one(
+        &self,
+        code: &Code,
+        link: Option<usize>,
+        arguments: &[&[f64]],
+        result: &mut [f64],
+    ) -> PyResult<()> {
+        match code {
+            Code::Evaluated(evaluated) => {
+                evaluated.one(link.unwrap_or_default(), arguments, result)
+            }
+            Code::Machine(compiled) => {
+                let call = self.machine(compiled)?;
+                let done = match link {
+                    None => call.one(arguments, result),
+                    Some(link) => call.link(link, arguments, result),
+                };
+                done.map_err(|error| PyValueError::new_err(error.to_string()))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the machine code.
+    fn machine<'c>(&self, compiled: &'c Compiled<f64>) -> PyResult<Call<'c, f64>> {
+        let call = match self.function {
+            Some(function) => compiled.function(function),
+            None => compiled.bundle(self.name),
+        };
+        call.map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// Computes many states, which the threads share.
+    fn many(
+        &self,
+        link: Option<usize>,
+        arguments: &[&[f64]],
+        states: usize,
+        result: &mut [f64],
+    ) -> PyResult<()> {
+        let code = self.code.read().unwrap_or_else(PoisonError::into_inner);
+        let lengths: Vec<usize> =
+            self.arguments.iter().map(|(_, shape)| shape.iter().product()).collect();
+        let call = match &*code {
+            Code::Machine(compiled) => Some(self.machine(compiled)?),
+            Code::Evaluated(_) => None,
+        };
+        let one_by_one = |arguments: &[&[f64]], results: &mut [f64], states: usize| {
+            for state in 0..states {
+                let arguments = arguments.iter().zip(&lengths);
+                let arguments: Vec<&[f64]> =
+                    arguments.map(|(all, n)| &all[state * n..][..*n]).collect();
+                let result = &mut results[state * self.length..][..self.length];
+                self.one(&code, link, &arguments, result)?;
+            }
+            Ok(())
+        };
+        // Without numbers in the first argument, machine code cannot tell the number of states.
+        let is_countable = lengths.first().is_some_and(|&n| n > 0);
+        let run = |arguments: &[&[f64]], results: &mut [f64], states: usize| match &call {
+            Some(call) if is_countable => {
+                let done = match link {
+                    None => call.many(arguments, results),
+                    Some(link) => call.many_link(link, arguments, results),
+                };
+                done.map_err(|error| PyValueError::new_err(error.to_string()))
+            }
+            _ => one_by_one(arguments, results, states),
+        };
+        // A vector has at most eight states.
+        let cost = call.map_or(INSTRUCTIONS_PER_THREAD, |call| call.size().instructions / 4 + 1);
+        let useful = (states * cost).div_ceil(INSTRUCTIONS_PER_THREAD);
+        let threads = threads().min(useful).min(states.div_ceil(8)).max(1);
+        if threads == 1 || self.length == 0 {
+            return run(arguments, result, states);
+        }
+        let share = states.div_ceil(threads).next_multiple_of(8);
+        std::thread::scope(|scope| {
+            let chunks = result.chunks_mut(share * self.length).enumerate().map(|(i, results)| {
+                let count = results.len() / self.length;
+                let arguments = arguments.iter().zip(&lengths);
+                let own: Vec<&[f64]> =
+                    arguments.map(|(all, n)| &all[i * share * n..][..count * n]).collect();
+                let run = &run;
+                move || run(&own, results, count)
+            });
+            let mut chunks = chunks.collect::<Vec<_>>().into_iter();
+            let own = chunks.next();
+            let started: Vec<_> = chunks.map(|chunk| scope.spawn(chunk)).collect();
+            let own = own.map_or(Ok(()), |mut chunk| chunk());
+            let others = started.into_iter().map(|thread| {
+                thread.join().unwrap_or_else(|_| Err(PyValueError::new_err("a thread failed")))
+            });
+            others.fold(own, PyResult::and)
+        })
+    }
+}
+
+fn evaluated(planning: Planning) -> Option<Evaluated> {
+    let Planning { mut plan, model, .. } = planning;
+    let planned: Planned = plan.functions.drain(..).next()?;
+    Some(Evaluated::new(planned, &plan, model.gravity()))
+}
+
+/// Returns the number of threads for a batch.
+fn threads() -> usize {
+    match THREADS.load(Ordering::Relaxed) {
+        0 => {
+            let all = std::thread::available_parallelism().map_or(1, usize::from);
+            THREADS.store(all, Ordering::Relaxed);
+            all
+        }
+        threads => threads,
+    }
+}

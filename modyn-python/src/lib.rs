@@ -1,0 +1,118 @@
+//! The extension module of the Python package `modyn`.
+//!
+//! ```text
+//! load ─▶ Robot ─ first use ─▶ RobotFunction ─ arrays ─▶ machine code (or programs, evaluated) ─ layout ─▶ arrays
+//! ```
+//!
+//! `methods.rs` has a method for each function of modyn's table; `cargo test -p modyn-codegen --test python_package`
+//! compares it with the table.
+
+mod arrays;
+mod change;
+mod conventions;
+mod errors;
+mod evaluated;
+mod factorization;
+mod function;
+mod layout;
+mod memory;
+mod methods;
+mod options;
+mod pictures;
+mod robot;
+
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+use modyn_codegen::Function;
+use modyn_codegen::read::file::read_text;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::errors::description_error;
+use crate::robot::Robot;
+
+/// Reads the robot of a file, URDF or MJCF.
+///
+/// The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`, `loops`, `contacts`,
+/// `friction`, `unphysical_inertia`, `bundles`, `modules`, `runtime_gravity`, `runtime_inertia` and `payload`; with
+/// `machine_code=False`, functions are evaluated instead of compiled.
+///
+/// `OSError` if the file cannot be read, `DescriptionError` with file, line and column if the description is wrong.
+#[pyfunction]
+#[pyo3(signature = (path, /, **options))]
+fn load(py: Python<'_>, path: PathBuf, options: Option<&Bound<'_, PyDict>>) -> PyResult<Robot> {
+    let file = std::fs::File::open(&path).map_err(|error| {
+        let kind = PyErr::from(error);
+        let _ = kind.value(py).setattr("filename", &path);
+        kind
+    })?;
+    let name = path.display().to_string();
+    let text = read_text(&name, file).map_err(|errors| description_error(py, &errors))?;
+    read(py, text, name, options)
+}
+
+/// Reads the robot of a text, URDF or MJCF; `file` is the name in diagnostics. The keyword arguments are those of `load`.
+#[pyfunction]
+#[pyo3(signature = (text, /, file="robot", **options))]
+fn loads(
+    py: Python<'_>,
+    text: String,
+    file: &str,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Robot> {
+    read(py, text, file.into(), options)
+}
+
+fn read(
+    py: Python<'_>,
+    text: String,
+    file: String,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Robot> {
+    match options {
+        Some(options) => Robot::read(py, text, file, options),
+        None => Robot::read(py, text, file, &PyDict::new(py)),
+    }
+}
+
+/// Sets the number of threads that share a batch; `None` for all processors, the default.
+#[pyfunction]
+#[pyo3(signature = (threads))]
+fn set_threads(threads: Option<usize>) -> PyResult<()> {
+    if threads == Some(0) {
+        return Err(PyValueError::new_err("`threads` must be at least 1"));
+    }
+    function::THREADS.store(threads.unwrap_or(0), Ordering::Relaxed);
+    Ok(())
+}
+
+/// Returns the names of the functions of one state in modyn's table, which are methods of `Robot`.
+#[pyfunction]
+fn functions(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
+    let one = Function::ALL.iter().filter(|function| function.batched().is_none());
+    PyList::new(py, one.map(|function| function.name()))
+}
+
+/// Returns the names of the options of `load`, each with its form, its default and its documentation.
+#[pyfunction]
+fn options_table() -> Vec<(&'static str, &'static str, &'static str, &'static str)> {
+    options::rows().map(|row| (row.name, row.form, row.default, row.docs)).collect()
+}
+
+/// The extension module.
+#[pymodule]
+mod _modyn {
+    #[pymodule_export]
+    use super::conventions::{
+        mujoco_from_qacc, mujoco_from_qpos, mujoco_from_qvel, mujoco_to_qacc, mujoco_to_qpos,
+        mujoco_to_qvel, pinocchio_angle, pinocchio_cos_sin,
+    };
+    #[pymodule_export]
+    use super::factorization::Factorization;
+    #[pymodule_export]
+    use super::robot::Robot;
+    #[pymodule_export]
+    use super::{functions, load, loads, options_table, set_threads};
+}

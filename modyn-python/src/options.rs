@@ -1,0 +1,136 @@
+//! Keyword arguments as options: values of Python as values of modyn's option table.
+
+use modyn_codegen::diagnostics::suggest;
+use modyn_codegen::options::{Entries, OPTIONS, OptionRow, OptionValue, Stage, Value, ValueKind};
+use modyn_codegen::{Builder, Bundle, ModuleChoice};
+use modyn_runtime::model::{Model, ModuleTree};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyList, PyString, PyTuple};
+
+/// The options about code that have no meaning for machine code.
+const OF_TEXT: &[&str] = &["functions", "scalar", "share", "crate"];
+
+/// Returns the options that `load` takes.
+pub fn rows() -> impl Iterator<Item = &'static OptionRow> {
+    OPTIONS.iter().filter(|row| {
+        row.entries == Entries::All && (row.stage == Stage::Reading || !OF_TEXT.contains(&row.name))
+    })
+}
+
+/// Returns the builder with these options.
+///
+/// # Errors
+///
+/// `TypeError` if there is no such option, `ValueError` if its value has another form.
+pub fn apply(mut builder: Builder, options: &Bound<'_, PyDict>) -> PyResult<Builder> {
+    for (name, value) in options {
+        let name: String = name.extract()?;
+        let Some(row) = rows().find(|row| row.name == name) else {
+            let names = || rows().map(|row| row.name);
+            let help = match suggest(&name, names()) {
+                Some(meant) => format!("did you mean `{meant}`?"),
+                None => format!("there are: {}", names().collect::<Vec<_>>().join(", ")),
+            };
+            return Err(PyTypeError::new_err(format!("there is no option `{name}`; {help}")));
+        };
+        if value.is_none() {
+            continue;
+        }
+        let wrong = |message: &str| {
+            let form = row.form;
+            PyValueError::new_err(format!("option `{name}`: {message}; its form is {form}"))
+        };
+        let value = match value.cast::<PyString>() {
+            Ok(text) if row.is_text() => Value::text(text.to_cow()?),
+            _ => parsed(&name, &value)?,
+        };
+        builder = builder.set(&name, &value).map_err(|fault| wrong(&fault.message))?;
+    }
+    Ok(builder)
+}
+
+/// Returns the bundles of the option `bundles`.
+///
+/// # Errors
+///
+/// `ValueError` if the value has another form, or a bundle cannot have a function.
+pub fn bundles(wanted: &Bound<'_, PyAny>) -> PyResult<Vec<Bundle>> {
+    let wrong = |message: &str| PyValueError::new_err(format!("option `bundles`: {message}"));
+    let value = parsed("bundles", wanted)?;
+    let bundles = value.items().iter().map(Bundle::read);
+    bundles.collect::<Result<_, _>>().map_err(|fault| wrong(&fault.message))
+}
+
+/// Returns the kinematic modules of the option `modules`.
+///
+/// # Errors
+///
+/// `ValueError` if they are no modules of the robot.
+pub fn modules(options: &Bound<'_, PyDict>, model: &Model) -> PyResult<ModuleTree> {
+    let wrong = |message: &str| PyValueError::new_err(format!("option `modules`: {message}"));
+    let wanted = options.get_item("modules")?.filter(|wanted| !wanted.is_none());
+    let choice = match &wanted {
+        Some(wanted) => ModuleChoice::read(&parsed("modules", wanted)?),
+        None => Ok(ModuleChoice::Chains),
+    };
+    let choice = choice.map_err(|fault| wrong(&fault.message))?;
+    match choice {
+        ModuleChoice::Links => Ok(ModuleTree::links(model)),
+        ModuleChoice::List(names) => ModuleTree::from_names(model, &names).map_err(|errors| {
+            let all: Vec<String> = errors.iter().map(ToString::to_string).collect();
+            wrong(&all.join("; "))
+        }),
+        _ => Ok(ModuleTree::chains(model)),
+    }
+}
+
+/// Returns the value of an option: a text is in the syntax of the command line.
+fn parsed(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Value> {
+    let wrong = |message: &str| PyValueError::new_err(format!("option `{name}`: {message}"));
+    match object.cast::<PyString>() {
+        Ok(text) => Value::parse(&text.to_cow()?).map_err(|fault| wrong(&fault.message)),
+        Err(_) => value(object).ok_or_else(|| wrong("the value has another type")),
+    }
+}
+
+/// Returns the value of an object: a dictionary is a list of pairs, and a tuple that begins with a text is a call.
+fn value(object: &Bound<'_, PyAny>) -> Option<Value> {
+    let kind = if let Ok(flag) = object.cast::<PyBool>() {
+        ValueKind::Word(flag.is_true().to_string())
+    } else if let Ok(text) = object.cast::<PyString>() {
+        ValueKind::Word(text.to_cow().ok()?.into_owned())
+    } else if let Ok(number) = object.extract::<f64>() {
+        ValueKind::Number(number)
+    } else if let Ok(pairs) = object.cast::<PyDict>() {
+        ValueKind::List(self::pairs(pairs)?)
+    } else if let Some((name, arguments)) = call(object) {
+        ValueKind::Call(name, arguments?)
+    } else {
+        let items = object.try_iter().ok()?;
+        ValueKind::List(items.map(|item| value(&item.ok()?)).collect::<Option<_>>()?)
+    };
+    Some(Value { at: 0, kind })
+}
+
+fn pairs(pairs: &Bound<'_, PyDict>) -> Option<Vec<Value>> {
+    let pair = |(name, object): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        let pair = ValueKind::Pair(Box::new(value(&name)?), Box::new(value(&object)?));
+        Some(Value { at: 0, kind: pair })
+    };
+    pairs.iter().map(pair).collect()
+}
+
+/// Returns the name and the arguments of a tuple that begins with a text; the pairs of a dictionary are arguments.
+fn call(object: &Bound<'_, PyAny>) -> Option<(String, Option<Vec<Value>>)> {
+    let items = object.cast::<PyTuple>().ok()?;
+    let first = items.get_item(0).ok()?;
+    let name = first.cast::<PyString>().ok()?.to_cow().ok()?.into_owned();
+    let rest = PyList::new(object.py(), items.iter().skip(1)).ok()?;
+    let argument = |item: Bound<'_, PyAny>| match item.cast::<PyDict>() {
+        Ok(named) => pairs(named),
+        Err(_) => Some(vec![value(&item)?]),
+    };
+    let arguments = rest.iter().map(argument).collect::<Option<Vec<_>>>();
+    Some((name, arguments.map(|arguments| arguments.concat())))
+}

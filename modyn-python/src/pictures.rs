@@ -1,0 +1,40 @@
+//! Pictures for notebooks: the modules and the sparsity of a robot, and its motions.
+
+use modyn_cli::picture::{Skeleton, Sparsity, draw};
+use modyn_cli::viewer;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::arrays::Given;
+use crate::robot::Robot;
+
+#[pymethods]
+impl Robot {
+    /// Returns a page of HTML that animates the lines between the links. `times`, (n,), s, must ascend; `trajectory`, (n, nq),
+    /// has the coordinates at each time.
+    fn animation(
+        &self,
+        times: &Bound<'_, PyAny>,
+        trajectory: &Bound<'_, PyAny>,
+    ) -> PyResult<String> {
+        let wrong = |message: &str| PyValueError::new_err(message.to_owned());
+        let nq = self.model().nq();
+        let trajectory = Given::read("animation", "trajectory", &[nq], trajectory)?;
+        let times = Given::read("animation", "times", &[], times)?;
+        if times.states != trajectory.states || !times.as_slice().is_sorted() {
+            return Err(wrong("there must be as many times as states, in ascending order"));
+        }
+        let skeleton = Skeleton::new(self.model());
+        let states = times.as_slice().iter().copied().zip(trajectory.as_slice().chunks(nq.max(1)));
+        let frames = skeleton.frames(self.model(), states);
+        let frames = frames.map_err(|error| wrong(&error.to_string()))?;
+        Ok(viewer::page(self.model().name(), &skeleton.edges, &frames))
+    }
+
+    /// Returns the kinematic modules and the sparsity of the mass matrix and of its factors as a picture for notebooks; `None`
+    /// for a robot that is too large to draw.
+    fn _repr_html_(&self) -> Option<String> {
+        let sparsity = Sparsity::of(self.model(), self.modules()).ok()?;
+        Some(draw(self.model(), self.modules(), &sparsity))
+    }
+}

@@ -1,0 +1,560 @@
+//! The class `Robot`: a description with its functions, each compiled at its first use.
+
+use std::collections::HashMap;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use modyn_codegen::diagnostics::suggest;
+use modyn_codegen::{Builder, Bundle, Function};
+use modyn_runtime::model::{Link, Model, ModuleTree};
+use modyn_runtime::{ConstraintSettings, ContactTarget, Inertial, Interpreter};
+use numpy::PyArray1;
+use pyo3::exceptions::{PyAttributeError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString, PyTuple};
+
+use crate::arrays::Given;
+use crate::change::Change;
+use crate::errors::{description_error, warn_of_description, warn_of_machine_code};
+use crate::function::RobotFunction;
+use crate::options;
+
+/// A robot: a description (URDF or MJCF) whose functions are compiled to machine code, each at its first use.
+///
+/// `load` and `loads` make robots. Arguments and results are in SI units and radians, and joint vectors have the order of
+/// `coordinate_names` and `velocity_names`. Each argument has one state, or n states as n rows; the result then has n
+/// rows, too. `out` is an array (for several results: an earlier result) that the call writes and returns.
+#[pyclass(frozen, module = "modyn", weakref)]
+pub struct Robot {
+    builder: Builder,
+    model: Model,
+    modules: ModuleTree,
+    /// The index of each link of the description.
+    links: HashMap<String, usize>,
+    /// The text, the file's name and the keyword arguments, for pickles.
+    source: (String, String, Py<PyDict>),
+    machine_code: bool,
+    functions: Vec<OnceLock<RobotFunction>>,
+    bundles: Vec<(String, Bundle, OnceLock<RobotFunction>)>,
+    changes: Mutex<Vec<Change>>,
+}
+
+impl Robot {
+    /// Reads a description.
+    ///
+    /// # Errors
+    ///
+    /// `DescriptionError` with all errors of the description; `TypeError` and `ValueError` for options.
+    pub fn read(
+        py: Python<'_>,
+        text: String,
+        file: String,
+        arguments: &Bound<'_, PyDict>,
+    ) -> PyResult<Self> {
+        let keywords = arguments.copy()?;
+        let machine_code = match keywords.get_item("machine_code")? {
+            Some(wanted) => wanted.extract()?,
+            None => true,
+        };
+        for own in ["machine_code", "bundles"] {
+            if keywords.contains(own)? {
+                keywords.del_item(own)?;
+            }
+        }
+        // A type's name has no meaning here, and no warning about it is due.
+        let builder = Builder::new().text(&*text, &*file).type_name("Robot");
+        let builder = options::apply(builder, &keywords)?.functions([]);
+        let bundles = match arguments.get_item("bundles")? {
+            Some(wanted) if !wanted.is_none() => options::bundles(&wanted)?,
+            _ => Vec::new(),
+        };
+        let whole = builder.clone().bundles(bundles.iter().cloned());
+        let planning = whole.plan().map_err(|errors| description_error(py, &errors))?;
+        let modules = options::modules(arguments, &planning.model)?;
+        warn_of_description(py, &planning.warnings)?;
+        let names = planning.plan.functions.iter().map(|planned| planned.name.to_owned());
+        let bundles = names.zip(bundles).map(|(name, bundle)| (name, bundle, OnceLock::new()));
+        let model = planning.model;
+        let links = model.frames().iter().enumerate();
+        Ok(Self {
+            links: links.map(|(i, frame)| (frame.name.clone(), i)).collect(),
+            builder,
+            source: (text, file, arguments.copy()?.unbind()),
+            machine_code,
+            functions: Function::ALL.iter().map(|_| OnceLock::new()).collect(),
+            bundles: bundles.collect(),
+            changes: Mutex::default(),
+            modules,
+            model,
+        })
+    }
+
+    /// Calls the function with this index in the table.
+    ///
+    /// # Errors
+    ///
+    /// If the robot does not have the function, or an argument does not fit.
+    pub fn call<'py>(
+        &self,
+        py: Python<'py>,
+        function: usize,
+        arguments: &[Option<&Bound<'py, PyAny>>],
+        link: Option<&Bound<'py, PyAny>>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let function = self.function(py, function)?;
+        let link = link.map(|link| self.link(link)).transpose()?;
+        let given = function
+            .arguments
+            .iter()
+            .zip(arguments)
+            .map(|((name, shape), argument)| self.given(function.name, name, shape, *argument));
+        let given = given.collect::<PyResult<Vec<_>>>()?;
+        function.call(py, link, &given, out)
+    }
+
+    fn given<'py>(
+        &self,
+        function: &str,
+        name: &str,
+        shape: &[usize],
+        argument: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Given<'py>> {
+        match argument {
+            Some(argument) if !argument.is_none() => Given::read(function, name, shape, argument),
+            _ if name == "contacts" => Ok(Given::owned(vec![1.0; self.model.contacts().len()])),
+            _ if name == "settings" => Ok(Given::owned(self.settings())),
+            _ => Err(PyTypeError::new_err(format!("`{function}` needs the argument `{name}`"))),
+        }
+    }
+
+    /// Returns the default settings of constraints as numbers in the order of `ConstraintSettings`.
+    fn settings(&self) -> Vec<f64> {
+        let ConstraintSettings { alpha, beta, tolerance, rounding, contacts: [] } =
+            ConstraintSettings::<f64>::DEFAULT;
+        let target = ContactTarget::<f64>::GROUND;
+        let contact = [
+            target.pose.rotation.as_flattened(),
+            &target.pose.translation,
+            &target.velocity.angular.0,
+            &target.velocity.linear.0,
+            &[target.tangential, target.alpha, target.beta],
+            &[target.compliance, target.restitution, target.weight],
+        ];
+        let contacts = contact.concat().repeat(self.model.contacts().len());
+        [vec![alpha, beta, tolerance, rounding], contacts].concat()
+    }
+
+    /// Returns the index of a link, given by its name or index.
+    fn link(&self, link: &Bound<'_, PyAny>) -> PyResult<usize> {
+        if let Ok(name) = link.cast::<PyString>() {
+            let name = name.to_str()?;
+            return self.links.get(name).copied().ok_or_else(|| {
+                let names = self.model.frames().iter().map(|frame| frame.name.as_str());
+                let help = match suggest(name, names) {
+                    Some(meant) => format!("did you mean `{meant}`?"),
+                    None => "`link_names` has all links".into(),
+                };
+                PyValueError::new_err(format!("there is no link `{name}`; {help}"))
+            });
+        }
+        let index: usize = link.extract().map_err(|_| {
+            PyTypeError::new_err("`link` must be the name of a link or its index in `link_names`")
+        })?;
+        let count = self.model.frames().len();
+        if index < count {
+            return Ok(index);
+        }
+        Err(PyValueError::new_err(format!("there is no link {index}; the robot has {count} links")))
+    }
+
+    /// Returns a function of the table, which is compiled if this is its first use.
+    fn function(&self, py: Python<'_>, index: usize) -> PyResult<&RobotFunction> {
+        let slot = &self.functions[index];
+        if let Some(function) = slot.get() {
+            return Ok(function);
+        }
+        let function = Function::ALL[index];
+        if !function.fits(self.model.constraints(), self.model.contacts().len()) {
+            let (name, others) = (
+                function.name(),
+                match function.is_of_constraints() && self.model.constraints() == 0 {
+                    true => {
+                        "robots with closed loops or contacts (the options `loops` and `contacts`)"
+                    }
+                    false => "robots without closed loops",
+                },
+            );
+            return Err(PyValueError::new_err(format!("only {others} have the function `{name}`")));
+        }
+        self.compiled(py, self.builder.clone().functions([function]), slot)
+    }
+
+    /// Compiles the function of a builder. Python's lock is held, so that no process is forked meanwhile.
+    fn compiled<'s>(
+        &self,
+        py: Python<'_>,
+        builder: Builder,
+        slot: &'s OnceLock<RobotFunction>,
+    ) -> PyResult<&'s RobotFunction> {
+        let planning = builder.plan().map_err(|errors| description_error(py, &errors))?;
+        let (function, reason) = RobotFunction::new(planning, self.machine_code)
+            .ok_or_else(|| PyValueError::new_err("the robot does not have this function"))?;
+        for change in &*self.changes.lock().unwrap_or_else(PoisonError::into_inner) {
+            function.apply(change, &self.model).map_err(PyValueError::new_err)?;
+        }
+        if let Some(reason) = reason {
+            let message = format!("functions are evaluated, which is slow: {reason}");
+            warn_of_machine_code(py, &message)?;
+        }
+        Ok(slot.get_or_init(|| function))
+    }
+
+    /// Applies a change of the run-time parameters to all functions.
+    fn change(&self, py: Python<'_>, change: Change) -> PyResult<()> {
+        // The interpreter refuses inertias that no rigid body has, also where no function has machine code.
+        let mut interpreter = self.interpreter()?;
+        let checked = match &change {
+            Change::Gravity(gravity) if gravity.iter().all(|x| x.is_finite()) => Ok(()),
+            Change::Gravity(_) => Err("gravity has three finite components, m/s^2".into()),
+            Change::Inertia(link, inertial) => {
+                self.model.frame_index(link).map_or(Ok(()), |frame| {
+                    interpreter.set_inertial(frame, inertial).map_err(|error| error.to_string())
+                })
+            }
+            Change::Payload(link, inertial) => {
+                self.model.frame_index(link).map_or(Ok(()), |frame| {
+                    interpreter.set_payload(frame, inertial).map_err(|error| error.to_string())
+                })
+            }
+        };
+        checked.map_err(PyValueError::new_err)?;
+        // A function that depends on all parameters refuses those that the robot does not have.
+        let first =
+            Function::ALL.iter().position(|&function| function == Function::InverseDynamics);
+        self.function(py, first.unwrap_or_default())?
+            .apply(&change, &self.model)
+            .map_err(PyValueError::new_err)?;
+        let bundles = self.bundles.iter().map(|(_, _, slot)| slot);
+        for function in self.functions.iter().chain(bundles).filter_map(OnceLock::get) {
+            function.apply(&change, &self.model).map_err(PyValueError::new_err)?;
+        }
+        self.changes.lock().unwrap_or_else(PoisonError::into_inner).push(change);
+        Ok(())
+    }
+
+    /// Returns the interpreter of the robot with its present parameters.
+    pub fn interpreter(&self) -> PyResult<Interpreter<f64>> {
+        let wrong = |error: &dyn std::fmt::Display| PyValueError::new_err(error.to_string());
+        let frame = |link: &str| self.model.frame_index(link).unwrap_or(usize::MAX);
+        let modules = self.modules.clone();
+        let interpreter = Interpreter::with_modules(self.model.clone(), modules);
+        let mut interpreter = interpreter.map_err(|error| wrong(&error))?;
+        for change in &*self.changes.lock().unwrap_or_else(PoisonError::into_inner) {
+            match change {
+                Change::Gravity(gravity) => interpreter.set_gravity(*gravity),
+                Change::Inertia(link, inertial) => {
+                    interpreter
+                        .set_inertial(frame(link), inertial)
+                        .map_err(|error| wrong(&error))?;
+                }
+                Change::Payload(link, inertial) => {
+                    interpreter
+                        .set_payload(frame(link), inertial)
+                        .map_err(|error| wrong(&error))?;
+                }
+            }
+        }
+        Ok(interpreter)
+    }
+
+    /// Returns the robot.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Returns the kinematic modules.
+    pub fn modules(&self) -> &ModuleTree {
+        &self.modules
+    }
+
+    /// Returns the numbers of the joints that have coordinates of their own, one for each entry.
+    fn entries(&self, count: fn(&Link) -> usize, number: impl Fn(usize, &Link) -> f64) -> Vec<f64> {
+        let links = self.model.links().iter().enumerate();
+        let own = links.filter(|(_, link)| link.joint.mimic.is_none());
+        own.flat_map(|(i, link)| vec![number(i, link); count(link)]).collect()
+    }
+}
+
+/// Returns the argument `name` of `function` as a vector.
+fn vector<const N: usize>(
+    function: &str,
+    name: &str,
+    object: &Bound<'_, PyAny>,
+) -> PyResult<[f64; N]> {
+    let given = Given::read(function, name, &[N], object)?;
+    let one = || PyValueError::new_err(format!("`{name}` of `{function}` is one vector"));
+    given.as_slice().try_into().map_err(|_| one())
+}
+
+#[pymethods]
+impl Robot {
+    /// The robot's name in its description.
+    #[getter]
+    fn name(&self) -> &str {
+        self.model.name()
+    }
+
+    /// The length of the coordinate vector `q`.
+    #[getter]
+    fn nq(&self) -> usize {
+        self.model.nq()
+    }
+
+    /// The length of the velocity vector `qd`: the number of degrees of freedom.
+    #[getter]
+    fn nv(&self) -> usize {
+        self.model.nv()
+    }
+
+    /// The names of the moving joints, depth first, including mimic joints.
+    #[getter]
+    fn joint_names(&self) -> Vec<&str> {
+        self.model.links().iter().map(|link| link.joint.name.as_str()).collect()
+    }
+
+    /// The names of all links of the description, in its order.
+    #[getter]
+    fn link_names(&self) -> Vec<&str> {
+        self.model.frames().iter().map(|frame| frame.name.as_str()).collect()
+    }
+
+    /// The name of each entry of `q`: the joint's name, and the component for joints with several coordinates.
+    #[getter]
+    fn coordinate_names(&self) -> Vec<String> {
+        self.model.coordinate_names()
+    }
+
+    /// The name of each entry of `qd`.
+    #[getter]
+    fn velocity_names(&self) -> Vec<String> {
+        self.model.velocity_names()
+    }
+
+    /// The names of the joints that close loops, in the description's order.
+    #[getter]
+    fn loop_constraint_names(&self) -> Vec<&str> {
+        self.model.loop_constraints().iter().map(|constraint| constraint.name.as_str()).collect()
+    }
+
+    /// The names of the contacts, in the order of the option.
+    #[getter]
+    fn contact_names(&self) -> Vec<&str> {
+        self.model.contacts().iter().map(|contact| contact.name.as_str()).collect()
+    }
+
+    /// The acceleration of free fall in the description, in world axes, (3,), m/s^2.
+    #[getter]
+    fn gravity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.model.gravity())
+    }
+
+    /// The joint limits, infinite without a limit: `lower` and `upper` (nq,), rad or m; `velocity` (nv,), rad/s or m/s;
+    /// `effort` (nv,), N m or N.
+    #[getter]
+    fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let nq = |link: &Link| link.joint.joint_type.nq();
+        let nv = |link: &Link| link.joint.joint_type.nv();
+        let limits = |link: &Link| link.joint.limits;
+        let all = [
+            self.entries(nq, |i, _| self.model.coordinate_range(i)[0]),
+            self.entries(nq, |i, _| self.model.coordinate_range(i)[1]),
+            self.entries(nv, |_, link| {
+                limits(link).and_then(|l| l.velocity).unwrap_or(f64::INFINITY)
+            }),
+            self.entries(nv, |_, link| {
+                limits(link).and_then(|l| l.effort).unwrap_or(f64::INFINITY)
+            }),
+        ];
+        let all = all.map(|numbers| PyArray1::from_vec(py, numbers));
+        py.import("modyn._types")?.getattr("JointLimits")?.call1(PyTuple::new(py, all)?)
+    }
+
+    /// The joints with coordinates of their own: the name, the type and the entries of `q` and `qd` of each.
+    #[getter]
+    fn joints<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let class = py.import("modyn._types")?.getattr("Joint")?;
+        // Without a step, as `slice(start, end)` has it.
+        let slice = py.import("builtins")?.getattr("slice")?;
+        let links = self.model.links().iter().enumerate();
+        let own = links.filter(|(_, link)| link.joint.mimic.is_none());
+        own.map(|(i, link)| {
+            let kind = link.joint.joint_type.name();
+            let (q, v) = (self.model.q_range(i), self.model.v_range(i));
+            let (q, v) = (slice.call1((q.start, q.end))?, slice.call1((v.start, v.end))?);
+            class.call1((link.joint.name.as_str(), kind, q, v))
+        })
+        .collect()
+    }
+
+    /// The inertial parameters of the moving links, ten for each link, as in `regressor`.
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let links = 0..self.model.links().len();
+        let parameters = links.filter_map(|link| self.model.inertial_parameters(link)).flatten();
+        PyArray1::from_iter(py, parameters)
+    }
+
+    /// The names of the bundles, each of which is a method.
+    #[getter]
+    fn bundle_names(&self) -> Vec<&str> {
+        self.bundles.iter().map(|(name, ..)| name.as_str()).collect()
+    }
+
+    /// Returns the neutral coordinates, (nq,): zero for every joint, the identity for quaternions.
+    fn neutral<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let mut q = vec![0.0; self.model.nq()];
+        let interpreter = Interpreter::<f64>::new(self.model.clone());
+        interpreter.neutral(&mut q).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        Ok(PyArray1::from_vec(py, q))
+    }
+
+    /// Checks that the quaternions of spherical and floating joints in `q`, (nq,), have length 1; `ValueError` names the
+    /// first joint whose quaternion does not.
+    fn check_configuration(&self, q: &Bound<'_, PyAny>) -> PyResult<()> {
+        let q = Given::read("check_configuration", "q", &[self.model.nq()], q)?;
+        let interpreter = Interpreter::<f64>::new(self.model.clone());
+        let checked = interpreter.check_configuration(q.as_slice());
+        checked.map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// Sets gravity, the acceleration of free fall in world axes, (3,), m/s^2. Needs the option `runtime_gravity`.
+    fn set_gravity(&self, py: Python<'_>, gravity: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.change(py, Change::Gravity(vector("set_gravity", "gravity", gravity)?))
+    }
+
+    /// Sets the inertia of a link, in its own frame, in place of the description's: the mass, kg; the centre of mass (3,), m;
+    /// ixx, ixy, ixz, iyy, iyz, izz about the centre of mass, (6,), kg m^2. Needs the option `runtime_inertia`.
+    fn set_inertia(
+        &self,
+        py: Python<'_>,
+        link: String,
+        mass: f64,
+        center_of_mass: &Bound<'_, PyAny>,
+        inertia: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let center_of_mass = vector("set_inertia", "center_of_mass", center_of_mass)?;
+        let inertia = vector("set_inertia", "inertia", inertia)?;
+        self.change(py, Change::Inertia(link, Inertial { mass, center_of_mass, inertia }))
+    }
+
+    /// Sets the payload of a link, in the link's frame: an inertia that is added to the link's, with the units of
+    /// `set_inertia`. The default is a point mass at the link's origin. Needs the option `payload`.
+    #[pyo3(signature = (link, mass, center_of_mass=None, inertia=None))]
+    fn set_payload(
+        &self,
+        py: Python<'_>,
+        link: String,
+        mass: f64,
+        center_of_mass: Option<&Bound<'_, PyAny>>,
+        inertia: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let center_of_mass = center_of_mass
+            .map_or(Ok([0.0; 3]), |center| vector("set_payload", "center_of_mass", center))?;
+        let inertia =
+            inertia.map_or(Ok([0.0; 6]), |inertia| vector("set_payload", "inertia", inertia))?;
+        self.change(py, Change::Payload(link, Inertial { mass, center_of_mass, inertia }))
+    }
+
+    /// Calls a bundle by its name, with the arguments of all its functions by position or name.
+    #[pyo3(signature = (name, *arguments, out=None, **named))]
+    fn bundle<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        arguments: &Bound<'py, PyTuple>,
+        out: Option<&Bound<'py, PyAny>>,
+        named: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let Some((_, bundle, slot)) = self.bundles.iter().find(|(own, ..)| own == name) else {
+            let names = self.bundle_names().join(", ");
+            let message = format!("there is no bundle `{name}`; there are: {names}");
+            return Err(PyValueError::new_err(message));
+        };
+        let function = match slot.get() {
+            Some(function) => function,
+            None => self.compiled(py, self.builder.clone().bundles([bundle.clone()]), slot)?,
+        };
+        let count = function.arguments.len();
+        if arguments.len() > count {
+            let message =
+                format!("`{name}` takes {count} arguments, and {} were given", arguments.len());
+            return Err(PyTypeError::new_err(message));
+        }
+        let mut given = Vec::with_capacity(count);
+        let mut used = 0;
+        for (i, (own, shape)) in function.arguments.iter().enumerate() {
+            let by_name = named.map(|named| named.get_item(own)).transpose()?.flatten();
+            used += usize::from(by_name.is_some());
+            let argument = match (arguments.get_item(i).ok(), by_name) {
+                (Some(_), Some(_)) => {
+                    let message = format!("`{name}` has the argument `{own}` twice");
+                    return Err(PyTypeError::new_err(message));
+                }
+                (by_place, by_name) => by_place.or(by_name),
+            };
+            given.push(self.given(function.name, own, shape, argument.as_ref())?);
+        }
+        if let Some(named) = named.filter(|named| named.len() > used) {
+            let names: Vec<&str> = function.arguments.iter().map(|(name, _)| *name).collect();
+            let message = format!("`{name}` takes {}, not {}", names.join(", "), named.keys());
+            return Err(PyTypeError::new_err(message));
+        }
+        function.call(py, None, &given, out)
+    }
+
+    /// Returns a bundle as a callable.
+    fn __getattr__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        if slf.get().bundles.iter().any(|(own, ..)| own == name) {
+            let partial = slf.py().import("functools")?.getattr("partial")?;
+            return partial.call1((slf.getattr("bundle")?, name));
+        }
+        let class = slf.get_type();
+        let names: Vec<String> = class.dir()?.extract()?;
+        let help = match suggest(name, names.iter().map(String::as_str)) {
+            Some(meant) => format!("; did you mean `{meant}`?"),
+            None => String::new(),
+        };
+        Err(PyAttributeError::new_err(format!("`Robot` has no attribute `{name}`{help}")))
+    }
+
+    /// Returns the names of attributes, those of bundles included.
+    fn __dir__(slf: &Bound<'_, Self>) -> PyResult<Vec<String>> {
+        let mut names: Vec<String> = slf.get_type().dir()?.extract()?;
+        names.extend(slf.get().bundles.iter().map(|(name, ..)| name.clone()));
+        Ok(names)
+    }
+
+    fn __repr__(&self) -> String {
+        let (name, nq, nv) = (self.model.name(), self.model.nq(), self.model.nv());
+        format!("<modyn.Robot '{name}', nq = {nq}, nv = {nv}>")
+    }
+
+    /// Pickles the description with the options and the present parameters; machine code is made again.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let (py, robot) = (slf.py(), slf.get());
+        let (text, file, options) = &robot.source;
+        let changes = robot.changes.lock().unwrap_or_else(PoisonError::into_inner);
+        let changes = changes.iter().map(|change| match change {
+            Change::Gravity(gravity) => ("set_gravity", (*gravity,)).into_pyobject(py),
+            Change::Inertia(link, Inertial { mass, center_of_mass, inertia }) => {
+                ("set_inertia", (link, *mass, *center_of_mass, *inertia)).into_pyobject(py)
+            }
+            Change::Payload(link, Inertial { mass, center_of_mass, inertia }) => {
+                ("set_payload", (link, *mass, *center_of_mass, *inertia)).into_pyobject(py)
+            }
+        });
+        let changes = changes.collect::<PyResult<Vec<_>>>()?;
+        let restore = py.import("modyn")?.getattr("_restore")?;
+        (restore, (text, file, options, changes)).into_pyobject(py)
+    }
+}

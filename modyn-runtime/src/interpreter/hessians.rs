@@ -1,0 +1,154 @@
+//! Contracted Hessians: the first derivatives on numbers with a derivative, once along each displacement of q and qd.
+//! Generated functions differentiate graphs instead, and need far fewer operations.
+
+use alloc::{vec, vec::Vec};
+
+use super::errors::{ShapeError, check};
+use super::{ForwardDerivatives, Interpreter};
+use crate::Scalar;
+use crate::equations::Workspace;
+use crate::equations::brge::UduLayout;
+use crate::equations::derivatives;
+use crate::equations::dynamics::mass_matrix;
+use crate::equations::kinematics::coordinates::velocity_to_qdot;
+use crate::mechanism::Mechanism;
+use crate::model::ModuleTree;
+use crate::scalar::Tangent;
+
+/// The results of [`Interpreter::inverse_dynamics_hessian`] and [`Interpreter::forward_dynamics_hessian`]. The third
+/// variable is qdd of inverse dynamics, tau of forward dynamics.
+#[derive(Debug)]
+pub struct HessianOutputs<'a, S> {
+    /// The joint forces tau of inverse dynamics, or the accelerations qdd of forward dynamics: nv entries.
+    pub value: &'a mut [S],
+    /// The gradients with respect to q (in the tangent space), qd and the third variable: nv entries each.
+    pub gradients: [&'a mut [S]; 3],
+    /// The second derivatives with respect to q and q, q and qd, qd and qd, q and the third variable: nv x nv matrices by
+    /// columns. The second of the two variables has the columns.
+    pub hessian: [&'a mut [S]; 4],
+}
+
+/// The derivatives of a function with respect to q, qd and the third variable, nv x nv matrices by columns.
+type Matrices<S> = [Vec<Tangent<S>>; 3];
+
+impl<S: Scalar> Interpreter<S> {
+    /// Computes the joint forces tau of the accelerations `qdd`, and the gradients and the Hessian of `cotangent`^T tau
+    /// with respect to q (in the tangent space), qd and qdd. The blocks of qd and qdd, and of qdd and qdd, are zero.
+    ///
+    /// The second derivatives with respect to q are those along [`integrate`](Self::integrate), and symmetric. Takes more
+    /// than 2 nv times as long as the first derivatives, and allocates memory at each call.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn inverse_dynamics_hessian(
+        &mut self,
+        (q, qd, qdd): (&[S], &[S], &[S]),
+        cotangent: &[S],
+        outputs: HessianOutputs<'_, S>,
+    ) -> Result<(), ShapeError> {
+        let HessianOutputs { value, gradients, hessian } = outputs;
+        self.check_hessian(&hessian)?;
+        self.inverse_dynamics_vjp((q, qd, qdd), cotangent, value, gradients)?;
+        let derive =
+            |model: &Mechanism<_>, (q, qd, qdd): (&[_], &[_], &[_]), by: &mut Matrices<S>| {
+                let [dq, dqd, dqdd] = by;
+                let workspace = &mut Workspace::new(model);
+                derivatives::inverse_dynamics_derivatives(model, (q, qd, qdd), workspace, dq, dqd);
+                mass_matrix(model, q, workspace, dqdd);
+            };
+        self.differentiate((q, qd, qdd), cotangent, derive, hessian);
+        Ok(())
+    }
+
+    /// Computes the accelerations qdd under the joint forces `tau`, and the gradients and the Hessian of `cotangent`^T qdd
+    /// with respect to q (in the tangent space), qd and tau. The blocks of qd and tau, and of tau and tau, are zero.
+    ///
+    /// The second derivatives with respect to q are those along [`integrate`](Self::integrate), and symmetric. Takes more
+    /// than 2 nv times as long as the first derivatives, and allocates memory at each call.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn forward_dynamics_hessian(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        cotangent: &[S],
+        outputs: HessianOutputs<'_, S>,
+    ) -> Result<(), ShapeError> {
+        let HessianOutputs { value, gradients, hessian } = outputs;
+        self.check_hessian(&hessian)?;
+        self.forward_dynamics_vjp((q, qd, tau), cotangent, value, gradients)?;
+        let layout = UduLayout::new(&self.mechanism, &ModuleTree::links(&self.model));
+        let derive = |model: &Mechanism<_>, state: (&[_], &[_], &[_]), by: &mut Matrices<S>| {
+            let [dqdd_dq, dqdd_dqd, dqdd_dtau] = by;
+            let qdd = &mut vec![Tangent::zero(); model.nv];
+            let outputs = ForwardDerivatives { qdd, dqdd_dq, dqdd_dqd, dqdd_dtau };
+            let workspace = &mut Workspace::new(model);
+            derivatives::forward_dynamics_derivatives(model, &layout, state, workspace, outputs);
+        };
+        self.differentiate((q, qd, tau), cotangent, derive, hessian);
+        Ok(())
+    }
+
+    /// Differentiates the weighted derivatives of a function along each displacement of q and qd.
+    fn differentiate(
+        &self,
+        (q, qd, last): (&[S], &[S], &[S]),
+        weights: &[S],
+        derive: impl Fn(
+            &Mechanism<Tangent<S>>,
+            (&[Tangent<S>], &[Tangent<S>], &[Tangent<S>]),
+            &mut Matrices<S>,
+        ),
+        [dq_dq, dq_dqd, dqd_dqd, dq_dlast]: [&mut [S]; 4],
+    ) {
+        let n = self.model.nv();
+        let model = self.mechanism.map(Tangent::constant);
+        let mut by: Matrices<S> = core::array::from_fn(|_| vec![Tangent::zero(); n * n]);
+        let constant =
+            |x: &[S]| -> Vec<Tangent<S>> { x.iter().map(|&x| Tangent::constant(x)).collect() };
+        let (still_q, still_qd, last) = (constant(q), constant(qd), constant(last));
+        let mut rates = vec![S::zero(); q.len()];
+        let mut unit = vec![S::zero(); n];
+        // The derivative of entry i of a weighted gradient.
+        let change = |columns: &[Tangent<S>], i: usize| {
+            let column = columns[i * n..][..n].iter().zip(weights);
+            column.fold(S::zero(), |sum, (entry, &weight)| sum + entry.dx * weight)
+        };
+        for j in 0..n {
+            unit.fill(S::zero());
+            unit[j] = S::one();
+            velocity_to_qdot(&self.mechanism, (q, &unit), &mut rates);
+            let moved: Vec<_> = q.iter().zip(&rates).map(|(&x, &dx)| Tangent { x, dx }).collect();
+            derive(&model, (&moved, &still_qd, &last), &mut by);
+            let [by_q, by_qd, by_last] = &by;
+            for i in 0..n {
+                dq_dq[j * n + i] = change(by_q, i);
+                dq_dqd[i * n + j] = change(by_qd, i);
+                dq_dlast[i * n + j] = change(by_last, i);
+            }
+            let faster: Vec<_> = qd.iter().zip(&unit).map(|(&x, &dx)| Tangent { x, dx }).collect();
+            derive(&model, (&still_q, &faster, &last), &mut by);
+            let [_, by_qd, _] = &by;
+            for i in 0..n {
+                dqd_dqd[j * n + i] = change(by_qd, i);
+            }
+        }
+        // Displacements of one rotation or pose do not commute: the second derivative along a displacement is the
+        // symmetric part.
+        let half = S::from_f64(0.5);
+        for j in 0..n {
+            for i in 0..j {
+                let mean = half * (dq_dq[j * n + i] + dq_dq[i * n + j]);
+                (dq_dq[j * n + i], dq_dq[i * n + j]) = (mean, mean);
+            }
+        }
+    }
+
+    fn check_hessian(&self, [a, b, c, d]: &[&mut [S]; 4]) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        let blocks = [a, b, c, d];
+        blocks.iter().try_for_each(|block| check("hessian", block, n * n))
+    }
+}

@@ -1,3 +1,0 @@
-modyn::modyn!("negative-drive.urdf");
-
-fn main() {}

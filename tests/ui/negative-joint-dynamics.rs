@@ -1,0 +1,3 @@
+modyn::modyn!("negative-joint-dynamics.urdf");
+
+fn main() {}
