@@ -99,20 +99,20 @@ macro_rules! option_table {
                 "mimic" mimic(mimic: Mimic)
                     mimic: Mimic, field => *field = mimic,
                     "follow | independent | refuse", "`follow`", "independent";
-                /// Rotors of joints: the inertia (kg m^2) and the gear ratio of each, in place of what the description
-                /// says of the joint.
+                /// Rotors of joints: the inertia (kg m^2) and the gear ratio of each. They replace the joint's rotor of the
+                /// description.
                 "rotors" rotors(rotors: impl IntoIterator<Item = Rotor>)
                     rotors: Vec<Rotor>, field => field.extend(rotors),
                     "[\"joint\": (inertia, gear_ratio), ...]", "the description's", "[\"elbow\": (0.0001, 100)]";
                 /// Joints that close loops, besides the `<loop_joint>`s of the description: of type `spherical`, `fixed`,
-                /// `revolute`, `continuous` or `prismatic`, the last three with `axis = [x, y, z]` at the end. After each
-                /// origin may stand roll, pitch and yaw.
+                /// `revolute`, `continuous` or `prismatic`, the last three with `axis = [x, y, z]` at the end. Roll, pitch
+                /// and yaw, `[r, p, y]`, may follow each origin.
                 "loops" loops(loops: impl IntoIterator<Item = Loop>)
                     loops: Vec<Loop>, field => field.extend(loops),
                     "[\"name\": type(\"link\", [x, y, z], \"link\", [x, y, z]), ...]", "the description's", "[\"pin\": revolute(\"rod\", [0.5, 0, 0], \"crank\", [0.4, 0, 0], axis = [0, 1, 0])]";
                 /// Frames of links that can touch the world: of type `point`, which stops the motion of the frame's origin,
-                /// or `surface`, which stops rotations too. After the link may stand the frame's origin, then its roll,
-                /// pitch and yaw.
+                /// or `surface`, which stops rotations too. The frame's origin may follow the link, and its roll, pitch and
+                /// yaw may follow the origin.
                 "contacts" contacts(contacts: impl IntoIterator<Item = Contact>)
                     contacts: Vec<Contact>, field => field.extend(contacts),
                     "[\"name\": type(\"link\", [x, y, z]), ...]", "none", "[\"fingertip\": point(\"hand\", [0, 0, 0.2])]";

@@ -118,6 +118,10 @@ const MAIN: [Function; 7] = [
     Function::ForwardDynamicsDerivatives,
 ];
 
+/// The functions that are counted for floating robots, besides.
+const HESSIANS: [Function; 2] =
+    [Function::InverseDynamicsHessian, Function::ForwardDynamicsHessian];
+
 /// The operations of each robot and function, as the file has them.
 fn counted() -> String {
     let mut text = String::from(
@@ -129,7 +133,7 @@ fn counted() -> String {
             Base::Fixed => {
                 Function::ALL.iter().copied().filter(|f| !f.is_of_constraints()).collect()
             }
-            _ => MAIN.to_vec(),
+            _ => [&MAIN[..], &HESSIANS].concat(),
         };
         let path = root().join(format!("robots/{robot}.urdf"));
         let generated = Builder::new().urdf(path).base(base).functions(functions).generate();
@@ -488,6 +492,9 @@ fn rendered(name: &str) -> String {
             ],
             true,
         ),
+        "operations-of-hessians" => {
+            operations(&HESSIANS.map(|function| (function.name(), function.name())), false)
+        }
         "casadi" => beside_casadi(),
         "robots-in-short" => robots_in_short(),
         "tangents" => beside_tangents(),

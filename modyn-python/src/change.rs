@@ -1,6 +1,7 @@
 //! Changes of run-time parameters.
 
 use modyn_runtime::Inertial;
+use modyn_runtime::interpreter::Interpreter;
 
 /// A change of a robot's run-time parameters.
 #[derive(Clone, Debug)]
@@ -27,5 +28,29 @@ impl Change {
             }
         };
         format!("{subject}; load the robot with {option}")
+    }
+
+    /// Makes the change in an interpreter.
+    ///
+    /// # Errors
+    ///
+    /// If gravity is not finite, no rigid body has the inertia, or the robot has no such link.
+    pub fn set(&self, interpreter: &mut Interpreter<f64>) -> Result<(), String> {
+        let frame = |interpreter: &Interpreter<f64>, link: &str| {
+            interpreter.model().frame_index(link).ok_or_else(|| self.missing())
+        };
+        match self {
+            Self::Gravity(gravity) if gravity.iter().all(|x| x.is_finite()) => {
+                interpreter.set_gravity(*gravity);
+                Ok(())
+            }
+            Self::Gravity(_) => Err("gravity has three finite components, m/s^2".into()),
+            Self::Inertia(link, inertial) => interpreter
+                .set_inertial(frame(interpreter, link)?, inertial)
+                .map_err(|error| error.to_string()),
+            Self::Payload(link, inertial) => interpreter
+                .set_payload(frame(interpreter, link)?, inertial)
+                .map_err(|error| error.to_string()),
+        }
     }
 }

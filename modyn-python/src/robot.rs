@@ -212,22 +212,7 @@ impl Robot {
     /// Applies a change of the run-time parameters to all functions.
     fn change(&self, py: Python<'_>, change: Change) -> PyResult<()> {
         // The interpreter refuses inertias that no rigid body has, also where no function has machine code.
-        let mut interpreter = self.interpreter()?;
-        let checked = match &change {
-            Change::Gravity(gravity) if gravity.iter().all(|x| x.is_finite()) => Ok(()),
-            Change::Gravity(_) => Err("gravity has three finite components, m/s^2".into()),
-            Change::Inertia(link, inertial) => {
-                self.model.frame_index(link).map_or(Ok(()), |frame| {
-                    interpreter.set_inertial(frame, inertial).map_err(|error| error.to_string())
-                })
-            }
-            Change::Payload(link, inertial) => {
-                self.model.frame_index(link).map_or(Ok(()), |frame| {
-                    interpreter.set_payload(frame, inertial).map_err(|error| error.to_string())
-                })
-            }
-        };
-        checked.map_err(PyValueError::new_err)?;
+        change.set(&mut self.interpreter()?).map_err(PyValueError::new_err)?;
         // A function that depends on all parameters refuses those that the robot does not have.
         let first =
             Function::ALL.iter().position(|&function| function == Function::InverseDynamics);
@@ -244,25 +229,12 @@ impl Robot {
 
     /// Returns the interpreter of the robot with its present parameters.
     pub fn interpreter(&self) -> PyResult<Interpreter<f64>> {
-        let wrong = |error: &dyn std::fmt::Display| PyValueError::new_err(error.to_string());
-        let frame = |link: &str| self.model.frame_index(link).unwrap_or(usize::MAX);
         let modules = self.modules.clone();
         let interpreter = Interpreter::with_modules(self.model.clone(), modules);
-        let mut interpreter = interpreter.map_err(|error| wrong(&error))?;
+        let mut interpreter =
+            interpreter.map_err(|error| PyValueError::new_err(error.to_string()))?;
         for change in &*self.changes.lock().unwrap_or_else(PoisonError::into_inner) {
-            match change {
-                Change::Gravity(gravity) => interpreter.set_gravity(*gravity),
-                Change::Inertia(link, inertial) => {
-                    interpreter
-                        .set_inertial(frame(link), inertial)
-                        .map_err(|error| wrong(&error))?;
-                }
-                Change::Payload(link, inertial) => {
-                    interpreter
-                        .set_payload(frame(link), inertial)
-                        .map_err(|error| wrong(&error))?;
-                }
-            }
+            change.set(&mut interpreter).map_err(PyValueError::new_err)?;
         }
         Ok(interpreter)
     }

@@ -1,4 +1,6 @@
 //! Dual numbers: forward-mode differentiation, exact within rounding.
+//!
+//! The interpreter has dual numbers of its own. These are a witness that shares no code with them.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

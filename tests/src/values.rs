@@ -3,8 +3,8 @@
 use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 use modyn_runtime::spatial::{Momentum, Twist, Vector3, Wrench};
 use modyn_runtime::{
-    Array, Factorization, Forces, ForwardDerivatives, FrameError, HessianOutputs, Interpreter,
-    Robot, Scalar, StepOutputs, functions,
+    Array, Factorization, Forces, ForwardDerivatives, ForwardDynamicsHessian, FrameError,
+    HessianOutputs, Interpreter, InverseDynamicsHessian, Robot, Scalar, StepOutputs, functions,
 };
 
 use crate::quantities::{Quantities, numbers};
@@ -241,7 +241,10 @@ macro_rules! default_quantities {
 #[macro_export]
 macro_rules! other_quantities {
     ($robot:ident, $given:expr, $links:expr) => {{
-        use $crate::values::{columns, each, list, momentum, twist, vector};
+        use $crate::values::{
+            columns, each, forward_hessian_numbers, inverse_hessian_numbers, list, momentum, twist,
+            vector,
+        };
         let (given, links) = ($given, $links);
         let (q, qd, qdd, tau) = (&given.q, &given.qd, &given.qdd, &given.tau);
         let forces = &given.forces;
@@ -301,34 +304,8 @@ macro_rules! other_quantities {
             ("forward_vjp_dtau", list(&forward_vjp.dtau)),
             ("forward_jvp_qdd", list(&forward_jvp.qdd)),
             ("forward_jvp_dqdd", list(&forward_jvp.dqdd)),
-            (
-                "inverse_dynamics_hessian",
-                [
-                    list(&inverse_hessian.tau),
-                    list(&inverse_hessian.dq),
-                    list(&inverse_hessian.dqd),
-                    list(&inverse_hessian.dqdd),
-                    columns(&inverse_hessian.dq_dq),
-                    columns(&inverse_hessian.dq_dqd),
-                    columns(&inverse_hessian.dqd_dqd),
-                    columns(&inverse_hessian.dq_dqdd),
-                ]
-                .concat(),
-            ),
-            (
-                "forward_dynamics_hessian",
-                [
-                    list(&forward_hessian.qdd),
-                    list(&forward_hessian.dq),
-                    list(&forward_hessian.dqd),
-                    list(&forward_hessian.dtau),
-                    columns(&forward_hessian.dq_dq),
-                    columns(&forward_hessian.dq_dqd),
-                    columns(&forward_hessian.dqd_dqd),
-                    columns(&forward_hessian.dq_dtau),
-                ]
-                .concat(),
-            ),
+            ("inverse_dynamics_hessian", inverse_hessian_numbers(&inverse_hessian)),
+            ("forward_dynamics_hessian", forward_hessian_numbers(&forward_hessian)),
             ("semi_implicit_q", list(&semi_implicit.q)),
             ("semi_implicit_qd", list(&semi_implicit.qd)),
             ("linear_step_q", list(&linear_step.q)),
@@ -760,6 +737,26 @@ pub fn array<T: Scalar, A: Array<T>>(numbers: &[T]) -> A {
 #[must_use]
 pub fn columns<T: Scalar, V: Array<T>>(matrix: &impl Array<V>) -> Vec<T> {
     matrix.as_ref().iter().flat_map(|column| column.as_ref().to_vec()).collect()
+}
+
+/// Returns the numbers of a Hessian of inverse dynamics, in the order of its fields.
+#[must_use]
+pub fn inverse_hessian_numbers<T: Scalar, V: Array<T>, M: Array<V>>(
+    of: &InverseDynamicsHessian<V, M>,
+) -> Vec<T> {
+    let vectors = [&of.tau, &of.dq, &of.dqd, &of.dqdd].map(list);
+    let matrices = [&of.dq_dq, &of.dq_dqd, &of.dqd_dqd, &of.dq_dqdd].map(columns);
+    [vectors, matrices].concat().concat()
+}
+
+/// Returns the numbers of a Hessian of forward dynamics, in the order of its fields.
+#[must_use]
+pub fn forward_hessian_numbers<T: Scalar, V: Array<T>, M: Array<V>>(
+    of: &ForwardDynamicsHessian<V, M>,
+) -> Vec<T> {
+    let vectors = [&of.qdd, &of.dq, &of.dqd, &of.dtau].map(list);
+    let matrices = [&of.dq_dq, &of.dq_dqd, &of.dqd_dqd, &of.dq_dtau].map(columns);
+    [vectors, matrices].concat().concat()
 }
 
 /// Returns the numbers in double precision.

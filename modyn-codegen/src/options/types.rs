@@ -289,8 +289,8 @@ impl OptionValue for Rotor {
     }
 }
 
-/// `"name": type("link", [x, y, z], "link", [x, y, z], axis = [x, y, z])`; after each origin may stand roll, pitch and
-/// yaw.
+/// `"name": type("link", [x, y, z], "link", [x, y, z], axis = [x, y, z])`; roll, pitch and yaw may follow each
+/// origin.
 impl OptionValue for Loop {
     fn read(value: &Value) -> Result<Self, OptionError> {
         let expected = "expected `\"name\": type(\"link\", [x, y, z], \"link\", [x, y, z])`, and perhaps \

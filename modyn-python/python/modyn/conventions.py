@@ -9,6 +9,7 @@ state, or n states as rows.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,9 @@ from . import _modyn
 from ._modyn import Robot
 
 Array = NDArray[np.float64]
+# Numbers of states as rows, and the columns of each joint.
+_Part = tuple[Array, list[slice]]
+_Convert = Callable[..., Array]
 
 
 def _rows(name: str, numbers: ArrayLike, length: int) -> Array:
@@ -160,51 +164,21 @@ class MuJoCo:
 
     def to_qvel(self, q: ArrayLike, qd: ArrayLike) -> Array:
         """Returns MuJoCo's `qvel`, from modyn's coordinates and velocities, (nv,)."""
-        coordinates, rows = _rows("q", q, self._nq), _rows("qd", qd, self._nv)
-        theirs = np.zeros((len(rows), self._model_nv))
-        for kind, at, _, own, their in self._joints:
-            block = _block(rows, own)
-            if kind == "floating":
-                block = _modyn.mujoco_to_qvel(_block(coordinates, at), block)
-            theirs[:, their] = block
-        return _like(theirs, qd)
+        return self._to_theirs(_modyn.mujoco_to_qvel, [self._coordinates(q)], "qd", qd)
 
     def from_qvel(self, q: ArrayLike, qvel: ArrayLike) -> Array:
         """Returns modyn's velocities, (nv,), from modyn's coordinates and MuJoCo's `qvel`."""
-        coordinates, rows = _rows("q", q, self._nq), _rows("qvel", qvel, self._model_nv)
-        velocities = np.zeros((len(rows), self._nv))
-        for kind, at, _, own, their in self._joints:
-            block = _block(rows, their)
-            if kind == "floating":
-                block = _modyn.mujoco_from_qvel(_block(coordinates, at), block)
-            velocities[:, own] = block
-        return _like(velocities, qvel)
+        return self._from_theirs(_modyn.mujoco_from_qvel, [self._coordinates(q)], "qvel", qvel)
 
     def to_qacc(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> Array:
         """Returns MuJoCo's `qacc`, from modyn's coordinates, velocities and accelerations, (nv,)."""
-        coordinates, velocities = _rows("q", q, self._nq), _rows("qd", qd, self._nv)
-        rows = _rows("qdd", qdd, self._nv)
-        theirs = np.zeros((len(rows), self._model_nv))
-        for kind, at, _, own, their in self._joints:
-            block = _block(rows, own)
-            if kind == "floating":
-                state = _block(coordinates, at), _block(velocities, own)
-                block = _modyn.mujoco_to_qacc(*state, block)
-            theirs[:, their] = block
-        return _like(theirs, qdd)
+        state = [self._coordinates(q), self._velocities(qd)]
+        return self._to_theirs(_modyn.mujoco_to_qacc, state, "qdd", qdd)
 
     def from_qacc(self, q: ArrayLike, qd: ArrayLike, qacc: ArrayLike) -> Array:
         """Returns modyn's accelerations, (nv,), from modyn's coordinates and velocities and MuJoCo's `qacc`."""
-        coordinates, velocities = _rows("q", q, self._nq), _rows("qd", qd, self._nv)
-        rows = _rows("qacc", qacc, self._model_nv)
-        accelerations = np.zeros((len(rows), self._nv))
-        for kind, at, _, own, their in self._joints:
-            block = _block(rows, their)
-            if kind == "floating":
-                state = _block(coordinates, at), _block(velocities, own)
-                block = _modyn.mujoco_from_qacc(*state, block)
-            accelerations[:, own] = block
-        return _like(accelerations, qacc)
+        state = [self._coordinates(q), self._velocities(qd)]
+        return self._from_theirs(_modyn.mujoco_from_qacc, state, "qacc", qacc)
 
     def to_qfrc(self, q: ArrayLike, tau: ArrayLike) -> Array:
         """Returns MuJoCo's `qfrc_...`, from modyn's coordinates and joint forces, (nv,)."""
@@ -213,3 +187,35 @@ class MuJoCo:
     def from_qfrc(self, q: ArrayLike, qfrc: ArrayLike) -> Array:
         """Returns modyn's joint forces, (nv,), from modyn's coordinates and MuJoCo's `qfrc_...`."""
         return self.from_qvel(q, qfrc)
+
+    def _coordinates(self, q: ArrayLike) -> _Part:
+        """Returns the coordinates of states, and where each joint has its own."""
+        return _rows("q", q, self._nq), [joint[1] for joint in self._joints]
+
+    def _velocities(self, qd: ArrayLike) -> _Part:
+        """Returns the velocities of states, and where each joint has its own."""
+        return _rows("qd", qd, self._nv), [joint[3] for joint in self._joints]
+
+    def _to_theirs(self, convert: _Convert, state: list[_Part], name: str, numbers: ArrayLike) -> Array:
+        """Returns MuJoCo's velocities or accelerations; `convert` does those of a floating base, at the state."""
+        rows = _rows(name, numbers, self._nv)
+        places = [(joint[3], joint[4]) for joint in self._joints]
+        return _like(self._converted(convert, state, rows, places, self._model_nv), numbers)
+
+    def _from_theirs(self, convert: _Convert, state: list[_Part], name: str, numbers: ArrayLike) -> Array:
+        """Returns modyn's velocities or accelerations; `convert` does those of a floating base, at the state."""
+        rows = _rows(name, numbers, self._model_nv)
+        places = [(joint[4], joint[3]) for joint in self._joints]
+        return _like(self._converted(convert, state, rows, places, self._nv), numbers)
+
+    def _converted(
+        self, convert: _Convert, state: list[_Part], rows: Array, places: list[tuple[slice, slice]], length: int
+    ) -> Array:
+        """Returns rows of `length` numbers: each joint's block moves from its first place to its second one."""
+        moved = np.zeros((len(rows), length))
+        for i, (source, target) in enumerate(places):
+            block = _block(rows, source)
+            if self._joints[i][0] == "floating":
+                block = convert(*(_block(part, own[i]) for part, own in state), block)
+            moved[:, target] = block
+        return moved

@@ -14,7 +14,8 @@ use modyn_tests::compiled::Compiled;
 use modyn_tests::counting::{Counting, measure};
 use modyn_tests::random::{Random, state};
 use modyn_tests::values::{
-    Given, GivenTo, Inputs, Named, columns, each, interpreted, list, momentum, time_step, vector,
+    Given, GivenTo, Inputs, Named, columns, each, forward_hessian_numbers, interpreted,
+    inverse_hessian_numbers, list, momentum, time_step, vector,
 };
 
 #[global_allocator]
@@ -74,34 +75,8 @@ fn others<R: Robot + functions::All>(
         ("inverse_jvp_dtau", list(&inverse_jvp.dtau)),
         ("forward_vjp_dq", list(&forward_vjp.dq)),
         ("forward_jvp_dqdd", list(&forward_jvp.dqdd)),
-        (
-            "inverse_dynamics_hessian",
-            [
-                list(&inverse_hessian.tau),
-                list(&inverse_hessian.dq),
-                list(&inverse_hessian.dqd),
-                list(&inverse_hessian.dqdd),
-                columns(&inverse_hessian.dq_dq),
-                columns(&inverse_hessian.dq_dqd),
-                columns(&inverse_hessian.dqd_dqd),
-                columns(&inverse_hessian.dq_dqdd),
-            ]
-            .concat(),
-        ),
-        (
-            "forward_dynamics_hessian",
-            [
-                list(&forward_hessian.qdd),
-                list(&forward_hessian.dq),
-                list(&forward_hessian.dqd),
-                list(&forward_hessian.dtau),
-                columns(&forward_hessian.dq_dq),
-                columns(&forward_hessian.dq_dqd),
-                columns(&forward_hessian.dqd_dqd),
-                columns(&forward_hessian.dq_dtau),
-            ]
-            .concat(),
-        ),
+        ("inverse_dynamics_hessian", inverse_hessian_numbers(&inverse_hessian)),
+        ("forward_dynamics_hessian", forward_hessian_numbers(&forward_hessian)),
         ("semi_implicit_qd", list(&semi_implicit.qd)),
         ("linear_step_a", columns(&linear_step.a)),
         ("rk4_qd", list(&R::step_rk4_with(params, q, qd, tau, dt).qd)),
