@@ -221,8 +221,8 @@ impl Robot {
     }
 
     /// Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T tau with
-    /// respect to `q` (in tangent space), `qd` and `qdd`. The blocks of the Hessian are arrays of columns;
-    /// the blocks of `qd` and `qdd` and of `qdd` and `qdd` are zero.
+    /// respect to `q` (in tangent space), `qd` and `qdd`. The blocks of `qd` and `qdd` and of `qdd` and
+    /// `qdd` are zero.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,).
     /// Result: `InverseDynamicsHessian`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,), `dq_dq` (nv,
@@ -234,8 +234,8 @@ impl Robot {
     }
 
     /// Returns the accelerations qdd, and the gradients and the Hessian of `cotangent`^T qdd with respect
-    /// to `q` (in tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the
-    /// blocks of `qd` and `tau` and of `tau` and `tau` are zero.
+    /// to `q` (in tangent space), `qd` and `tau`. The blocks of `qd` and `tau` and of `tau` and `tau` are
+    /// zero.
     ///
     /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,).
     /// Result: `ForwardDynamicsHessian`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv,

@@ -25,16 +25,16 @@ class Options(TypedDict, total=False):
     """How joints that mimic another one are read: they follow it and have no coordinate of their own, have one, or
     are refused. By default follow."""
     rotors: Mapping[str, Any] | str | None
-    """Rotors of joints: the inertia (kg m^2) and the gear ratio of each, in place of what the description says of
-    the joint. By default the description's."""
+    """Rotors of joints: the inertia (kg m^2) and the gear ratio of each. They replace the joint's rotor of the
+    description. By default the description's."""
     loops: Mapping[str, Any] | str | None
     """Joints that close loops, besides the `<loop_joint>`s of the description: of type `spherical`, `fixed`,
-    `revolute`, `continuous` or `prismatic`, the last three with `axis = [x, y, z]` at the end. After each
-    origin may stand roll, pitch and yaw. By default the description's."""
+    `revolute`, `continuous` or `prismatic`, the last three with `axis = [x, y, z]` at the end. Roll, pitch and
+    yaw, `[r, p, y]`, may follow each origin. By default the description's."""
     contacts: Mapping[str, Any] | str | None
     """Frames of links that can touch the world: of type `point`, which stops the motion of the frame's origin, or
-    `surface`, which stops rotations too. After the link may stand the frame's origin, then its roll, pitch and
-    yaw. By default none."""
+    `surface`, which stops rotations too. The frame's origin may follow the link, and its roll, pitch and yaw
+    may follow the origin. By default none."""
     friction: str | None
     """The damping and friction of the description that act on the joints. By default none, with a warning if there
     are some."""
@@ -387,8 +387,8 @@ class Robot:
         self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, cotangent: ArrayLike, *, out: InverseDynamicsHessian | None = None
     ) -> InverseDynamicsHessian:
         """Returns the joint forces tau of `qdd`, and the gradients and the Hessian of `cotangent`^T tau with
-        respect to `q` (in tangent space), `qd` and `qdd`. The blocks of the Hessian are arrays of columns;
-        the blocks of `qd` and `qdd` and of `qdd` and `qdd` are zero.
+        respect to `q` (in tangent space), `qd` and `qdd`. The blocks of `qd` and `qdd` and of `qdd` and
+        `qdd` are zero.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `qdd`: (nv,); `cotangent`: (nv,).
         Result: `InverseDynamicsHessian`: `tau` (nv,), `dq` (nv,), `dqd` (nv,), `dqdd` (nv,), `dq_dq` (nv,
@@ -399,8 +399,8 @@ class Robot:
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, cotangent: ArrayLike, *, out: ForwardDynamicsHessian | None = None
     ) -> ForwardDynamicsHessian:
         """Returns the accelerations qdd, and the gradients and the Hessian of `cotangent`^T qdd with respect
-        to `q` (in tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the
-        blocks of `qd` and `tau` and of `tau` and `tau` are zero.
+        to `q` (in tangent space), `qd` and `tau`. The blocks of `qd` and `tau` and of `tau` and `tau` are
+        zero.
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `cotangent`: (nv,).
         Result: `ForwardDynamicsHessian`: `qdd` (nv,), `dq` (nv,), `dqd` (nv,), `dtau` (nv,), `dq_dq` (nv,
