@@ -272,10 +272,9 @@ fn ratio(ratio: f64) -> String {
     if ratio >= 9.95 { format!("{ratio:.0}") } else { format!("{ratio:.1}") }
 }
 
-/// Times by robot and program, the ratio to modyn's in brackets, then the fastest of a program's variants.
-fn speed() -> String {
-    const REFERENCE: &str = "modyn native";
-    let data = Data::load("speed");
+/// Times by robot and program, the ratio to the program `reference` in brackets, then the fastest of a program's variants.
+fn speed(file: &str, reference: &str) -> String {
+    let data = Data::load(file);
     let mut programs: Vec<&str> = Vec::new();
     let mut cases: Vec<[&str; 2]> = Vec::new();
     for row in &data.rows {
@@ -292,16 +291,16 @@ fn speed() -> String {
     let rows: Vec<Vec<String>> = cases
         .into_iter()
         .map(|[quantity, robot]| {
-            let reference = data.number(&[quantity, robot, REFERENCE], "ns");
+            let own = data.number(&[quantity, robot, reference], "ns");
             let cell = |program: &&str| {
                 let key = [quantity, robot, program];
                 let Some(ns) = data.find(&key, "ns") else { return String::new() };
                 let Ok(value) = ns.parse::<f64>() else { return ns.into() };
                 let variant = data.find(&key, "variant").unwrap_or_default();
-                let times = if *program == REFERENCE {
+                let times = if *program == reference {
                     String::new()
                 } else {
-                    format!(" ({}x)", ratio(value / reference))
+                    format!(" ({}x)", ratio(value / own))
                 };
                 format!("{ns}{times} {variant}").trim_end().into()
             };
@@ -466,7 +465,8 @@ fn quotient(place: &str) -> f64 {
 fn rendered(name: &str) -> String {
     let per_cent = |numbers: Vec<f64>| numbers.into_iter().map(|x| 100.0 * x).collect::<Vec<_>>();
     match name {
-        "speed" => speed(),
+        "speed" => speed(name, "modyn native"),
+        "speed-of-c" => speed(name, "modyn, limbs one by one"),
         "speed-in-short" => speed_in_short(),
         "interpreter" => interpreter(),
         "batched-ur5" => batched("ur5"),

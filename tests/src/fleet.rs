@@ -39,6 +39,8 @@ pub enum Division {
 pub enum Part {
     /// Small robots; `cargo test --workspace` compiles them.
     Small,
+    /// Small robots of many joint types with all functions; `cargo test --workspace` compiles them, too.
+    Joints,
     /// Large robots with legs.
     Legged,
     /// Random trees of 11 to 30 links.
@@ -49,13 +51,15 @@ pub enum Part {
 
 impl Part {
     /// All parts.
-    pub const ALL: [Self; 4] = [Self::Small, Self::Legged, Self::Trees, Self::Complete];
+    pub const ALL: [Self; 5] =
+        [Self::Small, Self::Joints, Self::Legged, Self::Trees, Self::Complete];
 
     /// Returns the name of the package.
     #[must_use]
     pub fn package(self) -> &'static str {
         match self {
             Self::Small => "modyn-fleet-small",
+            Self::Joints => "modyn-fleet-joints",
             Self::Legged => "modyn-fleet-legged",
             Self::Trees => "modyn-fleet-trees",
             Self::Complete => "modyn-fleet-complete",
@@ -90,11 +94,11 @@ pub struct Spec {
 
 use Division::{Chains, Links, List};
 use FloatType::{F32, F64};
-use Part::{Complete, Legged, Trees};
+use Part::{Complete, Joints, Legged, Trees};
 use Source::{Described, Golden, Random, Zoo};
 
-/// All robots. A few of them make up most of the text: `cargo test --workspace` compiles [`Part::Small`] only; the
-/// feature `whole` of the package `modyn-fleet` adds the others.
+/// All robots. A few of them make up most of the text: `cargo test --workspace` compiles [`Part::Small`] and
+/// [`Part::Joints`] only; the feature `whole` of the package `modyn-fleet` adds the others.
 pub const FLEET: &[Spec] = &[
     spec(Golden("double_pendulum"), Chains, F64).all(),
     spec(Golden("double_pendulum_continuous"), Links, F64),
@@ -121,7 +125,8 @@ pub const FLEET: &[Spec] = &[
     spec(Described("joint_zoo"), Chains, F64)
         .resisted(Friction::Smooth(0.02))
         .driven(&[("elbow", 2e-5, 80.0), ("glide", 0.01, 3.0)])
-        .all(),
+        .all()
+        .part(Joints),
     spec(Random(0, 1), Chains, F64),
     spec(Random(1, 1), Links, F32),
     spec(Random(2, 2), Chains, F64),
@@ -141,7 +146,7 @@ pub const FLEET: &[Spec] = &[
     spec(Random(16, 16), List(16), F64).part(Trees),
     spec(Random(17, 30), Chains, F64).part(Trees),
     spec(Zoo(7423, 7), Links, F32),
-    spec(Zoo(10153, 8), List(18), F64).loaded(&["fixed6", "link2"]).all(),
+    spec(Zoo(10153, 8), List(18), F64).loaded(&["fixed6", "link2"]).all().part(Joints),
 ];
 
 const fn spec(source: Source, division: Division, float: FloatType) -> Spec {

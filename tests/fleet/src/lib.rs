@@ -8,6 +8,7 @@ use modyn_tests::fleet::Part;
 /// The parts of the fleet that are compiled, with their robots.
 pub static PARTS: &[(Part, &[Compiled])] = &[
     (Part::Small, modyn_fleet_small::ROBOTS),
+    (Part::Joints, modyn_fleet_joints::ROBOTS),
     #[cfg(feature = "whole")]
     (Part::Legged, modyn_fleet_legged::ROBOTS),
     #[cfg(feature = "whole")]
@@ -24,6 +25,7 @@ pub static ROBOTS: LazyLock<Vec<Compiled>> =
 pub mod robots {
     #[cfg(feature = "whole")]
     pub use modyn_fleet_complete::robots::*;
+    pub use modyn_fleet_joints::robots::*;
     #[cfg(feature = "whole")]
     pub use modyn_fleet_legged::robots::*;
     pub use modyn_fleet_small::robots::*;
