@@ -1,7 +1,6 @@
 //! Changes of run-time parameters.
 
-use modyn_runtime::Inertial;
-use modyn_runtime::interpreter::Interpreter;
+use modyn_runtime::{Inertial, Interpreter};
 
 /// A change of a robot's run-time parameters.
 #[derive(Clone, Debug)]
