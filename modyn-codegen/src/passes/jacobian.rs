@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{jvp, vjp};
-use crate::graph::{Graph, Id, Node};
+use crate::graph::{Graph, Id};
 
 /// Returns the graph of the derivatives of the outputs of `graph` with respect to the inputs `wrt`: a matrix with a row for
 /// each output, by columns.
@@ -28,7 +28,8 @@ pub fn hessian(gradient: &Graph, inputs: usize) -> Graph {
     let size = gradient.outputs.len();
     let mut change = jvp(gradient, inputs, 0..size);
     let changes = std::mem::take(&mut change.outputs);
-    let (mut all, given) = with_inputs(inputs);
+    let mut all = Graph::default();
+    let given = all.inputs(0..inputs);
     let mut matrix = vec![0; size * size];
     for column in 0..size {
         change.outputs = changes[column..].to_vec();
@@ -45,7 +46,8 @@ pub fn hessian(gradient: &Graph, inputs: usize) -> Graph {
 
 /// Returns the graph of the outputs of `linear` at each unit vector of its last `count` inputs, one after the other.
 fn at_unit_vectors(linear: &Graph, inputs: usize, count: usize) -> Graph {
-    let (mut all, given) = with_inputs(inputs);
+    let mut all = Graph::default();
+    let given = all.inputs(0..inputs);
     let mut outputs = Vec::with_capacity(count * linear.outputs.len());
     for k in 0..count {
         let unit = unit_vector(&mut all, count, k);
@@ -53,14 +55,6 @@ fn at_unit_vectors(linear: &Graph, inputs: usize, count: usize) -> Graph {
     }
     all.outputs = outputs;
     all
-}
-
-/// Returns a graph with this number of inputs, and their nodes.
-fn with_inputs(count: usize) -> (Graph, Vec<Id>) {
-    let mut graph = Graph::default();
-    let input = |number| graph.make(Node::Input(u32::try_from(number).expect("fewer than 2^32")));
-    let inputs = (0..count).map(input).collect();
-    (graph, inputs)
 }
 
 /// Returns the nodes of a unit vector of `length` entries.

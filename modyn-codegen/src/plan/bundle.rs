@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use super::Tracing;
 use super::functions::{ARGUMENTS, Argument, CForm, Function, Row, Trace};
 use super::shape::{Record, Shape, Sizes};
-use crate::graph::{Graph, Id, Node};
+use crate::graph::{Graph, Id};
 use crate::names;
 use crate::trace::Tracer;
 
@@ -185,9 +185,7 @@ impl<'a> Graphs<'a> {
 
     fn union(&self, members: &[&Graph]) -> Graph {
         let mut union = Graph::default();
-        let inputs: Vec<Id> = (0..self.count)
-            .map(|number| union.make(Node::Input(u32::try_from(number).expect("fewer than 2^32"))))
-            .collect();
+        let inputs = union.inputs(0..self.count);
         let mut outputs = Vec::new();
         for (member, graph) in self.bundle.members.iter().zip(members) {
             let own = member.function.row().arguments.iter().flat_map(|argument| {

@@ -13,7 +13,7 @@ use super::functions::{Argument, Function, Row, Trace};
 use super::partition::{self, ChosenPartition};
 use super::shape::{Record, Shape, Sizes};
 use super::{Frames, Tracing, packing};
-use crate::graph::{Graph, Id, Node};
+use crate::graph::{Graph, Id};
 use crate::names;
 use crate::passes::optimize;
 use crate::program::{Program, Target};
@@ -399,13 +399,10 @@ fn with_outputs(mut graph: Graph, outputs: impl Fn(&[Id]) -> Vec<Id>) -> Graph {
 fn weighted(graph: &Graph, inputs: usize, kept: &[usize], all: usize) -> Graph {
     let mut result = Graph::default();
     let zero = result.constant(0.0);
-    let mut input = |number: usize| {
-        result.make(Node::Input(u32::try_from(number).expect("fewer than 2^32 inputs")))
-    };
-    let mut given: Vec<Id> = (0..inputs).map(&mut input).collect();
+    let mut given = result.inputs(0..inputs);
     given.resize(inputs + all, zero);
     for (number, &k) in kept.iter().enumerate() {
-        given[inputs + k] = input(inputs + number);
+        given[inputs + k] = result.input(inputs + number);
     }
     let outputs = result.compose(graph, &given);
     result.outputs = outputs;
@@ -416,9 +413,7 @@ fn weighted(graph: &Graph, inputs: usize, kept: &[usize], all: usize) -> Graph {
 /// Hessian, then the transposed Jacobian. `columns` is the number of inputs, `rows` the number of results.
 fn second_derivatives(hessian: &Graph, jacobian: &Graph, columns: usize, rows: usize) -> Graph {
     let mut all = Graph::default();
-    let given: Vec<Id> = (0..columns + rows)
-        .map(|number| all.make(Node::Input(u32::try_from(number).expect("fewer than 2^32"))))
-        .collect();
+    let given = all.inputs(0..columns + rows);
     let mut outputs = all.compose(hessian, &given);
     let first = all.compose(jacobian, &given);
     outputs.extend(

@@ -13,7 +13,7 @@ use crate::passes::{jvp, optimize, vjp};
 /// A graph of several graphs, with groups of inputs.
 pub(super) struct Composition {
     pub(super) graph: Graph,
-    inputs: u32,
+    inputs: usize,
 }
 
 impl Composition {
@@ -24,8 +24,8 @@ impl Composition {
     /// Returns the next `count` inputs.
     pub(super) fn inputs(&mut self, count: usize) -> Vec<Id> {
         let first = self.inputs;
-        self.inputs += u32::try_from(count).expect("fewer than 2^32 inputs");
-        (first..self.inputs).map(|number| self.graph.make(Node::Input(number))).collect()
+        self.inputs += count;
+        self.graph.inputs(first..self.inputs)
     }
 
     /// Adds a graph with these groups of inputs, and returns its outputs.
