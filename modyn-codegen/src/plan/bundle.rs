@@ -5,9 +5,9 @@
 
 use std::collections::BTreeMap;
 
-use super::Tracing;
 use super::functions::{ARGUMENTS, Argument, CForm, Function, Row, Trace};
 use super::shape::{Record, Shape, Sizes};
+use super::tracing::Tracing;
 use crate::graph::{Graph, Id};
 use crate::names;
 use crate::trace::Tracer;
@@ -97,12 +97,11 @@ impl<'a> Graphs<'a> {
     pub(super) fn new(
         bundle: &'a Bundle,
         tracing: &Tracing<'_>,
-        sizes: &Sizes,
         parameters: usize,
     ) -> Self {
         let (mut inputs, mut arguments) = (BTreeMap::new(), 0);
         for argument in bundle.arguments() {
-            let length = (argument.shape)(sizes).len();
+            let length = (argument.shape)(&tracing.sizes).len();
             inputs.insert(argument.name, (arguments, length));
             arguments += length;
         }
@@ -112,7 +111,7 @@ impl<'a> Graphs<'a> {
                 tracing.frames.of_link(member.link.expect("a function of one link has it"), trace)
             };
             match row.trace {
-                Trace::One(trace) => vec![trace(tracing.tracer, tracing)],
+                Trace::One(trace) => vec![trace(&tracing.tracer, tracing)],
                 Trace::ByLink(trace) => {
                     [Some(trace), row.in_bundles].into_iter().flatten().map(of_link).collect()
                 }

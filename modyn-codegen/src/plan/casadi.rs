@@ -3,21 +3,19 @@
 //! `CasADi` finds derivatives by their names. For a function `f`, they are its Jacobian `jac_f`, products with it `fwd1_f` and
 //! `adj1_f`, and the Jacobian of the latter `jac_adj1_f`, which has the second derivatives of a weighted sum of the results.
 
-use modyn_runtime::equations::brge::UduLayout;
-use modyn_runtime::equations::dynamics::Elimination;
-use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use super::choices::Choices;
 use super::functions::{Argument, Function, Row, Trace};
-use super::partition::{self, ChosenPartition};
-use super::shape::{Record, Shape, Sizes};
-use super::{Frames, Tracing, packing};
+use super::packing;
+use super::shape::{Record, Shape};
+use super::strategy::Strategy;
+use super::tracing::{TracedRobot, Tracing};
 use crate::graph::{Graph, Id};
 use crate::names;
 use crate::passes::optimize;
 use crate::program::{Program, Target};
-use crate::trace::{EntryDerivatives, Parameters, Tracer};
+use crate::trace::{EntryDerivatives, Tracer};
 
 /// The functions in `CasADi`'s form, with the names of their results.
 ///
@@ -168,36 +166,9 @@ impl CasadiPlan {
     /// Returns the functions of `model`, whose names begin with `prefix`; `modules` is the user's partition.
     #[must_use]
     pub fn new(model: &Model, modules: &ModuleTree, choices: &Choices, prefix: &str) -> Self {
-        let mechanism = Mechanism::new(model);
-        let (inertias, payloads) = (&choices.runtime_inertia, &choices.payload);
-        let parameters = Parameters::new(model, choices.runtime_gravity, inertias, payloads);
-        let frames = Frames::new(&mechanism);
-        let tracer = Tracer::with_parameters(&mechanism, parameters.clone());
-        let ChosenPartition { modules: eliminated, graph: forward_dynamics, .. } =
-            partition::choose(model, &mechanism, &tracer);
-        let tracing = Tracing {
-            tracer: &tracer,
-            all_links: &tracer,
-            frames: &frames,
-            elimination: &Elimination::new(&mechanism, &eliminated),
-            layout: &UduLayout::new(&mechanism, modules),
-            for_derivatives: &UduLayout::new(&mechanism, &partition::whole_chains(model)),
-            limbs: &[],
-            partitions: &[],
-            independent: false,
-            vectors: false,
-            forward_dynamics: &forward_dynamics,
-        };
-        let sizes = Sizes {
-            nq: model.nq(),
-            nv: model.nv(),
-            links: model.frames().len(),
-            moving: model.links().len(),
-            constraints: model.constraints(),
-            contacts: model.contacts().len(),
-            constraint_rows: model.constraint_rows(),
-            factors: tracing.layout.size(),
-        };
+        let robot = TracedRobot::new(model, choices.parameters(model));
+        let tracing = Tracing::new(&robot, (model, modules), Strategy::Scalar, Vec::new());
+        let tracer = &tracing.tracer;
         let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
         let links = names::fields(&links, &[]);
         let mut plan = Self { functions: Vec::new(), without_hessian: Vec::new() };
@@ -206,24 +177,24 @@ impl CasadiPlan {
                 continue;
             }
             let row = function.row();
-            let own = Family::new(&row, results, &sizes, parameters.len());
+            let own = Family::new(&row, results, &tracing);
             let name = format!("{prefix}_{}", function.name());
             match row.trace {
                 Trace::ByLink(trace) => {
                     for (link, link_name) in links.iter().enumerate() {
-                        let graph = optimize(frames.of_link(link, trace));
+                        let graph = optimize(tracing.frames.of_link(link, trace));
                         let name = format!("{name}_{link_name}");
-                        plan.add(&name, row.docs, &own, own.differentiated(&tracer, &graph));
+                        plan.add(&name, row.docs, &own, own.differentiated(tracer, &graph));
                     }
                 }
                 Trace::One(trace) => {
                     let derivatives = match function {
                         Function::ForwardDynamics => tracer.forward_dynamics_by_entries(
-                            &forward_dynamics,
-                            tracing.for_derivatives,
+                            &tracing.forward_dynamics.graph,
+                            &tracing.for_derivatives,
                         ),
                         Function::InverseDynamics => tracer.inverse_dynamics_by_entries(),
-                        _ => own.differentiated(&tracer, &optimize(trace(&tracer, &tracing))),
+                        _ => own.differentiated(tracer, &optimize(trace(tracer, &tracing))),
                     };
                     plan.add(&name, row.docs, &own, derivatives);
                 }
@@ -335,13 +306,15 @@ impl ResultMatrix {
 }
 
 impl Family {
-    fn new(row: &Row, names: &[&'static str], sizes: &Sizes, parameters: usize) -> Self {
+    fn new(row: &Row, names: &[&'static str], tracing: &Tracing<'_>) -> Self {
+        let sizes = &tracing.sizes;
         let input = |argument: &Argument| {
             let (rows, columns) = size_of(&(argument.shape)(sizes));
             CasadiMatrix::dense(argument.name, rows, columns)
         };
         let mut inputs: Vec<CasadiMatrix> = row.arguments.iter().map(input).collect();
-        if row.depends_on_parameters && parameters > 0 {
+        let parameters = tracing.parameters(row.depends_on_parameters);
+        if parameters > 0 {
             inputs.push(CasadiMatrix::dense("params", parameters, 1));
         }
         let (mut results, mut first) = (Vec::new(), 0);
@@ -466,7 +439,8 @@ fn matrix_blocks(
 
 #[cfg(test)]
 mod tests {
-    use super::{CasadiMatrix, FUNCTIONS, Shape, Sizes, Trace, fields};
+    use super::{CasadiMatrix, FUNCTIONS, Shape, Trace, fields};
+    use crate::plan::Sizes;
 
     /// `CasADi` refuses a function in which an input and a result have the same name.
     #[test]

@@ -2,9 +2,10 @@
 
 use modyn_runtime::equations::dynamics::Elimination;
 
-use super::Tracing;
 use super::bundle::{Bundle, Graphs};
 use super::functions::{Function, Packing, Trace};
+use super::strategy::Strategy;
+use super::tracing::{TracedRobot, Tracing};
 use crate::graph::Graph;
 use crate::passes::{balance, optimize};
 use crate::trace::{LimbPacking, Tracer};
@@ -23,6 +24,13 @@ const DISPATCHED: std::ops::Range<usize> = 100..5000;
 /// A packed function is profitable if it needs fewer than this many fifths of the operations on scalars.
 const MAX_FIFTHS: usize = 4;
 
+/// Returns the candidates for packing limbs. Limbs with run-time inertias are never equal.
+pub(super) fn limbs(robot: &TracedRobot, strategy: Strategy) -> Vec<LimbPacking> {
+    let packs = matches!(strategy, Strategy::Routines | Strategy::Vectors) && robot.is_described();
+    let joins = strategy == Strategy::Vectors;
+    if packs { LimbPacking::candidates(&robot.mechanism, joins) } else { Vec::new() }
+}
+
 /// Returns the graph with sums balanced along its critical path, if that is profitable.
 pub(super) fn balanced(graph: Graph) -> Graph {
     if graph.count().total() <= MAX_BALANCED { balance(&graph) } else { graph }
@@ -39,7 +47,7 @@ pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) 
         candidates(row.packing, trace, tracing, (limbs, &tracer))
     });
     let has_columns =
-        row.packing == Packing::Derivatives && tracing.vectors && operations(scalar) <= MAX_COLUMNS;
+        row.packing == Packing::Derivatives && tracing.has_vectors() && operations(scalar) <= MAX_COLUMNS;
     let columns = has_columns.then(|| trace(&tracing.tracer.column_lanes(), tracing));
     profitable(by_limbs.chain(columns), row.hot, tracing, scalar)
 }
@@ -59,7 +67,7 @@ pub(super) fn packed_bundle(
             all.into_iter().min_by_key(operations)
         })
     });
-    let has_columns = tracing.vectors && operations(scalar) <= MAX_COLUMNS;
+    let has_columns = tracing.has_vectors() && operations(scalar) <= MAX_COLUMNS;
     let columns = || {
         graphs.packed(|row, trace| {
             let columns = row.packing == Packing::Derivatives;
@@ -86,7 +94,7 @@ fn profitable(
     if let Some(graph) = cheapest.filter(is_profitable) {
         return Some(graph);
     }
-    let dispatched = tracing.vectors && hot && DISPATCHED.contains(&operations(scalar));
+    let dispatched = tracing.has_vectors() && hot && DISPATCHED.contains(&operations(scalar));
     dispatched.then(|| scalar.clone())
 }
 
@@ -108,7 +116,7 @@ fn candidates(
             return Vec::new();
         }
         // Where limbs move each other, packed derivatives are profitable on vectors only.
-        Packing::Derivatives if !(tracing.vectors || tracing.independent) => return Vec::new(),
+        Packing::Derivatives if !(tracing.has_vectors() || tracing.independent) => return Vec::new(),
         Packing::OnRootPath | Packing::Derivatives => {}
         Packing::Never => return Vec::new(),
     }
