@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{jvp, vjp};
-use crate::graph::{Graph, Id};
+use crate::graph::Graph;
 
 /// Returns the graph of the derivatives of the outputs of `graph` with respect to the inputs `wrt`: a matrix with a row for
 /// each output, by columns.
@@ -33,7 +33,7 @@ pub fn hessian(gradient: &Graph, inputs: usize) -> Graph {
     let mut matrix = vec![0; size * size];
     for column in 0..size {
         change.outputs = changes[column..].to_vec();
-        let unit = unit_vector(&mut all, size, column);
+        let unit = all.unit_vector(size, column);
         let ids = all.compose(&change, &[&*given, &unit].concat());
         for (row, id) in (column..).zip(ids) {
             matrix[column * size + row] = id;
@@ -50,15 +50,9 @@ fn at_unit_vectors(linear: &Graph, inputs: usize, count: usize) -> Graph {
     let given = all.inputs(0..inputs);
     let mut outputs = Vec::with_capacity(count * linear.outputs.len());
     for k in 0..count {
-        let unit = unit_vector(&mut all, count, k);
+        let unit = all.unit_vector(count, k);
         outputs.extend(all.compose(linear, &[&*given, &unit].concat()));
     }
     all.outputs = outputs;
     all
-}
-
-/// Returns the nodes of a unit vector of `length` entries.
-pub fn unit_vector(graph: &mut Graph, length: usize, at: usize) -> Vec<Id> {
-    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
-    (0..length).map(|k| if k == at { one } else { zero }).collect()
 }

@@ -13,7 +13,7 @@ use modyn_runtime::mechanism::coordinates::CoordinateSpace;
 use super::Tracer;
 use super::products::Composition;
 use crate::graph::{Graph, Id, Node};
-use crate::passes::{hessian, jacobian, jvp, optimize, unit_vector, vjp};
+use crate::passes::{hessian, jacobian, jvp, optimize, vjp};
 
 /// The graphs of a function and of its derivatives with respect to its inputs, plain numbers.
 pub struct EntryDerivatives {
@@ -166,7 +166,7 @@ impl Tracer<'_> {
         for column in forces.chunks(nv) {
             by_parameters.extend((0..nv).map(|row| {
                 let products = (0..nv).map(|k| (dtau[k * nv + row], column[k]));
-                let sum = sum_of_products(&mut all.graph, products);
+                let sum = all.graph.sum_of_products(products);
                 all.graph.make(Node::Neg(sum))
             }));
         }
@@ -217,7 +217,8 @@ impl Tracer<'_> {
         let by_tau = &d[inputs.last.start * nv..inputs.last.end * nv];
         let mu: Vec<Id> = (by_tau.chunks(nv))
             .map(|column| {
-                sum_of_products(&mut all.graph, column.iter().copied().zip(weights.iter().copied()))
+                let products = column.iter().copied().zip(weights.iter().copied());
+                all.graph.sum_of_products(products)
             })
             .collect();
         let gradient = vjp(inverse, size, 0..size);
@@ -230,7 +231,7 @@ impl Tracer<'_> {
         for column in (0..size).filter(|column| !inputs.last.contains(column)) {
             let of_c = &changes[inputs.last.clone()];
             change.outputs = [&changes[column..], of_c].concat();
-            let unit = unit_vector(&mut all.graph, size, column);
+            let unit = all.graph.unit_vector(size, column);
             a[column] = all.add(&change, &[&motion, &mu, &unit]);
             c[column] = a[column].split_off(size - column);
         }
@@ -240,7 +241,7 @@ impl Tracer<'_> {
                 let by = |x: usize| (0..nv).map(move |k| d[x * nv + k]);
                 let products = |x: usize, y: usize| c[x].iter().copied().zip(by(y));
                 let terms = products(row, column).chain(products(column, row));
-                let mut sum = sum_of_products(&mut all.graph, terms);
+                let mut sum = all.graph.sum_of_products(terms);
                 if !inputs.last.contains(&row)
                     && let Some(&second) = a[column].get(row - column)
                 {
@@ -264,7 +265,7 @@ impl Tracer<'_> {
         let rates = self.velocity_to_qdot();
         let rates: Vec<Vec<Id>> = (0..nv)
             .map(|k| {
-                let velocity = unit_vector(&mut all.graph, nv, k);
+                let velocity = all.graph.unit_vector(nv, k);
                 all.add(&rates, &[unit, &velocity])
             })
             .collect();
@@ -277,7 +278,7 @@ impl Tracer<'_> {
             };
             let entries = first..first + 4;
             let squares = entries.clone().map(|i| (q[i], q[i]));
-            let square = sum_of_products(&mut all.graph, squares);
+            let square = all.graph.sum_of_products(squares);
             let length = all.graph.make(Node::Sqrt(square));
             let inverse = all.graph.make(Node::Recip(length));
             let four = all.graph.constant(4.0);
@@ -287,20 +288,10 @@ impl Tracer<'_> {
         for (entry, scale) in scales.into_iter().enumerate() {
             for row in 0..nv {
                 let products = (0..nv).map(|k| (rates[k][entry], dq[k * nv + row]));
-                let sum = sum_of_products(&mut all.graph, products);
+                let sum = all.graph.sum_of_products(products);
                 columns.push(scale.map_or(sum, |scale| all.graph.make(Node::Mul(scale, sum))));
             }
         }
         columns
     }
-}
-
-/// Returns the node of a sum of products.
-fn sum_of_products(graph: &mut Graph, products: impl Iterator<Item = (Id, Id)>) -> Id {
-    let mut sum = graph.constant(0.0);
-    for (a, b) in products {
-        let product = graph.make(Node::Mul(a, b));
-        sum = graph.make(Node::Add(sum, product));
-    }
-    sum
 }

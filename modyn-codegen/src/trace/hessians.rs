@@ -68,11 +68,9 @@ impl Hessian {
     ) {
         let (nq, nv) = (tracer.model.nq, self.nv);
         let entries: Vec<Entry> = entries.collect();
-        let (zero, one) = (all.constant(0.0), all.constant(1.0));
-        let mut change = vec![zero; self.outputs.len()];
-        change[along.0 * nv + along.1] = one;
+        let change = all.graph.unit_vector(self.outputs.len(), along.0 * nv + along.1);
         let rates = tracer.velocity_to_qdot();
-        let rest = vec![zero; tracer.parameters.len()];
+        let rest = vec![all.constant(0.0); tracer.parameters.len()];
         let dq = all.add(&rates, &[&self.point[..nq], &change[..nv], &rest]);
         let output = |&(variable, entry): &Entry| self.outputs[variable * nv + entry];
         self.changes.outputs = entries.iter().map(output).collect();

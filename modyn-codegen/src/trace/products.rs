@@ -60,10 +60,7 @@ impl Composition {
     /// Returns the product of two square matrices of `n` columns, by columns.
     pub(super) fn multiply(&mut self, a: &[Id], b: &[Id], n: usize) -> Vec<Id> {
         let mut dot = |i: usize, j: usize| {
-            (0..n).fold(self.constant(0.0), |sum, k| {
-                let product = self.product(a[k * n + i], b[j * n + k]);
-                self.sum(sum, product)
-            })
+            self.graph.sum_of_products((0..n).map(|k| (a[k * n + i], b[j * n + k])))
         };
         (0..n * n).map(|k| dot(k % n, k / n)).collect()
     }
