@@ -5,13 +5,12 @@
 //! first. So it has a value at any length, and its derivatives by all four entries are those of this value: the derivative
 //! along the quaternion is zero.
 
-use std::ops::Range;
-
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::mechanism::coordinates::CoordinateSpace;
 
 use super::Tracer;
-use super::products::Composition;
+use super::composition::Composition;
+use super::products::ForwardDynamics;
 use crate::graph::{Graph, Id, Node};
 use crate::passes::{hessian, jacobian, jvp, optimize, vjp};
 
@@ -49,22 +48,6 @@ impl EntryDerivatives {
     }
 }
 
-/// The inputs of forward and inverse dynamics: `q`, `qd`, then `tau` or the accelerations, then the run-time parameters.
-#[derive(Clone)]
-struct DynamicsInputs {
-    q: Range<usize>,
-    /// The inputs that are joint forces of forward dynamics, and accelerations of inverse dynamics.
-    last: Range<usize>,
-    all: usize,
-}
-
-impl DynamicsInputs {
-    /// Returns the inputs with the accelerations in place of the joint forces.
-    fn with_accelerations(&self, x: &[Id], qdd: &[Id]) -> Vec<Id> {
-        [&x[..self.last.start], qdd, &x[self.last.end..]].concat()
-    }
-}
-
 impl Tracer<'_> {
     /// Returns the graph of a function of `inputs` numbers with quaternions of length 1. `coordinates` are the first inputs
     /// of the function's vectors of coordinates.
@@ -85,12 +68,6 @@ impl Tracer<'_> {
         }
         let outputs = all.add(graph, &[&given]);
         all.with_outputs(&[&outputs])
-    }
-
-    fn dynamics_inputs(&self) -> DynamicsInputs {
-        let (nq, nv) = (self.model.nq, self.model.nv);
-        let last = nq + nv..nq + 2 * nv;
-        DynamicsInputs { q: 0..nq, all: last.end + self.parameters.len(), last }
     }
 
     fn inverse_dynamics_of_entries(&self) -> Graph {
@@ -173,36 +150,26 @@ impl Tracer<'_> {
         all.with_outputs(&[qdd, &dq, matrices, &by_parameters])
     }
 
-    /// Returns the graph of the change of the accelerations: M^-1 (d tau - d ID), with d ID at constant accelerations.
+    /// Returns the graph of the change of the accelerations.
     fn forward_change(&self, value: &Graph, inverse: &Graph) -> Graph {
         let inputs = self.dynamics_inputs();
         let mut all = Composition::new();
         let (x, dx) = (all.inputs(inputs.all), all.inputs(inputs.all));
-        let qdd = all.add(value, &[&x]);
-        let zeros = vec![all.graph.constant(0.0); qdd.len()];
-        let change = jvp(inverse, inputs.all, 0..inputs.all);
-        let motion = inputs.with_accelerations(&x, &qdd);
-        let change = all.add(&change, &[&motion, &inputs.with_accelerations(&dx, &zeros)]);
-        let unmet = all.difference(&dx[inputs.last.clone()], &change);
-        let solve = jvp(value, inputs.all, inputs.last);
-        let change = all.add(&solve, &[&x, &unmet]);
+        let dynamics = ForwardDynamics::new(&mut all, inputs.clone(), (value, inverse), x);
+        let zeros = vec![all.constant(0.0); dynamics.qdd.len()];
+        let dz = inputs.with_accelerations(&dx, &zeros);
+        let change = dynamics.change(&mut all, &dx[inputs.last], (0..inputs.all, &dz));
         all.with_outputs(&[&change])
     }
 
-    /// Returns the graph of the gradient of weighted accelerations: mu by `tau`, and -d (mu^T ID) by all other inputs.
+    /// Returns the graph of the gradient of weighted accelerations.
     fn forward_adjoint(&self, value: &Graph, inverse: &Graph) -> Graph {
         let inputs = self.dynamics_inputs();
         let mut all = Composition::new();
         let (x, weights) = (all.inputs(inputs.all), all.inputs(self.model.nv));
-        let qdd = all.add(value, &[&x]);
-        // M^-1 is symmetric.
-        let solve = jvp(value, inputs.all, inputs.last.clone());
-        let mu = all.add(&solve, &[&x, &weights]);
-        let gradient = vjp(inverse, inputs.all, 0..inputs.all);
-        let gradient = all.add(&gradient, &[&inputs.with_accelerations(&x, &qdd), &mu]);
-        let gradient = all.negated(&gradient);
-        let gradient = inputs.with_accelerations(&gradient, &mu);
-        all.with_outputs(&[&gradient])
+        let dynamics = ForwardDynamics::new(&mut all, inputs.clone(), (value, inverse), x);
+        let (by_tau, gradients) = dynamics.gradients(&mut all, &weights, 0..inputs.all);
+        all.with_outputs(&[&inputs.with_accelerations(&gradients, &by_tau)])
     }
 
     /// Returns the graph of the second derivatives of weighted accelerations. `closed` is the graph of the accelerations and

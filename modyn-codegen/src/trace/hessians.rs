@@ -23,7 +23,7 @@ use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::{free_bases, free_fall_accelerations};
 
 use super::Tracer;
-use super::products::Composition;
+use super::composition::Composition;
 use crate::graph::{Graph, Id};
 use crate::passes::{jvp, optimize};
 

@@ -1,5 +1,6 @@
 //! Tracing: the equations run on expressions, one graph for each quantity.
 
+mod composition;
 mod constraints;
 mod coordinates;
 mod derivatives;
