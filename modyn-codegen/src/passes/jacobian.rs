@@ -22,9 +22,9 @@ pub fn jacobian(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
 
 /// Returns the graph of the derivatives of `gradient` with respect to its first inputs, one for each output: a symmetric
 /// matrix by columns, since `gradient` must be the gradient of a function of these inputs. Only half of the matrix is
-/// computed.
+/// computed. Returns `None` if it takes more than `max_operations`, as soon as some columns do.
 #[must_use]
-pub fn hessian(gradient: &Graph, inputs: usize) -> Graph {
+pub fn hessian(gradient: &Graph, inputs: usize, max_operations: usize) -> Option<Graph> {
     let size = gradient.outputs.len();
     let mut change = jvp(gradient, inputs, 0..size);
     let changes = std::mem::take(&mut change.outputs);
@@ -39,9 +39,13 @@ pub fn hessian(gradient: &Graph, inputs: usize) -> Graph {
             matrix[column * size + row] = id;
             matrix[row * size + column] = id;
         }
+        all.outputs.extend(&matrix[column * size..][..size]);
+        if all.takes_more_than(max_operations) {
+            return None;
+        }
     }
     all.outputs = matrix;
-    all
+    Some(all)
 }
 
 /// Returns the graph of the outputs of `linear` at each unit vector of its last `count` inputs, one after the other.

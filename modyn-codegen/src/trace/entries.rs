@@ -25,22 +25,24 @@ pub struct EntryDerivatives {
     /// The gradient of a weighted sum of the outputs. Further inputs: the weights.
     pub adjoint: Graph,
     /// The second derivatives of a weighted sum of the outputs, a symmetric matrix by columns. Further inputs: the weights.
-    pub hessian: Graph,
+    /// `None` if they take too many operations.
+    pub hessian: Option<Graph>,
 }
 
 impl EntryDerivatives {
-    /// Returns the graphs of a function of `inputs` numbers, by differentiation of its graph.
+    /// Returns the graphs of a function of `inputs` numbers, by differentiation of its graph. The second derivatives have
+    /// at most `max_operations` operations, or are left out.
     #[must_use]
-    pub fn new(value: Graph, inputs: usize) -> Self {
+    pub fn new(value: Graph, inputs: usize, max_operations: usize) -> Self {
         let jacobian = jacobian(&value, inputs, 0..inputs);
-        Self::with_jacobian(value, inputs, jacobian)
+        Self::with_jacobian(value, inputs, jacobian, max_operations)
     }
 
-    fn with_jacobian(value: Graph, inputs: usize, jacobian: Graph) -> Self {
+    fn with_jacobian(value: Graph, inputs: usize, jacobian: Graph, max_operations: usize) -> Self {
         let adjoint = vjp(&value, inputs, 0..inputs);
         Self {
             forward: jvp(&value, inputs, 0..inputs),
-            hessian: hessian(&adjoint, inputs + value.outputs.len()),
+            hessian: hessian(&adjoint, inputs + value.outputs.len(), max_operations),
             value,
             jacobian,
             adjoint,
@@ -75,9 +77,10 @@ impl Tracer<'_> {
         self.with_unit_quaternions(&optimize(self.inverse_dynamics()), &[0], inputs.all)
     }
 
-    /// Returns inverse dynamics and its derivatives. The Jacobian has the derivatives in closed form.
+    /// Returns inverse dynamics and its derivatives. The Jacobian has the derivatives in closed form. The second derivatives
+    /// have at most `max_operations` operations, or are left out.
     #[must_use]
-    pub fn inverse_dynamics_by_entries(&self) -> EntryDerivatives {
+    pub fn inverse_dynamics_by_entries(&self, max_operations: usize) -> EntryDerivatives {
         let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
         let value = self.inverse_dynamics_of_entries();
         let mut all = Composition::new();
@@ -93,11 +96,12 @@ impl Tracer<'_> {
         let by_parameters = jacobian(&value, inputs.all, inputs.last.end..inputs.all);
         let by_parameters = all.add(&by_parameters, &[&x]);
         let jacobian = all.with_outputs(&[&dq, dqd, &mass, &by_parameters]);
-        EntryDerivatives::with_jacobian(value, inputs.all, jacobian)
+        EntryDerivatives::with_jacobian(value, inputs.all, jacobian, max_operations)
     }
 
     /// Returns forward dynamics and its derivatives. `forward` is the graph of forward dynamics, and `layout` the
-    /// factorization of the mass matrix for the derivatives in closed form.
+    /// factorization of the mass matrix for the derivatives in closed form. The second derivatives have at most
+    /// `max_operations` operations, or are left out.
     ///
     /// With tau = ID(z, qdd), where z are `q`, `qd` and the parameters, the derivatives of the accelerations go through
     /// inverse dynamics. mu is the product of the inverse mass matrix and the weights, and D the Jacobian of the
@@ -108,6 +112,7 @@ impl Tracer<'_> {
         &self,
         forward: &Graph,
         layout: &UduLayout,
+        max_operations: usize,
     ) -> EntryDerivatives {
         let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
         let value = self.with_unit_quaternions(forward, &[0], inputs.all);
@@ -118,7 +123,7 @@ impl Tracer<'_> {
         EntryDerivatives {
             forward: self.forward_change(&value, &inverse),
             adjoint: self.forward_adjoint(&value, &inverse),
-            hessian: self.forward_hessian(&closed, &inverse),
+            hessian: self.forward_hessian(&closed, &inverse, max_operations),
             value,
             jacobian,
         }
@@ -173,8 +178,13 @@ impl Tracer<'_> {
     }
 
     /// Returns the graph of the second derivatives of weighted accelerations. `closed` is the graph of the accelerations and
-    /// their derivatives.
-    fn forward_hessian(&self, closed: &Graph, inverse: &Graph) -> Graph {
+    /// their derivatives. Returns `None` if it takes more than `max_operations`.
+    fn forward_hessian(
+        &self,
+        closed: &Graph,
+        inverse: &Graph,
+        max_operations: usize,
+    ) -> Option<Graph> {
         let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
         let size = inputs.all;
         let mut all = Composition::new();
@@ -201,6 +211,10 @@ impl Tracer<'_> {
             let unit = all.graph.unit_vector(size, column);
             a[column] = all.add(&change, &[&motion, &mu, &unit]);
             c[column] = a[column].split_off(size - column);
+            all.graph.outputs.extend(a[column].iter().chain(&c[column]));
+            if all.graph.takes_more_than(max_operations) {
+                return None;
+            }
         }
         let mut matrix = vec![0; size * size];
         for column in 0..size {
@@ -218,8 +232,12 @@ impl Tracer<'_> {
                 matrix[column * size + row] = entry;
                 matrix[row * size + column] = entry;
             }
+            all.graph.outputs.extend(&matrix[column * size..][..size]);
+            if all.graph.takes_more_than(max_operations) {
+                return None;
+            }
         }
-        all.with_outputs(&[&matrix])
+        Some(all.with_outputs(&[&matrix]))
     }
 
     /// Returns a matrix of derivatives by the entries of `q`, from the derivatives in tangent space at the coordinates `unit`
