@@ -35,6 +35,7 @@ pub use factorization::FactorFunction;
 pub use frames::{Frames, LinkCode};
 pub use functions::{Argument, CForm, Function, Packing, Row, Trace};
 pub use measures::Measures;
+pub use packing::{COLUMN_LANES, LIMB_LIMITS};
 pub use planned::{Kernels, Planned};
 pub use shape::{Record, Shape, Sizes};
 pub use strategy::Execution;

@@ -8,11 +8,18 @@ use super::strategy::Strategy;
 use super::tracing::{TracedRobot, Tracing};
 use crate::graph::Graph;
 use crate::passes::{balance, optimize};
-use crate::trace::{LimbPacking, Tracer};
+use crate::trace::{LimbLimits, LimbPacking, Tracer};
 
 /// The largest number of operations on scalars for which sums are balanced along the critical path. A longer function
 /// keeps all units of a processor busy without balancing.
 const MAX_BALANCED: usize = 2000;
+
+/// The limits of merging limbs: the lanes of the longest vectors, and for limbs on different bodies those of a vector on most
+/// processors. The lanes of a joint that a shorter chain lacks do nothing.
+pub const LIMB_LIMITS: LimbLimits = LimbLimits { packed: 8, joined: 4, missing: 2 };
+
+/// The number of derivative columns that are computed at a time: the lanes of a vector on most processors.
+pub const COLUMN_LANES: usize = 4;
 
 /// The largest number of operations on scalars for which derivatives are also compiled with columns in lanes.
 const MAX_COLUMNS: usize = 20_000;
@@ -28,7 +35,7 @@ const MAX_FIFTHS: usize = 4;
 pub(super) fn limbs(robot: &TracedRobot, strategy: Strategy) -> Vec<LimbPacking> {
     let packs = matches!(strategy, Strategy::Routines | Strategy::Vectors) && robot.is_described();
     let joins = strategy == Strategy::Vectors;
-    if packs { LimbPacking::candidates(&robot.mechanism, joins) } else { Vec::new() }
+    if packs { LimbPacking::candidates(&robot.mechanism, &LIMB_LIMITS, joins) } else { Vec::new() }
 }
 
 /// Returns the graph with sums balanced along its critical path, if that is profitable.
@@ -48,7 +55,7 @@ pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) 
     });
     let has_columns =
         row.packing == Packing::Derivatives && tracing.has_vectors() && operations(scalar) <= MAX_COLUMNS;
-    let columns = has_columns.then(|| trace(&tracing.tracer.column_lanes(), tracing));
+    let columns = has_columns.then(|| trace(&tracing.tracer.column_lanes(COLUMN_LANES), tracing));
     profitable(by_limbs.chain(columns), row.hot, tracing, scalar)
 }
 
@@ -71,7 +78,7 @@ pub(super) fn packed_bundle(
     let columns = || {
         graphs.packed(|row, trace| {
             let columns = row.packing == Packing::Derivatives;
-            columns.then(|| trace(&tracing.tracer.column_lanes(), tracing))
+            columns.then(|| trace(&tracing.tracer.column_lanes(COLUMN_LANES), tracing))
         })
     };
     let columns = has_columns.then(columns).flatten();

@@ -21,14 +21,16 @@ use modyn_runtime::spatial::{AxisRotation, Pose, RigidInertia, Vector3};
 
 use crate::graph::Expr;
 
-/// The largest number of limbs that are merged: the lanes of the longest vectors.
-const MAX_PACKED: usize = 8;
-
-/// The largest number of limbs on different bodies that are merged: the lanes of a vector on most processors.
-const MAX_JOINED: usize = 4;
-
-/// The largest number of joints by which a chain may be shorter than a chain that it is merged with.
-const MAX_MISSING: usize = 2;
+/// The limits of merging.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LimbLimits {
+    /// The largest number of limbs that are merged.
+    pub packed: usize,
+    /// The largest number of limbs on different bodies that are merged.
+    pub joined: usize,
+    /// The largest number of joints by which a chain may be shorter than a chain that it is merged with.
+    pub missing: usize,
+}
 
 /// The limbs of a robot that are merged.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -61,24 +63,24 @@ struct Merged {
 impl LimbPacking {
     /// Returns the equal limbs on one body; `None` if there are none.
     #[must_use]
-    pub fn find(model: &Mechanism<f64>) -> Option<Self> {
-        let groups = groups(model);
+    pub fn find(model: &Mechanism<f64>, limits: &LimbLimits) -> Option<Self> {
+        let groups = groups(model, limits);
         (!groups.is_empty()).then(|| Self::new(model, &groups))
     }
 
     /// Returns the equal limbs, also of chains on different bodies; `None` if no such chains are equal.
     #[must_use]
-    pub fn joined(model: &Mechanism<f64>) -> Option<Self> {
-        let equal = groups(model);
-        let joined = join(model, &equal);
+    pub fn joined(model: &Mechanism<f64>, limits: &LimbLimits) -> Option<Self> {
+        let equal = groups(model, limits);
+        let joined = join(model, &equal, limits);
         (joined.len() < equal.len()).then(|| Self::new(model, &joined))
     }
 
     /// Returns the candidates, equal limbs on one body first; with `join`, chains on different bodies are merged, too.
     #[must_use]
-    pub fn candidates(model: &Mechanism<f64>, join: bool) -> Vec<Self> {
-        let joined = join.then(|| Self::joined(model)).flatten();
-        Self::find(model).into_iter().chain(joined).collect()
+    pub fn candidates(model: &Mechanism<f64>, limits: &LimbLimits, join: bool) -> Vec<Self> {
+        let joined = join.then(|| Self::joined(model, limits)).flatten();
+        Self::find(model, limits).into_iter().chain(joined).collect()
     }
 
     /// Returns whether the parents of limbs are on one path to the root, so that the limbs' quantities can be transformed
@@ -280,23 +282,27 @@ fn longest(limbs: &[Range<usize>]) -> &Range<usize> {
 }
 
 /// Returns groups of equal limbs, each group on one body.
-fn groups(model: &Mechanism<f64>) -> Vec<Vec<Range<usize>>> {
+fn groups(model: &Mechanism<f64>, limits: &LimbLimits) -> Vec<Vec<Range<usize>>> {
     let mut groups = Vec::new();
     if !model.has_mimics() {
-        find_among(model, &roots(model), &mut groups);
+        find_among(model, &roots(model), limits, &mut groups);
     }
     groups.sort_by_key(|limbs: &Vec<Range<usize>>| limbs[0].start);
     groups
 }
 
 /// Merges groups of chains whose joint types agree up to the end of the shorter chain.
-fn join(model: &Mechanism<f64>, groups: &[Vec<Range<usize>>]) -> Vec<Vec<Range<usize>>> {
+fn join(
+    model: &Mechanism<f64>,
+    groups: &[Vec<Range<usize>>],
+    limits: &LimbLimits,
+) -> Vec<Vec<Range<usize>>> {
     let mut joined: Vec<Vec<Range<usize>>> = Vec::new();
     let fits = |one: &[Range<usize>], other: &[Range<usize>]| {
         let (a, b) = (chain_joints(model, longest(one)), chain_joints(model, longest(other)));
         let (Some(a), Some(b)) = (a, b) else { return false };
-        one.len() + other.len() <= MAX_JOINED
-            && a.len().abs_diff(b.len()) <= MAX_MISSING
+        one.len() + other.len() <= limits.joined
+            && a.len().abs_diff(b.len()) <= limits.missing
             && a.iter().zip(&b).all(|(a, b)| a == b)
     };
     for group in groups {
@@ -332,7 +338,12 @@ fn children(
 }
 
 /// Groups equal limbs among `limbs`, which have one parent, and continues inside the others.
-fn find_among(model: &Mechanism<f64>, limbs: &[Range<usize>], groups: &mut Vec<Vec<Range<usize>>>) {
+fn find_among(
+    model: &Mechanism<f64>,
+    limbs: &[Range<usize>],
+    limits: &LimbLimits,
+    groups: &mut Vec<Vec<Range<usize>>>,
+) {
     let mut rest = limbs.to_vec();
     while !rest.is_empty() {
         let limb = rest.remove(0);
@@ -345,12 +356,12 @@ fn find_among(model: &Mechanism<f64>, limbs: &[Range<usize>], groups: &mut Vec<V
         rest = others;
         if equal.is_empty() {
             let inside = limb.start + 1..limb.end;
-            find_among(model, &children(model, Some(limb.start), inside), groups);
+            find_among(model, &children(model, Some(limb.start), inside), limits, groups);
             continue;
         }
         let all = [vec![limb], equal].concat();
         // A remaining single limb is not merged.
-        groups.extend(all.chunks(MAX_PACKED).filter(|some| some.len() > 1).map(<[_]>::to_vec));
+        groups.extend(all.chunks(limits.packed).filter(|some| some.len() > 1).map(<[_]>::to_vec));
     }
 }
 
@@ -463,6 +474,8 @@ mod tests {
     use super::*;
     use crate::description::ReadOptions;
 
+    const LIMITS: LimbLimits = LimbLimits { packed: 8, joined: 4, missing: 2 };
+
     /// Returns a robot on the world from the parent, the axes and the number of copies of each limb. Bodies are numbered in
     /// depth-first order, and each joint of a limb carries the next one.
     fn robot(limbs: &[(&str, &[&str], usize)]) -> Mechanism<f64> {
@@ -499,7 +512,7 @@ mod tests {
         for (copies, expected) in
             [(1, vec![]), (2, vec![2]), (8, vec![8]), (9, vec![8]), (10, vec![8, 2])]
         {
-            let groups = groups(&robot(&[("trunk", &["1 0 0", "0 1 0"], copies)]));
+            let groups = groups(&robot(&[("trunk", &["1 0 0", "0 1 0"], copies)]), &LIMITS);
             let found: Vec<usize> = groups.iter().map(Vec::len).collect();
             assert_eq!(found, expected, "{copies}");
         }
@@ -511,7 +524,7 @@ mod tests {
         let chain: &[&str] = &["1 0 0", "1 0 0", "1 0 0"];
         let forked =
             robot(&[("trunk", chain, 1), ("trunk", &["1 0 0"], 1), ("l1_0_0", &["1 0 0"], 2)]);
-        assert_eq!(sizes(&groups(&forked)), [[1, 1]], "the two bodies on the fork alone");
+        assert_eq!(sizes(&groups(&forked, &LIMITS)), [[1, 1]], "the two bodies on the fork alone");
     }
 
     #[test]
@@ -520,7 +533,7 @@ mod tests {
         let joined = |low: (usize, usize), high: (usize, usize)| {
             let model =
                 robot(&[("trunk", &axes[..low.0], low.1), ("torso", &axes[..high.0], high.1)]);
-            sizes(&join(&model, &groups(&model)))
+            sizes(&join(&model, &groups(&model, &LIMITS), &LIMITS))
         };
         assert_eq!(joined((3, 2), (3, 2)), [[3, 3, 3, 3]]);
         assert_eq!(joined((3, 2), (5, 2)), [[5, 5, 3, 3]]);

@@ -28,7 +28,7 @@ use modyn_runtime::spatial::{Pose, Wrench};
 use crate::graph::{Expr, Graph};
 
 pub use entries::EntryDerivatives;
-pub use limbs::LimbPacking;
+pub use limbs::{LimbLimits, LimbPacking};
 pub use parameters::Parameters;
 
 fn in_axes(forces: &[Wrench<Expr>], axes: Axes) -> Forces<'_, Expr> {
@@ -107,10 +107,10 @@ impl<'a> Tracer<'a> {
         Self { model: self.model, parameters, limbs: Some(limbs), columns: 1, link: None }
     }
 
-    /// Returns the tracer with derivative columns of consecutive joints in lanes.
+    /// Returns the tracer with the derivative columns of this number of consecutive joints in lanes.
     #[must_use]
-    pub fn column_lanes(&self) -> Self {
-        Self { parameters: self.parameters.clone(), columns: 4, ..Self::new(self.model) }
+    pub fn column_lanes(&self, columns: usize) -> Self {
+        Self { parameters: self.parameters.clone(), columns, ..Self::new(self.model) }
     }
 
     /// Returns the robot.
