@@ -711,6 +711,7 @@ functions! {
         |t, _| t.random(),
         |m| 200.0 * m.links,
     )
+        .of_random_numbers()
         .by_default()
         .without_parameters()
         .not_exported();

@@ -196,6 +196,8 @@ pub struct Routine {
     pub own: usize,
     /// The number of operands that all repetitions share.
     pub common: usize,
+    /// Whether its code must not be inlined into the calls: several calls share it.
+    pub never_inline: bool,
 }
 
 /// A call of a routine; its results are the routine's results.

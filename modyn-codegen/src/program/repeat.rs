@@ -42,6 +42,7 @@ impl Program {
                 tables: (0..stage.calls).map(table).collect(),
                 own: own.len(),
                 common: common.len(),
+                never_inline: stage.calls > 1,
             });
         }
         let results = graph.outputs.iter().map(|&id| operand(graph, &stages, id, 0)).collect();

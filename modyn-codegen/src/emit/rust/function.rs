@@ -250,7 +250,7 @@ impl Printer<'_> {
                 parameters.push(Parameter::new(name, Shape::vector(count)));
             }
         }
-        if routine.tables.len() > 1 {
+        if routine.never_inline {
             *text += "#[inline(never)]\n";
         }
         let result = Shape::vector(routine.program.results.len());

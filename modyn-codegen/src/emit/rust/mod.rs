@@ -109,6 +109,8 @@ struct Quantity<'a> {
     batch_of: Option<&'static str>,
     parameters: Vec<Parameter>,
     shape: Shape,
+    /// Whether a source of random numbers stands for the argument.
+    takes_source: bool,
     /// Whether the function of the trait depends on run-time parameters.
     dynamic: bool,
     /// The number of run-time parameters.
@@ -132,6 +134,7 @@ impl<'a> Quantity<'a> {
             batch_of: planned.batch_of,
             parameters: planned.arguments.iter().map(parameter).collect(),
             shape: Shape::new(&planned.result, robot),
+            takes_source: planned.function.is_some_and(Function::is_of_random_numbers),
             dynamic: planned.function.is_some_and(Function::depends_on_parameters),
             runtime: planned.parameters,
             kernels: &planned.kernels,
@@ -201,7 +204,7 @@ impl Robot<'_> {
     /// Returns the body of a public function: a call of the private function, or one for each link.
     fn call(&self, quantity: &Quantity<'_>, params: &str) -> String {
         let name = quantity.name;
-        if quantity.function == Some(Function::Random) {
+        if quantity.takes_source {
             return format!(
                 "let mut uniform = uniform;\n    {name}(&::core::array::from_fn(|_| uniform()))"
             );
@@ -238,7 +241,7 @@ impl Robot<'_> {
 
     /// Returns the parameters of a public function over scalar `t`, after `first`.
     fn typed(&self, quantity: &Quantity<'_>, first: Option<String>, t: &str) -> String {
-        if quantity.function == Some(Function::Random) {
+        if quantity.takes_source {
             return format!("uniform: impl ::core::ops::FnMut() -> {t}");
         }
         let own = quantity.parameters.iter().map(|parameter| match parameter.shape {
