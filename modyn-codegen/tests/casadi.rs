@@ -321,10 +321,10 @@ fn second_derivatives_are_left_out_above_their_limit() {
     let (mechanism, modules) = (Mechanism::new(&model), ModuleTree::links(&model));
     let (tracer, layout) = (Tracer::new(&mechanism), UduLayout::new(&mechanism, &modules));
     let forward = optimize(tracer.forward_dynamics(&Elimination::new(&mechanism, &modules)));
-    let by_entries: [&dyn Fn(usize) -> EntryDerivatives; 2] = [
-        &|limit| tracer.forward_dynamics_by_entries(&forward, &layout, limit),
-        &|limit| tracer.inverse_dynamics_by_entries(limit),
-    ];
+    let by_entries: [&dyn Fn(usize) -> EntryDerivatives; 2] =
+        [&|limit| tracer.forward_dynamics_by_entries(&forward, &layout, limit), &|limit| {
+            tracer.inverse_dynamics_by_entries(limit)
+        }];
     for derivatives in by_entries {
         let operations = derivatives(usize::MAX).hessian.expect("no limit").count().total();
         let within = derivatives(operations).hessian.expect("at the limit");

@@ -226,7 +226,8 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
             let read = modyn_codegen::read(&upright(low, high), "upright", &options(base));
             let model = read.expect("a good robot").model;
             let mechanism = Mechanism::new(&model);
-            let joined = LimbPacking::joined(&mechanism, &LIMB_LIMITS).expect("limbs that can join");
+            let joined =
+                LimbPacking::joined(&mechanism, &LIMB_LIMITS).expect("limbs that can join");
             let alone = Tracer::new(&mechanism);
             let packed = alone.packed(&joined);
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
@@ -264,7 +265,10 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
     }
     // Three further joints cost more than the vectors gain.
     let read = modyn_codegen::read(&upright(2, 5), "upright", &ReadOptions::default());
-    assert_eq!(LimbPacking::joined(&Mechanism::new(&read.expect("a good robot").model), &LIMB_LIMITS), None);
+    assert_eq!(
+        LimbPacking::joined(&Mechanism::new(&read.expect("a good robot").model), &LIMB_LIMITS),
+        None
+    );
 }
 
 /// Packed forward dynamics computes what scalar forward dynamics does, by each choice of modules, in fewer operations.

@@ -94,11 +94,7 @@ pub(super) struct Graphs<'a> {
 
 impl<'a> Graphs<'a> {
     /// Traces the members; `parameters` is the number of run-time parameters.
-    pub(super) fn new(
-        bundle: &'a Bundle,
-        tracing: &Tracing<'_>,
-        parameters: usize,
-    ) -> Self {
+    pub(super) fn new(bundle: &'a Bundle, tracing: &Tracing<'_>, parameters: usize) -> Self {
         let (mut inputs, mut arguments) = (BTreeMap::new(), 0);
         for argument in bundle.arguments() {
             let length = (argument.shape)(&tracing.sizes).len();

@@ -53,8 +53,9 @@ pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) 
         let tracer = tracing.tracer.packed(limbs);
         candidates(row.packing, trace, tracing, (limbs, &tracer))
     });
-    let has_columns =
-        row.packing == Packing::Derivatives && tracing.has_vectors() && operations(scalar) <= MAX_COLUMNS;
+    let has_columns = row.packing == Packing::Derivatives
+        && tracing.has_vectors()
+        && operations(scalar) <= MAX_COLUMNS;
     let columns = has_columns.then(|| trace(&tracing.tracer.column_lanes(COLUMN_LANES), tracing));
     profitable(by_limbs.chain(columns), row.hot, tracing, scalar)
 }
@@ -123,7 +124,9 @@ fn candidates(
             return Vec::new();
         }
         // Where limbs move each other, packed derivatives are profitable on vectors only.
-        Packing::Derivatives if !(tracing.has_vectors() || tracing.independent) => return Vec::new(),
+        Packing::Derivatives if !(tracing.has_vectors() || tracing.independent) => {
+            return Vec::new();
+        }
         Packing::OnRootPath | Packing::Derivatives => {}
         Packing::Never => return Vec::new(),
     }
