@@ -305,13 +305,13 @@ fn other_options_are_refused_or_warned_of() {
 #[test]
 fn long_second_derivatives_are_left_out_with_a_warning() {
     let functions = [Function::StepSemiImplicit, Function::StepRk4];
-    let builder = Builder::new().urdf_text(text("ur5"), "ur5.urdf").type_name("Ur5");
+    let builder = Builder::new().urdf_text(text("panda"), "panda.urdf").type_name("Panda");
     let (source, warnings) = builder.functions(functions).generate_casadi().expect("good");
-    assert_eq!(source.without_hessian, ["ur5_step_rk4"]);
+    assert_eq!(source.without_hessian, ["panda_step_rk4"]);
     let of = |end: &str| source.functions.iter().filter(|name| name.ends_with(end)).count();
     assert_eq!((of("_step_semi_implicit"), of("_step_rk4")), (5, 4));
-    assert!(!source.text.contains("jac_adj1_ur5_step_rk4"));
-    let said = "`ur5_step_rk4` has no second derivatives: their code would be too long";
+    assert!(!source.text.contains("jac_adj1_panda_step_rk4"));
+    let said = "`panda_step_rk4` has no second derivatives: their code would be too long";
     assert_eq!(warnings.iter().filter(|warning| warning.message == said).count(), 1);
 }
 
