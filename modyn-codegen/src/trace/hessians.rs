@@ -24,6 +24,7 @@ use modyn_runtime::equations::dynamics::{free_bases, free_fall_accelerations};
 
 use super::Tracer;
 use super::composition::Composition;
+use super::products::WeightedInverseDynamics;
 use crate::graph::{Graph, Id};
 use crate::passes::{jvp, optimize};
 
@@ -131,15 +132,8 @@ impl Tracer<'_> {
     /// Hessian's blocks (q, q), (q, qd), (qd, qd) and (q, qdd), by columns. Inputs: `q`, `qd`, `qdd` and the weights.
     #[must_use]
     pub fn inverse_dynamics_hessian(&self) -> Graph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
-        let inverse = optimize(self.inverse_dynamics());
-        let mut all = Composition::new();
-        let [q, qd, qdd, weights] = [nq, nv, nv, nv].map(|count| all.inputs(count));
-        let parameters = all.inputs(self.parameters.len());
-        let tau = all.add(&inverse, &[&q, &qd, &qdd, &parameters]);
-        let gradient = self.gradient(&inverse, 2);
-        let point = [&q[..], &qd, &qdd, &weights, &parameters].concat();
-        let gradients = all.add(&gradient, &[&point]);
+        let WeightedInverseDynamics { mut all, tau, gradient, point, gradients } =
+            self.weighted_inverse_dynamics();
         let mut hessian = Hessian::new(self, gradient, 2, point);
         self.second_derivatives(&mut all, &mut hessian, |_| true);
         let blocks = [(Q, Q), (Q, QD), (QD, QD), (Q, QDD)];

@@ -89,6 +89,20 @@ impl<'a> ForwardDynamics<'a> {
     }
 }
 
+/// Inverse dynamics with its weighted gradients.
+pub(super) struct WeightedInverseDynamics {
+    /// The graph of all this.
+    pub all: Composition,
+    /// The joint forces.
+    pub tau: Vec<Id>,
+    /// The graph of the gradients, as [`Tracer::gradient`] returns it.
+    pub gradient: Graph,
+    /// The inputs of that graph: `q`, `qd`, `qdd`, the weights and the run-time parameters.
+    pub point: Vec<Id>,
+    /// The gradients by `q` (in tangent space), `qd` and `qdd`.
+    pub gradients: Vec<Id>,
+}
+
 impl Tracer<'_> {
     /// Returns the number of inputs of a function of `q` and `vectors` joint vectors.
     fn inputs(&self, vectors: usize) -> usize {
@@ -134,18 +148,25 @@ impl Tracer<'_> {
         all.with_outputs(&[&by_q, rest])
     }
 
-    /// Returns the graph of the joint forces, and of their weighted gradients by `q` (in tangent space), `qd` and `qdd`.
-    /// Inputs: `q`, `qd`, `qdd` and the weights.
-    #[must_use]
-    pub fn inverse_dynamics_vjp(&self) -> Graph {
+    /// Returns inverse dynamics with its weighted gradients. Inputs: `q`, `qd`, `qdd` and the weights.
+    pub(super) fn weighted_inverse_dynamics(&self) -> WeightedInverseDynamics {
         let (nq, nv) = (self.model.nq, self.model.nv);
         let inverse = optimize(self.inverse_dynamics());
         let mut all = Composition::new();
         let [q, qd, qdd, weights] = [nq, nv, nv, nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
         let tau = all.add(&inverse, &[&q, &qd, &qdd, &parameters]);
-        let gradients = self.gradient(&inverse, 2);
-        let gradients = all.add(&gradients, &[&q, &qd, &qdd, &weights, &parameters]);
+        let gradient = self.gradient(&inverse, 2);
+        let point = [q, qd, qdd, weights, parameters].concat();
+        let gradients = all.add(&gradient, &[&point]);
+        WeightedInverseDynamics { all, tau, gradient, point, gradients }
+    }
+
+    /// Returns the graph of the joint forces, and of their weighted gradients by `q` (in tangent space), `qd` and `qdd`.
+    /// Inputs: `q`, `qd`, `qdd` and the weights.
+    #[must_use]
+    pub fn inverse_dynamics_vjp(&self) -> Graph {
+        let WeightedInverseDynamics { all, tau, gradients, .. } = self.weighted_inverse_dynamics();
         all.with_outputs(&[&tau, &gradients])
     }
 
