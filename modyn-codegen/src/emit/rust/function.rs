@@ -10,8 +10,9 @@ use std::cell::{Cell, OnceCell};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use super::FloatType;
 use super::parameter::{Parameter, unpacked};
-use super::{FloatType, Shape};
+use super::shape::Shape;
 use crate::names::helper_type;
 use crate::program::{Chunk, Program, Routine, Scope, Target, Value};
 use vectors::VectorType;
