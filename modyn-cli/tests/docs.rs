@@ -90,14 +90,14 @@ fn quoted(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
 
-/// Adds the paths of the files in a folder and its subfolders.
+/// Adds the paths of the files in a folder and its subfolders, without those of builds.
 fn collect_files(folder: &Path, files: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            collect_files(&path, files);
-        } else {
+        if !path.is_dir() {
             files.push(path);
+        } else if !path.ends_with("target") {
+            collect_files(&path, files);
         }
     }
 }
@@ -148,5 +148,38 @@ fn the_page_on_extending_names_existing_places() {
                 assert!(folder.join(file).exists(), "{page}: {link}");
             }
         }
+    }
+}
+
+#[test]
+fn the_map_of_the_code_names_existing_places() {
+    let page = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("a page");
+    let mut folders: Vec<PathBuf> = Vec::new();
+    let mut places = 0;
+    for line in block(&page, "## Where things are", "text").lines() {
+        let text = line.trim_start();
+        let depth = (line.len() - text.len()) / 2;
+        // Further lines of a description are indented by more than any place.
+        if depth > 2 {
+            continue;
+        }
+        let name = text.split(' ').next().expect("a name");
+        folders.truncate(depth);
+        let folder = folders.last().cloned().unwrap_or_else(root);
+        let mut candidates = [folder.join(name), folder.join("src").join(name)].into_iter();
+        folders.push(candidates.find(|path| path.exists()).unwrap_or_else(|| panic!("{line}")));
+        places += 1;
+    }
+    assert!(places > 80, "{places}");
+    let mut files = Vec::new();
+    let crates = ["cli", "codegen", "gpu", "jit", "macro", "python", "runtime"];
+    let crates = crates.map(|name| root().join(format!("modyn-{name}")));
+    let others = ["src", "reproduce", "tests"].map(|name| root().join(name));
+    for folder in crates.iter().chain(&others) {
+        collect_files(folder, &mut files);
+    }
+    let words = page.split(|c: char| !c.is_alphanumeric() && !"_-./".contains(c));
+    for word in words.filter(|word| word.ends_with(".rs")) {
+        assert!(files.iter().any(|file| file.ends_with(word)), "there is no file {word}");
     }
 }

@@ -22,7 +22,7 @@ use crate::options::{Bundle, ModuleChoice, OptionError, Options, Value, option_t
 use crate::plan::{CasadiPlan, Choices, Constants, Execution, Function, Plan};
 use crate::read::{Format, Reading};
 use crate::size::too_large;
-use checks::moving_frames;
+use checks::{moving_frames, without_casadi_form, without_hessian};
 use source::Source;
 
 /// Compiles a robot description.
@@ -245,23 +245,7 @@ impl Builder {
     /// Returns all errors of the description and the options. There are no bundles, since `CasADi` composes functions by
     /// itself, and no single precision, which `CasADi` does not have.
     pub fn generate_casadi(&self) -> Result<(CasadiSource, Vec<Diagnostic>), Diagnostics> {
-        let code = &self.options.code;
-        let refused = [
-            (
-                code.scalar == FloatType::F32,
-                "`CasADi` computes in double precision",
-                "remove the option `scalar`",
-            ),
-            (
-                !code.bundles.is_empty(),
-                "`CasADi` has no bundles",
-                "select the functions of the bundle by `functions`",
-            ),
-        ];
-        let refused = refused.into_iter().filter(|(refused, ..)| *refused);
-        let mut errors: Vec<Diagnostic> = refused
-            .map(|(_, message, help)| Diagnostic::error(Code::Option, message).with_help(help))
-            .collect();
+        let mut errors = self.casadi_errors();
         let Inputs { model, modules, choices, mut options } = match self.inputs() {
             Ok(inputs) if errors.is_empty() => inputs,
             Ok(_) => return Err(Diagnostics::new(errors)),
@@ -270,36 +254,11 @@ impl Builder {
                 return Err(Diagnostics::new(errors));
             }
         };
-        let warning = |message: String, help: &str| {
-            Diagnostic::new(Severity::Warning, Code::Option, message).with_help(help)
-        };
-        // `default` and `all` are requests for the functions that there are.
-        let of_a_group = |function: &Function| {
-            choices.functions.len() == Function::ALL.len() || Function::DEFAULT.contains(function)
-        };
-        let missing =
-            choices.functions.iter().filter(|one| !one.is_for_casadi() && !of_a_group(one));
-        let missing: Vec<String> = missing.map(|one| format!("`{}`", one.name())).collect();
-        if !missing.is_empty() {
-            let message = format!("{} has no form for CasADi, and is left out", missing.join(", "));
-            options.warnings.push(warning(
-                message,
-                "differentiate the functions in CasADi, by `jacobian` or `gradient`",
-            ));
-        }
         let prefix = options.prefix(&model);
         let plan = CasadiPlan::new(&model, &modules, &choices, &prefix);
-        let source = emit_casadi(&model, plan, prefix);
-        if !source.without_hessian.is_empty() {
-            let names = source.without_hessian.join("`, `");
-            let message =
-                format!("`{names}` has no second derivatives: their code would be too long");
-            options.warnings.push(warning(
-                message,
-                "use a Hessian approximation (IPOPT: `hessian_approximation`)",
-            ));
-        }
-        Ok((source, options.warnings))
+        options.warnings.extend(without_casadi_form(&choices.functions));
+        options.warnings.extend(without_hessian(&plan.without_hessian));
+        Ok((emit_casadi(&model, plan, prefix), options.warnings))
     }
 
     /// Returns the C source whose header file has this name, and the warnings.

@@ -3,9 +3,14 @@
 
 use std::path::Path;
 
+use modyn_codegen::passes::optimize;
 use modyn_codegen::plan::{CasadiFunction, CasadiMatrix, CasadiPlan, Choices};
+use modyn_codegen::trace::{EntryDerivatives, Tracer};
 use modyn_codegen::{Base, Builder, FloatType, Function, ReadOptions, read_urdf};
 use modyn_runtime::Interpreter;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
 fn text(name: &str) -> String {
@@ -295,4 +300,35 @@ fn other_options_are_refused_or_warned_of() {
     assert!(
         all.functions.len() > 100 && warnings.iter().all(|one| !one.message.contains("no form"))
     );
+}
+
+#[test]
+fn long_second_derivatives_are_left_out_with_a_warning() {
+    let functions = [Function::StepSemiImplicit, Function::StepRk4];
+    let builder = Builder::new().urdf_text(text("panda"), "panda.urdf").type_name("Panda");
+    let (source, warnings) = builder.functions(functions).generate_casadi().expect("good");
+    assert_eq!(source.without_hessian, ["panda_step_rk4"]);
+    let of = |end: &str| source.functions.iter().filter(|name| name.ends_with(end)).count();
+    assert_eq!((of("_step_semi_implicit"), of("_step_rk4")), (5, 4));
+    assert!(!source.text.contains("jac_adj1_panda_step_rk4"));
+    let said = "`panda_step_rk4` has no second derivatives: their code would be too long";
+    assert_eq!(warnings.iter().filter(|warning| warning.message == said).count(), 1);
+}
+
+#[test]
+fn second_derivatives_are_left_out_above_their_limit() {
+    let model = model("ur5", Base::Fixed);
+    let (mechanism, modules) = (Mechanism::new(&model), ModuleTree::links(&model));
+    let (tracer, layout) = (Tracer::new(&mechanism), UduLayout::new(&mechanism, &modules));
+    let forward = optimize(tracer.forward_dynamics(&Elimination::new(&mechanism, &modules)));
+    let by_entries: [&dyn Fn(usize) -> EntryDerivatives; 2] =
+        [&|limit| tracer.forward_dynamics_by_entries(&forward, &layout, limit), &|limit| {
+            tracer.inverse_dynamics_by_entries(limit)
+        }];
+    for derivatives in by_entries {
+        let operations = derivatives(usize::MAX).hessian.expect("no limit").count().total();
+        let within = derivatives(operations).hessian.expect("at the limit");
+        assert_eq!(within.count().total(), operations);
+        assert!(derivatives(operations - 1).hessian.is_none());
+    }
 }

@@ -3,6 +3,7 @@
 
 use modyn_codegen::graph::Graph;
 use modyn_codegen::passes::optimize;
+use modyn_codegen::plan::{COLUMN_LANES, LIMB_LIMITS};
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{Base, ReadOptions};
 use modyn_codegen::{Builder, Function};
@@ -107,12 +108,12 @@ fn derivatives_side_by_side_are_the_interpreters() {
     for (name, model) in robots() {
         let mechanism = Mechanism::new(&model);
         let tracer = Tracer::new(&mechanism);
-        let candidates = LimbPacking::candidates(&mechanism, true);
+        let candidates = LimbPacking::candidates(&mechanism, &LIMB_LIMITS, true);
         assert_eq!(candidates.len(), if name.starts_with("humanoid") { 2 } else { 1 }, "{name}");
         assert!(candidates.iter().all(|limbs| limbs.share_root_path(&mechanism)), "{name}");
         let mut tracers: Vec<Tracer> =
             candidates.iter().map(|limbs| tracer.packed(limbs)).collect();
-        tracers.push(tracer.column_lanes());
+        tracers.push(tracer.column_lanes(COLUMN_LANES));
         let layouts = [ModuleTree::chains(&model), ModuleTree::links(&model)]
             .map(|modules| UduLayout::new(&mechanism, &modules));
         let inverse: Vec<Graph> =
@@ -188,7 +189,7 @@ fn limbs_on_two_branches_share_no_root_path() {
     text += "</robot>";
     let model = read(&text, "two branches", Base::Fixed);
     let mechanism = Mechanism::new(&model);
-    let joined = LimbPacking::joined(&mechanism).expect("limbs that can join");
+    let joined = LimbPacking::joined(&mechanism, &LIMB_LIMITS).expect("limbs that can join");
     assert!(!joined.share_root_path(&mechanism));
     // They are therefore packed for torques, but not where columns are propagated.
     let joins = |function| {

@@ -2,6 +2,7 @@
 
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::optimize;
+use modyn_codegen::plan::LIMB_LIMITS;
 use modyn_codegen::trace::{LimbPacking, Parameters, Tracer};
 use modyn_codegen::{Base, ReadOptions};
 use modyn_runtime::equations::ModulePartition;
@@ -94,7 +95,7 @@ fn compare(name: &str, quantity: &str, alone: Graph, packed: Graph) -> [usize; 2
 fn equal_limbs_side_by_side_give_the_same() {
     for (name, model, independent) in robots() {
         let mechanism = Mechanism::new(&model);
-        let limbs = LimbPacking::find(&mechanism).expect("equal limbs");
+        let limbs = LimbPacking::find(&mechanism, &LIMB_LIMITS).expect("equal limbs");
         assert_eq!(limbs.independent(&mechanism), independent, "{name}");
         let gravity = Tracer::with_parameters(&mechanism, Parameters::new(&model, true, &[], &[]));
         for alone in [Tracer::new(&mechanism), gravity] {
@@ -145,8 +146,8 @@ fn equal_limbs_side_by_side_give_the_same() {
 fn limbs_on_different_bodies_side_by_side_give_the_same() {
     for (name, model, _) in robots() {
         let mechanism = Mechanism::new(&model);
-        let equal = LimbPacking::find(&mechanism).expect("equal limbs");
-        let Some(joined) = LimbPacking::joined(&mechanism) else {
+        let equal = LimbPacking::find(&mechanism, &LIMB_LIMITS).expect("equal limbs");
+        let Some(joined) = LimbPacking::joined(&mechanism, &LIMB_LIMITS) else {
             assert!(!name.contains("humanoid"), "{name} has legs and arms");
             continue;
         };
@@ -225,7 +226,8 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
             let read = modyn_codegen::read(&upright(low, high), "upright", &options(base));
             let model = read.expect("a good robot").model;
             let mechanism = Mechanism::new(&model);
-            let joined = LimbPacking::joined(&mechanism).expect("limbs that can join");
+            let joined =
+                LimbPacking::joined(&mechanism, &LIMB_LIMITS).expect("limbs that can join");
             let alone = Tracer::new(&mechanism);
             let packed = alone.packed(&joined);
             for modules in [ModuleTree::chains(&model), ModuleTree::links(&model)] {
@@ -263,7 +265,10 @@ fn limbs_that_join_may_be_longer_or_shorter_above() {
     }
     // Three further joints cost more than the vectors gain.
     let read = modyn_codegen::read(&upright(2, 5), "upright", &ReadOptions::default());
-    assert_eq!(LimbPacking::joined(&Mechanism::new(&read.expect("a good robot").model)), None);
+    assert_eq!(
+        LimbPacking::joined(&Mechanism::new(&read.expect("a good robot").model), &LIMB_LIMITS),
+        None
+    );
 }
 
 /// Packed forward dynamics computes what scalar forward dynamics does, by each choice of modules, in fewer operations.
@@ -273,7 +278,7 @@ fn packed_forward_dynamics_is_scalar_forward_dynamics() {
     let mut rows = 0;
     for (name, model, _) in robots() {
         let mechanism = Mechanism::new(&model);
-        let limbs = LimbPacking::find(&mechanism).expect("equal limbs");
+        let limbs = LimbPacking::find(&mechanism, &LIMB_LIMITS).expect("equal limbs");
         for modules in modules {
             let partition = ModulePartition::new(&mechanism, &modules(&model));
             let merged = Elimination::Recursive(limbs.partition(&partition));
@@ -294,9 +299,9 @@ fn packed_forward_dynamics_is_scalar_forward_dynamics() {
 #[test]
 fn robots_without_equal_limbs_are_not_packed() {
     let arm = read(include_str!("../../robots/arm7.urdf"), "arm7", Base::Fixed);
-    assert_eq!(LimbPacking::find(&Mechanism::new(&arm)), None);
+    assert_eq!(LimbPacking::find(&Mechanism::new(&arm), &LIMB_LIMITS), None);
     let mimics = read(include_str!("../../robots/mimic_gripper.urdf"), "gripper", Base::Fixed);
-    assert_eq!(LimbPacking::find(&Mechanism::new(&mimics)), None);
+    assert_eq!(LimbPacking::find(&Mechanism::new(&mimics), &LIMB_LIMITS), None);
 }
 
 #[test]

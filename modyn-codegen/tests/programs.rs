@@ -2,6 +2,7 @@
 
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::{balance, optimize};
+use modyn_codegen::plan::LIMB_LIMITS;
 use modyn_codegen::program::{Operation, Program, Source, Target};
 use modyn_codegen::trace::{LimbPacking, Tracer};
 use modyn_codegen::{ReadOptions, read};
@@ -66,7 +67,7 @@ fn packed_and_repeated_programs_agree_with_graphs() {
         let mechanism = Mechanism::new(&model);
         let tracer = Tracer::new(&mechanism);
         let partition = ModulePartition::new(&mechanism, &ModuleTree::links(&model));
-        for limbs in LimbPacking::candidates(&mechanism, true) {
+        for limbs in LimbPacking::candidates(&mechanism, &LIMB_LIMITS, true) {
             let elimination = Elimination::Recursive(limbs.partition(&partition));
             let graph = optimize(tracer.packed(&limbs).forward_dynamics(&elimination));
             let count = model.nq() + 2 * model.nv();

@@ -2,6 +2,7 @@
 //! described with these values.
 
 use modyn_codegen::passes::optimize;
+use modyn_codegen::plan::COLUMN_LANES;
 use modyn_codegen::trace::{Parameters, Tracer};
 use modyn_codegen::{ReadOptions, read_urdf};
 use modyn_runtime::Interpreter;
@@ -137,7 +138,7 @@ fn a_graph_with_parameters_is_that_of_a_description_with_their_values() {
         expected.forward_dynamics(&q, &qd, &x, &mut qdd).expect("sizes");
         expected.mass_matrix(&q, &mut mass).expect("sizes");
         let inputs = |joint: &[&[f64]]| [joint.concat(), values.clone()].concat();
-        for tracer in [tracer.clone(), tracer.column_lanes()] {
+        for tracer in [tracer.clone(), tracer.column_lanes(COLUMN_LANES)] {
             let found = optimize(tracer.inverse_dynamics()).evaluate(&inputs(&[&q, &qd, &x]));
             assert_close(&found, &tau, &format!("inverse dynamics, {what}"));
             let elimination = Elimination::new(&mechanism, &ModuleTree::links(&model));

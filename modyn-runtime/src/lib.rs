@@ -69,6 +69,8 @@ pub use crate::nalgebra::Nalgebra;
 pub use batch::BatchError;
 pub use configuration::ConfigurationError;
 pub use constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
+#[doc(hidden)]
+pub use float::{ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers};
 pub use inertial::{Inertial, InertialDefect};
 pub use parameters::ParameterError;
 pub use results::{

@@ -3,6 +3,7 @@
 
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::optimize;
+use modyn_codegen::plan::COLUMN_LANES;
 use modyn_codegen::trace::Tracer;
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::{Workspace, dynamics::inverse_dynamics};
@@ -185,7 +186,7 @@ fn traced_derivatives_are_the_interpreters() {
         };
         let by_inverse = inverse(&mut interpreter, [&q, &qd, &qdd]).concat();
         let by_forward = forward(&mut interpreter, [&q, &qd, &tau]).concat();
-        for tracer in [&tracer, &tracer.column_lanes()] {
+        for tracer in [&tracer, &tracer.column_lanes(COLUMN_LANES)] {
             let found = evaluate(tracer.inverse_dynamics_derivatives(), &qdd);
             assert_close("inverse dynamics", &found, &by_inverse, 1e-11);
             for modules in [ModuleTree::links(&model), ModuleTree::chains(&model)] {

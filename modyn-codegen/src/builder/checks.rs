@@ -8,8 +8,10 @@ use super::syntax::{is_c_prefix, is_path, is_visibility};
 use crate::check::gravity_error;
 use crate::description::{Base, Mimic};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity, Subject, suggest};
+use crate::emit::FloatType;
 use crate::names;
 use crate::options::{Bundle, ModuleChoice};
+use crate::plan::Function;
 
 impl Builder {
     /// Returns the errors of options that are copied into the text.
@@ -95,6 +97,27 @@ impl Builder {
         errors
     }
 
+    /// Returns the errors of options that `CasADi` does not have.
+    pub(super) fn casadi_errors(&self) -> Vec<Diagnostic> {
+        let code = &self.options.code;
+        let refused = [
+            (
+                code.scalar == FloatType::F32,
+                "`CasADi` computes in double precision",
+                "remove the option `scalar`",
+            ),
+            (
+                !code.bundles.is_empty(),
+                "`CasADi` has no bundles",
+                "select the functions of the bundle by `functions`",
+            ),
+        ];
+        let refused = refused.into_iter().filter(|(refused, ..)| *refused);
+        refused
+            .map(|(_, message, help)| Diagnostic::error(Code::Option, message).with_help(help))
+            .collect()
+    }
+
     /// Returns a warning for a type `Robot`, which would collide with the trait that users import.
     pub(super) fn name_conflict(
         &self,
@@ -135,6 +158,31 @@ impl Builder {
             }),
         }
     }
+}
+
+/// Returns a warning for selected functions that have no form for `CasADi`.
+pub(super) fn without_casadi_form(selected: &[Function]) -> Option<Diagnostic> {
+    // `default` and `all` are requests for the functions that there are.
+    let is_of_a_group = |function: &Function| {
+        selected.len() == Function::ALL.len() || Function::DEFAULT.contains(function)
+    };
+    let missing = selected.iter().filter(|one| !one.is_for_casadi() && !is_of_a_group(one));
+    let missing: Vec<String> = missing.map(|one| format!("`{}`", one.name())).collect();
+    (!missing.is_empty()).then(|| {
+        let message = format!("{} has no form for CasADi, and is left out", missing.join(", "));
+        let help = "differentiate the functions in CasADi, by `jacobian` or `gradient`";
+        Diagnostic::new(Severity::Warning, Code::Option, message).with_help(help)
+    })
+}
+
+/// Returns a warning for functions whose second derivatives were left out.
+pub(super) fn without_hessian(functions: &[String]) -> Option<Diagnostic> {
+    (!functions.is_empty()).then(|| {
+        let names = functions.join("`, `");
+        let message = format!("`{names}` has no second derivatives: their code would be too long");
+        let help = "use a Hessian approximation (IPOPT: `hessian_approximation`)";
+        Diagnostic::new(Severity::Warning, Code::Option, message).with_help(help)
+    })
 }
 
 /// Returns the links of this `option`, as indices into the model's frames.

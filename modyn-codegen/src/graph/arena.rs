@@ -1,5 +1,7 @@
 //! The arena of nodes, and the rewrites that are made while it grows.
 
+use std::ops::Range;
+
 use super::node::{Id, Node};
 use super::table::Table;
 
@@ -210,6 +212,16 @@ impl Graph {
     /// Returns the node of a constant; the two zeros are the same node.
     pub fn constant(&mut self, value: f64) -> Id {
         self.insert(Node::Constant((value + 0.0).to_bits()))
+    }
+
+    /// Returns the node of the input with this number.
+    pub fn input(&mut self, number: usize) -> Id {
+        self.insert(Node::input(number))
+    }
+
+    /// Returns the nodes of the inputs with these numbers.
+    pub fn inputs(&mut self, numbers: Range<usize>) -> Vec<Id> {
+        numbers.map(|number| self.input(number)).collect()
     }
 
     fn fold(&mut self, a: Id, f: impl Fn(f64) -> f64, node: impl Fn(Id) -> Node) -> Id {

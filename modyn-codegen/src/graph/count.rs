@@ -7,6 +7,13 @@ use modyn_runtime::OperationCount;
 use super::{Graph, Node};
 
 impl Graph {
+    /// Returns whether the outputs need more than this many operations.
+    #[must_use]
+    pub fn takes_more_than(&self, operations: usize) -> bool {
+        // Every operation is a node, and nodes need no counting.
+        self.nodes().len() > operations && self.count().total() > operations
+    }
+
     /// Returns the operations that the outputs need. An operation on lanes counts once; packing and extracting lanes do not
     /// count.
     #[must_use]

@@ -11,6 +11,7 @@ mod evaluate;
 mod node;
 mod scalar;
 mod table;
+mod vectors;
 
 pub use arena::Graph;
 pub use node::{Id, Node};

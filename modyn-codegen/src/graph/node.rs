@@ -43,6 +43,16 @@ pub enum Node {
 }
 
 impl Node {
+    /// Returns the input with this number.
+    ///
+    /// # Panics
+    ///
+    /// If the number is 2^32 or more.
+    #[must_use]
+    pub fn input(number: usize) -> Self {
+        Self::Input(u32::try_from(number).expect("fewer than 2^32 inputs"))
+    }
+
     /// Returns the same operation on other nodes.
     #[must_use]
     pub fn map(self, f: impl Fn(Id) -> Id) -> Self {

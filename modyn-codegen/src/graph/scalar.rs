@@ -84,8 +84,7 @@ impl Expr {
     /// Returns the input with this number.
     #[must_use]
     pub fn input(number: usize) -> Self {
-        let number = u32::try_from(number).expect("fewer than 2^32 inputs");
-        Self::make([], |[]| Node::Input(number))
+        Self::make([], |[]| Node::input(number))
     }
 
     /// Returns the pack of these numbers; copies of the last one fill it up to a power of two.

@@ -225,8 +225,8 @@ impl Member {
             );
             return Some((message, help));
         }
-        if self.function == Function::Random {
-            let message = "`random` has no state as argument".to_string();
+        if row.of_random_numbers {
+            let message = format!("`{name}` has no state as argument");
             return found(message, "call it by itself");
         }
         match (&self.link, row.is_by_link()) {
@@ -352,7 +352,7 @@ impl OptionValue for Bundle {
 /// Returns the message that no function of a bundle has this name.
 fn unknown(name: &str) -> String {
     let known: Vec<&str> = (Function::ALL.iter())
-        .filter(|function| function.batched().is_none() && **function != Function::Random)
+        .filter(|function| function.batched().is_none() && !function.is_of_random_numbers())
         .map(|function| function.name())
         .collect();
     match suggest(name, known.iter().copied()) {

@@ -180,7 +180,7 @@ pub fn jvp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
         if let Node::Input(number) = graph.node(id) {
             if wrt.contains(&(number as usize)) {
                 let change = inputs + number as usize - wrt.start;
-                changes[at] = Some(input(&mut result, change));
+                changes[at] = Some(result.input(change));
             }
             continue;
         }
@@ -219,7 +219,7 @@ pub fn vjp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
     let mut gradients: Vec<Option<Id>> = vec![None; nodes];
     for (k, &output) in graph.outputs.iter().enumerate() {
         if reached[output as usize] {
-            let weight = input(&mut result, inputs + k);
+            let weight = result.input(inputs + k);
             add(&mut result, &mut gradients[output as usize], weight);
         }
     }
@@ -234,14 +234,9 @@ pub fn vjp(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
     }
     let zero = result.constant(0.0);
     let gradient = |number: usize| {
-        let id = graph.find(Node::Input(u32::try_from(number).expect("fewer than 2^32 inputs")));
+        let id = graph.find(Node::input(number));
         id.and_then(|id| gradients[id as usize]).unwrap_or(zero)
     };
     result.outputs = wrt.map(gradient).collect();
     result
-}
-
-/// Returns the node of the input with this number.
-fn input(graph: &mut Graph, number: usize) -> Id {
-    graph.make(Node::Input(u32::try_from(number).expect("fewer than 2^32 inputs")))
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{jvp, vjp};
-use crate::graph::{Graph, Id, Node};
+use crate::graph::Graph;
 
 /// Returns the graph of the derivatives of the outputs of `graph` with respect to the inputs `wrt`: a matrix with a row for
 /// each output, by columns.
@@ -22,49 +22,41 @@ pub fn jacobian(graph: &Graph, inputs: usize, wrt: Range<usize>) -> Graph {
 
 /// Returns the graph of the derivatives of `gradient` with respect to its first inputs, one for each output: a symmetric
 /// matrix by columns, since `gradient` must be the gradient of a function of these inputs. Only half of the matrix is
-/// computed.
+/// computed. Returns `None` if it takes more than `max_operations`, as soon as some columns do.
 #[must_use]
-pub fn hessian(gradient: &Graph, inputs: usize) -> Graph {
+pub fn hessian(gradient: &Graph, inputs: usize, max_operations: usize) -> Option<Graph> {
     let size = gradient.outputs.len();
     let mut change = jvp(gradient, inputs, 0..size);
     let changes = std::mem::take(&mut change.outputs);
-    let (mut all, given) = with_inputs(inputs);
+    let mut all = Graph::default();
+    let given = all.inputs(0..inputs);
     let mut matrix = vec![0; size * size];
     for column in 0..size {
         change.outputs = changes[column..].to_vec();
-        let unit = unit_vector(&mut all, size, column);
+        let unit = all.unit_vector(size, column);
         let ids = all.compose(&change, &[&*given, &unit].concat());
         for (row, id) in (column..).zip(ids) {
             matrix[column * size + row] = id;
             matrix[row * size + column] = id;
         }
+        all.outputs.extend(&matrix[column * size..][..size]);
+        if all.takes_more_than(max_operations) {
+            return None;
+        }
     }
     all.outputs = matrix;
-    all
+    Some(all)
 }
 
 /// Returns the graph of the outputs of `linear` at each unit vector of its last `count` inputs, one after the other.
 fn at_unit_vectors(linear: &Graph, inputs: usize, count: usize) -> Graph {
-    let (mut all, given) = with_inputs(inputs);
+    let mut all = Graph::default();
+    let given = all.inputs(0..inputs);
     let mut outputs = Vec::with_capacity(count * linear.outputs.len());
     for k in 0..count {
-        let unit = unit_vector(&mut all, count, k);
+        let unit = all.unit_vector(count, k);
         outputs.extend(all.compose(linear, &[&*given, &unit].concat()));
     }
     all.outputs = outputs;
     all
-}
-
-/// Returns a graph with this number of inputs, and their nodes.
-fn with_inputs(count: usize) -> (Graph, Vec<Id>) {
-    let mut graph = Graph::default();
-    let input = |number| graph.make(Node::Input(u32::try_from(number).expect("fewer than 2^32")));
-    let inputs = (0..count).map(input).collect();
-    (graph, inputs)
-}
-
-/// Returns the nodes of a unit vector of `length` entries.
-pub fn unit_vector(graph: &mut Graph, length: usize, at: usize) -> Vec<Id> {
-    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
-    (0..length).map(|k| if k == at { one } else { zero }).collect()
 }

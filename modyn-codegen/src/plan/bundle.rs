@@ -5,10 +5,10 @@
 
 use std::collections::BTreeMap;
 
-use super::Tracing;
 use super::functions::{ARGUMENTS, Argument, CForm, Function, Row, Trace};
 use super::shape::{Record, Shape, Sizes};
-use crate::graph::{Graph, Id, Node};
+use super::tracing::Tracing;
+use crate::graph::{Graph, Id};
 use crate::names;
 use crate::trace::Tracer;
 
@@ -94,15 +94,10 @@ pub(super) struct Graphs<'a> {
 
 impl<'a> Graphs<'a> {
     /// Traces the members; `parameters` is the number of run-time parameters.
-    pub(super) fn new(
-        bundle: &'a Bundle,
-        tracing: &Tracing<'_>,
-        sizes: &Sizes,
-        parameters: usize,
-    ) -> Self {
+    pub(super) fn new(bundle: &'a Bundle, tracing: &Tracing<'_>, parameters: usize) -> Self {
         let (mut inputs, mut arguments) = (BTreeMap::new(), 0);
         for argument in bundle.arguments() {
-            let length = (argument.shape)(sizes).len();
+            let length = (argument.shape)(&tracing.sizes).len();
             inputs.insert(argument.name, (arguments, length));
             arguments += length;
         }
@@ -112,7 +107,7 @@ impl<'a> Graphs<'a> {
                 tracing.frames.of_link(member.link.expect("a function of one link has it"), trace)
             };
             match row.trace {
-                Trace::One(trace) => vec![trace(tracing.tracer, tracing)],
+                Trace::One(trace) => vec![trace(&tracing.tracer, tracing)],
                 Trace::ByLink(trace) => {
                     [Some(trace), row.in_bundles].into_iter().flatten().map(of_link).collect()
                 }
@@ -185,9 +180,7 @@ impl<'a> Graphs<'a> {
 
     fn union(&self, members: &[&Graph]) -> Graph {
         let mut union = Graph::default();
-        let inputs: Vec<Id> = (0..self.count)
-            .map(|number| union.make(Node::Input(u32::try_from(number).expect("fewer than 2^32"))))
-            .collect();
+        let inputs = union.inputs(0..self.count);
         let mut outputs = Vec::new();
         for (member, graph) in self.bundle.members.iter().zip(members) {
             let own = member.function.row().arguments.iter().flat_map(|argument| {

@@ -1,7 +1,10 @@
-//! The choices that a plan depends on: the user's, and the way that the programs run.
+//! The choices of a user that a plan depends on.
+
+use modyn_runtime::model::Model;
 
 use super::bundle::Bundle;
 use super::functions::Function;
+use crate::trace::Parameters;
 
 /// The choices of a user that a plan depends on.
 #[derive(Clone, Debug)]
@@ -34,37 +37,8 @@ impl Choices {
         self
     }
 
-    /// Returns the way equal limbs and columns are computed.
-    pub(super) fn strategy(&self, execution: Execution) -> Strategy {
-        match execution {
-            Execution::Threads => Strategy::Threads,
-            _ if self.share => Strategy::Routines,
-            Execution::Scalar => Strategy::Scalar,
-            Execution::Vectors => Strategy::Vectors,
-        }
+    /// Returns the run-time parameters of a model.
+    pub(super) fn parameters(&self, model: &Model) -> Parameters {
+        Parameters::new(model, self.runtime_gravity, &self.runtime_inertia, &self.payload)
     }
-}
-
-/// The way that a back end runs programs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Execution {
-    /// One state at a time, on scalars.
-    Scalar,
-    /// One state at a time, packed into vectors on processors that have them; or many states, one in each lane.
-    Vectors,
-    /// Many states, one in each thread of a graphics processor.
-    Threads,
-}
-
-/// The way equal limbs and columns of one state are computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Strategy {
-    /// One after the other.
-    Scalar,
-    /// By one routine, with a table of constants for each limb.
-    Routines,
-    /// Packed into vectors, on processors that have them.
-    Vectors,
-    /// One after another, one state in each thread of a graphics processor.
-    Threads,
 }

@@ -67,7 +67,7 @@ functions! {
         "Returns the joint accelerations (rad/s^2 or m/s^2) at the coordinates `q` and velocities `qd` under the\n\
          joint forces `tau` (N m or N), gravity included. The method is block reverse Gaussian elimination of the\n\
          mass matrix by inter- and intra-modular recursion.",
-        |t, s| t.forward_dynamics(s.elimination),
+        |t, s| t.forward_dynamics(&s.elimination),
         |m| 14_000.0 * m.carried + 600.0 * m.links,
     )
         .by_default()
@@ -133,7 +133,7 @@ functions! {
         shapes::factors,
         "Returns the factorization U D U^T of the mass matrix at `q` by kinematic modules, by block reverse\n\
          Gaussian elimination.",
-        |t, s| t.brge(s.layout),
+        |t, s| t.brge(&s.layout),
         |m| 1000.0 * m.depths + 130.0 * m.squares + 40.0 * m.entries + 25.0 * m.pivots,
     )
         .by_default()
@@ -162,7 +162,7 @@ functions! {
         shapes::velocities,
         "Returns the joint accelerations under `tau` and a wrench on each link (in the order of `LINK_NAMES`),\n\
          at the link's origin in the link's own axes.",
-        |_, s| s.all_links.forward_dynamics_external(s.elimination, Axes::Link),
+        |_, s| s.all_links.forward_dynamics_external(&s.elimination, Axes::Link),
         |m| 14_000.0 * m.carried + 1500.0 * m.frames,
     );
     /// Forward dynamics with external wrenches in world axes.
@@ -171,7 +171,7 @@ functions! {
         shapes::velocities,
         "Returns the joint accelerations under `tau` and a wrench on each link (in the order of `LINK_NAMES`),\n\
          at the link's origin in world axes.",
-        |_, s| s.all_links.forward_dynamics_external(s.elimination, Axes::World),
+        |_, s| s.all_links.forward_dynamics_external(&s.elimination, Axes::World),
         |m| 14_000.0 * m.carried + 1500.0 * m.frames,
     );
     /// Inverse dynamics with external wrenches in the links' axes.
@@ -231,7 +231,7 @@ functions! {
         shapes::forward_derivatives,
         "Returns the joint accelerations, and the derivatives of forward dynamics with respect to `q` (in tangent\n\
          space), `qd` and `tau`, each an array of columns.",
-        |t, s| t.forward_dynamics_derivatives(s.for_derivatives),
+        |t, s| t.forward_dynamics_derivatives(&s.for_derivatives),
         |m| 5000.0 * m.depths + 600.0 * m.squares + 100.0 * m.entries,
     )
         .packed(Packing::Derivatives)
@@ -260,7 +260,7 @@ functions! {
         shapes::forward_vjp,
         "Returns the accelerations qdd, and the products of `cotangent` with their derivatives: the gradients of\n\
          `cotangent`^T qdd with respect to `q` (in tangent space), `qd` and `tau`.",
-        |t, s| t.forward_dynamics_vjp(s.forward_dynamics),
+        |t, s| t.forward_dynamics_vjp(&s.forward_dynamics.graph),
         |m| 40_000.0 * m.carried + 3000.0 * m.links,
     );
     /// Products of the derivatives of forward dynamics and a vector.
@@ -268,7 +268,7 @@ functions! {
         &[Q, QD, TAU, DQ, DQD, DTAU],
         shapes::forward_jvp,
         "Returns the accelerations qdd, and their change under the changes `dq` (in tangent space), `dqd` and `dtau`.",
-        |t, s| t.forward_dynamics_jvp(s.forward_dynamics),
+        |t, s| t.forward_dynamics_jvp(&s.forward_dynamics.graph),
         |m| 40_000.0 * m.carried + 3000.0 * m.links,
     );
     /// The contracted Hessian of inverse dynamics.
@@ -288,7 +288,7 @@ functions! {
         "Returns the accelerations qdd, and the gradients and the Hessian of `cotangent`^T qdd with respect to `q` (in\n\
          tangent space), `qd` and `tau`. The blocks of the Hessian are arrays of columns; the blocks of `qd` and `tau`\n\
          and of `tau` and `tau` are zero.",
-        |t, s| t.forward_dynamics_hessian(s.for_derivatives),
+        |t, s| t.forward_dynamics_hessian(&s.for_derivatives),
         |m| 18_000.0 * m.depths + 1800.0 * m.squares + 150.0 * m.entries,
     );
     /// The state after a semi-implicit Euler step.
@@ -297,7 +297,7 @@ functions! {
         shapes::step,
         "Returns the state after the time `dt` (s) under the joint forces `tau`, by the semi-implicit Euler method: the\n\
          new velocities are `qd` + `dt` qdd, and move the coordinates.",
-        |t, s| t.step_semi_implicit(s.elimination),
+        |t, s| t.step_semi_implicit(&s.elimination),
         |m| 14_000.0 * m.carried + 800.0 * m.links,
     );
     /// Derivatives of a semi-implicit Euler step.
@@ -307,7 +307,7 @@ functions! {
         "Returns the state after the time `dt` (s) by the semi-implicit Euler method, and its derivatives: `a` with\n\
          respect to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q\n\
          (in tangent space), then those of qd.",
-        |t, s| t.step_semi_implicit_derivatives(s.for_derivatives),
+        |t, s| t.step_semi_implicit_derivatives(&s.for_derivatives),
         |m| 5000.0 * m.depths + 600.0 * m.squares + 350.0 * m.entries,
     );
     /// The state after a Runge-Kutta step.
@@ -316,7 +316,7 @@ functions! {
         shapes::step,
         "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a Runge-Kutta method of\n\
          fourth order. Rotations follow exponential maps, so quaternions keep length 1.",
-        |t, s| t.step_rk4(s.elimination),
+        |t, s| t.step_rk4(&s.elimination),
         |m| 56_000.0 * m.carried + 3200.0 * m.links,
     );
     /// Forward dynamics with the loops closed and the active contacts held.
@@ -329,7 +329,7 @@ functions! {
          of `LOOP_CONSTRAINT_NAMES`, at the second frame's origin in the first frame's axes. Contacts follow, in\n\
          the order of `CONTACT_NAMES`, at the frame's origin in world axes. Redundant rows get the multipliers of\n\
          smallest norm.",
-        |t, s| t.constrained_forward_dynamics(s.layout),
+        |t, s| t.constrained_forward_dynamics(&s.layout),
         |m| {
             1200.0 * m.depths
                 + 70.0 * m.squares
@@ -349,7 +349,7 @@ functions! {
         "Returns the displacement and the velocity of each loop constraint's second frame relative to its first,\n\
          in the first frame's axes; then of each contact's frame, active or not, relative to its target, in world\n\
          axes. Components along free directions are zero. A rotation is its axis times the sine of its angle.",
-        |t, s| t.constraint_residual(s.layout),
+        |t, s| t.constraint_residual(&s.layout),
         |m| 400.0 * m.reach + 300.0 * m.row_reach,
     )
         .by_default()
@@ -362,7 +362,7 @@ functions! {
         "Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q` and moves the\n\
          active contacts to their targets to first order, the smallest change of `qd` that keeps them there, and\n\
          the number of independent constraint rows. The settings `alpha` and `beta` have no effect.",
-        |t, s| t.project_constraints(s.layout),
+        |t, s| t.project_constraints(&s.layout),
         |m| {
             140.0 * m.squares
                 + 850.0 * m.reach
@@ -381,7 +381,7 @@ functions! {
          respect to `q` (in tangent space), `qd` and `tau`, each an array of columns. The derivatives of wrenches\n\
          are arrays for each constraint, in world axes. The rank is assumed constant; redundant rows get the\n\
          derivatives of smallest norm. Robots with loops do not have this function.",
-        |t, s| t.constrained_forward_dynamics_derivatives(s.layout),
+        |t, s| t.constrained_forward_dynamics_derivatives(&s.layout),
         |m| {
             1400.0 * m.depths
                 + 800.0 * m.squares
@@ -402,7 +402,7 @@ functions! {
          their targets at the same instant, the impulse of each constraint, and the number of independent\n\
          constraint rows. Along its normal, a contact leaves with `restitution` times the speed before the\n\
          impact. The settings `alpha` and `beta` have no effect.",
-        |t, s| t.contact_impulse(s.layout),
+        |t, s| t.contact_impulse(&s.layout),
         |m| {
             140.0 * m.squares
                 + 850.0 * m.reach
@@ -421,7 +421,7 @@ functions! {
          of (force^2 + (moment / l)^2) / weight with the characteristic length l of each contact. The joint\n\
          forces of a base are the wrench on it that no contact can carry. The wrenches of loop constraints are\n\
          zero.",
-        |t, s| t.constrained_inverse_dynamics(s.layout),
+        |t, s| t.constrained_inverse_dynamics(&s.layout),
         |m| {
             3300.0 * m.carried
                 + 57_000.0 * m.bases.powi(2)
@@ -437,7 +437,7 @@ functions! {
         "Returns the Jacobian of each constraint, an array of columns. The product with `qd` is, for a loop\n\
          constraint, the constrained part of the twist of its second frame relative to its first, in the first\n\
          frame's axes; for a contact, active or not, the constrained part of its frame's twist in world axes.",
-        |t, s| t.constraint_jacobian(s.layout),
+        |t, s| t.constraint_jacobian(&s.layout),
         |m| 1200.0 * m.reach + 45.0 * m.row_reach,
     )
         .of_constraints()
@@ -461,7 +461,7 @@ functions! {
          and the number of independent constraint rows. Both matrices are arrays of columns; each constraint has\n\
          its constrained rotations, then its constrained displacements, of a contact in world axes. The entries\n\
          of inactive contacts are zero. The inverse contains the compliance.",
-        |t, s| t.operational_inertia(s.layout),
+        |t, s| t.operational_inertia(&s.layout),
         |m| {
             140.0 * m.squares
                 + 950.0 * m.reach
@@ -711,6 +711,7 @@ functions! {
         |t, _| t.random(),
         |m| 200.0 * m.links,
     )
+        .of_random_numbers()
         .by_default()
         .without_parameters()
         .not_exported();

@@ -2,16 +2,24 @@
 
 use modyn_runtime::equations::dynamics::Elimination;
 
-use super::Tracing;
 use super::bundle::{Bundle, Graphs};
 use super::functions::{Function, Packing, Trace};
+use super::strategy::Strategy;
+use super::tracing::{TracedRobot, Tracing};
 use crate::graph::Graph;
 use crate::passes::{balance, optimize};
-use crate::trace::{LimbPacking, Tracer};
+use crate::trace::{LimbLimits, LimbPacking, Tracer};
 
 /// The largest number of operations on scalars for which sums are balanced along the critical path. A longer function
 /// keeps all units of a processor busy without balancing.
 const MAX_BALANCED: usize = 2000;
+
+/// The limits of merging limbs: the lanes of the longest vectors, and for limbs on different bodies those of a vector on most
+/// processors. The lanes of a joint that a shorter chain lacks do nothing.
+pub const LIMB_LIMITS: LimbLimits = LimbLimits { packed: 8, joined: 4, missing: 2 };
+
+/// The number of derivative columns that are computed at a time: the lanes of a vector on most processors.
+pub const COLUMN_LANES: usize = 4;
 
 /// The largest number of operations on scalars for which derivatives are also compiled with columns in lanes.
 const MAX_COLUMNS: usize = 20_000;
@@ -22,6 +30,13 @@ const DISPATCHED: std::ops::Range<usize> = 100..5000;
 
 /// A packed function is profitable if it needs fewer than this many fifths of the operations on scalars.
 const MAX_FIFTHS: usize = 4;
+
+/// Returns the candidates for packing limbs. Limbs with run-time inertias are never equal.
+pub(super) fn limbs(robot: &TracedRobot, strategy: Strategy) -> Vec<LimbPacking> {
+    let packs = matches!(strategy, Strategy::Routines | Strategy::Vectors) && robot.is_described();
+    let joins = strategy == Strategy::Vectors;
+    if packs { LimbPacking::candidates(&robot.mechanism, &LIMB_LIMITS, joins) } else { Vec::new() }
+}
 
 /// Returns the graph with sums balanced along its critical path, if that is profitable.
 pub(super) fn balanced(graph: Graph) -> Graph {
@@ -38,9 +53,10 @@ pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) 
         let tracer = tracing.tracer.packed(limbs);
         candidates(row.packing, trace, tracing, (limbs, &tracer))
     });
-    let has_columns =
-        row.packing == Packing::Derivatives && tracing.vectors && operations(scalar) <= MAX_COLUMNS;
-    let columns = has_columns.then(|| trace(&tracing.tracer.column_lanes(), tracing));
+    let has_columns = row.packing == Packing::Derivatives
+        && tracing.has_vectors()
+        && operations(scalar) <= MAX_COLUMNS;
+    let columns = has_columns.then(|| trace(&tracing.tracer.column_lanes(COLUMN_LANES), tracing));
     profitable(by_limbs.chain(columns), row.hot, tracing, scalar)
 }
 
@@ -59,11 +75,11 @@ pub(super) fn packed_bundle(
             all.into_iter().min_by_key(operations)
         })
     });
-    let has_columns = tracing.vectors && operations(scalar) <= MAX_COLUMNS;
+    let has_columns = tracing.has_vectors() && operations(scalar) <= MAX_COLUMNS;
     let columns = || {
         graphs.packed(|row, trace| {
             let columns = row.packing == Packing::Derivatives;
-            columns.then(|| trace(&tracing.tracer.column_lanes(), tracing))
+            columns.then(|| trace(&tracing.tracer.column_lanes(COLUMN_LANES), tracing))
         })
     };
     let columns = has_columns.then(columns).flatten();
@@ -86,7 +102,7 @@ fn profitable(
     if let Some(graph) = cheapest.filter(is_profitable) {
         return Some(graph);
     }
-    let dispatched = tracing.vectors && hot && DISPATCHED.contains(&operations(scalar));
+    let dispatched = tracing.has_vectors() && hot && DISPATCHED.contains(&operations(scalar));
     dispatched.then(|| scalar.clone())
 }
 
@@ -108,7 +124,9 @@ fn candidates(
             return Vec::new();
         }
         // Where limbs move each other, packed derivatives are profitable on vectors only.
-        Packing::Derivatives if !(tracing.vectors || tracing.independent) => return Vec::new(),
+        Packing::Derivatives if !(tracing.has_vectors() || tracing.independent) => {
+            return Vec::new();
+        }
         Packing::OnRootPath | Packing::Derivatives => {}
         Packing::Never => return Vec::new(),
     }

@@ -1,5 +1,7 @@
 //! The layout of arguments and results: a sequence of scalars and its grouping, independent of any language.
 
+use modyn_runtime::model::Model;
+
 /// A layout of scalars.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Shape {
@@ -143,6 +145,22 @@ pub struct Sizes {
     pub constraint_rows: usize,
     /// The number of entries of the mass matrix's factors.
     pub factors: usize,
+}
+
+impl Sizes {
+    /// Returns the sizes of a model whose mass matrix has this number of factors.
+    pub(super) fn new(model: &Model, factors: usize) -> Self {
+        Self {
+            nq: model.nq(),
+            nv: model.nv(),
+            links: model.frames().len(),
+            moving: model.links().len(),
+            constraints: model.constraints(),
+            contacts: model.contacts().len(),
+            constraint_rows: model.constraint_rows(),
+            factors,
+        }
+    }
 }
 
 /// The layouts in the table of functions.

@@ -12,6 +12,7 @@
 //! many lanes as the operation has. A printer therefore needs no expression trees. Machine code can be made from a
 //! program directly: it is one basic block with known last uses ([`Statement::last_use`]).
 
+mod count;
 mod evaluate;
 mod lower;
 mod outline;
@@ -20,8 +21,6 @@ mod validate;
 
 use std::collections::BTreeSet;
 use std::ops::Range;
-
-use modyn_runtime::OperationCount;
 
 pub use validate::InvalidProgram;
 
@@ -196,6 +195,8 @@ pub struct Routine {
     pub own: usize,
     /// The number of operands that all repetitions share.
     pub common: usize,
+    /// Whether its code must not be inlined into the calls: several calls share it.
+    pub never_inline: bool,
 }
 
 /// A call of a routine; its results are the routine's results.
@@ -271,54 +272,5 @@ impl Program {
             Source::Result(value) => self.statements[value.statement].lanes,
             Source::Constant(_) | Source::Argument(_) => 1,
         }
-    }
-
-    /// Returns the operations of one call; those of routines count as often as they are called.
-    #[must_use]
-    pub fn operations_per_call(&self) -> OperationCount {
-        let calls = |routine: &Routine| {
-            let one = routine.program.operations_per_call();
-            std::iter::repeat_n(one, routine.tables.len()).sum::<OperationCount>()
-        };
-        self.own_operations() + self.routines.iter().map(calls).sum()
-    }
-
-    /// Returns the operations in the program's text; those of routines count once.
-    #[must_use]
-    pub fn static_operations(&self) -> OperationCount {
-        let routines = self.routines.iter().map(|routine| routine.program.static_operations());
-        self.own_operations() + routines.sum()
-    }
-
-    /// Returns the operations of the program's own statements. An operation on lanes counts once; packs and unpacks do not
-    /// count.
-    fn own_operations(&self) -> OperationCount {
-        let mut count = OperationCount::default();
-        for Statement { operation, .. } in &self.statements {
-            match operation {
-                Operation::Add(..) | Operation::Subtract(..) => count.additions += 1,
-                Operation::Multiply(..) => count.multiplications += 1,
-                Operation::MultiplyAdd(fused) => {
-                    count.additions += 1;
-                    count.multiplications += match fused.addend {
-                        Addend::Value(_) => 1,
-                        Addend::Product(..) => 2,
-                    };
-                }
-                Operation::Reciprocal(_) => count.divisions += 1,
-                Operation::SinCos(angles) => count.sin_cos += angles.len(),
-                Operation::Atan2(..)
-                | Operation::SquareRoot(_)
-                | Operation::Logarithm(_)
-                | Operation::Absolute(_)
-                | Operation::Maximum(..)
-                | Operation::Select(..) => count.others += 1,
-                Operation::Pack(_)
-                | Operation::Constants(_)
-                | Operation::Unpack(_)
-                | Operation::Call(_) => {}
-            }
-        }
-        count
     }
 }

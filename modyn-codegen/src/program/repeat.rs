@@ -42,6 +42,7 @@ impl Program {
                 tables: (0..stage.calls).map(table).collect(),
                 own: own.len(),
                 common: common.len(),
+                never_inline: stage.calls > 1,
             });
         }
         let results = graph.outputs.iter().map(|&id| operand(graph, &stages, id, 0)).collect();
@@ -188,8 +189,7 @@ impl Stage {
         let mut made = Graph::default();
         let mut ids_made: BTreeMap<Id, Id> = BTreeMap::new();
         for (place, input) in all.iter().enumerate() {
-            let node = Node::Input(u32::try_from(place).expect("fewer than 2^32"));
-            ids_made.insert(input.id(), made.make(node));
+            ids_made.insert(input.id(), made.input(place));
         }
         for &id in ids {
             for operand in graph.node(id).operands() {

@@ -5,15 +5,14 @@
 //! first. So it has a value at any length, and its derivatives by all four entries are those of this value: the derivative
 //! along the quaternion is zero.
 
-use std::ops::Range;
-
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::mechanism::coordinates::CoordinateSpace;
 
 use super::Tracer;
-use super::products::Composition;
+use super::composition::Composition;
+use super::products::ForwardDynamics;
 use crate::graph::{Graph, Id, Node};
-use crate::passes::{hessian, jacobian, jvp, optimize, unit_vector, vjp};
+use crate::passes::{hessian, jacobian, jvp, optimize, vjp};
 
 /// The graphs of a function and of its derivatives with respect to its inputs, plain numbers.
 pub struct EntryDerivatives {
@@ -26,42 +25,28 @@ pub struct EntryDerivatives {
     /// The gradient of a weighted sum of the outputs. Further inputs: the weights.
     pub adjoint: Graph,
     /// The second derivatives of a weighted sum of the outputs, a symmetric matrix by columns. Further inputs: the weights.
-    pub hessian: Graph,
+    /// `None` if they take too many operations.
+    pub hessian: Option<Graph>,
 }
 
 impl EntryDerivatives {
-    /// Returns the graphs of a function of `inputs` numbers, by differentiation of its graph.
+    /// Returns the graphs of a function of `inputs` numbers, by differentiation of its graph. The second derivatives have
+    /// at most `max_operations` operations, or are left out.
     #[must_use]
-    pub fn new(value: Graph, inputs: usize) -> Self {
+    pub fn new(value: Graph, inputs: usize, max_operations: usize) -> Self {
         let jacobian = jacobian(&value, inputs, 0..inputs);
-        Self::with_jacobian(value, inputs, jacobian)
+        Self::with_jacobian(value, inputs, jacobian, max_operations)
     }
 
-    fn with_jacobian(value: Graph, inputs: usize, jacobian: Graph) -> Self {
+    fn with_jacobian(value: Graph, inputs: usize, jacobian: Graph, max_operations: usize) -> Self {
         let adjoint = vjp(&value, inputs, 0..inputs);
         Self {
             forward: jvp(&value, inputs, 0..inputs),
-            hessian: hessian(&adjoint, inputs + value.outputs.len()),
+            hessian: hessian(&adjoint, inputs + value.outputs.len(), max_operations),
             value,
             jacobian,
             adjoint,
         }
-    }
-}
-
-/// The inputs of forward and inverse dynamics: `q`, `qd`, then `tau` or the accelerations, then the run-time parameters.
-#[derive(Clone)]
-struct DynamicsInputs {
-    q: Range<usize>,
-    /// The inputs that are joint forces of forward dynamics, and accelerations of inverse dynamics.
-    last: Range<usize>,
-    all: usize,
-}
-
-impl DynamicsInputs {
-    /// Returns the inputs with the accelerations in place of the joint forces.
-    fn with_accelerations(&self, x: &[Id], qdd: &[Id]) -> Vec<Id> {
-        [&x[..self.last.start], qdd, &x[self.last.end..]].concat()
     }
 }
 
@@ -87,20 +72,15 @@ impl Tracer<'_> {
         all.with_outputs(&[&outputs])
     }
 
-    fn dynamics_inputs(&self) -> DynamicsInputs {
-        let (nq, nv) = (self.model.nq, self.model.nv);
-        let last = nq + nv..nq + 2 * nv;
-        DynamicsInputs { q: 0..nq, all: last.end + self.parameters.len(), last }
-    }
-
     fn inverse_dynamics_of_entries(&self) -> Graph {
         let inputs = self.dynamics_inputs();
         self.with_unit_quaternions(&optimize(self.inverse_dynamics()), &[0], inputs.all)
     }
 
-    /// Returns inverse dynamics and its derivatives. The Jacobian has the derivatives in closed form.
+    /// Returns inverse dynamics and its derivatives. The Jacobian has the derivatives in closed form. The second derivatives
+    /// have at most `max_operations` operations, or are left out.
     #[must_use]
-    pub fn inverse_dynamics_by_entries(&self) -> EntryDerivatives {
+    pub fn inverse_dynamics_by_entries(&self, max_operations: usize) -> EntryDerivatives {
         let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
         let value = self.inverse_dynamics_of_entries();
         let mut all = Composition::new();
@@ -116,11 +96,12 @@ impl Tracer<'_> {
         let by_parameters = jacobian(&value, inputs.all, inputs.last.end..inputs.all);
         let by_parameters = all.add(&by_parameters, &[&x]);
         let jacobian = all.with_outputs(&[&dq, dqd, &mass, &by_parameters]);
-        EntryDerivatives::with_jacobian(value, inputs.all, jacobian)
+        EntryDerivatives::with_jacobian(value, inputs.all, jacobian, max_operations)
     }
 
     /// Returns forward dynamics and its derivatives. `forward` is the graph of forward dynamics, and `layout` the
-    /// factorization of the mass matrix for the derivatives in closed form.
+    /// factorization of the mass matrix for the derivatives in closed form. The second derivatives have at most
+    /// `max_operations` operations, or are left out.
     ///
     /// With tau = ID(z, qdd), where z are `q`, `qd` and the parameters, the derivatives of the accelerations go through
     /// inverse dynamics. mu is the product of the inverse mass matrix and the weights, and D the Jacobian of the
@@ -131,6 +112,7 @@ impl Tracer<'_> {
         &self,
         forward: &Graph,
         layout: &UduLayout,
+        max_operations: usize,
     ) -> EntryDerivatives {
         let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
         let value = self.with_unit_quaternions(forward, &[0], inputs.all);
@@ -141,7 +123,7 @@ impl Tracer<'_> {
         EntryDerivatives {
             forward: self.forward_change(&value, &inverse),
             adjoint: self.forward_adjoint(&value, &inverse),
-            hessian: self.forward_hessian(&closed, &inverse),
+            hessian: self.forward_hessian(&closed, &inverse, max_operations),
             value,
             jacobian,
         }
@@ -166,48 +148,43 @@ impl Tracer<'_> {
         for column in forces.chunks(nv) {
             by_parameters.extend((0..nv).map(|row| {
                 let products = (0..nv).map(|k| (dtau[k * nv + row], column[k]));
-                let sum = sum_of_products(&mut all.graph, products);
+                let sum = all.graph.sum_of_products(products);
                 all.graph.make(Node::Neg(sum))
             }));
         }
         all.with_outputs(&[qdd, &dq, matrices, &by_parameters])
     }
 
-    /// Returns the graph of the change of the accelerations: M^-1 (d tau - d ID), with d ID at constant accelerations.
+    /// Returns the graph of the change of the accelerations.
     fn forward_change(&self, value: &Graph, inverse: &Graph) -> Graph {
         let inputs = self.dynamics_inputs();
         let mut all = Composition::new();
         let (x, dx) = (all.inputs(inputs.all), all.inputs(inputs.all));
-        let qdd = all.add(value, &[&x]);
-        let zeros = vec![all.graph.constant(0.0); qdd.len()];
-        let change = jvp(inverse, inputs.all, 0..inputs.all);
-        let motion = inputs.with_accelerations(&x, &qdd);
-        let change = all.add(&change, &[&motion, &inputs.with_accelerations(&dx, &zeros)]);
-        let unmet = all.difference(&dx[inputs.last.clone()], &change);
-        let solve = jvp(value, inputs.all, inputs.last);
-        let change = all.add(&solve, &[&x, &unmet]);
+        let dynamics = ForwardDynamics::new(&mut all, inputs.clone(), (value, inverse), x);
+        let zeros = vec![all.constant(0.0); dynamics.qdd.len()];
+        let dz = inputs.with_accelerations(&dx, &zeros);
+        let change = dynamics.change(&mut all, &dx[inputs.last], (0..inputs.all, &dz));
         all.with_outputs(&[&change])
     }
 
-    /// Returns the graph of the gradient of weighted accelerations: mu by `tau`, and -d (mu^T ID) by all other inputs.
+    /// Returns the graph of the gradient of weighted accelerations.
     fn forward_adjoint(&self, value: &Graph, inverse: &Graph) -> Graph {
         let inputs = self.dynamics_inputs();
         let mut all = Composition::new();
         let (x, weights) = (all.inputs(inputs.all), all.inputs(self.model.nv));
-        let qdd = all.add(value, &[&x]);
-        // M^-1 is symmetric.
-        let solve = jvp(value, inputs.all, inputs.last.clone());
-        let mu = all.add(&solve, &[&x, &weights]);
-        let gradient = vjp(inverse, inputs.all, 0..inputs.all);
-        let gradient = all.add(&gradient, &[&inputs.with_accelerations(&x, &qdd), &mu]);
-        let gradient = all.negated(&gradient);
-        let gradient = inputs.with_accelerations(&gradient, &mu);
-        all.with_outputs(&[&gradient])
+        let dynamics = ForwardDynamics::new(&mut all, inputs.clone(), (value, inverse), x);
+        let (by_tau, gradients) = dynamics.gradients(&mut all, &weights, 0..inputs.all);
+        all.with_outputs(&[&inputs.with_accelerations(&gradients, &by_tau)])
     }
 
     /// Returns the graph of the second derivatives of weighted accelerations. `closed` is the graph of the accelerations and
-    /// their derivatives.
-    fn forward_hessian(&self, closed: &Graph, inverse: &Graph) -> Graph {
+    /// their derivatives. Returns `None` if it takes more than `max_operations`.
+    fn forward_hessian(
+        &self,
+        closed: &Graph,
+        inverse: &Graph,
+        max_operations: usize,
+    ) -> Option<Graph> {
         let (nv, inputs) = (self.model.nv, self.dynamics_inputs());
         let size = inputs.all;
         let mut all = Composition::new();
@@ -217,7 +194,8 @@ impl Tracer<'_> {
         let by_tau = &d[inputs.last.start * nv..inputs.last.end * nv];
         let mu: Vec<Id> = (by_tau.chunks(nv))
             .map(|column| {
-                sum_of_products(&mut all.graph, column.iter().copied().zip(weights.iter().copied()))
+                let products = column.iter().copied().zip(weights.iter().copied());
+                all.graph.sum_of_products(products)
             })
             .collect();
         let gradient = vjp(inverse, size, 0..size);
@@ -230,9 +208,13 @@ impl Tracer<'_> {
         for column in (0..size).filter(|column| !inputs.last.contains(column)) {
             let of_c = &changes[inputs.last.clone()];
             change.outputs = [&changes[column..], of_c].concat();
-            let unit = unit_vector(&mut all.graph, size, column);
+            let unit = all.graph.unit_vector(size, column);
             a[column] = all.add(&change, &[&motion, &mu, &unit]);
             c[column] = a[column].split_off(size - column);
+            all.graph.outputs.extend(a[column].iter().chain(&c[column]));
+            if all.graph.takes_more_than(max_operations) {
+                return None;
+            }
         }
         let mut matrix = vec![0; size * size];
         for column in 0..size {
@@ -240,7 +222,7 @@ impl Tracer<'_> {
                 let by = |x: usize| (0..nv).map(move |k| d[x * nv + k]);
                 let products = |x: usize, y: usize| c[x].iter().copied().zip(by(y));
                 let terms = products(row, column).chain(products(column, row));
-                let mut sum = sum_of_products(&mut all.graph, terms);
+                let mut sum = all.graph.sum_of_products(terms);
                 if !inputs.last.contains(&row)
                     && let Some(&second) = a[column].get(row - column)
                 {
@@ -250,8 +232,12 @@ impl Tracer<'_> {
                 matrix[column * size + row] = entry;
                 matrix[row * size + column] = entry;
             }
+            all.graph.outputs.extend(&matrix[column * size..][..size]);
+            if all.graph.takes_more_than(max_operations) {
+                return None;
+            }
         }
-        all.with_outputs(&[&matrix])
+        Some(all.with_outputs(&[&matrix]))
     }
 
     /// Returns a matrix of derivatives by the entries of `q`, from the derivatives in tangent space at the coordinates `unit`
@@ -264,7 +250,7 @@ impl Tracer<'_> {
         let rates = self.velocity_to_qdot();
         let rates: Vec<Vec<Id>> = (0..nv)
             .map(|k| {
-                let velocity = unit_vector(&mut all.graph, nv, k);
+                let velocity = all.graph.unit_vector(nv, k);
                 all.add(&rates, &[unit, &velocity])
             })
             .collect();
@@ -277,7 +263,7 @@ impl Tracer<'_> {
             };
             let entries = first..first + 4;
             let squares = entries.clone().map(|i| (q[i], q[i]));
-            let square = sum_of_products(&mut all.graph, squares);
+            let square = all.graph.sum_of_products(squares);
             let length = all.graph.make(Node::Sqrt(square));
             let inverse = all.graph.make(Node::Recip(length));
             let four = all.graph.constant(4.0);
@@ -287,20 +273,10 @@ impl Tracer<'_> {
         for (entry, scale) in scales.into_iter().enumerate() {
             for row in 0..nv {
                 let products = (0..nv).map(|k| (rates[k][entry], dq[k * nv + row]));
-                let sum = sum_of_products(&mut all.graph, products);
+                let sum = all.graph.sum_of_products(products);
                 columns.push(scale.map_or(sum, |scale| all.graph.make(Node::Mul(scale, sum))));
             }
         }
         columns
     }
-}
-
-/// Returns the node of a sum of products.
-fn sum_of_products(graph: &mut Graph, products: impl Iterator<Item = (Id, Id)>) -> Id {
-    let mut sum = graph.constant(0.0);
-    for (a, b) in products {
-        let product = graph.make(Node::Mul(a, b));
-        sum = graph.make(Node::Add(sum, product));
-    }
-    sum
 }

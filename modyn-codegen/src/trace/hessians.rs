@@ -23,7 +23,8 @@ use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::dynamics::{free_bases, free_fall_accelerations};
 
 use super::Tracer;
-use super::products::Composition;
+use super::composition::Composition;
+use super::products::WeightedInverseDynamics;
 use crate::graph::{Graph, Id};
 use crate::passes::{jvp, optimize};
 
@@ -68,11 +69,9 @@ impl Hessian {
     ) {
         let (nq, nv) = (tracer.model.nq, self.nv);
         let entries: Vec<Entry> = entries.collect();
-        let (zero, one) = (all.constant(0.0), all.constant(1.0));
-        let mut change = vec![zero; self.outputs.len()];
-        change[along.0 * nv + along.1] = one;
+        let change = all.graph.unit_vector(self.outputs.len(), along.0 * nv + along.1);
         let rates = tracer.velocity_to_qdot();
-        let rest = vec![zero; tracer.parameters.len()];
+        let rest = vec![all.constant(0.0); tracer.parameters.len()];
         let dq = all.add(&rates, &[&self.point[..nq], &change[..nv], &rest]);
         let output = |&(variable, entry): &Entry| self.outputs[variable * nv + entry];
         self.changes.outputs = entries.iter().map(output).collect();
@@ -133,15 +132,8 @@ impl Tracer<'_> {
     /// Hessian's blocks (q, q), (q, qd), (qd, qd) and (q, qdd), by columns. Inputs: `q`, `qd`, `qdd` and the weights.
     #[must_use]
     pub fn inverse_dynamics_hessian(&self) -> Graph {
-        let (nq, nv) = (self.model.nq, self.model.nv);
-        let inverse = optimize(self.inverse_dynamics());
-        let mut all = Composition::new();
-        let [q, qd, qdd, weights] = [nq, nv, nv, nv].map(|count| all.inputs(count));
-        let parameters = all.inputs(self.parameters.len());
-        let tau = all.add(&inverse, &[&q, &qd, &qdd, &parameters]);
-        let gradient = self.gradient(&inverse, 2);
-        let point = [&q[..], &qd, &qdd, &weights, &parameters].concat();
-        let gradients = all.add(&gradient, &[&point]);
+        let WeightedInverseDynamics { mut all, tau, gradient, point, gradients } =
+            self.weighted_inverse_dynamics();
         let mut hessian = Hessian::new(self, gradient, 2, point);
         self.second_derivatives(&mut all, &mut hessian, |_| true);
         let blocks = [(Q, Q), (Q, QD), (QD, QD), (Q, QDD)];

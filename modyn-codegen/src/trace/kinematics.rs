@@ -36,6 +36,19 @@ impl Tracer<'_> {
         })
     }
 
+    /// Returns the graph of the poses of all frames: each nine numbers of the rotation by rows, then three of the
+    /// translation. Inputs: `q`.
+    #[must_use]
+    pub fn link_poses(&self) -> Graph {
+        self.trace(|model, [q]| {
+            let workspace = &mut Workspace::new(model);
+            let mut bodies = vec![Pose::identity(); model.bodies.len()];
+            let mut poses = vec![Pose::identity(); model.frames.len()];
+            kinematics::link_poses(model, &q, workspace, &mut bodies, &mut poses);
+            poses.iter().flat_map(numbers).collect()
+        })
+    }
+
     /// Returns the graph of a link's pose. Inputs: `q`.
     #[must_use]
     pub fn link_pose(&self, frame: usize) -> Graph {

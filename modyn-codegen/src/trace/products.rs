@@ -7,78 +7,111 @@
 use std::ops::Range;
 
 use super::Tracer;
-use crate::graph::{Graph, Id, Node};
+use super::composition::Composition;
+use crate::graph::{Graph, Id};
 use crate::passes::{jvp, optimize, vjp};
 
-/// A graph of several graphs, with groups of inputs.
-pub(super) struct Composition {
-    pub(super) graph: Graph,
-    inputs: u32,
+/// The inputs of forward and inverse dynamics: `q`, `qd`, then `tau` or the accelerations, then the run-time parameters.
+#[derive(Clone)]
+pub(super) struct DynamicsInputs {
+    pub q: Range<usize>,
+    /// The inputs that are joint forces of forward dynamics, and accelerations of inverse dynamics.
+    pub last: Range<usize>,
+    pub all: usize,
 }
 
-impl Composition {
-    pub(super) fn new() -> Self {
-        Self { graph: Graph::default(), inputs: 0 }
+impl DynamicsInputs {
+    /// Returns the inputs with the accelerations in place of the joint forces.
+    pub fn with_accelerations(&self, x: &[Id], qdd: &[Id]) -> Vec<Id> {
+        [&x[..self.last.start], qdd, &x[self.last.end..]].concat()
+    }
+}
+
+/// Forward dynamics at one point, whose derivatives go through inverse dynamics.
+pub(super) struct ForwardDynamics<'a> {
+    inputs: DynamicsInputs,
+    forward: &'a Graph,
+    inverse: &'a Graph,
+    /// The inputs of forward dynamics.
+    point: Vec<Id>,
+    /// The accelerations.
+    pub qdd: Vec<Id>,
+}
+
+impl<'a> ForwardDynamics<'a> {
+    /// Adds forward dynamics at `point` to a graph. `forward` and `inverse` are the graphs of forward and inverse dynamics.
+    pub fn new(
+        all: &mut Composition,
+        inputs: DynamicsInputs,
+        (forward, inverse): (&'a Graph, &'a Graph),
+        point: Vec<Id>,
+    ) -> Self {
+        let qdd = all.add(forward, &[&point]);
+        Self { inputs, forward, inverse, point, qdd }
     }
 
-    /// Returns the next `count` inputs.
-    pub(super) fn inputs(&mut self, count: usize) -> Vec<Id> {
-        let first = self.inputs;
-        self.inputs += u32::try_from(count).expect("fewer than 2^32 inputs");
-        (first..self.inputs).map(|number| self.graph.make(Node::Input(number))).collect()
+    /// Returns the product of the inverse mass matrix and joint forces.
+    fn solve(&self, all: &mut Composition, forces: &[Id]) -> Vec<Id> {
+        let solve = jvp(self.forward, self.inputs.all, self.inputs.last.clone());
+        all.add(&solve, &[&self.point, forces])
     }
 
-    /// Adds a graph with these groups of inputs, and returns its outputs.
-    pub(super) fn add(&mut self, graph: &Graph, groups: &[&[Id]]) -> Vec<Id> {
-        self.graph.compose(graph, &groups.concat())
+    /// Returns the change of the accelerations, M^-1 (d tau - d ID), under the change `dtau` of the joint forces and the
+    /// changes `dz` of the inputs `wrt` of inverse dynamics. The accelerations among these must have no change.
+    pub fn change(
+        &self,
+        all: &mut Composition,
+        dtau: &[Id],
+        (wrt, dz): (Range<usize>, &[Id]),
+    ) -> Vec<Id> {
+        let motion = self.inputs.with_accelerations(&self.point, &self.qdd);
+        let change = jvp(self.inverse, self.inputs.all, wrt);
+        let change = all.add(&change, &[&motion, dz]);
+        let unmet = all.difference(dtau, &change);
+        self.solve(all, &unmet)
     }
 
-    pub(super) fn negated(&mut self, x: &[Id]) -> Vec<Id> {
-        x.iter().map(|&x| self.graph.make(Node::Neg(x))).collect()
+    /// Returns the gradients of weighted accelerations: by `tau`, mu = M^-1 w, and by the inputs `wrt` of inverse dynamics,
+    /// -d (mu^T ID).
+    pub fn gradients(
+        &self,
+        all: &mut Composition,
+        weights: &[Id],
+        wrt: Range<usize>,
+    ) -> (Vec<Id>, Vec<Id>) {
+        // M^-1 is symmetric.
+        let by_tau = self.solve(all, weights);
+        let motion = self.inputs.with_accelerations(&self.point, &self.qdd);
+        let gradients = vjp(self.inverse, self.inputs.all, wrt);
+        let gradients = all.add(&gradients, &[&motion, &by_tau]);
+        let gradients = all.negated(&gradients);
+        (by_tau, gradients)
     }
+}
 
-    pub(super) fn difference(&mut self, a: &[Id], b: &[Id]) -> Vec<Id> {
-        a.iter().zip(b).map(|(&a, &b)| self.graph.make(Node::Sub(a, b))).collect()
-    }
-
-    pub(super) fn sums(&mut self, a: &[Id], b: &[Id]) -> Vec<Id> {
-        a.iter().zip(b).map(|(&a, &b)| self.sum(a, b)).collect()
-    }
-
-    pub(super) fn sum(&mut self, a: Id, b: Id) -> Id {
-        self.graph.make(Node::Add(a, b))
-    }
-
-    pub(super) fn product(&mut self, a: Id, b: Id) -> Id {
-        self.graph.make(Node::Mul(a, b))
-    }
-
-    pub(super) fn constant(&mut self, value: f64) -> Id {
-        self.graph.constant(value)
-    }
-
-    /// Returns the product of two square matrices of `n` columns, by columns.
-    pub(super) fn multiply(&mut self, a: &[Id], b: &[Id], n: usize) -> Vec<Id> {
-        let mut dot = |i: usize, j: usize| {
-            (0..n).fold(self.constant(0.0), |sum, k| {
-                let product = self.product(a[k * n + i], b[j * n + k]);
-                self.sum(sum, product)
-            })
-        };
-        (0..n * n).map(|k| dot(k % n, k / n)).collect()
-    }
-
-    /// Returns the graph with these groups of outputs.
-    pub(super) fn with_outputs(mut self, groups: &[&[Id]]) -> Graph {
-        self.graph.outputs = groups.concat();
-        self.graph
-    }
+/// Inverse dynamics with its weighted gradients.
+pub(super) struct WeightedInverseDynamics {
+    /// The graph of all this.
+    pub all: Composition,
+    /// The joint forces.
+    pub tau: Vec<Id>,
+    /// The graph of the gradients, as [`Tracer::gradient`] returns it.
+    pub gradient: Graph,
+    /// The inputs of that graph: `q`, `qd`, `qdd`, the weights and the run-time parameters.
+    pub point: Vec<Id>,
+    /// The gradients by `q` (in tangent space), `qd` and `qdd`.
+    pub gradients: Vec<Id>,
 }
 
 impl Tracer<'_> {
     /// Returns the number of inputs of a function of `q` and `vectors` joint vectors.
     fn inputs(&self, vectors: usize) -> usize {
         self.model.nq + vectors * self.model.nv + self.parameters.len()
+    }
+
+    /// Returns the inputs of forward and inverse dynamics.
+    pub(super) fn dynamics_inputs(&self) -> DynamicsInputs {
+        DynamicsInputs { q: 0..self.model.nq, last: self.vector_inputs(1), all: self.inputs(2) }
     }
 
     /// Returns the inputs that are `q` and the first `vectors` joint vectors.
@@ -115,18 +148,25 @@ impl Tracer<'_> {
         all.with_outputs(&[&by_q, rest])
     }
 
-    /// Returns the graph of the joint forces, and of their weighted gradients by `q` (in tangent space), `qd` and `qdd`.
-    /// Inputs: `q`, `qd`, `qdd` and the weights.
-    #[must_use]
-    pub fn inverse_dynamics_vjp(&self) -> Graph {
+    /// Returns inverse dynamics with its weighted gradients. Inputs: `q`, `qd`, `qdd` and the weights.
+    pub(super) fn weighted_inverse_dynamics(&self) -> WeightedInverseDynamics {
         let (nq, nv) = (self.model.nq, self.model.nv);
         let inverse = optimize(self.inverse_dynamics());
         let mut all = Composition::new();
         let [q, qd, qdd, weights] = [nq, nv, nv, nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
         let tau = all.add(&inverse, &[&q, &qd, &qdd, &parameters]);
-        let gradients = self.gradient(&inverse, 2);
-        let gradients = all.add(&gradients, &[&q, &qd, &qdd, &weights, &parameters]);
+        let gradient = self.gradient(&inverse, 2);
+        let point = [q, qd, qdd, weights, parameters].concat();
+        let gradients = all.add(&gradient, &[&point]);
+        WeightedInverseDynamics { all, tau, gradient, point, gradients }
+    }
+
+    /// Returns the graph of the joint forces, and of their weighted gradients by `q` (in tangent space), `qd` and `qdd`.
+    /// Inputs: `q`, `qd`, `qdd` and the weights.
+    #[must_use]
+    pub fn inverse_dynamics_vjp(&self) -> Graph {
+        let WeightedInverseDynamics { all, tau, gradients, .. } = self.weighted_inverse_dynamics();
         all.with_outputs(&[&tau, &gradients])
     }
 
@@ -154,17 +194,14 @@ impl Tracer<'_> {
         let mut all = Composition::new();
         let [q, qd, tau, weights] = [nq, nv, nv, nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
-        let qdd = all.add(forward, &[&q, &qd, &tau, &parameters]);
-        // M^-1 is symmetric.
-        let solve = jvp(forward, self.inputs(2), self.vector_inputs(1));
-        let by_tau = all.add(&solve, &[&q, &qd, &tau, &parameters, &weights]);
         let inverse = optimize(self.inverse_dynamics());
-        let gradients = vjp(&inverse, self.inputs(2), self.state(1));
-        let gradients = all.add(&gradients, &[&q, &qd, &qdd, &parameters, &by_tau]);
-        let gradients = all.negated(&gradients);
+        let point = [&q[..], &qd, &tau, &parameters].concat();
+        let dynamics =
+            ForwardDynamics::new(&mut all, self.dynamics_inputs(), (forward, &inverse), point);
+        let (by_tau, gradients) = dynamics.gradients(&mut all, &weights, self.state(1));
         let (by_q, by_qd) = gradients.split_at(nq);
         let by_q = self.in_tangent_space(&mut all, &q, by_q);
-        all.with_outputs(&[&qdd, &by_q, by_qd, &by_tau])
+        all.with_outputs(&[&dynamics.qdd, &by_q, by_qd, &by_tau])
     }
 
     /// Returns the graph of the accelerations, and of their change. Inputs: `q`, `qd`, `tau` and their changes, that of `q`
@@ -175,13 +212,13 @@ impl Tracer<'_> {
         let mut all = Composition::new();
         let [q, qd, tau, dq, dqd, dtau] = [nq, nv, nv, nv, nv, nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
-        let qdd = all.add(forward, &[&q, &qd, &tau, &parameters]);
+        let inverse = optimize(self.inverse_dynamics());
+        let point = [&q[..], &qd, &tau, &parameters].concat();
+        let dynamics =
+            ForwardDynamics::new(&mut all, self.dynamics_inputs(), (forward, &inverse), point);
         let dq = all.add(&self.velocity_to_qdot(), &[&q, &dq, &parameters]);
-        let change = jvp(&optimize(self.inverse_dynamics()), self.inputs(2), self.state(1));
-        let change = all.add(&change, &[&q, &qd, &qdd, &parameters, &dq, &dqd]);
-        let unmet = all.difference(&dtau, &change);
-        let solve = jvp(forward, self.inputs(2), self.vector_inputs(1));
-        let dqdd = all.add(&solve, &[&q, &qd, &tau, &parameters, &unmet]);
-        all.with_outputs(&[&qdd, &dqdd])
+        let changes = [dq, dqd].concat();
+        let dqdd = dynamics.change(&mut all, &dtau, (self.state(1), &changes));
+        all.with_outputs(&[&dynamics.qdd, &dqdd])
     }
 }

@@ -3,20 +3,71 @@
 #![allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, clippy::cast_precision_loss)]
 #![allow(clippy::cast_sign_loss, clippy::excessive_precision)]
 
+/// The constants of logarithm and arctangent in one precision. The runtime, generated C and WGSL use the same constants.
+///
+/// A coefficient is a numerator and a denominator, since their quotient depends on the precision.
+#[derive(Clone, Copy, Debug)]
+pub struct ElementaryNumbers<const L: usize, const A: usize> {
+    /// The coefficients of (2 artanh s - 2 s) / s^3 in powers of s^2; the lowest comes first.
+    pub logarithm: [(f64, f64); L],
+    /// The coefficients of (atan t - t) / t^3 in powers of t^2; the lowest comes first.
+    pub arctangent: [(f64, f64); A],
+    /// The logarithm of 2 as a sum of two parts. Products of the first part with an exponent are exact.
+    pub ln_2: (f64, f64),
+    /// The power of two that scales subnormal numbers.
+    pub two_up: f64,
+    /// The difference of pi from its nearest number of this precision.
+    pub pi_rest: f64,
+    /// The difference of pi / 2 from its nearest number of this precision.
+    pub half_rest: f64,
+    /// The difference of pi / 6 from its nearest number of this precision.
+    pub sixth_rest: f64,
+}
+
 macro_rules! elementary {
-    ($ln:ident, $atan2:ident, $float:ident, $bits:ty, terms: $ln_terms:literal $atan_terms:literal,
+    ($ln:ident, $atan2:ident, $float:ident, $bits:ty, $(#[$docs:meta])* $numbers:ident, terms: $ln_terms:literal $atan_terms:literal,
      ln_2: $ln_2:literal + $ln_2_rest:literal, two_up: $two_up:literal, rests of pi: $pi:literal $half:literal $sixth:literal) => {
+        $(#[$docs])*
+        pub const $numbers: ElementaryNumbers<$ln_terms, $atan_terms> = ElementaryNumbers {
+            logarithm: {
+                let mut series = [(2.0, 3.0); $ln_terms];
+                let mut i = 1;
+                while i < $ln_terms {
+                    series[i].1 = (2 * i + 3) as f64;
+                    i += 1;
+                }
+                series
+            },
+            arctangent: {
+                let mut series = [(-1.0, 3.0); $atan_terms];
+                let mut i = 1;
+                while i < $atan_terms {
+                    series[i] = (if i % 2 == 0 { -1.0 } else { 1.0 }, (2 * i + 3) as f64);
+                    i += 1;
+                }
+                series
+            },
+            ln_2: ($ln_2, $ln_2_rest),
+            two_up: $two_up,
+            pi_rest: $pi,
+            half_rest: $half,
+            sixth_rest: $sixth,
+        };
+
         /// Returns the natural logarithm, to 2 units in the last place.
         ///
         /// x = m 2^k with m between the square roots of 1/2 and 2. With f = m - 1 and s = f / (2 + f),
         /// ln m = 2 artanh s = f - f^2 / 2 + s (f^2 / 2 + R), where R is the series after its first term.
         pub(super) fn $ln(x: $float) -> $float {
+            const LN_2: $float = $numbers.ln_2.0 as $float;
+            const LN_2_REST: $float = $numbers.ln_2.1 as $float;
             const MANTISSA: u32 = $float::MANTISSA_DIGITS - 1;
             const SERIES: [$float; $ln_terms] = {
                 let mut series = [0.0; $ln_terms];
                 let mut i = 0;
                 while i < $ln_terms {
-                    series[i] = 2.0 / (2 * i + 3) as $float;
+                    let (over, under) = $numbers.logarithm[i];
+                    series[i] = over as $float / under as $float;
                     i += 1;
                 }
                 series
@@ -31,7 +82,7 @@ macro_rules! elementary {
                 return x;
             }
             let subnormal = x < $float::MIN_POSITIVE;
-            let (x, up) = if subnormal { (x * $two_up, $float::MANTISSA_DIGITS) } else { (x, 0) };
+            let (x, up) = if subnormal { (x * $numbers.two_up as $float, $float::MANTISSA_DIGITS) } else { (x, 0) };
             // Relative to the square root of 1/2, the exponent changes where m jumps.
             let root = core::$float::consts::FRAC_1_SQRT_2.to_bits();
             let shifted = x.to_bits().wrapping_sub(root);
@@ -43,7 +94,7 @@ macro_rules! elementary {
             let z = s * s;
             let rest = z * SERIES.iter().rev().fold(0.0, |sum, c| c + z * sum);
             let half = 0.5 * f * f;
-            s * (half + rest) + k * $ln_2_rest - half + f + k * $ln_2
+            s * (half + rest) + k * LN_2_REST - half + f + k * LN_2
         }
 
         /// Returns the angle from the x axis to (x, y), to 3 units in the last place. Zeros and infinities are treated
@@ -53,14 +104,17 @@ macro_rules! elementary {
         /// atan t = 30 deg + atan((t sqrt 3 - 1) / (t + sqrt 3)).
         pub(super) fn $atan2(y: $float, x: $float) -> $float {
             use core::$float::consts::{FRAC_PI_2, FRAC_PI_6, PI};
+            const PI_REST: $float = $numbers.pi_rest as $float;
+            const HALF_REST: $float = $numbers.half_rest as $float;
+            const SIXTH_REST: $float = $numbers.sixth_rest as $float;
             const ROOT_3: $float = 1.732_050_807_568_877_293_53;
             const TAN_15: $float = 0.267_949_192_431_122_706_47;
             const SERIES: [$float; $atan_terms] = {
                 let mut series = [0.0; $atan_terms];
                 let mut i = 0;
                 while i < $atan_terms {
-                    let sign = if i % 2 == 0 { -1.0 } else { 1.0 };
-                    series[i] = sign / (2 * i + 3) as $float;
+                    let (over, under) = $numbers.arctangent[i];
+                    series[i] = over as $float / under as $float;
                     i += 1;
                 }
                 series
@@ -83,9 +137,9 @@ macro_rules! elementary {
             let z = u * u;
             let rest = u * z * SERIES.iter().rev().fold(0.0, |sum, c| c + z * sum);
             // Angles are added with the rounding errors of their constants.
-            let (angle, rest) = if beyond { (FRAC_PI_6, u + (rest + $sixth)) } else { (u, rest) };
-            let angle = if steep { FRAC_PI_2 - (angle - ($half - rest)) } else { angle + rest };
-            let angle = if x.is_sign_negative() { PI - (angle - $pi) } else { angle };
+            let (angle, rest) = if beyond { (FRAC_PI_6, u + (rest + SIXTH_REST)) } else { (u, rest) };
+            let angle = if steep { FRAC_PI_2 - (angle - (HALF_REST - rest)) } else { angle + rest };
+            let angle = if x.is_sign_negative() { PI - (angle - PI_REST) } else { angle };
             if y.is_sign_negative() { -angle } else { angle }
         }
     };
@@ -104,9 +158,13 @@ impl Signed for u32 {
     type Type = i32;
 }
 
-elementary!(ln_f64, atan2_f64, f64, u64, terms: 9 14, ln_2: 0.6931471801362932 + 4.236521365809284e-10,
+elementary!(ln_f64, atan2_f64, f64, u64,
+    /// The constants of logarithm and arctangent in double precision.
+    ELEMENTARY_F64, terms: 9 14, ln_2: 0.6931471801362932 + 4.236521365809284e-10,
     two_up: 9007199254740992.0, rests of pi: 1.2246467991473532e-16 6.123233995736766e-17 -5.360408832255455e-17);
-elementary!(ln_f32, atan2_f32, f32, u32, terms: 4 6, ln_2: 0.693145751953125 + 1.428606765330187e-06,
+elementary!(ln_f32, atan2_f32, f32, u32,
+    /// The constants of logarithm and arctangent in single precision.
+    ELEMENTARY_F32, terms: 4 6, ln_2: 0.693145751953125 + 1.428606765330187e-06,
     two_up: 16777216.0, rests of pi: -8.742277657347586e-08 -4.371138828673793e-08 -1.457046305830545e-08);
 
 #[cfg(test)]

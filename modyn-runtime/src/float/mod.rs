@@ -5,3 +5,5 @@ mod native;
 #[cfg(test)]
 mod root;
 mod scalars;
+
+pub use elementary::{ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers};

@@ -239,6 +239,18 @@ fn nalgebra_calls_are_the_array_calls() {
             let expected: [f64; 2] = [R::kinetic_energy(q0, qd0), R::potential_energy(q0)];
             assert_eq!(energies, expected, "{name}");
 
+            let rates = Of::<R>::velocity_to_qdot(&q, &qd);
+            same("rates of the coordinates", rates, R::velocity_to_qdot::<f64>(q0, qd0));
+            same("coordinates", Of::<R>::normalize(&q), R::normalize::<f64>(q0));
+            let uniform = || {
+                let mut number = seed as f64 / 3.0;
+                move || {
+                    number = (number + 0.618).fract();
+                    number
+                }
+            };
+            same("random", Of::<R>::random(uniform()), R::random::<f64>(uniform()));
+
             // Both sides are by columns; the mass matrix is symmetric, U is not.
             let m = Of::<R>::mass_matrix(&q);
             assert_eq!(m.as_slice(), R::mass_matrix::<f64>(q0).concat(), "{name}");

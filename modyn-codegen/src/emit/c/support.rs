@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use modyn_runtime::{ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers};
 use modyn_runtime::{SIN_COS_F32, SIN_COS_F64, SinCosNumbers};
 
 use super::FloatType;
@@ -58,18 +59,8 @@ pub(in crate::emit) fn text(used: &BTreeSet<Support>, float: FloatType) -> Strin
     literals(&text, float)
 }
 
-/// Returns the words that depend on the precision. The numbers of the arctangent and the
-/// logarithm are those of `float/elementary.rs`.
+/// Returns the words that depend on the precision.
 fn substitutions(float: FloatType) -> BTreeMap<&'static str, String> {
-    let series = |count: u32, term: &dyn Fn(f64) -> (f64, f64)| {
-        let term = |i: u32| {
-            let (over, under) = term(f64::from(i));
-            format!("R({over:?}) / R({under:?})")
-        };
-        (0..count).map(term).collect::<Vec<_>>().join(", ")
-    };
-    let logarithms = |i: f64| (2.0, 2.0 * i + 3.0);
-    let tangents = |i: f64| (if i % 2.0 == 0.0 { -1.0 } else { 1.0 }, 2.0 * i + 3.0);
     let shared = [
         ("TAN_15", "0.26794919243112270647"),
         ("ROOT_3", "1.73205080756887729353"),
@@ -91,16 +82,8 @@ fn substitutions(float: FloatType) -> BTreeMap<&'static str, String> {
             ("SCALE", "961U"),
             ("ANGLE", "(double)reduced.angle"),
             ("ERROR", "3e-16"),
-            ("LN_TERMS", "9"),
-            ("ATAN_TERMS", "14"),
             ("MIN_POSITIVE", "2.2250738585072014e-308"),
-            ("TWO_UP", "9007199254740992.0"),
             ("ROOT_HALF", "0x3fe6a09e667f3bcdULL"),
-            ("LN_2", "0.6931471801362932"),
-            ("LN_2_REST", "4.236521365809284e-10"),
-            ("PI_REST", "1.2246467991473532e-16"),
-            ("HALF_REST", "6.123233995736766e-17"),
-            ("SIXTH_REST", "-5.360408832255455e-17"),
         ],
         FloatType::F32 => &[
             ("REAL", "float"),
@@ -114,28 +97,38 @@ fn substitutions(float: FloatType) -> BTreeMap<&'static str, String> {
             ("SCALE", "97U"),
             ("ANGLE", "(float)(unsigned int)(reduced.angle >> 32)"),
             ("ERROR", "1.5e-7"),
-            ("LN_TERMS", "4"),
-            ("ATAN_TERMS", "6"),
             ("MIN_POSITIVE", "1.1754943508222875e-38"),
-            ("TWO_UP", "16777216.0"),
             ("ROOT_HALF", "0x3f3504f3U"),
-            ("LN_2", "0.693145751953125"),
-            ("LN_2_REST", "1.428606765330187e-06"),
-            ("PI_REST", "-8.742277657347586e-08"),
-            ("HALF_REST", "-4.371138828673793e-08"),
-            ("SIXTH_REST", "-1.457046305830545e-08"),
         ],
     };
-    let (sin_cos, logarithm, arctangent) = match float {
-        FloatType::F64 => (sin_cos_words(&SIN_COS_F64), 9, 14),
-        FloatType::F32 => (sin_cos_words(&SIN_COS_F32), 4, 6),
+    let (sin_cos, elementary) = match float {
+        FloatType::F64 => (sin_cos_words(&SIN_COS_F64), elementary_words(&ELEMENTARY_F64)),
+        FloatType::F32 => (sin_cos_words(&SIN_COS_F32), elementary_words(&ELEMENTARY_F32)),
     };
-    let computed = [
-        ("LN_SERIES", series(logarithm, &logarithms)),
-        ("ATAN_SERIES", series(arctangent, &tangents)),
-    ];
     let given = shared.iter().chain(of_precision).map(|(word, text)| (*word, (*text).to_string()));
-    given.chain(computed).chain(sin_cos).collect()
+    given.chain(sin_cos).chain(elementary).collect()
+}
+
+/// Returns the words of logarithm and arctangent, from the runtime's constants.
+fn elementary_words<const L: usize, const A: usize>(
+    numbers: &ElementaryNumbers<L, A>,
+) -> [(&'static str, String); 10] {
+    let series = |terms: &[(f64, f64)]| {
+        let term = |(over, under): &(f64, f64)| format!("R({over:?}) / R({under:?})");
+        terms.iter().map(term).collect::<Vec<_>>().join(", ")
+    };
+    [
+        ("LN_TERMS", L.to_string()),
+        ("LN_SERIES", series(&numbers.logarithm)),
+        ("ATAN_TERMS", A.to_string()),
+        ("ATAN_SERIES", series(&numbers.arctangent)),
+        ("TWO_UP", format!("{:?}", numbers.two_up)),
+        ("LN_2", format!("{:?}", numbers.ln_2.0)),
+        ("LN_2_REST", format!("{:?}", numbers.ln_2.1)),
+        ("PI_REST", format!("{:?}", numbers.pi_rest)),
+        ("HALF_REST", format!("{:?}", numbers.half_rest)),
+        ("SIXTH_REST", format!("{:?}", numbers.sixth_rest)),
+    ]
 }
 
 /// Returns the words of sine and cosine, from the runtime's constants.

@@ -8,7 +8,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use modyn_runtime::SIN_COS_F32;
+use modyn_runtime::{ELEMENTARY_F32, SIN_COS_F32};
 
 use super::{Dialect, GpuArgument, GpuKernel, Support};
 use crate::emit::FloatType;
@@ -41,22 +41,21 @@ fn polynomial(variable: &str, coefficients: &[f64]) -> String {
     rest.iter().fold(literal(first), |sum, c| format!("fma({variable}, {sum}, {})", literal(c)))
 }
 
-/// Returns the coefficients of a series, the highest first.
-fn series(count: u32, term: impl Fn(f64) -> f64) -> Vec<f64> {
-    (0..count).rev().map(|i| term(f64::from(i))).collect()
+/// Returns the coefficients of a series, the highest first, from numerators and denominators, the lowest first.
+fn series(terms: &[(f64, f64)]) -> Vec<f64> {
+    terms.iter().rev().map(|(over, under)| over / under).collect()
 }
 
 impl Dialect for Wgsl {
     fn preamble(&self, used: &BTreeSet<Support>) -> String {
         let reduced = |x: String, part: &f64| format!("fma(n, {}, {x})", self.literal(*part));
-        let sign = |i: f64| if i % 2.0 == 0.0 { -1.0 } else { 1.0 };
         let words = [
             ("LIMIT", self.literal(LIMIT)),
             ("REDUCTION", SIN_COS_F32.minus_pi.iter().fold("x".into(), reduced)),
             ("SINE", polynomial("z", &SIN_COS_F32.sine)),
             ("COSINE", polynomial("z", &SIN_COS_F32.cosine)),
-            ("ARCTANGENT", polynomial("z", &series(6, |i| sign(i) / (2.0 * i + 3.0)))),
-            ("LOGARITHM", polynomial("z", &series(4, |i| 2.0 / (2.0 * i + 3.0)))),
+            ("ARCTANGENT", polynomial("z", &series(&ELEMENTARY_F32.arctangent))),
+            ("LOGARITHM", polynomial("z", &series(&ELEMENTARY_F32.logarithm))),
         ];
         // These bits are read from memory: a constant expression must not be infinite or NaN.
         let mut text = String::from(

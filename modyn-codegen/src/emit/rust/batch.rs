@@ -5,10 +5,11 @@
 
 use std::fmt::Write as _;
 
+use super::Robot;
 use super::function::function;
 use super::parameter::Parameter;
+use super::quantity::Quantity;
 use super::shape::Shape;
-use super::{Quantity, Robot};
 use crate::plan::Kernels;
 
 impl Robot<'_> {

@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
+use super::Robot;
+use super::quantity::Quantity;
 use super::shape::Shape;
-use super::{Quantity, Robot};
 use crate::plan::{CForm, Kernels};
 
 impl Robot<'_> {

@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
+use super::Robot;
 use super::function::{function, vector_types};
 use super::parameter::{Parameter, unpacked};
-use super::{Quantity, Robot};
+use super::quantity::Quantity;
 use crate::names::helper_type;
 use crate::program::Program;
 

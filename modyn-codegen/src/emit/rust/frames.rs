@@ -4,8 +4,9 @@ use std::fmt::Write as _;
 
 use super::function::{function, literal};
 use super::parameter::Parameter;
+use super::quantity::Quantity;
 use super::shape::Shape;
-use super::{FloatType, Quantity, Robot};
+use super::{FloatType, Robot};
 use crate::plan::{Frames, LinkCode};
 use crate::program::Program;
 

@@ -10,8 +10,9 @@ use std::cell::{Cell, OnceCell};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use super::FloatType;
 use super::parameter::{Parameter, unpacked};
-use super::{FloatType, Shape};
+use super::shape::Shape;
 use crate::names::helper_type;
 use crate::program::{Chunk, Program, Routine, Scope, Target, Value};
 use vectors::VectorType;
@@ -250,7 +251,7 @@ impl Printer<'_> {
                 parameters.push(Parameter::new(name, Shape::vector(count)));
             }
         }
-        if routine.tables.len() > 1 {
+        if routine.never_inline {
             *text += "#[inline(never)]\n";
         }
         let result = Shape::vector(routine.program.results.len());

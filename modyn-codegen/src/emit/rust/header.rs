@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
+use super::Robot;
 use super::c_functions::in_c;
+use super::quantity::Quantity;
 use super::shape::Shape;
-use super::{Quantity, Robot};
 use crate::diagnostics::sanitize_for_display;
 use crate::emit::coordinates_in_c;
 use crate::names;

@@ -17,24 +17,26 @@ mod frames;
 mod function;
 mod header;
 mod layout;
+mod methods;
 mod missing;
 mod parameter;
 mod parameters;
+mod quantity;
+mod robot_trait;
 mod shape;
 mod types;
 
 use std::fmt::Write as _;
 
 use modyn_runtime::OperationCount;
-use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
+use modyn_runtime::model::{Model, ModuleTree};
 
 use super::{EmitOptions, FloatType};
 use crate::names;
-use crate::plan::{self, CForm, Constants, Function, Kernels, Plan, Planned};
+use crate::plan::{Constants, Kernels, Plan, Planned};
 use crate::program::Program;
 use function::function;
-use parameter::Parameter;
-use shape::Shape;
+use quantity::Quantity;
 
 /// Returns the items of a robot, and the header of its functions for C if the options request them.
 #[must_use]
@@ -100,58 +102,6 @@ pub(super) fn print(
     (text, c_header)
 }
 
-/// A planned function with its Rust types.
-struct Quantity<'a> {
-    /// The function; `None` for a bundle.
-    function: Option<Function>,
-    name: &'static str,
-    /// The name of the function or bundle of one state, if this is its form for many states.
-    batch_of: Option<&'static str>,
-    parameters: Vec<Parameter>,
-    shape: Shape,
-    /// Whether the function of the trait depends on run-time parameters.
-    dynamic: bool,
-    /// The number of run-time parameters.
-    runtime: usize,
-    kernels: &'a Kernels,
-    docs: &'static str,
-    /// The documentation of each field of the result, if the result is a type of the robot's own.
-    fields: &'a [&'static str],
-    c_form: CForm,
-}
-
-impl<'a> Quantity<'a> {
-    fn new(planned: &'a Planned, robot: &str) -> Self {
-        let parameter = |(name, shape): &(&'static str, plan::Shape)| {
-            let contacts = matches!(shape, plan::Shape::Record(plan::Record::Contacts, _));
-            Parameter::new(name, Shape::new(shape, robot)).with_contacts(contacts)
-        };
-        Self {
-            function: planned.function,
-            name: planned.name,
-            batch_of: planned.batch_of,
-            parameters: planned.arguments.iter().map(parameter).collect(),
-            shape: Shape::new(&planned.result, robot),
-            dynamic: planned.function.is_some_and(Function::depends_on_parameters),
-            runtime: planned.parameters,
-            kernels: &planned.kernels,
-            docs: planned.docs,
-            fields: &planned.fields,
-            c_form: planned.c_form,
-        }
-    }
-
-    /// Returns the parameter of a private function for the run-time parameters.
-    fn runtime_parameter(&self) -> Option<Parameter> {
-        (self.runtime > 0).then(|| Parameter::new("params", Shape::vector(self.runtime)))
-    }
-
-    /// Returns the parameters of a private function.
-    fn all_parameters(&self) -> Vec<Parameter> {
-        self.parameters.iter().cloned().chain(self.runtime_parameter()).collect()
-    }
-}
-
 /// The inputs of all parts of the text.
 struct Robot<'a> {
     model: &'a Model,
@@ -196,164 +146,5 @@ impl Robot<'_> {
                 self.poses_function(text, quantity, (bodies, placed));
             }
         }
-    }
-
-    /// Returns the body of a public function: a call of the private function, or one for each link.
-    fn call(&self, quantity: &Quantity<'_>, params: &str) -> String {
-        let name = quantity.name;
-        if quantity.function == Some(Function::Random) {
-            return format!(
-                "let mut uniform = uniform;\n    {name}(&::core::array::from_fn(|_| uniform()))"
-            );
-        }
-        let argument = |parameter: &Parameter| match &parameter.shape {
-            shape if parameter.contacts && shape.is_empty() => "&[]".into(),
-            _ if parameter.contacts => "&contacts.numbers()".into(),
-            Shape::Scalar => format!("&{}", parameter.name),
-            _ => parameter.name.into(),
-        };
-        let mut arguments: Vec<String> = quantity.parameters.iter().map(argument).collect();
-        if quantity.runtime_parameter().is_some() {
-            arguments.push(params.into());
-        }
-        let arguments = arguments.join(", ");
-        match quantity.kernels {
-            Kernels::One(_) | Kernels::Dispatched { .. } | Kernels::Poses { .. } => {
-                format!("{name}({arguments})")
-            }
-            Kernels::ByLink(_) => {
-                let arms: Vec<String> = self
-                    .link_variants()
-                    .iter()
-                    .enumerate()
-                    .map(|(i, link)| {
-                        let call = self.link_call(name, i, &arguments);
-                        format!("{}Link::{link} => {call},\n", self.name)
-                    })
-                    .collect();
-                format!("match link {{\n{}    }}", arms.concat())
-            }
-        }
-    }
-
-    /// Returns the parameters of a public function over scalar `t`, after `first`.
-    fn typed(&self, quantity: &Quantity<'_>, first: Option<String>, t: &str) -> String {
-        if quantity.function == Some(Function::Random) {
-            return format!("uniform: impl ::core::ops::FnMut() -> {t}");
-        }
-        let own = quantity.parameters.iter().map(|parameter| match parameter.shape {
-            _ if parameter.contacts => format!("{}: {}", parameter.name, self.contacts_type()),
-            Shape::Scalar => format!("{}: {t}", parameter.name),
-            _ => parameter.typed(t),
-        });
-        let link = matches!(quantity.kernels, Kernels::ByLink(_))
-            .then(|| format!("link: {}Link", self.name));
-        first.into_iter().chain(own).chain(link).collect::<Vec<_>>().join(", ")
-    }
-
-    /// Prints the type's own functions.
-    fn own_functions(&self, text: &mut String, quantities: &[Quantity<'_>]) {
-        let (name, float) = (self.name, self.options.scalar.name());
-        let _ = writeln!(text, "impl {name} {{");
-        for quantity in quantities {
-            let function = quantity.name;
-            let lines: Vec<String> =
-                quantity.docs.lines().map(|line| format!("/// {line}\n")).collect();
-            let (docs, returned) = (lines.concat(), quantity.shape.type_of(float));
-            let _ = writeln!(
-                text,
-                "{docs}#[must_use]\npub fn {function}({}) -> {returned} {{\n    {}\n}}",
-                self.typed(quantity, None, float),
-                self.call(quantity, &format!("&{name}Params::DEFAULT.numbers")),
-            );
-            if quantity.runtime_parameter().is_some() {
-                let params = format!("params: &{name}Params");
-                let _ = writeln!(
-                    text,
-                    "{docs}///\n/// The robot has the run-time parameters `params`.\n#[must_use]\n\
-                     pub fn {function}_with({}) -> {returned} {{\n    {}\n}}",
-                    self.typed(quantity, Some(params), float),
-                    self.call(quantity, "&params.numbers"),
-                );
-            }
-        }
-        let _ = writeln!(
-            text,
-            "/// Checks that the quaternions of spherical and floating joints in `q` have length 1, to half of the scalar's\n\
-             /// digits. No other function checks them, and accelerations are wrong with other lengths.\n///\n\
-             /// # Errors\n///\n/// Names the first joint whose quaternion does not have length 1.\n\
-             pub fn check_configuration(q: &[{float}; {nq}]) -> \
-             ::core::result::Result<(), __modyn::ConfigurationError<{float}>> {{\n    \
-             __modyn::configuration::check(Self::QUATERNIONS.iter().copied(), q)\n}}",
-            nq = self.model.nq(),
-        );
-        text.push_str("}\n\n");
-    }
-
-    /// Prints the implementation of `Robot`.
-    fn robot_trait(&self, text: &mut String, quantities: &[Quantity<'_>]) {
-        let (name, nq, nv) = (self.name, self.model.nq(), self.model.nv());
-        let (links, constraints) = (self.model.frames().len(), self.model.constraints());
-        let (contacts, contacts_type) = (self.model.contacts().len(), self.contacts_type());
-        let names = |count: usize, name: &str| match count {
-            0 => String::new(),
-            _ => format!("const {name}: &'static [&'static str] = &Self::{name};\n"),
-        };
-        let constraint_names = names(self.model.loop_constraints().len(), "LOOP_CONSTRAINT_NAMES")
-            + &names(contacts, "CONTACT_NAMES");
-        let params =
-            if self.plan.parameters.is_empty() { "()".into() } else { format!("{name}Params<T>") };
-        let brge = if self.factorizes() {
-            format!("{name}UduFactorization<T>")
-        } else {
-            format!("__modyn::NotGenerated<[T; {nv}], [[T; {nv}]; {nv}]>")
-        };
-        let _ = writeln!(
-            text,
-            "impl __modyn::Robot for {name} {{\n\
-             const NAME: &'static str = Self::NAME;\n\
-             const NQ: usize = {nq};\n\
-             const NV: usize = {nv};\n\
-             const JOINT_NAMES: &'static [&'static str] = &Self::JOINT_NAMES;\n\
-             const LINK_NAMES: &'static [&'static str] = &Self::LINK_NAMES;\n\
-             const COORDINATE_NAMES: &'static [&'static str] = &Self::COORDINATE_NAMES;\n\
-             const VELOCITY_NAMES: &'static [&'static str] = &Self::VELOCITY_NAMES;\n\
-             {constraint_names}\
-             const QUATERNIONS: &'static [(&'static str, usize)] = &Self::QUATERNIONS;\n\
-             const LIMITS: __modyn::JointLimits<'static> = Self::LIMITS;\n\
-             const MODULES: &'static [__modyn::KinematicModule] = &Self::MODULES;\n\
-             type Params<T: __modyn::Scalar> = {params};\n\
-             type Link = {name}Link;\n\
-             type Q<T: __modyn::Scalar> = [T; {nq}];\n\
-             type V<T: __modyn::Scalar> = [T; {nv}];\n\
-             type M<T: __modyn::Scalar> = [[T; {nv}]; {nv}];\n\
-             type PerVelocity<X: ::core::marker::Copy> = [X; {nv}];\n\
-             type PerState<X: ::core::marker::Copy> = [X; {state}];\n\
-             type PerLink<X: ::core::marker::Copy> = [X; {links}];\n\
-             type Contacts = {contacts_type};\n\
-             type PerContact<X: ::core::marker::Copy> = [X; {contacts}];\n\
-             type PerConstraint<X: ::core::marker::Copy> = [X; {constraints}];\n\
-             type PerConstraintRow<X: ::core::marker::Copy> = [X; {rows}];\n\
-             type Regressor<T: __modyn::Scalar> = [[T; {nv}]; {columns}];\n\
-             type UduFactorization<T: __modyn::Scalar> = {brge};\n\
-             fn neutral<T: __modyn::Scalar>() -> [T; {nq}] {{\n    Self::NEUTRAL.map(|x| T::from_f64(::core::convert::Into::into(x)))\n}}",
-            state = 2 * nv,
-            rows = self.model.constraint_rows(),
-            columns = PARAMETERS_PER_LINK * self.model.links().len(),
-        );
-        // The trait, which all robots share, has no bundles.
-        for quantity in quantities.iter().filter(|quantity| quantity.function.is_some()) {
-            let with = if quantity.dynamic { "_with" } else { "" };
-            let first = quantity.dynamic.then(|| "params: &Self::Params<T>".into());
-            let _ = writeln!(
-                text,
-                "fn {}{with}<T: __modyn::Scalar>({}) -> {} {{\n    {}\n}}",
-                quantity.name,
-                self.typed(quantity, first, "T"),
-                quantity.shape.type_of("T"),
-                self.call(quantity, "&params.numbers"),
-            );
-        }
-        text.push_str("}\n\n");
     }
 }

@@ -1,6 +1,6 @@
 //! The parameters of private functions.
 
-use super::Shape;
+use super::shape::Shape;
 
 /// A parameter, passed by reference.
 #[derive(Clone, Debug)]

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use super::function::function;
 use super::parameter::Parameter;
-use super::{FloatType, Robot, Shape, docs};
+use super::shape::Shape;
+use super::{FloatType, Robot, docs};
 use crate::names;
 
 /// An inertia among the parameters.

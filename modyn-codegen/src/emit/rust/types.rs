@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
+use super::quantity::Quantity;
 use super::shape::Shape;
-use super::{Quantity, Robot, docs};
+use super::{Robot, docs};
 use crate::names;
 
 impl Robot<'_> {

@@ -23,6 +23,8 @@ pub struct Row {
     pub of_constraints: bool,
     /// Whether only robots without closed loops have the function.
     pub without_loops: bool,
+    /// Whether its argument is random numbers in place of a state. In Rust that is a source of numbers.
+    pub of_random_numbers: bool,
     /// Whether the function depends on run-time parameters of the robot (gravity, inertias, payloads).
     pub depends_on_parameters: bool,
     /// Whether the function is called so often that it is compiled for several instruction sets.
@@ -94,6 +96,7 @@ impl Row {
             default: false,
             of_constraints: false,
             without_loops: false,
+            of_random_numbers: false,
             depends_on_parameters: true,
             hot: false,
             packing: Packing::Never,
@@ -157,6 +160,11 @@ impl Row {
     /// Returns the row of a function that only robots without closed loops have.
     pub(super) const fn without_loops(self) -> Self {
         Self { without_loops: true, ..self }
+    }
+
+    /// Returns the row of a function of random numbers, which has a source of them as its argument in Rust.
+    pub(super) const fn of_random_numbers(self) -> Self {
+        Self { of_random_numbers: true, ..self }
     }
 
     /// Returns the row of a function that does not depend on run-time parameters.

@@ -52,6 +52,12 @@ impl Function {
         (constraints > 0 || !row.of_constraints) && (constraints == contacts || !row.without_loops)
     }
 
+    /// Returns whether the function has random numbers in place of a state.
+    #[must_use]
+    pub const fn is_of_random_numbers(self) -> bool {
+        self.row().of_random_numbers
+    }
+
     /// Returns whether the function depends on run-time parameters (gravity, inertias, payloads).
     #[must_use]
     pub const fn depends_on_parameters(self) -> bool {

@@ -1,12 +1,59 @@
-//! Matrices that couple equal limbs through their trunk, unpacked from lanes.
+//! Vectors and matrices of the robot in lanes, and out of the lanes of the robot with merged limbs.
 
-use super::{LimbPacking, constant};
+use super::{Lanes, LimbPacking, constant, pack};
 use crate::graph::Expr;
 
 /// An entry of the robot's joint vectors: a degree of freedom of the merged robot, and the limb.
 type Entry = (usize, usize);
 
 impl LimbPacking {
+    /// Returns the coordinates of the merged robot.
+    pub(in crate::trace) fn coordinates(&self, q: &[Expr]) -> Vec<Expr> {
+        self.coordinates.iter().map(|of| lanes_of(of, q)).collect()
+    }
+
+    /// Returns a joint vector of the merged robot.
+    pub(in crate::trace) fn vector(&self, x: &[Expr]) -> Vec<Expr> {
+        self.velocities.iter().map(|(of, _)| lanes_of(of, x)).collect()
+    }
+
+    /// Returns the robot's joint vector, from a joint vector of the merged robot.
+    pub(in crate::trace) fn unpack_vector(&self, x: &[Expr], nv: usize) -> Vec<Expr> {
+        let mut unpacked = vec![constant(0.0); nv];
+        for (&x, (of, _)) in x.iter().zip(&self.velocities) {
+            for (lane, i) in of.iter().enumerate() {
+                if let Some(i) = *i {
+                    unpacked[i] = x.extract_lane(lane);
+                }
+            }
+        }
+        unpacked
+    }
+
+    /// Returns the robot's matrix by columns, from a matrix of the merged robot. Entries between different limbs are zero.
+    pub(in crate::trace) fn unpack_matrix(&self, columns: &[Expr], nv: usize) -> Vec<Expr> {
+        let n = self.velocities.len();
+        let mut unpacked = vec![constant(0.0); nv * nv];
+        for (c, (column, of)) in self.velocities.iter().enumerate() {
+            for (r, (row, other)) in self.velocities.iter().enumerate() {
+                if of.is_some() && other.is_some() && of != other {
+                    continue;
+                }
+                for lane in 0..column.len().max(row.len()) {
+                    let at = |of: &Lanes| of[lane.min(of.len() - 1)];
+                    // Trees with different root bodies do not couple.
+                    if at(&self.roots[c]) != at(&self.roots[r]) {
+                        continue;
+                    }
+                    if let (Some(column), Some(row)) = (at(column), at(row)) {
+                        unpacked[column * nv + row] = columns[c * n + r].extract_lane(lane);
+                    }
+                }
+            }
+        }
+        unpacked
+    }
+
     /// Returns the robot's matrix by columns, from a matrix of the merged robot and the entries `cross_limb` between limbs.
     pub(in crate::trace) fn unpack_coupled(
         &self,
@@ -60,4 +107,9 @@ impl LimbPacking {
         let limb = if group(column).is_some() { column.1 } else { row.1 };
         columns[column.0 * self.velocities.len() + row.0].extract_lane(limb)
     }
+}
+
+/// Returns the pack of the entries of `x` that belong to these lanes.
+fn lanes_of(lanes: &Lanes, x: &[Expr]) -> Expr {
+    pack(lanes.iter().map(|i| i.map_or(constant(0.0), |i| x[i])))
 }

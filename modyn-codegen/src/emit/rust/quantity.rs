@@ -1,0 +1,60 @@
+//! A planned function with its Rust types.
+
+use super::parameter::Parameter;
+use super::shape::Shape;
+use crate::plan::{self, CForm, Function, Kernels, Planned};
+
+/// A planned function with its Rust types.
+pub(super) struct Quantity<'a> {
+    /// The function; `None` for a bundle.
+    pub function: Option<Function>,
+    pub name: &'static str,
+    /// The name of the function or bundle of one state, if this is its form for many states.
+    pub batch_of: Option<&'static str>,
+    pub parameters: Vec<Parameter>,
+    pub shape: Shape,
+    /// Whether a source of random numbers stands for the argument.
+    pub takes_source: bool,
+    /// Whether the function of the trait depends on run-time parameters.
+    pub dynamic: bool,
+    /// The number of run-time parameters.
+    pub runtime: usize,
+    pub kernels: &'a Kernels,
+    pub docs: &'static str,
+    /// The documentation of each field of the result, if the result is a type of the robot's own.
+    pub fields: &'a [&'static str],
+    pub c_form: CForm,
+}
+
+impl<'a> Quantity<'a> {
+    pub fn new(planned: &'a Planned, robot: &str) -> Self {
+        let parameter = |(name, shape): &(&'static str, plan::Shape)| {
+            let contacts = matches!(shape, plan::Shape::Record(plan::Record::Contacts, _));
+            Parameter::new(name, Shape::new(shape, robot)).with_contacts(contacts)
+        };
+        Self {
+            function: planned.function,
+            name: planned.name,
+            batch_of: planned.batch_of,
+            parameters: planned.arguments.iter().map(parameter).collect(),
+            shape: Shape::new(&planned.result, robot),
+            takes_source: planned.function.is_some_and(Function::is_of_random_numbers),
+            dynamic: planned.function.is_some_and(Function::depends_on_parameters),
+            runtime: planned.parameters,
+            kernels: &planned.kernels,
+            docs: planned.docs,
+            fields: &planned.fields,
+            c_form: planned.c_form,
+        }
+    }
+
+    /// Returns the parameter of a private function for the run-time parameters.
+    pub fn runtime_parameter(&self) -> Option<Parameter> {
+        (self.runtime > 0).then(|| Parameter::new("params", Shape::vector(self.runtime)))
+    }
+
+    /// Returns the parameters of a private function.
+    pub fn all_parameters(&self) -> Vec<Parameter> {
+        self.parameters.iter().cloned().chain(self.runtime_parameter()).collect()
+    }
+}

@@ -1,0 +1,168 @@
+//! A function with its derivatives, over the nonzeros of their inputs and results.
+
+use super::matrix::CasadiMatrix;
+use super::nonzeros::{matrix_blocks, second_derivatives, weighted, with_outputs};
+use crate::graph::Graph;
+use crate::plan::functions::{Argument, Row};
+use crate::plan::shape::{Record, Shape};
+use crate::plan::tracing::Tracing;
+use crate::trace::{EntryDerivatives, Tracer};
+
+/// The inputs and results that a function and its derivatives have in common.
+pub(super) struct Family {
+    inputs: Vec<CasadiMatrix>,
+    results: Vec<ResultMatrix>,
+}
+
+/// A function of a family.
+pub(super) struct Member {
+    /// The start of its name, before the name of the function that is differentiated.
+    pub prefix: &'static str,
+    pub inputs: Vec<CasadiMatrix>,
+    pub outputs: Vec<CasadiMatrix>,
+    /// The graph, from the nonzeros of all inputs to the nonzeros of all results.
+    pub graph: Graph,
+}
+
+/// A result, as a matrix.
+struct ResultMatrix {
+    name: &'static str,
+    rows: usize,
+    columns: usize,
+    /// For each entry by columns, the index among the function's results.
+    order: Vec<usize>,
+}
+
+impl ResultMatrix {
+    /// Returns the matrix whose nonzeros are the results for which `nonzero` holds.
+    fn matrix(&self, nonzero: impl Fn(usize) -> bool) -> CasadiMatrix {
+        let column = |order: &[usize]| {
+            (0..order.len()).filter(|&row| nonzero(order[row])).collect::<Vec<usize>>()
+        };
+        let nonzeros = self.order.chunks(self.rows).map(column).collect();
+        let (rows, columns) = (self.rows, self.columns);
+        CasadiMatrix { name: self.name.into(), rows, columns, nonzeros }
+    }
+}
+
+impl Family {
+    /// Returns the family of a function of the table, whose results have these names.
+    pub fn new(row: &Row, names: &[&'static str], tracing: &Tracing<'_>) -> Self {
+        let sizes = &tracing.sizes;
+        let input = |argument: &Argument| {
+            let (rows, columns) = size_of(&(argument.shape)(sizes));
+            CasadiMatrix::dense(argument.name, rows, columns)
+        };
+        let mut inputs: Vec<CasadiMatrix> = row.arguments.iter().map(input).collect();
+        let parameters = tracing.parameters(row.depends_on_parameters);
+        if parameters > 0 {
+            inputs.push(CasadiMatrix::dense("params", parameters, 1));
+        }
+        let (mut results, mut first) = (Vec::new(), 0);
+        for (shape, name) in fields(&(row.result)(sizes)).iter().zip(names) {
+            let (rows, columns) = size_of(shape);
+            // A rotation is stored by rows.
+            let by_rows = *shape == Shape::matrix(3, 3) && *name == "rotation";
+            let entry = |k: usize| if by_rows { k % 3 * 3 + k / 3 } else { k };
+            let order = (0..rows * columns).map(|k| first + entry(k)).collect();
+            first += rows * columns;
+            results.push(ResultMatrix { name, rows, columns, order });
+        }
+        Self { inputs, results }
+    }
+
+    /// Returns the function of this graph and its derivatives, with quaternions scaled to length 1.
+    /// Second derivatives of more than `max_operations` operations are left out.
+    pub fn differentiated(
+        &self,
+        tracer: &Tracer<'_>,
+        graph: &Graph,
+        max_operations: usize,
+    ) -> EntryDerivatives {
+        let (mut first, mut coordinates) = (0, Vec::new());
+        for input in &self.inputs {
+            if matches!(&*input.name, "q" | "from" | "to") {
+                coordinates.push(first);
+            }
+            first += input.entries();
+        }
+        let graph = tracer.with_unit_quaternions(graph, &coordinates, first);
+        EntryDerivatives::new(graph, first, max_operations)
+    }
+
+    /// Returns the function and its first derivatives, and the function of second derivatives unless these were left out.
+    pub fn members(&self, derivatives: EntryDerivatives) -> ([Member; 4], Option<Member>) {
+        let Self { inputs, results } = self;
+        let EntryDerivatives { value, jacobian, forward, adjoint, hessian } = derivatives;
+        // The results, from arrays by rows or by columns to columns, without zeros.
+        let order: Vec<usize> = results.iter().flat_map(|result| result.order.clone()).collect();
+        let is_zero = |k: usize| value.value(value.outputs[k]) == Some(0.0);
+        let kept: Vec<usize> = order.iter().copied().filter(|&k| !is_zero(k)).collect();
+        let outputs: Vec<CasadiMatrix> =
+            results.iter().map(|result| result.matrix(|k| !is_zero(k))).collect();
+        let all = value.outputs.len();
+        let columns: usize = inputs.iter().map(CasadiMatrix::entries).sum();
+        let weights = |graph: &Graph| weighted(graph, columns, &kept, all);
+
+        let value = with_outputs(value, |given| kept.iter().map(|&k| given[k]).collect());
+        let forward = with_outputs(forward, |given| kept.iter().map(|&k| given[k]).collect());
+        let jacobian = with_outputs(jacobian, |given| {
+            (0..columns).flat_map(|x| kept.iter().map(move |&k| given[x * all + k])).collect()
+        });
+
+        // CasADi gives the results to derivatives as well, which do not depend on them.
+        let given = [&inputs[..], &empty("out_", &outputs)].concat();
+        let (gradient, seeds) = (like("adj_", inputs), like("adj_", &outputs));
+        let of_adjoint = [&given[..], &seeds].concat();
+        // The second derivatives of all nonzeros of the gradient are a matrix, as the derivatives of the results are.
+        let second = hessian.map(|hessian| {
+            let second = second_derivatives(&weights(&hessian), &jacobian, columns, kept.len());
+            let (graph, outputs) = matrix_blocks(second, "jac_", &gradient, &of_adjoint);
+            let inputs = [&of_adjoint[..], &empty("out_", &gradient)].concat();
+            Member { prefix: "jac_adj1_", inputs, outputs, graph }
+        });
+        let (jacobian, blocks) = matrix_blocks(jacobian, "jac_", &outputs, inputs);
+        let changes = [&given[..], &like("fwd_", inputs)].concat();
+        let changed = like("fwd_", &outputs);
+        let first = [
+            Member { prefix: "", inputs: inputs.clone(), outputs, graph: value },
+            Member { prefix: "jac_", inputs: given, outputs: blocks, graph: jacobian },
+            Member { prefix: "fwd1_", inputs: changes, outputs: changed, graph: forward },
+            Member {
+                prefix: "adj1_",
+                inputs: of_adjoint,
+                outputs: gradient,
+                graph: weights(&adjoint),
+            },
+        ];
+        (first, second)
+    }
+}
+
+/// Returns the matrices, with names that begin with `prefix`.
+fn like(prefix: &str, matrices: &[CasadiMatrix]) -> Vec<CasadiMatrix> {
+    matrices.iter().map(|matrix| matrix.renamed(format!("{prefix}{}", matrix.name))).collect()
+}
+
+/// Returns matrices of the same sizes without nonzeros, with names that begin with `prefix`.
+fn empty(prefix: &str, matrices: &[CasadiMatrix]) -> Vec<CasadiMatrix> {
+    matrices.iter().map(|matrix| matrix.empty(format!("{prefix}{}", matrix.name))).collect()
+}
+
+/// Returns the matrices that a result consists of.
+pub(super) fn fields(shape: &Shape) -> Vec<Shape> {
+    match shape {
+        Shape::Record(Record::Several(_) | Record::Each(_) | Record::Spatial("Pose"), fields) => {
+            fields.iter().map(|(_, field)| field.clone()).collect()
+        }
+        _ => vec![shape.clone()],
+    }
+}
+
+/// Returns the numbers of rows and columns of an array: columns of numbers, or numbers.
+fn size_of(shape: &Shape) -> (usize, usize) {
+    match shape {
+        Shape::Array(column, columns) if **column != Shape::Scalar => (column.len(), *columns),
+        _ => (shape.len(), 1),
+    }
+}

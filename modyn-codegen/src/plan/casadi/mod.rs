@@ -1,0 +1,127 @@
+//! The functions that `CasADi` loads: each function of a robot with its derivatives, over the nonzeros of sparse matrices.
+//!
+//! `CasADi` finds derivatives by their names. For a function `f`, they are its Jacobian `jac_f`, products with it `fwd1_f` and
+//! `adj1_f`, and the Jacobian of the latter `jac_adj1_f`, which has the second derivatives of a weighted sum of the results.
+
+mod family;
+mod functions;
+mod matrix;
+mod nonzeros;
+
+use modyn_runtime::model::{Model, ModuleTree};
+
+pub use matrix::CasadiMatrix;
+
+use super::choices::Choices;
+use super::functions::{Function, Trace};
+use super::packing;
+use super::strategy::Strategy;
+use super::tracing::{TracedRobot, Tracing};
+use crate::names;
+use crate::passes::optimize;
+use crate::program::{Program, Target};
+use crate::trace::EntryDerivatives;
+use family::{Family, Member};
+use functions::FUNCTIONS;
+
+/// The largest number of operations of second derivatives. Longer code would take a C compiler minutes. The number depends
+/// on all zeros, so it is known from the graph alone; but no graph grows far beyond it.
+const MAX_OPERATIONS: usize = 250_000;
+
+/// A function that `CasADi` loads.
+pub struct CasadiFunction {
+    /// The name.
+    pub name: String,
+    /// The documentation, in lines; `None` for a derivative.
+    pub docs: Option<&'static str>,
+    /// The inputs.
+    pub inputs: Vec<CasadiMatrix>,
+    /// The results.
+    pub outputs: Vec<CasadiMatrix>,
+    /// The program, from the nonzeros of all inputs to the nonzeros of all results.
+    pub program: Program,
+}
+
+/// The functions of a robot that `CasADi` loads.
+pub struct CasadiPlan {
+    /// The functions, each followed by its derivatives.
+    pub functions: Vec<CasadiFunction>,
+    /// The functions without second derivatives, whose code would be too long.
+    pub without_hessian: Vec<String>,
+}
+
+impl CasadiPlan {
+    /// Returns the functions of `model`, whose names begin with `prefix`; `modules` is the user's partition.
+    #[must_use]
+    pub fn new(model: &Model, modules: &ModuleTree, choices: &Choices, prefix: &str) -> Self {
+        let robot = TracedRobot::new(model, choices.parameters(model));
+        let tracing = Tracing::new(&robot, (model, modules), Strategy::Scalar, Vec::new());
+        let tracer = &tracing.tracer;
+        let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
+        let links = names::fields(&links, &[]);
+        let mut plan = Self { functions: Vec::new(), without_hessian: Vec::new() };
+        for (function, results) in FUNCTIONS {
+            if !choices.functions.contains(function) {
+                continue;
+            }
+            let row = function.row();
+            let own = Family::new(&row, results, &tracing);
+            let name = format!("{prefix}_{}", function.name());
+            match row.trace {
+                Trace::ByLink(trace) => {
+                    for (link, link_name) in links.iter().enumerate() {
+                        let graph = optimize(tracing.frames.of_link(link, trace));
+                        let name = format!("{name}_{link_name}");
+                        let derivatives = own.differentiated(tracer, &graph, MAX_OPERATIONS);
+                        plan.add(&name, row.docs, &own, derivatives);
+                    }
+                }
+                Trace::One(trace) => {
+                    let derivatives = match function {
+                        Function::ForwardDynamics => tracer.forward_dynamics_by_entries(
+                            &tracing.forward_dynamics.graph,
+                            &tracing.for_derivatives,
+                            MAX_OPERATIONS,
+                        ),
+                        Function::InverseDynamics => {
+                            tracer.inverse_dynamics_by_entries(MAX_OPERATIONS)
+                        }
+                        _ => {
+                            let graph = optimize(trace(tracer, &tracing));
+                            own.differentiated(tracer, &graph, MAX_OPERATIONS)
+                        }
+                    };
+                    plan.add(&name, row.docs, &own, derivatives);
+                }
+                Trace::Poses => unreachable!("the poses of all links have no form for CasADi"),
+            }
+        }
+        plan
+    }
+
+    /// Adds a function and its derivatives.
+    fn add(
+        &mut self,
+        name: &str,
+        docs: &'static str,
+        family: &Family,
+        derivatives: EntryDerivatives,
+    ) {
+        let (first, second) = family.members(derivatives);
+        let second = second.filter(|member| !member.graph.takes_more_than(MAX_OPERATIONS));
+        if second.is_none() {
+            self.without_hessian.push(name.into());
+        }
+        for Member { prefix, inputs, outputs, graph } in first.into_iter().chain(second) {
+            let graph = packing::balanced(optimize(graph));
+            let scalars = inputs.iter().map(CasadiMatrix::len).sum();
+            self.functions.push(CasadiFunction {
+                name: format!("{prefix}{name}"),
+                docs: prefix.is_empty().then_some(docs),
+                inputs,
+                outputs,
+                program: Program::new(&graph, scalars, Target::Scalar),
+            });
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! From a row of the table to programs: a function's graphs are traced, packed and lowered.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::bundle::{Bundle, Graphs};
+use super::frames::Frames;
+use super::functions::{Argument, CForm, Function, Trace};
+use super::packing;
+use super::planned::{Kernels, Planned};
+use super::shape::{Shape, Sizes};
+use super::strategy::Strategy;
+use super::tracing::Tracing;
+use crate::graph::Graph;
+use crate::names;
+use crate::passes::optimize;
+use crate::program::{Program, Target};
+use crate::trace::Tracer;
+
+/// The scalar graphs of the selected functions that also have a selected batch form. Each graph is traced once, for
+/// the function and its batch form.
+pub(super) struct ScalarGraphs {
+    /// The functions with a selected batch form; their graphs are kept.
+    batched: BTreeSet<Function>,
+    kept: BTreeMap<Function, Graph>,
+}
+
+impl ScalarGraphs {
+    pub(super) fn new(selected: &[Function]) -> Self {
+        let batched = selected.iter().filter_map(|function| function.batched()).collect();
+        Self { batched, kept: BTreeMap::new() }
+    }
+
+    /// Returns the optimized and balanced graph of a function or of its batch form. The first call traces the graph.
+    fn scalar(
+        &mut self,
+        function: Function,
+        trace: fn(&Tracer<'_>, &Tracing<'_>) -> Graph,
+        tracing: &Tracing<'_>,
+    ) -> Graph {
+        let one = function.batched().unwrap_or(function);
+        if let Some(graph) = self.kept.get(&one) {
+            return graph.clone();
+        }
+        let graph = packing::balanced(match one {
+            // The search for the partition has already optimized this graph.
+            Function::ForwardDynamics => tracing.forward_dynamics.graph.clone(),
+            _ => optimize(trace(&tracing.tracer, tracing)),
+        });
+        if self.batched.contains(&one) {
+            self.kept.insert(one, graph.clone());
+        }
+        graph
+    }
+}
+
+impl Planned {
+    /// Returns a function with its programs.
+    pub(super) fn new(
+        function: Function,
+        tracing: &Tracing<'_>,
+        graphs: &mut ScalarGraphs,
+    ) -> Self {
+        let (row, sizes, strategy) = (function.row(), &tracing.sizes, tracing.strategy);
+        let arguments = shapes_of(row.arguments, sizes);
+        let parameters = tracing.parameters(row.depends_on_parameters);
+        let scalars = count(&arguments, parameters);
+        let kernels = match row.trace {
+            Trace::ByLink(trace) => {
+                let graphs = tracing.frames.kernels(|tracer| optimize(trace(tracer)));
+                let (own, shared) =
+                    graphs.split_at(tracing.frames.links_with_own_program().count());
+                let own = own.iter().map(|graph| strategy.scalar_program(graph, scalars));
+                let placed = scalars + Frames::PLACEMENT;
+                let shared = shared.iter().map(|graph| strategy.scalar_program(graph, placed));
+                Kernels::ByLink(own.chain(shared).collect())
+            }
+            Trace::Poses if strategy != Strategy::Threads && tracing.frames.any_shared() => {
+                let [bodies, placed] = tracing.frames.poses().map(optimize);
+                let placed_arguments = Shape::pose().len() + Frames::PLACEMENT;
+                Kernels::Poses {
+                    bodies: strategy.scalar_program(&bodies, scalars),
+                    placed: Program::new(&placed, placed_arguments, Target::Scalar),
+                    rows: tracing.frames.rows(),
+                }
+            }
+            Trace::Poses => {
+                let graph = packing::balanced(optimize(tracing.all_links.link_poses()));
+                Kernels::One(strategy.scalar_program(&graph, scalars))
+            }
+            Trace::One(trace) => {
+                let graph = graphs.scalar(function, trace, tracing);
+                if row.batch_of.is_some() {
+                    Kernels::One(Program::new(&graph, scalars, Target::Batch))
+                } else {
+                    let packed = packing::packed(function, tracing, &graph);
+                    strategy.kernels(&graph, packed, scalars)
+                }
+            }
+        };
+        Self {
+            function: Some(function),
+            name: function.name(),
+            batch_of: row.batch_of.map(Function::name),
+            docs: row.docs,
+            fields: Vec::new(),
+            c_form: row.c_form,
+            arguments,
+            parameters,
+            result: (row.result)(sizes),
+            kernels,
+        }
+    }
+
+    /// Returns a bundle, and its form for many states if `batch`.
+    pub(super) fn bundle(
+        bundle: &Bundle,
+        tracing: &Tracing<'_>,
+        batch: bool,
+    ) -> (Self, Option<Self>) {
+        let sizes = &tracing.sizes;
+        let arguments = shapes_of(&bundle.arguments(), sizes);
+        let parameters = tracing.parameters(bundle.any(|row| row.depends_on_parameters));
+        let scalars = count(&arguments, parameters);
+        let graphs = Graphs::new(bundle, tracing, parameters);
+        let graph = packing::balanced(optimize(graphs.scalar()));
+        let packed = packing::packed_bundle(bundle, &graphs, tracing, &graph);
+        let one = Self {
+            function: None,
+            name: bundle.name,
+            batch_of: None,
+            docs: bundle.docs(),
+            fields: bundle.members.iter().map(|member| member.docs).collect(),
+            c_form: bundle.c_form(),
+            arguments,
+            parameters,
+            result: bundle.result(sizes),
+            kernels: tracing.strategy.kernels(&graph, packed, scalars),
+        };
+        let many = batch.then(|| Self {
+            name: names::intern(&format!("{}_batch", bundle.name)),
+            batch_of: Some(bundle.name),
+            fields: one.fields.clone(),
+            arguments: one.arguments.clone(),
+            result: one.result.clone(),
+            c_form: CForm::None,
+            kernels: Kernels::One(Program::new(&graph, scalars, Target::Batch)),
+            ..one
+        });
+        (one, many)
+    }
+}
+
+impl Strategy {
+    /// Returns the program of a graph on scalars.
+    fn scalar_program(self, graph: &Graph, scalars: usize) -> Program {
+        match self {
+            Self::Threads => Program::for_threads(graph, scalars),
+            _ => Program::new(graph, scalars, Target::Scalar),
+        }
+    }
+
+    /// Returns the programs of a graph on scalars and, if packing is profitable, of the same function packed.
+    fn kernels(self, graph: &Graph, packed: Option<Graph>, scalars: usize) -> Kernels {
+        match packed {
+            None => Kernels::One(self.scalar_program(graph, scalars)),
+            Some(packed) if self == Self::Routines => {
+                Kernels::One(Program::repeated(&packed, scalars))
+            }
+            Some(packed) => Kernels::Dispatched {
+                scalar: Program::new(graph, scalars, Target::Scalar),
+                simd: Program::new(&packed, scalars, Target::Simd),
+            },
+        }
+    }
+}
+
+/// Returns the layouts of arguments, by name.
+fn shapes_of(arguments: &[Argument], sizes: &Sizes) -> Vec<(&'static str, Shape)> {
+    arguments.iter().map(|argument| (argument.name, (argument.shape)(sizes))).collect()
+}
+
+/// Returns the number of scalars of arguments and run-time parameters.
+fn count(arguments: &[(&'static str, Shape)], parameters: usize) -> usize {
+    parameters + arguments.iter().map(|(_, shape)| shape.len()).sum::<usize>()
+}

@@ -1,0 +1,37 @@
+//! The way that programs run: as the back end has it, and for equal limbs and columns of one state.
+
+/// The way that a back end runs programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Execution {
+    /// One state at a time, on scalars.
+    Scalar,
+    /// One state at a time, packed into vectors on processors that have them; or many states, one in each lane.
+    Vectors,
+    /// Many states, one in each thread of a graphics processor.
+    Threads,
+}
+
+impl Execution {
+    /// Returns the way equal limbs and columns are computed; `share` has one routine for equal limbs.
+    pub(super) fn strategy(self, share: bool) -> Strategy {
+        match self {
+            Self::Threads => Strategy::Threads,
+            _ if share => Strategy::Routines,
+            Self::Scalar => Strategy::Scalar,
+            Self::Vectors => Strategy::Vectors,
+        }
+    }
+}
+
+/// The way equal limbs and columns of one state are computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Strategy {
+    /// One after the other.
+    Scalar,
+    /// By one routine, with a table of constants for each limb.
+    Routines,
+    /// Packed into vectors, on processors that have them.
+    Vectors,
+    /// One after another, one state in each thread of a graphics processor.
+    Threads,
+}

@@ -1,0 +1,112 @@
+//! The inputs of tracing: a robot with its tracers, its solver and its limbs.
+
+use modyn_runtime::equations::ModulePartition;
+use modyn_runtime::equations::brge::UduLayout;
+use modyn_runtime::equations::dynamics::Elimination;
+use modyn_runtime::mechanism::Mechanism;
+use modyn_runtime::model::{Model, ModuleTree};
+
+use super::frames::Frames;
+use super::partition::{self, ChosenPartition};
+use super::shape::Sizes;
+use super::strategy::Strategy;
+use crate::trace::{LimbPacking, Parameters, Tracer};
+
+/// A robot in the forms that tracers read.
+pub(super) struct TracedRobot {
+    pub mechanism: Mechanism<f64>,
+    /// The links, grouped by their programs.
+    pub frames: Frames,
+    pub parameters: Parameters,
+}
+
+impl TracedRobot {
+    pub fn new(model: &Model, parameters: Parameters) -> Self {
+        let mechanism = Mechanism::new(model);
+        Self { frames: Frames::new(&mechanism), mechanism, parameters }
+    }
+
+    /// Returns whether all links have their described inertias.
+    pub fn is_described(&self) -> bool {
+        self.parameters.inertias.is_empty() && self.parameters.payloads.is_empty()
+    }
+}
+
+/// The inputs of tracing.
+pub struct Tracing<'a> {
+    /// The robot on expressions.
+    pub tracer: Tracer<'a>,
+    /// The robot on expressions, with all its links. `tracer` has links only if some are run-time parameters.
+    pub all_links: Tracer<'a>,
+    /// The links, grouped by their programs.
+    pub frames: &'a Frames,
+    /// The sizes of the robot.
+    pub sizes: Sizes,
+    /// The cheapest partition of forward dynamics, with its graph.
+    pub forward_dynamics: ChosenPartition,
+    /// The solver of forward dynamics.
+    pub elimination: Elimination,
+    /// The layout of the factorization that users receive.
+    pub layout: UduLayout,
+    /// The layout of the factorization that derivatives use.
+    pub for_derivatives: UduLayout,
+    /// The way equal limbs and columns are computed.
+    pub(super) strategy: Strategy,
+    /// The candidates for packing limbs.
+    pub(super) limbs: Vec<LimbPacking>,
+    /// The partitions of forward dynamics to try with packed limbs.
+    pub(super) partitions: Vec<ModulePartition>,
+    /// Whether no limb moves another limb.
+    pub(super) independent: bool,
+}
+
+impl<'a> Tracing<'a> {
+    /// Returns the inputs of tracing `robot`. `modules` is the user's partition, `limbs` are the candidates for packing.
+    pub(super) fn new(
+        robot: &'a TracedRobot,
+        (model, modules): (&Model, &ModuleTree),
+        strategy: Strategy,
+        limbs: Vec<LimbPacking>,
+    ) -> Self {
+        let TracedRobot { mechanism, frames, parameters } = robot;
+        let all_links = Tracer::with_parameters(mechanism, parameters.clone());
+        // Few functions need links, of which there may be very many. But a link's inertia may be an argument.
+        let tracer = match robot.is_described() {
+            true => Tracer::with_parameters(frames.mechanism_without_links(), parameters.clone()),
+            false => all_links.clone(),
+        };
+        let forward_dynamics = partition::choose(model, mechanism, &tracer);
+        // The cheapest partition on scalars may not be the cheapest for packed limbs.
+        let uniform = [ModuleTree::links(model), partition::whole_chains(model)];
+        let others = uniform
+            .iter()
+            .filter(|modules| !limbs.is_empty() && **modules != forward_dynamics.modules);
+        let partitions = [&forward_dynamics.modules].into_iter().chain(others);
+        let partitions = partitions.map(|m| ModulePartition::new(mechanism, m)).collect();
+        let layout = UduLayout::new(mechanism, modules);
+        Self {
+            tracer,
+            all_links,
+            frames,
+            sizes: Sizes::new(model, layout.size()),
+            elimination: Elimination::new(mechanism, &forward_dynamics.modules),
+            forward_dynamics,
+            layout,
+            for_derivatives: UduLayout::new(mechanism, &partition::whole_chains(model)),
+            strategy,
+            independent: limbs.first().is_some_and(|limbs| limbs.independent(mechanism)),
+            limbs,
+            partitions,
+        }
+    }
+
+    /// Returns the number of run-time parameters of a function; zero unless it depends on them.
+    pub(super) fn parameters(&self, depends: bool) -> usize {
+        if depends { self.tracer.parameters().len() } else { 0 }
+    }
+
+    /// Returns whether the target language has vectors.
+    pub(super) fn has_vectors(&self) -> bool {
+        self.strategy == Strategy::Vectors
+    }
+}

@@ -1,0 +1,191 @@
+//! Groups of equal limbs.
+
+use std::ops::Range;
+
+use modyn_runtime::joint::ElementaryJoint;
+use modyn_runtime::mechanism::Mechanism;
+
+/// The limits of merging.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LimbLimits {
+    /// The largest number of limbs that are merged.
+    pub packed: usize,
+    /// The largest number of limbs on different bodies that are merged.
+    pub joined: usize,
+    /// The largest number of joints by which a chain may be shorter than a chain that it is merged with.
+    pub missing: usize,
+}
+
+/// Returns the first of the longest limbs.
+pub(super) fn longest(limbs: &[Range<usize>]) -> &Range<usize> {
+    let most = limbs.iter().map(ExactSizeIterator::len).max();
+    limbs.iter().find(|limb| Some(limb.len()) == most).expect("some limbs")
+}
+
+/// Returns groups of equal limbs, each group on one body.
+pub(super) fn groups(model: &Mechanism<f64>, limits: &LimbLimits) -> Vec<Vec<Range<usize>>> {
+    let mut groups = Vec::new();
+    if !model.has_mimics() {
+        find_among(model, &roots(model), limits, &mut groups);
+    }
+    groups.sort_by_key(|limbs: &Vec<Range<usize>>| limbs[0].start);
+    groups
+}
+
+/// Merges groups of chains whose joint types agree up to the end of the shorter chain.
+pub(super) fn join(
+    model: &Mechanism<f64>,
+    groups: &[Vec<Range<usize>>],
+    limits: &LimbLimits,
+) -> Vec<Vec<Range<usize>>> {
+    let mut joined: Vec<Vec<Range<usize>>> = Vec::new();
+    let fits = |one: &[Range<usize>], other: &[Range<usize>]| {
+        let (a, b) = (chain_joints(model, longest(one)), chain_joints(model, longest(other)));
+        let (Some(a), Some(b)) = (a, b) else { return false };
+        one.len() + other.len() <= limits.joined
+            && a.len().abs_diff(b.len()) <= limits.missing
+            && a.iter().zip(&b).all(|(a, b)| a == b)
+    };
+    for group in groups {
+        match joined.iter_mut().find(|other| fits(other, group)) {
+            Some(other) => other.extend_from_slice(group),
+            None => joined.push(group.clone()),
+        }
+    }
+    joined
+}
+
+/// Returns the joint types of a limb; `None` if it is no chain.
+fn chain_joints(model: &Mechanism<f64>, limb: &Range<usize>) -> Option<Vec<ElementaryJoint>> {
+    let follows = |i: usize| model.bodies[i].parent == Some(i - 1);
+    let is_chain = limb.clone().skip(1).all(follows);
+    is_chain.then(|| limb.clone().map(|i| model.bodies[i].elementary_joint).collect())
+}
+
+/// Returns the bodies on the world, each with its descendants.
+fn roots(model: &Mechanism<f64>) -> Vec<Range<usize>> {
+    children(model, None, 0..model.bodies.len())
+}
+
+/// Returns the children of `parent` among `range`, each with its descendants.
+fn children(
+    model: &Mechanism<f64>,
+    parent: Option<usize>,
+    range: Range<usize>,
+) -> Vec<Range<usize>> {
+    let starts: Vec<usize> = range.clone().filter(|&i| model.bodies[i].parent == parent).collect();
+    let ends = starts.iter().skip(1).copied().chain([range.end]);
+    starts.iter().zip(ends).map(|(&start, end)| start..end).collect()
+}
+
+/// Groups equal limbs among `limbs`, which have one parent, and continues inside the others.
+fn find_among(
+    model: &Mechanism<f64>,
+    limbs: &[Range<usize>],
+    limits: &LimbLimits,
+    groups: &mut Vec<Vec<Range<usize>>>,
+) {
+    let mut rest = limbs.to_vec();
+    while !rest.is_empty() {
+        let limb = rest.remove(0);
+        let shape = shape(model, &limb);
+        let (equal, others): (Vec<_>, Vec<_>) = if shape.contains(&(ElementaryJoint::Floating, 0)) {
+            (Vec::new(), rest)
+        } else {
+            rest.into_iter().partition(|other| self::shape(model, other) == shape)
+        };
+        rest = others;
+        if equal.is_empty() {
+            let inside = limb.start + 1..limb.end;
+            find_among(model, &children(model, Some(limb.start), inside), limits, groups);
+            continue;
+        }
+        let all = [vec![limb], equal].concat();
+        // A remaining single limb is not merged.
+        groups.extend(all.chunks(limits.packed).filter(|some| some.len() > 1).map(<[_]>::to_vec));
+    }
+}
+
+/// Returns the joint types of a limb, and for each body the index of its parent in the limb (0 for the first body).
+fn shape(model: &Mechanism<f64>, limb: &Range<usize>) -> Vec<(ElementaryJoint, usize)> {
+    let of = |i: usize| {
+        let parent = model.bodies[i].parent.and_then(|parent| parent.checked_sub(limb.start));
+        (model.bodies[i].elementary_joint, parent.map_or(0, |parent| parent + 1))
+    };
+    limb.clone().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::description::ReadOptions;
+
+    const LIMITS: LimbLimits = LimbLimits { packed: 8, joined: 4, missing: 2 };
+
+    /// Returns a robot on the world from the parent, the axes and the number of copies of each limb. Bodies are numbered in
+    /// depth-first order, and each joint of a limb carries the next one.
+    fn robot(limbs: &[(&str, &[&str], usize)]) -> Mechanism<f64> {
+        let mut text = String::from("<robot name=\"r\"><link name=\"world\"/>");
+        let mut body = |name: &str, parent: &str, axis: &str| {
+            text += &format!(
+                "<joint name=\"j_{name}\" type=\"continuous\"><parent link=\"{parent}\"/><child link=\"{name}\"/>\
+                 <origin xyz=\"0.1 0.2 0.3\" rpy=\"0.4 0.5 0.6\"/><axis xyz=\"{axis}\"/></joint>\
+                 <link name=\"{name}\"><inertial><mass value=\"1\"/>\
+                 <inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>"
+            );
+        };
+        body("trunk", "world", "0 0 1");
+        body("torso", "trunk", "0 1 0");
+        for (k, (parent, axes, copies)) in limbs.iter().enumerate() {
+            for copy in 0..*copies {
+                for (i, axis) in axes.iter().enumerate() {
+                    let before = format!("l{k}_{copy}_{}", i.wrapping_sub(1));
+                    body(&format!("l{k}_{copy}_{i}"), if i == 0 { parent } else { &before }, axis);
+                }
+            }
+        }
+        text += "</robot>";
+        let read = crate::read(&text, "r", &ReadOptions::default()).expect("a good robot");
+        Mechanism::new(&read.model)
+    }
+
+    fn sizes(groups: &[Vec<Range<usize>>]) -> Vec<Vec<usize>> {
+        groups.iter().map(|limbs| limbs.iter().map(ExactSizeIterator::len).collect()).collect()
+    }
+
+    #[test]
+    fn a_group_has_at_most_eight_limbs_and_at_least_two() {
+        for (copies, expected) in
+            [(1, vec![]), (2, vec![2]), (8, vec![8]), (9, vec![8]), (10, vec![8, 2])]
+        {
+            let groups = groups(&robot(&[("trunk", &["1 0 0", "0 1 0"], copies)]), &LIMITS);
+            let found: Vec<usize> = groups.iter().map(Vec::len).collect();
+            assert_eq!(found, expected, "{copies}");
+        }
+    }
+
+    #[test]
+    fn limbs_of_other_trees_are_not_equal() {
+        // Of the same joints: one chain of three bodies, and a body that carries two.
+        let chain: &[&str] = &["1 0 0", "1 0 0", "1 0 0"];
+        let forked =
+            robot(&[("trunk", chain, 1), ("trunk", &["1 0 0"], 1), ("l1_0_0", &["1 0 0"], 2)]);
+        assert_eq!(sizes(&groups(&forked, &LIMITS)), [[1, 1]], "the two bodies on the fork alone");
+    }
+
+    #[test]
+    fn chains_join_within_two_joints_and_four_limbs() {
+        let axes: &[&str] = &["1 0 0", "0 1 0", "0 0 1", "1 0 0", "0 1 0", "0 0 1"];
+        let joined = |low: (usize, usize), high: (usize, usize)| {
+            let model =
+                robot(&[("trunk", &axes[..low.0], low.1), ("torso", &axes[..high.0], high.1)]);
+            sizes(&join(&model, &groups(&model, &LIMITS), &LIMITS))
+        };
+        assert_eq!(joined((3, 2), (3, 2)), [[3, 3, 3, 3]]);
+        assert_eq!(joined((3, 2), (5, 2)), [[5, 5, 3, 3]]);
+        assert_eq!(joined((5, 2), (3, 2)), [[3, 3, 5, 5]]);
+        assert_eq!(joined((3, 2), (6, 2)), [[6, 6], [3, 3]], "three joints are missing");
+        assert_eq!(joined((3, 3), (3, 2)), [vec![3, 3], vec![3, 3, 3]], "five limbs");
+        assert_eq!(joined((3, 2), (3, 3)), [vec![3, 3, 3], vec![3, 3]], "five limbs");
+    }
+}
