@@ -1,7 +1,7 @@
 //! modyn's compiler: from a robot description (URDF, MJCF) to specialised code.
 //!
 //! ```text
-//! text ─ read ─▶ Description ─ assemble, check ─▶ Model ─ modules ─▶ equations on Expr (trace) ─▶ Graph ─ passes, plan ─▶ Program ─ emit ─▶ Rust, C, CUDA, WGSL
+//! text ─ read ─▶ Description ─ assemble, check ─▶ Model ─ modules ─▶ equations on Expr (trace) ─▶ Graph ─ passes, plan ─▶ Program ─ emit ─▶ Rust, C99, CUDA, WGSL, CasADi's C
 //! ```
 //!
 //! The macro `modyn::modyn!`, build scripts and the command line use [`Builder`]. [`read`](read()) returns the model
@@ -18,6 +18,7 @@ mod description;
 pub mod diagnostics;
 pub mod emit;
 pub mod graph;
+mod intern;
 pub mod names;
 pub mod options;
 pub mod passes;

@@ -14,8 +14,7 @@
 //! 5. Among [`variants`], a name whose identifier is taken gets `_2`, `_3` and so on: the first identifier that no other
 //!    name has by rules 1 to 4. Names are handled in order.
 
-use std::collections::{BTreeSet, HashSet};
-use std::sync::{Mutex, PoisonError};
+use std::collections::HashSet;
 
 /// Returns the name of a type, in upper camel case.
 #[must_use]
@@ -109,19 +108,6 @@ pub fn snake(name: &str) -> String {
         }
     }
     identifier(result, "n_", "unnamed")
-}
-
-/// Returns the text, stored until the process ends, each text once. So plans hold names of options as they hold names of
-/// the table of functions.
-pub(crate) fn intern(text: &str) -> &'static str {
-    static TEXTS: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
-    let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(known) = texts.get(text) {
-        return known;
-    }
-    let stored: &'static str = Box::leak(text.into());
-    texts.insert(stored);
-    stored
 }
 
 /// Rust's keywords, strict and reserved, up to edition 2024.

@@ -2,7 +2,7 @@
 //! and is not supported is refused, with its line.
 
 use modyn_codegen::diagnostics::{Code, Diagnostics, Severity};
-use modyn_codegen::{Base, ReadOptions};
+use modyn_codegen::{Base, Builder, ReadOptions};
 use modyn_runtime::Interpreter;
 use modyn_runtime::model::Model;
 
@@ -347,4 +347,17 @@ fn rotations_are_the_same_on_every_host() {
         let expected = modyn_runtime::conventions::rotation_from_quaternion([0.0, 0.0, sin, cos]);
         assert_eq!(link.joint.origin.rotation, expected, "{angle}");
     }
+}
+
+/// A model that is given as text compiles as the same model in a file.
+#[test]
+fn texts_compile_as_files_do() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/mjcf/arm.xml");
+    let generated = |builder: Builder| {
+        let generated = builder.type_name("Arm").generate().expect("an arm");
+        generated.operations
+    };
+    let from_text = generated(Builder::new().mjcf_text(ARM, "arm.xml"));
+    assert!(!from_text.is_empty());
+    assert_eq!(from_text, generated(Builder::new().mjcf(path)));
 }

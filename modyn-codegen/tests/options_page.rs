@@ -121,8 +121,9 @@ fn page() -> String {
          brackets and the quotes around plain names can be left out, and a flag has no value.\n\n\
          This page is made from the table in `modyn-codegen/src/options.rs`.\n\n{}\n\
          The macro does not have {}: it names the type as `pub(crate) Name = \"robot.urdf\"`, and writes no file.\n\n\
-         The first lines of a file that `modyn generate` wrote say the options that it was made with, and the\n\
-         documentation of the generated type says them, too. C source is `Builder::generate_c` or `--target c`, and the\n\
+         The first lines of a file that `modyn generate` wrote say the options that it was made with. The\n\
+         documentation of the generated type lists its scalar, functions, gravity, friction and run-time parameters;\n\
+         its tables show the joints, links and modules that the other options lead to. C source is `Builder::generate_c` or `--target c`, and the\n\
          header of exported functions `Generated::c_header` or `--c-header`.\n",
         table(OPTIONS.iter(), true),
         files.join(", "),

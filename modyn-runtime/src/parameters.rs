@@ -30,13 +30,18 @@ impl<S: fmt::Display + fmt::LowerExp> fmt::Display for ParameterError<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Defect(defect) => defect.fmt(f),
-            Self::NoInertia { joint } => write!(
-                f,
-                "no inertia would oppose the motion of joint `{joint}` while the joints after it are free, so its acceleration would be \
-                 infinite; give a link that it moves a mass, and a rotational inertia if it turns"
-            ),
+            Self::NoInertia { joint } => write_no_inertia(f, joint),
         }
     }
+}
+
+/// Writes that a joint would move no inertia.
+pub(crate) fn write_no_inertia(f: &mut fmt::Formatter<'_>, joint: &str) -> fmt::Result {
+    write!(
+        f,
+        "no inertia would oppose the motion of joint `{joint}` while the joints after it are free, so its acceleration would be \
+         infinite; give a link that it moves a mass, and a rotational inertia if it turns"
+    )
 }
 
 impl<S: fmt::Debug + fmt::Display + fmt::LowerExp + 'static> core::error::Error

@@ -5,6 +5,7 @@ use modyn_runtime::model::Model;
 use super::types::{OptionValue, pair};
 use super::value::{OptionError, Value, ValueKind};
 use crate::diagnostics::{Code, Diagnostic, suggest};
+use crate::intern::intern;
 use crate::names;
 use crate::plan::{self, Function};
 
@@ -187,7 +188,7 @@ impl Bundle {
                 Err((message, help)) => errors.push(self.error(message, help)),
             }
         }
-        let name = names::intern(&self.name);
+        let name = intern(&self.name);
         let bundle = plan::Bundle { name, members, batch: self.batch };
         if errors.is_empty() { Ok(bundle) } else { Err(errors) }
     }
@@ -287,8 +288,8 @@ impl Member {
         Ok(plan::Member {
             function: self.function,
             link: link.transpose()?,
-            field: names::intern(&self.field()),
-            docs: names::intern(&docs),
+            field: intern(&self.field()),
+            docs: intern(&docs),
         })
     }
 }

@@ -1,5 +1,5 @@
 //! The passes: rewrites of whole graphs, one file for each, in the order of this list. `differentiate` makes graphs of
-//! products with derivatives, `jacobian` makes graphs of whole matrices.
+//! products with derivatives, `jacobian` makes graphs of whole matrices. `balance` is for functions that are not long, which the plan decides.
 
 mod balance;
 mod differentiate;

@@ -9,6 +9,7 @@ use super::functions::{ARGUMENTS, Argument, CForm, Function, Row, Trace};
 use super::shape::{Record, Shape, Sizes};
 use super::tracing::Tracing;
 use crate::graph::{Graph, Id};
+use crate::intern::intern;
 use crate::names;
 use crate::trace::Tracer;
 
@@ -48,7 +49,7 @@ impl Bundle {
     /// Returns the layout of the result: a field for each member.
     pub(super) fn result(&self, sizes: &Sizes) -> Shape {
         let field = |member: &Member| (member.field, (member.function.row().result)(sizes));
-        let name = names::intern(&names::type_name(self.name));
+        let name = intern(&names::type_name(self.name));
         Shape::Record(Record::Own(name), self.members.iter().map(field).collect())
     }
 
@@ -74,7 +75,7 @@ impl Bundle {
             _ => format!("{} and {last}", others.join(", ")),
         };
         let text = format!("Returns the results of {list}, with their common work done once.");
-        names::intern(&lines(&text))
+        intern(&lines(&text))
     }
 }
 

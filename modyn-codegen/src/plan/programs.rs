@@ -11,7 +11,7 @@ use super::shape::{Shape, Sizes};
 use super::strategy::Strategy;
 use super::tracing::Tracing;
 use crate::graph::Graph;
-use crate::names;
+use crate::intern::intern;
 use crate::passes::optimize;
 use crate::program::{Program, Target};
 use crate::trace::Tracer;
@@ -137,7 +137,7 @@ impl Planned {
             kernels: tracing.strategy.kernels(&graph, packed, scalars),
         };
         let many = batch.then(|| Self {
-            name: names::intern(&format!("{}_batch", bundle.name)),
+            name: intern(&format!("{}_batch", bundle.name)),
             batch_of: Some(bundle.name),
             fields: one.fields.clone(),
             arguments: one.arguments.clone(),

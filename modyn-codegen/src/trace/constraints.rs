@@ -49,9 +49,10 @@ impl Tracer<'_> {
             let twists = || vec![Twist::zero(); model.constraints.len()];
             let (mut displacements, mut velocities) = (twists(), twists());
             let results = (&mut *displacements, &mut *velocities);
-            let rooms = (&mut Workspace::new(model), &mut ConstraintWorkspace::new(model, layout));
+            let workspaces =
+                (&mut Workspace::new(model), &mut ConstraintWorkspace::new(model, layout));
             let targets = settings_of(&settings).contacts;
-            constraints::constraint_residual(model, (&q, &qd), &targets, rooms, results);
+            constraints::constraint_residual(model, (&q, &qd), &targets, workspaces, results);
             displacements.iter().chain(&velocities).flat_map(Twist::components).collect()
         })
     }
@@ -173,8 +174,8 @@ impl Tracer<'_> {
         self.trace(|model, [q]| {
             let mut columns = vec![Twist::zero(); model.constraints.len() * model.nv];
             let memory = &mut ConstraintWorkspace::new(model, layout);
-            let rooms = (&mut Workspace::new(model), memory);
-            constraints::constraint_jacobian(model, &q, rooms, &mut columns);
+            let workspaces = (&mut Workspace::new(model), memory);
+            constraints::constraint_jacobian(model, &q, workspaces, &mut columns);
             columns.iter().flat_map(Twist::components).collect()
         })
     }

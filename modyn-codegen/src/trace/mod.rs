@@ -105,7 +105,7 @@ impl<'a> Tracer<'a> {
         &self.parameters
     }
 
-    /// Traces `equations`; `groups` are the lengths of the groups of inputs.
+    /// Traces `equations` over groups of inputs of these lengths.
     fn trace_groups<const G: usize>(
         &self,
         lengths: [usize; G],

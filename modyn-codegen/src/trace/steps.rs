@@ -19,9 +19,9 @@ impl Tracer<'_> {
         let (nq, nv) = (self.model.nq, self.model.nv);
         self.trace_groups([nq, nv, nv, 1], |model, [q, qd, tau, dt]| {
             let (mut next_q, mut next_qd) = (vec![Expr::zero(); nq], vec![Expr::zero(); nv]);
-            let rooms = (&mut Workspace::new(model), &mut StepWorkspace::new(model));
+            let workspaces = (&mut Workspace::new(model), &mut StepWorkspace::new(model));
             let (state, next) = ((&*q, &*qd, &*tau, dt[0]), (&mut *next_q, &mut *next_qd));
-            step_semi_implicit(model, elimination, state, rooms, next);
+            step_semi_implicit(model, elimination, state, workspaces, next);
             [next_q, next_qd].concat()
         })
     }
@@ -34,10 +34,10 @@ impl Tracer<'_> {
         self.trace_groups([nq, nv, nv, 1], |model, [q, qd, tau, dt]| {
             let mut found = [nq, nv, 4 * nv * nv, 2 * nv * nv].map(|n| vec![Expr::zero(); n]);
             let [next_q, next_qd, a, b] = &mut found;
-            let rooms = (&mut Workspace::new(model), &mut StepWorkspace::new(model));
+            let workspaces = (&mut Workspace::new(model), &mut StepWorkspace::new(model));
             let state = (&*q, &*qd, &*tau, dt[0]);
             let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
-            step_semi_implicit_derivatives(model, layout, state, rooms, outputs);
+            step_semi_implicit_derivatives(model, layout, state, workspaces, outputs);
             found.concat()
         })
     }
@@ -48,9 +48,9 @@ impl Tracer<'_> {
         let (nq, nv) = (self.model.nq, self.model.nv);
         self.trace_groups([nq, nv, nv, 1], |model, [q, qd, tau, dt]| {
             let (mut next_q, mut next_qd) = (vec![Expr::zero(); nq], vec![Expr::zero(); nv]);
-            let rooms = (&mut Workspace::new(model), &mut StepWorkspace::new(model));
+            let workspaces = (&mut Workspace::new(model), &mut StepWorkspace::new(model));
             let (state, next) = ((&*q, &*qd, &*tau, dt[0]), (&mut *next_q, &mut *next_qd));
-            step_rk4(model, elimination, state, rooms, next);
+            step_rk4(model, elimination, state, workspaces, next);
             [next_q, next_qd].concat()
         })
     }

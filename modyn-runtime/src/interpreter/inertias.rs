@@ -9,6 +9,7 @@ use crate::Scalar;
 use crate::equations::singular::{self, PivotWorkspace};
 use crate::mechanism::{Mechanism, inertia_without, rigid_inertia};
 use crate::model::{Inertial, InertialDefect, Model};
+use crate::parameters::write_no_inertia;
 use crate::scalar::epsilon;
 use crate::spatial::RigidInertia;
 
@@ -45,11 +46,7 @@ impl<S: fmt::Display + fmt::LowerExp> fmt::Display for InertialError<S> {
                 write!(f, "there is no link {frame}; the description has {count}")
             }
             Self::Defect(defect) => defect.fmt(f),
-            Self::NoInertia { joint } => write!(
-                f,
-                "no inertia would oppose the motion of joint `{joint}` while the joints after it are free, so its acceleration would be \
-                 infinite; give a link that it moves a mass, and a rotational inertia if it turns"
-            ),
+            Self::NoInertia { joint } => write_no_inertia(f, joint),
         }
     }
 }

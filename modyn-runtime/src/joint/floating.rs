@@ -12,12 +12,12 @@ pub(super) fn accelerate<S: Scalar>(
     rates: &[S],
     accelerations: Option<&[S]>,
 ) -> Field<S> {
-    let in_front = Field::rotating(carried.omega, carried.alpha);
+    let parent = Field::rotating(carried.omega, carried.alpha);
     let field = spherical::accelerate(carried, &rates[3..], accelerations.map(|own| &own[3..]));
     // The rates are in axes that rotate with field.omega. They are relative to axes that rotate with
     // carried.omega.
     let velocity = Vector3([rates[0], rates[1], rates[2]]);
-    let mut a = carried.a + in_front.relative_acceleration(displacement);
+    let mut a = carried.a + parent.relative_acceleration(displacement);
     a += (carried.omega + field.omega).cross(velocity);
     if let Some(own) = accelerations {
         a += Vector3([own[0], own[1], own[2]]);

@@ -5,6 +5,7 @@
 //! A link that is fixed to another link is a [`Frame`]. Its inertia is merged into the moving link that carries
 //! it.
 
+mod check;
 mod contact;
 mod error;
 mod joint;
@@ -101,7 +102,7 @@ impl Model {
             contacts,
             joint_indices,
         };
-        let errors = error::check(&model);
+        let errors = check::check(&model);
         if !errors.is_empty() {
             return Err(errors);
         }
@@ -166,7 +167,7 @@ impl Model {
     /// If the transition velocity of smooth friction is not positive.
     pub fn with_friction(mut self, friction: Friction) -> Result<Self, Vec<ModelError>> {
         self.friction = friction;
-        let errors = error::check_model(&self);
+        let errors = check::check_model(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
@@ -177,7 +178,7 @@ impl Model {
     /// If a component is not finite.
     pub fn with_gravity(mut self, gravity: [f64; 3]) -> Result<Self, Vec<ModelError>> {
         self.gravity = gravity;
-        let errors = error::check_model(&self);
+        let errors = check::check_model(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
@@ -193,7 +194,7 @@ impl Model {
         loop_constraints: Vec<LoopConstraint>,
     ) -> Result<Self, Vec<ModelError>> {
         self.loop_constraints = loop_constraints;
-        let errors = error::check_loop_constraints(&self);
+        let errors = check::check_loop_constraints(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 
@@ -205,7 +206,7 @@ impl Model {
     /// that is not a rotation, a number that is not finite.
     pub fn with_contacts(mut self, contacts: Vec<Contact>) -> Result<Self, Vec<ModelError>> {
         self.contacts = contacts;
-        let errors = error::check_contacts(&self);
+        let errors = check::check_contacts(&self);
         if errors.is_empty() { Ok(self) } else { Err(errors) }
     }
 

@@ -368,14 +368,14 @@ fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
 /// Returns a number as a literal of the type.
 #[allow(clippy::cast_possible_truncation)]
 pub(super) fn literal(value: f64, float: FloatType) -> String {
-    let (finite, sign) = match float {
-        FloatType::F64 => (value.is_finite(), value),
-        FloatType::F32 => ((value as f32).is_finite(), value),
+    let finite = match float {
+        FloatType::F64 => value.is_finite(),
+        FloatType::F32 => (value as f32).is_finite(),
     };
     let cast = if float == FloatType::F64 { "double" } else { "float" };
     match float {
         _ if value.is_nan() => format!("(({cast})NAN)"),
-        _ if !finite && sign < 0.0 => format!("(-({cast})INFINITY)"),
+        _ if !finite && value < 0.0 => format!("(-({cast})INFINITY)"),
         _ if !finite => format!("(({cast})INFINITY)"),
         FloatType::F64 => format!("{value:?}"),
         FloatType::F32 => format!("{:?}f", value as f32),

@@ -2,11 +2,12 @@
 
 use super::ConstraintWorkspace;
 use super::contact::ContactFrame;
-use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, relative_to_ancestor};
+use super::relative_motion::{
+    RelativeMotion, RelativePose, common_ancestor, relative_columns, relative_to_ancestor,
+};
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::kinematics::kinematic_path::{self, OriginMotion};
-use crate::equations::kinematics::links::add_columns;
 use crate::mechanism::{ConstrainedFrames, Mechanism};
 use crate::spatial::{Twist, Vector3};
 
@@ -29,17 +30,9 @@ pub fn constraint_jacobian<S: Scalar>(
             }
             continue;
         }
-        let ancestor = common_ancestor(model, constraint);
-        let [first, second] = &mut memory.columns;
-        let reach = |end, columns: &mut [Twist<S>]| {
-            columns.fill(Twist::zero());
-            relative_to_ancestor(model, end, ancestor, q, |i, seen| {
-                add_columns(model, i, &seen.axes, seen.point, columns);
-            })
-        };
-        let [a, b] = constraint.ends;
-        let pose = RelativePose::new(&[reach(a, first), reach(b, second)]);
-        for (column, (&a, &b)) in columns.iter_mut().zip(first.iter().zip(&*second)) {
+        let pose = relative_columns(model, constraint, q, &mut memory.columns);
+        let [first, second] = &memory.columns;
+        for (column, (&a, &b)) in columns.iter_mut().zip(first.iter().zip(second)) {
             *column = constraint.constrained_part(pose.twist(a, b));
         }
     }

@@ -2,10 +2,12 @@
 //!
 //! Only the bodies between the frames and their closest common ancestor take part.
 
+use alloc::vec::Vec;
+
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::kinematics::kinematic_path::{self, BodyMotion};
-use crate::equations::kinematics::links::LinkInBody;
+use crate::equations::kinematics::links::{LinkInBody, add_columns};
 use crate::mechanism::{BodyFrame, ConstrainedFrames, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3};
 
@@ -45,6 +47,25 @@ pub(super) fn relative_to_ancestor<S: Scalar>(
         visit(i, &seen);
         seen.towards_world(&model.bodies[i], q)
     })
+}
+
+/// Returns the relative pose of a loop constraint's two frames, and fills `columns` with the Jacobian of each frame relative to
+/// the common ancestor, in the frame's axes.
+pub(super) fn relative_columns<S: Scalar>(
+    model: &Mechanism<S>,
+    constraint: &ConstrainedFrames<S>,
+    q: &[S],
+    columns: &mut [Vec<Twist<S>>; 2],
+) -> RelativePose<S> {
+    let ancestor = common_ancestor(model, constraint);
+    let reach = |end, columns: &mut [Twist<S>]| {
+        columns.fill(Twist::zero());
+        relative_to_ancestor(model, end, ancestor, q, |i, seen| {
+            add_columns(model, i, &seen.axes, seen.point, columns);
+        })
+    };
+    let ([a, b], [first, second]) = (constraint.ends, columns);
+    RelativePose::new(&[reach(a, first), reach(b, second)])
 }
 
 /// The pose of the second frame relative to the first.

@@ -13,13 +13,12 @@
 
 use super::ConstraintWorkspace;
 use super::contact::ContactFrame;
-use super::relative_motion::{RelativeMotion, RelativePose, common_ancestor, relative_to_ancestor};
+use super::relative_motion::{RelativeMotion, relative_columns};
 use crate::Scalar;
 use crate::constraint_settings::ContactTarget;
 use crate::equations::Workspace;
 use crate::equations::brge::UduLayout;
 use crate::equations::factorization::solve_upper_factor;
-use crate::equations::kinematics::links::add_columns;
 use crate::mechanism::{ConstrainedFrames, ConstraintRow, Mechanism};
 use crate::spatial::Twist;
 
@@ -78,32 +77,26 @@ pub(super) fn constraint_rows<S: Scalar>(
     let loops = model.constraints.len() - model.contacts();
     memory.frames.clear();
     for (c, constraint) in model.constraints.iter().enumerate() {
-        let [first, second] = &mut memory.columns;
         let motion = if constraint.contact {
+            let first = &mut memory.columns[0];
             let frame = ContactFrame::new(model, constraint.ends[1], q, workspace, first);
             let (surface, target) = (constraint.holds_rotation(), &contacts[c - loops]);
             let motion = frame.motion(model, target, surface, (&*first, qd), workspace);
             memory.frames.push(frame);
             motion
         } else {
-            let ancestor = common_ancestor(model, constraint);
-            let reach = |end, columns: &mut [Twist<S>]| {
-                columns.fill(Twist::zero());
-                relative_to_ancestor(model, end, ancestor, q, |i, seen| {
-                    add_columns(model, i, &seen.axes, seen.point, columns);
-                })
-            };
-            let [a, b] = constraint.ends;
-            let pose = RelativePose::new(&[reach(a, first), reach(b, second)]);
+            let pose = relative_columns(model, constraint, q, &mut memory.columns);
+            let [first, second] = &mut memory.columns;
             for (a, &b) in first.iter_mut().zip(&*second) {
                 *a = pose.twist(*a, b);
             }
             RelativeMotion::new(model, constraint, &pose, (q, qd), workspace)
         };
+        let first = &memory.columns[0];
         let component =
             |row: &ConstraintRow<S>, twist| row.scaled_component(twist, constraint.length);
         let fill = |row: &ConstraintRow<S>, entries: &mut [S]| {
-            for (entry, &column) in entries.iter_mut().zip(&*first) {
+            for (entry, &column) in entries.iter_mut().zip(first) {
                 *entry = component(row, column);
             }
         };

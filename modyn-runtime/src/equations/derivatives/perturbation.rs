@@ -19,9 +19,9 @@ pub(super) fn perturbations_by_coordinates<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     for i in 0..model.bodies.len() {
-        let in_front = AncestorMotion::of(tree, i, qd, falling, workspace);
+        let ancestor = AncestorMotion::of(tree, i, qd, falling, workspace);
         for d in model.bodies[i].dofs.clone() {
-            workspace.perturbations[d] = in_front.displaced(model.dofs[d].component);
+            workspace.perturbations[d] = ancestor.displaced(model.dofs[d].component);
         }
     }
 }
@@ -35,8 +35,8 @@ pub(super) fn perturbations_by_rates<S: Scalar, T: BodyTree<S>>(
 ) {
     let model = tree.mechanism();
     for i in 0..model.bodies.len() {
-        let in_front = AncestorMotion::of(tree, i, qd, falling, workspace);
-        let sum = in_front.omega + workspace.fields[i].omega;
+        let ancestor = AncestorMotion::of(tree, i, qd, falling, workspace);
+        let sum = ancestor.omega + workspace.fields[i].omega;
         for d in model.bodies[i].dofs.clone() {
             workspace.perturbations[d] = match model.dofs[d].component.checked_sub(3) {
                 Some(_) if falling && is_base(model, i) => AccelerationPerturbation::zero(),
@@ -48,9 +48,9 @@ pub(super) fn perturbations_by_rates<S: Scalar, T: BodyTree<S>>(
                     let s = Vector3::unit(model.dofs[d].component);
                     AccelerationPerturbation {
                         gradient: sum.cross(s),
-                        relative: in_front.back.cross(s),
+                        relative: ancestor.back.cross(s),
                         turning: s,
-                        uniform: s.cross(in_front.velocity),
+                        uniform: s.cross(ancestor.velocity),
                     }
                 }
             };

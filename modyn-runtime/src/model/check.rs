@@ -1,0 +1,320 @@
+//! The checks of a model: each returns all defects that it finds.
+
+use alloc::{collections::BTreeMap, vec::Vec};
+
+use super::{Friction, Inertial, Limits, Model, ModelError, ModelErrorKind};
+use crate::joint::JointType;
+use crate::spatial::Pose;
+
+/// Returns all defects of `model` without its loop constraints: of the whole, then of links, then of frames.
+pub(super) fn check(model: &Model) -> Vec<ModelError> {
+    let mut errors = check_model(model);
+    let mut report = |name: &str, kind| errors.push(ModelError { name: name.into(), kind });
+    if model.links.is_empty() {
+        report(&model.name, ModelErrorKind::NoJoint);
+    }
+    let leads = resolves_to_coordinates(model);
+    let mut joints = BTreeMap::new();
+    let mut names = BTreeMap::new();
+    // The links from the root to the previous link: a depth-first successor is the child of one of them.
+    let mut path: Vec<usize> = Vec::new();
+    for (i, link) in model.links.iter().enumerate() {
+        if names.insert(&link.name, i).is_some() {
+            report(&link.name, ModelErrorKind::DuplicateName);
+        }
+        if joints.insert(&link.joint.name, i).is_some() {
+            report(&link.joint.name, ModelErrorKind::DuplicateName);
+        }
+        match link.parent {
+            Some(parent) if parent >= i => report(&link.name, ModelErrorKind::Parent),
+            parent => {
+                while path.last().copied() != parent && path.pop().is_some() {}
+                if path.last().copied() != parent {
+                    report(&link.name, ModelErrorKind::Order);
+                }
+                path.push(i);
+            }
+        }
+        let joint = &link.joint;
+        let pose = (joint.origin.rotation, joint.origin.translation);
+        let inertial = &link.inertial;
+        if !(pose.0.iter().all(|row| finite(row))
+            && finite(&pose.1)
+            && finite(&joint.axis)
+            && finite(&joint.second_axis)
+            && finite(&[joint.dynamics.armature, joint.dynamics.damping, joint.dynamics.friction])
+            && joint.mimic.is_none_or(|mimic| finite(&[mimic.multiplier, mimic.offset]))
+            && finite(&[inertial.mass])
+            && finite(&inertial.center_of_mass)
+            && finite(&inertial.inertia)
+            && joint.limits.as_ref().is_none_or(are_numbers))
+        {
+            report(&link.name, ModelErrorKind::NotFinite);
+            continue;
+        }
+        let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let is_unit = |axis| (dot(axis, axis) - 1.0).abs() < 1e-9;
+        if !is_unit(&joint.axis) {
+            report(&joint.name, ModelErrorKind::Axis);
+        }
+        let second = &joint.second_axis;
+        if joint.joint_type == JointType::Universal
+            && (!is_unit(second) || dot(&joint.axis, second).abs() > 1.0 - 1e-6)
+        {
+            report(&joint.name, ModelErrorKind::SecondAxis);
+        }
+        if [joint.dynamics.armature, joint.dynamics.damping, joint.dynamics.friction]
+            .iter()
+            .any(|x| *x < 0.0)
+        {
+            report(&joint.name, ModelErrorKind::JointDynamics);
+        }
+        if !leads[i] {
+            report(&joint.name, ModelErrorKind::Mimic);
+        }
+        if !is_rotation(&pose.0) {
+            report(&joint.name, ModelErrorKind::Rotation);
+        }
+    }
+    let mut frames = BTreeMap::new();
+    for (i, frame) in model.frames.iter().enumerate() {
+        if frames.insert(&frame.name, i).is_some() {
+            report(&frame.name, ModelErrorKind::DuplicateName);
+        }
+        if frame.link.is_some_and(|link| link >= model.links.len()) {
+            report(&frame.name, ModelErrorKind::Parent);
+        }
+        let Pose { rotation, translation } = &frame.pose;
+        let Inertial { mass, center_of_mass, inertia } = &frame.inertial;
+        if !(rotation.iter().all(|row| finite(row))
+            && finite(translation)
+            && finite(&[*mass])
+            && finite(center_of_mass)
+            && finite(inertia))
+        {
+            report(&frame.name, ModelErrorKind::NotFinite);
+        } else if !is_rotation(rotation) {
+            report(&frame.name, ModelErrorKind::Rotation);
+        }
+    }
+    errors
+}
+
+/// Returns the defects of the model's own numbers: gravity and friction.
+pub(super) fn check_model(model: &Model) -> Vec<ModelError> {
+    let sound = match model.friction {
+        Friction::Smooth(width) => width > 0.0 && width.is_finite(),
+        _ => true,
+    };
+    let kinds =
+        [(finite(&model.gravity), ModelErrorKind::NotFinite), (sound, ModelErrorKind::Friction)];
+    let bad = kinds.into_iter().filter(|(good, _)| !good);
+    bad.map(|(_, kind)| ModelError { name: model.name.clone(), kind }).collect()
+}
+
+/// Returns all defects of the loop constraints of a `model` that has no other defects.
+pub(super) fn check_loop_constraints(model: &Model) -> Vec<ModelError> {
+    let mut errors = Vec::new();
+    let mut names = BTreeMap::new();
+    for (i, constraint) in model.loop_constraints.iter().enumerate() {
+        let name = &constraint.name;
+        let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
+        if names.insert(name, i).is_some() {
+            report(ModelErrorKind::DuplicateName);
+        }
+        let links = constraint.ends.each_ref().map(|end| model.frames.get(end.frame));
+        match links {
+            [Some(a), Some(b)] if a.link == b.link => report(ModelErrorKind::LoopConstraintEnds),
+            [Some(_), Some(_)] => {}
+            _ => report(ModelErrorKind::LoopConstraintLink),
+        }
+        let axis = constraint.kind.axis();
+        let poses = constraint.ends.each_ref().map(|end| &end.pose);
+        if !poses
+            .iter()
+            .all(|pose| pose.rotation.iter().all(|row| finite(row)) && finite(&pose.translation))
+            || axis.is_some_and(|axis| !finite(&axis))
+        {
+            report(ModelErrorKind::NotFinite);
+            continue;
+        }
+        if axis.is_some_and(|axis| (axis.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() > 1e-9) {
+            report(ModelErrorKind::Axis);
+        }
+        if !poses.iter().all(|pose| is_rotation(&pose.rotation)) {
+            report(ModelErrorKind::Rotation);
+        }
+    }
+    errors
+}
+
+/// Returns all defects of the contacts of a `model` that is sound without them.
+pub(super) fn check_contacts(model: &Model) -> Vec<ModelError> {
+    let mut errors = Vec::new();
+    let loops = model.loop_constraints.iter().map(|constraint| (&constraint.name, 0));
+    let mut names: BTreeMap<_, usize> = loops.collect();
+    for contact in &model.contacts {
+        let name = &contact.name;
+        let mut report = |kind| errors.push(ModelError { name: name.clone(), kind });
+        if names.insert(name, 0).is_some() {
+            report(ModelErrorKind::DuplicateName);
+        }
+        match model.frames.get(contact.end.frame) {
+            None => report(ModelErrorKind::ContactLink),
+            Some(frame) if frame.link.is_none() => report(ModelErrorKind::ContactFixed),
+            Some(_) => {}
+        }
+        let Pose { rotation, translation } = &contact.end.pose;
+        if !(rotation.iter().all(|row| finite(row)) && finite(translation)) {
+            report(ModelErrorKind::NotFinite);
+        } else if !is_rotation(rotation) {
+            report(ModelErrorKind::Rotation);
+        }
+    }
+    errors
+}
+
+/// Returns, for each link, whether its joint has a coordinate of its own, or its chain of leaders ends at such a
+/// joint. Every mimic joint is visited once.
+fn resolves_to_coordinates(model: &Model) -> Vec<bool> {
+    let single = |i: usize| model.links.get(i).is_some_and(|link| link.joint.joint_type.nq() == 1);
+    let mut known: Vec<Option<bool>> = alloc::vec![None; model.links.len()];
+    for start in 0..model.links.len() {
+        let mut at = start;
+        let mut path = Vec::new();
+        let good = loop {
+            if let Some(known) = known[at] {
+                break known;
+            }
+            // A chain that returns to a joint of its own path is a cycle.
+            known[at] = Some(false);
+            path.push(at);
+            match model.links[at].joint.mimic {
+                None => break true,
+                Some(mimic) if !(single(at) && single(mimic.leader)) => break false,
+                Some(mimic) => at = mimic.leader,
+            }
+        };
+        path.into_iter().for_each(|i| known[i] = Some(good));
+    }
+    known.into_iter().map(|known| known == Some(true)).collect()
+}
+
+/// Returns whether all numbers are finite.
+fn finite(numbers: &[f64]) -> bool {
+    numbers.iter().all(|x| x.is_finite())
+}
+
+/// Returns whether no limit is NaN; infinite limits are allowed and mean no limit.
+fn are_numbers(limits: &Limits) -> bool {
+    let Limits { lower, upper, velocity, effort } = limits;
+    [lower, upper, velocity, effort].into_iter().flatten().all(|limit| !limit.is_nan())
+}
+
+fn is_rotation(r: &[[f64; 3]; 3]) -> bool {
+    let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let [x, y, z] = r;
+    let cross = [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]];
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
+    near(dot(x, x), 1.0)
+        && near(dot(y, y), 1.0)
+        && near(dot(x, y), 0.0)
+        && cross.iter().zip(z).all(|(a, b)| near(*a, *b))
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::string::String;
+
+    use super::*;
+    use crate::model::{DEFAULT_GRAVITY, Frame, Joint, Link, Mimic};
+
+    /// Returns a model of parallel links whose joints follow these leaders; the last joint is spherical.
+    fn model(leaders: &[Option<usize>]) -> Result<Model, Vec<ModelError>> {
+        let link = |(i, leader): (usize, &Option<usize>)| {
+            let last = i + 1 == leaders.len();
+            let joint_type = if last { JointType::Spherical } else { JointType::Revolute };
+            let name = alloc::format!("{i}");
+            let mut joint = Joint::new(name.clone(), joint_type, [0.0, 0.0, 1.0], Pose::identity());
+            joint.mimic = leader.map(|leader| Mimic { leader, multiplier: -2.0, offset: 1.0 });
+            Link { name, parent: None, joint, inertial: Inertial::default() }
+        };
+        let links = leaders.iter().enumerate().map(link).collect();
+        Model::new("r", DEFAULT_GRAVITY, links, Vec::new())
+    }
+
+    /// Each matrix breaks one of the conditions alone.
+    #[test]
+    fn rotations_keep_lengths_angles_and_orientation() {
+        use crate::spatial::Quaternion;
+        let w = crate::spatial::Vector3([0.4, -1.1, 0.7]);
+        let good = Quaternion::exp(w).matrix().0;
+        assert!(is_rotation(&good));
+        let cross = |[x, y]: [[f64; 3]; 2]| {
+            let entry = |i: usize, j: usize| x[i] * y[j] - x[j] * y[i];
+            [x, y, [entry(1, 2), entry(2, 0), entry(0, 1)]]
+        };
+        let [x, y, z] = good;
+        let scaled = |v: [f64; 3], by: f64| v.map(|x| by * x);
+        let sheared: [f64; 3] = core::array::from_fn(|i| 0.6 * x[i] + 0.8 * y[i]);
+        for bad in [
+            cross([scaled(x, 1.01), y]),
+            cross([x, scaled(y, 0.99)]),
+            cross([x, sheared]),
+            [x, y, scaled(z, -1.0)],
+            [x, y, scaled(z, 1.01)],
+            [y, x, z],
+            [[0.0; 3]; 3],
+            [[f64::NAN; 3]; 3],
+        ] {
+            assert!(!is_rotation(&bad), "{bad:?}");
+        }
+    }
+
+    /// Limits and the links' own inertias become numbers of the generated text, where NaN is no literal.
+    #[test]
+    fn stated_values_must_be_finite() {
+        let good = model(&[None, None]).expect("good");
+        let kinds = |change: &dyn Fn(&mut Limits, &mut Inertial)| -> Vec<ModelErrorKind> {
+            let mut links = good.links().to_vec();
+            let mut limits = Limits { lower: None, upper: None, velocity: None, effort: None };
+            let mut inertial = Inertial::default();
+            change(&mut limits, &mut inertial);
+            links[0].joint.limits = Some(limits);
+            let frame = Frame { name: "f".into(), link: Some(0), pose: Pose::identity(), inertial };
+            let model = Model::new("r", DEFAULT_GRAVITY, links, alloc::vec![frame]);
+            model.err().unwrap_or_default().into_iter().map(|error| error.kind).collect()
+        };
+        let unlimited = Some(f64::INFINITY);
+        assert_eq!(kinds(&|limits, _| (limits.upper, limits.effort) = (unlimited, unlimited)), []);
+        let bad = [ModelErrorKind::NotFinite];
+        assert_eq!(kinds(&|limits, _| limits.lower = Some(f64::NAN)), bad);
+        assert_eq!(kinds(&|limits, _| limits.upper = Some(f64::NAN)), bad);
+        assert_eq!(kinds(&|limits, _| limits.velocity = Some(-f64::NAN)), bad);
+        assert_eq!(kinds(&|limits, _| limits.effort = Some(f64::NAN)), bad);
+        assert_eq!(kinds(&|_, inertial| inertial.mass = f64::NAN), bad);
+        assert_eq!(kinds(&|_, inertial| inertial.center_of_mass[1] = f64::INFINITY), bad);
+        assert_eq!(kinds(&|_, inertial| inertial.inertia[5] = f64::NAN), bad);
+    }
+
+    #[test]
+    fn mimic_joints_must_have_a_leader() {
+        let bad = |leaders: &[Option<usize>]| -> Vec<String> {
+            let errors = model(leaders).expect_err("refused");
+            assert!(errors.iter().all(|error| error.kind == ModelErrorKind::Mimic));
+            errors.into_iter().map(|error| error.name).collect()
+        };
+        // A cycle, and a joint that leads into it; itself; a missing leader; a leader with several coordinates.
+        assert_eq!(bad(&[Some(1), Some(2), Some(1), None, None]), ["0", "1", "2"]);
+        assert_eq!(bad(&[Some(0), None, None]), ["0"]);
+        assert_eq!(bad(&[Some(9), Some(0), None]), ["0", "1"]);
+        assert_eq!(bad(&[Some(1), Some(3), None, None]), ["0", "1"]);
+        assert_eq!(bad(&[None, Some(0), Some(0)]), ["2"]);
+
+        let model = model(&[Some(2), Some(3), Some(1), None, None]).expect("good");
+        let resolved = |i| model.mimic(i).map(|m| (m.leader, m.multiplier, m.offset));
+        let expected = [Some((3, -8.0, 3.0)), Some((3, -2.0, 1.0)), Some((3, 4.0, -1.0)), None];
+        assert_eq!([0, 1, 2, 3].map(resolved), expected);
+        assert_eq!((model.q_range(0), model.v_range(2), model.nq()), (0..1, 0..1, 5));
+    }
+}
