@@ -37,31 +37,31 @@ pub(super) fn plan(tracer: &Tracer<'_>, layout: &UduLayout, sizes: &Sizes) -> Ve
     vec![
         of_factors(
             "u",
-            "Returns the block upper triangular U, (43), an array of columns.",
+            "Returns the block upper triangular U (equation 43 of the paper), an array of columns.",
             square(),
             tracer.u(layout),
         ),
         of_factors(
             "d",
-            "Returns the block diagonal D, (45), an array of columns.",
+            "Returns the block diagonal D (equation 45 of the paper), an array of columns.",
             square(),
             tracer.d(layout),
         ),
         of_factors(
             "u_inverse",
-            "Returns U^-1, (54), an array of columns.",
+            "Returns U^-1 (equation 54 of the paper), an array of columns.",
             square(),
             tracer.u_inverse(layout),
         ),
         of_factors(
             "d_inverse",
-            "Returns D^-1, (54), an array of columns.",
+            "Returns D^-1 (equation 54 of the paper), an array of columns.",
             square(),
             tracer.d_inverse(layout),
         ),
         of_factors(
             "inverse",
-            "Returns the inverse of the mass matrix, (50), an array of columns.",
+            "Returns the inverse of the mass matrix (equation 50 of the paper), an array of columns.",
             square(),
             tracer.inverse(layout),
         ),
@@ -73,7 +73,7 @@ pub(super) fn plan(tracer: &Tracer<'_>, layout: &UduLayout, sizes: &Sizes) -> Ve
         ),
         function(
             "solve",
-            "Returns the solution x of I x = `rhs`, by the three steps of (60).",
+            "Returns the solution x of M x = `rhs`, with the mass matrix M, by the three steps of equation 60 of the paper.",
             vec![factors(), rhs],
             Shape::vector(sizes.nv),
             tracer.solve(layout),

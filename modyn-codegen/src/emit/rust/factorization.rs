@@ -42,7 +42,8 @@ impl Robot<'_> {
         }
         let _ = writeln!(
             text,
-            "/// Returns the solution x of I x = `rhs`, by the three steps of (60).\n\
+            "/// Returns the solution x of M x = `rhs`, with the mass matrix M, by the three steps of equation 60 of the\n\
+             /// paper.\n\
              #[must_use]\n\
              pub fn solve(&self, rhs: &{vector}) -> {vector} {{\n    solve(&self.factors, rhs)\n}}"
         );
@@ -62,7 +63,8 @@ impl Robot<'_> {
                 .collect();
             let _ = writeln!(
                 text,
-                "/// Returns the pivot block of module {m} (joints {}), (46), an array of columns.\n\
+                "/// Returns the pivot block of module {m} (joints {}; equation 46 of the paper), an array of\n\
+                 /// columns.\n\
                  #[must_use]\n\
                  pub fn pivot_block_{m}(&self) -> [[T; {size}]; {size}] {{\n    \
                  let [{shown}..] = self.factors;\n    [{}]\n}}",
