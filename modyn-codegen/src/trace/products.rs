@@ -59,13 +59,46 @@ impl Composition {
 
     /// Returns the product of two square matrices of `n` columns, by columns.
     pub(super) fn multiply(&mut self, a: &[Id], b: &[Id], n: usize) -> Vec<Id> {
+        self.multiply_rows((a, n), b, n, 0..n)
+    }
+
+    /// Returns rows of the product of a matrix, given with its number of rows, and a square matrix of `n` columns.
+    pub(super) fn multiply_rows(
+        &mut self,
+        (a, height): (&[Id], usize),
+        b: &[Id],
+        n: usize,
+        rows: Range<usize>,
+    ) -> Vec<Id> {
         let mut dot = |i: usize, j: usize| {
             (0..n).fold(self.constant(0.0), |sum, k| {
-                let product = self.product(a[k * n + i], b[j * n + k]);
+                let product = self.product(a[k * height + i], b[j * n + k]);
                 self.sum(sum, product)
             })
         };
-        (0..n * n).map(|k| dot(k % n, k / n)).collect()
+        (0..n).flat_map(|j| rows.clone().map(move |i| (i, j))).map(|(i, j)| dot(i, j)).collect()
+    }
+
+    /// Returns the scalar product of two vectors.
+    pub(super) fn dot(&mut self, a: &[Id], b: &[Id]) -> Id {
+        a.iter().zip(b).fold(self.constant(0.0), |sum, (&a, &b)| {
+            let product = self.product(a, b);
+            self.sum(sum, product)
+        })
+    }
+
+    /// Returns the vector product.
+    pub(super) fn cross(&mut self, a: &[Id], b: &[Id]) -> Vec<Id> {
+        let mut entry = |i: usize, j: usize| {
+            let (first, second) = (self.product(a[i], b[j]), self.product(a[j], b[i]));
+            self.graph.make(Node::Sub(first, second))
+        };
+        vec![entry(1, 2), entry(2, 0), entry(0, 1)]
+    }
+
+    /// Returns factor x, entry by entry.
+    pub(super) fn scaled(&mut self, factor: Id, x: &[Id]) -> Vec<Id> {
+        x.iter().map(|&x| self.product(factor, x)).collect()
     }
 
     /// Returns the graph with these groups of outputs.
