@@ -78,7 +78,6 @@ mod second_order {
 
     robots! {
         Mimic = "../../robots/mimic_gripper.urdf", friction = viscous;
-        Flying = "../../robots/double_pendulum.urdf", base = floating;
         Single = "../../robots/double_pendulum.urdf", scalar = f32;
     }
 }
@@ -481,7 +480,6 @@ macro_rules! hessians {
 #[test]
 fn hessians() {
     hessians!(Mimic, f64);
-    hessians!(Flying, f64);
     hessians!(Single, f32);
 }
 

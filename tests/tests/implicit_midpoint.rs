@@ -307,7 +307,7 @@ fn energy_does_not_drift() {
         let tau = vec![0.0; model.nv()];
         let mut robot = Interpreter::new(model);
         // The largest kinetic energy, and the largest change of the energy in the first and the last tenth.
-        let mut changes = |robot: &mut Interpreter, implicit: bool| {
+        let changes = |robot: &mut Interpreter, implicit: bool| {
             let mut state = [q.clone(), qd.clone()];
             let energy = |robot: &mut Interpreter, [q, qd]: &[Vec<f64>; 2]| {
                 let kinetic = robot.kinetic(q, qd);

@@ -195,11 +195,12 @@ impl Step<'_> {
     }
 
     /// Returns the same numbers of the generated function's graph.
-    fn compiled(&self) -> Vec<f64> {
+    fn compiled(&self, lanes: bool) -> Vec<f64> {
         let Self { model, state: State { q, qd, tau, .. }, dt, costate } = self;
         let mechanism = Mechanism::new(model);
         // Run-time gravity is an input after all others.
         let tracer = Tracer::with_parameters(&mechanism, Parameters::new(model, true, &[], &[]));
+        let tracer = if lanes { tracer.column_lanes() } else { tracer };
         let chains = UduLayout::new(&mechanism, &ModuleTree::chains(model));
         let graph = optimize(tracer.step_semi_implicit_hessian(&chains));
         let inputs = [&q[..], qd, tau, &[*dt], costate, &model.gravity()].concat();
@@ -209,12 +210,15 @@ impl Step<'_> {
     fn compare(&self, name: &str) {
         let Self { model, state: State { q, qd, tau, .. }, dt, .. } = self;
         let (nq, n) = (model.nq(), model.nv());
-        let (interpreted, compiled) = (self.interpreted(), self.compiled());
+        let (interpreted, compiled) = (self.interpreted(), self.compiled(false));
+        let in_lanes = self.compiled(true);
         let (mut next_q, mut next_qd) = (q.clone(), qd.clone());
         let mut robot = Interpreter::<f64>::new((*model).clone());
         robot.step_semi_implicit((q, qd, tau), *dt, &mut next_q, &mut next_qd).expect("fits");
         let expected = self.expected();
-        for (who, found) in [("interpreter", interpreted), ("compiler", compiled)] {
+        for (who, found) in
+            [("interpreter", interpreted), ("compiler", compiled), ("lanes", in_lanes)]
+        {
             assert_close(&format!("{name}: q, {who}"), &found[..nq], &next_q, 1e-9);
             assert_close(&format!("{name}: qd, {who}"), &found[nq..nq + n], &next_qd, 1e-9);
             let lengths = [2 * n, n, 4 * n * n, 2 * n * n, n * n];
@@ -274,7 +278,7 @@ fn steps_of_joints_with_axes_are_linear_in_the_forces() {
     let (state, costate) = (random::state(4, &model), costate(4, &model));
     let step = Step { model: &model, state: &state, dt: 0.05, costate: &costate };
     let n = model.nv();
-    for found in [step.interpreted(), step.compiled()] {
+    for found in [step.interpreted(), step.compiled(false), step.compiled(true)] {
         assert!(found[found.len() - n * n..].iter().all(|&x| x == 0.0));
     }
 }

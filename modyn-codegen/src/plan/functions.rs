@@ -280,7 +280,8 @@ functions! {
          `qdd` and of `qdd` and `qdd` are zero.",
         |t, _| t.inverse_dynamics_hessian(),
         |m| 18_000.0 * m.depths + 150.0 * m.entries,
-    );
+    )
+        .packed(Packing::Columns);
     /// The contracted Hessian of forward dynamics.
     ForwardDynamicsHessian "forward_dynamics_hessian" = Row::one(
         &[Q, QD, TAU, COTANGENT],
@@ -290,7 +291,8 @@ functions! {
          and of `tau` and `tau` are zero.",
         |t, s| t.forward_dynamics_hessian(s.for_derivatives),
         |m| 18_000.0 * m.depths + 1800.0 * m.squares + 150.0 * m.entries,
-    );
+    )
+        .packed(Packing::Columns);
     /// The state after a semi-implicit Euler step.
     StepSemiImplicit "step_semi_implicit" = Row::one(
         &[Q, QD, TAU, DT],
@@ -320,7 +322,8 @@ functions! {
          of the state after the step are in tangent space, too.",
         |t, s| t.step_semi_implicit_hessian(s.for_derivatives),
         |m| 18_000.0 * m.depths + 1800.0 * m.squares + 500.0 * m.entries,
-    );
+    )
+        .packed(Packing::Columns);
     /// The state after a Runge-Kutta step.
     StepRk4 "step_rk4" = Row::one(
         &[Q, QD, TAU, DT],

@@ -39,7 +39,7 @@ pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) 
         candidates(row.packing, trace, tracing, (limbs, &tracer))
     });
     let has_columns =
-        row.packing == Packing::Derivatives && tracing.vectors && operations(scalar) <= MAX_COLUMNS;
+        row.packing.has_columns() && tracing.vectors && operations(scalar) <= MAX_COLUMNS;
     let columns = has_columns.then(|| trace(&tracing.tracer.column_lanes(), tracing));
     profitable(by_limbs.chain(columns), row.hot, tracing, scalar)
 }
@@ -62,8 +62,7 @@ pub(super) fn packed_bundle(
     let has_columns = tracing.vectors && operations(scalar) <= MAX_COLUMNS;
     let columns = || {
         graphs.packed(|row, trace| {
-            let columns = row.packing == Packing::Derivatives;
-            columns.then(|| trace(&tracing.tracer.column_lanes(), tracing))
+            row.packing.has_columns().then(|| trace(&tracing.tracer.column_lanes(), tracing))
         })
     };
     let columns = has_columns.then(columns).flatten();
@@ -110,7 +109,7 @@ fn candidates(
         // Where limbs move each other, packed derivatives are profitable on vectors only.
         Packing::Derivatives if !(tracing.vectors || tracing.independent) => return Vec::new(),
         Packing::OnRootPath | Packing::Derivatives => {}
-        Packing::Never => return Vec::new(),
+        Packing::Never | Packing::Columns => return Vec::new(),
     }
     vec![trace(tracer, tracing)]
 }

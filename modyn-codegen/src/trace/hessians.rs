@@ -58,27 +58,39 @@ impl Hessian {
         Self { changes, outputs, point, nv: tracer.model.nv, found: BTreeMap::new() }
     }
 
-    /// Computes the changes of some entries of the gradient along a unit displacement.
+    /// Computes the changes of some entries of the gradient along unit displacements, each in a lane.
     fn differentiate(
         &mut self,
         tracer: &Tracer<'_>,
         all: &mut Composition,
-        along: Entry,
-        entries: impl Iterator<Item = Entry>,
+        displacements: &[(Entry, Vec<Entry>)],
     ) {
         let (nq, nv) = (tracer.model.nq, self.nv);
-        let entries: Vec<Entry> = entries.collect();
         let (zero, one) = (all.constant(0.0), all.constant(1.0));
-        let mut change = vec![zero; self.outputs.len()];
-        change[along.0 * nv + along.1] = one;
+        let change = (0..self.outputs.len()).map(|entry| {
+            let is_along = |&((variable, k), _): &(Entry, _)| entry == variable * nv + k;
+            let lanes =
+                displacements.iter().map(|one_of| if is_along(one_of) { one } else { zero });
+            all.pack(&lanes.collect::<Vec<_>>())
+        });
+        let change: Vec<Id> = change.collect();
         let rates = tracer.velocity_to_qdot();
         let rest = vec![zero; tracer.parameters.len()];
         let dq = all.add(&rates, &[&self.point[..nq], &change[..nv], &rest]);
+        let mut entries: Vec<Entry> = Vec::new();
+        for entry in displacements.iter().flat_map(|(_, entries)| entries) {
+            if !entries.contains(entry) {
+                entries.push(*entry);
+            }
+        }
         let output = |&(variable, entry): &Entry| self.outputs[variable * nv + entry];
         self.changes.outputs = entries.iter().map(output).collect();
         let changes = all.add(&self.changes, &[&self.point, &dq, &change[nv..]]);
-        let keyed = entries.into_iter().zip(changes);
-        self.found.extend(keyed.map(|(entry, change)| ((along, entry), change)));
+        for (lane, (along, own)) in displacements.iter().enumerate() {
+            for (entry, &change) in entries.iter().zip(&changes).filter(|(e, _)| own.contains(e)) {
+                self.found.insert((*along, *entry), all.lane(change, lane));
+            }
+        }
     }
 
     /// Returns the entry (a, b) of the Hessian. Displacements of one rotation or pose do not commute: the second derivative
@@ -189,18 +201,42 @@ impl Tracer<'_> {
     ) {
         let nv = self.model.nv;
         let all_of = |variable: usize| (0..nv).map(move |i| (variable, i));
-        for (j, group) in self.groups().iter().enumerate() {
-            if varies((Q, j)) {
+        let groups = self.groups();
+        for velocities in self.column_groups() {
+            let by_q = velocities.clone().filter(|&j| varies((Q, j))).map(|j| {
                 // The rows of descendants take fewer operations than those of ancestors.
-                let rows = all_of(Q).filter(|&(_, i)| i >= j || group.contains(&i));
+                let rows = all_of(Q).filter(|&(_, i)| i >= j || groups[j].contains(&i));
                 let rows = rows.chain(all_of(QD)).filter(|&row| varies(row)).chain(all_of(QDD));
-                hessian.differentiate(self, all, (Q, j), rows);
-            }
-            if varies((QD, j)) {
+                ((Q, j), rows.collect())
+            });
+            let by_q: Vec<_> = by_q.collect();
+            let by_qd = velocities.filter(|&j| varies((QD, j))).map(|j| {
                 let rows = all_of(QD).skip(j).filter(|&row| varies(row));
-                hessian.differentiate(self, all, (QD, j), rows);
+                ((QD, j), rows.collect())
+            });
+            let by_qd: Vec<_> = by_qd.collect();
+            for displacements in [by_q, by_qd].iter().filter(|all| !all.is_empty()) {
+                hessian.differentiate(self, all, displacements);
             }
         }
+    }
+
+    /// Returns the entries of qd whose displacements share the lanes of one pack: those of consecutive joints of a chain.
+    fn column_groups(&self) -> Vec<Range<usize>> {
+        let body = |v: usize| self.model.dofs.iter().find(|dof| dof.v == v).map(|dof| dof.body);
+        let parent = |body: Option<usize>| body.and_then(|body| self.model.bodies[body].parent);
+        let follows = |v: usize| {
+            let (front, back) = (body(v - 1), body(v));
+            front == back || (front.is_some() && parent(back) == front)
+        };
+        let mut groups: Vec<Range<usize>> = Vec::new();
+        for v in 0..self.model.nv {
+            match groups.last_mut() {
+                Some(group) if group.len() < self.columns && follows(v) => group.end = v + 1,
+                _ => groups.push(v..v + 1),
+            }
+        }
+        groups
     }
 
     /// Returns the graph of the accelerations, of their weighted gradients by `q` (in tangent space), `qd` and `tau`, and of
@@ -270,17 +306,17 @@ impl Tracer<'_> {
         let u = all.add(&self.u_inverse(layout), &[factors]);
         let d = all.add(&self.d_inverse(layout), &[factors]);
         let w = phi.block(all, Q, QDD);
-        let w = all.multiply(&w, &transposed(&u, nv), nv);
-        let w = all.multiply(&w, &d, nv);
-        let b = all.multiply(&w, &u, nv);
+        let w = self.multiply(all, &w, &transposed(&u, nv));
+        let w = self.multiply(all, &w, &d);
+        let b = self.multiply(all, &w, &u);
         let derivatives = self.inverse_dynamics_derivatives();
         let derivatives = all.add(&derivatives, &[&still.q, &still.qd, relative, parameters]);
         let [(by_q, u_by_q), (by_qd, u_by_qd)] = [Q, QD].map(|variable| {
             let columns = derivatives[variable * nv * nv..][..nv * nv].iter().enumerate();
             let varies = |k: usize| still.varies((variable, k / nv));
             let columns = columns.map(|(k, &entry)| if varies(k) { entry } else { zero });
-            let columns = all.multiply(&u, &columns.collect::<Vec<_>>(), nv);
-            (all.multiply(&w, &columns, nv), columns)
+            let columns = self.multiply(all, &u, &columns.collect::<Vec<_>>());
+            (self.multiply(all, &w, &columns), columns)
         });
         let by_q = all.sums(&by_q, &transposed(&by_q, nv));
         let none = vec![zero; nv * nv];
@@ -294,6 +330,11 @@ impl Tracer<'_> {
         let by_q_tau = all.negated(&b);
         let reduced = [u_by_q, u_by_qd];
         ForwardHessian { gradients, by_tau, blocks, by_q_tau, u, d, reduced }
+    }
+
+    /// Returns the product of two square matrices, by columns; consecutive columns share the lanes of a pack.
+    fn multiply(&self, all: &mut Composition, a: &[Id], b: &[Id]) -> Vec<Id> {
+        all.multiply_columns(a, b, self.model.nv, self.columns)
     }
 
     /// Computes rows of the derivatives of the accelerations by q (in tangent space), qd and tau: for each variable nv columns
@@ -372,8 +413,8 @@ impl Tracer<'_> {
             let entries = self.model.dofs_of(base).iter().map(|dof| dof.v);
             for j in entries.clone() {
                 for variable in [Q, QD] {
-                    let rows = entries.clone().map(|i| (variable, i));
-                    fall.differentiate(self, all, (variable, j), rows);
+                    let rows = entries.clone().map(|i| (variable, i)).collect();
+                    fall.differentiate(self, all, &[((variable, j), rows)]);
                 }
             }
         }
