@@ -8,7 +8,7 @@
 //! ```
 //!
 //! and inverse dynamics ID. A step back from (q', qd') by -dt has the same midpoint, so the rule is symmetric. It is of second
-//! order. Where the accelerations are linear in the state, it is A-stable.
+//! order, and A-stable (Hairer and Wanner 1996, "Solving Ordinary Differential Equations II", section IV.3).
 //!
 //! The equation for a has the derivative N = M + dt/2 (ID_qd + dt/2 ID_q J), with the mass matrix M and the derivative J of
 //! (+) by the displacement. Newton's method with N at the start a = 0 (simplified Newton) takes one factorization. N changes
