@@ -136,15 +136,21 @@ fn counted() -> String {
             _ => [&MAIN[..], &HESSIANS].concat(),
         };
         let path = root().join(format!("robots/{robot}.urdf"));
-        let generated = Builder::new().urdf(path).base(base).functions(functions).generate();
-        let generated = generated.unwrap_or_else(|found| panic!("{robot}: {found}"));
+        // All functions of a humanoid together are longer than a text may be.
+        let generate = |functions: &[Function]| {
+            let builder = Builder::new().urdf(&path).base(base);
+            let generated = builder.functions(functions.iter().copied()).generate();
+            generated.unwrap_or_else(|found| panic!("{robot}: {found}"))
+        };
+        let generated: Vec<_> = functions.chunks(16).map(generate).collect();
         let base = if base == Base::Fixed { "fixed" } else { "floating" };
-        for (name, operations) in &generated.operations {
+        for (name, operations) in generated.iter().flat_map(|generated| &generated.operations) {
             let scalar = operations.total();
-            let all = generated.static_operations.iter().find(|(one, _)| one == name);
+            let mut all = generated.iter().flat_map(|generated| &generated.static_operations);
+            let all = all.find(|(one, _)| one == name);
             let all = all.map_or(scalar, |(_, all)| all.total());
             // A function of one state may have a second program, on vectors.
-            let one = MAIN.iter().any(|function| function.name() == *name);
+            let one = MAIN.iter().chain(&HESSIANS).any(|function| function.name() == *name);
             let lanes = all.checked_sub(scalar).filter(|&lanes| one && lanes > 0 && lanes < scalar);
             let lanes = lanes.map_or(String::new(), |lanes| lanes.to_string());
             let _ = writeln!(text, "{robot}\t{base}\t{name}\t{scalar}\t{lanes}");
@@ -493,7 +499,7 @@ fn rendered(name: &str) -> String {
             true,
         ),
         "operations-of-hessians" => {
-            operations(&HESSIANS.map(|function| (function.name(), function.name())), false)
+            operations(&HESSIANS.map(|function| (function.name(), function.name())), true)
         }
         "casadi" => beside_casadi(),
         "robots-in-short" => robots_in_short(),

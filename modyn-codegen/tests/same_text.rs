@@ -34,13 +34,28 @@ const OPTIONS: &[Options] = &[
     ("all self_contained share f32", |b| all(b).self_contained().share().scalar(FloatType::F32)),
     ("all gravity c", |b| all(b).runtime_gravity().c_functions("robot")),
     ("all parameters", |b| with_inertia(all(b).runtime_gravity())),
+    ("long", long),
+    ("long floating", |b| long(b).base(Base::Floating)),
     ("floating self_contained parameters c", |b| {
         with_inertia(b.base(Base::Floating).self_contained()).c_functions("robot")
     }),
 ];
 
+/// Functions that do not fit into one text with all others if the robot is a humanoid.
+const LONG: &[Function] = &[
+    Function::StepSemiImplicitHessian,
+    Function::StepImplicitMidpoint,
+    Function::StepImplicitMidpointDerivatives,
+    Function::InverseDynamicsHessianBatch,
+    Function::ForwardDynamicsHessianBatch,
+];
+
 fn all(builder: Builder) -> Builder {
-    builder.functions(Function::ALL.iter().copied())
+    builder.functions(Function::ALL.iter().copied().filter(|function| !LONG.contains(function)))
+}
+
+fn long(builder: Builder) -> Builder {
+    builder.functions(LONG.iter().copied())
 }
 
 /// Makes the inertia of the last moving link an argument, and a payload of the first one.

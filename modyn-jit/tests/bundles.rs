@@ -54,6 +54,7 @@ const BUNDLES: &[(&str, &[Function])] = &[
             Function::Regressor,
             Function::InverseDynamics,
             Function::StepRk4,
+            Function::StepImplicitMidpoint,
         ],
     ),
     (

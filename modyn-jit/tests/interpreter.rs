@@ -32,6 +32,7 @@ fn argument(
         (_, "dqdd" | "dtau") => qd.clone(),
         (_, "qdd" | "cotangent" | "dq") => qdd.clone(),
         (_, "tau") => tau.clone(),
+        (_, "costate") => values::costate(qdd, tau),
         (_, "dt") => vec![values::time_step()],
         (_, "uniforms") => (0..model.nv()).map(|_| uniform()).collect(),
         (_, "forces") => {

@@ -268,6 +268,19 @@ impl Robot {
         self.call(py, 24, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
+    /// Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the gradients and
+    /// the Hessian of `costate`^T state: `dx` and `dtau` with respect to the state before and `tau`, and
+    /// `dx_dx`, `dx_dtau` and `dtau_dtau`. A state has the entries of q (in tangent space), then those of
+    /// qd. Displacements of the state after the step are in tangent space, too.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `costate`: (2 nv,).
+    /// Result: `StepHessian`: `q` (nq,), `qd` (nv,), `dx` (2 nv,), `dtau` (nv,), `dx_dx` (2 nv, 2 nv),
+    /// `dx_dtau` (2 nv, nv), `dtau_dtau` (nv, nv). Several states have one more axis, the first.
+    #[pyo3(signature = (q, qd, tau, dt, costate, *, out=None))]
+    fn step_semi_implicit_hessian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, costate: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 25, &[Some(q), Some(qd), Some(tau), Some(dt), Some(costate)], None, out)
+    }
+
     /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by a Runge-Kutta
     /// method of fourth order. Rotations follow exponential maps, so quaternions keep length 1.
     ///
@@ -275,7 +288,31 @@ impl Robot {
     /// Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
     fn step_rk4<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 25, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
+        self.call(py, 26, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
+    }
+
+    /// Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the implicit
+    /// midpoint rule: of second order, symmetric, and stable under stiff damping. Three iterations of
+    /// simplified Newton solve its equations. Rotations follow exponential maps, so quaternions keep length
+    /// 1.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
+    /// Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
+    #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
+    fn step_implicit_midpoint<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 27, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
+    }
+
+    /// Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint rule:
+    /// `a` with respect to the state before and `b` with respect to `tau`. A state has the entries of q (in
+    /// tangent space), then those of qd.
+    ///
+    /// Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
+    /// Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states
+    /// have one more axis, the first.
+    #[pyo3(signature = (q, qd, tau, dt, *, out=None))]
+    fn step_implicit_midpoint_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, dt: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.call(py, 28, &[Some(q), Some(qd), Some(tau), Some(dt)], None, out)
     }
 
     /// Returns the joint accelerations under the joint forces `tau` with the loops closed and the active
@@ -293,7 +330,7 @@ impl Robot {
     /// axis, the first.
     #[pyo3(signature = (q, qd, tau, contacts=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 26, &[Some(q), Some(qd), Some(tau), contacts, settings], None, out)
+        self.call(py, 29, &[Some(q), Some(qd), Some(tau), contacts, settings], None, out)
     }
 
     /// Returns the displacement and the velocity of each loop constraint's second frame relative to its
@@ -307,7 +344,7 @@ impl Robot {
     /// angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, settings=None, *, out=None))]
     fn constraint_residual<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 27, &[Some(q), Some(qd), settings], None, out)
+        self.call(py, 30, &[Some(q), Some(qd), settings], None, out)
     }
 
     /// Returns the smallest step (in the metric of the mass matrix) that closes the loops at `q` and moves
@@ -322,7 +359,7 @@ impl Robot {
     /// more axis, the first.
     #[pyo3(signature = (q, qd, contacts=None, settings=None, *, out=None))]
     fn project_constraints<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 28, &[Some(q), Some(qd), contacts, settings], None, out)
+        self.call(py, 31, &[Some(q), Some(qd), contacts, settings], None, out)
     }
 
     /// Returns the accelerations and the wrenches of `constrained_forward_dynamics`, and their derivatives
@@ -339,7 +376,7 @@ impl Robot {
     /// Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, tau, contacts=None, settings=None, *, out=None))]
     fn constrained_forward_dynamics_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, tau: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 29, &[Some(q), Some(qd), Some(tau), contacts, settings], None, out)
+        self.call(py, 32, &[Some(q), Some(qd), Some(tau), contacts, settings], None, out)
     }
 
     /// Returns the velocities after an impact that closes the loops and stops the active contacts relative
@@ -354,7 +391,7 @@ impl Robot {
     /// forces. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, contacts=None, settings=None, *, out=None))]
     fn contact_impulse<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 30, &[Some(q), Some(qd), contacts, settings], None, out)
+        self.call(py, 33, &[Some(q), Some(qd), contacts, settings], None, out)
     }
 
     /// Returns the joint forces of the accelerations `qdd`, the wrenches of the active contacts that carry
@@ -370,7 +407,7 @@ impl Robot {
     /// moments before forces. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, contacts=None, settings=None, *, out=None))]
     fn constrained_inverse_dynamics<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 31, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
+        self.call(py, 34, &[Some(q), Some(qd), Some(qdd), contacts, settings], None, out)
     }
 
     /// Returns the Jacobian of each constraint. The product with `qd` is, for a loop constraint, the
@@ -382,7 +419,7 @@ impl Robot {
     /// the first.
     #[pyo3(signature = (q, *, out=None))]
     fn constraint_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 32, &[Some(q)], None, out)
+        self.call(py, 35, &[Some(q)], None, out)
     }
 
     /// Returns the bias acceleration of each constraint: the time derivative of `constraint_jacobian` times
@@ -393,7 +430,7 @@ impl Robot {
     /// first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn constraint_bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 33, &[Some(q), Some(qd)], None, out)
+        self.call(py, 36, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the operational-space inertia of the constraints, its inverse J I^-1 J^T with the mass
@@ -407,7 +444,7 @@ impl Robot {
     /// rows, constraint rows), `rank` a number. Several states have one more axis, the first.
     #[pyo3(signature = (q, contacts=None, settings=None, *, out=None))]
     fn operational_inertia<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, contacts: Argument<'_, 'py>, settings: Argument<'_, 'py>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 34, &[Some(q), contacts, settings], None, out)
+        self.call(py, 37, &[Some(q), contacts, settings], None, out)
     }
 
     /// Returns the regressor Y of inverse dynamics: tau = Y pi, without rotors and friction. pi has ten
@@ -418,7 +455,7 @@ impl Robot {
     /// Result: (nv, 10 moving links). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, *, out=None))]
     fn regressor<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 35, &[Some(q), Some(qd), Some(qdd)], None, out)
+        self.call(py, 38, &[Some(q), Some(qd), Some(qdd)], None, out)
     }
 
     /// Returns the centre of mass of the moving links in world axes, m.
@@ -427,7 +464,7 @@ impl Robot {
     /// Result: (3,). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn center_of_mass<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 36, &[Some(q)], None, out)
+        self.call(py, 39, &[Some(q)], None, out)
     }
 
     /// Returns the Jacobian of the centre of mass. Its product with `qd` is the velocity of the centre of
@@ -437,7 +474,7 @@ impl Robot {
     /// Result: (3, nv). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn center_of_mass_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 37, &[Some(q)], None, out)
+        self.call(py, 40, &[Some(q)], None, out)
     }
 
     /// Returns the centroidal momentum matrix. Its product with `qd` is the momentum about the centre of
@@ -447,7 +484,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn centroidal_momentum_matrix<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 38, &[Some(q)], None, out)
+        self.call(py, 41, &[Some(q)], None, out)
     }
 
     /// Returns the momentum of the moving links about their centre of mass, in world axes.
@@ -456,7 +493,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn centroidal_momentum<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 39, &[Some(q), Some(qd)], None, out)
+        self.call(py, 42, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the poses in the world of all links of the description, fixed links included, in the order
@@ -467,7 +504,7 @@ impl Robot {
     /// axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn link_poses<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 40, &[Some(q)], None, out)
+        self.call(py, 43, &[Some(q)], None, out)
     }
 
     /// Returns the pose of a link in the world. Computes the link's kinematic path only.
@@ -476,7 +513,7 @@ impl Robot {
     /// Result: `Pose`: `rotation` (3, 3), `translation` (3,). Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn link_pose<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 41, &[Some(q)], Some(link), out)
+        self.call(py, 44, &[Some(q)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in world axes.
@@ -486,7 +523,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn link_velocity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 42, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 45, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the velocity of a link's origin (m/s) and its angular velocity (rad/s), in the link's own
@@ -496,7 +533,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_link_velocity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 43, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 46, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -507,7 +544,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
     fn link_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 44, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 47, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the classical acceleration of a link's origin (m/s^2) and its angular acceleration
@@ -518,7 +555,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, qdd, link, *, out=None))]
     fn local_link_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, qdd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 45, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
+        self.call(py, 48, &[Some(q), Some(qd), Some(qdd)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
@@ -528,7 +565,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 46, &[Some(q)], Some(link), out)
+        self.call(py, 49, &[Some(q)], Some(link), out)
     }
 
     /// Returns the Jacobian of a link. Its product with `qd` is the velocity of the link at its origin, in
@@ -538,7 +575,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, link, *, out=None))]
     fn local_jacobian<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 47, &[Some(q)], Some(link), out)
+        self.call(py, 50, &[Some(q)], Some(link), out)
     }
 
     /// Returns the time derivative of `jacobian`. Its product with `qd` is `bias_acceleration`. Computes
@@ -548,7 +585,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn jacobian_time_derivative<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 48, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 51, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the time derivative of `local_jacobian`. Its product with `qd` is `local_bias_acceleration`.
@@ -558,7 +595,7 @@ impl Robot {
     /// Result: (6, nv), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_jacobian_time_derivative<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 49, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 52, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in world axes: the time derivative of `jacobian` times `qd`,
@@ -569,7 +606,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 50, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 53, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the bias acceleration of a link in its own axes: the time derivative of `local_jacobian`
@@ -579,7 +616,7 @@ impl Robot {
     /// Result: (6,), angular before linear components. Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, link, *, out=None))]
     fn local_bias_acceleration<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, link: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 51, &[Some(q), Some(qd)], Some(link), out)
+        self.call(py, 54, &[Some(q), Some(qd)], Some(link), out)
     }
 
     /// Returns the coordinates after the displacement `v` (a velocity times a time) from `q`.
@@ -588,7 +625,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, v, *, out=None))]
     fn integrate<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, v: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 52, &[Some(q), Some(v)], None, out)
+        self.call(py, 55, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the displacement `v` with which `integrate` leads from `from_` to `to`. Rotations are the
@@ -598,7 +635,7 @@ impl Robot {
     /// Result: (nv,). Several states have one more axis, the first.
     #[pyo3(signature = (from_, to, *, out=None))]
     fn difference<'py>(&self, py: Python<'py>, from_: &Bound<'py, PyAny>, to: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 53, &[Some(from_), Some(to)], None, out)
+        self.call(py, 56, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns the derivatives of `integrate` with respect to `q` and `v` in tangent space: displacements
@@ -609,7 +646,7 @@ impl Robot {
     /// first.
     #[pyo3(signature = (q, v, *, out=None))]
     fn integrate_derivatives<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, v: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 54, &[Some(q), Some(v)], None, out)
+        self.call(py, 57, &[Some(q), Some(v)], None, out)
     }
 
     /// Returns the derivatives of `difference` with respect to `from_` and `to` in tangent space:
@@ -620,7 +657,7 @@ impl Robot {
     /// axis, the first.
     #[pyo3(signature = (from_, to, *, out=None))]
     fn difference_derivatives<'py>(&self, py: Python<'py>, from_: &Bound<'py, PyAny>, to: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 55, &[Some(from_), Some(to)], None, out)
+        self.call(py, 58, &[Some(from_), Some(to)], None, out)
     }
 
     /// Returns dq/dt, the rates of the coordinates `q` at the velocities `qd`.
@@ -629,7 +666,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, qd, *, out=None))]
     fn velocity_to_qdot<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, qd: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 56, &[Some(q), Some(qd)], None, out)
+        self.call(py, 59, &[Some(q), Some(qd)], None, out)
     }
 
     /// Returns the coordinates with quaternions scaled to length 1.
@@ -638,7 +675,7 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (q, *, out=None))]
     fn normalize<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 57, &[Some(q)], None, out)
+        self.call(py, 60, &[Some(q)], None, out)
     }
 
     /// Returns coordinates within the joint limits, from random numbers uniformly distributed in [0, 1).
@@ -649,6 +686,6 @@ impl Robot {
     /// Result: (nq,). Several states have one more axis, the first.
     #[pyo3(signature = (uniforms, *, out=None))]
     fn random<'py>(&self, py: Python<'py>, uniforms: &Bound<'py, PyAny>, out: Argument<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.call(py, 58, &[Some(uniforms)], None, out)
+        self.call(py, 61, &[Some(uniforms)], None, out)
     }
 }

@@ -147,6 +147,8 @@ batches! {
     BrgeBatch brge_batch "`{Self}` has no function `brge_batch`";
     InverseDynamicsDerivativesBatch inverse_dynamics_derivatives_batch "`{Self}` has no function `inverse_dynamics_derivatives_batch`";
     ForwardDynamicsDerivativesBatch forward_dynamics_derivatives_batch "`{Self}` has no function `forward_dynamics_derivatives_batch`";
+    InverseDynamicsHessianBatch inverse_dynamics_hessian_batch "`{Self}` has no function `inverse_dynamics_hessian_batch`";
+    ForwardDynamicsHessianBatch forward_dynamics_hessian_batch "`{Self}` has no function `forward_dynamics_hessian_batch`";
 }
 
 /// The body of a function that a robot does not have. Its bound prevents calls.

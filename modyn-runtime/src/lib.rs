@@ -60,8 +60,8 @@ pub use equations::Forces;
 #[cfg(feature = "alloc")]
 pub use interpreter::{
     ConstrainedDerivatives, DecompositionError, ForwardDerivatives, FrameError, HessianOutputs,
-    InertialError, Interpreter, ModuleMismatch, ShapeError, StepOutputs, UduFactorization,
-    UpdateError,
+    InertialError, Interpreter, ModuleMismatch, ShapeError, StepHessianOutputs, StepOutputs,
+    UduFactorization, UpdateError,
 };
 
 #[cfg(feature = "nalgebra")]
@@ -79,7 +79,7 @@ pub use results::{
     ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
     GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian,
     InverseDynamicsJvp, InverseDynamicsVjp, JointLimits, KinematicModule, OperationCount,
-    OperationalInertia, Step, StepDerivatives,
+    OperationalInertia, Step, StepDerivatives, StepHessian,
 };
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]

@@ -189,6 +189,30 @@ pub struct StepDerivatives<Q, V, A, B> {
     pub b: B,
 }
 
+/// The state after a time step, and the gradients and the Hessian of costate^T state, in tangent space.
+///
+/// The entries of a state are those of q, in tangent space, then those of qd. Matrices are arrays of columns:
+/// `dx_dtau[j][i]` is the second derivative with respect to entry i of the state and entry j of tau.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepHessian<Q, V, Dx, Dtau, DxDx, DxDtau, DtauDtau> {
+    /// The coordinates after the step.
+    pub q: Q,
+    /// The velocities after the step, rad/s or m/s.
+    pub qd: V,
+    /// The gradient with respect to the state before the step: 2 nv entries.
+    pub dx: Dx,
+    /// The gradient with respect to tau: nv entries.
+    pub dtau: Dtau,
+    /// The second derivatives with respect to the state before the step: 2 nv columns of 2 nv entries, symmetric.
+    pub dx_dx: DxDx,
+    /// The second derivatives with respect to the state before the step (rows) and tau (columns): nv columns of 2 nv
+    /// entries.
+    pub dx_dtau: DxDtau,
+    /// The second derivatives with respect to tau: nv columns of nv entries, symmetric; zero without spherical and floating
+    /// joints.
+    pub dtau_dtau: DtauDtau,
+}
+
 /// The accelerations of a robot under its constraints, and the constraint wrenches.
 ///
 /// Wrenches and residuals are arrays with an entry for each constraint. Loop constraints come first, at the

@@ -4,7 +4,8 @@ use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 use modyn_runtime::spatial::{Momentum, Twist, Vector3, Wrench};
 use modyn_runtime::{
     Array, Factorization, Forces, ForwardDerivatives, ForwardDynamicsHessian, FrameError,
-    HessianOutputs, Interpreter, InverseDynamicsHessian, Robot, Scalar, StepOutputs, functions,
+    HessianOutputs, Interpreter, InverseDynamicsHessian, Robot, Scalar, StepHessianOutputs,
+    StepOutputs, functions,
 };
 
 use crate::quantities::{Quantities, numbers};
@@ -242,8 +243,8 @@ macro_rules! default_quantities {
 macro_rules! other_quantities {
     ($robot:ident, $given:expr, $links:expr) => {{
         use $crate::values::{
-            columns, each, forward_hessian_numbers, inverse_hessian_numbers, list, momentum, twist,
-            vector,
+            array, columns, each, forward_hessian_numbers, inverse_hessian_numbers, list, momentum,
+            twist, vector,
         };
         let (given, links) = ($given, $links);
         let (q, qd, qdd, tau) = (&given.q, &given.qd, &given.qdd, &given.tau);
@@ -263,7 +264,11 @@ macro_rules! other_quantities {
         let dt = $crate::values::time_step();
         let semi_implicit = $robot::step_semi_implicit(q, qd, tau, dt);
         let linear_step = $robot::step_semi_implicit_derivatives(q, qd, tau, dt);
+        let costate = array(&$crate::values::costate(&list(qdd), &list(tau)));
+        let step_hessian = $robot::step_semi_implicit_hessian(q, qd, tau, dt, &costate);
         let rk4 = $robot::step_rk4(q, qd, tau, dt);
+        let midpoint = $robot::step_implicit_midpoint(q, qd, tau, dt);
+        let linear_midpoint = $robot::step_implicit_midpoint_derivatives(q, qd, tau, dt);
         let difference = $robot::difference_derivatives(q, &random);
         vec![
             (
@@ -312,8 +317,32 @@ macro_rules! other_quantities {
             ("linear_step_qd", list(&linear_step.qd)),
             ("linear_step_a", columns(&linear_step.a)),
             ("linear_step_b", columns(&linear_step.b)),
+            (
+                "step_semi_implicit_hessian",
+                [
+                    list(&step_hessian.q),
+                    list(&step_hessian.qd),
+                    list(&step_hessian.dx),
+                    list(&step_hessian.dtau),
+                    columns(&step_hessian.dx_dx),
+                    columns(&step_hessian.dx_dtau),
+                    columns(&step_hessian.dtau_dtau),
+                ]
+                .concat(),
+            ),
             ("rk4_q", list(&rk4.q)),
             ("rk4_qd", list(&rk4.qd)),
+            ("step_implicit_midpoint", [list(&midpoint.q), list(&midpoint.qd)].concat()),
+            (
+                "step_implicit_midpoint_derivatives",
+                [
+                    list(&linear_midpoint.q),
+                    list(&linear_midpoint.qd),
+                    columns(&linear_midpoint.a),
+                    columns(&linear_midpoint.b),
+                ]
+                .concat(),
+            ),
             ("integrate_dq", columns(&integrate.dq)),
             ("integrate_dv", columns(&integrate.dv)),
             ("difference_dfrom", columns(&difference.dfrom)),
@@ -382,6 +411,12 @@ macro_rules! other_quantities {
 #[must_use]
 pub fn time_step<T: Scalar>() -> T {
     T::from_f64(1.0 / 128.0)
+}
+
+/// Returns the costate of a step's Hessian: multipliers of the coordinates, then of the velocities.
+#[must_use]
+pub fn costate<T: Scalar>(of_q: &[T], of_qd: &[T]) -> Vec<T> {
+    [of_q, of_qd].concat()
 }
 
 /// The arguments of a type's functions through the trait.
@@ -601,6 +636,20 @@ fn interpreted_others<T: Scalar>(
     };
     interpreter.step_semi_implicit_derivatives(state, dt, outputs).expect(LENGTHS);
     interpreter.step_rk4(state, dt, &mut rk4_q, &mut rk4_qd).expect(LENGTHS);
+    let sizes = [q.len(), n, 2 * n, n, 4 * n * n, 2 * n * n, n * n];
+    let mut step_hessian = sizes.map(zeros);
+    let [next_q, next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau] = &mut step_hessian;
+    let outputs =
+        StepHessianOutputs { q: next_q, qd: next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau };
+    let multipliers = costate(qdd, tau);
+    interpreter.step_semi_implicit_hessian(state, dt, &multipliers, outputs).expect(LENGTHS);
+    let mut midpoint = [q.len(), n].map(zeros);
+    let [next_q, next_qd] = &mut midpoint;
+    interpreter.step_implicit_midpoint(state, dt, next_q, next_qd).expect(LENGTHS);
+    let mut linear_midpoint = [q.len(), n, 4 * n * n, 2 * n * n].map(zeros);
+    let [next_q, next_qd, a, b] = &mut linear_midpoint;
+    let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
+    interpreter.step_implicit_midpoint_derivatives(state, dt, outputs).expect(LENGTHS);
     let mut regressor = zeros(n * PARAMETERS_PER_LINK * interpreter.model().links().len());
     interpreter.regressor(q, qd, qdd, &mut regressor).expect(LENGTHS);
     let mut center = vec![Vector3::zero(); n];
@@ -656,8 +705,11 @@ fn interpreted_others<T: Scalar>(
         ("linear_step_qd", linear_step_qd),
         ("linear_step_a", linear_step_a),
         ("linear_step_b", linear_step_b),
+        ("step_semi_implicit_hessian", step_hessian.concat()),
         ("rk4_q", rk4_q),
         ("rk4_qd", rk4_qd),
+        ("step_implicit_midpoint", midpoint.concat()),
+        ("step_implicit_midpoint_derivatives", linear_midpoint.concat()),
         ("integrate_dq", integrate_dq),
         ("integrate_dv", integrate_dv),
         ("difference_dfrom", dfrom),

@@ -61,6 +61,27 @@ mod several {
     }
 }
 
+/// Robots with Hessians.
+mod second_order {
+    macro_rules! robots {
+        ($($Robot:ident = $file:literal $(, $key:ident = $choice:tt)*;)*) => {$(
+            modyn::modyn! {
+                pub $Robot = $file,
+                functions = [
+                    random, inverse_dynamics_hessian, inverse_dynamics_hessian_batch,
+                    forward_dynamics_hessian, forward_dynamics_hessian_batch
+                ]
+                $(, $key = $choice)*
+            }
+        )*};
+    }
+
+    robots! {
+        Mimic = "../../robots/mimic_gripper.urdf", friction = viscous;
+        Single = "../../robots/double_pendulum.urdf", scalar = f32;
+    }
+}
+
 /// A scalar of results.
 trait Number: Scalar + PartialEq + Into<f64> {
     /// The largest difference between fused and unfused products, relative to the largest number of a result.
@@ -374,6 +395,92 @@ fn results_of_several_arrays() {
     several!(Arm, f64);
     several!(Mimic, f64);
     several!(Single, f32);
+}
+
+/// Compares batches of Hessians with the functions of one state.
+macro_rules! hessians {
+    ($Robot:ident, $T:ty) => {{
+        type Name = second_order::$Robot;
+        const NV: usize = Name::NV;
+        const N: usize = 4 * (NV + NV * NV);
+        const ZERO: [[$T; NV]; NV] = [[0.0; NV]; NV];
+        // All numbers of a result, in the order of its fields.
+        let flat = |vectors: [[$T; NV]; 4], matrices: [[[$T; NV]; NV]; 4]| -> [$T; N] {
+            let matrices = matrices.as_flattened().as_flattened();
+            [vectors.as_flattened(), matrices].concat().try_into().expect("all numbers")
+        };
+        for states in [0, 1, 7, 17, 40] {
+            let mut uniform = numbers();
+            let q: Vec<_> =
+                (0..states).map(|_| Name::random(|| (0.5 + 0.5 * uniform()) as $T)).collect();
+            let [qd, x, w] = [2.0, 5.0, 3.0].map(|size| -> Vec<[$T; NV]> { vectors(states, size) });
+            let (qs, qds, xs, ws) = (columns(&q), columns(&qd), columns(&x), columns(&w));
+            let (qs, qds, xs, ws) = (slices(&qs), slices(&qds), slices(&xs), slices(&ws));
+            let vector = || -> [Vec<$T>; NV] { std::array::from_fn(|_| vec![0.0; states]) };
+            let matrix = || -> [[Vec<$T>; NV]; NV] { std::array::from_fn(|_| vector()) };
+            on_every_level(|fused| {
+                macro_rules! compare {
+                    ($Result:ident, $one:ident, $batch:ident, $each:ident, $value:ident, $last:ident, $mixed:ident) => {{
+                        let expected: Vec<[$T; N]> = (0..states)
+                            .map(|i| {
+                                let (q, qd, x, w) =
+                                    (plain(&q[i]), plain(&qd[i]), plain(&x[i]), plain(&w[i]));
+                                let one = <Name as Robot>::$one::<Plain<$T>>(&q, &qd, &x, &w);
+                                let matrices = [one.dq_dq, one.dq_dqd, one.dqd_dqd, one.$mixed];
+                                flat(
+                                    [one.$value, one.dq, one.dqd, one.$last].map(number),
+                                    matrices.map(|matrix| matrix.map(number)),
+                                )
+                            })
+                            .collect();
+                        let empty = modyn::$Result {
+                            $value: [0.0; NV],
+                            dq: [0.0; NV],
+                            dqd: [0.0; NV],
+                            $last: [0.0; NV],
+                            dq_dq: ZERO,
+                            dq_dqd: ZERO,
+                            dqd_dqd: ZERO,
+                            $mixed: ZERO,
+                        };
+                        let mut each = vec![empty; states];
+                        Name::$each(&q, &qd, &x, &w, &mut each).expect("sizes");
+                        let found: Vec<[$T; N]> = each
+                            .iter()
+                            .map(|one| {
+                                let matrices = [one.dq_dq, one.dq_dqd, one.dqd_dqd, one.$mixed];
+                                flat([one.$value, one.dq, one.dqd, one.$last], matrices)
+                            })
+                            .collect();
+                        same(&found, &expected, fused, stringify!($each));
+                        let (mut first, mut rest) = ([0; 4].map(|_| vector()), [0; 4].map(|_| matrix()));
+                        let [a, b, c, d] = first.each_mut().map(slices_mut);
+                        let [e, f, g, h] = rest.each_mut().map(|m| m.each_mut().map(slices_mut));
+                        Name::$batch(qs, qds, xs, ws, a, b, c, d, e, f, g, h).expect("sizes");
+                        let all: Vec<&Vec<$T>> =
+                            first.as_flattened().iter().chain(rest.as_flattened().as_flattened()).collect();
+                        let found: Vec<[$T; N]> =
+                            (0..states).map(|i| std::array::from_fn(|k| all[k][i])).collect();
+                        same(&found, &expected, fused, stringify!($batch));
+                    }};
+                }
+                compare!(
+                    InverseDynamicsHessian, inverse_dynamics_hessian, inverse_dynamics_hessian_batch,
+                    inverse_dynamics_hessian_each, tau, dqdd, dq_dqdd
+                );
+                compare!(
+                    ForwardDynamicsHessian, forward_dynamics_hessian, forward_dynamics_hessian_batch,
+                    forward_dynamics_hessian_each, qdd, dtau, dq_dtau
+                );
+            });
+        }
+    }};
+}
+
+#[test]
+fn hessians() {
+    hessians!(Mimic, f64);
+    hessians!(Single, f32);
 }
 
 #[test]

@@ -11,8 +11,8 @@ use modyn_runtime::equations::kinematics::Axes;
 
 use super::shape::shapes;
 use arguments::{
-    CONTACTS, COTANGENT, DQ, DQD, DQDD, DT, DTAU, FORCES, FROM, Q, QD, QDD, SETTINGS, TAU, TO,
-    UNIFORMS, V,
+    CONTACTS, COSTATE, COTANGENT, DQ, DQD, DQDD, DT, DTAU, FORCES, FROM, Q, QD, QDD, SETTINGS, TAU,
+    TO, UNIFORMS, V,
 };
 
 pub(super) use arguments::ARGUMENTS;
@@ -280,7 +280,8 @@ functions! {
          `qdd` and of `qdd` and `qdd` are zero.",
         |t, _| t.inverse_dynamics_hessian(),
         |m| 18_000.0 * m.depths + 150.0 * m.entries,
-    );
+    )
+        .packed(Packing::Columns);
     /// The contracted Hessian of forward dynamics.
     ForwardDynamicsHessian "forward_dynamics_hessian" = Row::one(
         &[Q, QD, TAU, COTANGENT],
@@ -290,7 +291,8 @@ functions! {
          and of `tau` and `tau` are zero.",
         |t, s| t.forward_dynamics_hessian(&s.for_derivatives),
         |m| 18_000.0 * m.depths + 1800.0 * m.squares + 150.0 * m.entries,
-    );
+    )
+        .packed(Packing::Columns);
     /// The state after a semi-implicit Euler step.
     StepSemiImplicit "step_semi_implicit" = Row::one(
         &[Q, QD, TAU, DT],
@@ -310,6 +312,18 @@ functions! {
         |t, s| t.step_semi_implicit_derivatives(&s.for_derivatives),
         |m| 5000.0 * m.depths + 600.0 * m.squares + 350.0 * m.entries,
     );
+    /// The contracted Hessian of a semi-implicit Euler step.
+    StepSemiImplicitHessian "step_semi_implicit_hessian" = Row::one(
+        &[Q, QD, TAU, DT, COSTATE],
+        shapes::step_hessian,
+        "Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the gradients and the Hessian of\n\
+         `costate`^T state: `dx` and `dtau` with respect to the state before and `tau`, and `dx_dx`, `dx_dtau` and\n\
+         `dtau_dtau`, arrays of columns. A state has the entries of q (in tangent space), then those of qd. Displacements\n\
+         of the state after the step are in tangent space, too.",
+        |t, s| t.step_semi_implicit_hessian(&s.for_derivatives),
+        |m| 18_000.0 * m.depths + 1800.0 * m.squares + 500.0 * m.entries,
+    )
+        .packed(Packing::Columns);
     /// The state after a Runge-Kutta step.
     StepRk4 "step_rk4" = Row::one(
         &[Q, QD, TAU, DT],
@@ -318,6 +332,26 @@ functions! {
          fourth order. Rotations follow exponential maps, so quaternions keep length 1.",
         |t, s| t.step_rk4(&s.elimination),
         |m| 56_000.0 * m.carried + 3200.0 * m.links,
+    );
+    /// The state after a step of the implicit midpoint rule.
+    StepImplicitMidpoint "step_implicit_midpoint" = Row::one(
+        &[Q, QD, TAU, DT],
+        shapes::step,
+        "Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the implicit midpoint rule: of\n\
+         second order, symmetric, and stable under stiff damping. Three iterations of simplified Newton solve its\n\
+         equations. Rotations follow exponential maps, so quaternions keep length 1.",
+        |t, _| t.step_implicit_midpoint(),
+        |m| 5000.0 * (m.depths + m.carried) + 40_000.0 * m.carried + 600.0 * m.squares + 100.0 * m.entries,
+    );
+    /// Derivatives of a step of the implicit midpoint rule.
+    StepImplicitMidpointDerivatives "step_implicit_midpoint_derivatives" = Row::one(
+        &[Q, QD, TAU, DT],
+        shapes::step_derivatives,
+        "Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint rule: `a` with respect\n\
+         to the state before and `b` with respect to `tau`, arrays of columns. A state has the entries of q (in tangent\n\
+         space), then those of qd.",
+        |t, _| t.step_implicit_midpoint_derivatives(),
+        |m| 10_000.0 * (m.depths + m.carried) + 40_000.0 * m.carried + 1200.0 * m.squares + 400.0 * m.entries,
     );
     /// Forward dynamics with the loops closed and the active contacts held.
     ConstrainedForwardDynamics "constrained_forward_dynamics" = Row::one(
@@ -745,6 +779,12 @@ functions! {
     /// `forward_dynamics_derivatives` of many states at a time.
     ForwardDynamicsDerivativesBatch "forward_dynamics_derivatives_batch" =
         Row::many(ForwardDynamicsDerivatives, Function::ForwardDynamicsDerivatives);
+    /// `inverse_dynamics_hessian` of many states at a time.
+    InverseDynamicsHessianBatch "inverse_dynamics_hessian_batch" =
+        Row::many(InverseDynamicsHessian, Function::InverseDynamicsHessian);
+    /// `forward_dynamics_hessian` of many states at a time.
+    ForwardDynamicsHessianBatch "forward_dynamics_hessian_batch" =
+        Row::many(ForwardDynamicsHessian, Function::ForwardDynamicsHessian);
 }
 
 #[cfg(test)]

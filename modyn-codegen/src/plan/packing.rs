@@ -53,9 +53,8 @@ pub(super) fn packed(function: Function, tracing: &Tracing<'_>, scalar: &Graph) 
         let tracer = tracing.tracer.packed(limbs);
         candidates(row.packing, trace, tracing, (limbs, &tracer))
     });
-    let has_columns = row.packing == Packing::Derivatives
-        && tracing.has_vectors()
-        && operations(scalar) <= MAX_COLUMNS;
+    let has_columns =
+        row.packing.has_columns() && tracing.has_vectors() && operations(scalar) <= MAX_COLUMNS;
     let columns = has_columns.then(|| trace(&tracing.tracer.column_lanes(COLUMN_LANES), tracing));
     profitable(by_limbs.chain(columns), row.hot, tracing, scalar)
 }
@@ -78,7 +77,7 @@ pub(super) fn packed_bundle(
     let has_columns = tracing.has_vectors() && operations(scalar) <= MAX_COLUMNS;
     let columns = || {
         graphs.packed(|row, trace| {
-            let columns = row.packing == Packing::Derivatives;
+            let columns = row.packing.has_columns();
             columns.then(|| trace(&tracing.tracer.column_lanes(COLUMN_LANES), tracing))
         })
     };
@@ -128,7 +127,7 @@ fn candidates(
             return Vec::new();
         }
         Packing::OnRootPath | Packing::Derivatives => {}
-        Packing::Never => return Vec::new(),
+        Packing::Never | Packing::Columns => return Vec::new(),
     }
     vec![trace(tracer, tracing)]
 }

@@ -173,6 +173,7 @@ pub(super) mod shapes {
     pub fn scalar(_: &Sizes) -> Shape { Shape::Scalar }
     pub fn coordinates(s: &Sizes) -> Shape { Shape::vector(s.nq) }
     pub fn velocities(s: &Sizes) -> Shape { Shape::vector(s.nv) }
+    pub fn state(s: &Sizes) -> Shape { Shape::vector(2 * s.nv) }
     pub fn square(s: &Sizes) -> Shape { Shape::matrix(s.nv, s.nv) }
     pub fn regressor(s: &Sizes) -> Shape { Shape::matrix(PARAMETERS_PER_LINK * s.moving, s.nv) }
     pub fn point(_: &Sizes) -> Shape { Shape::vector(3) }
@@ -264,6 +265,19 @@ pub(super) mod shapes {
         let matrices = [("a", Shape::matrix(2 * s.nv, 2 * s.nv)), ("b", Shape::matrix(s.nv, 2 * s.nv))];
         let state = [("q", coordinates(s)), ("qd", velocities(s))];
         Shape::Record(Record::Each("StepDerivatives"), [state, matrices].concat())
+    }
+
+    pub fn step_hessian(s: &Sizes) -> Shape {
+        let fields = vec![
+            ("q", coordinates(s)),
+            ("qd", velocities(s)),
+            ("dx", state(s)),
+            ("dtau", velocities(s)),
+            ("dx_dx", Shape::matrix(2 * s.nv, 2 * s.nv)),
+            ("dx_dtau", Shape::matrix(s.nv, 2 * s.nv)),
+            ("dtau_dtau", square(s)),
+        ];
+        Shape::Record(Record::Each("StepHessian"), fields)
     }
 
     pub fn constrained(s: &Sizes) -> Shape {

@@ -1,5 +1,7 @@
 //! Graphs that are put together from graphs.
 
+use std::ops::Range;
+
 use crate::graph::{Graph, Id, Node};
 
 /// A graph of several graphs, with groups of inputs.
@@ -49,12 +51,81 @@ impl Composition {
         self.graph.constant(value)
     }
 
-    /// Returns the product of two square matrices of `n` columns, by columns.
-    pub(super) fn multiply(&mut self, a: &[Id], b: &[Id], n: usize) -> Vec<Id> {
-        let mut dot = |i: usize, j: usize| {
-            self.graph.sum_of_products((0..n).map(|k| (a[k * n + i], b[j * n + k])))
+    /// Returns the product of two square matrices of `n` columns, by columns. Consecutive columns share the lanes of a pack.
+    pub(super) fn multiply_columns(
+        &mut self,
+        a: &[Id],
+        b: &[Id],
+        n: usize,
+        lanes: usize,
+    ) -> Vec<Id> {
+        let mut product = Vec::with_capacity(n * n);
+        for columns in b.chunks((n * lanes).max(1)) {
+            let columns: Vec<&[Id]> = columns.chunks(n).collect();
+            let packed: Vec<Id> = (0..n)
+                .map(|k| self.pack(&columns.iter().map(|column| column[k]).collect::<Vec<_>>()))
+                .collect();
+            let sums = self.multiply_rows((a, n), &packed, n, 0..n);
+            for lane in 0..columns.len() {
+                product.extend(sums.iter().map(|&sum| self.lane(sum, lane)));
+            }
+        }
+        product
+    }
+
+    /// Returns the pack of these numbers; copies of the last one fill it up to a power of two.
+    pub(super) fn pack(&mut self, numbers: &[Id]) -> Id {
+        let (&[first, ..], Some(&last)) = (numbers, numbers.last()) else {
+            unreachable!("a pack has numbers")
         };
-        (0..n * n).map(|k| dot(k % n, k / n)).collect()
+        if numbers.len() == 1 {
+            return first;
+        }
+        let width = numbers.len().next_power_of_two();
+        let at = |k: usize| numbers.get(k).copied().unwrap_or(last);
+        let halves = [0, width / 2].map(|start| (start..start + width / 2).map(at).collect());
+        let [a, b]: [Id; 2] = halves.map(|half: Vec<Id>| self.pack(&half));
+        self.graph.make(Node::Pack(a, b, u8::try_from(width).expect("few lanes")))
+    }
+
+    /// Returns one lane of a pack.
+    pub(super) fn lane(&mut self, pack: Id, lane: usize) -> Id {
+        self.graph.make(Node::ExtractLane(pack, u8::try_from(lane).expect("few lanes")))
+    }
+
+    /// Returns rows of the product of a matrix, given with its number of rows, and a matrix of `n` rows.
+    pub(super) fn multiply_rows(
+        &mut self,
+        (a, height): (&[Id], usize),
+        b: &[Id],
+        n: usize,
+        rows: Range<usize>,
+    ) -> Vec<Id> {
+        let mut dot = |i: usize, j: usize| {
+            self.graph.sum_of_products((0..n).map(|k| (a[k * height + i], b[j * n + k])))
+        };
+        let columns = b.len() / n.max(1);
+        let entries = (0..columns).flat_map(|j| rows.clone().map(move |i| (i, j)));
+        entries.map(|(i, j)| dot(i, j)).collect()
+    }
+
+    /// Returns the scalar product of two vectors.
+    pub(super) fn dot(&mut self, a: &[Id], b: &[Id]) -> Id {
+        self.graph.sum_of_products(a.iter().copied().zip(b.iter().copied()))
+    }
+
+    /// Returns the vector product.
+    pub(super) fn cross(&mut self, a: &[Id], b: &[Id]) -> Vec<Id> {
+        let mut entry = |i: usize, j: usize| {
+            let (first, second) = (self.product(a[i], b[j]), self.product(a[j], b[i]));
+            self.graph.make(Node::Sub(first, second))
+        };
+        vec![entry(1, 2), entry(2, 0), entry(0, 1)]
+    }
+
+    /// Returns factor x, entry by entry.
+    pub(super) fn scaled(&mut self, factor: Id, x: &[Id]) -> Vec<Id> {
+        x.iter().map(|&x| self.product(factor, x)).collect()
     }
 
     /// Returns the graph with these groups of outputs.

@@ -59,25 +59,39 @@ impl Hessian {
         Self { changes, outputs, point, nv: tracer.model.nv, found: BTreeMap::new() }
     }
 
-    /// Computes the changes of some entries of the gradient along a unit displacement.
+    /// Computes the changes of some entries of the gradient along unit displacements, each in a lane.
     fn differentiate(
         &mut self,
         tracer: &Tracer<'_>,
         all: &mut Composition,
-        along: Entry,
-        entries: impl Iterator<Item = Entry>,
+        displacements: &[(Entry, Vec<Entry>)],
     ) {
         let (nq, nv) = (tracer.model.nq, self.nv);
-        let entries: Vec<Entry> = entries.collect();
-        let change = all.graph.unit_vector(self.outputs.len(), along.0 * nv + along.1);
+        let (zero, one) = (all.constant(0.0), all.constant(1.0));
+        let change = (0..self.outputs.len()).map(|entry| {
+            let is_along = |&((variable, k), _): &(Entry, _)| entry == variable * nv + k;
+            let lanes =
+                displacements.iter().map(|one_of| if is_along(one_of) { one } else { zero });
+            all.pack(&lanes.collect::<Vec<_>>())
+        });
+        let change: Vec<Id> = change.collect();
         let rates = tracer.velocity_to_qdot();
         let rest = vec![all.constant(0.0); tracer.parameters.len()];
         let dq = all.add(&rates, &[&self.point[..nq], &change[..nv], &rest]);
+        let mut entries: Vec<Entry> = Vec::new();
+        for entry in displacements.iter().flat_map(|(_, entries)| entries) {
+            if !entries.contains(entry) {
+                entries.push(*entry);
+            }
+        }
         let output = |&(variable, entry): &Entry| self.outputs[variable * nv + entry];
         self.changes.outputs = entries.iter().map(output).collect();
         let changes = all.add(&self.changes, &[&self.point, &dq, &change[nv..]]);
-        let keyed = entries.into_iter().zip(changes);
-        self.found.extend(keyed.map(|(entry, change)| ((along, entry), change)));
+        for (lane, (along, own)) in displacements.iter().enumerate() {
+            for (entry, &change) in entries.iter().zip(&changes).filter(|(e, _)| own.contains(e)) {
+                self.found.insert((*along, *entry), all.lane(change, lane));
+            }
+        }
     }
 
     /// Returns the entry (a, b) of the Hessian. Displacements of one rotation or pose do not commute: the second derivative
@@ -103,7 +117,7 @@ impl Hessian {
 }
 
 /// A state in which the pose and the linear velocity of each free base are constants.
-struct Still {
+pub(super) struct Still {
     q: Vec<Id>,
     qd: Vec<Id>,
     /// For each entry of qd, whether q and qd are constant there.
@@ -115,6 +129,37 @@ impl Still {
     fn varies(&self, (variable, entry): Entry) -> bool {
         !self.constant[entry][variable]
     }
+}
+
+/// The accelerations at a state.
+pub(super) struct Motion {
+    q: Vec<Id>,
+    qd: Vec<Id>,
+    parameters: Vec<Id>,
+    still: Still,
+    /// The factors of the mass matrix.
+    factors: Vec<Id>,
+    /// The accelerations relative to free fall, at the still state.
+    relative: Vec<Id>,
+    /// The accelerations.
+    pub(super) qdd: Vec<Id>,
+}
+
+/// The derivatives of a weighted sum of the accelerations.
+pub(super) struct ForwardHessian {
+    /// The gradients by q (in tangent space) and qd.
+    pub(super) gradients: Vec<Id>,
+    /// The gradient by tau.
+    pub(super) by_tau: Vec<Id>,
+    /// The second derivatives by q and q, q and qd, qd and qd, by columns.
+    pub(super) blocks: [Vec<Id>; 3],
+    /// The second derivatives by q and tau.
+    pub(super) by_q_tau: Vec<Id>,
+    /// U^-1 and D^-1.
+    u: Vec<Id>,
+    d: Vec<Id>,
+    /// U^-1 ID_q and U^-1 ID_qd.
+    reduced: [Vec<Id>; 2],
 }
 
 impl Tracer<'_> {
@@ -150,18 +195,42 @@ impl Tracer<'_> {
     ) {
         let nv = self.model.nv;
         let all_of = |variable: usize| (0..nv).map(move |i| (variable, i));
-        for (j, group) in self.groups().iter().enumerate() {
-            if varies((Q, j)) {
+        let groups = self.groups();
+        for velocities in self.column_groups() {
+            let by_q = velocities.clone().filter(|&j| varies((Q, j))).map(|j| {
                 // The rows of descendants take fewer operations than those of ancestors.
-                let rows = all_of(Q).filter(|&(_, i)| i >= j || group.contains(&i));
+                let rows = all_of(Q).filter(|&(_, i)| i >= j || groups[j].contains(&i));
                 let rows = rows.chain(all_of(QD)).filter(|&row| varies(row)).chain(all_of(QDD));
-                hessian.differentiate(self, all, (Q, j), rows);
-            }
-            if varies((QD, j)) {
+                ((Q, j), rows.collect())
+            });
+            let by_q: Vec<_> = by_q.collect();
+            let by_qd = velocities.filter(|&j| varies((QD, j))).map(|j| {
                 let rows = all_of(QD).skip(j).filter(|&row| varies(row));
-                hessian.differentiate(self, all, (QD, j), rows);
+                ((QD, j), rows.collect())
+            });
+            let by_qd: Vec<_> = by_qd.collect();
+            for displacements in [by_q, by_qd].iter().filter(|all| !all.is_empty()) {
+                hessian.differentiate(self, all, displacements);
             }
         }
+    }
+
+    /// Returns the entries of qd whose displacements share the lanes of one pack: those of consecutive joints of a chain.
+    fn column_groups(&self) -> Vec<Range<usize>> {
+        let body = |v: usize| self.model.dofs.iter().find(|dof| dof.v == v).map(|dof| dof.body);
+        let parent = |body: Option<usize>| body.and_then(|body| self.model.bodies[body].parent);
+        let follows = |v: usize| {
+            let (front, back) = (body(v - 1), body(v));
+            front == back || (front.is_some() && parent(back) == front)
+        };
+        let mut groups: Vec<Range<usize>> = Vec::new();
+        for v in 0..self.model.nv {
+            match groups.last_mut() {
+                Some(group) if group.len() < self.columns && follows(v) => group.end = v + 1,
+                _ => groups.push(v..v + 1),
+            }
+        }
+        groups
     }
 
     /// Returns the graph of the accelerations, of their weighted gradients by `q` (in tangent space), `qd` and `tau`, and of
@@ -173,61 +242,136 @@ impl Tracer<'_> {
         let mut all = Composition::new();
         let [q, qd, tau, weights] = [nq, nv, nv, nv].map(|count| all.inputs(count));
         let parameters = all.inputs(self.parameters.len());
-        let still = self.still(&mut all, &q, &qd);
-        let factors = all.add(&self.brge(layout), &[&still.q, &parameters]);
-        let bias = all.add(&self.bias_forces(), &[&still.q, &still.qd, &parameters]);
-        let (solve, unmet) = (self.solve(layout), all.difference(&tau, &bias));
-        let relative = all.add(&solve, &[&factors, &unmet]);
-        let by_tau = all.add(&solve, &[&factors, &weights]);
+        let motion = self.motion(&mut all, layout, [&q, &qd, &tau, &parameters]);
+        let found = self.weighted_accelerations(&mut all, layout, &motion, &weights);
+        let ForwardHessian { gradients, by_tau, blocks, by_q_tau, .. } = found;
+        all.with_outputs(&[&motion.qdd, &gradients, &by_tau, &blocks.concat(), &by_q_tau])
+    }
 
+    /// Computes the accelerations at the inputs `q`, `qd`, `tau` and the parameters.
+    pub(super) fn motion(
+        &self,
+        all: &mut Composition,
+        layout: &UduLayout,
+        [q, qd, tau, parameters]: [&[Id]; 4],
+    ) -> Motion {
+        let still = self.still(all, q, qd);
+        let factors = all.add(&self.brge(layout), &[&still.q, parameters]);
+        let bias = all.add(&self.bias_forces(), &[&still.q, &still.qd, parameters]);
+        let (solve, unmet) = (self.solve(layout), all.difference(tau, &bias));
+        let relative = all.add(&solve, &[&factors, &unmet]);
         let free_fall = self.free_fall();
-        let qdd = all.add(&free_fall, &[&q, &qd, &parameters]);
-        let still_fall = all.add(&free_fall, &[&still.q, &still.qd, &parameters]);
+        let qdd = all.add(&free_fall, &[q, qd, parameters]);
+        let still_fall = all.add(&free_fall, &[&still.q, &still.qd, parameters]);
         let qdd = all.difference(&qdd, &still_fall);
         let qdd = all.sums(&relative, &qdd);
-        let gradient = self.gradient(&free_fall, 1);
-        let point = [&q[..], &qd, &weights, &parameters].concat();
+        let [q, qd, parameters] = [q, qd, parameters].map(<[Id]>::to_vec);
+        Motion { q, qd, parameters, still, factors, relative, qdd }
+    }
+
+    /// Computes the gradients and the Hessian of the accelerations' sum with these weights.
+    pub(super) fn weighted_accelerations(
+        &self,
+        all: &mut Composition,
+        layout: &UduLayout,
+        motion: &Motion,
+        weights: &[Id],
+    ) -> ForwardHessian {
+        let nv = self.model.nv;
+        let Motion { q, qd, parameters, still, factors, relative, .. } = motion;
+        let by_tau = all.add(&self.solve(layout), &[factors, weights]);
+        let gradient = self.gradient(&self.free_fall(), 1);
+        let point = [&q[..], qd, weights, parameters].concat();
         let of_fall = all.add(&gradient, &[&point]);
         let mut fall = Hessian::new(self, gradient, 1, point);
-        self.second_derivatives_of_free_fall(&mut all, &mut fall);
+        self.second_derivatives_of_free_fall(all, &mut fall);
 
         let gradient = self.gradient(&optimize(self.inverse_dynamics()), 2);
-        let point = [&still.q[..], &still.qd, &relative, &by_tau, &parameters].concat();
+        let point = [&still.q[..], &still.qd, relative, &by_tau, parameters].concat();
         let gradients = all.add(&gradient, &[&point]);
         let zero = all.constant(0.0);
         let varying = gradients[..2 * nv].iter().enumerate();
         let varying = varying.map(|(k, &x)| if still.varies((k / nv, k % nv)) { x } else { zero });
         let gradients = all.difference(&of_fall, &varying.collect::<Vec<_>>());
         let mut phi = Hessian::new(self, gradient, 2, point);
-        self.second_derivatives(&mut all, &mut phi, |entry| still.varies(entry));
+        self.second_derivatives(all, &mut phi, |entry| still.varies(entry));
 
         // B = W U^-1 with W = Phi_{q qdd} U^-T D^-1.
-        let u = all.add(&self.u_inverse(layout), &[&factors]);
-        let d = all.add(&self.d_inverse(layout), &[&factors]);
-        let w = phi.block(&mut all, Q, QDD);
-        let w = all.multiply(&w, &transposed(&u, nv), nv);
-        let w = all.multiply(&w, &d, nv);
-        let b = all.multiply(&w, &u, nv);
+        let u = all.add(&self.u_inverse(layout), &[factors]);
+        let d = all.add(&self.d_inverse(layout), &[factors]);
+        let w = phi.block(all, Q, QDD);
+        let w = self.multiply(all, &w, &transposed(&u, nv));
+        let w = self.multiply(all, &w, &d);
+        let b = self.multiply(all, &w, &u);
         let derivatives = self.inverse_dynamics_derivatives();
-        let derivatives = all.add(&derivatives, &[&still.q, &still.qd, &relative, &parameters]);
-        let [by_q, by_qd] = [Q, QD].map(|variable| {
+        let derivatives = all.add(&derivatives, &[&still.q, &still.qd, relative, parameters]);
+        let [(by_q, u_by_q), (by_qd, u_by_qd)] = [Q, QD].map(|variable| {
             let columns = derivatives[variable * nv * nv..][..nv * nv].iter().enumerate();
             let varies = |k: usize| still.varies((variable, k / nv));
             let columns = columns.map(|(k, &entry)| if varies(k) { entry } else { zero });
-            let columns = all.multiply(&u, &columns.collect::<Vec<_>>(), nv);
-            all.multiply(&w, &columns, nv)
+            let columns = self.multiply(all, &u, &columns.collect::<Vec<_>>());
+            (self.multiply(all, &w, &columns), columns)
         });
         let by_q = all.sums(&by_q, &transposed(&by_q, nv));
         let none = vec![zero; nv * nv];
         let blocks = [(Q, Q, by_q), (Q, QD, by_qd), (QD, QD, none)];
         let blocks = blocks.map(|(rows, columns, through_qdd)| {
-            let own = phi.block(&mut all, rows, columns);
+            let own = phi.block(all, rows, columns);
             let own = all.difference(&through_qdd, &own);
-            let fall = fall.block(&mut all, rows, columns);
+            let fall = fall.block(all, rows, columns);
             all.sums(&own, &fall)
         });
         let by_q_tau = all.negated(&b);
-        all.with_outputs(&[&qdd, &gradients, &by_tau, &blocks.concat(), &by_q_tau])
+        let reduced = [u_by_q, u_by_qd];
+        ForwardHessian { gradients, by_tau, blocks, by_q_tau, u, d, reduced }
+    }
+
+    /// Returns the product of two square matrices, by columns; consecutive columns share the lanes of a pack.
+    fn multiply(&self, all: &mut Composition, a: &[Id], b: &[Id]) -> Vec<Id> {
+        all.multiply_columns(a, b, self.model.nv, self.columns)
+    }
+
+    /// Computes rows of the derivatives of the accelerations by q (in tangent space), qd and tau: for each variable nv columns
+    /// of these rows.
+    pub(super) fn acceleration_rows(
+        &self,
+        all: &mut Composition,
+        motion: &Motion,
+        hessian: &ForwardHessian,
+        rows: Range<usize>,
+    ) -> [Vec<Id>; 3] {
+        let nv = self.model.nv;
+        let ForwardHessian { u, d, reduced: [u_by_q, u_by_qd], .. } = hessian;
+        let solve = all.multiply_rows((&transposed(u, nv), nv), d, nv, rows.clone());
+        let (height, all_rows) = (rows.len(), 0..rows.len());
+        let mut relative = |x: &[Id]| all.multiply_rows((&solve, height), x, nv, all_rows.clone());
+        let [by_q, by_qd, by_tau] = [u_by_q, u_by_qd, u].map(|x| relative(x));
+        let [mut by_q, mut by_qd] = [by_q, by_qd].map(|x| all.negated(&x));
+        // Free fall.
+        let inputs = self.model.nq + nv + self.parameters.len();
+        let changes = jvp(&self.free_fall(), inputs, self.state(1));
+        let zero = all.constant(0.0);
+        for base in free_bases(self.model) {
+            let entries: Vec<usize> = self.model.dofs_of(base).iter().map(|dof| dof.v).collect();
+            if !entries.contains(&rows.start) {
+                continue;
+            }
+            for (variable, columns) in [(Q, &mut by_q), (QD, &mut by_qd)] {
+                for &j in &entries {
+                    let mut change = vec![zero; 2 * nv];
+                    change[variable * nv + j] = all.constant(1.0);
+                    let (dq, dqd) = change.split_at(nv);
+                    let rates = self.velocity_to_qdot();
+                    let dq = all.add(&rates, &[&motion.q, dq, &motion.parameters]);
+                    let state = [&motion.q[..], &motion.qd, &motion.parameters, &dq, dqd];
+                    let change = all.add(&changes, &state);
+                    let column = &mut columns[j * height..][..height];
+                    let sums = all.sums(column, &change[rows.clone()]);
+                    column.copy_from_slice(&sums);
+                }
+            }
+        }
+        [by_q, by_qd, by_tau]
     }
 
     /// Returns the state with each free base in the neutral pose and without linear velocity.
@@ -263,8 +407,8 @@ impl Tracer<'_> {
             let entries = self.model.dofs_of(base).iter().map(|dof| dof.v);
             for j in entries.clone() {
                 for variable in [Q, QD] {
-                    let rows = entries.clone().map(|i| (variable, i));
-                    fall.differentiate(self, all, (variable, j), rows);
+                    let rows = entries.clone().map(|i| (variable, i)).collect();
+                    fall.differentiate(self, all, &[((variable, j), rows)]);
                 }
             }
         }

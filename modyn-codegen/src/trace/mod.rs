@@ -14,6 +14,7 @@ mod limbs;
 mod parameters;
 mod products;
 mod regressor;
+mod step_hessians;
 mod steps;
 
 use modyn_runtime::Scalar;

@@ -427,6 +427,18 @@ class Robot:
         Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states
         have one more axis, the first.
         """
+    def step_semi_implicit_hessian(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, costate: ArrayLike, *, out: StepHessian | None = None
+    ) -> StepHessian:
+        """Returns the state after the time `dt` (s) by the semi-implicit Euler method, and the gradients and
+        the Hessian of `costate`^T state: `dx` and `dtau` with respect to the state before and `tau`, and
+        `dx_dx`, `dx_dtau` and `dtau_dtau`. A state has the entries of q (in tangent space), then those of
+        qd. Displacements of the state after the step are in tangent space, too.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number; `costate`: (2 nv,).
+        Result: `StepHessian`: `q` (nq,), `qd` (nv,), `dx` (2 nv,), `dtau` (nv,), `dx_dx` (2 nv, 2 nv),
+        `dx_dtau` (2 nv, nv), `dtau_dtau` (nv, nv). Several states have one more axis, the first.
+        """
     def step_rk4(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: Step | None = None
     ) -> Step:
@@ -435,6 +447,28 @@ class Robot:
 
         Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
         Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
+        """
+    def step_implicit_midpoint(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: Step | None = None
+    ) -> Step:
+        """Returns the state after the time `dt` (s) under the constant joint forces `tau`, by the implicit
+        midpoint rule: of second order, symmetric, and stable under stiff damping. Three iterations of
+        simplified Newton solve its equations. Rotations follow exponential maps, so quaternions keep length
+        1.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
+        Result: `Step`: `q` (nq,), `qd` (nv,). Several states have one more axis, the first.
+        """
+    def step_implicit_midpoint_derivatives(
+        self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, dt: ArrayLike, *, out: StepDerivatives | None = None
+    ) -> StepDerivatives:
+        """Returns the state of `step_implicit_midpoint`, and the derivatives of the implicit midpoint rule:
+        `a` with respect to the state before and `b` with respect to `tau`. A state has the entries of q (in
+        tangent space), then those of qd.
+
+        Arguments: `q`: (nq,); `qd`: (nv,); `tau`: (nv,); `dt`: a number.
+        Result: `StepDerivatives`: `q` (nq,), `qd` (nv,), `a` (2 nv, 2 nv), `b` (2 nv, nv). Several states
+        have one more axis, the first.
         """
     def constrained_forward_dynamics(
         self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: ConstrainedForwardDynamics | None = None

@@ -30,6 +30,7 @@ __all__ = [
     "Pose",
     "Step",
     "StepDerivatives",
+    "StepHessian",
 ]
 
 
@@ -267,7 +268,7 @@ class Pose(NamedTuple):
 
 
 class Step(NamedTuple):
-    """The result of `step_semi_implicit`, `step_rk4`."""
+    """The result of `step_semi_implicit`, `step_rk4`, `step_implicit_midpoint`."""
 
     q: NDArray[np.float64]
     """(nq,)"""
@@ -276,7 +277,7 @@ class Step(NamedTuple):
 
 
 class StepDerivatives(NamedTuple):
-    """The result of `step_semi_implicit_derivatives`."""
+    """The result of `step_semi_implicit_derivatives`, `step_implicit_midpoint_derivatives`."""
 
     q: NDArray[np.float64]
     """(nq,)"""
@@ -286,3 +287,22 @@ class StepDerivatives(NamedTuple):
     """(2 nv, 2 nv)"""
     b: NDArray[np.float64]
     """(2 nv, nv)"""
+
+
+class StepHessian(NamedTuple):
+    """The result of `step_semi_implicit_hessian`."""
+
+    q: NDArray[np.float64]
+    """(nq,)"""
+    qd: NDArray[np.float64]
+    """(nv,)"""
+    dx: NDArray[np.float64]
+    """(2 nv,)"""
+    dtau: NDArray[np.float64]
+    """(nv,)"""
+    dx_dx: NDArray[np.float64]
+    """(2 nv, 2 nv)"""
+    dx_dtau: NDArray[np.float64]
+    """(2 nv, nv)"""
+    dtau_dtau: NDArray[np.float64]
+    """(nv, nv)"""

@@ -23,11 +23,13 @@
 //! | `factorization/recursive` | a module's pivot block and the articulated inertia at its parent | (35)-(49) |
 //! | `factorization/matrix` | U D U^T from the entries of the mass matrix, for mimic joints and derivatives | (16)-(45) |
 //! | `factorization/solve` | solving, the inverse, the factors as full matrices | (50)-(60) |
+//! | `factorization/lu` | elimination of matrices that are not symmetric | |
 //! | `factorization/limb_coupling` | the entries of the inverse that couple merged limbs | (60) |
 //! | `brge` | the public entry of the factorization | (35)-(57) |
 //! | `derivatives` | derivatives of inverse and forward dynamics | Singh, Russell and Wensing 2022 |
 //! | `derivatives/external` | the same under external wrenches | |
 //! | `steps/semi_implicit` | the state after a semi-implicit Euler step, its derivatives | |
+//! | `steps/implicit_midpoint` | the state after a step of the implicit midpoint rule, its derivatives | Hairer, Lubich and Wanner 2006 |
 //! | `steps/runge_kutta` | the state after a Runge-Kutta step | Celledoni, Marthinsen and Owren 2003 |
 //! | `identification/regressor` | inverse dynamics as a linear function of the inertial parameters | Atkeson, An and Hollerbach 1986 |
 //! | `identification/base_parameters` | the combinations of inertial parameters that joint forces depend on | Gautier 1991 |
@@ -52,6 +54,9 @@ pub mod steps;
 mod workspace;
 
 pub use {
-    constraints::ConstraintWorkspace, dynamics::Forces, factorization::ModulePartition,
-    steps::StepWorkspace, workspace::Workspace,
+    constraints::ConstraintWorkspace,
+    dynamics::Forces,
+    factorization::ModulePartition,
+    steps::{MidpointWorkspace, StepWorkspace},
+    workspace::Workspace,
 };

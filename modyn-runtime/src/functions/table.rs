@@ -254,6 +254,17 @@ macro_rules! robot_functions {
                 ) -> LinearStep<Self, T>,
                     if StepSemiImplicitDerivatives, else "`{Self}` has no function `step_semi_implicit_derivatives`";
 
+                /// Returns the state of [`step_semi_implicit`](Self::step_semi_implicit), and the gradients and the Hessian of
+                /// `costate`^T state with respect to the state before the step (in tangent space) and `tau`.
+                step_semi_implicit_hessian / step_semi_implicit_hessian_with(
+                    q: &Self::Q<T>,
+                    qd: &Self::V<T>,
+                    tau: &Self::V<T>,
+                    dt: T,
+                    costate: &Self::PerState<T>
+                ) -> CurvedStep<Self, T>,
+                    if StepSemiImplicitHessian, else "`{Self}` has no function `step_semi_implicit_hessian`";
+
                 /// Returns the state after the time `dt` (s) under the joint forces `tau`, by a Runge-Kutta method of fourth
                 /// order.
                 step_rk4 / step_rk4_with(
@@ -263,6 +274,25 @@ macro_rules! robot_functions {
                     dt: T
                 ) -> Step<Self::Q<T>, Self::V<T>>,
                     if StepRk4, else "`{Self}` has no function `step_rk4`";
+
+                /// Returns the state after the time `dt` (s) under the joint forces `tau`, by the implicit midpoint rule.
+                step_implicit_midpoint / step_implicit_midpoint_with(
+                    q: &Self::Q<T>,
+                    qd: &Self::V<T>,
+                    tau: &Self::V<T>,
+                    dt: T
+                ) -> Step<Self::Q<T>, Self::V<T>>,
+                    if StepImplicitMidpoint, else "`{Self}` has no function `step_implicit_midpoint`";
+
+                /// Returns the state of [`step_implicit_midpoint`](Self::step_implicit_midpoint), and its derivatives A with
+                /// respect to the state before the step (in tangent space) and B with respect to `tau`.
+                step_implicit_midpoint_derivatives / step_implicit_midpoint_derivatives_with(
+                    q: &Self::Q<T>,
+                    qd: &Self::V<T>,
+                    tau: &Self::V<T>,
+                    dt: T
+                ) -> LinearStep<Self, T>,
+                    if StepImplicitMidpointDerivatives, else "`{Self}` has no function `step_implicit_midpoint_derivatives`";
 
                 /// Returns the accelerations, and the derivatives of forward dynamics with respect to `q` (in tangent
                 /// space), `qd` and `tau`.

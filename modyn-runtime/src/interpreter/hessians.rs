@@ -4,13 +4,14 @@
 use alloc::{vec, vec::Vec};
 
 use super::errors::{ShapeError, check};
-use super::{ForwardDerivatives, Interpreter};
+use super::{ForwardDerivatives, Interpreter, StepOutputs};
 use crate::Scalar;
-use crate::equations::Workspace;
 use crate::equations::brge::UduLayout;
 use crate::equations::derivatives;
 use crate::equations::dynamics::mass_matrix;
 use crate::equations::kinematics::coordinates::velocity_to_qdot;
+use crate::equations::steps::step_semi_implicit_derivatives;
+use crate::equations::{StepWorkspace, Workspace};
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 use crate::scalar::Tangent;
@@ -26,6 +27,26 @@ pub struct HessianOutputs<'a, S> {
     /// The second derivatives with respect to q and q, q and qd, qd and qd, q and the third variable: nv x nv matrices by
     /// columns. The second of the two variables has the columns.
     pub hessian: [&'a mut [S]; 4],
+}
+
+/// The results of [`Interpreter::step_semi_implicit_hessian`]. A state has the nv entries of q (in the tangent space), then
+/// those of qd. Matrices are stored by columns.
+#[derive(Debug)]
+pub struct StepHessianOutputs<'a, S> {
+    /// The coordinates after the step.
+    pub q: &'a mut [S],
+    /// The velocities after the step.
+    pub qd: &'a mut [S],
+    /// The gradient with respect to the state before the step: 2 nv entries.
+    pub dx: &'a mut [S],
+    /// The gradient with respect to tau: nv entries.
+    pub dtau: &'a mut [S],
+    /// The second derivatives with respect to the state before the step: 2 nv columns of 2 nv entries.
+    pub dx_dx: &'a mut [S],
+    /// The second derivatives with respect to the state before the step and tau: nv columns of 2 nv entries.
+    pub dx_dtau: &'a mut [S],
+    /// The second derivatives with respect to tau: nv columns of nv entries.
+    pub dtau_dtau: &'a mut [S],
 }
 
 /// The derivatives of a function with respect to q, qd and the third variable, nv x nv matrices by columns.
@@ -88,6 +109,86 @@ impl<S: Scalar> Interpreter<S> {
             derivatives::forward_dynamics_derivatives(model, &layout, state, workspace, outputs);
         };
         self.differentiate((q, qd, tau), cotangent, derive, hessian);
+        Ok(())
+    }
+
+    /// Computes the state after the time `dt` (s) by the semi-implicit Euler method, and the gradients and the Hessian of
+    /// `costate`^T state with respect to the state before the step and tau. The 2 nv entries of the costate are those of q,
+    /// then those of qd.
+    ///
+    /// The Hessian is that of displacements along [`integrate`](Self::integrate) before the step and along
+    /// [`difference`](Self::difference) after it, both in the tangent space, and symmetric. Takes more than 3 nv times as long
+    /// as the first derivatives, and allocates memory at each call.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn step_semi_implicit_hessian(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        dt: S,
+        costate: &[S],
+        outputs: StepHessianOutputs<'_, S>,
+    ) -> Result<(), ShapeError> {
+        let StepHessianOutputs { q: next_q, qd: next_qd, dx, dtau, dx_dx, dx_dtau, dtau_dtau } =
+            outputs;
+        let n = self.model.nv();
+        check("costate", costate, 2 * n)?;
+        check("dx", dx, 2 * n)?;
+        check("dtau", dtau, n)?;
+        check("dx_dx", dx_dx, 4 * n * n)?;
+        check("dx_dtau", dx_dtau, 2 * n * n)?;
+        check("dtau_dtau", dtau_dtau, n * n)?;
+        self.step_semi_implicit((q, qd, tau), dt, next_q, next_qd)?;
+        let model = self.mechanism.map(Tangent::constant);
+        let layout = UduLayout::new(&self.mechanism, &ModuleTree::links(&self.model));
+        let rooms = &mut (Workspace::new(&model), StepWorkspace::new(&model));
+        let numbers = |n: usize| vec![Tangent::<S>::zero(); n];
+        let mut found = [numbers(q.len()), numbers(n), numbers(4 * n * n), numbers(2 * n * n)];
+        // The changes of the 3 nv entries of the gradient along each of the 3 nv displacements.
+        let mut changes = vec![S::zero(); 9 * n * n];
+        let mut rates = vec![S::zero(); q.len()];
+        for (j, changes) in changes.chunks_mut((3 * n).max(1)).enumerate() {
+            let mut unit = vec![S::zero(); 3 * n];
+            unit[j] = S::one();
+            velocity_to_qdot(&self.mechanism, (q, &unit[..n]), &mut rates);
+            let moved = |x: &[S], dx: &[S]| -> Vec<Tangent<S>> {
+                x.iter().zip(dx).map(|(&x, &dx)| Tangent { x, dx }).collect()
+            };
+            let (q, qd) = (moved(q, &rates), moved(qd, &unit[n..2 * n]));
+            let tau = moved(tau, &unit[2 * n..]);
+            let [next_q, next_qd, a, b] = &mut found;
+            let outputs = StepOutputs { q: next_q, qd: next_qd, a, b };
+            let state = (&*q, &*qd, &*tau, Tangent::constant(dt));
+            let (workspace, memory) = rooms;
+            step_semi_implicit_derivatives(&model, &layout, state, (workspace, memory), outputs);
+            let columns = found[2].chunks(2 * n).chain(found[3].chunks(2 * n));
+            for (i, (column, change)) in columns.zip(changes).enumerate() {
+                let sum =
+                    column.iter().zip(costate).fold(Tangent::zero(), |sum, (entry, &weight)| {
+                        sum + *entry * Tangent::constant(weight)
+                    });
+                *change = sum.dx;
+                let gradient = if i < 2 * n { &mut dx[i] } else { &mut dtau[i - 2 * n] };
+                *gradient = sum.x;
+            }
+        }
+        // Displacements do not commute, neither before the step nor after it: the Hessian is the symmetric part.
+        let half = S::from_f64(0.5);
+        let entry = |i: usize, j: usize| half * (changes[j * 3 * n + i] + changes[i * 3 * n + j]);
+        for j in 0..n {
+            for i in 0..n {
+                dtau_dtau[j * n + i] = entry(2 * n + i, 2 * n + j);
+            }
+        }
+        for i in 0..2 * n {
+            for j in 0..2 * n {
+                dx_dx[j * 2 * n + i] = entry(i, j);
+            }
+            for j in 0..n {
+                dx_dtau[j * 2 * n + i] = entry(i, 2 * n + j);
+            }
+        }
         Ok(())
     }
 

@@ -20,7 +20,7 @@ use alloc::{vec, vec::Vec};
 use crate::Scalar;
 use crate::equations::brge::UduLayout;
 use crate::equations::dynamics::Elimination;
-use crate::equations::{ConstraintWorkspace, StepWorkspace, Workspace};
+use crate::equations::{ConstraintWorkspace, MidpointWorkspace, StepWorkspace, Workspace};
 use crate::mechanism::Mechanism;
 use crate::model::{Model, ModuleTree};
 use crate::spatial::{Pose, Vector3};
@@ -30,7 +30,7 @@ pub use constraints::ConstrainedDerivatives;
 pub use derivatives::ForwardDerivatives;
 pub use errors::{DecompositionError, FrameError, ModuleMismatch, ShapeError, UpdateError};
 pub use factorization::UduFactorization;
-pub use hessians::HessianOutputs;
+pub use hessians::{HessianOutputs, StepHessianOutputs};
 pub use inertias::InertialError;
 pub use steps::StepOutputs;
 
@@ -40,13 +40,14 @@ pub use steps::StepOutputs;
 /// radians. Quaternions in `q` must have length 1; only [`check_configuration`](Self::check_configuration)
 /// checks them.
 ///
-/// Methods take time and memory linear in the number of links, apart from dense results. Nothing recurses on the
+/// Methods take time and memory linear in the number of links, apart from dense results and steps of the implicit midpoint
+/// rule, which solve dense equations. Nothing recurses on the
 /// call stack. Memory is allocated once, with three exceptions: [`brge`](Self::brge), [`denoc`](Self::denoc) and
 /// [`decomposition`](Self::decomposition) return new objects;
 /// [`forward_dynamics_derivatives`](Self::forward_dynamics_derivatives), [`set_inertial`](Self::set_inertial) and
 /// [`set_payload`](Self::set_payload) allocate at their first call; and so does the first call of
 /// [`constrained_forward_dynamics`](Self::constrained_forward_dynamics) or
-/// [`project_constraints`](Self::project_constraints), and the first step. Products with derivatives and
+/// [`project_constraints`](Self::project_constraints), and the first step of each kind. Products with derivatives and
 /// Hessians allocate matrices at each call.
 ///
 /// ```
@@ -80,6 +81,8 @@ pub struct Interpreter<S = f64> {
     constraints: Option<ConstraintWorkspace<S>>,
     /// Created when a step is first computed.
     steps: Option<StepWorkspace<S>>,
+    /// Created when a step of the implicit midpoint rule is first computed.
+    midpoint: Option<MidpointWorkspace<S>>,
     /// For each contact, 1 if it is active, else 0.
     active: Vec<S>,
 }
@@ -113,7 +116,8 @@ impl<S: Scalar> Interpreter<S> {
         let mut workspace = Workspace::new(&mechanism);
         elimination.reserve(&mechanism, &mut workspace);
         let body_poses = vec![Pose::identity(); mechanism.bodies.len()];
-        let (inertias, links, constraints, steps) = (None, None, None, None);
+        let (inertias, links, constraints) = (None, None, None);
+        let (steps, midpoint) = (None, None);
         let active = vec![S::zero(); model.contacts().len()];
         Self {
             model,
@@ -126,6 +130,7 @@ impl<S: Scalar> Interpreter<S> {
             links,
             constraints,
             steps,
+            midpoint,
             active,
         }
     }

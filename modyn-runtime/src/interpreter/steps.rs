@@ -6,7 +6,7 @@ use crate::Scalar;
 use crate::equations::brge::UduLayout;
 use crate::equations::dynamics::Elimination;
 pub use crate::equations::steps::StepOutputs;
-use crate::equations::{StepWorkspace, Workspace, steps};
+use crate::equations::{MidpointWorkspace, StepWorkspace, Workspace, steps};
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 
@@ -49,10 +49,7 @@ impl<S: Scalar> Interpreter<S> {
         dt: S,
         outputs: StepOutputs<'_, S>,
     ) -> Result<(), ShapeError> {
-        let n = self.model.nv();
-        self.check_step((q, qd, tau), (outputs.q, outputs.qd))?;
-        check("a", outputs.a, 4 * n * n)?;
-        check("b", outputs.b, 2 * n * n)?;
+        self.check_linear_step((q, qd, tau), &outputs)?;
         let Self { mechanism, workspace, model, links, steps, .. } = self;
         let layout =
             links.get_or_insert_with(|| UduLayout::new(mechanism, &ModuleTree::links(model)));
@@ -79,6 +76,48 @@ impl<S: Scalar> Interpreter<S> {
         self.step(steps::step_rk4, (q, qd, tau, dt), (next_q, next_qd))
     }
 
+    /// Computes the coordinates and velocities after the time `dt` (s) under the joint forces `tau`, by the implicit
+    /// midpoint rule: its equations are solved by three iterations of simplified Newton. Rotations and poses follow
+    /// exponential maps, so quaternions keep length 1. Takes time of order nv^3. The first call allocates memory.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn step_implicit_midpoint(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        dt: S,
+        next_q: &mut [S],
+        next_qd: &mut [S],
+    ) -> Result<(), ShapeError> {
+        self.check_step((q, qd, tau), (next_q, next_qd))?;
+        let Self { mechanism, workspace, midpoint, .. } = self;
+        let memory = midpoint.get_or_insert_with(|| MidpointWorkspace::new(mechanism));
+        let (state, rooms) = ((q, qd, tau, dt), (workspace, memory));
+        steps::step_implicit_midpoint(mechanism, state, rooms, (next_q, next_qd));
+        Ok(())
+    }
+
+    /// Computes the state of [`step_implicit_midpoint`](Self::step_implicit_midpoint), and the derivatives of the implicit
+    /// midpoint rule: A with respect to the state before and B with respect to `tau`. The first call allocates memory.
+    ///
+    /// # Errors
+    ///
+    /// If a slice does not have the model's length.
+    pub fn step_implicit_midpoint_derivatives(
+        &mut self,
+        (q, qd, tau): (&[S], &[S], &[S]),
+        dt: S,
+        outputs: StepOutputs<'_, S>,
+    ) -> Result<(), ShapeError> {
+        self.check_linear_step((q, qd, tau), &outputs)?;
+        let Self { mechanism, workspace, midpoint, .. } = self;
+        let memory = midpoint.get_or_insert_with(|| MidpointWorkspace::new(mechanism));
+        let (state, rooms) = ((q, qd, tau, dt), (workspace, memory));
+        steps::step_implicit_midpoint_derivatives(mechanism, state, rooms, outputs);
+        Ok(())
+    }
+
     /// Computes a step by one of the methods.
     fn step(
         &mut self,
@@ -91,6 +130,17 @@ impl<S: Scalar> Interpreter<S> {
         let memory = steps.get_or_insert_with(|| StepWorkspace::new(mechanism));
         method(mechanism, elimination, (q, qd, tau, dt), (workspace, memory), (next_q, next_qd));
         Ok(())
+    }
+
+    fn check_linear_step(
+        &self,
+        state: (&[S], &[S], &[S]),
+        outputs: &StepOutputs<'_, S>,
+    ) -> Result<(), ShapeError> {
+        let n = self.model.nv();
+        self.check_step(state, (outputs.q, outputs.qd))?;
+        check("a", outputs.a, 4 * n * n)?;
+        check("b", outputs.b, 2 * n * n)
     }
 
     fn check_step(

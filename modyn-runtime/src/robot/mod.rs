@@ -14,7 +14,7 @@ use crate::results::{
     ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
     GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian,
     InverseDynamicsJvp, InverseDynamicsVjp, JointLimits, KinematicModule, OperationalInertia, Step,
-    StepDerivatives,
+    StepDerivatives, StepHessian,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use functions::{declare_function, declare_functions, missing};
@@ -47,6 +47,17 @@ pub(crate) type LinearStep<R, T> = StepDerivatives<
     <R as Robot>::V<T>,
     <R as Robot>::PerState<<R as Robot>::PerState<T>>,
     <R as Robot>::PerVelocity<<R as Robot>::PerState<T>>,
+>;
+
+/// The state of robot `R` after a step, and the derivatives of its product with a costate.
+pub(crate) type CurvedStep<R, T> = StepHessian<
+    <R as Robot>::Q<T>,
+    <R as Robot>::V<T>,
+    <R as Robot>::PerState<T>,
+    <R as Robot>::V<T>,
+    <R as Robot>::PerState<<R as Robot>::PerState<T>>,
+    <R as Robot>::PerVelocity<<R as Robot>::PerState<T>>,
+    <R as Robot>::M<T>,
 >;
 
 /// The settings of the constraints of robot `R`.

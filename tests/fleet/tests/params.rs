@@ -14,8 +14,8 @@ use modyn_tests::compiled::Compiled;
 use modyn_tests::counting::{Counting, measure};
 use modyn_tests::random::{Random, state};
 use modyn_tests::values::{
-    Given, GivenTo, Inputs, Named, columns, each, forward_hessian_numbers, interpreted,
-    inverse_hessian_numbers, list, momentum, time_step, vector,
+    Given, GivenTo, Inputs, Named, array, columns, costate, each, forward_hessian_numbers,
+    interpreted, inverse_hessian_numbers, list, momentum, time_step, vector,
 };
 
 #[global_allocator]
@@ -70,6 +70,10 @@ fn others<R: Robot + functions::All>(
     let dt = time_step();
     let semi_implicit = R::step_semi_implicit_with(params, q, qd, tau, dt);
     let linear_step = R::step_semi_implicit_derivatives_with(params, q, qd, tau, dt);
+    let costate = array(&costate(&list(qdd), &list(tau)));
+    let step_hessian = R::step_semi_implicit_hessian_with(params, q, qd, tau, dt, &costate);
+    let midpoint = R::step_implicit_midpoint_with(params, q, qd, tau, dt);
+    let linear_midpoint = R::step_implicit_midpoint_derivatives_with(params, q, qd, tau, dt);
     vec![
         ("inverse_vjp_dq", list(&inverse_vjp.dq)),
         ("inverse_jvp_dtau", list(&inverse_jvp.dtau)),
@@ -79,7 +83,31 @@ fn others<R: Robot + functions::All>(
         ("forward_dynamics_hessian", forward_hessian_numbers(&forward_hessian)),
         ("semi_implicit_qd", list(&semi_implicit.qd)),
         ("linear_step_a", columns(&linear_step.a)),
+        (
+            "step_semi_implicit_hessian",
+            [
+                list(&step_hessian.q),
+                list(&step_hessian.qd),
+                list(&step_hessian.dx),
+                list(&step_hessian.dtau),
+                columns(&step_hessian.dx_dx),
+                columns(&step_hessian.dx_dtau),
+                columns(&step_hessian.dtau_dtau),
+            ]
+            .concat(),
+        ),
         ("rk4_qd", list(&R::step_rk4_with(params, q, qd, tau, dt).qd)),
+        ("step_implicit_midpoint", [list(&midpoint.q), list(&midpoint.qd)].concat()),
+        (
+            "step_implicit_midpoint_derivatives",
+            [
+                list(&linear_midpoint.q),
+                list(&linear_midpoint.qd),
+                columns(&linear_midpoint.a),
+                columns(&linear_midpoint.b),
+            ]
+            .concat(),
+        ),
         (
             "forward_dynamics_external",
             list(&R::forward_dynamics_external_with(params, q, qd, tau, forces)),
@@ -286,6 +314,7 @@ fn a_types_own_functions_take_parameters_as_the_traits_do() {
         })*};
     }
     let dt = time_step();
+    let costate = array(&costate(&list(qdd), &list(tau)));
     same! {
         forward_dynamics, forward_dynamics_with(q, qd, tau);
         forward_dynamics_external, forward_dynamics_external_with(q, qd, tau, forces);
@@ -308,7 +337,10 @@ fn a_types_own_functions_take_parameters_as_the_traits_do() {
         forward_dynamics_hessian, forward_dynamics_hessian_with(q, qd, tau, qdd);
         step_semi_implicit, step_semi_implicit_with(q, qd, tau, dt);
         step_semi_implicit_derivatives, step_semi_implicit_derivatives_with(q, qd, tau, dt);
+        step_semi_implicit_hessian, step_semi_implicit_hessian_with(q, qd, tau, dt, &costate);
         step_rk4, step_rk4_with(q, qd, tau, dt);
+        step_implicit_midpoint, step_implicit_midpoint_with(q, qd, tau, dt);
+        step_implicit_midpoint_derivatives, step_implicit_midpoint_derivatives_with(q, qd, tau, dt);
         regressor, regressor_with(q, qd, qdd);
         center_of_mass, center_of_mass_with(q);
         center_of_mass_jacobian, center_of_mass_jacobian_with(q);

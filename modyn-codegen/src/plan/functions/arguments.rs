@@ -25,6 +25,7 @@ pub(super) const DQDD: Argument = argument("dqdd", shapes::velocities);
 pub(super) const DTAU: Argument = argument("dtau", shapes::velocities);
 pub(super) const COTANGENT: Argument = argument("cotangent", shapes::velocities);
 pub(super) const DT: Argument = argument("dt", shapes::scalar);
+pub(super) const COSTATE: Argument = argument("costate", shapes::state);
 pub(super) const V: Argument = argument("v", shapes::velocities);
 pub(super) const FROM: Argument = argument("from", shapes::coordinates);
 pub(super) const TO: Argument = argument("to", shapes::coordinates);
@@ -35,6 +36,6 @@ pub(super) const UNIFORMS: Argument = argument("uniforms", shapes::velocities);
 
 /// All arguments, in the order that they have in every function.
 pub(in crate::plan) const ARGUMENTS: &[Argument] = &[
-    Q, QD, QDD, TAU, DQ, DQD, DQDD, DTAU, COTANGENT, DT, V, FROM, TO, FORCES, CONTACTS, SETTINGS,
-    UNIFORMS,
+    Q, QD, QDD, TAU, DQ, DQD, DQDD, DTAU, COTANGENT, DT, COSTATE, V, FROM, TO, FORCES, CONTACTS,
+    SETTINGS, UNIFORMS,
 ];

@@ -64,8 +64,18 @@ pub enum Packing {
     ByModules,
     /// Equal limbs whose parents are on one path to the root. Their composites are transformed together.
     OnRootPath,
+    /// Second derivatives: several columns.
+    Columns,
     /// Derivatives: equal limbs whose parents are on one path to the root, or several columns.
     Derivatives,
+}
+
+impl Packing {
+    /// Returns whether columns can share lanes.
+    #[must_use]
+    pub const fn has_columns(self) -> bool {
+        matches!(self, Self::Derivatives | Self::Columns)
+    }
 }
 
 /// The way the graphs of a function are traced.

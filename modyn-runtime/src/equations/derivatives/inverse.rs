@@ -20,6 +20,27 @@ pub fn inverse_dynamics_derivatives<S: Scalar, T: BodyTree<S>>(
     dtau_dq: &mut [S],
     dtau_dqd: &mut [S],
 ) {
+    differentiate(tree, (q, qd, qdd), workspace, (dtau_dq, dtau_dqd), None);
+}
+
+/// Computes the derivatives of [`inverse_dynamics_derivatives`], and that by qdd, the mass matrix.
+pub fn inverse_dynamics_derivatives_and_mass_matrix<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    state: (&[S], &[S], &[S]),
+    workspace: &mut Workspace<S>,
+    (dtau_dq, dtau_dqd, dtau_dqdd): (&mut [S], &mut [S], &mut [S]),
+) {
+    differentiate(tree, state, workspace, (dtau_dq, dtau_dqd), Some(dtau_dqdd));
+}
+
+/// Computes the derivatives, and the mass matrix if it is wanted, which comes from the same sweep.
+fn differentiate<S: Scalar, T: BodyTree<S>>(
+    tree: &T,
+    (q, qd, qdd): (&[S], &[S], &[S]),
+    workspace: &mut Workspace<S>,
+    (dtau_dq, dtau_dqd): (&mut [S], &mut [S]),
+    mass_matrix: Option<&mut [S]>,
+) {
     let model = tree.mechanism();
     workspace.move_to(model, q);
     link_wrenches(tree, qd, Accelerations::Given(qdd), workspace);
@@ -28,7 +49,7 @@ pub fn inverse_dynamics_derivatives<S: Scalar, T: BodyTree<S>>(
     perturbations_by_coordinates(tree, qd, false, workspace);
     project(tree, Variable::Coordinates, workspace, dtau_dq, None);
     perturbations_by_rates(tree, qd, false, workspace);
-    project(tree, Variable::Rates, workspace, dtau_dqd, None);
+    project(tree, Variable::Rates, workspace, dtau_dqd, mass_matrix);
     add_dissipation(model, qd, dtau_dqd);
 }
 

@@ -1,13 +1,16 @@
-//! The factorization U D U^T of the mass matrix by modules: block reverse Gaussian elimination.
+//! The factorization U D U^T of the mass matrix by modules: block reverse Gaussian elimination. (`lu`: of matrices that are
+//! not symmetric.)
 
 pub(super) mod blocks;
 mod layout;
 pub(super) mod limb_coupling;
+mod lu;
 mod matrix;
 pub(super) mod partition;
 pub(super) mod recursive;
 mod solve;
 
+pub(super) use lu::{factor_ul, solve_ul};
 pub(super) use recursive::factorize_tree;
 pub(super) use solve::{solve_lower_factor, solve_upper_factor};
 

@@ -3,6 +3,7 @@
 //! The joint forces are constant during the step. Coordinates follow the exponential maps of their spaces
 //! (`kinematics/coordinates`), so quaternions keep length 1.
 
+mod implicit_midpoint;
 mod runge_kutta;
 mod semi_implicit;
 
@@ -11,9 +12,24 @@ use alloc::{vec, vec::Vec};
 use crate::Scalar;
 use crate::mechanism::Mechanism;
 
-pub use {runge_kutta::*, semi_implicit::*};
+pub use {implicit_midpoint::*, runge_kutta::*, semi_implicit::*};
 
-/// The memory of the steps.
+/// The state after a step, and its derivatives: the results of [`step_semi_implicit_derivatives`] and of
+/// [`step_implicit_midpoint_derivatives`].
+#[derive(Debug)]
+pub struct StepOutputs<'a, S> {
+    /// The coordinates after the step.
+    pub q: &'a mut [S],
+    /// The velocities after the step.
+    pub qd: &'a mut [S],
+    /// The derivatives with respect to q (in tangent space), then qd, before the step: 2 nv columns of 2 nv
+    /// entries, those of q (in tangent space) first.
+    pub a: &'a mut [S],
+    /// The derivatives with respect to tau: nv columns of 2 nv entries.
+    pub b: &'a mut [S],
+}
+
+/// The memory of the explicit and semi-implicit steps.
 #[derive(Clone, Debug)]
 pub struct StepWorkspace<S> {
     /// Coordinates on the way.

@@ -1,6 +1,6 @@
 //! The semi-implicit Euler method: the new velocities move the robot.
 
-use super::{StepWorkspace, add_scaled, scale};
+use super::{StepOutputs, StepWorkspace, add_scaled, scale};
 use crate::Scalar;
 use crate::equations::Workspace;
 use crate::equations::derivatives::{ForwardDerivatives, forward_dynamics_derivatives};
@@ -8,20 +8,6 @@ use crate::equations::dynamics::{Elimination, forward_dynamics};
 use crate::equations::factorization::UduLayout;
 use crate::equations::kinematics::coordinates;
 use crate::mechanism::Mechanism;
-
-/// The results of [`step_semi_implicit_derivatives`].
-#[derive(Debug)]
-pub struct StepOutputs<'a, S> {
-    /// The coordinates after the step.
-    pub q: &'a mut [S],
-    /// The velocities after the step.
-    pub qd: &'a mut [S],
-    /// The derivatives with respect to q (in tangent space), then qd, before the step: 2 nv columns of 2 nv
-    /// entries, those of q (in tangent space) first.
-    pub a: &'a mut [S],
-    /// The derivatives with respect to tau: nv columns of 2 nv entries.
-    pub b: &'a mut [S],
-}
 
 /// Computes the coordinates and velocities after the time `dt`: qd' = qd + dt qdd(q, qd, tau) and
 /// q' = q (+) dt qd'.
