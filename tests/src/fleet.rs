@@ -39,8 +39,10 @@ pub enum Division {
 pub enum Part {
     /// Small robots; `cargo test --workspace` compiles them.
     Small,
-    /// Small robots of many joint types with all functions; `cargo test --workspace` compiles them, too.
+    /// A robot of many joint types with all functions; `cargo test --workspace` compiles it, too.
     Joints,
+    /// A robot of many joint types with all functions and run-time parameters.
+    Parameters,
     /// Large robots with legs.
     Legged,
     /// Random trees of 11 to 30 links.
@@ -51,8 +53,8 @@ pub enum Part {
 
 impl Part {
     /// All parts.
-    pub const ALL: [Self; 5] =
-        [Self::Small, Self::Joints, Self::Legged, Self::Trees, Self::Complete];
+    pub const ALL: [Self; 6] =
+        [Self::Small, Self::Joints, Self::Parameters, Self::Legged, Self::Trees, Self::Complete];
 
     /// Returns the name of the package.
     #[must_use]
@@ -60,6 +62,7 @@ impl Part {
         match self {
             Self::Small => "modyn-fleet-small",
             Self::Joints => "modyn-fleet-joints",
+            Self::Parameters => "modyn-fleet-parameters",
             Self::Legged => "modyn-fleet-legged",
             Self::Trees => "modyn-fleet-trees",
             Self::Complete => "modyn-fleet-complete",
@@ -94,7 +97,7 @@ pub struct Spec {
 
 use Division::{Chains, Links, List};
 use FloatType::{F32, F64};
-use Part::{Complete, Joints, Legged, Trees};
+use Part::{Complete, Joints, Legged, Parameters, Trees};
 use Source::{Described, Golden, Random, Zoo};
 
 /// All robots. A few of them make up most of the text: `cargo test --workspace` compiles [`Part::Small`] and
@@ -146,7 +149,7 @@ pub const FLEET: &[Spec] = &[
     spec(Random(16, 16), List(16), F64).part(Trees),
     spec(Random(17, 30), Chains, F64).part(Trees),
     spec(Zoo(7423, 7), Links, F32),
-    spec(Zoo(10153, 8), List(18), F64).loaded(&["fixed6", "link2"]).all().part(Joints),
+    spec(Zoo(10153, 8), List(18), F64).loaded(&["fixed6", "link2"]).all().part(Parameters),
 ];
 
 const fn spec(source: Source, division: Division, float: FloatType) -> Spec {

@@ -2,6 +2,7 @@
 //! forward dynamics and exponential maps that are written out here, and their operations.
 
 use modyn_codegen::passes::optimize;
+use modyn_codegen::plan::COLUMN_LANES;
 use modyn_codegen::trace::{Parameters, Tracer};
 use modyn_codegen::{Builder, Function};
 use modyn_runtime::equations::brge::UduLayout;
@@ -200,7 +201,7 @@ impl Step<'_> {
         let mechanism = Mechanism::new(model);
         // Run-time gravity is an input after all others.
         let tracer = Tracer::with_parameters(&mechanism, Parameters::new(model, true, &[], &[]));
-        let tracer = if lanes { tracer.column_lanes() } else { tracer };
+        let tracer = if lanes { tracer.column_lanes(COLUMN_LANES) } else { tracer };
         let chains = UduLayout::new(&mechanism, &ModuleTree::chains(model));
         let graph = optimize(tracer.step_semi_implicit_hessian(&chains));
         let inputs = [&q[..], qd, tau, &[*dt], costate, &model.gravity()].concat();

@@ -10,6 +10,8 @@ pub static PARTS: &[(Part, &[Compiled])] = &[
     (Part::Small, modyn_fleet_small::ROBOTS),
     (Part::Joints, modyn_fleet_joints::ROBOTS),
     #[cfg(feature = "whole")]
+    (Part::Parameters, modyn_fleet_parameters::ROBOTS),
+    #[cfg(feature = "whole")]
     (Part::Legged, modyn_fleet_legged::ROBOTS),
     #[cfg(feature = "whole")]
     (Part::Trees, modyn_fleet_trees::ROBOTS),
@@ -28,6 +30,8 @@ pub mod robots {
     pub use modyn_fleet_joints::robots::*;
     #[cfg(feature = "whole")]
     pub use modyn_fleet_legged::robots::*;
+    #[cfg(feature = "whole")]
+    pub use modyn_fleet_parameters::robots::*;
     pub use modyn_fleet_small::robots::*;
     #[cfg(feature = "whole")]
     pub use modyn_fleet_trees::robots::*;

@@ -4,19 +4,14 @@ use std::hint::black_box;
 
 use modyn::{Factorization, Inertial, InertialDefect, ParameterError, Robot, functions};
 use modyn_fleet::ROBOTS;
-use modyn_fleet::robots::{
-    GoldenPandaLoaded, GoldenPandaLoadedParams, Zoo10153_8Loaded, Zoo10153_8LoadedParams,
-};
+use modyn_fleet::robots::{GoldenPandaLoaded, GoldenPandaLoadedParams};
 use modyn_runtime::model::{Model, ModuleTree};
 use modyn_tests::changed::changed;
 use modyn_tests::close::assert_close;
 use modyn_tests::compiled::Compiled;
 use modyn_tests::counting::{Counting, measure};
 use modyn_tests::random::{Random, state};
-use modyn_tests::values::{
-    Given, GivenTo, Inputs, Named, array, columns, costate, each, forward_hessian_numbers,
-    interpreted, inverse_hessian_numbers, list, momentum, time_step, vector,
-};
+use modyn_tests::values::{Given, GivenTo, Inputs, Named, columns, interpreted, list};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -50,93 +45,6 @@ fn defaults<R: Robot + functions::Defaults>(
         ("u", columns(&brge.u())),
         ("d", columns(&brge.d())),
         ("solve", list(&brge.solve(tau))),
-    ]
-}
-
-/// Returns all other functions that depend on parameters.
-fn others<R: Robot + functions::All>(
-    params: &R::Params<f64>,
-    given: &GivenTo<R, f64>,
-) -> Named<f64> {
-    let Given { q, qd, qdd, tau, forces, .. } = given;
-    let inverse = R::inverse_dynamics_derivatives_with(params, q, qd, qdd);
-    let forward = R::forward_dynamics_derivatives_with(params, q, qd, tau);
-    let inverse_vjp = R::inverse_dynamics_vjp_with(params, q, qd, qdd, tau);
-    let inverse_jvp = R::inverse_dynamics_jvp_with(params, q, qd, qdd, tau, qdd, qd);
-    let forward_vjp = R::forward_dynamics_vjp_with(params, q, qd, tau, qdd);
-    let forward_jvp = R::forward_dynamics_jvp_with(params, q, qd, tau, qdd, tau, qd);
-    let inverse_hessian = R::inverse_dynamics_hessian_with(params, q, qd, qdd, tau);
-    let forward_hessian = R::forward_dynamics_hessian_with(params, q, qd, tau, qdd);
-    let dt = time_step();
-    let semi_implicit = R::step_semi_implicit_with(params, q, qd, tau, dt);
-    let linear_step = R::step_semi_implicit_derivatives_with(params, q, qd, tau, dt);
-    let costate = array(&costate(&list(qdd), &list(tau)));
-    let step_hessian = R::step_semi_implicit_hessian_with(params, q, qd, tau, dt, &costate);
-    let midpoint = R::step_implicit_midpoint_with(params, q, qd, tau, dt);
-    let linear_midpoint = R::step_implicit_midpoint_derivatives_with(params, q, qd, tau, dt);
-    vec![
-        ("inverse_vjp_dq", list(&inverse_vjp.dq)),
-        ("inverse_jvp_dtau", list(&inverse_jvp.dtau)),
-        ("forward_vjp_dq", list(&forward_vjp.dq)),
-        ("forward_jvp_dqdd", list(&forward_jvp.dqdd)),
-        ("inverse_dynamics_hessian", inverse_hessian_numbers(&inverse_hessian)),
-        ("forward_dynamics_hessian", forward_hessian_numbers(&forward_hessian)),
-        ("semi_implicit_qd", list(&semi_implicit.qd)),
-        ("linear_step_a", columns(&linear_step.a)),
-        (
-            "step_semi_implicit_hessian",
-            [
-                list(&step_hessian.q),
-                list(&step_hessian.qd),
-                list(&step_hessian.dx),
-                list(&step_hessian.dtau),
-                columns(&step_hessian.dx_dx),
-                columns(&step_hessian.dx_dtau),
-                columns(&step_hessian.dtau_dtau),
-            ]
-            .concat(),
-        ),
-        ("rk4_qd", list(&R::step_rk4_with(params, q, qd, tau, dt).qd)),
-        ("step_implicit_midpoint", [list(&midpoint.q), list(&midpoint.qd)].concat()),
-        (
-            "step_implicit_midpoint_derivatives",
-            [
-                list(&linear_midpoint.q),
-                list(&linear_midpoint.qd),
-                columns(&linear_midpoint.a),
-                columns(&linear_midpoint.b),
-            ]
-            .concat(),
-        ),
-        (
-            "forward_dynamics_external",
-            list(&R::forward_dynamics_external_with(params, q, qd, tau, forces)),
-        ),
-        (
-            "forward_dynamics_external_world",
-            list(&R::forward_dynamics_external_world_with(params, q, qd, tau, forces)),
-        ),
-        (
-            "inverse_dynamics_external",
-            list(&R::inverse_dynamics_external_with(params, q, qd, qdd, forces)),
-        ),
-        (
-            "inverse_dynamics_external_world",
-            list(&R::inverse_dynamics_external_world_with(params, q, qd, qdd, forces)),
-        ),
-        ("dtau_dq", columns(&inverse.dq)),
-        ("dtau_dqd", columns(&inverse.dqd)),
-        ("qdd", list(&forward.qdd)),
-        ("dqdd_dq", columns(&forward.dq)),
-        ("dqdd_dqd", columns(&forward.dqd)),
-        ("dqdd_dtau", columns(&forward.dtau)),
-        ("regressor", columns(&R::regressor_with(params, q, qd, qdd))),
-        ("center_of_mass_jacobian", each(&R::center_of_mass_jacobian_with(params, q), vector)),
-        (
-            "centroidal_momentum_matrix",
-            each(&R::centroidal_momentum_matrix_with(params, q), momentum),
-        ),
-        ("centroidal_momentum", momentum(&R::centroidal_momentum_with(params, q, qd))),
     ]
 }
 
@@ -253,22 +161,10 @@ fn panda(change: &Change) -> GoldenPandaLoadedParams {
     )
 }
 
-/// Returns the parameters of a robot with all joint types.
-fn zoo(change: &Change) -> Zoo10153_8LoadedParams {
-    params!(
-        Zoo10153_8LoadedParams,
-        ["fixed6": set_inertia_of_fixed6, set_payload_of_fixed6;
-         "link2": set_inertia_of_link2, set_payload_of_link2],
-        change
-    )
-}
-
 #[test]
 fn parameters_are_another_description() {
     let links = ["panda_hand", "panda_link4"];
     check::<GoldenPandaLoaded>("golden_panda_loaded", links, None, panda);
-    let others = Some(others::<Zoo10153_8Loaded> as Others<Zoo10153_8Loaded>);
-    check::<Zoo10153_8Loaded>("zoo10153_8_loaded", ["fixed6", "link2"], others, zoo);
 }
 
 #[test]
@@ -290,68 +186,6 @@ fn the_default_is_the_description() {
     // The hand is fixed to another link; link 4 moves.
     let fixed = |link: &str| model.links().iter().all(|moving| moving.name != link);
     assert!(fixed("panda_hand") && !fixed("panda_link4"));
-}
-
-#[test]
-fn a_types_own_functions_take_parameters_as_the_traits_do() {
-    type R = Zoo10153_8Loaded;
-    let (_, model, _) = compiled("zoo10153_8_loaded");
-    let change = changes(["fixed6", "link2"]).pop().expect("a change");
-    let described = Zoo10153_8LoadedParams::DEFAULT;
-    let params = zoo(&change);
-    assert_ne!(params, described);
-    let given = GivenTo::<R, f64>::new(&Inputs::from(&state(3, &model)));
-    let Given { q, qd, qdd, tau, forces, .. } = &given;
-    // Every function with these parameters, with the default parameters, and without parameters.
-    macro_rules! same {
-        ($($function:ident, $with:ident($($argument:expr),*);)*) => {$({
-            let own = R::$function($($argument),*);
-            assert_eq!(own, <R as Robot>::$function($($argument),*), stringify!($function));
-            assert_eq!(own, R::$with(&described, $($argument),*), stringify!($function));
-            let changed = R::$with(&params, $($argument),*);
-            assert_eq!(changed, <R as Robot>::$with(&params, $($argument),*), stringify!($with));
-            assert_ne!(changed, own, stringify!($with));
-        })*};
-    }
-    let dt = time_step();
-    let costate = array(&costate(&list(qdd), &list(tau)));
-    same! {
-        forward_dynamics, forward_dynamics_with(q, qd, tau);
-        forward_dynamics_external, forward_dynamics_external_with(q, qd, tau, forces);
-        forward_dynamics_external_world, forward_dynamics_external_world_with(q, qd, tau, forces);
-        forward_dynamics_derivatives, forward_dynamics_derivatives_with(q, qd, tau);
-        inverse_dynamics, inverse_dynamics_with(q, qd, qdd);
-        inverse_dynamics_external, inverse_dynamics_external_with(q, qd, qdd, forces);
-        inverse_dynamics_external_world, inverse_dynamics_external_world_with(q, qd, qdd, forces);
-        inverse_dynamics_derivatives, inverse_dynamics_derivatives_with(q, qd, qdd);
-        bias_forces, bias_forces_with(q, qd);
-        gravity_torques, gravity_torques_with(q);
-        mass_matrix, mass_matrix_with(q);
-        kinetic_energy, kinetic_energy_with(q, qd);
-        potential_energy, potential_energy_with(q);
-        inverse_dynamics_vjp, inverse_dynamics_vjp_with(q, qd, qdd, tau);
-        inverse_dynamics_jvp, inverse_dynamics_jvp_with(q, qd, qdd, tau, qdd, qd);
-        forward_dynamics_vjp, forward_dynamics_vjp_with(q, qd, tau, qdd);
-        forward_dynamics_jvp, forward_dynamics_jvp_with(q, qd, tau, qdd, tau, qd);
-        inverse_dynamics_hessian, inverse_dynamics_hessian_with(q, qd, qdd, tau);
-        forward_dynamics_hessian, forward_dynamics_hessian_with(q, qd, tau, qdd);
-        step_semi_implicit, step_semi_implicit_with(q, qd, tau, dt);
-        step_semi_implicit_derivatives, step_semi_implicit_derivatives_with(q, qd, tau, dt);
-        step_semi_implicit_hessian, step_semi_implicit_hessian_with(q, qd, tau, dt, &costate);
-        step_rk4, step_rk4_with(q, qd, tau, dt);
-        step_implicit_midpoint, step_implicit_midpoint_with(q, qd, tau, dt);
-        step_implicit_midpoint_derivatives, step_implicit_midpoint_derivatives_with(q, qd, tau, dt);
-        regressor, regressor_with(q, qd, qdd);
-        center_of_mass, center_of_mass_with(q);
-        center_of_mass_jacobian, center_of_mass_jacobian_with(q);
-        centroidal_momentum, centroidal_momentum_with(q, qd);
-        centroidal_momentum_matrix, centroidal_momentum_matrix_with(q);
-    }
-    let factors =
-        [R::brge(q), R::brge_with(&described, q), R::brge_with(&params, q)].map(|b| b.d());
-    assert_eq!(factors[0], factors[1]);
-    assert_eq!(factors[2], <R as Robot>::brge_with(&params, q).d());
-    assert_ne!(factors[2], factors[0]);
 }
 
 #[test]
@@ -402,4 +236,181 @@ fn a_change_allocates_nothing() {
         black_box(params.set_payload_of_panda_hand(nonsense)).ok();
     });
     assert_eq!((allocated.calls, allocated.peak), (0, 0));
+}
+
+/// A robot with all functions.
+#[cfg(feature = "whole")]
+mod all_functions {
+    use modyn_fleet::robots::{Zoo10153_8Loaded, Zoo10153_8LoadedParams};
+    use modyn_tests::values::{
+        array, costate, each, forward_hessian_numbers, inverse_hessian_numbers, momentum,
+        time_step, vector,
+    };
+
+    use super::*;
+
+    /// Returns all other functions that depend on parameters.
+    fn others<R: Robot + functions::All>(
+        params: &R::Params<f64>,
+        given: &GivenTo<R, f64>,
+    ) -> Named<f64> {
+        let Given { q, qd, qdd, tau, forces, .. } = given;
+        let inverse = R::inverse_dynamics_derivatives_with(params, q, qd, qdd);
+        let forward = R::forward_dynamics_derivatives_with(params, q, qd, tau);
+        let inverse_vjp = R::inverse_dynamics_vjp_with(params, q, qd, qdd, tau);
+        let inverse_jvp = R::inverse_dynamics_jvp_with(params, q, qd, qdd, tau, qdd, qd);
+        let forward_vjp = R::forward_dynamics_vjp_with(params, q, qd, tau, qdd);
+        let forward_jvp = R::forward_dynamics_jvp_with(params, q, qd, tau, qdd, tau, qd);
+        let inverse_hessian = R::inverse_dynamics_hessian_with(params, q, qd, qdd, tau);
+        let forward_hessian = R::forward_dynamics_hessian_with(params, q, qd, tau, qdd);
+        let dt = time_step();
+        let semi_implicit = R::step_semi_implicit_with(params, q, qd, tau, dt);
+        let linear_step = R::step_semi_implicit_derivatives_with(params, q, qd, tau, dt);
+        let costate = array(&costate(&list(qdd), &list(tau)));
+        let step_hessian = R::step_semi_implicit_hessian_with(params, q, qd, tau, dt, &costate);
+        let midpoint = R::step_implicit_midpoint_with(params, q, qd, tau, dt);
+        let linear_midpoint = R::step_implicit_midpoint_derivatives_with(params, q, qd, tau, dt);
+        vec![
+            ("inverse_vjp_dq", list(&inverse_vjp.dq)),
+            ("inverse_jvp_dtau", list(&inverse_jvp.dtau)),
+            ("forward_vjp_dq", list(&forward_vjp.dq)),
+            ("forward_jvp_dqdd", list(&forward_jvp.dqdd)),
+            ("inverse_dynamics_hessian", inverse_hessian_numbers(&inverse_hessian)),
+            ("forward_dynamics_hessian", forward_hessian_numbers(&forward_hessian)),
+            ("semi_implicit_qd", list(&semi_implicit.qd)),
+            ("linear_step_a", columns(&linear_step.a)),
+            (
+                "step_semi_implicit_hessian",
+                [
+                    list(&step_hessian.q),
+                    list(&step_hessian.qd),
+                    list(&step_hessian.dx),
+                    list(&step_hessian.dtau),
+                    columns(&step_hessian.dx_dx),
+                    columns(&step_hessian.dx_dtau),
+                    columns(&step_hessian.dtau_dtau),
+                ]
+                .concat(),
+            ),
+            ("rk4_qd", list(&R::step_rk4_with(params, q, qd, tau, dt).qd)),
+            ("step_implicit_midpoint", [list(&midpoint.q), list(&midpoint.qd)].concat()),
+            (
+                "step_implicit_midpoint_derivatives",
+                [
+                    list(&linear_midpoint.q),
+                    list(&linear_midpoint.qd),
+                    columns(&linear_midpoint.a),
+                    columns(&linear_midpoint.b),
+                ]
+                .concat(),
+            ),
+            (
+                "forward_dynamics_external",
+                list(&R::forward_dynamics_external_with(params, q, qd, tau, forces)),
+            ),
+            (
+                "forward_dynamics_external_world",
+                list(&R::forward_dynamics_external_world_with(params, q, qd, tau, forces)),
+            ),
+            (
+                "inverse_dynamics_external",
+                list(&R::inverse_dynamics_external_with(params, q, qd, qdd, forces)),
+            ),
+            (
+                "inverse_dynamics_external_world",
+                list(&R::inverse_dynamics_external_world_with(params, q, qd, qdd, forces)),
+            ),
+            ("dtau_dq", columns(&inverse.dq)),
+            ("dtau_dqd", columns(&inverse.dqd)),
+            ("qdd", list(&forward.qdd)),
+            ("dqdd_dq", columns(&forward.dq)),
+            ("dqdd_dqd", columns(&forward.dqd)),
+            ("dqdd_dtau", columns(&forward.dtau)),
+            ("regressor", columns(&R::regressor_with(params, q, qd, qdd))),
+            ("center_of_mass_jacobian", each(&R::center_of_mass_jacobian_with(params, q), vector)),
+            (
+                "centroidal_momentum_matrix",
+                each(&R::centroidal_momentum_matrix_with(params, q), momentum),
+            ),
+            ("centroidal_momentum", momentum(&R::centroidal_momentum_with(params, q, qd))),
+        ]
+    }
+
+    /// Returns the parameters of a robot with all joint types.
+    fn zoo(change: &Change) -> Zoo10153_8LoadedParams {
+        params!(
+            Zoo10153_8LoadedParams,
+            ["fixed6": set_inertia_of_fixed6, set_payload_of_fixed6;
+             "link2": set_inertia_of_link2, set_payload_of_link2],
+            change
+        )
+    }
+
+    #[test]
+    fn parameters_are_another_description() {
+        let others = Some(others::<Zoo10153_8Loaded> as Others<Zoo10153_8Loaded>);
+        check::<Zoo10153_8Loaded>("zoo10153_8_loaded", ["fixed6", "link2"], others, zoo);
+    }
+
+    #[test]
+    fn a_types_own_functions_take_parameters_as_the_traits_do() {
+        type R = Zoo10153_8Loaded;
+        let (_, model, _) = compiled("zoo10153_8_loaded");
+        let change = changes(["fixed6", "link2"]).pop().expect("a change");
+        let described = Zoo10153_8LoadedParams::DEFAULT;
+        let params = zoo(&change);
+        assert_ne!(params, described);
+        let given = GivenTo::<R, f64>::new(&Inputs::from(&state(3, &model)));
+        let Given { q, qd, qdd, tau, forces, .. } = &given;
+        // Every function with these parameters, with the default parameters, and without parameters.
+        macro_rules! same {
+        ($($function:ident, $with:ident($($argument:expr),*);)*) => {$({
+            let own = R::$function($($argument),*);
+            assert_eq!(own, <R as Robot>::$function($($argument),*), stringify!($function));
+            assert_eq!(own, R::$with(&described, $($argument),*), stringify!($function));
+            let changed = R::$with(&params, $($argument),*);
+            assert_eq!(changed, <R as Robot>::$with(&params, $($argument),*), stringify!($with));
+            assert_ne!(changed, own, stringify!($with));
+        })*};
+    }
+        let dt = time_step();
+        let costate = array(&costate(&list(qdd), &list(tau)));
+        same! {
+            forward_dynamics, forward_dynamics_with(q, qd, tau);
+            forward_dynamics_external, forward_dynamics_external_with(q, qd, tau, forces);
+            forward_dynamics_external_world, forward_dynamics_external_world_with(q, qd, tau, forces);
+            forward_dynamics_derivatives, forward_dynamics_derivatives_with(q, qd, tau);
+            inverse_dynamics, inverse_dynamics_with(q, qd, qdd);
+            inverse_dynamics_external, inverse_dynamics_external_with(q, qd, qdd, forces);
+            inverse_dynamics_external_world, inverse_dynamics_external_world_with(q, qd, qdd, forces);
+            inverse_dynamics_derivatives, inverse_dynamics_derivatives_with(q, qd, qdd);
+            bias_forces, bias_forces_with(q, qd);
+            gravity_torques, gravity_torques_with(q);
+            mass_matrix, mass_matrix_with(q);
+            kinetic_energy, kinetic_energy_with(q, qd);
+            potential_energy, potential_energy_with(q);
+            inverse_dynamics_vjp, inverse_dynamics_vjp_with(q, qd, qdd, tau);
+            inverse_dynamics_jvp, inverse_dynamics_jvp_with(q, qd, qdd, tau, qdd, qd);
+            forward_dynamics_vjp, forward_dynamics_vjp_with(q, qd, tau, qdd);
+            forward_dynamics_jvp, forward_dynamics_jvp_with(q, qd, tau, qdd, tau, qd);
+            inverse_dynamics_hessian, inverse_dynamics_hessian_with(q, qd, qdd, tau);
+            forward_dynamics_hessian, forward_dynamics_hessian_with(q, qd, tau, qdd);
+            step_semi_implicit, step_semi_implicit_with(q, qd, tau, dt);
+            step_semi_implicit_derivatives, step_semi_implicit_derivatives_with(q, qd, tau, dt);
+            step_semi_implicit_hessian, step_semi_implicit_hessian_with(q, qd, tau, dt, &costate);
+            step_rk4, step_rk4_with(q, qd, tau, dt);
+            step_implicit_midpoint, step_implicit_midpoint_with(q, qd, tau, dt);
+            step_implicit_midpoint_derivatives, step_implicit_midpoint_derivatives_with(q, qd, tau, dt);
+            regressor, regressor_with(q, qd, qdd);
+            center_of_mass, center_of_mass_with(q);
+            center_of_mass_jacobian, center_of_mass_jacobian_with(q);
+            centroidal_momentum, centroidal_momentum_with(q, qd);
+            centroidal_momentum_matrix, centroidal_momentum_matrix_with(q);
+        }
+        let factors =
+            [R::brge(q), R::brge_with(&described, q), R::brge_with(&params, q)].map(|b| b.d());
+        assert_eq!(factors[0], factors[1]);
+        assert_eq!(factors[2], <R as Robot>::brge_with(&params, q).d());
+        assert_ne!(factors[2], factors[0]);
+    }
 }

@@ -8,9 +8,10 @@ use modyn_fleet::ROBOTS;
 #[cfg(feature = "whole")]
 use modyn_fleet::robots::GoldenSolo12Floating;
 use modyn_fleet::robots::{
-    Arm6, GoldenDoublePendulum, JointZoo, QuadrupedFloatingShared, Zoo7423_7, Zoo10153_8Loaded,
-    Zoo10153_8LoadedParams,
+    Arm6, GoldenDoublePendulum, JointZoo, QuadrupedFloatingShared, Zoo7423_7,
 };
+#[cfg(feature = "whole")]
+use modyn_fleet::robots::{Zoo10153_8Loaded, Zoo10153_8LoadedParams};
 use modyn_tests::close::assert_close;
 use modyn_tests::random;
 use modyn_tests::values::array;
@@ -24,6 +25,7 @@ macro_rules! for_robots {
         $check::<GoldenSolo12Floating>("golden_solo12_floating" $(, $argument)*);
         $check::<JointZoo>("joint_zoo" $(, $argument)*);
         $check::<Zoo7423_7>("zoo7423_7" $(, $argument)*);
+        #[cfg(feature = "whole")]
         $check::<Zoo10153_8Loaded>("zoo10153_8_loaded" $(, $argument)*);
     };
 }
@@ -203,6 +205,7 @@ fn computed_torque_follows_a_motion() {
     assert_close("velocities", &state.qd, &qd, 2e-2);
 }
 
+#[cfg(feature = "whole")]
 #[test]
 fn a_controller_may_know_the_payload() {
     type R = Zoo10153_8Loaded;
