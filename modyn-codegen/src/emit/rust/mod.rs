@@ -17,6 +17,7 @@ mod frames;
 mod function;
 mod header;
 mod layout;
+mod machine_code;
 mod missing;
 mod parameter;
 mod parameters;
@@ -28,7 +29,7 @@ use std::fmt::Write as _;
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 
-use super::{EmitOptions, FloatType};
+use super::{EmitOptions, FloatType, MachineCode};
 use crate::names;
 use crate::plan::{self, CForm, Constants, Function, Kernels, Plan, Planned};
 use crate::program::Program;
@@ -49,7 +50,7 @@ pub(super) fn print(
         options.crate_path = format!("self::{}", embedded::MODULE);
     }
     let options = &options;
-    let robot = Robot { model, modules, options, plan, constants, name };
+    let robot = Robot { model, modules, options, plan, constants, name, code: None };
     let quantity = |planned| Quantity::new(planned, name);
     let quantities: Vec<Quantity<'_>> = plan.functions.iter().map(quantity).collect();
     let per_call = |p: &Planned| (p.name, p.operations_per_call());
@@ -98,6 +99,39 @@ pub(super) fn print(
         text += &embedded::module(&text);
     }
     (text, c_header)
+}
+
+/// Returns the items of a robot whose functions are in an object file.
+#[must_use]
+pub(super) fn print_for_object(
+    (model, modules): (&Model, &ModuleTree),
+    (plan, constants): (&Plan, &Constants),
+    options: &EmitOptions,
+    name: &str,
+    code: &MachineCode,
+) -> String {
+    let robot = Robot { model, modules, options, plan, constants, name, code: Some(code) };
+    let quantities: Vec<Quantity<'_>> =
+        plan.functions.iter().map(|planned| Quantity::new(planned, name)).collect();
+    let operations = plan.operations_per_call();
+    let mut text = String::new();
+    docs::robot(&mut text, &robot, &operations);
+    robot.types(&mut text, &quantities);
+    let path = &options.crate_path;
+    let _ = writeln!(
+        text,
+        "#[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, unused_variables, non_snake_case)]\n\
+         const _: () = {{\n\
+         use {path} as __modyn;\n"
+    );
+    robot.own_functions(&mut text, &quantities);
+    robot.constants(&mut text, &operations);
+    robot.enums(&mut text);
+    robot.contact_functions(&mut text);
+    robot.parameters(&mut text);
+    robot.machine_functions(&mut text, &quantities, code);
+    text += "};\n";
+    text
 }
 
 /// A planned function with its Rust types.
@@ -160,6 +194,8 @@ struct Robot<'a> {
     plan: &'a Plan,
     constants: &'a Constants,
     name: &'a str,
+    /// The machine code that the functions call; `None` if their programs are printed.
+    code: Option<&'a MachineCode>,
 }
 
 impl Robot<'_> {
@@ -221,6 +257,7 @@ impl Robot<'_> {
             Kernels::One(_) | Kernels::Dispatched { .. } | Kernels::Poses { .. } => {
                 format!("{name}({arguments})")
             }
+            Kernels::ByLink(_) if self.code.is_some() => format!("{name}({arguments}, link)"),
             Kernels::ByLink(_) => {
                 let arms: Vec<String> = self
                     .link_variants()
