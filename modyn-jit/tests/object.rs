@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use common::{Fuse, instruction_sets, is_same, numbers, robot, split};
-use modyn_codegen::{Builder, FloatType, Function};
+use modyn_codegen::{Builder, Bundle, FloatType, Function};
 use modyn_jit::object::{Object, ObjectBuilder, ObjectFormat, ObjectOptions};
 use modyn_jit::{Call, Compiled, InstructionSet, Options};
 
@@ -242,7 +242,8 @@ fn single_precision() {
 /// Loops, quaternions, packed limbs and bundles; with run-time parameters as in the description.
 #[test]
 fn other_robots() {
-    let bundle = modyn_codegen::Bundle::parse("control: (mass_matrix, bias_forces, link_poses)");
+    let bundle =
+        Bundle::new("control").function(Function::MassMatrix).function(Function::LinkPoses);
     let quadruped = Builder::new().model(robot("quadruped"));
     let functions =
         [Function::ForwardDynamics, Function::LinkPose, Function::LinkPoses, Function::Difference];
@@ -251,10 +252,99 @@ fn other_robots() {
         for builder in [
             all("four_bar"),
             Builder::new().model(robot("joint_zoo")).runtime_gravity(),
-            quadruped.clone().functions(functions).bundles([bundle.clone().expect("a bundle")]),
+            quadruped.clone().functions(functions).bundles([bundle.clone()]),
         ] {
             count += compare::<f64>(&builder, instruction_set, &[Link::Executable]);
         }
         assert!(count > 3000, "{count}");
+    }
+}
+
+/// A program that runs a function one instruction at a time. At each instruction, the descriptions of stack frames lead to the
+/// caller, with the registers that it had.
+const STEPS: &str = r#"
+#define _GNU_SOURCE
+#include <signal.h>
+#include <stdio.h>
+#include <ucontext.h>
+#include <unwind.h>
+#include "robot.h"
+
+static volatile int seen, wrong;
+static volatile long steps;
+static unsigned long rbx, rbp;
+static double q[ROBOT_NQ], qd[ROBOT_NV], tau[ROBOT_NV], qdd[ROBOT_NV];
+
+__attribute__((noinline)) static void caller(void)
+{
+    __asm__ volatile("pushfq; orq $0x100, (%rsp); popfq");
+    robot_forward_dynamics(q, qd, tau, qdd);
+    __asm__ volatile("pushfq; andq $~0x100, (%rsp); popfq");
+}
+
+static _Unwind_Reason_Code visit(struct _Unwind_Context *context, void *found)
+{
+    void *function = _Unwind_FindEnclosingFunction((void *)(_Unwind_GetIP(context) - 1));
+    if (function != (void *)caller) { return _URC_NO_REASON; }
+    *(int *)found = 1;
+    if (_Unwind_GetGR(context, 3) != rbx || _Unwind_GetGR(context, 6) != rbp) { wrong++; }
+    return _URC_END_OF_STACK;
+}
+
+static void step(int number, siginfo_t *information, void *data)
+{
+    const greg_t *registers = ((ucontext_t *)data)->uc_mcontext.gregs;
+    int found = 0;
+    (void)number; (void)information;
+    if ((unsigned long)registers[REG_RIP] == (unsigned long)robot_forward_dynamics) {
+        rbx = (unsigned long)registers[REG_RBX];
+        rbp = (unsigned long)registers[REG_RBP];
+        seen = 1;
+    }
+    if (!seen || _Unwind_FindEnclosingFunction((void *)registers[REG_RIP]) == (void *)caller) { return; }
+    steps++;
+    _Unwind_Backtrace(visit, &found);
+    if (!found) { wrong++; }
+}
+
+int main(void)
+{
+    struct sigaction action = { 0 };
+    int i;
+    if (!robot_is_supported()) { return 3; }
+    for (i = 0; i < ROBOT_NQ; i++) { q[i] = 1e9 * (i + 1); }
+    action.sa_sigaction = step;
+    action.sa_flags = SA_SIGINFO;
+    sigaction(SIGTRAP, &action, NULL);
+    caller();
+    printf("%ld %d\n", steps, wrong);
+    return 0;
+}
+"#;
+
+#[test]
+fn debuggers_find_the_caller_at_each_instruction() {
+    for instruction_set in instruction_sets() {
+        let object = all("arm6").generate_object(&options(instruction_set)).expect("an object");
+        let folder = tempfile::tempdir().expect("a folder");
+        write(folder.path(), &object, STEPS);
+        let mut command = Command::new(compilers()[0]);
+        command.current_dir(folder.path());
+        command.args([
+            "-O0",
+            "-mno-red-zone",
+            "-fno-omit-frame-pointer",
+            "main.c",
+            "robot.o",
+            "-o",
+            "main",
+        ]);
+        run(&mut command);
+        let found =
+            String::from_utf8(run(&mut Command::new(folder.path().join("main")))).expect("text");
+        let (steps, wrong) = found.trim().split_once(' ').expect("two numbers");
+        // The angles are large, so the code is longer than that of small ones.
+        assert!(steps.parse::<u32>().expect("a number") > 1000, "{found}");
+        assert_eq!(wrong, "0", "{found}");
     }
 }

@@ -4,9 +4,7 @@ use modyn_runtime::model::ModuleTree;
 
 use super::{Builder, Inputs, Planning};
 use crate::diagnostics::{Code, Diagnostic, Diagnostics, Severity};
-use crate::emit::{
-    EmitOptions, FloatType, MachineCode, emit_object_header, emit_wrapper,
-};
+use crate::emit::{EmitOptions, FloatType, MachineCode, emit_object_header, emit_wrapper};
 use crate::plan::{Constants, Execution, Function, Plan};
 
 /// The programs of a robot whose machine code goes to an object file, and the texts beside it; see
@@ -31,8 +29,16 @@ impl Builder {
     pub fn plan_object(&self) -> Result<ObjectPlanning, Diagnostics> {
         let code = &self.options.code;
         let refused = [
-            (code.self_contained, "self_contained", "the Rust text beside an object file needs the crate `modyn`"),
-            (code.c_functions.is_some(), "c_functions", "the functions of an object file are C functions already"),
+            (
+                code.self_contained,
+                "self_contained",
+                "the Rust text beside an object file needs the crate `modyn`",
+            ),
+            (
+                code.c_functions.is_some(),
+                "c_functions",
+                "the functions of an object file are C functions already",
+            ),
         ];
         let refused = refused.into_iter().filter(|(given, ..)| *given);
         let mut errors: Vec<Diagnostic> = refused
@@ -54,7 +60,11 @@ impl Builder {
         let functions = plan.functions.len();
         plan.functions.retain(|planned| planned.function != Some(Function::Brge));
         plan.factorization.clear();
-        if plan.functions.len() < functions && code.functions.as_ref().is_some_and(|f| f.len() < Function::ALL.len()) {
+        // `default` and `all` are requests for the functions that there are.
+        let is_wanted = code.functions.as_ref().is_some_and(|selected| {
+            Function::DEFAULT.iter().any(|function| !selected.contains(function))
+        });
+        if plan.functions.len() < functions && is_wanted {
             let message = "`brge` has no form in object files, and is left out";
             options.warnings.push(
                 Diagnostic::new(Severity::Warning, Code::Option, message)

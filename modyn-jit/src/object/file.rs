@@ -1,6 +1,8 @@
 //! Writes the code as an object file: its section, its symbols, and the descriptions of its stack frames.
 
-use object::write::{Object as File, Relocation, SectionId, StandardSection, Symbol, SymbolSection};
+use object::write::{
+    Object as File, Relocation, SectionId, StandardSection, Symbol, SymbolSection,
+};
 use object::{
     Architecture, BinaryFormat, Endianness, RelocationEncoding, RelocationFlags, RelocationKind,
     SectionFlags, SectionKind, SymbolFlags, SymbolKind, SymbolScope, macho, pe,
@@ -49,7 +51,8 @@ pub(super) fn file(
         ObjectFormat::MachO => {
             // macOS 11.0; the linker asks for a version.
             let mut version = object::write::MachOBuildVersion::default();
-            (version.platform, version.minos, version.sdk) = (macho::PLATFORM_MACOS, 11 << 16, 11 << 16);
+            (version.platform, version.minos, version.sdk) =
+                (macho::PLATFORM_MACOS, 11 << 16, 11 << 16);
             file.set_macho_build_version(version);
         }
     }
@@ -101,7 +104,8 @@ fn frames_of_coff(
     let mut frames = text.frames.clone();
     frames.sort_by_key(|frame| frame.start);
     for frame in frames {
-        let place = file.append_section_data(descriptions, &unwind_information(&frame), 4);
+        let Some(description) = unwind_information(&frame) else { continue };
+        let place = file.append_section_data(descriptions, &description, 4);
         let row = file.append_section_data(functions, &[0; 12], 4);
         let addresses =
             [(of_text, frame.start as u64), (of_text, frame.last as u64), (of_descriptions, place)];

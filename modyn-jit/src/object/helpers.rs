@@ -8,8 +8,8 @@
 use modyn_runtime::steps;
 
 use super::assembler::{
-    ADD, ADDRESS, Assembler, COMPARE, Condition, FROM_VECTOR, HIGHEST_BIT,
-    IMMEDIATE_ADD, IMMEDIATE_ADD_CARRY, IMMEDIATE_AND, IMMEDIATE_COMPARE, IMMEDIATE_SUBTRACT, IMMEDIATE_XOR, LOAD,
+    ADD, ADDRESS, Assembler, COMPARE, Condition, FROM_VECTOR, HIGHEST_BIT, IMMEDIATE_ADD,
+    IMMEDIATE_ADD_CARRY, IMMEDIATE_AND, IMMEDIATE_COMPARE, IMMEDIATE_SUBTRACT, IMMEDIATE_XOR, LOAD,
     Label, MOVE_IF_BELOW, MULTIPLY, MULTIPLY_WIDE, NEGATE, OR, Opcode, Operand, R8, R9, R10, R11,
     RAX, RBX, RCX, RDI, RDX, RSI, SHIFT_IN_BY_CL, SHIFT_LEFT, SHIFT_RIGHT, SHIFT_RIGHT_SIGNED,
     STORE, SUBTRACT, TEST, TO_VECTOR, XOR,
@@ -444,9 +444,8 @@ impl<'a, S: Real> Function<'a, S> {
         } else {
             ([0.693145751953125, 1.428606765330187e-06], 16_777_216.0, 4)
         };
-        let series: Vec<S> = (0..terms)
-            .map(|i| S::from_f64(2.0) / S::from_f64(f64::from(2 * i + 3)))
-            .collect();
+        let series: Vec<S> =
+            (0..terms).map(|i| S::from_f64(2.0) / S::from_f64(f64::from(2 * i + 3))).collect();
         let [top, normal, nan, infinite, store] = std::array::from_fn(|_| self.a.label());
         self.a.bind(top);
         self.a.instruction(LOAD, wide, RAX, Memory(RSI, 0));
@@ -525,10 +524,10 @@ impl<'a, S: Real> Function<'a, S> {
 type Feature = (u32, u8, u32);
 
 /// Appends the function that returns whether the processor has the instructions and the system keeps their registers: 1, or
-/// else 0. Returns its start.
-pub(super) fn is_supported(a: &mut Assembler, instruction_set: InstructionSet) -> usize {
+/// else 0. Returns its label.
+pub(super) fn is_supported(a: &mut Assembler, instruction_set: InstructionSet) -> Label {
     a.align(16);
-    let start = a.code.len();
+    let start = a.label_at(a.code.len());
     // FMA, OSXSAVE and AVX; AVX2; F, DQ and VL of AVX-512.
     const AVX: Feature = (1, RCX, 1 << 12 | 1 << 27 | 1 << 28);
     const AVX2: Feature = (7, RBX, 1 << 5);

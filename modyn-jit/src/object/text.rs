@@ -65,6 +65,7 @@ pub(super) fn text<S: Real>(
         let places = || calls.iter().filter(|(_, helper)| *helper == wanted).map(|(at, _)| *at);
         if places().next().is_some() {
             let label = helper::<S>(&mut writer.a, wanted);
+            writer.leaf(label);
             places().for_each(|at| writer.a.refer(at, label));
         }
     }
@@ -80,7 +81,9 @@ pub(super) fn text<S: Real>(
     for function in &functions {
         writer.function(function, defaults, &placements);
     }
-    let start = is_supported(&mut writer.a, instruction_set);
+    let label = is_supported(&mut writer.a, instruction_set);
+    writer.leaf(label);
+    let start = writer.a.position(label);
     writer.symbol("is_supported", start, true);
     let Writer { a, symbols, frames, .. } = writer;
     let sizes = functions.iter().map(|function| (function.name, function.size)).collect();
@@ -105,6 +108,12 @@ impl<S: Real> Writer<S> {
             self.a.bytes(&bits[..size_of::<S>()]);
         }
         label
+    }
+
+    /// Records the frame of the helper that was appended.
+    fn leaf(&mut self, label: Label) {
+        let (start, end) = (self.a.position(label), self.a.code.len());
+        self.frames.push(Frame { start, end, last: end, kind: FrameKind::Leaf });
     }
 
     /// Gives a name to what was appended since `start`.

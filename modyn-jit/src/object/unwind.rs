@@ -21,6 +21,8 @@ pub(super) struct Frame {
 pub(super) enum FrameKind {
     /// A program: [`PROLOGUE`], so rbp and rbx.
     Program,
+    /// A helper: none, and it does not move rsp.
+    Leaf,
     /// An entry: rbp; on Windows also the registers of `entry.rs`, after this number of bytes.
     Entry { prologue: usize },
 }
@@ -76,6 +78,9 @@ const DEFINE_OFFSET: u8 = 0x0e;
 
 /// Returns the rules of a frame, from its start on.
 fn instructions(frame: &Frame) -> Vec<u8> {
+    if let FrameKind::Leaf = frame.kind {
+        return Vec::new();
+    }
     let mut code = vec![ADVANCE | PUSHED, DEFINE_OFFSET, 16, OFFSET | dwarf::RBP, 2];
     code.extend([ADVANCE | (SET - PUSHED), DEFINE_REGISTER, dwarf::RBP]);
     let mut at = usize::from(SET);
@@ -93,7 +98,7 @@ fn instructions(frame: &Frame) -> Vec<u8> {
             advance(&mut code, end - 2);
             code.extend([REMEMBER, RESTORE | dwarf::RBX, ADVANCE | 1]);
         }
-        FrameKind::Entry { .. } => {
+        FrameKind::Entry { .. } | FrameKind::Leaf => {
             advance(&mut code, end - 1);
             code.push(REMEMBER);
         }
@@ -127,14 +132,15 @@ const SET_FRAME_POINTER: u8 = 3;
 const SAVE: u8 = 4;
 const SAVE_VECTOR: u8 = 8;
 
-/// Returns the unwind information of a frame for `.xdata`.
+/// Returns the unwind information of a frame for `.xdata`; none for a leaf, which needs none.
 ///
 /// Saved registers have places relative to rbp minus a multiple of 16. So the function is described as if it had allocated
 /// the memory of these registers before it set rbp, which gives the same places.
-pub(super) fn unwind_information(frame: &Frame) -> Vec<u8> {
+pub(super) fn unwind_information(frame: &Frame) -> Option<Vec<u8>> {
     let (prologue, below) = match frame.kind {
         FrameKind::Program => (usize::from(SAVED), 16),
         FrameKind::Entry { prologue } => (prologue, KEPT),
+        FrameKind::Leaf => return None,
     };
     let prologue = u8::try_from(prologue).expect("prologues are short");
     // The last action of the prologue is first. Each code: the offset after the action, the operation and its operand.
@@ -145,6 +151,7 @@ pub(super) fn unwind_information(frame: &Frame) -> Vec<u8> {
     };
     match frame.kind {
         FrameKind::Program => code(prologue, SAVE, windows::RBX, Some((below - 8) / 8)),
+        FrameKind::Leaf => {}
         FrameKind::Entry { .. } => {
             for register in KEPT_VECTORS.rev() {
                 let place = i32::from(register - KEPT_VECTORS.start);
@@ -165,5 +172,5 @@ pub(super) fn unwind_information(frame: &Frame) -> Vec<u8> {
     let mut bytes = vec![1, prologue, codes.len() as u8, frame_pointer];
     bytes.extend(codes.as_flattened());
     bytes.resize(bytes.len().next_multiple_of(4), 0);
-    bytes
+    Some(bytes)
 }

@@ -24,7 +24,13 @@ fn compare<F: Fuse>(
 ) {
     let values = lower::<F>(program, arrays, instruction_set, batch);
     let helpers = Helpers { reduce: REDUCE, atan2: ATAN2, logarithm: LOGARITHM };
-    let generated = generate(&values, instruction_set, size_of::<F>(), arrays.len(), &Linkage::Addresses(helpers));
+    let generated = generate(
+        &values,
+        instruction_set,
+        size_of::<F>(),
+        arrays.len(),
+        &Linkage::Addresses(helpers),
+    );
     let lanes = if batch { instruction_set.vector(true) / size_of::<F>() } else { 1 };
     // The lanes differ: the numbers of one state, rotated.
     let states: Vec<Vec<F>> = (0..lanes)
