@@ -114,6 +114,7 @@ fn by_a_build_script() {
 
 /// The robots' machine code is in a static library, which this crate's tests link through the crate of the robots.
 #[test]
+#[ignore = "slow: the compiler and its back end, unoptimised"]
 #[cfg(target_arch = "x86_64")]
 fn in_object_files() {
     succeeds(&user_crate("object"), "test");

@@ -45,7 +45,7 @@ pub(super) fn file(
         ObjectFormat::Elf => {
             frames_of_elf(&mut file, section, text)?;
             // The stack holds no code.
-            file.add_section(Vec::new(), b".note.GNU-stack".to_vec(), SectionKind::Note);
+            file.add_section(Vec::new(), b".note.GNU-stack".to_vec(), SectionKind::Other);
         }
         ObjectFormat::Coff => frames_of_coff(&mut file, section, text)?,
         ObjectFormat::MachO => {

@@ -20,7 +20,6 @@ use super::{ObjectBuilder, ObjectFormat, ObjectOptions};
 use crate::helper::Helper;
 use crate::instruction_set::InstructionSet;
 use crate::machine::Pages;
-use crate::real::Real;
 use crate::tests::common::{Fuse, instruction_sets, is_same, numbers, plan, random::Random, robot};
 use crate::{Compiled, Options};
 

@@ -13,7 +13,7 @@ macro_rules! results {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             ((state >> 40) as f64 / f64::from(1 << 23) - 1.0) as $t
         };
-        let mut q: [$t; Leg::NQ] = [0.0; Leg::NQ].map(|_: $t| next() * $scale);
+        let mut q: [$t; Leg::NQ] = [0.0; Leg::NQ].map(|_: $t| next() * ($scale as $t));
         let (_, at) = Leg::QUATERNIONS[0];
         let quaternion = &mut q[at..at + 4];
         let length = quaternion.iter().map(|x| x * x).sum::<$t>().sqrt();
