@@ -38,6 +38,7 @@ use crate::code_size::CodeSize;
 use crate::error::CompileError;
 use crate::instruction_set::InstructionSet;
 use entry::Convention;
+use text::Text;
 
 /// The format of object files, with the calling convention of the systems that use it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -194,7 +195,7 @@ fn generate(
     };
     let prefix = match prefix {
         Some(prefix) => checked(prefix)?,
-        None if hashed => format!("modyn_{}_{:016x}", planned.prefix(), hash(&text.code)),
+        None if hashed => format!("modyn_{}_{:016x}", planned.prefix(), hash(&text)),
         None => planned.prefix(),
     };
     let bytes = file::file(&text, &prefix, format, hashed).map_err(|reason| {
@@ -229,8 +230,9 @@ fn error(code: Code, message: &str, help: &str) -> CompileError {
     Diagnostics::from(Diagnostic::error(code, message).with_help(help)).into()
 }
 
-/// Returns the FNV-1a hash of bytes.
-fn hash(bytes: &[u8]) -> u64 {
+/// Returns the FNV-1a hash of the code and of its names.
+fn hash(text: &Text) -> u64 {
+    let names = text.symbols.iter().flat_map(|symbol| symbol.name.as_bytes());
     let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
+    text.code.iter().chain(names).fold(0xcbf2_9ce4_8422_2325, step)
 }
