@@ -5,9 +5,8 @@
 //! there; then, upwards from rsp, the table of pointers, the pointer to the results, and the poses of bodies.
 
 use super::assembler::{
-    ADD, ADDRESS, Assembler, Condition, IMMEDIATE_COMPARE, LOAD, LOAD_SIGNED,
-    LOAD_VECTOR, Label, Operand, R8, R9, R10, R11, RAX, RBP, RCX, RDI, RDX, RSI, RSP, SHIFT_LEFT,
-    STORE, STORE_VECTOR,
+    ADD, ADDRESS, Assembler, Condition, IMMEDIATE_COMPARE, LOAD, LOAD_SIGNED, LOAD_VECTOR, Label,
+    Operand, R8, R9, R10, R11, RAX, RBP, RCX, RDI, RDX, RSI, RSP, SHIFT_LEFT, STORE, STORE_VECTOR,
 };
 use super::unwind::{Frame, FrameKind};
 use crate::encode::Encoder;

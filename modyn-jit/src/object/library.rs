@@ -3,7 +3,9 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use ar_archive_writer::{ArchiveKind, DEFAULT_OBJECT_READER, NewArchiveMember, write_archive_to_stream};
+use ar_archive_writer::{
+    ArchiveKind, DEFAULT_OBJECT_READER, NewArchiveMember, write_archive_to_stream,
+};
 use modyn_codegen::Builder;
 use modyn_codegen::diagnostics::{Code, Diagnostic, Diagnostics};
 
@@ -40,7 +42,8 @@ pub(super) fn compile(
     let name = builder.write_to_out_dir(&object.type_name, &object.wrapper, &object.warnings)?;
     let folder = std::env::var_os("OUT_DIR").unwrap_or_default();
     let msvc = std::env::var("CARGO_CFG_TARGET_ENV").is_ok_and(|environment| environment == "msvc");
-    let file = if msvc { format!("{}.lib", object.prefix) } else { format!("lib{}.a", object.prefix) };
+    let file =
+        if msvc { format!("{}.lib", object.prefix) } else { format!("lib{}.a", object.prefix) };
     let path = Path::new(&folder).join(&file);
     let written = library(&object).and_then(|bytes| std::fs::write(&path, bytes));
     written.map_err(|reason| {

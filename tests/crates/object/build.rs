@@ -42,8 +42,15 @@ fn main() -> Result<(), CompileError> {
     std::fs::write(Path::new(&folder).join("copied.rs"), text).expect("writable");
     leg.clone().type_name("Fused").compile_object(Some(InstructionSet::Avx2))?;
     leg.clone().type_name("Largest").compile_object(Some(InstructionSet::Avx512))?;
-    let single = leg.scalar(FloatType::F32);
+    let single = leg.clone().scalar(FloatType::F32);
     single.clone().type_name("SinglePortable").compile()?;
-    single.type_name("Single").compile_object(None)?;
+    single.clone().type_name("Single").compile_object(Some(InstructionSet::Sse2))?;
+    single.type_name("SingleFused").compile_object(Some(InstructionSet::Avx2))?;
+    // Without a choice, it is what rustc may use.
+    let own = leg.type_name("Own").functions([Function::MassMatrix]).compile_object(None)?;
+    assert!(
+        !own.wrapper.contains("target_feature")
+            || std::env::var("CARGO_CFG_TARGET_FEATURE").is_ok_and(|f| f.contains("fma"))
+    );
     Ok(())
 }

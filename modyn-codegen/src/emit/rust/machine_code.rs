@@ -68,7 +68,8 @@ impl Robot<'_> {
     /// Prints the function that every call of the object begins with.
     fn check_of_the_processor(&self, text: &mut String, code: &MachineCode) {
         let name = self.name;
-        let needs = if code.needs.is_empty() { "those of every x86-64 processor" } else { code.needs };
+        let needs =
+            if code.needs.is_empty() { "those of every x86-64 processor" } else { code.needs };
         let _ = writeln!(
             text,
             "impl {name} {{\n\
@@ -248,7 +249,8 @@ fn collect_layouts(shape: &Shape, float: &str, conditions: &mut BTreeSet<String>
         Shape::Scalar => {}
         Shape::Array(of, _) => collect_layouts(of, float, conditions),
         Shape::Struct { fields, .. } => {
-            let (kind, number) = (shape.type_of(float), format!("::core::mem::size_of::<{float}>()"));
+            let (kind, number) =
+                (shape.type_of(float), format!("::core::mem::size_of::<{float}>()"));
             let len = shape.len();
             conditions.insert(format!("::core::mem::size_of::<{kind}>() == {len} * {number}"));
             let mut offset = 0;

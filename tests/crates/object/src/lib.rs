@@ -23,3 +23,5 @@ robot!(largest: Largest, LargestLink, LargestParams, LargestContacts, modyn::inc
 robot!(single_portable: SinglePortable, SinglePortableLink, SinglePortableParams, SinglePortableContacts,
     modyn::include_model!(single_portable););
 robot!(single: Single, SingleLink, SingleParams, SingleContacts, modyn::include_model!(single););
+robot!(single_fused: SingleFused, SingleFusedLink, SingleFusedParams, SingleFusedContacts,
+    modyn::include_model!(single_fused););
