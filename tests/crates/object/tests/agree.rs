@@ -89,21 +89,32 @@ fn difference(a: &str, b: &str) -> f64 {
 }
 
 /// Compares the results of portable Rust with those of two objects: one that rounds products and sums separately, and one that
-/// fuses them. Each function of portable Rust has the bits of one of them, since it fuses products where the crate is compiled
-/// for such processors, or in vectors where the processor has them. The other is close.
-fn compare(portable: &[String], separate: &[String], fused: Option<&[String]>, tolerance: f64) {
+/// fuses them. All are close. Returns the functions of portable Rust that have the bits of neither; it fuses products where the
+/// crate is compiled for such processors, or in vectors where the processor has them.
+fn compare(
+    portable: &[String],
+    separate: &[String],
+    fused: Option<&[String]>,
+    tolerance: f64,
+) -> Vec<usize> {
+    assert_eq!(portable.len(), separate.len());
+    assert_ne!(Some(separate), fused, "fused products differ");
+    let mut others = Vec::new();
     for (k, portable) in portable.iter().enumerate() {
         let all = [Some(&separate[k]), fused.map(|fused| &fused[k])];
-        let same = all.into_iter().flatten().any(|found| found == portable);
-        assert!(same, "{k}\n{portable}\n{all:?}");
+        if !all.into_iter().flatten().any(|found| found == portable) {
+            others.push(k);
+        }
         for found in all.into_iter().flatten() {
             let difference = difference(found, portable);
             assert!(difference < tolerance, "{k} {difference}\n{found}\n{portable}");
         }
     }
-    assert_eq!(portable.len(), separate.len());
-    assert_ne!(Some(separate), fused, "fused products differ");
+    others
 }
+
+/// The results of derivatives, whose columns are packed into vectors.
+const DERIVATIVES: [usize; 2] = [3, 6];
 
 /// Small angles, and angles beyond the fast reduction.
 const SCALES: [f64; 3] = [1.5, 40.0, 1e7];
@@ -116,7 +127,7 @@ fn the_results_are_those_of_rust() {
         assert_eq!(object, results!(copied, f64, seed, scale));
         let is_supported = user_object::fused::Leg::is_supported();
         let fused = is_supported.then(|| results!(fused, f64, seed, scale));
-        compare(&portable, &object, fused.as_deref(), 1e-9);
+        assert_eq!(compare(&portable, &object, fused.as_deref(), 1e-9), []);
     }
 }
 
@@ -127,7 +138,9 @@ fn in_single_precision() {
         let object = results!(single, f32, seed, scale);
         let is_supported = user_object::single_fused::Leg::is_supported();
         let fused = is_supported.then(|| results!(single_fused, f32, seed, scale));
-        compare(&portable, &object, fused.as_deref(), 1e-3);
+        // Packed columns are only close in single precision.
+        let others = compare(&portable, &object, fused.as_deref(), 5e-3);
+        assert!(others.iter().all(|k| DERIVATIVES.contains(k)), "{others:?}");
     }
 }
 
