@@ -115,8 +115,7 @@ fn entries_of_windows_compute_the_same() {
             text::<f64>(&planning.plan, &planning.model, instruction_set, Convention::Windows);
         let text = text.expect("code");
         let pages = Pages::new(&text.code).expect("memory");
-        let mut options = Options::default();
-        options.instruction_set = Some(instruction_set);
+        let options = Options { instruction_set: Some(instruction_set), ..Options::default() };
         let compiled = Compiled::<f64>::from_plan(&planning, options).expect("code");
         let address = |name: &str| pages.address(start(&text, name));
         for (seed, scale) in (1..).zip([2.0, 1e9]) {
