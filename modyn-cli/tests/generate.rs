@@ -36,6 +36,65 @@ fn a_file_is_written_and_known_to_be_stale() {
 }
 
 #[test]
+fn object_files_are_written_with_their_texts_and_known_to_be_stale() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| at(folder.path(), name);
+    let generate = ["generate", "robots/double_pendulum.urdf", "--target", "object"];
+    let run = |more: &[&str]| modyn(&[&generate[..], more].concat());
+    let read = |name: &str| std::fs::read(file(name)).expect("a file");
+    let arm = file("arm.o");
+    assert_eq!(run(&["-o", &arm, "--check"]).code, 1, "there is none yet");
+    let elf = ["--object-format", "elf", "-o", &arm];
+    assert_eq!(run(&elf).code, 0);
+    assert_eq!(run(&[&elf[..], &["--check"]].concat()).code, 0);
+    assert!(read("arm.o").starts_with(b"\x7fELF"));
+    let header = String::from_utf8(read("arm.h")).expect("text");
+    assert!(header.contains("int double_pendulum_is_supported(void);"), "{header}");
+    assert!(
+        header.contains("void double_pendulum_forward_dynamics(const double q[2], "),
+        "{header}"
+    );
+    let wrapper = String::from_utf8(read("arm.rs")).expect("text");
+    assert!(wrapper.contains("pub struct DoublePendulum;"));
+    let other = [&elf[..], &["--instruction-set", "avx2"]].concat();
+    assert_eq!(run(&[&other[..], &["--check"]].concat()).code, 1, "another instruction set");
+    assert_eq!(run(&other).code, 0);
+    let header = String::from_utf8(read("arm.h")).expect("text");
+    assert!(
+        header.contains("Processors need AVX2 and FMA: without them the functions"),
+        "{header}"
+    );
+    // Other formats, and static libraries.
+    let starts: [(&str, &str, &[u8]); 3] = [
+        ("mach-o", "arm.o", &[0xcf, 0xfa, 0xed, 0xfe]),
+        ("coff", "arm.obj", &[0x64, 0x86]),
+        ("coff", "arm.lib", b"!<arch>\n"),
+    ];
+    for (format, name, start) in starts {
+        assert_eq!(run(&["--object-format", format, "-o", &file(name)]).code, 0);
+        assert!(read(name).starts_with(start), "{format}");
+    }
+    // What does not fit is refused with a reason.
+    let cases: [(&[&str], &str); 4] = [
+        (&[], "`--target object` writes three files: name the first with `--output FILE.o`"),
+        (&["-o", "arm.rs"], "`--target object` writes three files"),
+        (&["-o", &arm, "--self-contained"], "needs the crate `modyn`"),
+        (&["-o", &arm, "--c-functions", "arm"], "are C functions already"),
+    ];
+    for (more, message) in cases {
+        let refused = run(more);
+        assert!(refused.code == 2 && refused.err.contains(message), "{}", refused.err);
+    }
+    let refused = modyn(&["generate", "robots/arm6.urdf", "--instruction-set", "avx2"]);
+    assert_eq!(refused.code, 2);
+    assert!(
+        refused.err.contains("`--instruction-set` is about `--target object`"),
+        "{}",
+        refused.err
+    );
+}
+
+#[test]
 fn c_is_written_with_its_header_and_known_to_be_stale() {
     let folder = tempfile::tempdir().expect("a folder");
     let (file, header) = (at(folder.path(), "arm.c"), at(folder.path(), "arm.h"));

@@ -3,6 +3,7 @@
 mod build_script;
 mod checks;
 mod file;
+mod object;
 mod source;
 mod syntax;
 #[cfg(test)]
@@ -23,6 +24,7 @@ use crate::plan::{CasadiPlan, Choices, Constants, Execution, Function, Plan};
 use crate::read::{Format, Reading};
 use crate::size::too_large;
 use checks::{moving_frames, without_casadi_form, without_hessian};
+pub use object::ObjectPlanning;
 use source::Source;
 
 /// Compiles a robot description.

@@ -28,10 +28,12 @@ pub mod read;
 mod size;
 pub mod trace;
 
-pub use builder::{Builder, Generated, Planning};
+pub use builder::{Builder, Generated, ObjectPlanning, Planning};
 pub use check::{MAX_CONDITION_F32, condition_number};
 pub use description::{Base, Contact, Loop, LoopEnd, Mimic, ReadOptions, Rotor};
-pub use emit::{CSource, CasadiSource, FloatType, GpuLanguage, GpuSource};
+pub use emit::{
+    CSource, CasadiSource, FloatType, GpuLanguage, GpuSource, MachineCode, MachineTarget,
+};
 pub use modyn_runtime::model::{ContactKind, Friction, LoopConstraintKind};
 pub use options::{Bundle, ModuleChoice};
 pub use plan::Function;

@@ -3,20 +3,16 @@
 use std::fmt;
 
 use modyn_codegen::diagnostics::Diagnostic;
-use modyn_codegen::plan::{Frames, Kernels, LinkCode, Plan, Planned, Shape};
-use modyn_codegen::program::Program;
 use modyn_codegen::{Builder, Function, Planning};
 use modyn_runtime::model::{Inertial, Model};
 
+use crate::assembly::Assembly;
 use crate::call::Call;
-use crate::code_size::CodeSize;
 use crate::error::{CallError, CompileError};
-use crate::function::{CompiledFunction, CompiledKernels, Kernel};
-use crate::generate::{MAX_ARRAYS, generate};
-use crate::helper::Helpers;
+use crate::function::CompiledFunction;
+use crate::helper::{Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
-use crate::lower::lower;
-use crate::machine::{Code, Pages};
+use crate::machine::Pages;
 use crate::parameters::{ParameterError, RunTimeParameters};
 use crate::real::Real;
 
@@ -83,15 +79,9 @@ impl<S: Real> Compiled<S> {
             return Err(CompileError::InstructionSet { wanted: instruction_set, available });
         }
         let Planning { plan, model, warnings, .. } = planning;
-        for planned in &plan.functions {
-            let arrays = planned.arguments.len() + usize::from(planned.parameters > 0);
-            if arrays > MAX_ARRAYS {
-                return Err(CompileError::Arguments { function: planned.name, arrays });
-            }
-        }
-        let mut assembly = Assembly::<S>::new(instruction_set, options.batches);
-        let functions = plan.functions.iter().map(|planned| assembly.function(planned, plan));
-        let functions = functions.collect();
+        let linkage = Linkage::Addresses(Helpers::new::<S>());
+        let mut assembly = Assembly::<S>::new(instruction_set, options.batches, linkage);
+        let functions = assembly.functions(plan)?;
         let pages = Pages::new(&assembly.code).map_err(CompileError::Memory)?;
         let number = |x: f64| S::from_f64(x);
         Ok(Self {
@@ -260,103 +250,4 @@ impl<S: Real> fmt::Debug for Compiled<S> {
             .field("functions", &functions)
             .finish_non_exhaustive()
     }
-}
-
-/// The code of all functions during compilation.
-struct Assembly<S> {
-    instruction_set: InstructionSet,
-    batches: bool,
-    helpers: Helpers,
-    code: Vec<u8>,
-    number: std::marker::PhantomData<S>,
-}
-
-impl<S: Real> Assembly<S> {
-    fn new(instruction_set: InstructionSet, batches: bool) -> Self {
-        let (helpers, number) = (Helpers::new::<S>(), std::marker::PhantomData);
-        Self { instruction_set, batches, helpers, code: Vec::new(), number }
-    }
-
-    fn function(&mut self, planned: &Planned, plan: &Plan) -> CompiledFunction {
-        let mut arrays: Vec<usize> =
-            planned.arguments.iter().map(|(_, shape)| shape.len()).collect();
-        arrays.extend((planned.parameters > 0).then_some(planned.parameters));
-        let mut size = CodeSize::default();
-        let mut kernel = |program: &Program, simd: Option<&Program>, arrays: &[usize]| {
-            self.kernel(program, simd, arrays, &mut size)
-        };
-        let placed = [&*arrays, &[Frames::PLACEMENT]].concat();
-        let kernels = match &planned.kernels {
-            Kernels::One(program) => CompiledKernels::One(kernel(program, None, &arrays)),
-            Kernels::Dispatched { scalar, simd } => {
-                CompiledKernels::One(kernel(scalar, Some(simd), &arrays))
-            }
-            Kernels::ByLink(programs) => {
-                let own = plan.frames.links_with_own_program().count();
-                let arrays = |k: usize| if k < own { &arrays } else { &placed };
-                let programs = programs.iter().enumerate();
-                let kernels = programs.map(|(k, program)| kernel(program, None, arrays(k)));
-                CompiledKernels::ByLink(by_link(&plan.frames), kernels.collect())
-            }
-            Kernels::Poses { bodies, placed, .. } => CompiledKernels::Poses {
-                bodies: kernel(bodies, None, &arrays),
-                placed: kernel(placed, None, &[Shape::pose().len(), Frames::PLACEMENT]),
-                links: by_link(&plan.frames),
-            },
-        };
-        CompiledFunction {
-            function: planned.function,
-            name: planned.name,
-            arguments: planned.arguments.clone(),
-            has_parameters: planned.parameters > 0,
-            result: planned.result.clone(),
-            kernels,
-            size,
-        }
-    }
-
-    /// Compiles a program. The code for one state has vectors if the program has some and the instruction set has
-    /// registers for four numbers; the code for batches is the scalar program with a state in each lane.
-    fn kernel(
-        &mut self,
-        scalar: &Program,
-        simd: Option<&Program>,
-        arrays: &[usize],
-        size: &mut CodeSize,
-    ) -> Kernel {
-        let single = match simd {
-            Some(simd) if self.instruction_set.vector(false) >= 4 * size_of::<S>() => simd,
-            _ => scalar,
-        };
-        let (single, bytes) = self.append(single, arrays, false);
-        *size += bytes;
-        let batch = self.batches.then(|| self.append(scalar, arrays, true).0);
-        Kernel { single, batch }
-    }
-
-    fn append(&mut self, program: &Program, arrays: &[usize], batch: bool) -> (Code, CodeSize) {
-        let values = lower::<S>(program, arrays, self.instruction_set, batch);
-        let generated =
-            generate(&values, self.instruction_set, size_of::<S>(), arrays.len(), &self.helpers);
-        self.code.resize(self.code.len().next_multiple_of(64), 0xcc);
-        let entry = self.code.len();
-        self.code.extend_from_slice(&generated.code);
-        let lanes = if batch { self.instruction_set.vector(true) / size_of::<S>() } else { 1 };
-        let arguments = arrays.iter().map(|length| length * lanes).collect();
-        (Code { entry, arguments, results: program.results.len() * lanes }, generated.size)
-    }
-}
-
-/// For each link the number of its program, and the row of its placement if it shares the program.
-fn by_link(frames: &Frames) -> Vec<(usize, Option<usize>)> {
-    let own = frames.links_with_own_program().count();
-    let mut next = 0;
-    let program = |code: &LinkCode| match *code {
-        LinkCode::Own => {
-            next += 1;
-            (next - 1, None)
-        }
-        LinkCode::Shared { body, row } => (own + body, Some(row)),
-    };
-    frames.codes().iter().map(program).collect()
 }

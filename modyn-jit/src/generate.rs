@@ -2,8 +2,8 @@
 //!
 //! A function has two arguments: a pointer to a table of pointers to its arguments (rdi), and a pointer to its results
 //! (rsi). It follows System V's calling convention on every system. Registers in its body: rax points into the stack
-//! frame, rbx to the constants, rcx to the results, and one register each to the arguments; rbp keeps the stack pointer
-//! of the entry; r11 is free.
+//! frame, rbx to the constants, rcx to the results, and one register each to the arguments; rbp is the frame pointer, as
+//! profilers know it: it points to the caller's; r11 is free.
 //!
 //! The frame, upwards from rsp, which is a multiple of 64: the two pointers, memory for all vector registers during
 //! calls, slots of values.
@@ -20,19 +20,25 @@ mod operands;
 
 use crate::code_size::CodeSize;
 use crate::encode::Encoder;
-use crate::helper::Helpers;
+use crate::helper::{Helper, Linkage};
 use crate::instruction_set::InstructionSet;
 use crate::registers::{NONE, Registers};
 use crate::values::{Definition, Operation, Step, Value, Values};
 use data::{pool, stores};
 use far_angles::Detour;
 
-pub(crate) use frame::MAX_ARRAYS;
+#[cfg(feature = "object")]
+pub(crate) use frame::allocate;
+pub(crate) use frame::{MAX_ARRAYS, PROLOGUE};
 
 /// A function: instructions, then constants. It can start at any multiple of 64.
 pub(crate) struct Generated {
     pub code: Vec<u8>,
     pub size: CodeSize,
+    /// The offset after its return.
+    pub end: usize,
+    /// The calls of helpers with [`Linkage::Relative`]: the offset of each call's distance.
+    pub calls: Vec<(usize, Helper)>,
 }
 
 /// A value in memory that is read again within this number of steps is loaded into a free register.
@@ -44,7 +50,7 @@ pub(crate) fn generate(
     instruction_set: InstructionSet,
     size: usize,
     arrays: usize,
-    helpers: &Helpers,
+    linkage: &Linkage,
 ) -> Generated {
     assert!(arrays <= MAX_ARRAYS, "no function has so many arrays");
     let vector = values.lanes.iter().map(|&lanes| usize::from(lanes) * size).max().unwrap_or(16);
@@ -76,7 +82,7 @@ pub(crate) fn generate(
         instruction_set,
         size,
         arrays,
-        helpers,
+        linkage,
         vector,
         saved: if calls { usize::from(instruction_set.registers()) * vector } else { 0 },
         registers: Registers::new(values, size, instruction_set.registers(), &last),
@@ -84,6 +90,7 @@ pub(crate) fn generate(
         pool_at,
         stores,
         detours: Vec::new(),
+        calls: Vec::new(),
         counts: CodeSize::default(),
     };
     for (position, step) in (0..).zip(&values.steps) {
@@ -106,7 +113,7 @@ struct Generator<'a> {
     instruction_set: InstructionSet,
     size: usize,
     arrays: usize,
-    helpers: &'a Helpers,
+    linkage: &'a Linkage,
     /// The size of the longest vector in bytes.
     vector: usize,
     /// The size of all registers in the frame in bytes.
@@ -117,6 +124,8 @@ struct Generator<'a> {
     /// For each value the offsets at which it is a result.
     stores: Vec<Vec<u32>>,
     detours: Vec<Detour>,
+    /// The calls of helpers whose distances are still to be filled in.
+    calls: Vec<(usize, Helper)>,
     counts: CodeSize,
 }
 

@@ -12,24 +12,51 @@ use crate::real::Real;
 
 /// The calling convention of machine code, on every system.
 #[cfg(target_arch = "x86_64")]
-type Helper<S> = extern "sysv64" fn(*mut S, *mut S, *const S, u32);
+type HelperFunction<S> = extern "sysv64" fn(*mut S, *mut S, *const S, u32);
 #[cfg(not(target_arch = "x86_64"))]
-type Helper<S> = extern "C" fn(*mut S, *mut S, *const S, u32);
+type HelperFunction<S> = extern "C" fn(*mut S, *mut S, *const S, u32);
+
+/// A function that machine code calls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Helper {
+    /// Reduces each angle that is too large, and leaves the other reductions unchanged.
+    Reduce,
+    /// Writes the angle from the x axis to each point.
+    Atan2,
+    /// Writes the natural logarithm of each number.
+    Logarithm,
+}
+
+/// The way that machine code calls helpers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Linkage {
+    /// At their addresses in this process.
+    Addresses(Helpers),
+    /// By their distances, which are filled in when all code has its place.
+    #[cfg_attr(not(feature = "object"), allow(dead_code))]
+    Relative,
+}
 
 /// The addresses of the functions for one type of numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Helpers {
-    /// Reduces each angle that is too large, and leaves the other reductions unchanged.
     pub reduce: u64,
-    /// Writes the angle from the x axis to each point.
     pub atan2: u64,
-    /// Writes the natural logarithm of each number.
     pub logarithm: u64,
 }
 
 impl Helpers {
+    /// Returns the address of a function.
+    pub fn address(&self, helper: Helper) -> u64 {
+        match helper {
+            Helper::Reduce => self.reduce,
+            Helper::Atan2 => self.atan2,
+            Helper::Logarithm => self.logarithm,
+        }
+    }
+
     pub fn new<S: Real>() -> Self {
-        let address = |helper: Helper<S>| helper as usize as u64;
+        let address = |helper: HelperFunction<S>| helper as usize as u64;
         Self {
             reduce: address(reduce::<S>),
             atan2: address(atan2::<S>),

@@ -38,6 +38,26 @@ impl InstructionSet {
         self != Self::Sse2
     }
 
+    /// Returns the instructions in words; empty for those that every x86-64 processor has.
+    #[cfg(feature = "object")]
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Self::Sse2 => "",
+            Self::Avx2 => "AVX2 and FMA",
+            Self::Avx512 => "AVX-512 (F, DQ and VL) and FMA",
+        }
+    }
+
+    /// Returns the names of the instructions in rustc (`target_feature`), besides those that every x86-64 processor has.
+    #[cfg(feature = "object")]
+    pub(crate) fn features(self) -> &'static [&'static str] {
+        match self {
+            Self::Sse2 => &[],
+            Self::Avx2 => &["avx2", "fma"],
+            Self::Avx512 => &["avx512f", "avx512dq", "avx512vl", "fma"],
+        }
+    }
+
     /// Returns the number of vector registers.
     pub(crate) fn registers(self) -> u8 {
         if self == Self::Avx512 { 32 } else { 16 }

@@ -36,6 +36,7 @@
 //! set does; that includes angles of any size, infinities and zeros. The bits of a NaN are not specified. Functions have no
 //! state: threads can call one robot at the same time.
 
+mod assembly;
 mod call;
 mod code_size;
 mod compiled;
@@ -47,6 +48,8 @@ mod helper;
 mod instruction_set;
 mod lower;
 mod machine;
+#[cfg(feature = "object")]
+pub mod object;
 mod opcodes;
 mod parameters;
 mod real;

@@ -40,6 +40,12 @@ impl Pages {
         pages[..code.len()].copy_from_slice(code);
         Ok(Self(pages.make_exec()?))
     }
+
+    /// Returns the address of the code at this offset.
+    #[cfg(all(test, feature = "object"))]
+    pub fn address(&self, offset: usize) -> *const u8 {
+        &raw const self.0[offset]
+    }
 }
 
 /// A function in pages of machine code.

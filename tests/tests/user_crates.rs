@@ -112,6 +112,14 @@ fn by_a_build_script() {
     assert!(output.contains("odd.urdf:4:54: warning[axis-length]: joint `pivot`"), "{output}");
 }
 
+/// The robots' machine code is in a static library, which this crate's tests link through the crate of the robots.
+#[test]
+#[ignore = "slow: the compiler and its back end, unoptimised"]
+#[cfg(target_arch = "x86_64")]
+fn in_object_files() {
+    succeeds(&user_crate("object"), "test");
+}
+
 #[test]
 #[ignore = "slow: debug information of a long text"]
 fn the_largest_robot_with_debug_information() {

@@ -1,4 +1,5 @@
-//! `modyn generate`: writes a robot's dynamics as Rust, C, CUDA, WGSL or C for CasADi, and a header for Rust functions that C calls.
+//! `modyn generate`: writes a robot's dynamics as Rust, C, CUDA, WGSL, C for CasADi or machine code, and a header for Rust
+//! functions that C calls.
 
 use std::path::{Path, PathBuf};
 
@@ -6,13 +7,15 @@ use clap::{Args, ValueEnum};
 use modyn_codegen::diagnostics::sanitize_for_display;
 use modyn_codegen::diagnostics::{Diagnostic, Diagnostics};
 use modyn_codegen::{Builder, GpuLanguage, names};
+use modyn_jit::object::{ObjectBuilder, ObjectFormat, ObjectOptions};
+use modyn_jit::{CompileError, InstructionSet};
 
 use crate::command::options::CodeOptions;
 use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::{Description, Robot};
 
-/// Compile a description to Rust, C, CUDA, WGSL or C for CasADi
+/// Compile a description to Rust, C, CUDA, WGSL, C for CasADi or machine code
 ///
 /// The exit code is 0 if the file was written (with `--check`, if it is up to date), 1 if the description is rejected
 /// (with `--check`, if the file is stale), 2 if an option or a file is invalid.
@@ -25,13 +28,21 @@ pub struct Arguments {
     #[arg(long, requires = "output")]
     check: bool,
     /// The language: Rust; C99 that needs `<math.h>` only, FILE.c with its header FILE.h; kernels for graphics
-    /// processors, CUDA C++ or WGSL, with a thread for each state; or C99 for `casadi.external`, one file with all
-    /// derivatives
+    /// processors, CUDA C++ or WGSL, with a thread for each state; C99 for `casadi.external`, one file with all
+    /// derivatives; or an object file of x86-64 machine code, FILE.o (or a static library, FILE.a) with a C header FILE.h
+    /// and a Rust text FILE.rs that calls it
     #[arg(long, value_enum, default_value_t)]
     target: Target,
     /// Write the header of the functions for C; without `--c-functions` their prefix is the robot's name
     #[arg(long, value_name = "FILE.h", requires = "output")]
     c_header: Option<PathBuf>,
+    /// The vector instructions of `--target object`; processors without them cannot run the code. sse2 (the default): every
+    /// x86-64 processor has them; avx2: AVX2 and FMA; avx512: AVX-512 (F, DQ and VL)
+    #[arg(long, value_enum)]
+    instruction_set: Option<Vectors>,
+    /// The format of `--target object`; that of this system by default. elf: Linux; mach-o: macOS; coff: Windows
+    #[arg(long, value_enum)]
+    object_format: Option<Format>,
     #[command(flatten)]
     code: CodeOptions,
     #[command(flatten)]
@@ -46,13 +57,28 @@ enum Target {
     Cuda,
     Wgsl,
     Casadi,
+    Object,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Vectors {
+    Sse2,
+    Avx2,
+    Avx512,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    Elf,
+    MachO,
+    Coff,
 }
 
 impl Target {
     /// The language, if it is one for graphics processors.
     fn gpu(self) -> Option<GpuLanguage> {
         match self {
-            Self::Rust | Self::C | Self::Casadi => None,
+            Self::Rust | Self::C | Self::Casadi | Self::Object => None,
             Self::Cuda => Some(GpuLanguage::Cuda),
             Self::Wgsl => Some(GpuLanguage::Wgsl),
         }
@@ -64,6 +90,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let description = arguments.robot.open()?;
     let builder = arguments.builder(&description)?;
     let named = |found: Diagnostics| description.failure(arguments.robot.named(found));
+    if arguments.target == Target::Object {
+        return object(arguments, &builder, &description, &named);
+    }
+    let of_objects = [
+        ("instruction-set", arguments.instruction_set.is_some()),
+        ("object-format", arguments.object_format.is_some()),
+    ];
+    if let Some((option, _)) = of_objects.into_iter().find(|(_, given)| *given) {
+        let message = format!("error: `--{option}` is about `--target object`");
+        return Err(Failure::usage(message));
+    }
     if arguments.target == Target::C {
         return c_source(arguments, &builder, &description, &named);
     }
@@ -166,6 +203,74 @@ fn c_source(
     progress.stop();
     description.warn(arguments.robot.named(Diagnostics::new(warnings)));
     Ok(())
+}
+
+/// Writes the object file or the static library, the header and the Rust text, or checks them.
+fn object(
+    arguments: &Arguments,
+    builder: &Builder,
+    description: &Description,
+    named: &impl Fn(Diagnostics) -> Failure,
+) -> Result<(), Failure> {
+    if arguments.c_header.is_some() {
+        let message = "error: `--c-header` is about Rust; `--target object` writes a header beside the object file";
+        return Err(Failure::usage(message));
+    }
+    let extension = |path: &Path| path.extension()?.to_str().map(str::to_ascii_lowercase);
+    let library = match arguments.output.as_deref().and_then(extension).as_deref() {
+        Some("o" | "obj") => false,
+        Some("a" | "lib") => true,
+        _ => {
+            let message = "error: `--target object` writes three files: name the first with `--output FILE.o` (`.obj` on \
+                           Windows), or `--output FILE.a` (`.lib`) for a static library";
+            return Err(Failure::usage(message));
+        }
+    };
+    let Some(output) = &arguments.output else { return Ok(()) };
+    let mut options = ObjectOptions::default();
+    match arguments.instruction_set {
+        None | Some(Vectors::Sse2) => {}
+        Some(Vectors::Avx2) => options.instruction_set = InstructionSet::Avx2,
+        Some(Vectors::Avx512) => options.instruction_set = InstructionSet::Avx512,
+    }
+    match arguments.object_format {
+        None => {}
+        Some(Format::Elf) => options.format = ObjectFormat::Elf,
+        Some(Format::MachO) => options.format = ObjectFormat::MachO,
+        Some(Format::Coff) => options.format = ObjectFormat::Coff,
+    }
+    let mut progress = Progress::start("compiling");
+    let object = builder.generate_object(&options).map_err(|error| match error {
+        CompileError::Description(found) => named(found),
+        error => Failure::usage(format!("error: {error}")),
+    })?;
+    let bytes = match library {
+        true => {
+            object.static_library().map_err(|reason| Failure::usage(format!("error: {reason}")))?
+        }
+        false => object.bytes,
+    };
+    progress.stop();
+    description.warn(arguments.robot.named(Diagnostics::new(object.warnings)));
+    let files = [
+        (output.clone(), bytes),
+        (output.with_extension("h"), object.header.into_bytes()),
+        (output.with_extension("rs"), object.wrapper.into_bytes()),
+    ];
+    let mut stale = false;
+    for (path, content) in files {
+        let current = std::fs::read(&path).is_ok_and(|found| found == content);
+        if arguments.check {
+            stale |= !current;
+        } else if !current {
+            to_file(&path, &content)?;
+        }
+    }
+    if arguments.check {
+        let found = if stale { "stale" } else { "up to date" };
+        to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
+    }
+    if stale { Err(Failure::Said) } else { Ok(()) }
 }
 
 fn stale(

@@ -81,8 +81,8 @@ pub fn to_stderr(text: &str) {
 }
 
 /// Writes a file.
-pub fn to_file(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|error| {
+pub fn to_file(path: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> Result<(), Failure> {
+    std::fs::write(path, content).map_err(|error| {
         let path = sanitize_for_display(&path.display().to_string());
         Failure::usage(format!("error: `{path}` cannot be written: {error}"))
     })

@@ -20,11 +20,31 @@ impl Builder {
     ///
     /// Returns all errors of the description and the options, or that a file cannot be written.
     pub fn compile(&self) -> Result<Generated, Diagnostics> {
+        self.rerun_if_changed();
+        let generated = self.generate()?;
+        self.write_to_out_dir(&generated.type_name, &generated.text, &generated.warnings)?;
+        Ok(generated)
+    }
+    /// Makes Cargo run the build script again when the description's file changes, also if it is missing.
+    pub fn rerun_if_changed(&self) {
         if let Source::File(path) = &self.source {
-            // Also for a missing file: Cargo then checks again.
             println!("cargo::rerun-if-changed={}", resolve_path(path).display());
         }
-        let generated = self.generate()?;
+    }
+
+    /// Writes a robot's text to `OUT_DIR` from a build script, for `modyn::include_model!`, and shows the warnings. Returns the
+    /// name for `include_model!`. [`compile`](Self::compile) does this with the text of [`generate`](Self::generate); build
+    /// scripts with another back end do it with their own.
+    ///
+    /// # Errors
+    ///
+    /// If the script is no build script, another robot has the name, or the file cannot be written.
+    pub fn write_to_out_dir(
+        &self,
+        type_name: &str,
+        text: &str,
+        warnings: &[Diagnostic],
+    ) -> Result<String, Diagnostics> {
         let error = |message: String, help: &str| {
             Diagnostics::from(Diagnostic::error(Code::Output, message).with_help(help))
         };
@@ -35,25 +55,25 @@ impl Builder {
             (None, Source::File(path)) => path.file_stem().map(|stem| stem.to_string_lossy()),
             _ => None,
         };
-        let name = names::snake(stem.as_deref().unwrap_or(&generated.type_name));
+        let name = names::snake(stem.as_deref().unwrap_or(type_name));
         let file = Path::new(&folder).join(format!("{name}.rs"));
         // The files that this process, a build script, has written: a robot must not overwrite another.
         static WRITTEN: Mutex<BTreeMap<PathBuf, String>> = Mutex::new(BTreeMap::new());
         let mut written = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
-        let text = written.entry(file.clone()).or_insert_with(|| generated.text.clone());
-        if *text != generated.text {
+        let earlier = written.entry(file.clone()).or_insert_with(|| text.to_owned());
+        if *earlier != *text {
             let message = format!("two robots would be `include_model!({name})`");
             return Err(error(message, "give one of them a `type_name`"));
         }
-        std::fs::write(&file, &generated.text).map_err(|reason| {
+        std::fs::write(&file, text).map_err(|reason| {
             let message = format!("`{}` cannot be written: {reason}", file.display());
             error(message, "OUT_DIR must be a writable folder")
         })?;
-        let warnings = generated.warnings.iter().take(Diagnostics::SHOWN);
-        let more = Diagnostics::count_hidden(generated.warnings.len());
-        for warning in warnings.map(ToString::to_string).chain(more) {
+        let shown = warnings.iter().take(Diagnostics::SHOWN);
+        let more = Diagnostics::count_hidden(warnings.len());
+        for warning in shown.map(ToString::to_string).chain(more) {
             println!("cargo::warning={}", warning.replace(char::is_control, " "));
         }
-        Ok(generated)
+        Ok(name)
     }
 }

@@ -80,7 +80,7 @@ impl Default for EmitOptions {
 
 impl EmitOptions {
     /// Returns the type's name.
-    fn type_name(&self, model: &Model) -> String {
+    pub(crate) fn type_name(&self, model: &Model) -> String {
         self.type_name.clone().unwrap_or_else(|| names::type_name(model.name()))
     }
 
@@ -88,6 +88,28 @@ impl EmitOptions {
     pub(crate) fn prefix(&self, model: &Model) -> String {
         names::snake(&self.type_name(model))
     }
+}
+
+/// The machine code in an object file, as texts that call it must know it.
+#[derive(Clone, Debug)]
+pub struct MachineCode {
+    /// The prefix of the functions' symbols.
+    pub prefix: String,
+    /// The target.
+    pub target: MachineTarget,
+    /// The instructions that processors of the target may lack, in words; empty if there are none.
+    pub needs: &'static str,
+    /// The names of these instruction sets in Rust (`target_feature`).
+    pub features: &'static [&'static str],
+}
+
+/// The target of machine code.
+#[derive(Clone, Copy, Debug)]
+pub struct MachineTarget {
+    /// The name of the target in words.
+    pub words: &'static str,
+    /// The condition (`cfg`) of Rust that holds for the target.
+    pub cfg: &'static str,
 }
 
 /// The generated text of a robot.
@@ -121,6 +143,29 @@ pub fn emit_c(model: &Model, plan: &Plan, options: &EmitOptions, header: Option<
     let prefix = options.prefix(model);
     let header = header.map_or_else(|| format!("{prefix}.h"), String::from);
     c::print(plan, model, (&prefix, &header), options.scalar)
+}
+
+/// Returns the Rust text of a robot whose functions are in an object file.
+#[must_use]
+pub fn emit_wrapper(
+    robot: (&Model, &ModuleTree),
+    plan: &Plan,
+    constants: &Constants,
+    options: &EmitOptions,
+    code: &MachineCode,
+) -> String {
+    rust::print_for_object(robot, (plan, constants), options, &options.type_name(robot.0), code)
+}
+
+/// Returns the C header of a robot whose functions are in an object file.
+#[must_use]
+pub fn emit_object_header(
+    model: &Model,
+    plan: &Plan,
+    options: &EmitOptions,
+    code: &MachineCode,
+) -> String {
+    c::print_object_header(plan, model, options.scalar, code)
 }
 
 /// Returns kernels of a robot for graphics processors, whose names begin with the type's name in snake case.

@@ -3,6 +3,7 @@
 use super::Generator;
 use super::frame::{RAX, RDI, RDX, RSI, SHORT, point};
 use crate::encode::Place;
+use crate::helper::{Helper, Linkage};
 use crate::instruction_set::InstructionSet;
 use crate::opcodes as op;
 use crate::values::{Operation, Value};
@@ -23,16 +24,26 @@ impl Generator<'_> {
 
     /// Writes a call of a helper, whose pointers are in registers already, and restores the registers that point to
     /// memory.
-    pub(super) fn call_helper(&mut self, helper: u64, lanes: u8) {
+    pub(super) fn call_helper(&mut self, helper: Helper, lanes: u8) {
         // mov ecx, lanes
         self.encoder.bytes(&[&[0xb9][..], &u32::from(lanes).to_le_bytes()].concat());
         if self.instruction_set != InstructionSet::Sse2 {
             // vzeroupper
             self.encoder.bytes(&[0xc5, 0xf8, 0x77]);
         }
-        // mov rax, helper; call rax
-        self.encoder.bytes(&[&[0x48, 0xb8][..], &helper.to_le_bytes()].concat());
-        self.encoder.bytes(&[0xff, 0xd0]);
+        match self.linkage {
+            Linkage::Addresses(helpers) => {
+                // mov rax, helper; call rax
+                let address = helpers.address(helper);
+                self.encoder.bytes(&[&[0x48, 0xb8][..], &address.to_le_bytes()].concat());
+                self.encoder.bytes(&[0xff, 0xd0]);
+            }
+            Linkage::Relative => {
+                // call helper
+                self.encoder.bytes(&[0xe8, 0, 0, 0, 0]);
+                self.calls.push((self.encoder.code.len() - 4, helper));
+            }
+        }
         let (arrays, frame) = (self.arrays, self.frame_base());
         point(&mut self.encoder, arrays, frame);
     }
@@ -69,8 +80,8 @@ impl Generator<'_> {
         self.address(RSI, self.saved(from[0]));
         self.address(RDX, self.saved(*from.last().unwrap_or(&from[0])));
         let helper = match operation {
-            Operation::Atan2 => self.helpers.atan2,
-            _ => self.helpers.logarithm,
+            Operation::Atan2 => Helper::Atan2,
+            _ => Helper::Logarithm,
         };
         self.call_helper(helper, self.lanes(value));
         self.restore(occupied | 1 << register);

@@ -4,6 +4,7 @@
 use super::Generator;
 use super::frame::{R11, RDI, RDX, RSI};
 use crate::encode::{Encoding, Operands, Place};
+use crate::helper::Helper;
 use crate::instruction_set::InstructionSet;
 use crate::opcodes::{self as op, arithmetic};
 use crate::registers::NONE;
@@ -112,7 +113,7 @@ impl Generator<'_> {
                 self.address(RDX, angle);
                 self.address(RDI, reduced);
                 self.address(RSI, multiple);
-                self.call_helper(self.helpers.reduce, lanes);
+                self.call_helper(Helper::Reduce, lanes);
             }
             self.restore(occupied);
             self.encoder.bytes(&[0xe9, 0, 0, 0, 0]);

@@ -18,6 +18,10 @@ pub(super) const RSI: u8 = 6;
 pub(super) const RDI: u8 = 7;
 pub(super) const R11: u8 = 11;
 
+/// The instructions that keep the registers of the caller: push rbp; mov rbp, rsp; push rbx. Descriptions of the frame for
+/// debuggers (`object/unwind.rs`) follow them.
+pub(crate) const PROLOGUE: [&[u8]; 3] = [&[0x55], &[0x48, 0x89, 0xe5], &[0x53]];
+
 /// The range of displacements of one byte, on both sides.
 pub(super) const SHORT: i32 = 128;
 
@@ -32,15 +36,17 @@ impl Generator<'_> {
         if self.instruction_set != InstructionSet::Sse2 {
             self.encoder.bytes(&[0xc5, 0xf8, 0x77]);
         }
-        // mov rsp, rbp; pop rbx; pop rbp; ret
-        for bytes in [&[0x48, 0x89, 0xec][..], &[0x5b], &[0x5d], &[0xc3]] {
+        // lea rsp, [rbp - 8]; pop rbx; pop rbp; ret
+        for bytes in [&[0x48, 0x8d, 0x65, 0xf8][..], &[0x5b], &[0x5d], &[0xc3]] {
             self.encoder.bytes(bytes);
         }
+        let end = self.encoder.code.len();
         let mut entry = Encoder::default();
-        // push rbp; push rbx; mov rbp, rsp; and rsp, -64
-        for bytes in [&[0x55][..], &[0x53], &[0x48, 0x89, 0xe5], &[0x48, 0x83, 0xe4, 0xc0]] {
+        for bytes in PROLOGUE {
             entry.bytes(bytes);
         }
+        // and rsp, -64
+        entry.bytes(&[0x48, 0x83, 0xe4, 0xc0]);
         let frame = (64 + self.saved as u32 + self.registers.frame).next_multiple_of(64);
         allocate(&mut entry, frame);
         entry.general(0x89, RDI, RSP, 0);
@@ -51,6 +57,8 @@ impl Generator<'_> {
         point(&mut entry, self.arrays, self.frame_base());
         let instructions = entry.instructions + self.encoder.instructions;
         self.detours();
+        let body = entry.code.len();
+        let calls = self.calls.iter().map(|&(at, helper)| (body + at, helper)).collect();
         let mut code = Encoder { code: [entry.code, self.encoder.code].concat(), instructions };
         let bytes = code.code.len();
         // int3
@@ -65,12 +73,12 @@ impl Generator<'_> {
             instructions,
             ..self.counts
         };
-        Generated { code: code.code, size }
+        Generated { code: code.code, size, end: body + end, calls }
     }
 }
 
 /// Moves the stack pointer down. The code touches each page, so that an overflow is found at the guard page.
-fn allocate(entry: &mut Encoder, frame: u32) {
+pub(crate) fn allocate(entry: &mut Encoder, frame: u32) {
     const PAGE: u32 = 4096;
     let pages = frame / PAGE;
     if pages > 0 {

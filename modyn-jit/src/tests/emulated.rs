@@ -10,7 +10,7 @@ use modyn_runtime::Scalar;
 use super::common::{Fuse, evaluate, is_same, numbers, plan, random::Random, split};
 use super::emulator::{ATAN2, Emulator, LOGARITHM, REDUCE};
 use crate::generate::generate;
-use crate::helper::Helpers;
+use crate::helper::{Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
 use crate::lower::lower;
 
@@ -24,7 +24,13 @@ fn compare<F: Fuse>(
 ) {
     let values = lower::<F>(program, arrays, instruction_set, batch);
     let helpers = Helpers { reduce: REDUCE, atan2: ATAN2, logarithm: LOGARITHM };
-    let generated = generate(&values, instruction_set, size_of::<F>(), arrays.len(), &helpers);
+    let generated = generate(
+        &values,
+        instruction_set,
+        size_of::<F>(),
+        arrays.len(),
+        &Linkage::Addresses(helpers),
+    );
     let lanes = if batch { instruction_set.vector(true) / size_of::<F>() } else { 1 };
     // The lanes differ: the numbers of one state, rotated.
     let states: Vec<Vec<F>> = (0..lanes)

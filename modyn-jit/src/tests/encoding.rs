@@ -8,7 +8,7 @@ use modyn_codegen::{Builder, Function, ReadOptions, read};
 
 use crate::encode::{Encoder, Encoding, Opcode, Operands, Place};
 use crate::generate::generate;
-use crate::helper::Helpers;
+use crate::helper::{Helpers, Linkage};
 use crate::instruction_set::InstructionSet;
 use crate::lower::lower;
 use crate::opcodes as op;
@@ -222,9 +222,9 @@ fn whole_functions<S: Real>(name: &str) {
         for instruction_set in InstructionSet::ALL {
             for (program, batch) in [(scalar, false), (simd, false), (scalar, true)] {
                 let values = lower::<S>(program, &arrays, instruction_set, batch);
-                let helpers = Helpers::new::<S>();
+                let linkage = Linkage::Addresses(Helpers::new::<S>());
                 let generated =
-                    generate(&values, instruction_set, size_of::<S>(), arrays.len(), &helpers);
+                    generate(&values, instruction_set, size_of::<S>(), arrays.len(), &linkage);
                 let code = &generated.code[..generated.size.bytes];
                 let mut decoder = Decoder::with_ip(64, code, 0, DecoderOptions::NONE);
                 let mut count = 0;

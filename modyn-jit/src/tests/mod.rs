@@ -2,7 +2,7 @@
 //! with the encoder; the functions are emulated.
 
 #[path = "../../tests/common/mod.rs"]
-mod common;
+pub(crate) mod common;
 mod emulated;
 mod emulator;
 mod encoding;

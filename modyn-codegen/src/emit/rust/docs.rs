@@ -7,7 +7,7 @@ use std::ops::Range;
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::Model;
 
-use super::Robot;
+use super::{MachineCode, Robot};
 use crate::diagnostics::sanitize_for_display;
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::names;
@@ -38,6 +38,9 @@ pub(super) fn robot(text: &mut String, robot: &Robot<'_>, operations: &[(&str, O
             "Quaternions in `q` must have length 1: `check_configuration` checks them, and `normalize` scales them.\n",
         );
     }
+    if let Some(code) = robot.code {
+        machine_code(&mut lines, code);
+    }
     joints(&mut lines, model);
     loops(&mut lines, model);
     contacts(&mut lines, model);
@@ -65,6 +68,19 @@ pub(super) fn robot(text: &mut String, robot: &Robot<'_>, operations: &[(&str, O
     warnings(&mut lines, &robot.options.warnings);
     for line in lines.lines() {
         let _ = writeln!(text, "{}", format!("/// {line}").trim_end());
+    }
+}
+
+/// Prints the section about machine code in an object file.
+fn machine_code(lines: &mut String, code: &MachineCode) {
+    let words = code.target.words;
+    let _ = writeln!(lines, "\n# Machine code\n\nThe functions are machine code for {words}.");
+    if !code.needs.is_empty() {
+        let _ = writeln!(
+            lines,
+            "They panic on processors without {}; `is_supported` asks the processor.",
+            code.needs
+        );
     }
 }
 

@@ -32,6 +32,7 @@ impl Robot<'_> {
             Kernels::One(_) | Kernels::Dispatched { .. } | Kernels::Poses { .. } => {
                 format!("{name}({arguments})")
             }
+            Kernels::ByLink(_) if self.code.is_some() => format!("{name}({arguments}, link)"),
             Kernels::ByLink(_) => {
                 let arms: Vec<String> = self
                     .link_variants()

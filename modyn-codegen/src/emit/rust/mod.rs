@@ -17,6 +17,7 @@ mod frames;
 mod function;
 mod header;
 mod layout;
+mod machine_code;
 mod methods;
 mod missing;
 mod parameter;
@@ -31,7 +32,7 @@ use std::fmt::Write as _;
 use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Model, ModuleTree};
 
-use super::{EmitOptions, FloatType};
+use super::{EmitOptions, FloatType, MachineCode};
 use crate::names;
 use crate::plan::{Constants, Kernels, Plan, Planned};
 use crate::program::Program;
@@ -51,7 +52,7 @@ pub(super) fn print(
         options.crate_path = format!("self::{}", embedded::MODULE);
     }
     let options = &options;
-    let robot = Robot { model, modules, options, plan, constants, name };
+    let robot = Robot { model, modules, options, plan, constants, name, code: None };
     let quantity = |planned| Quantity::new(planned, name);
     let quantities: Vec<Quantity<'_>> = plan.functions.iter().map(quantity).collect();
     let per_call = |p: &Planned| (p.name, p.operations_per_call());
@@ -102,6 +103,39 @@ pub(super) fn print(
     (text, c_header)
 }
 
+/// Returns the items of a robot whose functions are in an object file.
+#[must_use]
+pub(super) fn print_for_object(
+    (model, modules): (&Model, &ModuleTree),
+    (plan, constants): (&Plan, &Constants),
+    options: &EmitOptions,
+    name: &str,
+    code: &MachineCode,
+) -> String {
+    let robot = Robot { model, modules, options, plan, constants, name, code: Some(code) };
+    let quantities: Vec<Quantity<'_>> =
+        plan.functions.iter().map(|planned| Quantity::new(planned, name)).collect();
+    let operations = plan.operations_per_call();
+    let mut text = String::new();
+    docs::robot(&mut text, &robot, &operations);
+    robot.types(&mut text, &quantities);
+    let path = &options.crate_path;
+    let _ = writeln!(
+        text,
+        "#[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, unused_variables, non_snake_case)]\n\
+         const _: () = {{\n\
+         use {path} as __modyn;\n"
+    );
+    robot.own_functions(&mut text, &quantities);
+    robot.constants(&mut text, &operations);
+    robot.enums(&mut text);
+    robot.contact_functions(&mut text);
+    robot.parameters(&mut text);
+    robot.machine_functions(&mut text, &quantities, code);
+    text += "};\n";
+    text
+}
+
 /// The inputs of all parts of the text.
 struct Robot<'a> {
     model: &'a Model,
@@ -110,6 +144,8 @@ struct Robot<'a> {
     plan: &'a Plan,
     constants: &'a Constants,
     name: &'a str,
+    /// The machine code that the functions call; `None` if their programs are printed.
+    code: Option<&'a MachineCode>,
 }
 
 impl Robot<'_> {

@@ -1,0 +1,149 @@
+//! The machine code of all functions of a robot, one after another.
+
+use modyn_codegen::plan::{Frames, Kernels, LinkCode, Plan, Planned, Shape};
+use modyn_codegen::program::Program;
+
+use crate::code_size::CodeSize;
+use crate::error::CompileError;
+use crate::function::{CompiledFunction, CompiledKernels, Kernel};
+use crate::generate::{MAX_ARRAYS, generate};
+use crate::helper::{Helper, Linkage};
+use crate::instruction_set::InstructionSet;
+use crate::lower::lower;
+use crate::machine::Code;
+use crate::real::Real;
+
+/// The part of the code that one program takes, by offsets.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KernelCode {
+    /// Its start.
+    pub start: usize,
+    /// The offset after its return.
+    pub end: usize,
+    /// The offset after its last instruction.
+    pub last: usize,
+}
+
+/// The code of all functions during compilation.
+pub(crate) struct Assembly<S> {
+    instruction_set: InstructionSet,
+    batches: bool,
+    linkage: Linkage,
+    /// The code.
+    pub code: Vec<u8>,
+    /// The code of each program.
+    pub kernels: Vec<KernelCode>,
+    /// The calls of helpers with [`Linkage::Relative`]: the offset of each call's distance.
+    pub calls: Vec<(usize, Helper)>,
+    number: std::marker::PhantomData<S>,
+}
+
+impl<S: Real> Assembly<S> {
+    pub fn new(instruction_set: InstructionSet, batches: bool, linkage: Linkage) -> Self {
+        let (code, kernels, calls) = (Vec::new(), Vec::new(), Vec::new());
+        let number = std::marker::PhantomData;
+        Self { instruction_set, batches, linkage, code, kernels, calls, number }
+    }
+
+    /// Compiles all functions of a plan.
+    ///
+    /// # Errors
+    ///
+    /// If a function has too many arguments.
+    pub fn functions(&mut self, plan: &Plan) -> Result<Vec<CompiledFunction>, CompileError> {
+        for planned in &plan.functions {
+            let arrays = planned.arguments.len() + usize::from(planned.parameters > 0);
+            if arrays > MAX_ARRAYS {
+                return Err(CompileError::Arguments { function: planned.name, arrays });
+            }
+        }
+        Ok(plan.functions.iter().map(|planned| self.function(planned, plan)).collect())
+    }
+
+    fn function(&mut self, planned: &Planned, plan: &Plan) -> CompiledFunction {
+        let mut arrays: Vec<usize> =
+            planned.arguments.iter().map(|(_, shape)| shape.len()).collect();
+        arrays.extend((planned.parameters > 0).then_some(planned.parameters));
+        let mut size = CodeSize::default();
+        let mut kernel = |program: &Program, simd: Option<&Program>, arrays: &[usize]| {
+            self.kernel(program, simd, arrays, &mut size)
+        };
+        let placed = [&*arrays, &[Frames::PLACEMENT]].concat();
+        let kernels = match &planned.kernels {
+            Kernels::One(program) => CompiledKernels::One(kernel(program, None, &arrays)),
+            Kernels::Dispatched { scalar, simd } => {
+                CompiledKernels::One(kernel(scalar, Some(simd), &arrays))
+            }
+            Kernels::ByLink(programs) => {
+                let own = plan.frames.links_with_own_program().count();
+                let arrays = |k: usize| if k < own { &arrays } else { &placed };
+                let programs = programs.iter().enumerate();
+                let kernels = programs.map(|(k, program)| kernel(program, None, arrays(k)));
+                CompiledKernels::ByLink(by_link(&plan.frames), kernels.collect())
+            }
+            Kernels::Poses { bodies, placed, .. } => CompiledKernels::Poses {
+                bodies: kernel(bodies, None, &arrays),
+                placed: kernel(placed, None, &[Shape::pose().len(), Frames::PLACEMENT]),
+                links: by_link(&plan.frames),
+            },
+        };
+        CompiledFunction {
+            function: planned.function,
+            name: planned.name,
+            arguments: planned.arguments.clone(),
+            has_parameters: planned.parameters > 0,
+            result: planned.result.clone(),
+            kernels,
+            size,
+        }
+    }
+
+    /// Compiles a program. The code for one state has vectors if the program has some and the instruction set has
+    /// registers for four numbers; the code for batches is the scalar program with a state in each lane.
+    fn kernel(
+        &mut self,
+        scalar: &Program,
+        simd: Option<&Program>,
+        arrays: &[usize],
+        size: &mut CodeSize,
+    ) -> Kernel {
+        let single = match simd {
+            Some(simd) if self.instruction_set.vector(false) >= 4 * size_of::<S>() => simd,
+            _ => scalar,
+        };
+        let (single, bytes) = self.append(single, arrays, false);
+        *size += bytes;
+        let batch = self.batches.then(|| self.append(scalar, arrays, true).0);
+        Kernel { single, batch }
+    }
+
+    fn append(&mut self, program: &Program, arrays: &[usize], batch: bool) -> (Code, CodeSize) {
+        let values = lower::<S>(program, arrays, self.instruction_set, batch);
+        let generated =
+            generate(&values, self.instruction_set, size_of::<S>(), arrays.len(), &self.linkage);
+        self.code.resize(self.code.len().next_multiple_of(64), 0xcc);
+        let entry = self.code.len();
+        self.code.extend_from_slice(&generated.code);
+        let (end, last) = (entry + generated.end, entry + generated.size.bytes);
+        self.kernels.push(KernelCode { start: entry, end, last });
+        let calls = generated.calls.into_iter().map(|(at, helper)| (entry + at, helper));
+        self.calls.extend(calls);
+        let lanes = if batch { self.instruction_set.vector(true) / size_of::<S>() } else { 1 };
+        let arguments = arrays.iter().map(|length| length * lanes).collect();
+        (Code { entry, arguments, results: program.results.len() * lanes }, generated.size)
+    }
+}
+
+/// For each link the number of its program, and the row of its placement if it shares the program.
+fn by_link(frames: &Frames) -> Vec<(usize, Option<usize>)> {
+    let own = frames.links_with_own_program().count();
+    let mut next = 0;
+    let program = |code: &LinkCode| match *code {
+        LinkCode::Own => {
+            next += 1;
+            (next - 1, None)
+        }
+        LinkCode::Shared { body, row } => (own + body, Some(row)),
+    };
+    frames.codes().iter().map(program).collect()
+}
