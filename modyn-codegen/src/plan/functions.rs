@@ -15,8 +15,9 @@ use arguments::{
     UNIFORMS, V,
 };
 
-pub(super) use arguments::ARGUMENTS;
-pub use arguments::Argument;
+pub(crate) use arguments::ARGUMENTS;
+pub use arguments::{Argument, ArgumentKind};
+pub(super) use arguments::{FACTORS, RHS};
 pub use row::{CForm, Packing, Row, Trace};
 
 macro_rules! functions {

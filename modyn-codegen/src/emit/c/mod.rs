@@ -14,7 +14,7 @@ use modyn_runtime::model::Model;
 
 use super::{FloatType, coordinates_in_c};
 use crate::names;
-use crate::plan::{Frames, Function, Kernels, LinkCode, Plan, Shape};
+use crate::plan::{Argument, Frames, Function, Kernels, LinkCode, Plan, Shape};
 use crate::program::Program;
 pub(super) use support::{Support, text as support};
 
@@ -322,9 +322,9 @@ impl Printer {
 
 /// Returns all functions.
 fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
-    let arrays = |arguments: &[(&'static str, Shape)]| -> Vec<Array> {
-        let array = |(name, shape): &(&'static str, Shape)| Array {
-            name: (*name).into(),
+    let arrays = |arguments: &[(Argument, Shape)]| -> Vec<Array> {
+        let array = |(argument, shape): &(Argument, Shape)| Array {
+            name: argument.name.into(),
             len: shape.len(),
         };
         // C has no array of no numbers.

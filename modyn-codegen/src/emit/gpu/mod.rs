@@ -16,7 +16,7 @@ use modyn_runtime::model::Model;
 
 use super::FloatType;
 use crate::names;
-use crate::plan::{Frames, Kernels, LinkCode, Plan, Planned, Shape};
+use crate::plan::{Argument, Frames, Kernels, LinkCode, Plan, Planned, Shape};
 use crate::program::Program;
 
 /// A language for graphics processors.
@@ -213,8 +213,8 @@ fn kernel<'a>(
     program: &'a Program,
     known: Vec<f64>,
 ) -> Kernel<'a> {
-    let argument = |(name, shape): &(&'static str, Shape)| GpuArgument {
-        name: (*name).into(),
+    let argument = |(argument, shape): &(Argument, Shape)| GpuArgument {
+        name: argument.name.into(),
         len: shape.len(),
         common: false,
     };

@@ -10,7 +10,7 @@ use super::function::function;
 use super::parameter::Parameter;
 use super::quantity::Quantity;
 use super::shape::Shape;
-use crate::plan::Kernels;
+use crate::plan::{ArgumentKind, Kernels};
 
 impl Robot<'_> {
     /// Prints everything for the batches of a quantity.
@@ -159,12 +159,12 @@ impl Robot<'_> {
     }
 
     /// Returns a row of the table that errors name arguments by.
-    fn argument(&self, Parameter { name, shape, .. }: &Parameter) -> String {
-        let coordinates = match shape {
-            Shape::Array(..) if *name == "q" => "&Self::COORDINATE_NAMES".into(),
+    fn argument(&self, Parameter { name, shape, kind, .. }: &Parameter) -> String {
+        let coordinates = match (kind, shape) {
+            (Some(ArgumentKind::Coordinates), _) => "&Self::COORDINATE_NAMES".into(),
             // They belong to pivot blocks and couplings, which have no names.
-            Shape::Array(_, n) if *name == "factors" => format!("&[\"\"; {n}]"),
-            Shape::Array(..) => "&Self::VELOCITY_NAMES".into(),
+            (Some(ArgumentKind::Factors), _) => format!("&[\"\"; {}]", shape.len()),
+            (_, Shape::Array(..)) => "&Self::VELOCITY_NAMES".into(),
             _ => "&[]".to_string(),
         };
         format!(
@@ -193,7 +193,14 @@ fn result_name(name: &'static str) -> &'static str {
 fn outputs(quantity: &Quantity<'_>) -> Vec<Parameter> {
     match &quantity.shape {
         Shape::Struct { fields, .. } => {
-            fields.iter().map(|(name, field)| Parameter::new(name, field.clone())).collect()
+            let field = |(name, field): &(&'static str, Shape)| {
+                let parameter = Parameter::new(name, field.clone());
+                match quantity.is_factorization {
+                    true => parameter.of_kind(ArgumentKind::Factors),
+                    false => parameter,
+                }
+            };
+            fields.iter().map(field).collect()
         }
         shape => vec![Parameter::new(result_name(name(quantity)), shape.clone())],
     }

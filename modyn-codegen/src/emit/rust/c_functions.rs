@@ -39,7 +39,7 @@ impl Robot<'_> {
         let mut arguments = Vec::new();
         let mut lets = String::new();
         for parameter in &quantity.parameters {
-            if parameter.contacts {
+            if parameter.is_contacts() {
                 let of = self.contacts_type();
                 arguments.push(match parameter.shape.is_empty() {
                     true => of,

@@ -11,7 +11,7 @@ use super::Robot;
 use crate::diagnostics::sanitize_for_display;
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::names;
-use crate::plan::Function;
+use crate::plan::{ARGUMENTS, Argument, ArgumentKind, Function};
 
 /// Returns `name`, with any characters, as code in a doc comment.
 pub(super) fn code(name: &str) -> String {
@@ -97,17 +97,16 @@ fn example(lines: &mut String, robot: &Robot<'_>) {
         return;
     }
     let name = robot.name;
-    let used = |argument: &str| {
-        shown.iter().any(|(f, _)| f.row().arguments.iter().any(|a| a.name == argument))
-    };
+    let used =
+        |argument: &&Argument| shown.iter().any(|(f, _)| f.row().arguments.contains(argument));
     // The robot's crate knows no path to this type, so the example is not run.
     lines.push_str("```ignore\n");
-    for argument in ["q", "qd", "qdd", "tau"].into_iter().filter(|argument| used(argument)) {
-        let value = match argument {
-            "q" => format!("{name}::NEUTRAL"),
+    for argument in ARGUMENTS.iter().filter(used) {
+        let value = match argument.kind {
+            ArgumentKind::Coordinates => format!("{name}::NEUTRAL"),
             _ => format!("[0.0; {name}::NV]"),
         };
-        let _ = writeln!(lines, "let {argument} = {value};");
+        let _ = writeln!(lines, "let {} = {value};", argument.name);
     }
     for (function, result) in shown {
         let mut arguments: Vec<String> =

@@ -2,7 +2,7 @@
 
 use super::parameter::Parameter;
 use super::shape::Shape;
-use crate::plan::{self, CForm, Function, Kernels, Planned};
+use crate::plan::{self, Argument, CForm, Function, Kernels, Planned};
 
 /// A planned function with its Rust types.
 pub(super) struct Quantity<'a> {
@@ -13,6 +13,8 @@ pub(super) struct Quantity<'a> {
     pub batch_of: Option<&'static str>,
     pub parameters: Vec<Parameter>,
     pub shape: Shape,
+    /// Whether the result is the factors of the mass matrix.
+    pub is_factorization: bool,
     /// Whether a source of random numbers stands for the argument.
     pub takes_source: bool,
     /// Whether the function of the trait depends on run-time parameters.
@@ -28,9 +30,8 @@ pub(super) struct Quantity<'a> {
 
 impl<'a> Quantity<'a> {
     pub fn new(planned: &'a Planned, robot: &str) -> Self {
-        let parameter = |(name, shape): &(&'static str, plan::Shape)| {
-            let contacts = matches!(shape, plan::Shape::Record(plan::Record::Contacts, _));
-            Parameter::new(name, Shape::new(shape, robot)).with_contacts(contacts)
+        let parameter = |(argument, shape): &(Argument, plan::Shape)| {
+            Parameter::new(argument.name, Shape::new(shape, robot)).of_kind(argument.kind)
         };
         Self {
             function: planned.function,
@@ -38,6 +39,10 @@ impl<'a> Quantity<'a> {
             batch_of: planned.batch_of,
             parameters: planned.arguments.iter().map(parameter).collect(),
             shape: Shape::new(&planned.result, robot),
+            is_factorization: matches!(
+                planned.result,
+                plan::Shape::Record(plan::Record::Factorization, _)
+            ),
             takes_source: planned.function.is_some_and(Function::is_of_random_numbers),
             dynamic: planned.function.is_some_and(Function::depends_on_parameters),
             runtime: planned.parameters,

@@ -3,7 +3,7 @@
 use super::matrix::CasadiMatrix;
 use super::nonzeros::{matrix_blocks, second_derivatives, weighted, with_outputs};
 use crate::graph::Graph;
-use crate::plan::functions::{Argument, Row};
+use crate::plan::functions::{ArgumentKind, Row};
 use crate::plan::shape::{Record, Shape};
 use crate::plan::tracing::Tracing;
 use crate::trace::{EntryDerivatives, Tracer};
@@ -11,6 +11,8 @@ use crate::trace::{EntryDerivatives, Tracer};
 /// The inputs and results that a function and its derivatives have in common.
 pub(super) struct Family {
     inputs: Vec<CasadiMatrix>,
+    /// The entry of all inputs at which each argument of coordinates begins.
+    coordinates: Vec<usize>,
     results: Vec<ResultMatrix>,
 }
 
@@ -49,11 +51,15 @@ impl Family {
     /// Returns the family of a function of the table, whose results have these names.
     pub fn new(row: &Row, names: &[&'static str], tracing: &Tracing<'_>) -> Self {
         let sizes = &tracing.sizes;
-        let input = |argument: &Argument| {
-            let (rows, columns) = size_of(&(argument.shape)(sizes));
-            CasadiMatrix::dense(argument.name, rows, columns)
-        };
-        let mut inputs: Vec<CasadiMatrix> = row.arguments.iter().map(input).collect();
+        let (mut inputs, mut coordinates, mut entries) = (Vec::new(), Vec::new(), 0);
+        for argument in row.arguments {
+            let (rows, columns) = size_of(&argument.shape(sizes));
+            if argument.kind == ArgumentKind::Coordinates {
+                coordinates.push(entries);
+            }
+            entries += rows * columns;
+            inputs.push(CasadiMatrix::dense(argument.name, rows, columns));
+        }
         let parameters = tracing.parameters(row.depends_on_parameters);
         if parameters > 0 {
             inputs.push(CasadiMatrix::dense("params", parameters, 1));
@@ -68,7 +74,7 @@ impl Family {
             first += rows * columns;
             results.push(ResultMatrix { name, rows, columns, order });
         }
-        Self { inputs, results }
+        Self { inputs, coordinates, results }
     }
 
     /// Returns the function of this graph and its derivatives, with quaternions scaled to length 1.
@@ -79,20 +85,14 @@ impl Family {
         graph: &Graph,
         max_operations: usize,
     ) -> EntryDerivatives {
-        let (mut first, mut coordinates) = (0, Vec::new());
-        for input in &self.inputs {
-            if matches!(&*input.name, "q" | "from" | "to") {
-                coordinates.push(first);
-            }
-            first += input.entries();
-        }
-        let graph = tracer.with_unit_quaternions(graph, &coordinates, first);
-        EntryDerivatives::new(graph, first, max_operations)
+        let entries = self.inputs.iter().map(CasadiMatrix::entries).sum();
+        let graph = tracer.with_unit_quaternions(graph, &self.coordinates, entries);
+        EntryDerivatives::new(graph, entries, max_operations)
     }
 
     /// Returns the function and its first derivatives, and the function of second derivatives unless these were left out.
     pub fn members(&self, derivatives: EntryDerivatives) -> ([Member; 4], Option<Member>) {
-        let Self { inputs, results } = self;
+        let Self { inputs, results, .. } = self;
         let EntryDerivatives { value, jacobian, forward, adjoint, hessian } = derivatives;
         // The results, from arrays by rows or by columns to columns, without zeros.
         let order: Vec<usize> = results.iter().flat_map(|result| result.order.clone()).collect();
