@@ -10,7 +10,7 @@ use super::function::function;
 use super::parameter::Parameter;
 use super::quantity::Quantity;
 use super::shape::Shape;
-use crate::plan::{ArgumentKind, Kernels};
+use crate::plan::{ArgumentKind, Function, Kernels};
 
 impl Robot<'_> {
     /// Prints everything for the batches of a quantity.
@@ -61,8 +61,7 @@ impl Robot<'_> {
     /// the quantity depends on run-time parameters, each has a form with parameters.
     fn batch_functions(&self, text: &mut String, quantity: &Quantity<'_>) {
         let (robot, float) = (self.name, self.options.scalar.name());
-        let name = name(quantity);
-        let result = result_name(name);
+        let (name, result) = (name(quantity), result_name(quantity));
         let outputs = outputs(quantity);
         let all = || quantity.parameters.iter().chain(&outputs);
         let mut table: Vec<String> = all().map(|p| self.argument(p)).collect();
@@ -180,13 +179,8 @@ fn name(quantity: &Quantity<'_>) -> &'static str {
 }
 
 /// Returns the name of the result.
-fn result_name(name: &'static str) -> &'static str {
-    match name {
-        "forward_dynamics" => "qdd",
-        "inverse_dynamics" => "tau",
-        "forward_dynamics_derivatives" | "inverse_dynamics_derivatives" => "derivatives",
-        name => name,
-    }
+fn result_name(quantity: &Quantity<'_>) -> &'static str {
+    quantity.function.map_or(name(quantity), Function::result_name)
 }
 
 /// Returns the parameters for the results: one for each field of a record.
@@ -202,7 +196,7 @@ fn outputs(quantity: &Quantity<'_>) -> Vec<Parameter> {
             };
             fields.iter().map(field).collect()
         }
-        shape => vec![Parameter::new(result_name(name(quantity)), shape.clone())],
+        shape => vec![Parameter::new(result_name(quantity), shape.clone())],
     }
 }
 

@@ -3,8 +3,8 @@
 use super::matrix::CasadiMatrix;
 use super::nonzeros::{matrix_blocks, second_derivatives, weighted, with_outputs};
 use crate::graph::Graph;
-use crate::plan::functions::{ArgumentKind, Row};
-use crate::plan::shape::{Record, Shape};
+use crate::plan::functions::{ArgumentKind, Function};
+use crate::plan::shape::{Record, Shape, Sizes};
 use crate::plan::tracing::Tracing;
 use crate::trace::{EntryDerivatives, Tracer};
 
@@ -28,7 +28,7 @@ pub(super) struct Member {
 
 /// A result, as a matrix.
 struct ResultMatrix {
-    name: &'static str,
+    name: String,
     rows: usize,
     columns: usize,
     /// For each entry by columns, the index among the function's results.
@@ -43,14 +43,14 @@ impl ResultMatrix {
         };
         let nonzeros = self.order.chunks(self.rows).map(column).collect();
         let (rows, columns) = (self.rows, self.columns);
-        CasadiMatrix { name: self.name.into(), rows, columns, nonzeros }
+        CasadiMatrix { name: self.name.clone(), rows, columns, nonzeros }
     }
 }
 
 impl Family {
-    /// Returns the family of a function of the table, whose results have these names.
-    pub fn new(row: &Row, names: &[&'static str], tracing: &Tracing<'_>) -> Self {
-        let sizes = &tracing.sizes;
+    /// Returns the family of a function of the table.
+    pub fn new(function: Function, tracing: &Tracing<'_>) -> Self {
+        let (row, sizes) = (function.row(), &tracing.sizes);
         let (mut inputs, mut coordinates, mut entries) = (Vec::new(), Vec::new(), 0);
         for argument in row.arguments {
             let (rows, columns) = size_of(&argument.shape(sizes));
@@ -64,17 +64,17 @@ impl Family {
         if parameters > 0 {
             inputs.push(CasadiMatrix::dense("params", parameters, 1));
         }
-        let (mut results, mut first) = (Vec::new(), 0);
-        for (shape, name) in fields(&(row.result)(sizes)).iter().zip(names) {
-            let (rows, columns) = size_of(shape);
+        let (mut matrices, mut first) = (Vec::new(), 0);
+        for (name, shape) in results(function, sizes) {
+            let (rows, columns) = size_of(&shape);
             // A rotation is stored by rows.
-            let by_rows = *shape == Shape::matrix(3, 3) && *name == "rotation";
+            let by_rows = shape == Shape::matrix(3, 3) && name == "rotation";
             let entry = |k: usize| if by_rows { k % 3 * 3 + k / 3 } else { k };
             let order = (0..rows * columns).map(|k| first + entry(k)).collect();
             first += rows * columns;
-            results.push(ResultMatrix { name, rows, columns, order });
+            matrices.push(ResultMatrix { name, rows, columns, order });
         }
-        Self { inputs, coordinates, results }
+        Self { inputs, coordinates, results: matrices }
     }
 
     /// Returns the function of this graph and its derivatives, with quaternions scaled to length 1.
@@ -149,13 +149,19 @@ fn empty(prefix: &str, matrices: &[CasadiMatrix]) -> Vec<CasadiMatrix> {
     matrices.iter().map(|matrix| matrix.empty(format!("{prefix}{}", matrix.name))).collect()
 }
 
-/// Returns the matrices that a result consists of.
-pub(super) fn fields(shape: &Shape) -> Vec<Shape> {
-    match shape {
+/// Returns the matrices that a function's result consists of, with their names. `CasADi` refuses a result with the name of
+/// an input: the fields of a state are those of the next state.
+pub(super) fn results(function: Function, sizes: &Sizes) -> Vec<(String, Shape)> {
+    let row = function.row();
+    match (row.result)(sizes) {
         Shape::Record(Record::Several(_) | Record::Each(_) | Record::Spatial("Pose"), fields) => {
-            fields.iter().map(|(_, field)| field.clone()).collect()
+            let name = |name: &str| match row.arguments.iter().any(|own| own.name == name) {
+                true => format!("{name}_next"),
+                false => name.to_string(),
+            };
+            fields.into_iter().map(|(field, shape)| (name(field), shape)).collect()
         }
-        _ => vec![shape.clone()],
+        shape => vec![(function.result_name().into(), shape)],
     }
 }
 

@@ -60,12 +60,12 @@ impl CasadiPlan {
         let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
         let links = names::fields(&links, &[]);
         let mut plan = Self { functions: Vec::new(), without_hessian: Vec::new() };
-        for (function, results) in FUNCTIONS {
+        for function in FUNCTIONS {
             if !choices.functions.contains(function) {
                 continue;
             }
             let row = function.row();
-            let own = Family::new(&row, results, &tracing);
+            let own = Family::new(*function, &tracing);
             let name = format!("{prefix}_{}", function.name());
             match row.trace {
                 Trace::ByLink(trace) => {
