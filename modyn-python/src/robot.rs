@@ -132,19 +132,9 @@ impl Robot {
 
     /// Returns the default settings of constraints as numbers in the order of `ConstraintSettings`.
     fn settings(&self) -> Vec<f64> {
-        let ConstraintSettings { alpha, beta, tolerance, rounding, contacts: [] } =
-            ConstraintSettings::<f64>::DEFAULT;
-        let target = ContactTarget::<f64>::GROUND;
-        let contact = [
-            target.pose.rotation.as_flattened(),
-            &target.pose.translation,
-            &target.velocity.angular.0,
-            &target.velocity.linear.0,
-            &[target.tangential, target.alpha, target.beta],
-            &[target.compliance, target.restitution, target.weight],
-        ];
-        let contacts = contact.concat().repeat(self.model.contacts().len());
-        [vec![alpha, beta, tolerance, rounding], contacts].concat()
+        let settings = ConstraintSettings::<f64>::DEFAULT.numbers().to_vec();
+        let contacts = ContactTarget::<f64>::GROUND.numbers().repeat(self.model.contacts().len());
+        [settings, contacts].concat()
     }
 
     /// Returns the index of a link, given by its name or index.
