@@ -41,11 +41,7 @@ impl ScalarGraphs {
         if let Some(graph) = self.kept.get(&one) {
             return graph.clone();
         }
-        let graph = packing::balanced(match one {
-            // The search for the partition has already optimized this graph.
-            Function::ForwardDynamics => tracing.forward_dynamics.graph.clone(),
-            _ => optimize(trace(&tracing.tracer, tracing)),
-        });
+        let graph = packing::balanced(tracing.optimized(one, trace));
         if self.batched.contains(&one) {
             self.kept.insert(one, graph.clone());
         }

@@ -77,19 +77,17 @@ impl CasadiPlan {
                     }
                 }
                 Trace::One(trace) => {
+                    let graph = || tracing.optimized(*function, trace);
                     let derivatives = match function {
                         Function::ForwardDynamics => tracer.forward_dynamics_by_entries(
-                            &tracing.forward_dynamics.graph,
+                            &graph(),
                             &tracing.for_derivatives,
                             MAX_OPERATIONS,
                         ),
                         Function::InverseDynamics => {
                             tracer.inverse_dynamics_by_entries(MAX_OPERATIONS)
                         }
-                        _ => {
-                            let graph = optimize(trace(tracer, &tracing));
-                            own.differentiated(tracer, &graph, MAX_OPERATIONS)
-                        }
+                        _ => own.differentiated(tracer, &graph(), MAX_OPERATIONS),
                     };
                     plan.add(&name, row.docs, &own, derivatives);
                 }
