@@ -10,7 +10,7 @@ use super::function::function;
 use super::parameter::Parameter;
 use super::quantity::Quantity;
 use super::shape::Shape;
-use crate::plan::{ArgumentKind, Function, Kernels};
+use crate::plan::{self, ArgumentKind, Function, Kernels, Record};
 
 impl Robot<'_> {
     /// Prints everything for the batches of a quantity.
@@ -189,9 +189,11 @@ fn outputs(quantity: &Quantity<'_>) -> Vec<Parameter> {
         Shape::Struct { fields, .. } => {
             let field = |(name, field): &(&'static str, Shape)| {
                 let parameter = Parameter::new(name, field.clone());
-                match quantity.is_factorization {
-                    true => parameter.of_kind(ArgumentKind::Factors),
-                    false => parameter,
+                match quantity.result {
+                    plan::Shape::Record(Record::Factorization, _) => {
+                        parameter.of_kind(ArgumentKind::Factors)
+                    }
+                    _ => parameter,
                 }
             };
             fields.iter().map(field).collect()

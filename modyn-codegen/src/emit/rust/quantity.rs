@@ -12,9 +12,10 @@ pub(super) struct Quantity<'a> {
     /// The name of the function or bundle of one state, if this is its form for many states.
     pub batch_of: Option<&'static str>,
     pub parameters: Vec<Parameter>,
+    /// The layout of the result.
+    pub result: &'a plan::Shape,
+    /// The result as a Rust type.
     pub shape: Shape,
-    /// Whether the result is the factors of the mass matrix.
-    pub is_factorization: bool,
     /// Whether a source of random numbers stands for the argument.
     pub takes_source: bool,
     /// Whether the function of the trait depends on run-time parameters.
@@ -39,10 +40,7 @@ impl<'a> Quantity<'a> {
             batch_of: planned.batch_of,
             parameters: planned.arguments.iter().map(parameter).collect(),
             shape: Shape::new(&planned.result, robot),
-            is_factorization: matches!(
-                planned.result,
-                plan::Shape::Record(plan::Record::Factorization, _)
-            ),
+            result: &planned.result,
             takes_source: planned.function.is_some_and(Function::is_of_random_numbers),
             dynamic: planned.function.is_some_and(Function::depends_on_parameters),
             runtime: planned.parameters,
