@@ -12,11 +12,12 @@ use std::fmt::Write as _;
 
 use modyn_runtime::model::Model;
 
+use super::support::Support;
 use super::{FloatType, coordinates_in_c};
 use crate::names;
 use crate::plan::{Argument, Frames, Function, Kernels, LinkCode, Plan, Shape};
 use crate::program::Program;
-pub(super) use support::{Support, text as support};
+pub(super) use support::text as support;
 
 /// The generated source file and header.
 #[derive(Clone, Debug, PartialEq, Eq)]

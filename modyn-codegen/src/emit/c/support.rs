@@ -7,23 +7,11 @@ use modyn_runtime::{FRAC_1_PI_BITS, PI_BITS, SIN_COS_F32, SIN_COS_F64, SinCosNum
 
 use super::FloatType;
 use super::literal;
-
-/// A support function, in the order in which C must define them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(in crate::emit) enum Support {
-    Bits,
-    FromBits,
-    SinCos,
-    Atan2,
-    Logarithm,
-    Maximum,
-}
+use crate::emit::support::Support;
 
 impl Support {
-    fn text(self) -> &'static str {
+    fn c(self) -> &'static str {
         match self {
-            Self::Bits => include_str!("bits.c"),
-            Self::FromBits => include_str!("from_bits.c"),
             Self::SinCos => include_str!("sin_cos.c"),
             Self::Atan2 => include_str!("atan2.c"),
             Self::Logarithm => include_str!("ln.c"),
@@ -31,31 +19,32 @@ impl Support {
         }
     }
 
-    fn dependencies(self) -> &'static [Self] {
-        match self {
-            Self::SinCos | Self::Logarithm => &[Self::Bits, Self::FromBits],
-            Self::Atan2 => &[Self::Bits],
-            Self::Bits | Self::FromBits | Self::Maximum => &[],
-        }
+    /// Returns whether the function reads the bits of numbers.
+    fn reads_bits(self) -> bool {
+        self != Self::Maximum
+    }
+
+    /// Returns whether the function makes numbers from bits.
+    fn writes_bits(self) -> bool {
+        matches!(self, Self::SinCos | Self::Logarithm)
     }
 }
 
 /// Returns the text of these functions and of those that they call. In the templates, words in capitals depend on the
 /// precision, and `R(..)` is a literal.
 pub(in crate::emit) fn text(used: &BTreeSet<Support>, float: FloatType) -> String {
-    let needed = used.iter().flat_map(|support| support.dependencies());
-    let all: BTreeSet<Support> = needed.chain(used).copied().collect();
-    if all.is_empty() {
-        return String::new();
+    let mut text = String::new();
+    if used.iter().any(|support| support.reads_bits()) {
+        text += "/* Numbers are as long as their bits. */\n\
+                 typedef char modyn_size_of_numbers[(sizeof(REAL) == sizeof(BITS)) ? 1 : -1];\n\n";
+        text += include_str!("bits.c");
     }
+    if used.iter().any(|support| support.writes_bits()) {
+        text += include_str!("from_bits.c");
+    }
+    text.extend(used.iter().map(|support| support.c()));
     let words = substitutions(float);
-    let text: String = all.iter().map(|support| support.text()).collect();
-    let bits = all.contains(&Support::Bits).then_some(
-        "/* Numbers are as long as their bits. */\n\
-         typedef char modyn_size_of_numbers[(sizeof(REAL) == sizeof(BITS)) ? 1 : -1];\n\n",
-    );
-    let text =
-        substitute(&[bits.unwrap_or_default(), &text].concat(), |word| words.get(word).cloned());
+    let text = substitute(&text, |word| words.get(word).cloned());
     literals(&text, float)
 }
 

@@ -15,6 +15,7 @@ use std::collections::BTreeSet;
 use modyn_runtime::model::Model;
 
 use super::FloatType;
+use super::support::Support;
 use crate::names;
 use crate::plan::{Argument, Frames, Kernels, LinkCode, Plan, Planned, Shape};
 use crate::program::Program;
@@ -73,15 +74,6 @@ pub struct GpuArgument {
     pub len: usize,
     /// Whether all states share the numbers, as they share run-time parameters: these are stored once.
     pub common: bool,
-}
-
-/// A function that is not an operator. The order is that of the definitions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Support {
-    SinCos,
-    Atan2,
-    Logarithm,
-    Maximum,
 }
 
 /// The program of a kernel with its arguments, some of which may be constants.

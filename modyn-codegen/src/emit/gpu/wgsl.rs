@@ -10,9 +10,10 @@ use std::fmt::Write as _;
 
 use modyn_runtime::{ELEMENTARY_F32, FRAC_1_PI_BITS, PI_BITS, SIN_COS_F32};
 
-use super::{Dialect, GpuArgument, GpuKernel, Support};
+use super::{Dialect, GpuArgument, GpuKernel};
 use crate::emit::FloatType;
 use crate::emit::c;
+use crate::emit::support::Support;
 
 /// The threads of a workgroup.
 const WORKGROUP: usize = 64;
