@@ -149,7 +149,7 @@ fn documentation(row: &Row) -> Vec<String> {
     let mut lines = wrap(&docs(row), 100);
     lines.push(String::new());
     let mut arguments: Vec<String> = (row.arguments.iter())
-        .map(|own| format!("`{}`: {}", python(own.name), argument(own.name, &(own.shape)(&SIZES))))
+        .map(|own| format!("`{}`: {}", python(own.name), argument(own.name, &own.shape(&SIZES))))
         .collect();
     if row.is_by_link() {
         arguments.push("`link`: the name of a link, or its index in `link_names`".into());

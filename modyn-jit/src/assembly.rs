@@ -87,10 +87,12 @@ impl<S: Real> Assembly<S> {
                 links: by_link(&plan.frames),
             },
         };
+        let arguments = planned.arguments.iter();
+        let arguments = arguments.map(|(argument, shape)| (argument.name, shape.clone()));
         CompiledFunction {
             function: planned.function,
             name: planned.name,
-            arguments: planned.arguments.clone(),
+            arguments: arguments.collect(),
             has_parameters: planned.parameters > 0,
             result: planned.result.clone(),
             kernels,

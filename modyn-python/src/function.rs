@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{PoisonError, RwLock};
 
-use modyn_codegen::plan::Planned;
+use modyn_codegen::plan::{Argument, Planned};
 use modyn_codegen::{Function, Planning};
 use modyn_jit::{Call, Compiled, Options, ParameterError};
 use modyn_runtime::model::Model;
@@ -30,8 +30,8 @@ pub static THREADS: AtomicUsize = AtomicUsize::new(0);
 pub struct RobotFunction {
     /// The name.
     pub name: &'static str,
-    /// The arguments: their names and the lengths of their axes.
-    pub arguments: Vec<(&'static str, Vec<usize>)>,
+    /// The arguments, with the lengths of their axes.
+    pub arguments: Vec<(Argument, Vec<usize>)>,
     /// The function; `None` for a bundle.
     function: Option<Function>,
     result: Layout,
@@ -56,7 +56,7 @@ impl RobotFunction {
         let (name, function) = (planned.name, planned.function);
         let arguments = planned.arguments.iter();
         let arguments =
-            arguments.map(|(name, shape)| (*name, layout::of_argument(shape))).collect();
+            arguments.map(|(argument, shape)| (*argument, layout::of_argument(shape))).collect();
         let length = planned.result.len();
         let result = match function {
             Some(function) => layout::of_function(function, &planning.plan.sizes),
@@ -121,7 +121,7 @@ impl RobotFunction {
             if count != expected {
                 return Err(PyValueError::new_err(format!(
                     "`{}` of `{}` has {count} states, and `{}` has {expected}",
-                    self.arguments[i].0, self.name, self.arguments[first].0
+                    self.arguments[i].0.name, self.name, self.arguments[first].0.name
                 )));
             }
         }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use modyn_codegen::diagnostics::suggest;
+use modyn_codegen::plan::{Argument, ArgumentKind};
 use modyn_codegen::{Builder, Bundle, Function};
 use modyn_runtime::model::{Link, Model, ModuleTree};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Inertial, Interpreter};
@@ -107,7 +108,7 @@ impl Robot {
             .arguments
             .iter()
             .zip(arguments)
-            .map(|((name, shape), argument)| self.given(function.name, name, shape, *argument));
+            .map(|((own, shape), argument)| self.given(function.name, *own, shape, *argument));
         let given = given.collect::<PyResult<Vec<_>>>()?;
         function.call(py, link, &given, out)
     }
@@ -115,33 +116,25 @@ impl Robot {
     fn given<'py>(
         &self,
         function: &str,
-        name: &str,
+        Argument { name, kind }: Argument,
         shape: &[usize],
-        argument: Option<&Bound<'py, PyAny>>,
+        given: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Given<'py>> {
-        match argument {
-            Some(argument) if !argument.is_none() => Given::read(function, name, shape, argument),
-            _ if name == "contacts" => Ok(Given::owned(vec![1.0; self.model.contacts().len()])),
-            _ if name == "settings" => Ok(Given::owned(self.settings())),
+        if let Some(given) = given.filter(|given| !given.is_none()) {
+            return Given::read(function, name, shape, given);
+        }
+        match kind {
+            ArgumentKind::Contacts => Ok(Given::owned(vec![1.0; self.model.contacts().len()])),
+            ArgumentKind::Settings => Ok(Given::owned(self.settings())),
             _ => Err(PyTypeError::new_err(format!("`{function}` needs the argument `{name}`"))),
         }
     }
 
     /// Returns the default settings of constraints as numbers in the order of `ConstraintSettings`.
     fn settings(&self) -> Vec<f64> {
-        let ConstraintSettings { alpha, beta, tolerance, rounding, contacts: [] } =
-            ConstraintSettings::<f64>::DEFAULT;
-        let target = ContactTarget::<f64>::GROUND;
-        let contact = [
-            target.pose.rotation.as_flattened(),
-            &target.pose.translation,
-            &target.velocity.angular.0,
-            &target.velocity.linear.0,
-            &[target.tangential, target.alpha, target.beta],
-            &[target.compliance, target.restitution, target.weight],
-        ];
-        let contacts = contact.concat().repeat(self.model.contacts().len());
-        [vec![alpha, beta, tolerance, rounding], contacts].concat()
+        let settings = ConstraintSettings::<f64>::DEFAULT.numbers().to_vec();
+        let contacts = ContactTarget::<f64>::GROUND.numbers().repeat(self.model.contacts().len());
+        [settings, contacts].concat()
     }
 
     /// Returns the index of a link, given by its name or index.
@@ -465,19 +458,19 @@ impl Robot {
         let mut given = Vec::with_capacity(count);
         let mut used = 0;
         for (i, (own, shape)) in function.arguments.iter().enumerate() {
-            let by_name = named.map(|named| named.get_item(own)).transpose()?.flatten();
+            let by_name = named.map(|named| named.get_item(own.name)).transpose()?.flatten();
             used += usize::from(by_name.is_some());
             let argument = match (arguments.get_item(i).ok(), by_name) {
                 (Some(_), Some(_)) => {
-                    let message = format!("`{name}` has the argument `{own}` twice");
+                    let message = format!("`{name}` has the argument `{}` twice", own.name);
                     return Err(PyTypeError::new_err(message));
                 }
                 (by_place, by_name) => by_place.or(by_name),
             };
-            given.push(self.given(function.name, own, shape, argument.as_ref())?);
+            given.push(self.given(function.name, *own, shape, argument.as_ref())?);
         }
         if let Some(named) = named.filter(|named| named.len() > used) {
-            let names: Vec<&str> = function.arguments.iter().map(|(name, _)| *name).collect();
+            let names: Vec<&str> = function.arguments.iter().map(|(own, _)| own.name).collect();
             let message = format!("`{name}` takes {}, not {}", names.join(", "), named.keys());
             return Err(PyTypeError::new_err(message));
         }

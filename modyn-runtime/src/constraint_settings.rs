@@ -66,6 +66,68 @@ pub struct ContactTarget<T> {
     pub weight: T,
 }
 
+impl<T: Copy, C> ConstraintSettings<T, C> {
+    /// The number of settings before the targets of contacts.
+    pub const COUNT: usize = 4;
+
+    /// Returns the settings from alpha, beta, tolerance and rounding.
+    #[must_use]
+    pub fn from_numbers([alpha, beta, tolerance, rounding]: [T; 4], contacts: C) -> Self {
+        Self { alpha, beta, tolerance, rounding, contacts }
+    }
+
+    /// Returns alpha, beta, tolerance and rounding. In an array of all settings, the numbers of the targets follow them.
+    #[must_use]
+    pub fn numbers(&self) -> [T; 4] {
+        [self.alpha, self.beta, self.tolerance, self.rounding]
+    }
+}
+
+impl<T: Copy> ContactTarget<T> {
+    /// The number of numbers of a target.
+    pub const COUNT: usize = 24;
+
+    /// Returns the target from its numbers: the rotation by rows, the translation, the velocity (angular, then linear),
+    /// tangential, alpha, beta, compliance, restitution and weight.
+    ///
+    /// ```
+    /// use modyn_runtime::ContactTarget;
+    ///
+    /// let target = ContactTarget::from_numbers(core::array::from_fn(|k| k as f64));
+    /// assert_eq!(target.pose.rotation[1], [3.0, 4.0, 5.0]);
+    /// assert_eq!((target.velocity.linear.0, target.weight), ([15.0, 16.0, 17.0], 23.0));
+    /// ```
+    #[must_use]
+    pub fn from_numbers(numbers: [T; 24]) -> Self {
+        let three = |from: usize| [numbers[from], numbers[from + 1], numbers[from + 2]];
+        Self {
+            pose: Pose { rotation: [three(0), three(3), three(6)], translation: three(9) },
+            velocity: Twist { angular: Vector3(three(12)), linear: Vector3(three(15)) },
+            tangential: numbers[18],
+            alpha: numbers[19],
+            beta: numbers[20],
+            compliance: numbers[21],
+            restitution: numbers[22],
+            weight: numbers[23],
+        }
+    }
+
+    /// Returns the numbers of the target, in the order of [`from_numbers`](Self::from_numbers).
+    #[must_use]
+    pub fn numbers(&self) -> [T; 24] {
+        let Self { pose, velocity, tangential, alpha, beta, compliance, restitution, weight } =
+            self;
+        let pose = pose.rotation.iter().flatten().chain(&pose.translation);
+        let velocity = velocity.angular.0.iter().chain(&velocity.linear.0);
+        let others = [tangential, alpha, beta, compliance, restitution, weight];
+        let mut numbers = [*weight; 24];
+        for (number, value) in numbers.iter_mut().zip(pose.chain(velocity).chain(others)) {
+            *number = *value;
+        }
+        numbers
+    }
+}
+
 macro_rules! settings {
     ($float:ty, $tolerance:literal, $rounding:literal, $in_words:literal) => {
         impl ContactTarget<$float> {

@@ -84,5 +84,7 @@ pub use results::{
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]
 pub use scalar::LaneScalar;
+#[doc(hidden)]
+pub use scalar::{FRAC_1_PI_BITS, PI_BITS};
 pub use scalar::{Portable, SIN_COS_F32, SIN_COS_F64, Scalar, SinCosNumbers};
 pub use spatial::{Momentum, Pose, Twist, Vector3, Wrench};

@@ -4,6 +4,7 @@ mod c;
 mod casadi;
 mod gpu;
 mod rust;
+mod support;
 
 pub use c::CSource;
 pub use casadi::CasadiSource;

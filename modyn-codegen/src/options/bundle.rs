@@ -60,9 +60,6 @@ const RESERVED: &[&str] = &[
 const FORMS: &[&str] =
     &["batch", "each", "lanes", "of", "on", "placed", "scalar", "vectorized", "with"];
 
-/// The arguments that functions of many states do not have.
-const OF_ONE_STATE: &[&str] = &["forces", "contacts", "settings"];
-
 impl Bundle {
     /// Returns a bundle without functions. The name, in snake case, is that of the generated function; that of the
     /// result's type follows from it.
@@ -246,7 +243,7 @@ impl Member {
                 "`brge` has no form for many states in a bundle, since its factors are private";
             return found(message.into(), "take the function `brge_batch`, or leave out `batch`");
         }
-        let other = row.arguments.iter().find(|argument| OF_ONE_STATE.contains(&argument.name));
+        let other = row.arguments.iter().find(|argument| argument.kind.is_of_one_state());
         let argument = other.filter(|_| batch)?.name;
         let message =
             format!("`{name}` has no form for many states, since it has the argument `{argument}`");

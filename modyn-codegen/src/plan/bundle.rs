@@ -98,7 +98,7 @@ impl<'a> Graphs<'a> {
     pub(super) fn new(bundle: &'a Bundle, tracing: &Tracing<'_>, parameters: usize) -> Self {
         let (mut inputs, mut arguments) = (BTreeMap::new(), 0);
         for argument in bundle.arguments() {
-            let length = (argument.shape)(&tracing.sizes).len();
+            let length = argument.shape(&tracing.sizes).len();
             inputs.insert(argument.name, (arguments, length));
             arguments += length;
         }

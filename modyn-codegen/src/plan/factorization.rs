@@ -2,6 +2,8 @@
 
 use modyn_runtime::equations::brge::UduLayout;
 
+use super::functions::{Argument, FACTORS, RHS};
+use super::programs::shapes_of;
 use super::shape::{Shape, Sizes};
 use crate::graph::Graph;
 use crate::passes::optimize;
@@ -15,7 +17,7 @@ pub struct FactorFunction {
     /// The documentation.
     pub docs: &'static str,
     /// The arguments: the factors, and the right-hand side of `solve`.
-    pub arguments: Vec<(&'static str, Shape)>,
+    pub arguments: Vec<(Argument, Shape)>,
     /// The layout of the result.
     pub result: Shape,
     /// The program.
@@ -25,15 +27,13 @@ pub struct FactorFunction {
 /// Returns all functions of the factors.
 pub(super) fn plan(tracer: &Tracer<'_>, layout: &UduLayout, sizes: &Sizes) -> Vec<FactorFunction> {
     let square = || Shape::matrix(sizes.nv, sizes.nv);
-    let factors = || ("factors", Shape::vector(layout.size()));
-    let rhs = ("rhs", Shape::vector(sizes.nv));
-    let function = |name, docs, arguments: Vec<(&'static str, Shape)>, result, graph: Graph| {
+    let function = |name, docs, arguments: &[Argument], result, graph: Graph| {
+        let arguments = shapes_of(arguments, sizes);
         let scalars = arguments.iter().map(|(_, shape)| shape.len()).sum();
         let program = Program::new(&optimize(graph), scalars, Target::Scalar);
         FactorFunction { name, docs, arguments, result, program }
     };
-    let of_factors =
-        |name, docs, result, graph| function(name, docs, vec![factors()], result, graph);
+    let of_factors = |name, docs, result, graph| function(name, docs, &[FACTORS], result, graph);
     vec![
         of_factors(
             "u",
@@ -74,7 +74,7 @@ pub(super) fn plan(tracer: &Tracer<'_>, layout: &UduLayout, sizes: &Sizes) -> Ve
         function(
             "solve",
             "Returns the solution x of M x = `rhs`, with the mass matrix M, by the three steps of equation 60 of the paper.",
-            vec![factors(), rhs],
+            &[FACTORS, RHS],
             Shape::vector(sizes.nv),
             tracer.solve(layout),
         ),

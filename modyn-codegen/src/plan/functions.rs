@@ -15,8 +15,9 @@ use arguments::{
     TO, UNIFORMS, V,
 };
 
-pub(super) use arguments::ARGUMENTS;
-pub use arguments::Argument;
+pub(crate) use arguments::ARGUMENTS;
+pub use arguments::{Argument, ArgumentKind};
+pub(super) use arguments::{FACTORS, RHS};
 pub use row::{CForm, Packing, Row, Trace};
 
 macro_rules! functions {
@@ -70,6 +71,7 @@ functions! {
         |t, s| t.forward_dynamics(&s.elimination),
         |m| 14_000.0 * m.carried + 600.0 * m.links,
     )
+        .result_named("qdd")
         .by_default()
         .packed(Packing::ByModules)
         .hot();
@@ -82,6 +84,7 @@ functions! {
         |t, _| t.inverse_dynamics(),
         |m| 8000.0 * m.carried + 600.0 * m.links,
     )
+        .result_named("tau")
         .by_default()
         .packed(Packing::Limbs)
         .hot();
@@ -164,7 +167,8 @@ functions! {
          at the link's origin in the link's own axes.",
         |_, s| s.all_links.forward_dynamics_external(&s.elimination, Axes::Link),
         |m| 14_000.0 * m.carried + 1500.0 * m.frames,
-    );
+    )
+        .result_named("qdd");
     /// Forward dynamics with external wrenches in world axes.
     ForwardDynamicsExternalWorld "forward_dynamics_external_world" = Row::one(
         &[Q, QD, TAU, FORCES],
@@ -173,7 +177,8 @@ functions! {
          at the link's origin in world axes.",
         |_, s| s.all_links.forward_dynamics_external(&s.elimination, Axes::World),
         |m| 14_000.0 * m.carried + 1500.0 * m.frames,
-    );
+    )
+        .result_named("qdd");
     /// Inverse dynamics with external wrenches in the links' axes.
     InverseDynamicsExternal "inverse_dynamics_external" = Row::one(
         &[Q, QD, QDD, FORCES],
@@ -182,7 +187,8 @@ functions! {
          link's origin in the link's own axes.",
         |_, s| s.all_links.inverse_dynamics_external(Axes::Link),
         |m| 6000.0 * m.carried + 1500.0 * m.frames,
-    );
+    )
+        .result_named("tau");
     /// Inverse dynamics with external wrenches in world axes.
     InverseDynamicsExternalWorld "inverse_dynamics_external_world" = Row::one(
         &[Q, QD, QDD, FORCES],
@@ -191,7 +197,8 @@ functions! {
          link's origin in world axes.",
         |_, s| s.all_links.inverse_dynamics_external(Axes::World),
         |m| 6000.0 * m.carried + 1500.0 * m.frames,
-    );
+    )
+        .result_named("tau");
     /// Generalized forces of external wrenches in the links' axes.
     GeneralizedForces "generalized_forces" = Row::one(
         &[Q, FORCES],
@@ -223,6 +230,7 @@ functions! {
         |t, _| t.inverse_dynamics_derivatives(),
         |m| 5000.0 * (m.depths + m.carried) + 100.0 * m.entries,
     )
+        .result_named("derivatives")
         .packed(Packing::Derivatives)
         .hot();
     /// Derivatives of forward dynamics.
@@ -234,6 +242,7 @@ functions! {
         |t, s| t.forward_dynamics_derivatives(&s.for_derivatives),
         |m| 5000.0 * m.depths + 600.0 * m.squares + 100.0 * m.entries,
     )
+        .result_named("derivatives")
         .packed(Packing::Derivatives)
         .hot();
     /// Products of a vector and the derivatives of inverse dynamics.
@@ -523,6 +532,7 @@ functions! {
         |t, _| t.center_of_mass(),
         |m| 600.0 * m.links,
     )
+        .result_named("position")
         .by_default();
     /// The Jacobian of the centre of mass.
     CenterOfMassJacobian "center_of_mass_jacobian" = Row::one(
@@ -532,7 +542,8 @@ functions! {
          of the centre of mass in world axes.",
         |t, _| t.center_of_mass_jacobian(),
         |m| 1200.0 * m.links,
-    );
+    )
+        .result_named("jacobian");
     /// The centroidal momentum matrix.
     CentroidalMomentumMatrix "centroidal_momentum_matrix" = Row::one(
         &[Q],
@@ -541,7 +552,8 @@ functions! {
          the centre of mass, in world axes.",
         |t, _| t.centroidal_momentum_matrix(),
         |m| 4000.0 * m.links,
-    );
+    )
+        .result_named("momentum_matrix");
     /// The momentum about the centre of mass.
     CentroidalMomentum "centroidal_momentum" = Row::one(
         &[Q, QD],
@@ -549,7 +561,8 @@ functions! {
         "Returns the momentum of the moving links about their centre of mass, in world axes.",
         |t, _| t.centroidal_momentum(),
         |m| 3200.0 * m.links,
-    );
+    )
+        .result_named("momentum");
     /// Poses of all links.
     LinkPoses "link_poses" = Row::new(
         &[Q],
@@ -569,6 +582,7 @@ functions! {
         |t| t.link_pose(0),
         |m| m.of_links(1400.0, 600.0),
     )
+        .result_named("pose")
         .in_bundles(|t| t.link_pose_from_world(0))
         .by_default()
         .without_parameters();
@@ -581,6 +595,7 @@ functions! {
         |t| t.link_velocity(0, Axes::World),
         |m| m.of_links(1300.0, 300.0),
     )
+        .result_named("velocity")
         .without_parameters();
     /// The velocity of a link, in its own axes.
     LocalLinkVelocity "local_link_velocity" = Row::by_link(
@@ -591,6 +606,7 @@ functions! {
         |t| t.link_velocity(0, Axes::Link),
         |m| m.of_links(1300.0, 300.0),
     )
+        .result_named("velocity")
         .without_parameters();
     /// The acceleration of a link, in world axes.
     LinkAcceleration "link_acceleration" = Row::by_link(
@@ -601,6 +617,7 @@ functions! {
         |t| t.link_acceleration(0, Axes::World),
         |m| m.of_links(2100.0, 300.0),
     )
+        .result_named("acceleration")
         .in_bundles(|t| t.link_acceleration_from_world(0))
         .without_parameters();
     /// The acceleration of a link, in its own axes.
@@ -612,6 +629,7 @@ functions! {
         |t| t.link_acceleration(0, Axes::Link),
         |m| m.of_links(2100.0, 300.0),
     )
+        .result_named("acceleration")
         .without_parameters();
     /// The Jacobian of a link, in world axes.
     Jacobian "jacobian" = Row::by_link(
@@ -633,6 +651,7 @@ functions! {
         |t| t.jacobian(0, Axes::Link),
         |m| m.of_links(1600.0, 150.0 * m.nv),
     )
+        .result_named("jacobian")
         .without_parameters();
     /// The time derivative of the Jacobian of a link, in world axes.
     JacobianTimeDerivative "jacobian_time_derivative" = Row::by_link(
@@ -663,6 +682,7 @@ functions! {
         |t| t.bias_acceleration(0, Axes::World),
         |m| m.of_links(1900.0, 300.0),
     )
+        .result_named("acceleration")
         .in_bundles(|t| t.bias_acceleration_from_world(0))
         .without_parameters();
     /// The bias acceleration of a link, in its own axes.
@@ -674,6 +694,7 @@ functions! {
         |t| t.bias_acceleration(0, Axes::Link),
         |m| m.of_links(1900.0, 300.0),
     )
+        .result_named("acceleration")
         .without_parameters();
     /// Coordinates after a displacement.
     Integrate "integrate" = Row::one(
@@ -683,6 +704,7 @@ functions! {
         |t, _| t.integrate(),
         |m| 100.0 * m.links,
     )
+        .result_named("q_next")
         .by_default()
         .without_parameters();
     /// The displacement between coordinates.
@@ -694,6 +716,7 @@ functions! {
         |t, _| t.difference(),
         |m| 100.0 * m.links,
     )
+        .result_named("displacement")
         .by_default()
         .without_parameters();
     /// Derivatives of coordinates after a displacement.
@@ -724,6 +747,7 @@ functions! {
         |t, _| t.velocity_to_qdot(),
         |m| 100.0 * m.links,
     )
+        .result_named("qdot")
         .by_default()
         .without_parameters();
     /// Coordinates with quaternions of length 1.
@@ -734,6 +758,7 @@ functions! {
         |t, _| t.normalize(),
         |m| 100.0 * m.links,
     )
+        .result_named("unit_q")
         .by_default()
         .without_parameters();
     /// Random coordinates within the limits.

@@ -2,7 +2,7 @@
 
 use modyn_runtime::OperationCount;
 
-use super::functions::{CForm, Function};
+use super::functions::{Argument, CForm, Function};
 use super::shape::Shape;
 use crate::program::Program;
 
@@ -20,8 +20,8 @@ pub struct Planned {
     pub fields: Vec<&'static str>,
     /// The forms that C can call.
     pub c_form: CForm,
-    /// The arguments, with their names.
-    pub arguments: Vec<(&'static str, Shape)>,
+    /// The arguments, with their layouts.
+    pub arguments: Vec<(Argument, Shape)>,
     /// The number of run-time parameters, which are the last argument; zero if the function does not depend on them.
     pub parameters: usize,
     /// The layout of the result.

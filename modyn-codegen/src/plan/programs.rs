@@ -41,11 +41,7 @@ impl ScalarGraphs {
         if let Some(graph) = self.kept.get(&one) {
             return graph.clone();
         }
-        let graph = packing::balanced(match one {
-            // The search for the partition has already optimized this graph.
-            Function::ForwardDynamics => tracing.forward_dynamics.graph.clone(),
-            _ => optimize(trace(&tracing.tracer, tracing)),
-        });
+        let graph = packing::balanced(tracing.optimized(one, trace));
         if self.batched.contains(&one) {
             self.kept.insert(one, graph.clone());
         }
@@ -174,12 +170,12 @@ impl Strategy {
     }
 }
 
-/// Returns the layouts of arguments, by name.
-fn shapes_of(arguments: &[Argument], sizes: &Sizes) -> Vec<(&'static str, Shape)> {
-    arguments.iter().map(|argument| (argument.name, (argument.shape)(sizes))).collect()
+/// Returns arguments with their layouts.
+pub(super) fn shapes_of(arguments: &[Argument], sizes: &Sizes) -> Vec<(Argument, Shape)> {
+    arguments.iter().map(|argument| (*argument, argument.shape(sizes))).collect()
 }
 
 /// Returns the number of scalars of arguments and run-time parameters.
-fn count(arguments: &[(&'static str, Shape)], parameters: usize) -> usize {
+fn count(arguments: &[(Argument, Shape)], parameters: usize) -> usize {
     parameters + arguments.iter().map(|(_, shape)| shape.len()).sum::<usize>()
 }

@@ -1,14 +1,13 @@
 //! The graphs of loop constraints and contacts.
 //!
-//! Settings are alpha, beta, tolerance and rounding, then the target of each contact: rotation by rows,
-//! translation, velocity, tangential, alpha, beta, compliance, restitution, weight. A twist or a wrench is
-//! three angular, then three linear components. The set of active contacts is a number for each contact, 1 if
+//! Settings have the order of `ConstraintSettings::from_numbers`, then of `ContactTarget::from_numbers` for each contact. A
+//! twist or a wrench is three angular, then three linear components. The set of active contacts is a number for each contact, 1 if
 //! it is active, else 0.
 
 use modyn_runtime::equations::brge::UduLayout;
 use modyn_runtime::equations::{ConstraintWorkspace, Workspace, constraints};
 use modyn_runtime::mechanism::Mechanism;
-use modyn_runtime::spatial::{Pose, Twist, Vector3, Wrench};
+use modyn_runtime::spatial::{Twist, Wrench};
 use modyn_runtime::{ConstraintSettings, ContactTarget, Scalar};
 
 use super::Tracer;
@@ -219,25 +218,14 @@ impl Tracer<'_> {
     }
 }
 
-/// The number of scalars of a contact's target.
-const TARGET: usize = 24;
-
 /// Returns the number of scalars of the settings.
 fn settings_count(model: &Mechanism<f64>) -> usize {
-    4 + TARGET * model.contacts()
+    ConstraintSettings::<Expr>::COUNT + ContactTarget::<Expr>::COUNT * model.contacts()
 }
 
 fn settings_of(numbers: &[Expr]) -> ConstraintSettings<Expr, Vec<ContactTarget<Expr>>> {
-    let (&[alpha, beta, tolerance, rounding], targets) =
-        numbers.split_first_chunk().expect("four settings");
-    let target = |numbers: &[Expr]| {
-        let three = |from: usize| core::array::from_fn(|k| numbers[from + k]);
-        let pose = Pose { rotation: [three(0), three(3), three(6)], translation: three(9) };
-        let velocity = Twist { angular: Vector3(three(12)), linear: Vector3(three(15)) };
-        let [tangential, alpha, beta, compliance, restitution, weight] =
-            core::array::from_fn(|k| numbers[18 + k]);
-        ContactTarget { pose, velocity, tangential, alpha, beta, compliance, restitution, weight }
-    };
-    let contacts = targets.chunks(TARGET).map(target).collect();
-    ConstraintSettings { alpha, beta, tolerance, rounding, contacts }
+    let (settings, targets) = numbers.split_first_chunk().expect("the settings are counted");
+    let (targets, _) = targets.as_chunks();
+    let contacts = targets.iter().map(|target| ContactTarget::from_numbers(*target)).collect();
+    ConstraintSettings::from_numbers(*settings, contacts)
 }

@@ -16,12 +16,20 @@ pub struct ElementaryNumbers<const L: usize, const A: usize> {
     pub ln_2: (f64, f64),
     /// The power of two that scales subnormal numbers.
     pub two_up: f64,
-    /// The difference of pi from its nearest number of this precision.
-    pub pi_rest: f64,
-    /// The difference of pi / 2 from its nearest number of this precision.
-    pub half_rest: f64,
-    /// The difference of pi / 6 from its nearest number of this precision.
-    pub sixth_rest: f64,
+    /// The smallest number that is not subnormal.
+    pub min_positive: f64,
+    /// The bits of the square root of 1/2.
+    pub root_half_bits: u64,
+    /// The square root of 3.
+    pub root_3: f64,
+    /// The tangent of 15 degrees.
+    pub tan_15: f64,
+    /// The number of this precision that is nearest to pi, and the difference of pi from it.
+    pub pi: (f64, f64),
+    /// The number of this precision that is nearest to pi / 2, and the difference of pi / 2 from it.
+    pub half_pi: (f64, f64),
+    /// The number of this precision that is nearest to pi / 6, and the difference of pi / 6 from it.
+    pub sixth_pi: (f64, f64),
 }
 
 macro_rules! elementary {
@@ -49,9 +57,13 @@ macro_rules! elementary {
             },
             ln_2: ($ln_2, $ln_2_rest),
             two_up: $two_up,
-            pi_rest: $pi,
-            half_rest: $half,
-            sixth_rest: $sixth,
+            min_positive: $float::MIN_POSITIVE as f64,
+            root_half_bits: core::$float::consts::FRAC_1_SQRT_2.to_bits() as u64,
+            root_3: 1.732_050_807_568_877_293_53,
+            tan_15: 0.267_949_192_431_122_706_47,
+            pi: (core::$float::consts::PI as f64, $pi),
+            half_pi: (core::$float::consts::FRAC_PI_2 as f64, $half),
+            sixth_pi: (core::$float::consts::FRAC_PI_6 as f64, $sixth),
         };
 
         /// Returns the natural logarithm, to 2 units in the last place.
@@ -81,10 +93,10 @@ macro_rules! elementary {
             if x == $float::INFINITY {
                 return x;
             }
-            let subnormal = x < $float::MIN_POSITIVE;
+            let subnormal = x < $numbers.min_positive as $float;
             let (x, up) = if subnormal { (x * $numbers.two_up as $float, $float::MANTISSA_DIGITS) } else { (x, 0) };
             // Relative to the square root of 1/2, the exponent changes where m jumps.
-            let root = core::$float::consts::FRAC_1_SQRT_2.to_bits();
+            let root = $numbers.root_half_bits as $bits;
             let shifted = x.to_bits().wrapping_sub(root);
             let k = (shifted as <$bits as Signed>::Type >> MANTISSA) as i32;
             let m = $float::from_bits((shifted & ((1 << MANTISSA) - 1)) + root);
@@ -103,12 +115,14 @@ macro_rules! elementary {
         /// The smaller coordinate divided by the larger is a tangent t of at most 1. Above tan 15 deg,
         /// atan t = 30 deg + atan((t sqrt 3 - 1) / (t + sqrt 3)).
         pub(super) fn $atan2(y: $float, x: $float) -> $float {
-            use core::$float::consts::{FRAC_PI_2, FRAC_PI_6, PI};
-            const PI_REST: $float = $numbers.pi_rest as $float;
-            const HALF_REST: $float = $numbers.half_rest as $float;
-            const SIXTH_REST: $float = $numbers.sixth_rest as $float;
-            const ROOT_3: $float = 1.732_050_807_568_877_293_53;
-            const TAN_15: $float = 0.267_949_192_431_122_706_47;
+            const PI: $float = $numbers.pi.0 as $float;
+            const PI_REST: $float = $numbers.pi.1 as $float;
+            const HALF_PI: $float = $numbers.half_pi.0 as $float;
+            const HALF_REST: $float = $numbers.half_pi.1 as $float;
+            const SIXTH_PI: $float = $numbers.sixth_pi.0 as $float;
+            const SIXTH_REST: $float = $numbers.sixth_pi.1 as $float;
+            const ROOT_3: $float = $numbers.root_3 as $float;
+            const TAN_15: $float = $numbers.tan_15 as $float;
             const SERIES: [$float; $atan_terms] = {
                 let mut series = [0.0; $atan_terms];
                 let mut i = 0;
@@ -137,8 +151,8 @@ macro_rules! elementary {
             let z = u * u;
             let rest = u * z * SERIES.iter().rev().fold(0.0, |sum, c| c + z * sum);
             // Angles are added with the rounding errors of their constants.
-            let (angle, rest) = if beyond { (FRAC_PI_6, u + (rest + SIXTH_REST)) } else { (u, rest) };
-            let angle = if steep { FRAC_PI_2 - (angle - (HALF_REST - rest)) } else { angle + rest };
+            let (angle, rest) = if beyond { (SIXTH_PI, u + (rest + SIXTH_REST)) } else { (u, rest) };
+            let angle = if steep { HALF_PI - (angle - (HALF_REST - rest)) } else { angle + rest };
             let angle = if x.is_sign_negative() { PI - (angle - PI_REST) } else { angle };
             if y.is_sign_negative() { -angle } else { angle }
         }

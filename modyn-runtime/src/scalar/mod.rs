@@ -19,4 +19,4 @@ pub use portable::Portable;
 pub(crate) use tangent::Tangent;
 pub(crate) use traits::epsilon;
 pub use traits::{Chunk, Pack, Scalar, SimdBackend, SimdTask};
-pub use trig::{SIN_COS_F32, SIN_COS_F64, SinCosNumbers};
+pub use trig::{FRAC_1_PI_BITS, PI_BITS, SIN_COS_F32, SIN_COS_F64, SinCosNumbers};

@@ -116,7 +116,7 @@ fn sine_and_cosine<S: FlipSign, const M: usize, const N: usize>(
     (sin.flip_sign(turns), cos.flip_sign(turns))
 }
 
-/// The constants of sine and cosine in one precision. The runtime and the generated C use the same constants.
+/// The constants of sine and cosine in one precision. The runtime, generated C and WGSL use the same constants.
 #[derive(Clone, Copy, Debug)]
 pub struct SinCosNumbers<const P: usize, const M: usize, const N: usize> {
     /// The exclusive bound of angles for the fast reduction, rad.
@@ -295,8 +295,8 @@ struct Reduced {
     zeros: u32,
 }
 
-/// The bits of 1 / pi, after 64 zeros.
-const FRAC_1_PI_BITS: [u64; 20] = [
+/// The bits of 1 / pi, after 64 zeros. The runtime, generated C and WGSL use the same bits.
+pub const FRAC_1_PI_BITS: [u64; 20] = [
     0x0000000000000000,
     0x517cc1b727220a94,
     0xfe13abe8fa9a6ee0,
@@ -319,8 +319,8 @@ const FRAC_1_PI_BITS: [u64; 20] = [
     0x2b0198237e3db5d5,
 ];
 
-/// pi 2^62.
-const PI_BITS: u64 = 0xc90fdaa22168c235;
+/// The bits of pi: pi 2^62. The runtime, generated C and WGSL use the same bits.
+pub const PI_BITS: u64 = 0xc90fdaa22168c235;
 
 /// Reduces m 2^e (m below 2^53, -62 < e < 972) modulo pi, as in Payne and Hanek 1983, "Radian reduction for
 /// trigonometric functions". In m 2^e / pi, the bits of 1 / pi that contribute even integers are omitted, and so

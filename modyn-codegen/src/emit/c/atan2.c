@@ -33,10 +33,10 @@ static REAL modyn_atan2(REAL y, REAL x)
     rest = (u * (u * u)) * sum;
     angle = u;
     if (beyond != 0) {
-        angle = R(PI_6);
+        angle = R(SIXTH_PI);
         rest = u + (rest + R(SIXTH_REST));
     }
-    angle = (steep != 0) ? (R(PI_2) - (angle - (R(HALF_REST) - rest))) : (angle + rest);
+    angle = (steep != 0) ? (R(HALF_PI) - (angle - (R(HALF_REST) - rest))) : (angle + rest);
     if ((modyn_bits(x) >> SIGN) != 0U) {
         angle = R(PI) - (angle - R(PI_REST));
     }

@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::support::Support;
 use super::{Array, FloatType, Printer, literal};
+use crate::emit::support::Support;
 use crate::program::{Addend, Chunk, MultiplyAdd, Operand, Operation, Program, Source, Value};
 
 impl Printer {
@@ -82,15 +82,8 @@ impl Printer {
             let head =
                 format!("{linkage}void {name}({}{})", self.parameters(&arrays), self.output(out));
             let _ = writeln!(self.source, "{head}\n{{\n{unread}{text}}}\n");
-            self.support.extend(chunk.statements.clone().filter_map(|s| {
-                match program.statements[s].operation {
-                    Operation::SinCos(_) => Some(Support::SinCos),
-                    Operation::Atan2(..) => Some(Support::Atan2),
-                    Operation::Logarithm(_) => Some(Support::Logarithm),
-                    Operation::Maximum(..) => Some(Support::Maximum),
-                    _ => None,
-                }
-            }));
+            let statements = program.statements[chunk.statements.clone()].iter();
+            self.support.extend(statements.filter_map(|s| Support::of(&s.operation)));
         }
     }
 }

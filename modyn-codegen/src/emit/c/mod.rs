@@ -12,11 +12,12 @@ use std::fmt::Write as _;
 
 use modyn_runtime::model::Model;
 
+use super::support::Support;
 use super::{FloatType, MachineCode, coordinates_in_c};
 use crate::names;
-use crate::plan::{Frames, Function, Kernels, LinkCode, Plan, Shape};
+use crate::plan::{Argument, Frames, Function, Kernels, LinkCode, Plan, Shape};
 use crate::program::Program;
-pub(super) use support::{Support, text as support};
+pub(super) use support::text as support;
 
 /// The generated source file and header.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -370,9 +371,9 @@ impl Printer {
 
 /// Returns all functions.
 fn items<'a>(plan: &'a Plan, prefix: &str) -> Vec<Item<'a>> {
-    let arrays = |arguments: &[(&'static str, Shape)]| -> Vec<Array> {
-        let array = |(name, shape): &(&'static str, Shape)| Array {
-            name: (*name).into(),
+    let arrays = |arguments: &[(Argument, Shape)]| -> Vec<Array> {
+        let array = |(argument, shape): &(Argument, Shape)| Array {
+            name: argument.name.into(),
             len: shape.len(),
         };
         // C has no array of no numbers.

@@ -20,17 +20,12 @@ static unsigned long long modyn_high(unsigned long long a, unsigned long long b)
 static unsigned long long modyn_limb(unsigned int start, unsigned int i)
 {
     /* 1 / pi in binary, after 64 zeros. */
-    static const unsigned long long words[21] = {
-        0x0000000000000000ULL, 0x517cc1b727220a94ULL, 0xfe13abe8fa9a6ee0ULL, 0x6db14acc9e21c820ULL,
-        0xff28b1d5ef5de2b0ULL, 0xdb92371d2126e970ULL, 0x0324977504e8c90eULL, 0x7f0ef58e5894d39fULL,
-        0x74411afa975da242ULL, 0x74ce38135a2fbf20ULL, 0x9cc8eb1cc1a99cfaULL, 0x4e422fc5defc941dULL,
-        0x8ffc4bffef02cc07ULL, 0xf79788c5ad05368fULL, 0xb69b3f6793e584dbULL, 0xa7a31fb34f2ff516ULL,
-        0xba93dd63f5f2f8bdULL, 0x9e839cfbc5294975ULL, 0x35fdafd88fc6ae84ULL, 0x2b0198237e3db5d5ULL,
-        0x0000000000000000ULL
+    static const unsigned long long words[LIMBS] = {
+        FRAC_1_PI_BITS
     };
     const unsigned int word = (start / 64U) + i;
     const unsigned int shift = start % 64U;
-    if (word > 19U) {
+    if (word > LAST_LIMB) {
         return 0ULL;
     }
     return (words[word] << shift) | ((words[word + 1U] >> 1) >> (63U - shift));
@@ -68,7 +63,7 @@ static modyn_reduced modyn_reduce(unsigned long long m, int e)
     }
     leading = upper;
     /* pi 2^62 */
-    reduced.angle = modyn_high(leading, 0xc90fdaa22168c235ULL);
+    reduced.angle = modyn_high(leading, PI_BITS);
     return reduced;
 }
 

@@ -3,27 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use modyn_runtime::{ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers};
-use modyn_runtime::{SIN_COS_F32, SIN_COS_F64, SinCosNumbers};
+use modyn_runtime::{FRAC_1_PI_BITS, PI_BITS, SIN_COS_F32, SIN_COS_F64, SinCosNumbers};
 
 use super::FloatType;
 use super::literal;
-
-/// A support function, in the order in which C must define them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(in crate::emit) enum Support {
-    Bits,
-    FromBits,
-    SinCos,
-    Atan2,
-    Logarithm,
-    Maximum,
-}
+use crate::emit::support::Support;
 
 impl Support {
-    fn text(self) -> &'static str {
+    fn c(self) -> &'static str {
         match self {
-            Self::Bits => include_str!("bits.c"),
-            Self::FromBits => include_str!("from_bits.c"),
             Self::SinCos => include_str!("sin_cos.c"),
             Self::Atan2 => include_str!("atan2.c"),
             Self::Logarithm => include_str!("ln.c"),
@@ -31,44 +19,37 @@ impl Support {
         }
     }
 
-    fn dependencies(self) -> &'static [Self] {
-        match self {
-            Self::SinCos | Self::Logarithm => &[Self::Bits, Self::FromBits],
-            Self::Atan2 => &[Self::Bits],
-            Self::Bits | Self::FromBits | Self::Maximum => &[],
-        }
+    /// Returns whether the function reads the bits of numbers.
+    fn reads_bits(self) -> bool {
+        self != Self::Maximum
+    }
+
+    /// Returns whether the function makes numbers from bits.
+    fn writes_bits(self) -> bool {
+        matches!(self, Self::SinCos | Self::Logarithm)
     }
 }
 
 /// Returns the text of these functions and of those that they call. In the templates, words in capitals depend on the
 /// precision, and `R(..)` is a literal.
 pub(in crate::emit) fn text(used: &BTreeSet<Support>, float: FloatType) -> String {
-    let needed = used.iter().flat_map(|support| support.dependencies());
-    let all: BTreeSet<Support> = needed.chain(used).copied().collect();
-    if all.is_empty() {
-        return String::new();
+    let mut text = String::new();
+    if used.iter().any(|support| support.reads_bits()) {
+        text += "/* Numbers are as long as their bits. */\n\
+                 typedef char modyn_size_of_numbers[(sizeof(REAL) == sizeof(BITS)) ? 1 : -1];\n\n";
+        text += include_str!("bits.c");
     }
+    if used.iter().any(|support| support.writes_bits()) {
+        text += include_str!("from_bits.c");
+    }
+    text.extend(used.iter().map(|support| support.c()));
     let words = substitutions(float);
-    let text: String = all.iter().map(|support| support.text()).collect();
-    let bits = all.contains(&Support::Bits).then_some(
-        "/* Numbers are as long as their bits. */\n\
-         typedef char modyn_size_of_numbers[(sizeof(REAL) == sizeof(BITS)) ? 1 : -1];\n\n",
-    );
-    let text =
-        substitute(&[bits.unwrap_or_default(), &text].concat(), |word| words.get(word).cloned());
+    let text = substitute(&text, |word| words.get(word).cloned());
     literals(&text, float)
 }
 
 /// Returns the words that depend on the precision.
 fn substitutions(float: FloatType) -> BTreeMap<&'static str, String> {
-    let shared = [
-        ("TAN_15", "0.26794919243112270647"),
-        ("ROOT_3", "1.73205080756887729353"),
-        ("PI_6", "0.52359877559829887307710723054658381"),
-        ("PI_2", "1.57079632679489661923132169163975144"),
-        ("PI", "3.14159265358979323846264338327950288"),
-        ("ONE_OVER_PI", "0.318309886183790671537767526745028724"),
-    ];
     let of_precision: &[(&str, &str)] = match float {
         FloatType::F64 => &[
             ("REAL", "double"),
@@ -82,8 +63,6 @@ fn substitutions(float: FloatType) -> BTreeMap<&'static str, String> {
             ("SCALE", "961U"),
             ("ANGLE", "(double)reduced.angle"),
             ("ERROR", "3e-16"),
-            ("MIN_POSITIVE", "2.2250738585072014e-308"),
-            ("ROOT_HALF", "0x3fe6a09e667f3bcdULL"),
         ],
         FloatType::F32 => &[
             ("REAL", "float"),
@@ -97,22 +76,35 @@ fn substitutions(float: FloatType) -> BTreeMap<&'static str, String> {
             ("SCALE", "97U"),
             ("ANGLE", "(float)(unsigned int)(reduced.angle >> 32)"),
             ("ERROR", "1.5e-7"),
-            ("MIN_POSITIVE", "1.1754943508222875e-38"),
-            ("ROOT_HALF", "0x3f3504f3U"),
         ],
     };
     let (sin_cos, elementary) = match float {
-        FloatType::F64 => (sin_cos_words(&SIN_COS_F64), elementary_words(&ELEMENTARY_F64)),
-        FloatType::F32 => (sin_cos_words(&SIN_COS_F32), elementary_words(&ELEMENTARY_F32)),
+        FloatType::F64 => (sin_cos_words(&SIN_COS_F64), elementary_words(&ELEMENTARY_F64, "ULL")),
+        FloatType::F32 => (sin_cos_words(&SIN_COS_F32), elementary_words(&ELEMENTARY_F32, "U")),
     };
-    let given = shared.iter().chain(of_precision).map(|(word, text)| (*word, (*text).to_string()));
-    given.chain(sin_cos).chain(elementary).collect()
+    let given = of_precision.iter().map(|(word, text)| (*word, (*text).to_string()));
+    given.chain(bits_words()).chain(sin_cos).chain(elementary).collect()
 }
 
-/// Returns the words of logarithm and arctangent, from the runtime's constants.
+/// Returns the words of the reduction of large angles with integers, from the runtime's constants.
+fn bits_words() -> [(&'static str, String); 4] {
+    // A word of zeros follows, so that each of the others has a successor.
+    let limbs: Vec<String> =
+        FRAC_1_PI_BITS.iter().chain(&[0]).map(|word| format!("{word:#018x}ULL")).collect();
+    let lines: Vec<String> = limbs.chunks(4).map(|line| line.join(", ")).collect();
+    [
+        ("LIMBS", limbs.len().to_string()),
+        ("LAST_LIMB", format!("{}U", FRAC_1_PI_BITS.len() - 1)),
+        ("FRAC_1_PI_BITS", lines.join(",\n        ")),
+        ("PI_BITS", format!("{PI_BITS:#018x}ULL")),
+    ]
+}
+
+/// Returns the words of logarithm and arctangent, from the runtime's constants. Literals of bits end in `unsigned`.
 fn elementary_words<const L: usize, const A: usize>(
     numbers: &ElementaryNumbers<L, A>,
-) -> [(&'static str, String); 10] {
+    unsigned: &str,
+) -> [(&'static str, String); 17] {
     let series = |terms: &[(f64, f64)]| {
         let term = |(over, under): &(f64, f64)| format!("R({over:?}) / R({under:?})");
         terms.iter().map(term).collect::<Vec<_>>().join(", ")
@@ -125,16 +117,23 @@ fn elementary_words<const L: usize, const A: usize>(
         ("TWO_UP", format!("{:?}", numbers.two_up)),
         ("LN_2", format!("{:?}", numbers.ln_2.0)),
         ("LN_2_REST", format!("{:?}", numbers.ln_2.1)),
-        ("PI_REST", format!("{:?}", numbers.pi_rest)),
-        ("HALF_REST", format!("{:?}", numbers.half_rest)),
-        ("SIXTH_REST", format!("{:?}", numbers.sixth_rest)),
+        ("MIN_POSITIVE", format!("{:?}", numbers.min_positive)),
+        ("ROOT_HALF", format!("{:#x}{unsigned}", numbers.root_half_bits)),
+        ("ROOT_3", format!("{:?}", numbers.root_3)),
+        ("TAN_15", format!("{:?}", numbers.tan_15)),
+        ("PI", format!("{:?}", numbers.pi.0)),
+        ("PI_REST", format!("{:?}", numbers.pi.1)),
+        ("HALF_PI", format!("{:?}", numbers.half_pi.0)),
+        ("HALF_REST", format!("{:?}", numbers.half_pi.1)),
+        ("SIXTH_PI", format!("{:?}", numbers.sixth_pi.0)),
+        ("SIXTH_REST", format!("{:?}", numbers.sixth_pi.1)),
     ]
 }
 
 /// Returns the words of sine and cosine, from the runtime's constants.
 fn sin_cos_words<const P: usize, const M: usize, const N: usize>(
     numbers: &SinCosNumbers<P, M, N>,
-) -> [(&'static str, String); 7] {
+) -> [(&'static str, String); 8] {
     let list = |numbers: &[f64]| {
         let numbers: Vec<String> = numbers.iter().map(|number| format!("R({number:?})")).collect();
         numbers.join(", ")
@@ -143,6 +142,7 @@ fn sin_cos_words<const P: usize, const M: usize, const N: usize>(
     [
         ("LIMIT", format!("{:?}", numbers.limit)),
         ("ROUND", format!("{:?}", numbers.round)),
+        ("ONE_OVER_PI", format!("{:?}", core::f64::consts::FRAC_1_PI)),
         ("REDUCTION", numbers.minus_pi.iter().fold("x".into(), reduced)),
         ("SINES", M.to_string()),
         ("COSINES", N.to_string()),

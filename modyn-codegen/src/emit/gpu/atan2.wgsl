@@ -11,19 +11,19 @@ fn modyn_atan2(y: f32, x: f32) -> f32 {
     } else if (large == 0.0f) {
         t = 0.0f;
     }
-    let beyond = t > 0.2679492f;
-    let u = select(t, (t * 1.7320508f - 1.0f) / (t + 1.7320508f), beyond);
+    let beyond = t > $TAN_15$;
+    let u = select(t, (t * $ROOT_3$ - 1.0f) / (t + $ROOT_3$), beyond);
     let z = u * u;
     let rest = u * z * $ARCTANGENT$;
     var angle = u + rest;
     if (beyond) {
-        angle = 0.5235988f + (u + (rest - 1.457046305830545e-08f));
+        angle = $SIXTH_PI$ + (u + (rest + ($SIXTH_REST$)));
     }
     if (steep) {
-        angle = 1.5707964f - (angle + 4.371138828673793e-08f);
+        angle = $HALF_PI$ - (angle - ($HALF_REST$));
     }
     if ((bitcast<u32>(x) >> 31u) != 0u) {
-        angle = 3.1415927f - (angle + 8.742277657347586e-08f);
+        angle = $PI$ - (angle - ($PI_REST$));
     }
     return select(angle, -angle, (bitcast<u32>(y) >> 31u) != 0u);
 }

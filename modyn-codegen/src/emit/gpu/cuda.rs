@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::{Dialect, GpuArgument, GpuKernel, Support};
+use super::{Dialect, GpuArgument, GpuKernel};
 use crate::emit::FloatType;
 use crate::emit::c;
+use crate::emit::support::Support;
 
 /// The largest number of threads of a block. From it the compiler knows how many registers a thread may have.
 const BLOCK: usize = 128;
@@ -41,13 +42,7 @@ impl Cuda {
 
 impl Dialect for Cuda {
     fn preamble(&self, used: &BTreeSet<Support>) -> String {
-        let of_c = used.iter().map(|support| match support {
-            Support::SinCos => c::Support::SinCos,
-            Support::Atan2 => c::Support::Atan2,
-            Support::Logarithm => c::Support::Logarithm,
-            Support::Maximum => c::Support::Maximum,
-        });
-        let functions = c::support(&of_c.collect(), self.float);
+        let functions = c::support(used, self.float);
         // Tables stay `static const`: their indices are counters of loops that the compiler unrolls.
         let functions = functions.replace("\nstatic ", "\nstatic __device__ ");
         format!(

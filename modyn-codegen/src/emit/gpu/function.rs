@@ -4,7 +4,8 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::{Dialect, Kernel, Support};
+use super::{Dialect, Kernel};
+use crate::emit::support::Support;
 use crate::program::{Addend, Chunk, MultiplyAdd, Operand, Operation, Source, Value};
 
 /// Returns the text of a kernel and its chunks, and adds the functions that it calls to `used`.
@@ -14,6 +15,7 @@ pub(super) fn print(
     used: &mut BTreeSet<Support>,
 ) -> String {
     let program = kernel.program;
+    used.extend(program.statements.iter().filter_map(|s| Support::of(&s.operation)));
     let values: Vec<usize> = program.chunks.iter().map(|chunk| chunk.live_out.len()).collect();
     let last = program.chunks.len() - 1;
     let (mut text, mut calls) = (String::new(), String::new());
@@ -25,7 +27,7 @@ pub(super) fn print(
             body.stores(&mut lines, &program.first_stores);
         }
         for s in chunk.statements.clone() {
-            body.statement(&mut lines, s, used);
+            body.statement(&mut lines, s);
             body.stores(&mut lines, &program.statements[s].stores);
         }
         if inner {
@@ -65,11 +67,10 @@ impl Body<'_> {
         }
     }
 
-    fn statement(&self, text: &mut String, s: usize, used: &mut BTreeSet<Support>) {
+    fn statement(&self, text: &mut String, s: usize) {
         let dialect = self.dialect;
         let t = |operand: &Operand| self.operand(operand);
-        let mut support = |support: Support, name: &str, operands: &[&Operand]| {
-            used.insert(support);
+        let call = |name: &str, operands: &[&Operand]| {
             let operands: Vec<String> = operands.iter().map(|operand| t(operand)).collect();
             format!("modyn_{name}({})", operands.join(", "))
         };
@@ -80,18 +81,17 @@ impl Body<'_> {
             Operation::MultiplyAdd(fused) => self.multiply_add(fused),
             Operation::Reciprocal(a) => format!("{} / {}", dialect.literal(1.0), t(a)),
             Operation::SinCos(angles) => {
-                used.insert(Support::SinCos);
                 for (i, angle) in angles.iter().enumerate() {
                     let (sine, cosine) = (self.local(s, 2 * i), self.local(s, 2 * i + 1));
                     let _ = writeln!(text, "    {}", dialect.sin_cos(&t(angle), &sine, &cosine));
                 }
                 return;
             }
-            Operation::Atan2(a, b) => support(Support::Atan2, "atan2", &[a, b]),
+            Operation::Atan2(a, b) => call("atan2", &[a, b]),
             Operation::SquareRoot(a) => dialect.square_root(&t(a)),
-            Operation::Logarithm(a) => support(Support::Logarithm, "ln", &[a]),
+            Operation::Logarithm(a) => call("ln", &[a]),
             Operation::Absolute(a) => dialect.absolute(&t(a)),
-            Operation::Maximum(a, b) => support(Support::Maximum, "maximum", &[a, b]),
+            Operation::Maximum(a, b) => call("maximum", &[a, b]),
             Operation::Select(a, b, c) => dialect.select(&t(a), &t(b), &t(c)),
             Operation::Pack(_)
             | Operation::Constants(_)

@@ -15,8 +15,9 @@ use std::collections::BTreeSet;
 use modyn_runtime::model::Model;
 
 use super::FloatType;
+use super::support::Support;
 use crate::names;
-use crate::plan::{Frames, Kernels, LinkCode, Plan, Planned, Shape};
+use crate::plan::{Argument, Frames, Kernels, LinkCode, Plan, Planned, Shape};
 use crate::program::Program;
 
 /// A language for graphics processors.
@@ -73,15 +74,6 @@ pub struct GpuArgument {
     pub len: usize,
     /// Whether all states share the numbers, as they share run-time parameters: these are stored once.
     pub common: bool,
-}
-
-/// A function that is not an operator. The order is that of the definitions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Support {
-    SinCos,
-    Atan2,
-    Logarithm,
-    Maximum,
 }
 
 /// The program of a kernel with its arguments, some of which may be constants.
@@ -213,8 +205,8 @@ fn kernel<'a>(
     program: &'a Program,
     known: Vec<f64>,
 ) -> Kernel<'a> {
-    let argument = |(name, shape): &(&'static str, Shape)| GpuArgument {
-        name: (*name).into(),
+    let argument = |(argument, shape): &(Argument, Shape)| GpuArgument {
+        name: argument.name.into(),
         len: shape.len(),
         common: false,
     };

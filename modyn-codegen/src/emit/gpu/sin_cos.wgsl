@@ -10,8 +10,8 @@ fn modyn_high(a: u32, b: u32) -> u32 {
 // the fast reduction: after Payne and Hanek 1983, "Radian reduction for trigonometric functions".
 fn modyn_far(x: f32) -> vec2<f32> {
     // 1 / pi in binary, after 64 zeros.
-    var words = array<u32, 10>(
-        0u, 0u, 0x517cc1b7u, 0x27220a94u, 0xfe13abe8u, 0xfa9a6ee0u, 0x6db14accu, 0x9e21c820u, 0xff28b1d5u, 0xef5de2b0u
+    var words = array<u32, $LIMBS$>(
+        $FRAC_1_PI_BITS$
     );
     let bits = bitcast<u32>(x);
     let exponent = (bits >> 23u) & 0xffu;
@@ -46,7 +46,7 @@ fn modyn_far(x: f32) -> vec2<f32> {
         upper = (upper << zeros) | (lower >> (32u - zeros));
     }
     // The factor is pi 2^30.
-    let r = f32(modyn_high(upper, 0xc90fdaa2u)) * bitcast<f32>((97u - zeros) << 23u);
+    let r = f32(modyn_high(upper, $PI_BITS$)) * bitcast<f32>((97u - zeros) << 23u);
     return vec2<f32>(bitcast<f32>(bitcast<u32>(r) ^ (negative << 31u) ^ (bits & 0x80000000u)), f32(odd));
 }
 
@@ -55,7 +55,7 @@ fn modyn_sin_cos(x: f32) -> vec2<f32> {
     var r: f32;
     var odd: u32;
     if (abs(x) < $LIMIT$) {
-        let n = round(x * 0.31830987f);
+        let n = round(x * $FRAC_1_PI$);
         r = $REDUCTION$;
         odd = u32(i32(n)) & 1u;
     } else {

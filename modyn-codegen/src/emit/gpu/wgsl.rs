@@ -8,11 +8,12 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use modyn_runtime::{ELEMENTARY_F32, SIN_COS_F32};
+use modyn_runtime::{ELEMENTARY_F32, FRAC_1_PI_BITS, PI_BITS, SIN_COS_F32};
 
-use super::{Dialect, GpuArgument, GpuKernel, Support};
+use super::{Dialect, GpuArgument, GpuKernel};
 use crate::emit::FloatType;
 use crate::emit::c;
+use crate::emit::support::Support;
 
 /// The threads of a workgroup.
 const WORKGROUP: usize = 64;
@@ -20,6 +21,9 @@ const WORKGROUP: usize = 64;
 /// The limit of angles that are reduced in floating point, rad. Their multiple of pi is at most 3. If a compiler adds
 /// the parts of pi to one number, the error grows by at most 2.7e-7.
 const LIMIT: f64 = 8.0;
+
+/// The words of 1 / pi that the reduction of angles of single precision reads.
+const LIMBS: usize = 10;
 
 pub(super) struct Wgsl;
 
@@ -46,17 +50,43 @@ fn series(terms: &[(f64, f64)]) -> Vec<f64> {
     terms.iter().rev().map(|(over, under)| over / under).collect()
 }
 
+/// Returns the words of the templates with their values, from the runtime's constants.
+fn words() -> Vec<(&'static str, String)> {
+    let literal = |value: f64| Wgsl.literal(value);
+    let reduced = |x: String, part: &f64| format!("fma(n, {}, {x})", literal(*part));
+    let halves = FRAC_1_PI_BITS.iter().flat_map(|word| [word >> 32, word & 0xffff_ffff]);
+    let limbs: Vec<String> = halves.take(LIMBS).map(|half| format!("{half:#010x}u")).collect();
+    let numbers = &ELEMENTARY_F32;
+    vec![
+        ("LIMIT", literal(LIMIT)),
+        ("LIMBS", LIMBS.to_string()),
+        ("FRAC_1_PI_BITS", limbs.join(", ")),
+        ("PI_BITS", format!("{:#x}u", PI_BITS >> 32)),
+        ("FRAC_1_PI", literal(core::f64::consts::FRAC_1_PI)),
+        ("REDUCTION", SIN_COS_F32.minus_pi.iter().fold("x".into(), reduced)),
+        ("SINE", polynomial("z", &SIN_COS_F32.sine)),
+        ("COSINE", polynomial("z", &SIN_COS_F32.cosine)),
+        ("ARCTANGENT", polynomial("z", &series(&numbers.arctangent))),
+        ("TAN_15", literal(numbers.tan_15)),
+        ("ROOT_3", literal(numbers.root_3)),
+        ("PI", literal(numbers.pi.0)),
+        ("PI_REST", literal(numbers.pi.1)),
+        ("HALF_PI", literal(numbers.half_pi.0)),
+        ("HALF_REST", literal(numbers.half_pi.1)),
+        ("SIXTH_PI", literal(numbers.sixth_pi.0)),
+        ("SIXTH_REST", literal(numbers.sixth_pi.1)),
+        ("LOGARITHM", polynomial("z", &series(&numbers.logarithm))),
+        ("MIN_POSITIVE", literal(numbers.min_positive)),
+        ("TWO_UP", literal(numbers.two_up)),
+        ("ROOT_HALF", format!("{:#x}", numbers.root_half_bits)),
+        ("LN_2", literal(numbers.ln_2.0)),
+        ("LN_2_REST", literal(numbers.ln_2.1)),
+    ]
+}
+
 impl Dialect for Wgsl {
     fn preamble(&self, used: &BTreeSet<Support>) -> String {
-        let reduced = |x: String, part: &f64| format!("fma(n, {}, {x})", self.literal(*part));
-        let words = [
-            ("LIMIT", self.literal(LIMIT)),
-            ("REDUCTION", SIN_COS_F32.minus_pi.iter().fold("x".into(), reduced)),
-            ("SINE", polynomial("z", &SIN_COS_F32.sine)),
-            ("COSINE", polynomial("z", &SIN_COS_F32.cosine)),
-            ("ARCTANGENT", polynomial("z", &series(&ELEMENTARY_F32.arctangent))),
-            ("LOGARITHM", polynomial("z", &series(&ELEMENTARY_F32.logarithm))),
-        ];
+        let words = words();
         // These bits are read from memory: a constant expression must not be infinite or NaN.
         let mut text = String::from(
             "var<private> modyn_nan_bits: u32 = 0x7fc00000u;\nvar<private> modyn_infinity_bits: u32 = 0x7f800000u;\n\n",

@@ -10,7 +10,7 @@ use super::function::function;
 use super::parameter::Parameter;
 use super::quantity::Quantity;
 use super::shape::Shape;
-use crate::plan::Kernels;
+use crate::plan::{self, ArgumentKind, Function, Kernels, Record};
 
 impl Robot<'_> {
     /// Prints everything for the batches of a quantity.
@@ -61,8 +61,7 @@ impl Robot<'_> {
     /// the quantity depends on run-time parameters, each has a form with parameters.
     fn batch_functions(&self, text: &mut String, quantity: &Quantity<'_>) {
         let (robot, float) = (self.name, self.options.scalar.name());
-        let name = name(quantity);
-        let result = result_name(name);
+        let (name, result) = (name(quantity), result_name(quantity));
         let outputs = outputs(quantity);
         let all = || quantity.parameters.iter().chain(&outputs);
         let mut table: Vec<String> = all().map(|p| self.argument(p)).collect();
@@ -159,12 +158,12 @@ impl Robot<'_> {
     }
 
     /// Returns a row of the table that errors name arguments by.
-    fn argument(&self, Parameter { name, shape, .. }: &Parameter) -> String {
-        let coordinates = match shape {
-            Shape::Array(..) if *name == "q" => "&Self::COORDINATE_NAMES".into(),
+    fn argument(&self, Parameter { name, shape, kind, .. }: &Parameter) -> String {
+        let coordinates = match (kind, shape) {
+            (Some(ArgumentKind::Coordinates), _) => "&Self::COORDINATE_NAMES".into(),
             // They belong to pivot blocks and couplings, which have no names.
-            Shape::Array(_, n) if *name == "factors" => format!("&[\"\"; {n}]"),
-            Shape::Array(..) => "&Self::VELOCITY_NAMES".into(),
+            (Some(ArgumentKind::Factors), _) => format!("&[\"\"; {}]", shape.len()),
+            (_, Shape::Array(..)) => "&Self::VELOCITY_NAMES".into(),
             _ => "&[]".to_string(),
         };
         format!(
@@ -180,22 +179,26 @@ fn name(quantity: &Quantity<'_>) -> &'static str {
 }
 
 /// Returns the name of the result.
-fn result_name(name: &'static str) -> &'static str {
-    match name {
-        "forward_dynamics" => "qdd",
-        "inverse_dynamics" => "tau",
-        "forward_dynamics_derivatives" | "inverse_dynamics_derivatives" => "derivatives",
-        name => name,
-    }
+fn result_name(quantity: &Quantity<'_>) -> &'static str {
+    quantity.function.map_or(name(quantity), Function::result_name)
 }
 
 /// Returns the parameters for the results: one for each field of a record.
 fn outputs(quantity: &Quantity<'_>) -> Vec<Parameter> {
     match &quantity.shape {
         Shape::Struct { fields, .. } => {
-            fields.iter().map(|(name, field)| Parameter::new(name, field.clone())).collect()
+            let field = |(name, field): &(&'static str, Shape)| {
+                let parameter = Parameter::new(name, field.clone());
+                match quantity.result {
+                    plan::Shape::Record(Record::Factorization, _) => {
+                        parameter.of_kind(ArgumentKind::Factors)
+                    }
+                    _ => parameter,
+                }
+            };
+            fields.iter().map(field).collect()
         }
-        shape => vec![Parameter::new(result_name(name(quantity)), shape.clone())],
+        shape => vec![Parameter::new(result_name(quantity), shape.clone())],
     }
 }
 

@@ -39,7 +39,7 @@ impl Robot<'_> {
         let mut arguments = Vec::new();
         let mut lets = String::new();
         for parameter in &quantity.parameters {
-            if parameter.contacts {
+            if parameter.is_contacts() {
                 let of = self.contacts_type();
                 arguments.push(match parameter.shape.is_empty() {
                     true => of,
@@ -68,7 +68,7 @@ impl Robot<'_> {
         };
         if !scalar {
             parameters.push(format!("out: &mut [{float}; {}]", quantity.shape.len()));
-            notes += &format!("///\n/// The layout of `out`: {}.\n", quantity.shape.c_layout());
+            notes += &format!("///\n/// The layout of `out`: {}.\n", quantity.result.in_words());
         }
         let docs: String = quantity.docs.lines().map(|line| format!("/// {line}\n")).collect();
         let _ = writeln!(
@@ -140,26 +140,6 @@ impl Shape {
     /// Returns whether the shape is an array of scalars.
     fn is_vector(&self) -> bool {
         matches!(self, Self::Array(of, _) if matches!(**of, Self::Scalar))
-    }
-
-    /// Returns the order of the scalars in words.
-    pub(super) fn c_layout(&self) -> String {
-        match self {
-            Self::Scalar => "a number".into(),
-            Self::Array(of, n) if matches!(**of, Self::Scalar) => format!("{n} numbers"),
-            Self::Array(of, n) => format!("{n} times ({})", of.c_layout()),
-            Self::Struct { fields, .. } => {
-                let named = |(name, shape): &(&str, Self)| {
-                    let several = matches!(shape, Self::Struct { fields, .. } if fields.len() > 1);
-                    match *name {
-                        "" => shape.c_layout(),
-                        name if several => format!("{name}: ({})", shape.c_layout()),
-                        name => format!("{name}: {}", shape.c_layout()),
-                    }
-                };
-                fields.iter().map(named).collect::<Vec<_>>().join(", ")
-            }
-        }
     }
 }
 

@@ -11,7 +11,7 @@ use super::{MachineCode, Robot};
 use crate::diagnostics::sanitize_for_display;
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::names;
-use crate::plan::Function;
+use crate::plan::{ARGUMENTS, Argument, ArgumentKind, Function};
 
 /// Returns `name`, with any characters, as code in a doc comment.
 pub(super) fn code(name: &str) -> String {
@@ -84,48 +84,41 @@ fn machine_code(lines: &mut String, code: &MachineCode) {
     }
 }
 
-/// The functions of the usage example, each with the name of its result. The first of each group that the robot has
-/// is shown.
-const EXAMPLES: [&[(Function, &str)]; 2] = [
+/// The functions of the usage example. The first of each group that the robot has is shown.
+const EXAMPLES: [&[Function]; 2] = [
     &[
-        (Function::ForwardDynamics, "qdd"),
-        (Function::InverseDynamics, "tau"),
-        (Function::BiasForces, "tau"),
-        (Function::GravityTorques, "tau"),
-        (Function::MassMatrix, "columns"),
+        Function::ForwardDynamics,
+        Function::InverseDynamics,
+        Function::BiasForces,
+        Function::GravityTorques,
+        Function::MassMatrix,
     ],
-    &[
-        (Function::LinkPose, "pose"),
-        (Function::Jacobian, "columns"),
-        (Function::LinkVelocity, "twist"),
-    ],
+    &[Function::LinkPose, Function::Jacobian, Function::LinkVelocity],
 ];
 
 /// Prints a usage example, if the robot has one of the functions of [`EXAMPLES`].
 fn example(lines: &mut String, robot: &Robot<'_>) {
     let has =
         |function: Function| robot.plan.functions.iter().any(|p| p.function == Some(function));
-    let shown: Vec<(Function, &str)> = EXAMPLES
+    let shown: Vec<Function> = EXAMPLES
         .iter()
-        .filter_map(|group| group.iter().copied().find(|(function, _)| has(*function)))
+        .filter_map(|group| group.iter().copied().find(|function| has(*function)))
         .collect();
     if shown.is_empty() {
         return;
     }
     let name = robot.name;
-    let used = |argument: &str| {
-        shown.iter().any(|(f, _)| f.row().arguments.iter().any(|a| a.name == argument))
-    };
+    let used = |argument: &&Argument| shown.iter().any(|f| f.row().arguments.contains(argument));
     // The robot's crate knows no path to this type, so the example is not run.
     lines.push_str("```ignore\n");
-    for argument in ["q", "qd", "qdd", "tau"].into_iter().filter(|argument| used(argument)) {
-        let value = match argument {
-            "q" => format!("{name}::NEUTRAL"),
+    for argument in ARGUMENTS.iter().filter(used) {
+        let value = match argument.kind {
+            ArgumentKind::Coordinates => format!("{name}::NEUTRAL"),
             _ => format!("[0.0; {name}::NV]"),
         };
-        let _ = writeln!(lines, "let {argument} = {value};");
+        let _ = writeln!(lines, "let {} = {value};", argument.name);
     }
-    for (function, result) in shown {
+    for function in shown {
         let mut arguments: Vec<String> =
             function.row().arguments.iter().map(|argument| format!("&{}", argument.name)).collect();
         if function.row().is_by_link() {
@@ -136,7 +129,8 @@ fn example(lines: &mut String, robot: &Robot<'_>) {
         }
         let _ = writeln!(
             lines,
-            "let {result} = {name}::{}({});",
+            "let {} = {name}::{}({});",
+            function.result_name(),
             function.name(),
             arguments.join(", ")
         );

@@ -6,7 +6,7 @@ use super::function::function;
 use super::parameter::Parameter;
 use super::shape::Shape;
 use super::{Robot, docs};
-use crate::plan::FactorFunction;
+use crate::plan::{Argument, FactorFunction};
 
 impl Robot<'_> {
     /// Prints the functions of the factorization.
@@ -124,8 +124,8 @@ impl Robot<'_> {
         for FactorFunction { name, arguments, result, program, .. } in
             of_factors.into_iter().chain(solve)
         {
-            let parameter = |(name, given): &(&'static str, crate::plan::Shape)| {
-                Parameter::new(name, shape(given))
+            let parameter = |(argument, given): &(Argument, crate::plan::Shape)| {
+                Parameter::new(argument.name, shape(given)).of_kind(argument.kind)
             };
             let parameters: Vec<Parameter> = arguments.iter().map(parameter).collect();
             *text += &function(name, &parameters, &shape(result), program, float);

@@ -101,7 +101,7 @@ fn declaration(
     }
     if returned != number {
         parameters.push(array("out", &quantity.shape));
-        docs.push(format!("The layout of `out`: {}.", quantity.shape.c_layout()));
+        docs.push(format!("The layout of `out`: {}.", quantity.result.in_words()));
     }
     let _ = writeln!(
         text,

@@ -18,8 +18,8 @@ impl Robot<'_> {
             );
         }
         let argument = |parameter: &Parameter| match &parameter.shape {
-            shape if parameter.contacts && shape.is_empty() => "&[]".into(),
-            _ if parameter.contacts => "&contacts.numbers()".into(),
+            shape if parameter.is_contacts() && shape.is_empty() => "&[]".into(),
+            _ if parameter.is_contacts() => "&contacts.numbers()".into(),
             Shape::Scalar => format!("&{}", parameter.name),
             _ => parameter.name.into(),
         };
@@ -54,7 +54,7 @@ impl Robot<'_> {
             return format!("uniform: impl ::core::ops::FnMut() -> {t}");
         }
         let own = quantity.parameters.iter().map(|parameter| match parameter.shape {
-            _ if parameter.contacts => format!("{}: {}", parameter.name, self.contacts_type()),
+            _ if parameter.is_contacts() => format!("{}: {}", parameter.name, self.contacts_type()),
             Shape::Scalar => format!("{}: {t}", parameter.name),
             _ => parameter.typed(t),
         });

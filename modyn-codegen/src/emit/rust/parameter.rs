@@ -1,6 +1,7 @@
 //! The parameters of private functions.
 
 use super::shape::Shape;
+use crate::plan::ArgumentKind;
 
 /// A parameter, passed by reference.
 #[derive(Clone, Debug)]
@@ -9,23 +10,28 @@ pub(super) struct Parameter {
     pub shape: Shape,
     /// The type of the numbers of a table of constants; `None` for other parameters.
     pub(super) constants: Option<&'static str>,
-    /// Whether the parameter is the set of active contacts, for which public functions have a type.
-    pub(super) contacts: bool,
+    /// The kind of an argument; `None` for other parameters.
+    pub(super) kind: Option<ArgumentKind>,
 }
 
 impl Parameter {
     pub(super) fn new(name: &'static str, shape: Shape) -> Self {
-        Self { name, shape, constants: None, contacts: false }
+        Self { name, shape, constants: None, kind: None }
     }
 
-    /// Returns the parameter, as the set of active contacts if `contacts`.
-    pub(super) fn with_contacts(self, contacts: bool) -> Self {
-        Self { contacts, ..self }
+    /// Returns the parameter as an argument of this kind.
+    pub(super) fn of_kind(self, kind: ArgumentKind) -> Self {
+        Self { kind: Some(kind), ..self }
+    }
+
+    /// Returns whether the parameter is the set of active contacts, for which public functions have a type.
+    pub(super) fn is_contacts(&self) -> bool {
+        self.kind == Some(ArgumentKind::Contacts)
     }
 
     /// Returns a parameter of constants, in the type's own scalar.
     pub(super) fn constants(name: &'static str, shape: Shape, float: &'static str) -> Self {
-        Self { name, shape, constants: Some(float), contacts: false }
+        Self { name, shape, constants: Some(float), kind: None }
     }
 
     /// Returns the name of entry `i` in the function. It differs from all temporaries: names of temporaries start with

@@ -2,7 +2,7 @@
 
 use super::parameter::Parameter;
 use super::shape::Shape;
-use crate::plan::{self, CForm, Function, Kernels, Planned};
+use crate::plan::{self, Argument, CForm, Function, Kernels, Planned};
 
 /// A planned function with its Rust types.
 pub(super) struct Quantity<'a> {
@@ -12,6 +12,9 @@ pub(super) struct Quantity<'a> {
     /// The name of the function or bundle of one state, if this is its form for many states.
     pub batch_of: Option<&'static str>,
     pub parameters: Vec<Parameter>,
+    /// The layout of the result.
+    pub result: &'a plan::Shape,
+    /// The result as a Rust type.
     pub shape: Shape,
     /// Whether a source of random numbers stands for the argument.
     pub takes_source: bool,
@@ -28,9 +31,8 @@ pub(super) struct Quantity<'a> {
 
 impl<'a> Quantity<'a> {
     pub fn new(planned: &'a Planned, robot: &str) -> Self {
-        let parameter = |(name, shape): &(&'static str, plan::Shape)| {
-            let contacts = matches!(shape, plan::Shape::Record(plan::Record::Contacts, _));
-            Parameter::new(name, Shape::new(shape, robot)).with_contacts(contacts)
+        let parameter = |(argument, shape): &(Argument, plan::Shape)| {
+            Parameter::new(argument.name, Shape::new(shape, robot)).of_kind(argument.kind)
         };
         Self {
             function: planned.function,
@@ -38,6 +40,7 @@ impl<'a> Quantity<'a> {
             batch_of: planned.batch_of,
             parameters: planned.arguments.iter().map(parameter).collect(),
             shape: Shape::new(&planned.result, robot),
+            result: &planned.result,
             takes_source: planned.function.is_some_and(Function::is_of_random_numbers),
             dynamic: planned.function.is_some_and(Function::depends_on_parameters),
             runtime: planned.parameters,

@@ -3,14 +3,16 @@
 use super::matrix::CasadiMatrix;
 use super::nonzeros::{matrix_blocks, second_derivatives, weighted, with_outputs};
 use crate::graph::Graph;
-use crate::plan::functions::{Argument, Row};
-use crate::plan::shape::{Record, Shape};
+use crate::plan::functions::{ArgumentKind, Function};
+use crate::plan::shape::{Record, Shape, Sizes};
 use crate::plan::tracing::Tracing;
 use crate::trace::{EntryDerivatives, Tracer};
 
 /// The inputs and results that a function and its derivatives have in common.
 pub(super) struct Family {
     inputs: Vec<CasadiMatrix>,
+    /// The entry of all inputs at which each argument of coordinates begins.
+    coordinates: Vec<usize>,
     results: Vec<ResultMatrix>,
 }
 
@@ -26,7 +28,7 @@ pub(super) struct Member {
 
 /// A result, as a matrix.
 struct ResultMatrix {
-    name: &'static str,
+    name: String,
     rows: usize,
     columns: usize,
     /// For each entry by columns, the index among the function's results.
@@ -41,34 +43,38 @@ impl ResultMatrix {
         };
         let nonzeros = self.order.chunks(self.rows).map(column).collect();
         let (rows, columns) = (self.rows, self.columns);
-        CasadiMatrix { name: self.name.into(), rows, columns, nonzeros }
+        CasadiMatrix { name: self.name.clone(), rows, columns, nonzeros }
     }
 }
 
 impl Family {
-    /// Returns the family of a function of the table, whose results have these names.
-    pub fn new(row: &Row, names: &[&'static str], tracing: &Tracing<'_>) -> Self {
-        let sizes = &tracing.sizes;
-        let input = |argument: &Argument| {
-            let (rows, columns) = size_of(&(argument.shape)(sizes));
-            CasadiMatrix::dense(argument.name, rows, columns)
-        };
-        let mut inputs: Vec<CasadiMatrix> = row.arguments.iter().map(input).collect();
+    /// Returns the family of a function of the table.
+    pub fn new(function: Function, tracing: &Tracing<'_>) -> Self {
+        let (row, sizes) = (function.row(), &tracing.sizes);
+        let (mut inputs, mut coordinates, mut entries) = (Vec::new(), Vec::new(), 0);
+        for argument in row.arguments {
+            let (rows, columns) = size_of(&argument.shape(sizes));
+            if argument.kind == ArgumentKind::Coordinates {
+                coordinates.push(entries);
+            }
+            entries += rows * columns;
+            inputs.push(CasadiMatrix::dense(argument.name, rows, columns));
+        }
         let parameters = tracing.parameters(row.depends_on_parameters);
         if parameters > 0 {
             inputs.push(CasadiMatrix::dense("params", parameters, 1));
         }
-        let (mut results, mut first) = (Vec::new(), 0);
-        for (shape, name) in fields(&(row.result)(sizes)).iter().zip(names) {
-            let (rows, columns) = size_of(shape);
+        let (mut matrices, mut first) = (Vec::new(), 0);
+        for (name, shape) in results(function, sizes) {
+            let (rows, columns) = size_of(&shape);
             // A rotation is stored by rows.
-            let by_rows = *shape == Shape::matrix(3, 3) && *name == "rotation";
+            let by_rows = shape == Shape::matrix(3, 3) && name == "rotation";
             let entry = |k: usize| if by_rows { k % 3 * 3 + k / 3 } else { k };
             let order = (0..rows * columns).map(|k| first + entry(k)).collect();
             first += rows * columns;
-            results.push(ResultMatrix { name, rows, columns, order });
+            matrices.push(ResultMatrix { name, rows, columns, order });
         }
-        Self { inputs, results }
+        Self { inputs, coordinates, results: matrices }
     }
 
     /// Returns the function of this graph and its derivatives, with quaternions scaled to length 1.
@@ -79,20 +85,14 @@ impl Family {
         graph: &Graph,
         max_operations: usize,
     ) -> EntryDerivatives {
-        let (mut first, mut coordinates) = (0, Vec::new());
-        for input in &self.inputs {
-            if matches!(&*input.name, "q" | "from" | "to") {
-                coordinates.push(first);
-            }
-            first += input.entries();
-        }
-        let graph = tracer.with_unit_quaternions(graph, &coordinates, first);
-        EntryDerivatives::new(graph, first, max_operations)
+        let entries = self.inputs.iter().map(CasadiMatrix::entries).sum();
+        let graph = tracer.with_unit_quaternions(graph, &self.coordinates, entries);
+        EntryDerivatives::new(graph, entries, max_operations)
     }
 
     /// Returns the function and its first derivatives, and the function of second derivatives unless these were left out.
     pub fn members(&self, derivatives: EntryDerivatives) -> ([Member; 4], Option<Member>) {
-        let Self { inputs, results } = self;
+        let Self { inputs, results, .. } = self;
         let EntryDerivatives { value, jacobian, forward, adjoint, hessian } = derivatives;
         // The results, from arrays by rows or by columns to columns, without zeros.
         let order: Vec<usize> = results.iter().flat_map(|result| result.order.clone()).collect();
@@ -149,13 +149,19 @@ fn empty(prefix: &str, matrices: &[CasadiMatrix]) -> Vec<CasadiMatrix> {
     matrices.iter().map(|matrix| matrix.empty(format!("{prefix}{}", matrix.name))).collect()
 }
 
-/// Returns the matrices that a result consists of.
-pub(super) fn fields(shape: &Shape) -> Vec<Shape> {
-    match shape {
+/// Returns the matrices that a function's result consists of, with their names. `CasADi` refuses a result with the name of
+/// an input: the fields of a state are those of the next state.
+pub(super) fn results(function: Function, sizes: &Sizes) -> Vec<(String, Shape)> {
+    let row = function.row();
+    match (row.result)(sizes) {
         Shape::Record(Record::Several(_) | Record::Each(_) | Record::Spatial("Pose"), fields) => {
-            fields.iter().map(|(_, field)| field.clone()).collect()
+            let name = |name: &str| match row.arguments.iter().any(|own| own.name == name) {
+                true => format!("{name}_next"),
+                false => name.to_string(),
+            };
+            fields.into_iter().map(|(field, shape)| (name(field), shape)).collect()
         }
-        _ => vec![shape.clone()],
+        shape => vec![(function.result_name().into(), shape)],
     }
 }
 

@@ -60,12 +60,12 @@ impl CasadiPlan {
         let links: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
         let links = names::fields(&links, &[]);
         let mut plan = Self { functions: Vec::new(), without_hessian: Vec::new() };
-        for (function, results) in FUNCTIONS {
+        for function in FUNCTIONS {
             if !choices.functions.contains(function) {
                 continue;
             }
             let row = function.row();
-            let own = Family::new(&row, results, &tracing);
+            let own = Family::new(*function, &tracing);
             let name = format!("{prefix}_{}", function.name());
             match row.trace {
                 Trace::ByLink(trace) => {
@@ -77,19 +77,17 @@ impl CasadiPlan {
                     }
                 }
                 Trace::One(trace) => {
+                    let graph = || tracing.optimized(*function, trace);
                     let derivatives = match function {
                         Function::ForwardDynamics => tracer.forward_dynamics_by_entries(
-                            &tracing.forward_dynamics.graph,
+                            &graph(),
                             &tracing.for_derivatives,
                             MAX_OPERATIONS,
                         ),
                         Function::InverseDynamics => {
                             tracer.inverse_dynamics_by_entries(MAX_OPERATIONS)
                         }
-                        _ => {
-                            let graph = optimize(trace(tracer, &tracing));
-                            own.differentiated(tracer, &graph, MAX_OPERATIONS)
-                        }
+                        _ => own.differentiated(tracer, &graph(), MAX_OPERATIONS),
                     };
                     plan.add(&name, row.docs, &own, derivatives);
                 }

@@ -1,41 +1,96 @@
-//! The arguments of functions: their names, layouts and order.
+//! The arguments of functions: their names, kinds and order.
 
 use crate::plan::shape::{Shape, Sizes, shapes};
 
 /// An argument of a function.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Argument {
     /// The name.
     pub name: &'static str,
-    /// The layout.
-    pub shape: fn(&Sizes) -> Shape,
+    /// The meaning of its numbers.
+    pub kind: ArgumentKind,
 }
 
-const fn argument(name: &'static str, shape: fn(&Sizes) -> Shape) -> Argument {
-    Argument { name, shape }
+/// The meaning of an argument's numbers, which their layout follows from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArgumentKind {
+    /// Coordinates, in which the quaternions have length 1.
+    Coordinates,
+    /// A number for each degree of freedom: velocities, accelerations, joint forces, and changes of these or of
+    /// coordinates.
+    Velocities,
+    /// A number for each degree of freedom of the coordinates, then one for each velocity.
+    State,
+    /// A time, s.
+    Time,
+    /// A wrench on each link.
+    Wrenches,
+    /// The set of active contacts.
+    Contacts,
+    /// The settings of constraints.
+    Settings,
+    /// Random numbers, one for each degree of freedom.
+    RandomNumbers,
+    /// The factors of the mass matrix.
+    Factors,
 }
 
-pub(super) const Q: Argument = argument("q", shapes::coordinates);
-pub(super) const QD: Argument = argument("qd", shapes::velocities);
-pub(super) const QDD: Argument = argument("qdd", shapes::velocities);
-pub(super) const TAU: Argument = argument("tau", shapes::velocities);
-pub(super) const DQ: Argument = argument("dq", shapes::velocities);
-pub(super) const DQD: Argument = argument("dqd", shapes::velocities);
-pub(super) const DQDD: Argument = argument("dqdd", shapes::velocities);
-pub(super) const DTAU: Argument = argument("dtau", shapes::velocities);
-pub(super) const COTANGENT: Argument = argument("cotangent", shapes::velocities);
-pub(super) const DT: Argument = argument("dt", shapes::scalar);
-pub(super) const COSTATE: Argument = argument("costate", shapes::state);
-pub(super) const V: Argument = argument("v", shapes::velocities);
-pub(super) const FROM: Argument = argument("from", shapes::coordinates);
-pub(super) const TO: Argument = argument("to", shapes::coordinates);
-pub(super) const FORCES: Argument = argument("forces", shapes::wrenches);
-pub(super) const SETTINGS: Argument = argument("settings", shapes::settings);
-pub(super) const CONTACTS: Argument = argument("contacts", shapes::contacts);
-pub(super) const UNIFORMS: Argument = argument("uniforms", shapes::velocities);
+impl ArgumentKind {
+    /// Returns whether functions with such an argument have no form for many states.
+    #[must_use]
+    pub const fn is_of_one_state(self) -> bool {
+        matches!(self, Self::Wrenches | Self::Contacts | Self::Settings)
+    }
+}
 
-/// All arguments, in the order that they have in every function.
-pub(in crate::plan) const ARGUMENTS: &[Argument] = &[
+impl Argument {
+    const fn new(name: &'static str, kind: ArgumentKind) -> Self {
+        Self { name, kind }
+    }
+
+    /// Returns the layout.
+    #[must_use]
+    pub fn shape(&self, sizes: &Sizes) -> Shape {
+        match self.kind {
+            ArgumentKind::Coordinates => shapes::coordinates(sizes),
+            ArgumentKind::Velocities | ArgumentKind::RandomNumbers => shapes::velocities(sizes),
+            ArgumentKind::State => shapes::state(sizes),
+            ArgumentKind::Time => Shape::Scalar,
+            ArgumentKind::Wrenches => shapes::wrenches(sizes),
+            ArgumentKind::Contacts => shapes::contacts(sizes),
+            ArgumentKind::Settings => shapes::settings(sizes),
+            ArgumentKind::Factors => Shape::vector(sizes.factors),
+        }
+    }
+}
+
+pub(super) const Q: Argument = Argument::new("q", ArgumentKind::Coordinates);
+pub(super) const QD: Argument = Argument::new("qd", ArgumentKind::Velocities);
+pub(super) const QDD: Argument = Argument::new("qdd", ArgumentKind::Velocities);
+pub(super) const TAU: Argument = Argument::new("tau", ArgumentKind::Velocities);
+pub(super) const DQ: Argument = Argument::new("dq", ArgumentKind::Velocities);
+pub(super) const DQD: Argument = Argument::new("dqd", ArgumentKind::Velocities);
+pub(super) const DQDD: Argument = Argument::new("dqdd", ArgumentKind::Velocities);
+pub(super) const DTAU: Argument = Argument::new("dtau", ArgumentKind::Velocities);
+pub(super) const COTANGENT: Argument = Argument::new("cotangent", ArgumentKind::Velocities);
+pub(super) const DT: Argument = Argument::new("dt", ArgumentKind::Time);
+pub(super) const COSTATE: Argument = Argument::new("costate", ArgumentKind::State);
+pub(super) const V: Argument = Argument::new("v", ArgumentKind::Velocities);
+pub(super) const FROM: Argument = Argument::new("from", ArgumentKind::Coordinates);
+pub(super) const TO: Argument = Argument::new("to", ArgumentKind::Coordinates);
+pub(super) const FORCES: Argument = Argument::new("forces", ArgumentKind::Wrenches);
+pub(super) const SETTINGS: Argument = Argument::new("settings", ArgumentKind::Settings);
+pub(super) const CONTACTS: Argument = Argument::new("contacts", ArgumentKind::Contacts);
+pub(super) const UNIFORMS: Argument = Argument::new("uniforms", ArgumentKind::RandomNumbers);
+
+/// The arguments of functions of the table, in the order that they have in every function.
+pub(crate) const ARGUMENTS: &[Argument] = &[
     Q, QD, QDD, TAU, DQ, DQD, DQDD, DTAU, COTANGENT, DT, COSTATE, V, FROM, TO, FORCES, CONTACTS,
     SETTINGS, UNIFORMS,
 ];
+
+/// The factors of the mass matrix, an argument of the functions of the factors.
+pub(in crate::plan) const FACTORS: Argument = Argument::new("factors", ArgumentKind::Factors);
+
+/// The right-hand side of a linear equation, an argument of the functions of the factors.
+pub(in crate::plan) const RHS: Argument = Argument::new("rhs", ArgumentKind::Velocities);

@@ -79,6 +79,17 @@ impl Function {
         vec![(format!("{name}_batch"), inputs + outputs), (format!("{name}_each"), inputs + 1)]
     }
 
+    /// Returns the name of the result; that of one state's result for a function of many states.
+    #[must_use]
+    pub const fn result_name(self) -> &'static str {
+        let row = self.row();
+        match (row.result_name, row.batch_of) {
+            (Some(name), _) => name,
+            (None, Some(one)) => one.name(),
+            (None, None) => self.name(),
+        }
+    }
+
     /// Returns the function named `name`; `None` if there is none.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
