@@ -21,12 +21,12 @@ mod options;
 mod pictures;
 mod robot;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use modyn_codegen::Function;
 use modyn_codegen::read::file::read_text;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
@@ -43,14 +43,22 @@ use crate::robot::Robot;
 #[pyfunction]
 #[pyo3(signature = (path, /, **options))]
 fn load(py: Python<'_>, path: PathBuf, options: Option<&Bound<'_, PyDict>>) -> PyResult<Robot> {
-    let file = std::fs::File::open(&path).map_err(|error| {
-        let kind = PyErr::from(error);
-        let _ = kind.value(py).setattr("filename", &path);
-        kind
-    })?;
+    let file = std::fs::File::open(&path).map_err(|error| unreadable(py, &path, error))?;
     let name = path.display().to_string();
     let text = read_text(&name, file).map_err(|errors| description_error(py, &errors))?;
     read(py, text, name, options)
+}
+
+/// Returns the exception of a file that cannot be opened: an `OSError` with the number, the reason and the file's name.
+fn unreadable(py: Python<'_>, path: &Path, error: std::io::Error) -> PyErr {
+    let Some(number) = error.raw_os_error() else {
+        return error.into();
+    };
+    let reason = py.import("os").and_then(|os| os.call_method1("strerror", (number,)));
+    match reason {
+        Ok(reason) => PyOSError::new_err((number, reason.unbind(), path.as_os_str().to_owned())),
+        Err(error) => error,
+    }
 }
 
 /// Reads the robot of a text, URDF or MJCF; `file` is the name in diagnostics. The keyword arguments are those of `load`.

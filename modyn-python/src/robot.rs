@@ -137,18 +137,22 @@ impl Robot {
         [settings, contacts].concat()
     }
 
+    /// Returns the index of the link of this name.
+    fn link_named(&self, name: &str) -> PyResult<usize> {
+        self.links.get(name).copied().ok_or_else(|| {
+            let names = self.model.frames().iter().map(|frame| frame.name.as_str());
+            let help = match suggest(name, names) {
+                Some(meant) => format!("did you mean `{meant}`?"),
+                None => "`link_names` has all links".into(),
+            };
+            PyValueError::new_err(format!("there is no link `{name}`; {help}"))
+        })
+    }
+
     /// Returns the index of a link, given by its name or index.
     fn link(&self, link: &Bound<'_, PyAny>) -> PyResult<usize> {
         if let Ok(name) = link.cast::<PyString>() {
-            let name = name.to_str()?;
-            return self.links.get(name).copied().ok_or_else(|| {
-                let names = self.model.frames().iter().map(|frame| frame.name.as_str());
-                let help = match suggest(name, names) {
-                    Some(meant) => format!("did you mean `{meant}`?"),
-                    None => "`link_names` has all links".into(),
-                };
-                PyValueError::new_err(format!("there is no link `{name}`; {help}"))
-            });
+            return self.link_named(name.to_str()?);
         }
         let index: usize = link.extract().map_err(|_| {
             PyTypeError::new_err("`link` must be the name of a link or its index in `link_names`")
@@ -407,6 +411,7 @@ impl Robot {
         center_of_mass: &Bound<'_, PyAny>,
         inertia: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
+        self.link_named(&link)?;
         let center_of_mass = vector("set_inertia", "center_of_mass", center_of_mass)?;
         let inertia = vector("set_inertia", "inertia", inertia)?;
         self.change(py, Change::Inertia(link, Inertial { mass, center_of_mass, inertia }))
@@ -423,6 +428,7 @@ impl Robot {
         center_of_mass: Option<&Bound<'_, PyAny>>,
         inertia: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
+        self.link_named(&link)?;
         let center_of_mass = center_of_mass
             .map_or(Ok([0.0; 3]), |center| vector("set_payload", "center_of_mass", center))?;
         let inertia =

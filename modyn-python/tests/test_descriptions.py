@@ -73,7 +73,8 @@ def test_all_faults_are_reported():
 def test_files_that_cannot_be_read(tmp_path):
     with pytest.raises(FileNotFoundError) as caught:
         modyn.load(tmp_path / "none.urdf")
-    assert str(caught.value.filename) == str(tmp_path / "none.urdf")
+    assert caught.value.filename == str(tmp_path / "none.urdf")
+    assert str(caught.value) == f"[Errno 2] No such file or directory: {str(tmp_path / 'none.urdf')!r}"
     with pytest.raises((IsADirectoryError, modyn.DescriptionError)):
         modyn.load(tmp_path)
     binary = tmp_path / "binary.urdf"
@@ -150,6 +151,8 @@ def test_parameters_that_change():
         robot.set_payload("link5", -1.0)
     with pytest.raises(ValueError, match="link `link1` has no payload; load the robot with payload="):
         robot.set_payload("link1", 1.0)
+    with pytest.raises(ValueError, match="there is no link `lnk5`; did you mean `link"):
+        robot.set_payload("lnk5", 1.0)
     with pytest.raises(ValueError, match=r"`gravity` of `set_gravity` has the shape \(2,\)"):
         robot.set_gravity([0, 0])
     with pytest.raises(ValueError, match="finite"):

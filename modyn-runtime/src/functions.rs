@@ -66,7 +66,7 @@ macro_rules! declare_traits {
 macro_rules! selected {
     ($($name:ident $function:ident $message:literal;)*) => {
         traits! {
-            "add the function to the option `functions` of the robot, or leave that option out for the default functions":
+            "add the function to the option `functions` of the robot, as in `functions = [default, regressor]`; without this option it has the default functions":
             $($name $function $message;)*
         }
     };

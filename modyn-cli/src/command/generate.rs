@@ -15,6 +15,10 @@ use crate::command::outcome::{Failure, to_file, to_stderr, to_stdout};
 use crate::command::progress::Progress;
 use crate::command::robot::{Description, Robot};
 
+/// The report on a file that differs from what would be written.
+const STALE: &str = "stale: it is missing or was edited, or the description, an option or modyn has changed; \
+                     generate it again without `--check`";
+
 /// Compile a description to Rust, C, CUDA, WGSL, C for CasADi or machine code
 ///
 /// The exit code is 0 if the file was written (with `--check`, if it is up to date), 1 if the description is rejected
@@ -195,7 +199,7 @@ fn c_source(
     if arguments.check {
         let stale = builder.is_stale_c(output).map_err(named)?;
         progress.stop();
-        let found = if stale { "stale" } else { "up to date" };
+        let found = if stale { STALE } else { "up to date" };
         to_stderr(&format!("{} is {found}\n", sanitize_for_display(&output.display().to_string())));
         return if stale { Err(Failure::Said) } else { Ok(()) };
     }
@@ -280,7 +284,7 @@ fn stale(
     named: &impl Fn(Diagnostics) -> Failure,
 ) -> Result<(), Failure> {
     let is = |path: &Path, stale: bool| {
-        let what = if stale { "stale" } else { "up to date" };
+        let what = if stale { STALE } else { "up to date" };
         to_stderr(&format!("{} is {what}\n", sanitize_for_display(&path.display().to_string())));
         stale
     };

@@ -178,7 +178,11 @@ impl OptionValue for String {
 impl OptionValue for ModuleChoice {
     fn read(value: &Value) -> Result<Self, OptionError> {
         let ValueKind::List(modules) = &value.kind else {
-            return choice(value, &[("chains", Self::Chains), ("links", Self::Links)]);
+            let words = [("chains", Self::Chains), ("links", Self::Links)];
+            return choice(value, &words).map_err(|fault| {
+                let lists = " or a list of links for each module: `[[\"a\", \"b\"], [\"c\"]]`";
+                OptionError::new(fault.at, fault.message + lists)
+            });
         };
         let module = |module: &Value| match &module.kind {
             ValueKind::List(names) => names.iter().map(String::read).collect(),
