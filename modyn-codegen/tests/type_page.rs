@@ -71,8 +71,8 @@ fn it_lists_the_options() {
     ] {
         assert!(page.contains(option), "{page}");
     }
-    assert!(page.contains("let columns = Hand::mass_matrix(&q);"), "{page}");
-    assert!(page.contains("let columns = Hand::jacobian(&q, HandLink::Tip);"), "{page}");
+    assert!(page.contains("let mass_matrix = Hand::mass_matrix(&q);"), "{page}");
+    assert!(page.contains("let jacobian = Hand::jacobian(&q, HandLink::Tip);"), "{page}");
 }
 
 #[test]
