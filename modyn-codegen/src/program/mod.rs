@@ -16,12 +16,14 @@ mod count;
 mod evaluate;
 mod lower;
 mod outline;
+mod places;
 mod repeat;
 mod validate;
 
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+pub(crate) use places::argument_of;
 pub use validate::InvalidProgram;
 
 /// The kind of numbers that a program runs on.

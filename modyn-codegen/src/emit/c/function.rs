@@ -6,7 +6,9 @@ use std::fmt::Write as _;
 
 use super::{Array, FloatType, Printer, literal};
 use crate::emit::support::Support;
-use crate::program::{Addend, Chunk, MultiplyAdd, Operand, Operation, Program, Source, Value};
+use crate::program::{
+    Addend, MultiplyAdd, Operand, Operation, Program, Source, Value, argument_of,
+};
 
 impl Printer {
     /// Prints the function of one program: its routines, its chunks, and the function itself.
@@ -186,15 +188,11 @@ impl Body<'_> {
             }
             Source::Constant(value) => literal(value, self.printer.float),
             Source::Argument(number) => {
-                let mut rest = number;
-                let fits = |array: &&Array| {
-                    let fits = rest < array.len;
-                    rest -= if fits { 0 } else { array.len };
-                    fits
-                };
-                let array = self.given.iter().find(fits).expect("arguments are counted");
-                read.insert(array.name.clone());
-                format!("{}[{rest}]", array.name)
+                let lengths = self.given.iter().map(|array| array.len);
+                let (array, i) = argument_of(number, lengths).expect("arguments are counted");
+                let name = &self.given[array].name;
+                read.insert(name.clone());
+                format!("{name}[{i}]")
             }
             Source::Result(value) => self.value(value),
         };
@@ -206,12 +204,9 @@ impl Body<'_> {
         if value.statement >= self.first {
             return self.local(value.statement, value.place);
         }
-        let place = |(k, chunk): (usize, &Chunk)| {
-            let i = chunk.live_out.binary_search(&value).ok()?;
-            Some(format!("chunk{k}[{i}]"))
-        };
-        let found = self.program.chunks.iter().enumerate().find_map(place);
-        found.expect("a value that crosses a cut is named there")
+        let place = self.program.place_of(value);
+        let (chunk, i) = place.expect("a value that crosses a cut is named there");
+        format!("chunk{chunk}[{i}]")
     }
 
     fn local(&self, s: usize, place: usize) -> String {

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use super::{Dialect, Kernel};
 use crate::emit::support::Support;
-use crate::program::{Addend, Chunk, MultiplyAdd, Operand, Operation, Source, Value};
+use crate::program::{Addend, MultiplyAdd, Operand, Operation, Source, Value, argument_of};
 
 /// Returns the text of a kernel and its chunks, and adds the functions that it calls to `used`.
 pub(super) fn print(
@@ -133,14 +133,10 @@ impl Body<'_> {
     /// Returns the scalar argument with this number: an argument of the kernel, or a constant.
     fn argument(&self, number: usize) -> String {
         let kernel = &self.kernel.description;
-        let mut rest = number;
-        for argument in &kernel.arguments {
-            if rest < argument.len {
-                return self.dialect.argument(kernel, argument, rest);
-            }
-            rest -= argument.len;
+        match argument_of(number, kernel.arguments.iter().map(|argument| argument.len)) {
+            Ok((argument, i)) => self.dialect.argument(kernel, &kernel.arguments[argument], i),
+            Err(i) => format!("({})", self.dialect.literal(self.kernel.known[i])),
         }
-        format!("({})", self.dialect.literal(self.kernel.known[rest]))
     }
 
     /// Returns a value: a local variable, or an entry of an earlier chunk's array.
@@ -148,12 +144,9 @@ impl Body<'_> {
         if value.statement >= self.first {
             return self.local(value.statement, value.place);
         }
-        let place = |(k, chunk): (usize, &Chunk)| {
-            let i = chunk.live_out.binary_search(&value).ok()?;
-            Some(self.dialect.live_value(k, i, self.inner))
-        };
-        let found = self.kernel.program.chunks.iter().enumerate().find_map(place);
-        found.expect("a value that crosses a cut is named there")
+        let place = self.kernel.program.place_of(value);
+        let (chunk, i) = place.expect("a value that crosses a cut is named there");
+        self.dialect.live_value(chunk, i, self.inner)
     }
 
     fn local(&self, s: usize, place: usize) -> String {

@@ -5,7 +5,9 @@ use std::fmt::Write as _;
 
 use super::{Printer, table_name};
 use crate::emit::FloatType;
-use crate::program::{Addend, Call, MultiplyAdd, Operand, Operation, Source, Target, Value};
+use crate::program::{
+    Addend, Call, MultiplyAdd, Operand, Operation, Source, Target, Value, argument_of,
+};
 
 impl Printer<'_> {
     pub(super) fn statement(&self, text: &mut String, s: usize, indent: &str) {
@@ -117,16 +119,12 @@ impl Printer<'_> {
 
     /// Returns the text of a scalar argument.
     pub(super) fn argument(&self, number: usize) -> String {
-        let mut rest = number;
-        for parameter in self.parameters {
-            if rest < parameter.shape.len() {
-                let name = parameter.entry(rest);
-                let is_constant = parameter.constants.is_some();
-                return if is_constant { format!("k(f64::from({name}))") } else { name };
-            }
-            rest -= parameter.shape.len();
-        }
-        unreachable!("a program's arguments are the function's parameters")
+        let lengths = self.parameters.iter().map(|parameter| parameter.shape.len());
+        let place = argument_of(number, lengths);
+        let (parameter, i) = place.expect("a program's arguments are the function's parameters");
+        let parameter = &self.parameters[parameter];
+        let name = parameter.entry(i);
+        if parameter.constants.is_some() { format!("k(f64::from({name}))") } else { name }
     }
 
     /// Returns the name of a value.
