@@ -157,7 +157,7 @@ macro_rules! option_table {
                     runtime_inertia: Vec<String>, field => field.extend(links.into_iter().map(Into::into)),
                     "links", "none", "[\"hand\"]";
                 /// The links to which an inertia is added that is an argument, among the robot's `Params`: the inertia of
-                /// a load, by default none.
+                /// a load.
                 "payload" payload(links: impl IntoIterator<Item = impl Into<String>>)
                     payload: Vec<String>, field => field.extend(links.into_iter().map(Into::into)),
                     "links", "none", "[\"hand\"]";

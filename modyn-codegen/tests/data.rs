@@ -118,10 +118,6 @@ const MAIN: [Function; 7] = [
     Function::ForwardDynamicsDerivatives,
 ];
 
-/// The functions that are counted for floating robots, besides.
-const HESSIANS: [Function; 2] =
-    [Function::InverseDynamicsHessian, Function::ForwardDynamicsHessian];
-
 /// The operations of each robot and function, as the file has them.
 fn counted() -> String {
     let mut text = String::from(
@@ -133,7 +129,7 @@ fn counted() -> String {
             Base::Fixed => {
                 Function::ALL.iter().copied().filter(|f| !f.is_of_constraints()).collect()
             }
-            _ => [&MAIN[..], &HESSIANS].concat(),
+            _ => MAIN.to_vec(),
         };
         let path = root().join(format!("robots/{robot}.urdf"));
         // All functions of a humanoid together are longer than a text may be.
@@ -150,7 +146,7 @@ fn counted() -> String {
             let all = all.find(|(one, _)| one == name);
             let all = all.map_or(scalar, |(_, all)| all.total());
             // A function of one state may have a second program, on vectors.
-            let one = MAIN.iter().chain(&HESSIANS).any(|function| function.name() == *name);
+            let one = MAIN.iter().any(|function| function.name() == *name);
             let lanes = all.checked_sub(scalar).filter(|&lanes| one && lanes > 0 && lanes < scalar);
             let lanes = lanes.map_or(String::new(), |lanes| lanes.to_string());
             let _ = writeln!(text, "{robot}\t{base}\t{name}\t{scalar}\t{lanes}");
@@ -498,9 +494,6 @@ fn rendered(name: &str) -> String {
             ],
             true,
         ),
-        "operations-of-hessians" => {
-            operations(&HESSIANS.map(|function| (function.name(), function.name())), true)
-        }
         "casadi" => beside_casadi(),
         "robots-in-short" => robots_in_short(),
         "tangents" => beside_tangents(),

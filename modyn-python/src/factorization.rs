@@ -55,7 +55,7 @@ impl Factorization {
         self.factors.log_determinant()
     }
 
-    /// Returns the solution x, (nv,), of I x = `rhs` with the mass matrix I; `rhs` is (nv,).
+    /// Returns the solution x, (nv,), of M x = `rhs` with the mass matrix M; `rhs` is (nv,).
     fn solve<'py>(
         &self,
         py: Python<'py>,

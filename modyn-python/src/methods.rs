@@ -433,8 +433,8 @@ impl Robot {
         self.call(py, 36, &[Some(q), Some(qd)], None, out)
     }
 
-    /// Returns the operational-space inertia of the constraints, its inverse J I^-1 J^T with the mass
-    /// matrix I, and the number of independent constraint rows. Each constraint has its constrained
+    /// Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the mass
+    /// matrix M, and the number of independent constraint rows. Each constraint has its constrained
     /// rotations, then its constrained displacements, of a contact in world axes. The entries of inactive
     /// contacts are zero. The inverse contains the compliance.
     ///

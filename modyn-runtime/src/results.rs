@@ -263,7 +263,7 @@ pub struct ConstrainedInverseDynamics<V, W, T> {
 /// row for each constraint row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OperationalInertia<R, T> {
-    /// J I^-1 J^T with the mass matrix I, and the compliance of contacts, 1/kg (rotations 1/(kg m^2)).
+    /// J M^-1 J^T with the mass matrix M, and the compliance of contacts, 1/kg (rotations 1/(kg m^2)).
     pub inverse: R,
     /// The pseudo-inverse of `inverse`, kg (rotations kg m^2).
     pub inertia: R,

@@ -500,7 +500,7 @@ functions! {
     OperationalInertia "operational_inertia" = Row::one(
         &[Q, CONTACTS, SETTINGS],
         shapes::operational_inertia,
-        "Returns the operational-space inertia of the constraints, its inverse J I^-1 J^T with the mass matrix I,\n\
+        "Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the mass matrix M,\n\
          and the number of independent constraint rows. Both matrices are arrays of columns; each constraint has\n\
          its constrained rotations, then its constrained displacements, of a contact in world axes. The entries\n\
          of inactive contacts are zero. The inverse contains the compliance.",

@@ -38,6 +38,19 @@ pub(super) fn limbs(robot: &TracedRobot, strategy: Strategy) -> Vec<LimbPacking>
     if packs { LimbPacking::candidates(&robot.mechanism, &LIMB_LIMITS, joins) } else { Vec::new() }
 }
 
+/// Returns the optimized graph of a function of one state on scalars, which `trace` traces.
+pub(super) fn on_scalars(
+    function: Function,
+    tracing: &Tracing<'_>,
+    trace: fn(&Tracer<'_>, &Tracing<'_>) -> Graph,
+) -> Graph {
+    match function {
+        // The search for the partition has already optimized this graph.
+        Function::ForwardDynamics => tracing.forward_dynamics.graph.clone(),
+        _ => optimize(trace(&tracing.tracer, tracing)),
+    }
+}
+
 /// Returns the graph with sums balanced along its critical path, if that is profitable.
 pub(super) fn balanced(graph: Graph) -> Graph {
     if graph.count().total() <= MAX_BALANCED { balance(&graph) } else { graph }

@@ -41,7 +41,7 @@ impl ScalarGraphs {
         if let Some(graph) = self.kept.get(&one) {
             return graph.clone();
         }
-        let graph = packing::balanced(tracing.optimized(one, trace));
+        let graph = packing::balanced(packing::on_scalars(one, tracing, trace));
         if self.batched.contains(&one) {
             self.kept.insert(one, graph.clone());
         }

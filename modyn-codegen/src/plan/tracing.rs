@@ -7,12 +7,9 @@ use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use super::frames::Frames;
-use super::functions::Function;
 use super::partition::{self, ChosenPartition};
 use super::shape::Sizes;
 use super::strategy::Strategy;
-use crate::graph::Graph;
-use crate::passes::optimize;
 use crate::trace::{LimbPacking, Parameters, Tracer};
 
 /// A robot in the forms that tracers read.
@@ -100,19 +97,6 @@ impl<'a> Tracing<'a> {
             independent: limbs.first().is_some_and(|limbs| limbs.independent(mechanism)),
             limbs,
             partitions,
-        }
-    }
-
-    /// Returns the optimized graph of a function of one state, which `trace` traces on scalars.
-    pub(super) fn optimized(
-        &self,
-        function: Function,
-        trace: fn(&Tracer<'_>, &Self) -> Graph,
-    ) -> Graph {
-        match function {
-            // The search for the partition has already optimized this graph.
-            Function::ForwardDynamics => self.forward_dynamics.graph.clone(),
-            _ => optimize(trace(&self.tracer, self)),
         }
     }
 

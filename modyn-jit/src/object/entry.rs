@@ -8,24 +8,11 @@ use super::assembler::{
     ADD, ADDRESS, Assembler, Condition, IMMEDIATE_COMPARE, LOAD, LOAD_SIGNED, LOAD_VECTOR, Label,
     Operand, R8, R9, R10, R11, RAX, RBP, RCX, RDI, RDX, RSI, RSP, SHIFT_LEFT, STORE, STORE_VECTOR,
 };
+use super::convention::{Convention, KEPT, KEPT_GENERAL, KEPT_VECTORS};
 use super::unwind::{Frame, FrameKind};
 use crate::encode::Encoder;
 use crate::generate::{MAX_ARRAYS, allocate};
 use Operand::{Code, Memory, Register};
-
-/// A calling convention of C.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Convention {
-    /// System V's, on Linux, macOS and the BSDs.
-    SystemV,
-    /// Microsoft's.
-    Windows,
-}
-
-/// The registers that Windows gives back to the caller: rdi, rsi, then xmm6 to xmm15, below rbp.
-pub(super) const KEPT_GENERAL: i32 = 16;
-pub(super) const KEPT_VECTORS: std::ops::Range<u8> = 6..16;
-pub(super) const KEPT: i32 = KEPT_GENERAL + 16 * 10;
 
 /// The place of the pointer to the results in the frame.
 const RESULTS: i32 = 8 * MAX_ARRAYS as i32;

@@ -22,6 +22,7 @@
 //! object needs no other code. The host can be any machine: it does not run the code.
 
 mod assembler;
+mod convention;
 mod entry;
 mod file;
 mod helpers;
@@ -37,7 +38,7 @@ use modyn_codegen::{Builder, FloatType, MachineCode, MachineTarget, ObjectPlanni
 use crate::code_size::CodeSize;
 use crate::error::CompileError;
 use crate::instruction_set::InstructionSet;
-use entry::Convention;
+use convention::Convention;
 use text::Text;
 
 /// The format of object files, with the calling convention of the systems that use it.

@@ -12,7 +12,7 @@ use modyn_runtime::{Scalar, steps};
 use object::{Object as _, ObjectSection, ObjectSymbol};
 
 use super::assembler::Assembler;
-use super::entry::Convention;
+use super::convention::Convention;
 use super::helpers::helper;
 use super::text::{Text, text};
 use super::unwind::{FrameKind, unwind_information};

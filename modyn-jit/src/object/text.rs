@@ -5,7 +5,8 @@ use modyn_codegen::plan::Plan;
 use modyn_runtime::model::Model;
 
 use super::assembler::{Assembler, Label};
-use super::entry::{Body, Call, Convention, Pointer, entry};
+use super::convention::Convention;
+use super::entry::{Body, Call, Pointer, entry};
 use super::helpers::{helper, is_supported};
 use super::unwind::{Frame, FrameKind};
 use crate::assembly::Assembly;

@@ -2,7 +2,7 @@
 //! ELF (DWARF 5, section 6.4) and `.pdata` with `.xdata` for COFF ("x64 exception handling", Microsoft). In Mach-O files there
 //! are none: tools follow rbp there, which every function with a frame keeps as the frame pointer.
 
-use super::entry::{KEPT, KEPT_VECTORS};
+use super::convention::{KEPT, KEPT_VECTORS};
 use crate::generate::PROLOGUE;
 
 /// A function with a frame, by offsets in the code.

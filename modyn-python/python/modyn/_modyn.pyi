@@ -55,7 +55,7 @@ class Options(TypedDict, total=False):
     which is the default. (Of each link alone, without the links that are fixed to it.) By default none."""
     payload: Sequence[str] | None
     """The links to which an inertia is added that is an argument, among the robot's `Params`: the inertia of a
-    load, by default none. By default none."""
+    load. By default none."""
     # end options
     machine_code: bool
     """Whether functions are compiled to machine code; without, they are evaluated. By default true."""
@@ -109,7 +109,7 @@ class Factorization:
     def log_determinant(self) -> float:
         """Returns the natural logarithm of the mass matrix's determinant."""
     def solve(self, rhs: ArrayLike) -> Array:
-        """Returns the solution x, (nv,), of I x = `rhs` with the mass matrix I; `rhs` is (nv,)."""
+        """Returns the solution x, (nv,), of M x = `rhs` with the mass matrix M; `rhs` is (nv,)."""
 
 @final
 class Robot:
@@ -583,8 +583,8 @@ class Robot:
     def operational_inertia(
         self, q: ArrayLike, contacts: ArrayLike | None = None, settings: ConstraintSettings | ArrayLike | None = None, *, out: OperationalInertia | None = None
     ) -> OperationalInertia:
-        """Returns the operational-space inertia of the constraints, its inverse J I^-1 J^T with the mass
-        matrix I, and the number of independent constraint rows. Each constraint has its constrained
+        """Returns the operational-space inertia of the constraints, its inverse J M^-1 J^T with the mass
+        matrix M, and the number of independent constraint rows. Each constraint has its constrained
         rotations, then its constrained displacements, of a contact in world axes. The entries of inactive
         contacts are zero. The inverse contains the compliance.
 

@@ -118,7 +118,7 @@ impl<S: Scalar> UduFactorization<S> {
         self.matrix(|columns| brge::inverse(&self.layout, &self.factors, columns))
     }
 
-    /// Returns the solution x of I x = `rhs`, by the three steps of (60).
+    /// Returns the solution x of M x = `rhs`, with the mass matrix M, by the three steps of equation 60 of the paper.
     ///
     /// # Errors
     ///
@@ -130,7 +130,7 @@ impl<S: Scalar> UduFactorization<S> {
         Ok(x)
     }
 
-    /// Replaces the right-hand side `x` by the solution of I x = rhs.
+    /// Replaces the right-hand side `x` by the solution of M x = rhs, with the mass matrix M.
     ///
     /// # Errors
     ///

@@ -20,7 +20,7 @@ pub trait Factorization<T: Scalar> {
     fn u_inverse(&self) -> Self::M;
     /// Returns D^-1, (54).
     fn d_inverse(&self) -> Self::M;
-    /// Returns the solution x of I x = `rhs`, by the three steps of (60).
+    /// Returns the solution x of M x = `rhs`, with the mass matrix M, by the three steps of equation 60 of the paper.
     fn solve(&self, rhs: &Self::V) -> Self::V;
     /// Returns the inverse of the mass matrix, (50).
     fn inverse(&self) -> Self::M;

@@ -111,15 +111,25 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     to_stdout(&(text::of(&inspection) + &warnings))
 }
 
+/// Contracted Hessians, which JSON has on request only: with them, the text of a humanoid would exceed the limit.
+const HESSIANS: [Function; 3] = [
+    Function::InverseDynamicsHessian,
+    Function::ForwardDynamicsHessian,
+    Function::StepSemiImplicitHessian,
+];
+
 /// Returns the cost of each function, or the reason why the robot cannot be compiled. JSON has all functions except
-/// batches by default.
+/// batches and Hessians by default.
 fn costs(
     builder: Builder,
     arguments: &Arguments,
 ) -> Result<Result<Vec<Cost>, Diagnostics>, Diagnostics> {
     let mut builder = builder.functions(match &arguments.functions {
         Some(Functions(functions)) => functions.clone(),
-        None => Function::ALL.iter().copied().filter(|one| one.batched().is_none()).collect(),
+        None => {
+            let all = Function::ALL.iter().copied();
+            all.filter(|one| one.batched().is_none() && !HESSIANS.contains(one)).collect()
+        }
     });
     if let Some(choice) = &arguments.modules {
         builder = builder.modules(choice.clone());

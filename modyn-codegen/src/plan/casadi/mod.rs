@@ -77,7 +77,7 @@ impl CasadiPlan {
                     }
                 }
                 Trace::One(trace) => {
-                    let graph = || tracing.optimized(*function, trace);
+                    let graph = || packing::on_scalars(*function, &tracing, trace);
                     let derivatives = match function {
                         Function::ForwardDynamics => tracer.forward_dynamics_by_entries(
                             &graph(),
