@@ -6,7 +6,8 @@
 
 modyn::modyn!(pub Arm = "../../../../robots/arm7.urdf", scalar = f32);
 modyn::modyn!("../../../../robots/gripper.urdf");
-modyn::modyn!(pub Zoo = "../../../../robots/joint_zoo.urdf", functions = all, scalar = f32);
+modyn::modyn!(pub Zoo = "../../../../robots/joint_zoo.urdf", scalar = f32);
+modyn::modyn!(pub Pendulum = "../../../../robots/double_pendulum.urdf", functions = all, scalar = f32);
 
 /// Returns the torques that hold the arm and accelerate it.
 #[must_use]

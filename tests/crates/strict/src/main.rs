@@ -5,11 +5,11 @@
 modyn::modyn!("../../../../robots/gripper.urdf");
 modyn::modyn!(Private = "../../../../robots/gripper.urdf");
 modyn::modyn!(
-    Complete = "../../../../robots/joint_zoo.urdf",
+    Complete = "../../../../robots/mimic_gripper.urdf",
     functions = all,
     runtime_gravity = true,
-    runtime_inertia = ["hand"],
-    payload = ["hand"],
+    runtime_inertia = ["palm"],
+    payload = ["palm"],
 );
 
 mod included {
