@@ -38,7 +38,7 @@ def cell(report, row, reference):
 
 
 #: Of one program each, so that the column's head says all.
-OWN = [name for name, _, _ in modyn.WAYS + modyn.BESIDE]
+OWN = [name for name, _, _ in modyn.VARIANTS + modyn.BESIDE]
 #: The reference of the ratios.
 REFERENCE = "modyn native"
 

@@ -7,7 +7,7 @@
 //!
 //! First comes a line for each joint that has coordinates (their number, that of velocities, the type, the name)
 //! and an empty one; then a line a state: accelerations under the torques tau, bias forces, and the mass
-//! matrix by columns. Words behind the path: `floating`, `independent` (mimics) and `warn` (of inertias that no rigid
+//! matrix by columns. Words after the path: `floating`, `independent` (mimics) and `warn` (of inertias that no rigid
 //! body has).
 
 use std::error::Error;

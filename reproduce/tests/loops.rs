@@ -56,13 +56,13 @@ where
     assert_eq!((again.qdd.as_slice(), again.wrenches), (&found.qdd[..], found.wrenches));
     assert_eq!((again.residuals, again.rank), (found.residuals, found.rank));
 
-    let (mut apart, mut parting) = ([Twist::zero()], [Twist::zero()]);
+    let (mut displacements, mut velocities) = ([Twist::zero()], [Twist::zero()]);
     interpreter
-        .constraint_residual((&q, &qd), &settings, (&mut apart, &mut parting))
+        .constraint_residual((&q, &qd), &settings, (&mut displacements, &mut velocities))
         .expect("fits");
     let found = R::constraint_residual(&q, &qd, &settings);
-    assert_near(&found.displacements[0].components(), &apart[0].components());
-    assert_near(&found.velocities[0].components(), &parting[0].components());
+    assert_near(&found.displacements[0].components(), &displacements[0].components());
+    assert_near(&found.velocities[0].components(), &velocities[0].components());
     assert_eq!(Nalgebra::<R>::constraint_residual(x, v, &settings), found);
 
     let (mut dq, mut dqd) = ([0.0; N], [0.0; N]);

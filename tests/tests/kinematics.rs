@@ -438,11 +438,11 @@ fn external_forces_act_through_the_jacobian() {
                     &mut found,
                 );
                 let columns = jacobian(interpreter, q, frame, axes);
-                let felt = columns.iter().map(|column| -> f64 {
+                let joint_forces = columns.iter().map(|column| -> f64 {
                     zip(column.components(), wrench).map(|(a, b)| a * b).sum()
                 });
-                let felt: Vec<f64> = felt.collect();
-                assert_close("tau - J^T w", &found, &plus(&tau, -1.0, &felt), EXACT);
+                let joint_forces: Vec<f64> = joint_forces.collect();
+                assert_close("tau - J^T w", &found, &plus(&tau, -1.0, &joint_forces), EXACT);
             }
         }
     });

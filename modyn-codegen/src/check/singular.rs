@@ -10,7 +10,7 @@
 //! A joint of several degrees of freedom is eliminated one unit motion at a time. A rotor is inertia at its own joint
 //! only.
 //!
-//! A mimic joint is held, since its motion is the leader's, and its inertia is added to the leader as a rotor. A leader is
+//! A mimic joint is locked, since its motion is the leader's, and its inertia is added to the leader as a rotor. A leader is
 //! therefore rejected only if neither it nor a mimic joint that follows it moves inertia. This is simpler than the mass
 //! matrix of the coupled joints: motions that cancel exactly in the ratio of a mimic joint are not found.
 
@@ -198,7 +198,7 @@ fn translation_along(axis: Vec3) -> Twist<f64> {
 struct ArticulatedState {
     /// The inertia with the joints of all descendants eliminated.
     articulated: ArticulatedInertia<f64>,
-    /// The inertia with the child joints held: the terms that cancelled in `articulated`.
+    /// The inertia with the child joints locked: the terms that cancelled in `articulated`.
     before: ArticulatedInertia<f64>,
     /// The magnitude of the terms in moments of inertia.
     rounding: f64,

@@ -116,14 +116,14 @@ impl<T: Scalar> StepContact<'_, T> {
 
         let slip = self.velocity(velocities);
         let slip = slip - normal.scale(normal.dot(slip));
-        let held = *impulse - normal.scale(pressed) - slip.scale(across.recip());
-        let (length, most) = (held.dot(held).sqrt(), self.friction * pressed);
+        let friction = *impulse - normal.scale(pressed) - slip.scale(across.recip());
+        let (length, most) = (friction.dot(friction).sqrt(), self.friction * pressed);
         // At length zero the first choice applies, so nothing is divided by zero.
         let sticks = most - length;
         let part = most * sticks.select_nonnegative(T::one(), length).recip();
         let part = sticks.select_nonnegative(T::one(), part);
-        let held = held.scale(part);
-        self.apply(normal.scale(pressed) + held - *impulse, velocities, impulse);
+        let friction = friction.scale(part);
+        self.apply(normal.scale(pressed) + friction - *impulse, velocities, impulse);
     }
 
     fn apply(&self, change: Vector3<T>, velocities: &mut [T], impulse: &mut Vector3<T>) {
