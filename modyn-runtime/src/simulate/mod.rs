@@ -117,12 +117,11 @@ impl<R: Robot, T: Scalar> State<R, T> {
     /// use modyn_runtime::simulate::State;
     /// use modyn_runtime::{Robot, functions};
     ///
-    /// /// A second of free motion from rest at `q`, in steps of a millisecond.
-    /// fn release<R: Robot + functions::Defaults>(q: R::Q<f64>) -> State<R> {
-    ///     let none = R::V::from_fn(|_| 0.0);
+    /// /// A second from rest at `q` under the constant joint forces `tau`, in steps of a millisecond.
+    /// fn push<R: Robot + functions::Defaults>(q: R::Q<f64>, tau: &R::V<f64>) -> State<R> {
     ///     let mut state = State::<R>::at_rest(q);
     ///     for _ in 0..1000 {
-    ///         state = state.runge_kutta_4(0.001, |now| R::forward_dynamics(&now.q, &now.qd, &none));
+    ///         state = state.runge_kutta_4(0.001, |now| R::forward_dynamics(&now.q, &now.qd, tau));
     ///     }
     ///     state
     /// }
