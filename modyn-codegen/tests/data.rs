@@ -107,7 +107,7 @@ const ROBOTS: [(&str, Base, &str, &str); 6] = [
     ("humanoid", Base::Floating, "g1_ff", "G1, floating base"),
 ];
 
-/// The functions that are counted for all robots. (The fixed ones have all functions.)
+/// The functions that are counted for all robots, on scalars and in lanes. (The fixed ones have all functions.)
 const MAIN: [Function; 7] = [
     Function::ForwardDynamics,
     Function::InverseDynamics,
@@ -116,6 +116,19 @@ const MAIN: [Function; 7] = [
     Function::Brge,
     Function::InverseDynamicsDerivatives,
     Function::ForwardDynamicsDerivatives,
+];
+
+/// The functions that are counted for all robots besides: those of the tables in docs/derivatives.md.
+const OPTIMAL_CONTROL: [Function; 9] = [
+    Function::InverseDynamicsVjp,
+    Function::InverseDynamicsJvp,
+    Function::ForwardDynamicsVjp,
+    Function::ForwardDynamicsJvp,
+    Function::ForwardDynamicsHessian,
+    Function::StepSemiImplicitHessian,
+    Function::StepRk4,
+    Function::StepImplicitMidpoint,
+    Function::StepImplicitMidpointDerivatives,
 ];
 
 /// The operations of each robot and function, as the file has them.
@@ -129,7 +142,7 @@ fn counted() -> String {
             Base::Fixed => {
                 Function::ALL.iter().copied().filter(|f| !f.is_of_constraints()).collect()
             }
-            _ => MAIN.to_vec(),
+            _ => [&MAIN[..], &OPTIMAL_CONTROL].concat(),
         };
         let path = root().join(format!("robots/{robot}.urdf"));
         // All functions of a humanoid together are longer than a text may be.
@@ -138,7 +151,7 @@ fn counted() -> String {
             let generated = builder.functions(functions.iter().copied()).generate();
             generated.unwrap_or_else(|found| panic!("{robot}: {found}"))
         };
-        let generated: Vec<_> = functions.chunks(16).map(generate).collect();
+        let generated: Vec<_> = functions.chunks(6).map(generate).collect();
         let base = if base == Base::Fixed { "fixed" } else { "floating" };
         for (name, operations) in generated.iter().flat_map(|generated| &generated.operations) {
             let scalar = operations.total();
@@ -493,6 +506,32 @@ fn rendered(name: &str) -> String {
                 ("derivatives of forward dynamics", "forward_dynamics_derivatives"),
             ],
             true,
+        ),
+        "operations-of-products" => operations(
+            &[
+                ("inverse dynamics", "inverse_dynamics"),
+                ("`inverse_dynamics_vjp`", "inverse_dynamics_vjp"),
+                ("`inverse_dynamics_jvp`", "inverse_dynamics_jvp"),
+                ("forward dynamics", "forward_dynamics"),
+                ("`forward_dynamics_vjp`", "forward_dynamics_vjp"),
+                ("`forward_dynamics_jvp`", "forward_dynamics_jvp"),
+            ],
+            false,
+        ),
+        "operations-of-step-hessians" => operations(
+            &[
+                ("`forward_dynamics_hessian`", "forward_dynamics_hessian"),
+                ("`step_semi_implicit_hessian`", "step_semi_implicit_hessian"),
+            ],
+            false,
+        ),
+        "operations-of-steps" => operations(
+            &[
+                ("`step_rk4`", "step_rk4"),
+                ("`step_implicit_midpoint`", "step_implicit_midpoint"),
+                ("`step_implicit_midpoint_derivatives`", "step_implicit_midpoint_derivatives"),
+            ],
+            false,
         ),
         "casadi" => beside_casadi(),
         "robots-in-short" => robots_in_short(),
