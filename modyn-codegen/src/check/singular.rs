@@ -269,9 +269,9 @@ mod tests {
     ];
 
     /// A generator of small pseudo-random numbers.
-    struct Dice(u64);
+    struct PseudoRandom(u64);
 
-    impl Dice {
+    impl PseudoRandom {
         fn below(&mut self, n: usize) -> usize {
             self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             usize::try_from(self.0 >> 40).unwrap_or(0) % n
@@ -370,7 +370,7 @@ mod tests {
 
     #[test]
     fn a_joint_is_singular_exactly_where_the_mass_matrix_is_singular() {
-        let mut dice = Dice(7);
+        let mut dice = PseudoRandom(7);
         let mut count = [0; 2];
         for _ in 0..10_000 {
             let model = dice.model();
@@ -446,7 +446,7 @@ mod tests {
     }
 
     #[test]
-    fn a_leader_feels_the_inertia_of_its_followers() {
+    fn a_leader_moves_the_inertia_of_its_followers() {
         let body = Inertial {
             mass: 1.0,
             center_of_mass: [0.1, 0.0, 0.0],
