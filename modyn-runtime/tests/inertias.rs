@@ -342,7 +342,7 @@ fn a_robot_without_inertia_keeps_its_defects() {
     let none = Inertial::default();
     let massless = described(&model, &[(2, none), (3, none)]);
     let mut interpreter = Interpreter::<f64>::new(massless);
-    interpreter.set_inertial(0, &Random(9).inertial()).expect("the first joint feels its link");
+    interpreter.set_inertial(0, &Random(9).inertial()).expect("the first joint moves its link");
     interpreter.set_inertial(0, &none).expect("and its tool");
     assert_eq!(refused(interpreter.set_inertial(1, &none)), "joint0");
 }
