@@ -130,12 +130,12 @@ fn chart<'a>(title: &'a str, y: &'a str, lines: Vec<Line>) -> Chart<'a> {
 pub fn report(report: &mut Report) -> Result<(), Failure> {
     report.heading("The biped: Sect. 5.1, Figs. 8 and 9");
     report.text(
-        "A step by (61)-(64), (63) with the minus that (62) asks for; figures of the biped after the authors' public \
-         simulator inputs (the paper's Table 1 is not to be had). Where the paper says nothing: the swing foot keeps \
-         y = 0.2 m, feet and trunk stay upright. Computed torque with K_p = 225 and K_d = 30, forward dynamics by \
-         generated code, Dormand and Prince's integrator with 1e-8 a step. The hips' angles are in Euler charts: \
-         y-x-z of the trunk against the thigh for the stance hip, x-y-z of the thigh against the trunk for the swing \
-         hip, axes turning along.",
+        "The biped takes a step by (61)-(64); (63) has the minus that (62) requires. The biped's parameters are those of \
+         the authors' public simulator inputs, since the paper's Table 1 is not available. The paper does not state two \
+         things: here the swing foot keeps y = 0.2 m, and feet and trunk stay upright. The controller is computed torque \
+         with K_p = 225 and K_d = 30; forward dynamics is generated code; the integrator is Dormand and Prince's with a \
+         tolerance of 1e-8 a step. The hips' angles are Euler angles about rotating axes: y-x-z of the trunk relative to \
+         the thigh for the stance hip, x-y-z of the thigh relative to the trunk for the swing hip.",
     );
     let model = robots::biped();
     let rows = model.links().iter().map(|link| {

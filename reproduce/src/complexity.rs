@@ -140,7 +140,8 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
          revolute chains and trees in general position. Published counts have no divisions: articulated body \
          after McMillan, RNEA after Balafoutis and Patel, CRBA, factoring and solving as in Featherstone 2008, \
          Table 10.1; reverse Gaussian elimination after Saha, as others quote it. A chain as one module is composite \
-         inertias and elimination, so both have the same count. The paper prints its Fig. 6 as a plot alone. The search for modules stops at its budget of 80,000 operations traced.",
+         inertias and elimination, so both have the same count. The paper prints its Fig. 6 as a plot without numbers. \
+         The search for modules stops after 80,000 traced operations, its budget.",
     );
     let (joints, operations) = (Axis::linear("joints n"), Axis::linear("operations"));
     let (counts, mut all) = lines(&CHAINS.map(robots::chain));

@@ -54,9 +54,9 @@ pub fn stretching_arm(times: &[f64]) -> Vec<Vec<f64>> {
 pub fn report(report: &mut Report) -> Result<(), Failure> {
     report.heading("Monitoring by module");
     report.text(
-        "Condition numbers (2-norm) of the modules' pivot blocks and of the whole mass matrix along a motion: the biped on \
-         its step by the paper's modules, and a 7-joint arm (as modules of three and four links) whose elbow goes \
-         through its straight posture at half time, where the hand loses a direction. The mass matrix is \
+        "The plots have the condition numbers (2-norm) of the modules' pivot blocks and of the whole mass matrix along a \
+         motion. One robot is the biped on its step, by the paper's modules. The other is a 7-joint arm in modules of \
+         three and four links. Its elbow is straight at half time, where the hand loses a direction. The mass matrix is \
          positive definite in a kinematic singularity, too; its condition number shows bad scaling.",
     );
     let times = instants(1.0, 101);

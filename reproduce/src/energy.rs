@@ -96,9 +96,10 @@ impl Fall {
 pub fn report(report: &mut Report) -> Result<(), Failure> {
     report.heading("Energy: Fig. 10");
     report.text(
-        "Change of total energy per unit mass, falling freely from rest. The paper prints plots alone and states \
-         neither integrator nor tolerance; ours is Dormand and Prince's with 1e-9 a step in double precision. In \
-         single precision only accelerations are; a tolerance of 1e-5 a step suits them.",
+        "The plots have the change of the total energy per unit mass of robots that fall freely from rest. The paper \
+         prints plots without numbers, and states neither integrator nor tolerance. Here the integrator is Dormand and \
+         Prince's, with a tolerance of 1e-9 a step in double precision. In the runs in single precision, only \
+         the accelerations have single precision; the tolerance is 1e-5 a step.",
     );
     let mut rows = Vec::new();
     for (name, fall, end) in [("gripper", Fall::gripper(), 2.0), ("biped", Fall::biped(), 1.0)] {

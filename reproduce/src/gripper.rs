@@ -123,7 +123,9 @@ pub fn report(report: &mut Report) {
             .enumerate()
             .map(move |(i, (ours, paper))| vec![named(i), ours, paper.into()])
     });
-    report.text("Numbers in brackets belong to nothing: the paper's columns are smeared there. (A.20) is cut, not rounded.");
+    report.text(
+        "Numbers in brackets belong to no column: the paper's columns run together there. (A.20) is truncated, not rounded.",
+    );
     report.table(Table::new(&["matrix", "ours", "paper"], rows.collect()));
     let rows = (0..4).map(|i| {
         let phi = ["-0.8829", "-0.1962", "-0.0491", "(lost)"][i];

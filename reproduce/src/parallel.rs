@@ -137,9 +137,9 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     report.heading("Modules in parallel");
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     report.text(format!(
-        "Table 6 with the branches of a first link on threads, in two phases a call; least time of several calls on a \
-         machine of {cores} cores. Numbers are how many times faster than one after the other: rayon's pool, and two \
-         threads made anew for each phase.",
+        "Table 6 is computed with the branches of a first link on threads, in two phases a call. Times are the least of \
+         several calls on a machine with {cores} cores. The numbers are the time of the branches one after the other, \
+         divided by their time in parallel: on rayon's pool, and on two threads that each phase starts.",
     ));
     let cases = [
         ("many branches of 4 links", [2, 4, 8, 16, 32, 64, 128, 256, 512, 1024].map(|b| (b, 4))),

@@ -256,7 +256,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
         report.plot(&format!("table5-{name}.svg"), &chart)?;
     }
     report.text(format!(
-        "The biped stands as at the start of its step; the paper does not say where its biped stands. Over the step \
+        "The biped has its posture at the start of the step; the paper does not state its posture. Over the step \
          the condition number goes from {:.0} to {:.0}. It is inversely proportional to the foot's inertia about its \
          length, which had to be chosen (1e-4 kg m^2): with 1.41e-4 it is {:.0} at the start.",
         biped_conditions().fold(f64::INFINITY, f64::min),
