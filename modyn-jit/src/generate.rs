@@ -27,9 +27,11 @@ use crate::values::{Definition, Operation, Step, Value, Values};
 use data::{pool, stores};
 use far_angles::SlowPath;
 
+pub(crate) use frame::MAX_ARRAYS;
+#[cfg(feature = "object")]
+pub(crate) use frame::PROLOGUE;
 #[cfg(feature = "object")]
 pub(crate) use frame::allocate;
-pub(crate) use frame::{MAX_ARRAYS, PROLOGUE};
 
 /// A function: instructions, then constants. It can start at any multiple of 64.
 pub(crate) struct Generated {
