@@ -107,8 +107,8 @@ const ROBOTS: [(&str, Base, &str, &str); 6] = [
     ("humanoid", Base::Floating, "g1_ff", "G1, floating base"),
 ];
 
-/// The functions that are counted for all robots, on scalars and in lanes. (The fixed ones have all functions.)
-const MAIN: [Function; 7] = [
+/// The functions that are counted for all robots. (The fixed ones have all functions.)
+const MAIN: [Function; 17] = [
     Function::ForwardDynamics,
     Function::InverseDynamics,
     Function::BiasForces,
@@ -116,14 +116,11 @@ const MAIN: [Function; 7] = [
     Function::Brge,
     Function::InverseDynamicsDerivatives,
     Function::ForwardDynamicsDerivatives,
-];
-
-/// The functions that are counted for all robots besides: those of the tables in docs/derivatives.md.
-const OPTIMAL_CONTROL: [Function; 9] = [
     Function::InverseDynamicsVjp,
     Function::InverseDynamicsJvp,
     Function::ForwardDynamicsVjp,
     Function::ForwardDynamicsJvp,
+    Function::InverseDynamicsHessian,
     Function::ForwardDynamicsHessian,
     Function::StepSemiImplicitHessian,
     Function::StepRk4,
@@ -142,7 +139,7 @@ fn counted() -> String {
             Base::Fixed => {
                 Function::ALL.iter().copied().filter(|f| !f.is_of_constraints()).collect()
             }
-            _ => [&MAIN[..], &OPTIMAL_CONTROL].concat(),
+            _ => MAIN.to_vec(),
         };
         let path = root().join(format!("robots/{robot}.urdf"));
         // All functions of a humanoid together are longer than a text may be.
@@ -151,7 +148,8 @@ fn counted() -> String {
             let generated = builder.functions(functions.iter().copied()).generate();
             generated.unwrap_or_else(|found| panic!("{robot}: {found}"))
         };
-        let generated: Vec<_> = functions.chunks(6).map(generate).collect();
+        let most = if base == Base::Fixed { 16 } else { 4 };
+        let generated: Vec<_> = functions.chunks(most).map(generate).collect();
         let base = if base == Base::Fixed { "fixed" } else { "floating" };
         for (name, operations) in generated.iter().flat_map(|generated| &generated.operations) {
             let scalar = operations.total();
@@ -181,6 +179,17 @@ fn operations_are_the_compilers() {
     assert_eq!(expected, found, "operations have changed, first {differing:?}");
 }
 
+/// A gradient costs little more than its function, whatever the number of joints.
+#[test]
+fn gradients_cost_at_most_two_and_a_half_functions() {
+    let data = Data::load("operations");
+    for robot in ROBOTS {
+        let count = |function| data.number(&key(robot, function), "operations");
+        let [one, vjp] = ["forward_dynamics", "forward_dynamics_vjp"].map(count);
+        assert!(vjp <= 2.5 * one, "{}: {vjp} operations instead of {one}", name(robot));
+    }
+}
+
 fn name((robot, base, _, of): (&str, Base, &str, &str)) -> String {
     let floating = if base == Base::Floating { ", floating" } else { "" };
     format!("`{robot}`{floating} ({})", of.trim_end_matches(", floating base"))
@@ -208,6 +217,13 @@ fn operations(functions: &[(&str, &str)], lanes: bool) -> String {
     };
     let rows: Vec<Vec<String>> = ROBOTS.iter().map(|robot| row(*robot)).collect();
     table(&titles, rows.iter().map(Vec::as_slice))
+}
+
+/// Robots by functions under their names, with the operations in lanes in brackets.
+fn by_name(functions: &[&str]) -> String {
+    let titles: Vec<String> = functions.iter().map(|function| format!("`{function}`")).collect();
+    let titled = titles.iter().map(String::as_str).zip(functions.iter().copied());
+    operations(&titled.collect::<Vec<_>>(), true)
 }
 
 /// modyn's operations beside CasADi's instructions.
@@ -507,32 +523,19 @@ fn rendered(name: &str) -> String {
             ],
             true,
         ),
-        "operations-of-products" => operations(
-            &[
-                ("inverse dynamics", "inverse_dynamics"),
-                ("`inverse_dynamics_vjp`", "inverse_dynamics_vjp"),
-                ("`inverse_dynamics_jvp`", "inverse_dynamics_jvp"),
-                ("forward dynamics", "forward_dynamics"),
-                ("`forward_dynamics_vjp`", "forward_dynamics_vjp"),
-                ("`forward_dynamics_jvp`", "forward_dynamics_jvp"),
-            ],
-            false,
-        ),
-        "operations-of-step-hessians" => operations(
-            &[
-                ("`forward_dynamics_hessian`", "forward_dynamics_hessian"),
-                ("`step_semi_implicit_hessian`", "step_semi_implicit_hessian"),
-            ],
-            false,
-        ),
-        "operations-of-steps" => operations(
-            &[
-                ("`step_rk4`", "step_rk4"),
-                ("`step_implicit_midpoint`", "step_implicit_midpoint"),
-                ("`step_implicit_midpoint_derivatives`", "step_implicit_midpoint_derivatives"),
-            ],
-            false,
-        ),
+        "adjoints" => by_name(&[
+            "inverse_dynamics",
+            "inverse_dynamics_vjp",
+            "inverse_dynamics_jvp",
+            "forward_dynamics",
+            "forward_dynamics_vjp",
+            "forward_dynamics_jvp",
+        ]),
+        "hessians" => by_name(&["inverse_dynamics_hessian", "forward_dynamics_hessian"]),
+        "step-hessians" => by_name(&["forward_dynamics_hessian", "step_semi_implicit_hessian"]),
+        "steps" => {
+            by_name(&["step_rk4", "step_implicit_midpoint", "step_implicit_midpoint_derivatives"])
+        }
         "casadi" => beside_casadi(),
         "robots-in-short" => robots_in_short(),
         "tangents" => beside_tangents(),
