@@ -52,8 +52,9 @@ fn attitude(q: &[f64]) -> UnitQuaternion<f64> {
 fn displaced(model: &Model, q: &[f64], v: &[f64]) -> Vec<f64> {
     let mut moved = q.to_vec();
     let rotate = |moved: &mut [f64], w: &[f64]| {
-        let turned = attitude(moved) * UnitQuaternion::from_scaled_axis(Vector3::from_row_slice(w));
-        moved[..4].copy_from_slice(turned.coords.as_slice());
+        let rotated =
+            attitude(moved) * UnitQuaternion::from_scaled_axis(Vector3::from_row_slice(w));
+        moved[..4].copy_from_slice(rotated.coords.as_slice());
     };
     joints(model, |joint_type, at, k| match joint_type {
         JointType::Spherical => rotate(&mut moved[at..at + 4], &v[k..k + 3]),
