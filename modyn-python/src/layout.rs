@@ -45,9 +45,9 @@ impl Leaf {
     }
 
     /// Returns the strides of the axes in bytes, after that of the states of a batch with `length` numbers each.
-    pub fn strides(&self, states: Option<usize>, length: usize) -> Vec<usize> {
+    pub fn strides<S>(&self, states: Option<usize>, length: usize) -> Vec<usize> {
         let strides = states.map(|_| length).into_iter().chain(self.axes.iter().map(|axis| axis.1));
-        strides.map(|stride| stride * size_of::<f64>()).collect()
+        strides.map(|stride| stride * size_of::<S>()).collect()
     }
 }
 

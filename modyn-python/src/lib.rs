@@ -17,6 +17,7 @@ mod function;
 mod layout;
 mod memory;
 mod methods;
+mod number;
 mod options;
 mod pictures;
 mod robot;

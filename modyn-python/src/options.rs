@@ -2,14 +2,14 @@
 
 use modyn_codegen::diagnostics::suggest;
 use modyn_codegen::options::{Entries, OPTIONS, OptionRow, OptionValue, Stage, Value, ValueKind};
-use modyn_codegen::{Builder, Bundle, ModuleChoice};
+use modyn_codegen::{Builder, Bundle, FloatType, ModuleChoice};
 use modyn_runtime::model::{Model, ModuleTree};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList, PyString, PyTuple};
 
 /// The options about code that have no meaning for machine code.
-const OF_TEXT: &[&str] = &["functions", "scalar", "share", "crate"];
+const OF_TEXT: &[&str] = &["functions", "share", "crate"];
 
 /// Returns the options that `load` takes.
 pub fn rows() -> impl Iterator<Item = &'static OptionRow> {
@@ -60,6 +60,20 @@ pub fn bundles(wanted: &Bound<'_, PyAny>) -> PyResult<Vec<Bundle>> {
     let value = parsed("bundles", wanted)?;
     let bundles = value.items().iter().map(Bundle::read);
     bundles.collect::<Result<_, _>>().map_err(|fault| wrong(&fault.message))
+}
+
+/// Returns the scalar of the option `scalar`.
+///
+/// # Errors
+///
+/// `ValueError` if it is no scalar.
+pub fn scalar(options: &Bound<'_, PyDict>) -> PyResult<FloatType> {
+    let wanted = options.get_item("scalar")?.filter(|wanted| !wanted.is_none());
+    let scalar = wanted.map(|wanted| {
+        FloatType::read(&parsed("scalar", &wanted)?)
+            .map_err(|fault| PyValueError::new_err(format!("option `scalar`: {}", fault.message)))
+    });
+    Ok(scalar.transpose()?.unwrap_or_default())
 }
 
 /// Returns the kinematic modules of the option `modules`.
