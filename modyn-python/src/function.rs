@@ -101,10 +101,7 @@ impl<S: Number> Typed<S> {
         let arguments =
             arguments.map(|(argument, shape)| (*argument, layout::of_argument(shape))).collect();
         let length = planned.result.len();
-        let result = match function {
-            Some(function) => layout::of_function(function, &planning.plan.sizes),
-            None => layout::of_bundle(&planned.result, &planning.plan.sizes),
-        };
+        let result = layout::of_result(&planned.result);
         let mut options = Options::default();
         options.batches = true;
         let compiled = machine_code.then(|| Compiled::from_plan(&planning, options));

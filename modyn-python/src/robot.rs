@@ -5,6 +5,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use modyn_codegen::diagnostics::suggest;
 use modyn_codegen::{Builder, Bundle, FloatType, Function};
+use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
 use modyn_runtime::model::{Link, Model, ModuleTree};
 use modyn_runtime::{Inertial, Interpreter};
 use numpy::{PyArray1, PyArrayDescr};
@@ -354,6 +355,19 @@ impl Robot {
         let links = 0..self.model.links().len();
         let parameters = links.filter_map(|link| self.model.inertial_parameters(link)).flatten();
         PyArray1::from_iter(py, parameters)
+    }
+
+    /// Returns the base parameters: a smallest set of combinations of inertial parameters that determines all joint forces.
+    /// `names` has each combination as text, `columns` the column of `regressor` of each, and `values` the numbers of the
+    /// description. Finding them takes a while (Gautier 1991).
+    fn base_parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let base = py.detach(|| BaseParameters::new(&self.model));
+        let names: Vec<&str> = base.parameters.iter().map(BaseParameter::name).collect();
+        let columns = base.regressor_columns().into_iter().map(|column| column as i64);
+        let columns = PyArray1::from_iter(py, columns);
+        let values = PyArray1::from_vec(py, base.values(&self.model));
+        let class = py.import("modyn._types")?.getattr("BaseParameters")?;
+        class.call1((names, columns, values))
     }
 
     /// The names of the bundles, each of which is a method.
