@@ -58,7 +58,7 @@ class ContactTarget:
     weight: float = 1.0
     """the weight of the contact in the distribution of the load by inverse dynamics"""
 
-    def __array__(self, dtype: DTypeLike = None, copy: bool | None = None) -> NDArray[Any]:
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         vectors = [np.asarray(x, float).ravel() for x in (self.rotation, self.translation, self.velocity)]
         numbers = [self.tangential, self.alpha, self.beta, self.compliance, self.restitution, self.weight]
         return np.concatenate([*vectors, numbers]).astype(np.dtype(dtype))
@@ -80,7 +80,7 @@ class ConstraintSettings:
     rounding: float | None = None
     """the part of a row's own mobility that rounding may leave; by default 1e-10, and 1e-5 in single precision"""
 
-    def __array__(self, dtype: DTypeLike = None, copy: bool | None = None) -> NDArray[Any]:
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         wanted = np.dtype(dtype)
         tolerance, rounding = (1e-8, 1e-5) if wanted == np.float32 else (1e-10, 1e-10)
         tolerance = tolerance if self.tolerance is None else self.tolerance
