@@ -15,6 +15,7 @@ use crate::real::Real;
 
 /// The part of the code that one program takes, by offsets.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(not(feature = "object"), allow(dead_code))]
 pub(crate) struct KernelCode {
     /// Its start.
     pub start: usize,

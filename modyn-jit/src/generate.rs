@@ -27,9 +27,9 @@ use crate::values::{Definition, Operation, Step, Value, Values};
 use data::{pool, stores};
 use far_angles::Detour;
 
+pub(crate) use frame::MAX_ARRAYS;
 #[cfg(feature = "object")]
-pub(crate) use frame::allocate;
-pub(crate) use frame::{MAX_ARRAYS, PROLOGUE};
+pub(crate) use frame::{PROLOGUE, allocate};
 
 /// A function: instructions, then constants. It can start at any multiple of 64.
 pub(crate) struct Generated {
@@ -39,6 +39,9 @@ pub(crate) struct Generated {
     pub end: usize,
     /// The calls of helpers with [`Linkage::Relative`]: the offset of each call's distance.
     pub calls: Vec<(usize, Helper)>,
+    /// The offset of each step's first instruction, and of the first one after all steps.
+    #[cfg(test)]
+    pub steps: Vec<usize>,
 }
 
 /// A value in memory that is read again within this number of steps is loaded into a free register.
@@ -91,15 +94,21 @@ pub(crate) fn generate(
         stores,
         detours: Vec::new(),
         calls: Vec::new(),
+        #[cfg(test)]
+        steps: Vec::new(),
         counts: CodeSize::default(),
     };
     for (position, step) in (0..).zip(&values.steps) {
+        #[cfg(test)]
+        generator.steps.push(generator.encoder.code.len());
         generator.registers.advance(position, &values.reads(step));
         match step {
             Step::Compute(value) => generator.compute(*value),
             Step::Check(check) => generator.check(check),
         }
     }
+    #[cfg(test)]
+    generator.steps.push(generator.encoder.code.len());
     generator.registers.position = values.steps.len() as u32;
     for (value, distance) in late {
         let register = generator.force(value, &mut 0);
@@ -126,6 +135,8 @@ struct Generator<'a> {
     detours: Vec<Detour>,
     /// The calls of helpers whose distances are still to be filled in.
     calls: Vec<(usize, Helper)>,
+    #[cfg(test)]
+    steps: Vec<usize>,
     counts: CodeSize,
 }
 
