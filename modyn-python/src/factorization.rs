@@ -71,7 +71,7 @@ impl Factorization {
 #[pymethods]
 impl Robot {
     /// Returns the factorization U D U^T of the mass matrix at `q`, (nq,), by kinematic modules, by block reverse Gaussian
-    /// elimination. The option `modules` selects the modules.
+    /// elimination. The option `modules` selects the modules. The factors are in `float64` for every robot.
     fn brge(&self, q: &Bound<'_, PyAny>) -> PyResult<Factorization> {
         let q = Given::<f64>::read("brge", "q", &[self.model().nq()], q)?;
         let factors = self.interpreter()?.brge(q.as_slice());

@@ -203,7 +203,7 @@ class Robot:
         """Calls a bundle by its name, with the arguments of all its functions by position or name."""
     def brge(self, q: ArrayLike) -> Factorization:
         """Returns the factorization U D U^T of the mass matrix at `q`, (nq,), by kinematic modules, by block reverse
-        Gaussian elimination. The option `modules` selects the modules."""
+        Gaussian elimination. The option `modules` selects the modules. The factors are in `float64` for every robot."""
     def __getattr__(self, name: str) -> Any:
         """Returns a bundle as a callable."""
     def _repr_html_(self) -> str | None: ...

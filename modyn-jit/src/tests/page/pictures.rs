@@ -116,11 +116,11 @@ pub(super) fn graph(graph: &Graph, inputs: &[&str]) -> String {
                 cy + 4.0,
                 label(node, inputs)
             );
-            if !constants.is_empty() {
+            // The first text is the white edge of the second.
+            for edge in ["stroke=\"white\" stroke-width=\"3\"", ""] {
                 let _ = writeln!(
                     text,
-                    "<text x=\"{cx}\" y=\"{:.1}\" text-anchor=\"middle\" font-size=\"9\" stroke=\"white\" stroke-width=\"3\" \
-                     paint-order=\"stroke\">{}</text>",
+                    "<text x=\"{cx}\" y=\"{:.1}\" text-anchor=\"middle\" font-size=\"9\" {edge}>{}</text>",
                     cy + 20.0,
                     constants.join(", ")
                 );
