@@ -13,7 +13,7 @@ use crate::lower::lower;
 use crate::machine::Code;
 use crate::real::Real;
 
-/// The part of the code that one program takes, by offsets.
+/// The part of the code that one program takes, by offsets. Object files alone read them.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(not(feature = "object"), allow(dead_code))]
 pub(crate) struct KernelCode {

@@ -29,7 +29,9 @@ use far_angles::Detour;
 
 pub(crate) use frame::MAX_ARRAYS;
 #[cfg(feature = "object")]
-pub(crate) use frame::{PROLOGUE, allocate};
+pub(crate) use frame::PROLOGUE;
+#[cfg(feature = "object")]
+pub(crate) use frame::allocate;
 
 /// A function: instructions, then constants. It can start at any multiple of 64.
 pub(crate) struct Generated {
