@@ -70,7 +70,8 @@ def main():
     (output / "plot.svg").write_text(plot.svg(report))
     commit = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True, text=True, check=True,
                             cwd=environment.HERE).stdout.strip()
-    (output / "speed.tsv").write_text(table.data(report, commit, datetime.date.today()))
+    for name, data in [("speed", table.data), ("speed-errors", table.errors_data)]:
+        (output / f"{name}.tsv").write_text(data(report, commit, datetime.date.today()))
     print((output / "table.md").read_text())
 
 

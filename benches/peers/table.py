@@ -38,17 +38,21 @@ def cell(report, row, reference):
 
 
 #: Of one program each, so that the column's head says all.
-OWN = [name for name, _, _ in modyn.WAYS + modyn.BESIDE]
+OWN = [name for name, _, _ in modyn.VARIANTS + modyn.BESIDE]
 #: The reference of the ratios.
 REFERENCE = "modyn native"
 
 
+def head(report, commit, date):
+    """The first lines of a data file."""
+    versions = ", ".join(f"{name} {version}" for name, version in report["versions"].items())
+    return ["# command: benches/peers/run --install --copies 10", f"# date: {date}", f"# commit: {commit}",
+            f"# note: {report['machine']}; best of {report['copies']} copies; {versions}"]
+
+
 def data(report, commit, date):
     """The file `docs/data/speed.tsv`: of each contender, robot and quantity the fastest program that was right."""
-    versions = ", ".join(f"{name} {version}" for name, version in report["versions"].items())
-    lines = ["# command: benches/peers/run --install --copies 10", f"# date: {date}", f"# commit: {commit}",
-             f"# note: {report['machine']}; best of {report['copies']} copies; {versions}",
-             "quantity\trobot\tprogram\tns\tvariant"]
+    lines = [*head(report, commit, date), "quantity\trobot\tprogram\tns\tvariant"]
     for robot, quantity in cases(report):
         for contender in contenders(report):
             row = best(report, contender, robot, quantity)
@@ -57,6 +61,19 @@ def data(report, commit, date):
                 variant = "" if contender in OWN or row["ns"] is None else row["variant"]
                 lines.append("\t".join([quantity.replace("_", " "), robot, contender, ns, variant]))
     return "\n".join(lines) + "\n"
+
+
+def errors(report):
+    """By contender: the largest error of its programs that were timed, relative to the largest number of a result."""
+    timed = {name: [row["error"] for row in report["results"] if row["contender"] == name and row["ns"]]
+             for name in contenders(report)}
+    return {name: max(found) if found else None for name, found in timed.items()}
+
+
+def errors_data(report, commit, date):
+    """The file `docs/data/speed-errors.tsv`."""
+    rows = [f"{name}\t{error:.1e}" for name, error in errors(report).items() if error is not None]
+    return "\n".join([*head(report, commit, date), "program\tlargest error", *rows]) + "\n"
 
 
 def markdown(report):
@@ -73,9 +90,8 @@ def markdown(report):
         cells = [cell(report, best(report, column, robot, quantity), reference) for column in columns]
         lines.append(f"| {quantity.replace('_', ' ')} | {robot} | " + " | ".join(cells) + " |")
     lines += ["", "Largest error against modyn's interpreter, in parts of the largest number of a result:", ""]
-    for column in columns:
-        errors = [row["error"] for row in report["results"] if row["contender"] == column and row["ns"]]
-        lines.append(f"- {column}: {max(errors):.1e}" if errors else f"- {column}: nothing timed")
+    for name, error in errors(report).items():
+        lines.append(f"- {name}: nothing timed" if error is None else f"- {name}: {error:.1e}")
     failed = {f"{row['contender']}, {row['variant']}, {row['robot']}, {row['quantity']}": row["why"]
               for row in report["results"] if row["why"]}
     missing = {**report["missing"], **failed}

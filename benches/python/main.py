@@ -14,7 +14,7 @@ from pathlib import Path
 
 STATES = 10_000
 # The longest time that a library may take, s.
-LONGEST = 1200
+MAX_SECONDS = 1200
 
 
 def inputs(path):
@@ -213,9 +213,9 @@ def main():
         for name in ("Pinocchio", "Modyn", "ModynSingle", "MuJoCo", "CasADi", "Mjx"):
             command = [sys.executable, __file__, str(arguments.robot), "--library", name, "--states", file.name]
             try:
-                done = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST)
+                done = subprocess.run(command, capture_output=True, text=True, timeout=MAX_SECONDS)
             except subprocess.TimeoutExpired:
-                print(f"{name} is left out: it takes more than {LONGEST} s", file=sys.stderr)
+                print(f"{name} is left out: it takes more than {MAX_SECONDS} s", file=sys.stderr)
                 continue
             if done.returncode:
                 print(f"{name} is left out: {done.stderr.strip().splitlines()[-1]}", file=sys.stderr)

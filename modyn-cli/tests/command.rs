@@ -39,3 +39,10 @@ fn a_misspelt_function_is_suggested() {
     assert_eq!(found.code, 2);
     assert!(found.err.contains("did you mean `mass_matrix`?"), "{}", found.err);
 }
+
+#[test]
+fn an_option_of_another_command_is_explained() {
+    let found = modyn(&["inspect", "robots/gripper.urdf", "--payload", "finger"]);
+    assert_eq!(found.code, 2);
+    assert!(found.err.contains("'--payload' is an option of 'modyn generate'"), "{}", found.err);
+}

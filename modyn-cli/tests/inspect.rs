@@ -234,7 +234,7 @@ fn code_is_estimated_within_a_factor_of_two_and_a_half() {
     for row in table.lines().filter(|line| line.starts_with("| ") && line.contains('`')) {
         let cells: Vec<&str> = row.split('|').map(str::trim).collect();
         let [_, robot, function, _, _, _, _, kilobytes, _] = cells[..] else { continue };
-        let bytes = 1000.0 * kilobytes.parse::<f64>().expect("a figure");
+        let bytes = 1000.0 * kilobytes.parse::<f64>().expect("a number");
         if bytes >= 2000.0 && !function.ends_with("_batch`") {
             let row = (function.trim_matches('`').to_string(), bytes);
             measured.entry(robot.into()).or_default().push(row);

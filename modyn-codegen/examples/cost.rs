@@ -1,17 +1,17 @@
-//! What each function of a robot costs to compile: what generating it takes, its time in rustc (in a crate with
-//! this function alone, over that of one with constants alone) and its machine code.
+//! Measures what each function of a robot costs to compile: the time to generate it, rustc's time (for a crate with
+//! this function alone, beyond that of a crate with constants alone), and the machine code.
 //!
 //! ```console
 //! cargo run -p modyn-codegen --example cost -- robots/arm7.urdf robots/humanoid.urdf
 //! cargo run -p modyn-codegen --example cost -- tests/golden/g1.urdf forward_dynamics
 //! ```
 //!
-//! Functions that are named are the only ones; with none, all are measured.
+//! Without names of functions, all are measured.
 //!
-//! A table in Markdown, from which `tools/record` makes `docs/data/functions.tsv` (operations are in
-//! `docs/data/operations.tsv`). In processor time, so that other work on the machine matters little. Not `--release`: macros
-//! and build scripts, which generate, run unoptimised. The crates are written to and built in the folder
-//! `target/cost`. For Linux, which says how much processor time children took.
+//! The output is a table in Markdown, from which `tools/record` makes `docs/data/functions.tsv` (operations are in
+//! `docs/data/operations.tsv`). Times are processor time, so that other work on the machine matters little. Do not run it
+//! with `--release`: macros and build scripts, which generate, run unoptimised. The crates are written to and built in the
+//! folder `target/cost`. It needs Linux, which says how much processor time children took.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

@@ -1,13 +1,13 @@
 //! The interpreter's numbers at states from standard input, for comparison with other programs
-//! (`tools/robots`): a line a state, with q, qd and tau after each other.
+//! (`tools/robots`). A line has one state: q, then qd, then tau.
 //!
 //! ```console
 //! echo "0.1 0.2 0 0 1 0" | cargo run --release -p modyn-codegen --example evaluate -- robots/double_pendulum.urdf
 //! ```
 //!
-//! First comes a line for each joint that has coordinates (their number, that of velocities, the type, the name)
-//! and an empty one; then a line a state: accelerations under the torques tau, bias forces, and the mass
-//! matrix by columns. Words behind the path: `floating`, `independent` (mimics) and `warn` (of inertias that no rigid
+//! The output begins with a line for each joint that has coordinates (the number of its coordinates and velocities, its
+//! type, its name), then an empty line. A line for each state follows: accelerations under the torques tau, bias forces, and
+//! the mass matrix by columns. Words after the path: `floating`, `independent` (mimics) and `warn` (of inertias that no rigid
 //! body has).
 
 use std::error::Error;

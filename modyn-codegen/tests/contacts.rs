@@ -930,4 +930,16 @@ fn operation_counts_are_as_frozen() {
         ("project_constraints", 9017),
     ];
     assert_eq!(found, frozen);
+
+    // The page has the same counts.
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/contacts.md");
+    let page = std::fs::read_to_string(page).expect("the page");
+    for (name, count) in found {
+        let count = match count {
+            0..1000 => count.to_string(),
+            _ => format!("{},{:03}", count / 1000, count % 1000),
+        };
+        let row = format!("| `{name}` | {count} |");
+        assert!(page.contains(&row), "docs/contacts.md lacks the row {row:?}");
+    }
 }

@@ -108,7 +108,7 @@ const ROBOTS: [(&str, Base, &str, &str); 6] = [
 ];
 
 /// The functions that are counted for all robots. (The fixed ones have all functions.)
-const MAIN: [Function; 7] = [
+const MAIN: [Function; 17] = [
     Function::ForwardDynamics,
     Function::InverseDynamics,
     Function::BiasForces,
@@ -116,6 +116,16 @@ const MAIN: [Function; 7] = [
     Function::Brge,
     Function::InverseDynamicsDerivatives,
     Function::ForwardDynamicsDerivatives,
+    Function::InverseDynamicsVjp,
+    Function::InverseDynamicsJvp,
+    Function::ForwardDynamicsVjp,
+    Function::ForwardDynamicsJvp,
+    Function::InverseDynamicsHessian,
+    Function::ForwardDynamicsHessian,
+    Function::StepSemiImplicitHessian,
+    Function::StepRk4,
+    Function::StepImplicitMidpoint,
+    Function::StepImplicitMidpointDerivatives,
 ];
 
 /// The operations of each robot and function, as the file has them.
@@ -138,7 +148,8 @@ fn counted() -> String {
             let generated = builder.functions(functions.iter().copied()).generate();
             generated.unwrap_or_else(|found| panic!("{robot}: {found}"))
         };
-        let generated: Vec<_> = functions.chunks(16).map(generate).collect();
+        let most = if base == Base::Fixed { 16 } else { 4 };
+        let generated: Vec<_> = functions.chunks(most).map(generate).collect();
         let base = if base == Base::Fixed { "fixed" } else { "floating" };
         for (name, operations) in generated.iter().flat_map(|generated| &generated.operations) {
             let scalar = operations.total();
@@ -168,6 +179,17 @@ fn operations_are_the_compilers() {
     assert_eq!(expected, found, "operations have changed, first {differing:?}");
 }
 
+/// A gradient costs little more than its function, whatever the number of joints.
+#[test]
+fn gradients_cost_at_most_two_and_a_half_functions() {
+    let data = Data::load("operations");
+    for robot in ROBOTS {
+        let count = |function| data.number(&key(robot, function), "operations");
+        let [one, vjp] = ["forward_dynamics", "forward_dynamics_vjp"].map(count);
+        assert!(vjp <= 2.5 * one, "{}: {vjp} operations instead of {one}", name(robot));
+    }
+}
+
 fn name((robot, base, _, of): (&str, Base, &str, &str)) -> String {
     let floating = if base == Base::Floating { ", floating" } else { "" };
     format!("`{robot}`{floating} ({})", of.trim_end_matches(", floating base"))
@@ -195,6 +217,13 @@ fn operations(functions: &[(&str, &str)], lanes: bool) -> String {
     };
     let rows: Vec<Vec<String>> = ROBOTS.iter().map(|robot| row(*robot)).collect();
     table(&titles, rows.iter().map(Vec::as_slice))
+}
+
+/// Robots by functions under their names, with the operations in lanes in brackets.
+fn by_name(functions: &[&str]) -> String {
+    let titles: Vec<String> = functions.iter().map(|function| format!("`{function}`")).collect();
+    let titled = titles.iter().map(String::as_str).zip(functions.iter().copied());
+    operations(&titled.collect::<Vec<_>>(), true)
 }
 
 /// modyn's operations beside CasADi's instructions.
@@ -494,6 +523,19 @@ fn rendered(name: &str) -> String {
             ],
             true,
         ),
+        "adjoints" => by_name(&[
+            "inverse_dynamics",
+            "inverse_dynamics_vjp",
+            "inverse_dynamics_jvp",
+            "forward_dynamics",
+            "forward_dynamics_vjp",
+            "forward_dynamics_jvp",
+        ]),
+        "hessians" => by_name(&["inverse_dynamics_hessian", "forward_dynamics_hessian"]),
+        "step-hessians" => by_name(&["forward_dynamics_hessian", "step_semi_implicit_hessian"]),
+        "steps" => {
+            by_name(&["step_rk4", "step_implicit_midpoint", "step_implicit_midpoint_derivatives"])
+        }
         "casadi" => beside_casadi(),
         "robots-in-short" => robots_in_short(),
         "tangents" => beside_tangents(),

@@ -10,8 +10,8 @@ fn page() -> String {
     let mut page = String::from(
         "# Errors and warnings\n\n\
          Every diagnostic has a code, which never changes: `robots/arm.urdf:12:13: error[negative-mass]: ...`. \
-         `modyn explain CODE` says what follows here of one; `modyn check ROBOT.urdf` shows all that a description \
-         has, with its lines. This page is made from the table in `modyn-codegen/src/diagnostics/code.rs`.\n",
+         `modyn explain CODE` prints the section of one code, and `modyn check ROBOT.urdf` all errors and warnings \
+         of a description with their lines. This page is made from the table in `modyn-codegen/src/diagnostics/code.rs`.\n",
     );
     for code in Code::ALL {
         let (name, cause, remedy) = (code.name(), code.cause(), code.remedy());

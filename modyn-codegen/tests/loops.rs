@@ -303,8 +303,8 @@ fn against_closed_form(text: &str, linkage: &Linkage) {
         // Without the loop constraint, the accelerations are different.
         let mut free = vec![0.0; q.len()];
         interpreter.forward_dynamics(&q, &qd, &tau, &mut free).expect("fits");
-        let apart = free.iter().zip(&qdd).any(|(a, b)| (a - b).abs() > 1e-3 * b.abs());
-        assert!(apart, "{free:?}");
+        let differs = free.iter().zip(&qdd).any(|(a, b)| (a - b).abs() > 1e-3 * b.abs());
+        assert!(differs, "{free:?}");
     }
 }
 
@@ -423,7 +423,7 @@ fn two_constraints_of_one_joint_share_its_forces() {
 /// With all three there are more rows than joints.
 fn bound_zoo(which: &[usize]) -> Model {
     let end = |link: &str, xyz, rpy| LoopEnd { link: link.into(), xyz, rpy };
-    let (straight, turned) = ([0.0; 3], [0.9, -0.4, 1.3]);
+    let (straight, oblique) = ([0.0; 3], [0.9, -0.4, 1.3]);
     let closed =
         |name: &str, kind, first, second| Loop { name: name.into(), kind, ends: [first, second] };
     let axis = [0.96, 1.2, 1.28];
@@ -431,19 +431,19 @@ fn bound_zoo(which: &[usize]) -> Model {
         closed(
             "slide",
             LoopConstraintKind::Prismatic(axis),
-            end("hand", [0.1, 0.2, 0.3], turned),
+            end("hand", [0.1, 0.2, 0.3], oblique),
             end("platform", [0.2, 0.0, 0.1], straight),
         ),
         closed(
             "hinge",
             LoopConstraintKind::Revolute(axis),
             end("hand", [0.0, 0.1, 0.0], straight),
-            end("floor", [0.1, 0.0, 0.2], turned),
+            end("floor", [0.1, 0.0, 0.2], oblique),
         ),
         closed(
             "ball",
             LoopConstraintKind::Point,
-            end("floor", [1.0, 0.2, 0.3], turned),
+            end("floor", [1.0, 0.2, 0.3], oblique),
             end("tip", [0.0; 3], straight),
         ),
     ];
@@ -623,17 +623,17 @@ fn what_is_apart_comes_together() {
     q[1] += 0.02;
     let mut interpreter = Interpreter::new(model(FIVE_BAR));
     let mut state = [q, vec![0.0; 4]];
-    let apart = |interpreter: &mut Interpreter, state: &[Vec<f64>; 2]| {
+    let gap = |interpreter: &mut Interpreter, state: &[Vec<f64>; 2]| {
         let [displacements, _] = errors(interpreter, &state[0], &state[1]);
         displacements.iter().map(|x| x * x).sum::<f64>().sqrt()
     };
-    let before = apart(&mut interpreter, &state);
+    let before = gap(&mut interpreter, &state);
     for _ in 0..100 {
         step(&mut interpreter, &mut state, 1e-3);
     }
     // (1 + beta t) exp(-beta t) after 0.1 s at 20/s.
     let expected = before * 3.0 * (-2.0_f64).exp();
-    assert!((apart(&mut interpreter, &state) - expected).abs() < 0.02 * expected);
+    assert!((gap(&mut interpreter, &state) - expected).abs() < 0.02 * expected);
 }
 
 #[test]
@@ -709,7 +709,7 @@ fn steps_close_the_loops() {
             let (mut dq, mut dqd) = (vec![0.0; n], vec![0.0; n]);
             let into = (&mut *dq, &mut *dqd);
             interpreter.project_constraints((q, qd), &[], &settings, into).expect("fits");
-            let [apart, parting] = errors(&mut interpreter, q, qd);
+            let [displacements, velocities] = errors(&mut interpreter, q, qd);
             let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
             // The smallest change in the metric of kinetic energy only removes kinetic energy.
             let energy = interpreter.kinetic_energy(q, qd).expect("fits");
@@ -718,13 +718,13 @@ fn steps_close_the_loops() {
             let left = interpreter.kinetic_energy(q, &closed).expect("fits");
             assert!((energy - taken - left).abs() < 1e-9 * energy);
             let [_, still] = errors(&mut interpreter, q, &closed);
-            assert!(norm(&still) < 1e-9 * norm(&parting).max(1.0), "{still:?}");
+            assert!(norm(&still) < 1e-9 * norm(&velocities).max(1.0), "{still:?}");
             *q = q.iter().zip(&dq).map(|(q, d)| q + d).collect();
             *qd = closed;
-            norm(&apart)
+            norm(&displacements)
         };
-        let apart: Vec<f64> = (0..6).map(|_| step(&mut q, &mut qd)).collect();
-        assert!(apart[0] > 1e-3 && apart[5] < 1e-13, "{apart:?}");
+        let gaps: Vec<f64> = (0..6).map(|_| step(&mut q, &mut qd)).collect();
+        assert!(gaps[0] > 1e-3 && gaps[5] < 1e-13, "{gaps:?}");
     }
 }
 

@@ -131,13 +131,13 @@ fn roll_pitch_yaw_turns_about_x_then_y_then_z() {
     let rotation = reading(&text).model.links()[0].joint.origin.rotation;
     let mut product = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let (x, y, z) = (0.1_f64.sin_cos(), 0.2_f64.sin_cos(), 0.3_f64.sin_cos());
-    for turn in [
+    for factor in [
         [[z.1, -z.0, 0.0], [z.0, z.1, 0.0], [0.0, 0.0, 1.0]],
         [[y.1, 0.0, y.0], [0.0, 1.0, 0.0], [-y.0, 0.0, y.1]],
         [[1.0, 0.0, 0.0], [0.0, x.1, -x.0], [0.0, x.0, x.1]],
     ] {
         product = std::array::from_fn(|i| {
-            std::array::from_fn(|j| (0..3).map(|k| product[i][k] * turn[k][j]).sum())
+            std::array::from_fn(|j| (0..3).map(|k| product[i][k] * factor[k][j]).sum())
         });
     }
     assert!(close(&rotation.concat(), &product.concat()));

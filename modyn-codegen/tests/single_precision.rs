@@ -44,7 +44,10 @@ fn error(model: &Model) -> f64 {
     worst
 }
 
-/// The bounds are those of docs/firmware.md.
+/// The file of the table in docs/firmware.md. With the variable `UPDATE_SNAPSHOTS`, the test writes it.
+const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/data/single-precision.tsv");
+
+/// The errors are below their bounds, and the file has them to within a tenth.
 #[test]
 fn forward_dynamics_keeps_its_digits() {
     let bounds = [
@@ -58,10 +61,11 @@ fn forward_dynamics_keeps_its_digits() {
         ("humanoid", 5e-6),
     ];
     let mut failures = Vec::new();
+    let mut rows = vec!["robot\tcondition number\tfound\tbound".to_owned()];
     for (name, bound) in bounds {
         let model = model(name);
         let (found, condition) = (error(&model), condition_number(&model).expect("small"));
-        println!("| `{name}` | {condition:.0} | {found:.1e} | {bound:.0e} |");
+        rows.push(format!("`{name}`\t{condition:.0}\t{found:.1e}\t{bound:.0e}"));
         if found > bound {
             failures.push(name);
         }
@@ -70,6 +74,28 @@ fn forward_dynamics_keeps_its_digits() {
         assert!(warnings.iter().all(|w| w.code != Code::IllConditioned), "{name}");
     }
     assert!(failures.is_empty(), "{failures:?}");
+
+    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        let head =
+            "# command: UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen --test single_precision\n";
+        std::fs::write(DATA, head.to_owned() + &rows.join("\n") + "\n").expect("writes");
+    }
+    let text = std::fs::read_to_string(DATA).expect("the data").replace("\r\n", "\n");
+    let data: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(data.len(), rows.len(), "{rows:#?}");
+    let split = |row: &str| -> (Vec<String>, Option<f64>) {
+        let mut cells: Vec<String> = row.split('\t').map(String::from).collect();
+        let found = cells.remove(2).parse().ok();
+        (cells, found)
+    };
+    for (row, stored) in rows.iter().zip(data) {
+        let ((own, found), (cells, expected)) = (split(row), split(stored));
+        let close = match (found, expected) {
+            (Some(found), Some(expected)) => (found - expected).abs() <= 0.1 * expected,
+            (found, expected) => found == expected,
+        };
+        assert!(own == cells && close, "{stored:?} in the file, {row:?} found");
+    }
 }
 
 /// Returns a light link between two parallel joints that are `offset` m apart, and a heavy link of one metre. The two

@@ -25,7 +25,7 @@ use crate::instruction_set::InstructionSet;
 use crate::registers::{NONE, Registers};
 use crate::values::{Definition, Operation, Step, Value, Values};
 use data::{pool, stores};
-use far_angles::Detour;
+use far_angles::SlowPath;
 
 pub(crate) use frame::MAX_ARRAYS;
 #[cfg(feature = "object")]
@@ -47,7 +47,7 @@ pub(crate) struct Generated {
 }
 
 /// A value in memory that is read again within this number of steps is loaded into a free register.
-const SOON: u32 = 40;
+const RELOAD_DISTANCE: u32 = 40;
 
 /// Generates the machine code of values. `size` is the size of a number in bytes.
 pub(crate) fn generate(
@@ -94,7 +94,7 @@ pub(crate) fn generate(
         encoder: Encoder::default(),
         pool_at,
         stores,
-        detours: Vec::new(),
+        slow_paths: Vec::new(),
         calls: Vec::new(),
         #[cfg(test)]
         steps: Vec::new(),
@@ -134,7 +134,7 @@ struct Generator<'a> {
     pool_at: Vec<u32>,
     /// For each value the offsets at which it is a result.
     stores: Vec<Vec<u32>>,
-    detours: Vec<Detour>,
+    slow_paths: Vec<SlowPath>,
     /// The calls of helpers whose distances are still to be filled in.
     calls: Vec<(usize, Helper)>,
     #[cfg(test)]
@@ -186,7 +186,10 @@ impl Generator<'_> {
     /// Loads operands that are read again soon, if registers are free.
     fn prefetch(&mut self, operation: Operation, operands: &[Value], pinned: &mut u32) {
         for &operand in operands {
-            let soon = self.registers.distance(operand).is_some_and(|distance| distance <= SOON);
+            let soon = self
+                .registers
+                .distance(operand)
+                .is_some_and(|distance| distance <= RELOAD_DISTANCE);
             let absent = self.registers.register(operand) == NONE;
             if soon
                 && absent

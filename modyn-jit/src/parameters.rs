@@ -138,8 +138,10 @@ impl<S: Real> RunTimeParameters<S> {
             let third = S::from_f64(4.0) / S::from_f64(3.0) - S::one();
             let epsilon = Scalar::abs(third + third + third - S::one());
             let pivots = program.evaluate(&[&[epsilon], &*numbers].concat());
-            let feels = |pivot: &S| *pivot > S::zero();
-            if let Some((_, joint)) = pivots.iter().zip(joints).rev().find(|(p, _)| !feels(p)) {
+            let moves_inertia = |pivot: &S| *pivot > S::zero();
+            if let Some((_, joint)) =
+                pivots.iter().zip(joints).rev().find(|(p, _)| !moves_inertia(p))
+            {
                 return Err(ParameterError::NoInertia { joint: joint.clone() });
             }
         }

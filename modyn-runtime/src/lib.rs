@@ -18,6 +18,7 @@ extern crate std;
 pub mod batch;
 #[doc(hidden)]
 pub mod configuration;
+mod constants;
 mod constraint_settings;
 pub mod conventions;
 #[cfg(feature = "alloc")]
@@ -68,6 +69,7 @@ pub use interpreter::{
 pub use crate::nalgebra::Nalgebra;
 pub use batch::BatchError;
 pub use configuration::ConfigurationError;
+pub use constants::{JointLimits, KinematicModule, OperationCount};
 pub use constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 #[doc(hidden)]
 pub use float::{ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers};
@@ -78,8 +80,7 @@ pub use results::{
     ConstraintProjection, ConstraintResidual, ContactImpulse, DifferenceDerivatives,
     ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
     GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian,
-    InverseDynamicsJvp, InverseDynamicsVjp, JointLimits, KinematicModule, OperationCount,
-    OperationalInertia, Step, StepDerivatives, StepHessian,
+    InverseDynamicsJvp, InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian,
 };
 pub use robot::{Array, Factorization, NotGenerated, Robot};
 #[cfg(feature = "alloc")]

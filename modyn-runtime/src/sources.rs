@@ -18,7 +18,7 @@ macro_rules! sources {
 
 /// All modules, by their paths.
 pub const SOURCES: &[Source] = sources!(
-    "configuration" "constraint_settings" "float/elementary" "float/root" "float/scalars" "inertial"
+    "configuration" "constants" "constraint_settings" "float/elementary" "float/root" "float/scalars" "inertial"
     "jacobi" "parameters" "results" "scalar/traits" "scalar/trig"
     "spatial/pose" "spatial/vector" "spatial/wrench"
 );

@@ -211,7 +211,7 @@ fn no_joint_is_left_without_inertia() {
         // A payload may give the joint its inertia; then the payload cannot be removed.
         let load = Random(6).inertial();
         interpreter.set_payload(link, &load).expect("a body's");
-        interpreter.set_inertial(tool, &tool_alone).expect("the payload is felt");
+        interpreter.set_inertial(tool, &tool_alone).expect("the joint moves the payload");
         assert!(numbers(&mut interpreter).iter().all(|x| x.is_finite()));
         assert_eq!(refused(interpreter.set_payload(link, &none)), "joint1");
     }
@@ -324,13 +324,13 @@ fn inertia_is_needed_where_a_joint_moves_it() {
     let model = Model::new("rotor", [0.0; 3], links.clone(), frames.clone()).expect("sound");
     let mut interpreter = Interpreter::<f64>::new(model);
     interpreter.set_inertial(2, &none).expect("the tool is left");
-    interpreter.set_inertial(3, &none).expect("the rotor is felt");
+    interpreter.set_inertial(3, &none).expect("the joint moves the rotor");
     links[1].joint.dynamics = JointDynamics::default();
     links[2].joint.mimic = Some(Mimic { leader: 1, multiplier: -0.5, offset: 0.1 });
     let model = Model::new("mimic", [0.0; 3], links, frames).expect("sound");
     let mut interpreter = Interpreter::<f64>::new(model);
     for frame in 2..5 {
-        interpreter.set_inertial(frame, &none).expect("the last tool is felt");
+        interpreter.set_inertial(frame, &none).expect("the joint moves the last tool");
     }
     assert_eq!(refused(interpreter.set_inertial(5, &none)), "joint1");
 }
@@ -342,7 +342,7 @@ fn a_robot_without_inertia_keeps_its_defects() {
     let none = Inertial::default();
     let massless = described(&model, &[(2, none), (3, none)]);
     let mut interpreter = Interpreter::<f64>::new(massless);
-    interpreter.set_inertial(0, &Random(9).inertial()).expect("the first joint feels its link");
+    interpreter.set_inertial(0, &Random(9).inertial()).expect("the first joint moves its link");
     interpreter.set_inertial(0, &none).expect("and its tool");
     assert_eq!(refused(interpreter.set_inertial(1, &none)), "joint0");
 }

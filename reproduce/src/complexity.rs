@@ -1,7 +1,7 @@
 //! Fig. 6: the operations of forward dynamics and the interpreter's time, by the number of joints.
 //!
-//! Operations are counted on the traced equations (multiplications, additions and divisions; sines and
-//! cosines apart), of chains and trees in general position: no angle, offset or inertia is special.
+//! Operations are counted on the traced equations (multiplications, additions and divisions, without sines and
+//! cosines), of chains and trees in general position: no angle, offset or inertia is special.
 
 use std::time::Instant;
 

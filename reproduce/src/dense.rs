@@ -30,9 +30,9 @@ pub fn gaussian<S: Scalar>(matrix: &[S], phi: &[S]) -> Vec<S> {
 /// Reverse Gaussian elimination, from the last column on, then forward substitution.
 #[must_use]
 pub fn reverse_gaussian<S: Scalar>(matrix: &[S], phi: &[S]) -> Vec<S> {
-    let turned = |x: &[S]| x.iter().rev().copied().collect::<Vec<_>>();
+    let reversed = |x: &[S]| x.iter().rev().copied().collect::<Vec<_>>();
     // The same elimination with all indices reversed.
-    turned(&gaussian(&turned(matrix), &turned(phi)))
+    reversed(&gaussian(&reversed(matrix), &reversed(phi)))
 }
 
 /// The Euclidean norm.

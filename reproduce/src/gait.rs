@@ -132,9 +132,9 @@ pub fn desired(t: f64) -> Posture {
     posture.q[3..7].copy_from_slice(&[cy * sx, sy * cx, -sy * sx, cy * cx]);
     let (sin, cos) = roll.re.sin_cos();
     let rate = [roll.v1, thigh.v1 * cos, thigh.v1 * sin].map(|x| -x);
-    let turning = roll.v1 * thigh.v1;
+    let coriolis = roll.v1 * thigh.v1;
     let change =
-        [roll.v2, thigh.v2 * cos - turning * sin, thigh.v2 * sin + turning * cos].map(|x| -x);
+        [roll.v2, thigh.v2 * cos - coriolis * sin, thigh.v2 * sin + coriolis * cos].map(|x| -x);
     posture.qd[3..6].copy_from_slice(&rate);
     posture.qdd[3..6].copy_from_slice(&change);
     // The swing thigh relative to the trunk, R_x(roll) R_y(thigh), velocities in its own axes.
@@ -142,9 +142,9 @@ pub fn desired(t: f64) -> Posture {
     let ((sx, cx), (sy, cy)) = ((0.5 * roll.re).sin_cos(), (0.5 * thigh.re).sin_cos());
     posture.q[7..11].copy_from_slice(&[sx * cy, cx * sy, sx * sy, cx * cy]);
     let (sin, cos) = thigh.re.sin_cos();
-    let turning = roll.v1 * thigh.v1;
+    let coriolis = roll.v1 * thigh.v1;
     posture.qd[6..9].copy_from_slice(&[roll.v1 * cos, thigh.v1, roll.v1 * sin]);
-    let change = [roll.v2 * cos - turning * sin, thigh.v2, roll.v2 * sin + turning * cos];
+    let change = [roll.v2 * cos - coriolis * sin, thigh.v2, roll.v2 * sin + coriolis * cos];
     posture.qdd[6..9].copy_from_slice(&change);
     posture
 }

@@ -72,12 +72,12 @@ pub enum Solver {
 ///
 /// If the modules belong to another robot.
 #[must_use]
-pub fn errors<S: Number>(subject: &Subject, way: &Solver) -> Vec<f64> {
+pub fn errors<S: Number>(subject: &Subject, solver: &Solver) -> Vec<f64> {
     let Subject { model, states, .. } = subject;
     let n = model.nv();
     let mut exact = Interpreter::<Exact<S>>::new(model.clone());
     let mut rounded = Interpreter::<S>::new(model.clone());
-    if let Solver::Modules(modules) = way {
+    if let Solver::Modules(modules) = solver {
         rounded = rounded.eliminating_by(modules).expect("its own modules");
     }
     let accelerations = |(q, qd): &(Vec<f64>, Vec<f64>)| {
@@ -86,7 +86,7 @@ pub fn errors<S: Number>(subject: &Subject, way: &Solver) -> Vec<f64> {
         exact.forward_dynamics(&p, &pd, &scalars(&vec![0.0; n]), &mut expected).expect("lengths");
         let (q, qd) = (scalars::<S>(q), scalars::<S>(qd));
         let mut qdd = vec![S::zero(); n];
-        match way {
+        match solver {
             Solver::Modules(_) => {
                 rounded.forward_dynamics(&q, &qd, &vec![S::zero(); n], &mut qdd).expect("lengths");
             }
@@ -95,7 +95,7 @@ pub fn errors<S: Number>(subject: &Subject, way: &Solver) -> Vec<f64> {
                 rounded.mass_matrix(&q, &mut mass_matrix).expect("lengths");
                 rounded.bias_forces(&q, &qd, &mut qdd).expect("lengths");
                 let phi: Vec<S> = qdd.iter().map(|&x| -x).collect();
-                let forwards = matches!(way, Solver::Gaussian);
+                let forwards = matches!(solver, Solver::Gaussian);
                 qdd = if forwards {
                     gaussian(&mass_matrix, &phi)
                 } else {
@@ -141,9 +141,9 @@ pub fn with_largest(subject: Subject, size: f64) -> Subject {
 }
 
 /// Returns the solvers of the tables.
-fn ways(model: &Model) -> Vec<(String, Solver)> {
+fn solvers(model: &Model) -> Vec<(String, Solver)> {
     let by = |name: &str, modules| (name.to_owned(), Solver::Modules(modules));
-    let mut ways = vec![
+    let mut solvers = vec![
         ("GE on the mass matrix".to_owned(), Solver::Gaussian),
         ("RGE on the mass matrix".to_owned(), Solver::ReverseGaussian),
         by("BRGE by links", ModuleTree::links(model)),
@@ -151,11 +151,11 @@ fn ways(model: &Model) -> Vec<(String, Solver)> {
         by("BRGE by whole chains", ModuleTree::chains(model)),
     ];
     match model.name() {
-        "biped" => ways.push(by("BRGE by the paper's modules", robots::biped_modules(model))),
-        "gripper" => ways.push(by("BRGE by the paper's modules", ModuleTree::chains(model))),
+        "biped" => solvers.push(by("BRGE by the paper's modules", robots::biped_modules(model))),
+        "gripper" => solvers.push(by("BRGE by the paper's modules", ModuleTree::chains(model))),
         _ => {}
     }
-    ways
+    solvers
 }
 
 /// Returns the median errors by the length of a chain, a line for each solver.
@@ -165,10 +165,10 @@ pub fn against_length<S: Number>(lengths: &[usize], adjust: fn(Subject) -> Subje
     (0..5)
         .map(|k| {
             let point = |subject: &Subject| {
-                let way = &ways(&subject.model)[k].1;
-                (subject.model.nv() as f64, median(errors::<S>(subject, way)))
+                let solver = &solvers(&subject.model)[k].1;
+                (subject.model.nv() as f64, median(errors::<S>(subject, solver)))
             };
-            Line::new(ways(&subjects[0].model)[k].0.clone(), subjects.iter().map(point))
+            Line::new(solvers(&subjects[0].model)[k].0.clone(), subjects.iter().map(point))
         })
         .collect()
 }
@@ -178,8 +178,8 @@ pub fn against_length<S: Number>(lengths: &[usize], adjust: fn(Subject) -> Subje
 pub fn against_pieces<S: Number>(subject: &Subject) -> Line {
     let longest = subject.model.links().len();
     let points = (1..=longest).map(|length| {
-        let way = Solver::Modules(robots::pieces(&subject.model, length));
-        (length as f64, median(errors::<S>(subject, &way)))
+        let solver = Solver::Modules(robots::pieces(&subject.model, length));
+        (length as f64, median(errors::<S>(subject, &solver)))
     });
     Line::new(subject.name.clone(), points)
 }
@@ -215,11 +215,11 @@ pub fn by_cuts<S: Number>(subject: &Subject) -> Vec<(Vec<usize>, f64)> {
 /// Returns the median errors in Q16.16 by the unit of mass, which is given by the largest entry of the mass matrix.
 #[must_use]
 pub fn against_unit(subject: fn() -> Subject) -> Vec<Line> {
-    let names = ways(&subject().model);
+    let names = solvers(&subject().model);
     let point = |k: usize, size: i32| {
         let subject = with_largest(subject(), 2f64.powi(size));
-        let way = &ways(&subject.model)[k].1;
-        (2f64.powi(size), median(errors::<Fixed>(&subject, way)))
+        let solver = &solvers(&subject.model)[k].1;
+        (2f64.powi(size), median(errors::<Fixed>(&subject, solver)))
     };
     let line = |k: usize| Line::new(names[k].0.clone(), (-2..=12).map(|size| point(k, size)));
     (0..names.len()).map(line).collect()
@@ -232,14 +232,14 @@ fn medians<S: Number>(adjust: fn(Subject) -> Subject) -> Table {
     head.extend(subjects.iter().map(|subject| subject.name.clone()));
     let mut rows: Vec<Vec<String>> = Vec::new();
     for (k, subject) in subjects.iter().enumerate() {
-        for (name, way) in ways(&subject.model) {
+        for (name, solver) in solvers(&subject.model) {
             if !rows.iter().any(|row| row[0] == name) {
                 let mut row = vec![String::new(); head.len()];
                 row[0].clone_from(&name);
                 rows.push(row);
             }
             let row = rows.iter_mut().find(|row| row[0] == name).expect("its row");
-            row[1 + k] = power(median(errors::<S>(subject, &way)));
+            row[1 + k] = power(median(errors::<S>(subject, &solver)));
         }
     }
     Table::new(&head, rows)
@@ -260,7 +260,7 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     report.heading("Beyond Tables 4 and 5: single precision and Q16.16");
     report.text(
         "Median of ||qdd - exact|| / ||exact|| over postures, falling freely; exact is the same computation in \
-         double-double on the same rounded figures.",
+         double-double on the same rounded numbers.",
     );
     let [single, fixed] = tables();
     report.text("In single precision:");
@@ -270,8 +270,8 @@ pub fn report(report: &mut Report) -> Result<(), Failure> {
     );
     report.table(fixed);
     report.text(
-        "Every way to cut the robots that are one chain, in single precision: the best and the worst, by the lengths of \
-         their modules from the base on, and how many ways are better than by links.",
+        "Every partition of the robots that are one chain, in single precision: the best and the worst, by the lengths of \
+         their modules from the base on, and how many partitions are better than by links.",
     );
     let rows = subjects().into_iter().skip(1).map(|subject| {
         let cuts = by_cuts::<f32>(&subject);
@@ -330,10 +330,10 @@ mod tests {
     #[test]
     fn single_precision_loses_no_more_than_it_must() {
         for subject in subjects() {
-            let way = Solver::Modules(ModuleTree::links(&subject.model));
-            let error = median(errors::<f32>(&subject, &way));
+            let solver = Solver::Modules(ModuleTree::links(&subject.model));
+            let error = median(errors::<f32>(&subject, &solver));
             assert!(error > 1e-9 && error < 2e-5, "{}: {error}", subject.name);
-            assert!(median(errors::<f64>(&subject, &way)) < 1e-13);
+            assert!(median(errors::<f64>(&subject, &solver)) < 1e-13);
         }
     }
 
@@ -342,15 +342,15 @@ mod tests {
         let subject = chain(32);
         let links = Solver::Modules(ModuleTree::links(&subject.model));
         let [links, gaussian] =
-            [links, Solver::Gaussian].map(|way| median(errors::<f32>(&subject, &way)));
+            [links, Solver::Gaussian].map(|solver| median(errors::<f32>(&subject, &solver)));
         assert!(10.0 * links < gaussian, "{links}, {gaussian}");
     }
 
     #[test]
     fn fixed_point_carries_the_gripper_in_a_fitting_unit() {
         let subject = for_fixed_point(subjects().remove(0));
-        let way = Solver::Modules(ModuleTree::links(&subject.model));
-        let error = median(errors::<Fixed>(&subject, &way));
+        let solver = Solver::Modules(ModuleTree::links(&subject.model));
+        let error = median(errors::<Fixed>(&subject, &solver));
         assert!(error < 1e-2, "{error}");
     }
 }

@@ -152,8 +152,8 @@ impl<S: Scalar> Table6<S> {
                 .components();
             for (d, dof) in body.dofs.clone().zip(self.model.dofs_of(part.first + k)) {
                 let Pivot { psi, torque } = part.pivots[d - dofs];
-                let felt = psi.components().into_iter().zip(mu).map(|(psi, mu)| psi * mu);
-                let acceleration = felt.fold(torque, |torque, felt| torque - felt);
+                let torques = psi.components().into_iter().zip(mu).map(|(psi, mu)| psi * mu);
+                let acceleration = torques.fold(torque, |sum, torque| sum - torque);
                 mu[dof.component] = mu[dof.component] + acceleration;
                 qdd(dof, acceleration);
             }

@@ -94,13 +94,13 @@ fn compiled_contacts_are_the_interpreters() {
         assert_near(&found.dqd, &dqd);
         assert_eq!(Ok(found.rank), rank);
     }
-    let (mut apart, mut parting) = ([Twist::zero(); 4], [Twist::zero(); 4]);
-    let into = (&mut apart[..], &mut parting[..]);
+    let (mut displacements, mut velocities) = ([Twist::zero(); 4], [Twist::zero(); 4]);
+    let into = (&mut displacements[..], &mut velocities[..]);
     interpreter.constraint_residual((&q, &qd), &settings, into).expect("fits");
     let found = Quadruped::constraint_residual(&q, &qd, &settings);
     for k in 0..4 {
-        assert_near(&found.displacements[k].components(), &apart[k].components());
-        assert_near(&found.velocities[k].components(), &parting[k].components());
+        assert_near(&found.displacements[k].components(), &displacements[k].components());
+        assert_near(&found.velocities[k].components(), &velocities[k].components());
     }
 }
 

@@ -56,13 +56,13 @@ where
     assert_eq!((again.qdd.as_slice(), again.wrenches), (&found.qdd[..], found.wrenches));
     assert_eq!((again.residuals, again.rank), (found.residuals, found.rank));
 
-    let (mut apart, mut parting) = ([Twist::zero()], [Twist::zero()]);
+    let (mut displacements, mut velocities) = ([Twist::zero()], [Twist::zero()]);
     interpreter
-        .constraint_residual((&q, &qd), &settings, (&mut apart, &mut parting))
+        .constraint_residual((&q, &qd), &settings, (&mut displacements, &mut velocities))
         .expect("fits");
     let found = R::constraint_residual(&q, &qd, &settings);
-    assert_near(&found.displacements[0].components(), &apart[0].components());
-    assert_near(&found.velocities[0].components(), &parting[0].components());
+    assert_near(&found.displacements[0].components(), &displacements[0].components());
+    assert_near(&found.velocities[0].components(), &velocities[0].components());
     assert_eq!(Nalgebra::<R>::constraint_residual(x, v, &settings), found);
 
     let (mut dq, mut dqd) = ([0.0; N], [0.0; N]);
@@ -180,11 +180,11 @@ fn a_compiled_four_bar_linkage_keeps_its_energy() {
         let step = FourBar::project_constraints(&q, &qd, (), &settings).dq;
         q = FourBar::integrate(&q, &step);
     }
-    let apart = |q: &[f64; 3]| {
+    let gap = |q: &[f64; 3]| {
         let found = FourBar::constraint_residual(q, &[0.0; 3], &settings).displacements[0];
         found.components().into_iter().fold(0.0_f64, |most, x| most.max(x.abs()))
     };
-    assert!(apart(&q) < 1e-14, "{}", apart(&q));
+    assert!(gap(&q) < 1e-14, "{}", gap(&q));
     let energy =
         |q: &[f64; 3], qd: &[f64; 3]| FourBar::kinetic_energy(q, qd) + FourBar::potential_energy(q);
     let before = energy(&q, &qd);
@@ -196,5 +196,5 @@ fn a_compiled_four_bar_linkage_keeps_its_energy() {
     }
     let State { q, qd } = state;
     assert!((energy(&q, &qd) - before).abs() < 1e-6, "{} {before}", energy(&q, &qd));
-    assert!(apart(&q) < 1e-8 && FourBar::kinetic_energy(&q, &qd) > 1e-3);
+    assert!(gap(&q) < 1e-8 && FourBar::kinetic_energy(&q, &qd) > 1e-3);
 }

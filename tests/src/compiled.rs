@@ -20,7 +20,7 @@ pub struct Compiled {
     /// The gravitational acceleration, m/s^2.
     pub gravity: [f64; 3],
     /// The constants that only the type has.
-    pub figures: Figures,
+    pub type_constants: TypeConstants,
     /// The announced operations of each function, by the function's name.
     pub operations: &'static [(&'static str, OperationCount)],
     /// Returns the enum of joints: the index and the name of each joint.
@@ -66,7 +66,7 @@ pub struct Consts {
 /// The constants of a type that the trait does not have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs)]
-pub struct Figures {
+pub struct TypeConstants {
     pub parameters: &'static [f64],
     pub armature: &'static [f64],
     pub damping: &'static [f64],
@@ -120,7 +120,7 @@ macro_rules! compiled {
     )*) => {
         /// The robots of this package.
         pub static ROBOTS: &[$crate::compiled::Compiled] = {
-            use $crate::compiled::{Compiled, Consts, Figures, Own};
+            use $crate::compiled::{Compiled, Consts, TypeConstants, Own};
             use $crate::fleet::FLEET;
             use $crate::values::{
                 Factors, Given, Values, columns, each, generated, generated_others,
@@ -130,7 +130,7 @@ macro_rules! compiled {
                 text: include_str!(concat!(env!("OUT_DIR"), "/", $module, ".rs")),
                 consts: [$crate::compiled!(@consts $robot), $crate::compiled!(@consts $robot as Robot)],
                 gravity: $robot::GRAVITY,
-                figures: Figures {
+                type_constants: TypeConstants {
                     parameters: &$robot::PARAMETERS,
                     armature: &$robot::ARMATURE,
                     damping: &$robot::DAMPING,

@@ -128,7 +128,7 @@ pub fn along_velocity<S: Scalar>(model: &Model, q: &[S], k: usize) -> Vec<Tangen
             continue;
         }
         let (at, k) = (model.q_range(i).start, k - model.v_range(i).start);
-        let (linear, turned) = match link.joint.joint_type {
+        let (linear, angular) = match link.joint.joint_type {
             JointType::Spherical => (None, Some((at, k))),
             JointType::Floating if k < 3 => (Some(k), None),
             JointType::Floating => (None, Some((at + 3, k - 3))),
@@ -138,12 +138,12 @@ pub fn along_velocity<S: Scalar>(model: &Model, q: &[S], k: usize) -> Vec<Tangen
             }
         };
         if let Some(k) = linear {
-            let turn: [S; 4] = std::array::from_fn(|c| q[at + 3 + c]);
-            for (entry, rate) in seeded[at..at + 3].iter_mut().zip(axis(turn, k)) {
+            let quaternion: [S; 4] = std::array::from_fn(|c| q[at + 3 + c]);
+            for (entry, rate) in seeded[at..at + 3].iter_mut().zip(axis(quaternion, k)) {
                 entry.dx = rate;
             }
         }
-        if let Some((at, k)) = turned {
+        if let Some((at, k)) = angular {
             let half: [S; 4] = std::array::from_fn(|c| S::from_f64(0.5) * q[at + c]);
             let [x, y, z, w] = half;
             let rates = [[w, z, -y, -x], [-z, w, x, -y], [y, -x, w, -z]];

@@ -51,7 +51,7 @@ fn matrix(rows: [[f64; 3]; 3]) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| rows[i][j])
 }
 
-fn turn(axis: Vector3<f64>, angle: f64) -> Matrix3<f64> {
+fn rotation_about(axis: Vector3<f64>, angle: f64) -> Matrix3<f64> {
     *Rotation3::from_axis_angle(&Unit::new_normalize(axis), angle).matrix()
 }
 
@@ -107,7 +107,7 @@ impl<'a> Naive<'a> {
         let second = Vector3::from(joint.second_axis);
         let zero = Vector3::zeros();
         let mut displacement = zero;
-        let mut turned = at_joint;
+        let mut rotated = at_joint;
         // The angular and the linear velocity, and the number of motions before.
         let mut motions = Vec::new();
         match joint.joint_type {
@@ -116,33 +116,33 @@ impl<'a> Naive<'a> {
                 motions.push((zero, at_joint * axis, 0));
             }
             JointType::Universal => {
-                let between = at_joint * turn(axis, q[0]);
-                turned = between * turn(second, q[1]);
+                let between = at_joint * rotation_about(axis, q[0]);
+                rotated = between * rotation_about(second, q[1]);
                 motions = vec![(at_joint * axis, zero, 0), (between * second, zero, 1)];
             }
             JointType::Planar => {
                 let plane = at_joint * plane(axis);
                 let [x, y, normal] = [0, 1, 2].map(|k| plane.column(k).into_owned());
                 displacement = x * q[0] + y * q[1];
-                turned = at_joint * turn(axis, q[2]);
+                rotated = at_joint * rotation_about(axis, q[2]);
                 motions = vec![(zero, x, 0), (zero, y, 0), (normal, zero, 0)];
             }
             JointType::Spherical => {
-                turned = at_joint * attitude(&q);
-                motions.extend(turned.column_iter().map(|axis| (axis.into_owned(), zero, 3)));
+                rotated = at_joint * attitude(&q);
+                motions.extend(rotated.column_iter().map(|axis| (axis.into_owned(), zero, 3)));
             }
             JointType::Floating => {
                 displacement = at_joint * Vector3::new(q[0], q[1], q[2]);
-                turned = at_joint * attitude(&q[3..]);
-                motions.extend(turned.column_iter().map(|axis| (zero, axis.into_owned(), 6)));
-                motions.extend(turned.column_iter().map(|axis| (axis.into_owned(), zero, 6)));
+                rotated = at_joint * attitude(&q[3..]);
+                motions.extend(rotated.column_iter().map(|axis| (zero, axis.into_owned(), 6)));
+                motions.extend(rotated.column_iter().map(|axis| (axis.into_owned(), zero, 6)));
             }
             _ => {
-                turned = at_joint * turn(axis, q[0]);
+                rotated = at_joint * rotation_about(axis, q[0]);
                 motions.push((at_joint * axis, zero, 0));
             }
         }
-        self.rotations.push(turned);
+        self.rotations.push(rotated);
         self.origins.push(origin + displacement);
         let motions = motions.into_iter().enumerate();
         let motions = motions.map(|(k, (angular, linear, carried_by))| Motion {
@@ -186,10 +186,10 @@ impl<'a> Naive<'a> {
         while let Some(j) = at {
             for motion in &self.motions[j] {
                 let velocity = motion.linear + motion.angular.cross(&(point - self.origins[j]));
-                let (mut turning, mut moving) =
+                let (mut angular_column, mut linear_column) =
                     (angular.column_mut(motion.v), linear.column_mut(motion.v));
-                turning += motion.angular * motion.ratio;
-                moving += velocity * motion.ratio;
+                angular_column += motion.angular * motion.ratio;
+                linear_column += velocity * motion.ratio;
             }
             at = self.model.links()[j].parent;
         }
@@ -322,18 +322,20 @@ impl<'a> Naive<'a> {
             let arm = self.origins[i] - origin;
             a += alpha.cross(&arm) + omega.cross(&omega.cross(&arm));
             // The body that moves each of the joint's axes has this angular velocity.
-            let mut turning = vec![omega];
+            let mut angular_velocities = vec![omega];
             for Motion { v, ratio, angular, .. } in &self.motions[i] {
-                turning.push(turning[turning.len() - 1] + angular * (ratio * qd[*v]));
+                angular_velocities.push(
+                    angular_velocities[angular_velocities.len() - 1] + angular * (ratio * qd[*v]),
+                );
             }
             for &Motion { v, ratio, angular, linear, carried_by } in &self.motions[i] {
                 let (rate, change) = (ratio * qd[v], ratio * qdd[v]);
-                let carrier = turning[carried_by];
+                let carrier = angular_velocities[carried_by];
                 alpha += angular * change + carrier.cross(&angular) * rate;
                 // The vector from the parent changes along the motion and rotates with the parent.
                 a += linear * change + (carrier + omega).cross(&linear) * rate;
             }
-            let omega = turning[turning.len() - 1];
+            let omega = angular_velocities[angular_velocities.len() - 1];
             motions.push([omega, alpha, a]);
             let arm = self.center(i) - self.origins[i];
             let center = a + alpha.cross(&arm) + omega.cross(&omega.cross(&arm));

@@ -1,7 +1,10 @@
 //! Random robots and states, which are the same for a seed on every host. The file calls no sine or cosine, since their
 //! last digit depends on the system. It uses `modyn_runtime` only, so that a build script can include it.
 
+use std::collections::BTreeSet;
+
 use modyn_runtime::joint::JointType;
+use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{
     DEFAULT_GRAVITY, Frame, Friction, Inertial, Joint, JointDynamics, Limits, Link, Mimic, Model,
     ModuleTree,
@@ -267,6 +270,25 @@ pub fn mixed_tree(seed: u64, links: usize) -> Model {
 #[must_use]
 pub fn mixed_zoo(seed: u64, links: usize) -> Model {
     if seed.is_multiple_of(2) { zoo(seed, links) } else { general_zoo(seed, links) }
+}
+
+/// Calls `check` with each of these models, named by its index. Expects that together they have joints of at least seven types,
+/// and three or more of each: mimic joints, rotors, and joints with friction.
+///
+/// # Panics
+/// If the models have less.
+pub fn for_all_kinds(models: impl Iterator<Item = Model>, mut check: impl FnMut(u64, &Model)) {
+    let (mut followers, mut types, mut driven, mut resisted) = (0, BTreeSet::new(), 0, 0);
+    for (index, model) in (0..).zip(models) {
+        followers += model.links().iter().filter(|link| link.joint.mimic.is_some()).count();
+        types.extend(model.links().iter().map(|link| link.joint.joint_type.name()));
+        let dofs = Mechanism::new(&model).dofs;
+        driven += dofs.iter().filter(|dof| dof.armature.is_some()).count();
+        resisted += dofs.iter().filter(|dof| dof.friction.is_some()).count();
+        check(index, &model);
+    }
+    assert!(followers >= 3 && types.len() >= 7, "{followers} mimic joints, {types:?}");
+    assert!(driven >= 3 && resisted >= 3, "{driven} rotors, {resisted} with friction");
 }
 
 /// Returns the model of these parts with mimic joints, joint dynamics, friction, and inertias of fixed frames.

@@ -17,11 +17,11 @@ pub fn rates(model: &Model, q: &[f64], qd: &[f64]) -> Vec<f64> {
         }
         let (q, qd) = (&q[model.q_range(i)], &qd[model.v_range(i)]);
         match link.joint.joint_type {
-            JointType::Spherical => rates.extend(turning(q, qd)),
+            JointType::Spherical => rates.extend(quaternion_rate(q, qd)),
             JointType::Floating => {
-                let turn = UnitQuaternion::new_unchecked(quaternion(&q[3..]));
-                rates.extend(turn.transform_vector(&vector(&qd[..3])).iter());
-                rates.extend(turning(&q[3..], &qd[3..]));
+                let rotation = UnitQuaternion::new_unchecked(quaternion(&q[3..]));
+                rates.extend(rotation.transform_vector(&vector(&qd[..3])).iter());
+                rates.extend(quaternion_rate(&q[3..], &qd[3..]));
             }
             _ => rates.extend(qd),
         }
@@ -39,7 +39,7 @@ pub fn along(model: &Model, q: &[f64], time: f64, qd: &[f64]) -> Vec<f64> {
     moved
 }
 
-fn turning(q: &[f64], omega: &[f64]) -> [f64; 4] {
+fn quaternion_rate(q: &[f64], omega: &[f64]) -> [f64; 4] {
     let rate = quaternion(q) * Quaternion::from_imag(vector(omega)) / 2.0;
     rate.coords.into()
 }

@@ -4,8 +4,8 @@ use modyn_runtime::model::{Model, ModuleTree, PARAMETERS_PER_LINK};
 use modyn_runtime::spatial::{Momentum, Twist, Vector3, Wrench};
 use modyn_runtime::{
     Array, Factorization, Forces, ForwardDerivatives, ForwardDynamicsHessian, FrameError,
-    HessianOutputs, Interpreter, InverseDynamicsHessian, Robot, Scalar, StepHessianOutputs,
-    StepOutputs, functions,
+    HessianOutputs, Interpreter, InverseDynamicsHessian, Robot, Scalar, StepDerivatives,
+    StepHessian, StepHessianOutputs, StepOutputs, functions,
 };
 
 use crate::quantities::{Quantities, numbers};
@@ -317,31 +317,13 @@ macro_rules! other_quantities {
             ("linear_step_qd", list(&linear_step.qd)),
             ("linear_step_a", columns(&linear_step.a)),
             ("linear_step_b", columns(&linear_step.b)),
-            (
-                "step_semi_implicit_hessian",
-                [
-                    list(&step_hessian.q),
-                    list(&step_hessian.qd),
-                    list(&step_hessian.dx),
-                    list(&step_hessian.dtau),
-                    columns(&step_hessian.dx_dx),
-                    columns(&step_hessian.dx_dtau),
-                    columns(&step_hessian.dtau_dtau),
-                ]
-                .concat(),
-            ),
+            ("step_semi_implicit_hessian", $crate::values::step_hessian_numbers(&step_hessian)),
             ("rk4_q", list(&rk4.q)),
             ("rk4_qd", list(&rk4.qd)),
             ("step_implicit_midpoint", [list(&midpoint.q), list(&midpoint.qd)].concat()),
             (
                 "step_implicit_midpoint_derivatives",
-                [
-                    list(&linear_midpoint.q),
-                    list(&linear_midpoint.qd),
-                    columns(&linear_midpoint.a),
-                    columns(&linear_midpoint.b),
-                ]
-                .concat(),
+                $crate::values::linear_step_numbers(&linear_midpoint),
             ),
             ("integrate_dq", columns(&integrate.dq)),
             ("integrate_dv", columns(&integrate.dv)),
@@ -809,6 +791,37 @@ pub fn forward_hessian_numbers<T: Scalar, V: Array<T>, M: Array<V>>(
     let vectors = [&of.qdd, &of.dq, &of.dqd, &of.dtau].map(list);
     let matrices = [&of.dq_dq, &of.dq_dqd, &of.dqd_dqd, &of.dq_dtau].map(columns);
     [vectors, matrices].concat().concat()
+}
+
+/// Returns the numbers of the Hessian of a step, in the order of its fields.
+#[must_use]
+pub fn step_hessian_numbers<T, Q, V, X, M, N, K>(of: &StepHessian<Q, V, X, V, M, N, K>) -> Vec<T>
+where
+    T: Scalar,
+    Q: Array<T>,
+    V: Array<T>,
+    X: Array<T>,
+    M: Array<X>,
+    N: Array<X>,
+    K: Array<V>,
+{
+    let vectors = [list(&of.q), list(&of.qd), list(&of.dx), list(&of.dtau)];
+    let matrices = [columns(&of.dx_dx), columns(&of.dx_dtau), columns(&of.dtau_dtau)];
+    [vectors.concat(), matrices.concat()].concat()
+}
+
+/// Returns the numbers of a step and its derivatives, in the order of their fields.
+#[must_use]
+pub fn linear_step_numbers<T, Q, V, X, A, B>(of: &StepDerivatives<Q, V, A, B>) -> Vec<T>
+where
+    T: Scalar,
+    Q: Array<T>,
+    V: Array<T>,
+    X: Array<T>,
+    A: Array<X>,
+    B: Array<X>,
+{
+    [list(&of.q), list(&of.qd), columns(&of.a), columns(&of.b)].concat()
 }
 
 /// Returns the numbers in double precision.

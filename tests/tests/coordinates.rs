@@ -127,7 +127,7 @@ fn differences_undo_steps_of_any_size() {
             let mut v = vector(random, robot.model().nv(), 1.0);
             stretch(robot.model(), &mut v, angle);
             let found = between(&robot, &q, &moved(&robot, &q, &v));
-            assert_close(&format!("turns by {angle}"), &found, &v, 4e-15);
+            assert_close(&format!("rotates by {angle}"), &found, &v, 4e-15);
         }
     }
 }
@@ -177,7 +177,7 @@ fn single_precision_is_as_good_as_it_can_be() {
         stretch(robot.model(), &mut v, angle);
         let (q, v) = (single(&q), single(&v));
         let found = between(&small, &q, &moved(&small, &q, &v));
-        assert_close(&format!("turns by {angle}"), &double(found), &double(v), 2e-6);
+        assert_close(&format!("rotates by {angle}"), &double(found), &double(v), 2e-6);
     }
 }
 
@@ -347,9 +347,9 @@ fn limits_on_one_side_leave_a_range_on_the_other() {
     assert_eq!(range(Some(3.0), None), (3.0, 5.0));
     assert_eq!(range(None, Some(-3.0)), (-5.0, -3.0));
     assert_eq!(range(Some(f64::NEG_INFINITY), Some(f64::INFINITY)), (-1.0, 1.0));
-    let turn = |lower, upper| range_of(JointType::Revolute, lower, upper);
-    assert_eq!(turn(Some(1.0), None), (1.0, 1.0 + 2.0 * PI));
-    assert_eq!(turn(None, Some(-1.0)), (-1.0 - 2.0 * PI, -1.0));
+    let revolute = |lower, upper| range_of(JointType::Revolute, lower, upper);
+    assert_eq!(revolute(Some(1.0), None), (1.0, 1.0 + 2.0 * PI));
+    assert_eq!(revolute(None, Some(-1.0)), (-1.0 - 2.0 * PI, -1.0));
 }
 
 /// Chains of mimic joints narrow the range of their leader; contradictory limits of a mimic joint do not.

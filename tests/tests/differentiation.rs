@@ -1,10 +1,9 @@
 //! Products with derivatives: the passes against dual numbers on random graphs, the functions against the matrices of the
-//! interpreter on random robots, and their operations.
+//! interpreter on random robots.
 
 use modyn_codegen::graph::{Expr, Graph};
 use modyn_codegen::passes::{jvp, optimize, vjp};
 use modyn_codegen::trace::{Parameters, Tracer};
-use modyn_codegen::{Builder, Function};
 use modyn_runtime::equations::dynamics::Elimination;
 use modyn_runtime::mechanism::Mechanism;
 use modyn_runtime::model::{Inertial, Model, ModuleTree};
@@ -143,95 +142,13 @@ fn compare(name: &str, model: &Model, seed: u64) {
 
 #[test]
 fn products_of_random_robots_are_those_of_the_matrices() {
-    let (mut followers, mut types) = (0, Vec::new());
-    for seed in 0..60 {
-        let links = 1 + usize::try_from(seed % 8).expect("a digit");
-        let model = random::mixed_zoo(seed, links);
-        followers += model.links().iter().filter(|link| link.joint.mimic.is_some()).count();
-        types.extend(model.links().iter().map(|link| link.joint.joint_type.name()));
-        compare(&format!("seed {seed}"), &model, seed);
-    }
-    types.sort_unstable();
-    types.dedup();
-    assert!(followers > 5 && types.len() >= 7, "{followers} mimic joints, {types:?}");
+    let models = (0..60)
+        .map(|seed| random::mixed_zoo(seed, 1 + usize::try_from(seed % 8).expect("a digit")));
+    random::for_all_kinds(models, |seed, model| compare(&format!("seed {seed}"), model, seed));
 }
 
 #[test]
 fn products_of_floating_robots_are_those_of_the_matrices() {
     let model = golden::model(&golden::urdf("solo12"));
     compare("solo12, floating", &floated(&model, Inertial::default()), 3);
-}
-
-/// The operations of a robot's products.
-#[derive(Debug, PartialEq)]
-struct Counts {
-    robot: &'static str,
-    floating: bool,
-    /// Of `inverse_dynamics`, `inverse_dynamics_vjp` and `inverse_dynamics_jvp`.
-    inverse: [usize; 3],
-    /// Of `forward_dynamics`, `forward_dynamics_vjp` and `forward_dynamics_jvp`.
-    forward: [usize; 3],
-}
-
-/// The present counts. A count that falls is to be entered; one that rises is a regression.
-const FROZEN: [Counts; 6] = [
-    frozen("ur5", false, [273, 689, 705], [433, 1034, 1067]),
-    frozen("panda", false, [577, 1352, 1365], [1059, 2330, 2350]),
-    frozen("solo12", false, [548, 1336, 1368], [704, 1744, 1760]),
-    frozen("solo12", true, [1134, 2735, 2782], [2401, 5041, 5230]),
-    frozen("g1", false, [2821, 6529, 6597], [5926, 12592, 12710]),
-    frozen("g1", true, [3353, 7781, 7867], [7717, 16011, 16259]),
-];
-
-const fn frozen(
-    robot: &'static str,
-    floating: bool,
-    inverse: [usize; 3],
-    forward: [usize; 3],
-) -> Counts {
-    Counts { robot, floating, inverse, forward }
-}
-
-fn counts(&Counts { robot, floating, .. }: &Counts) -> Counts {
-    let model = golden::model(&golden::urdf(robot));
-    let model = if floating { floated(&model, Inertial::default()) } else { model };
-    let functions = [
-        Function::InverseDynamics,
-        Function::InverseDynamicsVjp,
-        Function::InverseDynamicsJvp,
-        Function::ForwardDynamics,
-        Function::ForwardDynamicsVjp,
-        Function::ForwardDynamicsJvp,
-    ];
-    let generated = Builder::new().model(model).functions(functions).generate().expect("good");
-    let count = |function: Function| {
-        let found = generated.operations.iter().find(|(name, _)| *name == function.name());
-        found.expect("generated").1.total()
-    };
-    let [inverse, forward] = [&functions[..3], &functions[3..]];
-    let three = |of: &[Function]| std::array::from_fn(|k| count(of[k]));
-    Counts { robot, floating, inverse: three(inverse), forward: three(forward) }
-}
-
-#[test]
-fn counts_are_as_frozen() {
-    let found = FROZEN.each_ref().map(counts);
-    for Counts { robot, forward: [one, vjp, _], .. } in &found {
-        assert!(2 * vjp <= 5 * one, "{robot}: {vjp} are more than 2.5 times {one}");
-    }
-    assert_eq!(
-        found, FROZEN,
-        "\nA count that falls is to be entered; one that rises is a regression."
-    );
-}
-
-/// The page on derivatives shows these counts.
-#[test]
-fn the_page_has_the_frozen_counts() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/derivatives.md");
-    let page = std::fs::read_to_string(path).expect("the page");
-    for Counts { robot, inverse, forward, .. } in FROZEN {
-        let cells = inverse.iter().chain(&forward).map(usize::to_string).collect::<Vec<_>>();
-        assert!(page.contains(&format!(" | {} |", cells.join(" | "))), "{robot}");
-    }
 }

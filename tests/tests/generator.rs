@@ -30,8 +30,8 @@ fn fingerprint(model: &Model) -> u64 {
         .frames()
         .iter()
         .flat_map(|frame| [frame.pose.rotation.concat(), frame.pose.translation.to_vec()].concat());
-    let figures = links.chain(frames).chain(extras).chain([q, qd, qdd, tau].concat());
-    figures.flat_map(|x| x.to_bits().to_le_bytes()).fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+    let numbers = links.chain(frames).chain(extras).chain([q, qd, qdd, tau].concat());
+    numbers.flat_map(|x| x.to_bits().to_le_bytes()).fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     })
 }

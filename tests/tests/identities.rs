@@ -447,7 +447,7 @@ proptest! {
         let naive = Naive::new(&model, &q);
         let wrenches = wrenches(robot.seed(), &model);
         // The same wrenches in world axes.
-        let turned: Vec<_> = zip(&wrenches, interpreter.poses(&q))
+        let in_world_axes: Vec<_> = zip(&wrenches, interpreter.poses(&q))
             .map(|(wrench, pose)| Wrench {
                 moment: Vector3(pose.rotate(wrench.moment.0)),
                 force: Vector3(pose.rotate(wrench.force.0)),
@@ -470,7 +470,7 @@ proptest! {
                 assert_close("torques again", &back, &tau, 1e-11 * scale.max(1.0));
             }
         }
-        let [in_link, in_world] = [Forces::InLinkAxes(&wrenches), Forces::InWorldAxes(&turned)]
+        let [in_link, in_world] = [Forces::InLinkAxes(&wrenches), Forces::InWorldAxes(&in_world_axes)]
             .map(|forces| interpreter.qdd_under(&q, &qd, &tau, forces));
         assert_close("by any axes", &in_link, &in_world, 1e-9);
 

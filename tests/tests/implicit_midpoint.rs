@@ -1,16 +1,14 @@
 //! The implicit midpoint rule against its equations, which a plain Newton method with differences solves over textbook dynamics
-//! and matrix exponentials: the state, its order, A and B. Then its symmetry, its energy, its stability and its operations.
+//! and matrix exponentials: the state, its order, A and B. Then its symmetry, its energy and its stability.
 
 use modyn_codegen::passes::optimize;
 use modyn_codegen::trace::Tracer;
-use modyn_codegen::{Builder, Function};
 use modyn_runtime::joint::JointType;
 use modyn_runtime::mechanism::Mechanism;
-use modyn_runtime::model::{Friction, Inertial, JointDynamics, Model};
+use modyn_runtime::model::{Friction, JointDynamics, Model};
 use modyn_runtime::{Interpreter, ShapeError, StepOutputs};
 use modyn_tests::close::assert_close;
 use modyn_tests::floating::floated;
-use modyn_tests::golden;
 use modyn_tests::naive::Naive;
 use modyn_tests::quantities::Quantities;
 use modyn_tests::random::{self, Random, State};
@@ -54,8 +52,9 @@ fn attitude(q: &[f64]) -> UnitQuaternion<f64> {
 fn displaced(model: &Model, q: &[f64], v: &[f64]) -> Vec<f64> {
     let mut moved = q.to_vec();
     let rotate = |moved: &mut [f64], w: &[f64]| {
-        let turned = attitude(moved) * UnitQuaternion::from_scaled_axis(Vector3::from_row_slice(w));
-        moved[..4].copy_from_slice(turned.coords.as_slice());
+        let rotated =
+            attitude(moved) * UnitQuaternion::from_scaled_axis(Vector3::from_row_slice(w));
+        moved[..4].copy_from_slice(rotated.coords.as_slice());
     };
     joints(model, |joint_type, at, k| match joint_type {
         JointType::Spherical => rotate(&mut moved[at..at + 4], &v[k..k + 3]),
@@ -424,58 +423,4 @@ fn lengths_are_checked() {
     let outputs = StepOutputs { q: &mut next_q, qd: &mut next_qd, a: &mut [], b: &mut [] };
     let found = robot.step_implicit_midpoint_derivatives((&q, &qd, &tau), 0.1, outputs);
     assert_eq!(found, Err(ShapeError::new("a", 4 * n * n, 0)));
-}
-
-/// The operations of a robot's steps.
-#[derive(Debug, PartialEq)]
-struct Counts {
-    robot: &'static str,
-    floating: bool,
-    /// Of `step_implicit_midpoint` and `step_implicit_midpoint_derivatives`.
-    steps: [usize; 2],
-}
-
-const fn frozen(robot: &'static str, floating: bool, steps: [usize; 2]) -> Counts {
-    Counts { robot, floating, steps }
-}
-
-/// The present counts. A count that falls is to be entered; one that rises is a regression.
-const FROZEN: [Counts; 6] = [
-    frozen("ur5", false, [2299, 4972]),
-    frozen("panda", false, [4510, 9493]),
-    frozen("solo12", false, [3177, 5605]),
-    frozen("solo12", true, [11477, 38841]),
-    frozen("g1", false, [26198, 62876]),
-    frozen("g1", true, [42804, 172_549]),
-];
-
-fn counts(&Counts { robot, floating, .. }: &Counts) -> Counts {
-    let model = golden::model(&golden::urdf(robot));
-    let model = if floating { floated(&model, Inertial::default()) } else { model };
-    let functions = [Function::StepImplicitMidpoint, Function::StepImplicitMidpointDerivatives];
-    let generated = Builder::new().model(model).functions(functions).generate().expect("good");
-    let count = |function: Function| {
-        let found = generated.operations.iter().find(|(name, _)| *name == function.name());
-        found.expect("generated").1.total()
-    };
-    Counts { robot, floating, steps: functions.map(count) }
-}
-
-#[test]
-fn counts_are_as_frozen() {
-    assert_eq!(
-        FROZEN.each_ref().map(counts),
-        FROZEN,
-        "\nA count that falls is to be entered; one that rises is a regression."
-    );
-}
-
-/// The page on derivatives shows these counts.
-#[test]
-fn the_page_has_the_frozen_counts() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/derivatives.md");
-    let page = std::fs::read_to_string(path).expect("the page");
-    for Counts { robot, steps: [step, derivatives], .. } in FROZEN {
-        assert!(page.contains(&format!(" | {step} | {derivatives} |")), "{robot}");
-    }
 }

@@ -211,23 +211,23 @@ fn moved(model: &Model, q: &[f64], time: f64, qd: &[f64]) -> Vec<f64> {
         }
         let (at, rates) = (model.q_range(i), &qd[model.v_range(i)]);
         let q = &mut moved[at];
-        let turned = |q: &[f64], omega: &[f64]| {
+        let rotations = |q: &[f64], omega: &[f64]| {
             let before = UnitQuaternion::new_normalize(Quaternion::new(q[3], q[0], q[1], q[2]));
             let omega = nalgebra::Vector3::from_column_slice(omega) * time;
             (before, UnitQuaternion::from_scaled_axis(omega), omega)
         };
         match link.joint.joint_type {
             JointType::Spherical => {
-                let (before, turn, _) = turned(q, rates);
-                q.copy_from_slice((before * turn).coords.as_slice());
+                let (before, rotation, _) = rotations(q, rates);
+                q.copy_from_slice((before * rotation).coords.as_slice());
             }
             JointType::Floating => {
-                let (before, turn, omega) = turned(&q[3..], &rates[3..]);
+                let (before, rotation, omega) = rotations(&q[3..], &rates[3..]);
                 let v = nalgebra::Vector3::from_column_slice(&rates[..3]) * time;
                 // The integral of the rotation to third order.
-                let way = v + omega.cross(&v) / 2.0 + omega.cross(&omega.cross(&v)) / 6.0;
-                zip(&mut q[..3], &(before * way)).for_each(|(q, step)| *q += step);
-                q[3..].copy_from_slice((before * turn).coords.as_slice());
+                let displacement = v + omega.cross(&v) / 2.0 + omega.cross(&omega.cross(&v)) / 6.0;
+                zip(&mut q[..3], &(before * displacement)).for_each(|(q, step)| *q += step);
+                q[3..].copy_from_slice((before * rotation).coords.as_slice());
             }
             _ => zip(q, rates).for_each(|(q, rate)| *q += time * rate),
         }
@@ -438,11 +438,11 @@ fn external_forces_act_through_the_jacobian() {
                     &mut found,
                 );
                 let columns = jacobian(interpreter, q, frame, axes);
-                let felt = columns.iter().map(|column| -> f64 {
+                let joint_forces = columns.iter().map(|column| -> f64 {
                     zip(column.components(), wrench).map(|(a, b)| a * b).sum()
                 });
-                let felt: Vec<f64> = felt.collect();
-                assert_close("tau - J^T w", &found, &plus(&tau, -1.0, &felt), EXACT);
+                let joint_forces: Vec<f64> = joint_forces.collect();
+                assert_close("tau - J^T w", &found, &plus(&tau, -1.0, &joint_forces), EXACT);
             }
         }
     });

@@ -98,7 +98,7 @@ fn a_straight_chain_is_as_calculated() {
     let rest = vec![0.0; n];
     // Joint i holds the weight of the n - i links after it at half their length.
     let holding: Vec<f64> =
-        (0..n).map(|i| (n - i) as f64).map(|behind| -10.0 * behind * behind / 2.0).collect();
+        (0..n).map(|i| (n - i) as f64).map(|after| -10.0 * after * after / 2.0).collect();
     assert_close("gravity torques", &interpreter.gravity(&rest), &holding, 1e-12);
     assert_close("bias forces", &interpreter.bias(&rest, &rest), &holding, 1e-12);
     assert_eq!(interpreter.potential(&rest), 0.0);

@@ -175,7 +175,7 @@ fn no_joint_is_left_without_inertia() {
     assert!(message.contains("`joint7`") && message.contains("infinite"), "{message}");
     // Where other links give the joints their inertia, any inertia is accepted.
     let mut params = ArmParams::DEFAULT;
-    params.set_inertia_of_link4(NONE).expect("the links behind it are felt");
+    params.set_inertia_of_link4(NONE).expect("the links after it have inertia");
 }
 
 #[test]

@@ -37,34 +37,34 @@ class Closed:
             self.frames.append((kind == pinocchio.ContactType.CONTACT_6D, pair))
 
     def rows(self, q, v, a):
-        """How far the ends are apart, the Jacobian of their relative motion, and its acceleration, in world axes."""
+        """The displacements of the ends, the Jacobian of their relative motion, and its acceleration, in world axes."""
         data = self.model.createData()
         pinocchio.forwardKinematics(self.model, data, q, v, a)
         pinocchio.computeJointJacobians(self.model, data, q)
         pinocchio.updateFramePlacements(self.model, data)
-        apart, jacobian, acceleration = [], [], []
+        displacements, jacobian, acceleration = [], [], []
         for rigid, (first, second) in self.frames:
             count = 6 if rigid else 3
             places = [data.oMf[frame] for frame in (first, second)]
             difference = places[1].translation - places[0].translation
             turn = pinocchio.log3(places[1].rotation @ places[0].rotation.T)
-            apart.append(numpy.concatenate([difference, turn])[:count])
+            displacements.append(numpy.concatenate([difference, turn])[:count])
             of = [pinocchio.getFrameJacobian(self.model, data, frame, WORLD) for frame in (first, second)]
             jacobian.append((of[1] - of[0])[:count])
             of = [pinocchio.getFrameClassicalAcceleration(self.model, data, frame, WORLD).vector
                   for frame in (first, second)]
             acceleration.append((of[1] - of[0])[:count])
-        return numpy.concatenate(apart), numpy.vstack(jacobian), numpy.concatenate(acceleration)
+        return numpy.concatenate(displacements), numpy.vstack(jacobian), numpy.concatenate(acceleration)
 
     def closed(self, q):
         """The configuration near q that closes the loops, by Newton's method; None if there is none."""
         still = numpy.zeros(self.model.nv)
         for _ in range(60):
-            apart, jacobian, _ = self.rows(q, still, still)
-            if numpy.abs(apart).max() < 1e-15:
+            displacements, jacobian, _ = self.rows(q, still, still)
+            if numpy.abs(displacements).max() < 1e-15:
                 break
-            q = pinocchio.integrate(self.model, q, -numpy.linalg.pinv(jacobian, rcond=1e-9) @ apart)
-        return q if numpy.abs(apart).max() < 1e-14 else None
+            q = pinocchio.integrate(self.model, q, -numpy.linalg.pinv(jacobian, rcond=1e-9) @ displacements)
+        return q if numpy.abs(displacements).max() < 1e-14 else None
 
     def closed_state(self, random, reach):
         """A closed configuration within `reach` of the neutral one and velocities that keep it closed."""

@@ -30,7 +30,7 @@ class Row:
     errors: list
     warnings: int
     #: The option that a refused robot is usable with; empty if it is not refused.
-    way: str | None
+    needed: str | None
     joints: int | None = None
     velocities: int | None = None
     compared: dict | None = None
@@ -86,16 +86,16 @@ def sweep(folder, description, options):
     start = time.monotonic()
     name = str(description.relative_to(folder).with_suffix(""))
     errors, warnings = modyn.check(description)
-    way = ""
+    needed = ""
     if errors:
-        way = next((way for way in modyn.WAYS if not modyn.check(description, way)[0]), None)
-    if way is None:
+        needed = next((option for option in modyn.OPTIONS if not modyn.check(description, option)[0]), None)
+    if needed is None:
         # Further checks, which run only on physical inertias.
         errors += [error for error in modyn.check(description, "--unphysical-inertia warn")[0] if error not in errors]
-    row = Row(name, errors, warnings, way)
+    row = Row(name, errors, warnings, needed)
     model, row.unloaded = reference.load(description)
-    if way is not None:
-        words = modyn.WAYS.get(way, [])
+    if needed is not None:
+        words = modyn.OPTIONS.get(needed, [])
         if model:
             for base in ["fixed", "floating"] if "floating" not in words else ["floating"]:
                 joints, velocities, found = differences(description, base == "floating", words, options.states)
@@ -105,7 +105,7 @@ def sweep(folder, description, options):
         else:
             interpreter = modyn.Interpreter(description, words)
             row.joints, row.velocities = len(interpreter.joints), interpreter.nv
-        row.compared = modyn.compare(description, way, row.velocities)
+        row.compared = modyn.compare(description, needed, row.velocities)
     elif model:
         row.rank = rank(description)
     row.seconds = time.monotonic() - start

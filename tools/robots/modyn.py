@@ -11,7 +11,7 @@ import numpy
 ROOT = Path(__file__).resolve().parents[2]
 RELEASE = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
 #: Options of `modyn` that are tried one after the other on a refused description, with words of `evaluate`.
-WAYS = {
+OPTIONS = {
     "--mimic independent": ["independent"],
     "--unphysical-inertia warn": ["warn"],
     "--base floating": ["floating"],
@@ -31,9 +31,9 @@ def call(*words, given=None, seconds=600):
     return subprocess.run([str(word) for word in words], input=given, capture_output=True, text=True, timeout=seconds)
 
 
-def check(description, way=""):
+def check(description, options=""):
     """All that is wrong with a description."""
-    done = call(RELEASE / "modyn", "check", "--json", description, *way.split())
+    done = call(RELEASE / "modyn", "check", "--json", description, *options.split())
     if done.returncode not in (0, 1):
         raise RuntimeError(f"{description}: modyn check: {done.stderr}")
     found = json.loads(done.stdout)[0]["diagnostics"]
@@ -42,10 +42,10 @@ def check(description, way=""):
     return errors, len(found) - len(errors)
 
 
-def compare(description, way, velocities):
+def compare(description, options, velocities):
     """Generated code against the interpreter: its JSON."""
     functions = [] if velocities <= SMALL else ["--functions", FEW]
-    done = call(RELEASE / "modyn", "compare", "--json", description, *way.split(), *functions)
+    done = call(RELEASE / "modyn", "compare", "--json", description, *options.split(), *functions)
     if done.returncode not in (0, 1) or not done.stdout:
         raise RuntimeError(f"{description}: modyn compare: {done.stderr}")
     return json.loads(done.stdout)

@@ -26,8 +26,8 @@ def followers(description):
     for joint in ElementTree.parse(description).getroot().findall("joint"):
         mimic = joint.find("mimic")
         if mimic is not None and joint.get("type") != "fixed":
-            figures = float(mimic.get("multiplier", 1)), float(mimic.get("offset", 0))
-            direct[joint.get("name")] = mimic.get("joint"), *figures
+            numbers = float(mimic.get("multiplier", 1)), float(mimic.get("offset", 0))
+            direct[joint.get("name")] = mimic.get("joint"), *numbers
 
     def resolved(name):
         leader, multiplier, offset = direct[name]

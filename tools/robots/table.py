@@ -35,7 +35,7 @@ def fine(row):
 def checked(row):
     if not row.errors:
         return "usable" + (f", {row.warnings} warning{'s' * (row.warnings > 1)}" if row.warnings else "")
-    return "refused" + (f"; usable with `{row.way}`" if row.way else "")
+    return "refused" + (f"; usable with `{row.needed}`" if row.needed else "")
 
 
 def compared(row):

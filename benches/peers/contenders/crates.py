@@ -13,7 +13,7 @@ CRATES = {
 WHY_NOT = {
     "Rust crate featherstone 0.1":
         "f32 only; for descriptions with rotated placements its dynamics are wrong (errors of 1), "
-        "and its joints turn the other way",
+        "and the sign of its joint angles is reversed",
     "Rust crate k": "kinematics only",
     "Rust crate rapier3d": "a simulator: no forward dynamics as a function of q, qd and tau",
 }

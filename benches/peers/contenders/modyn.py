@@ -8,7 +8,7 @@ from environment import FREE, HERE, OUTPUT, call, folder
 from measure import Program
 
 #: In the table, in the runner, and compiled for.
-WAYS = [
+VARIANTS = [
     ("modyn native", "generated", "native"),
     ("modyn x86-64", "generated", "default"),
     ("modyn, limbs one by one", "alone", "native"),
@@ -16,7 +16,7 @@ WAYS = [
     ("modyn interpreter", "interpreted", "native"),
 ]
 #: Another checkout's, for a comparison of two commits.
-BESIDE = [(f"beside: {name}", way, target) for name, way, target in WAYS if target == "native"]
+BESIDE = [(f"beside: {name}", variant, target) for name, variant, target in VARIANTS if target == "native"]
 
 
 def runner(target, here=HERE, output=OUTPUT):
@@ -37,7 +37,7 @@ def states(toolbox):
 
 def build(toolbox):
     runners = {target: runner(target) for target in ["default", "native"]}
-    return programs(toolbox.robots, runners, WAYS)
+    return programs(toolbox.robots, runners, VARIANTS)
 
 
 def build_beside(toolbox):
@@ -51,12 +51,12 @@ def build_beside(toolbox):
     return programs([robot for robot in toolbox.robots if robot.name in known], runners, BESIDE)
 
 
-def programs(robots, runners, ways):
-    for name, way, target in ways:
+def programs(robots, runners, variants):
+    for name, variant, target in variants:
         for robot in robots:
             for quantity in robot.quantities:
-                if way == "batch" and quantity != "forward_dynamics":
+                if variant == "batch" and quantity != "forward_dynamics":
                     continue
-                if way == "alone" and quantity not in FREE[:-1]:
+                if variant == "alone" and quantity not in FREE[:-1]:
                     continue
-                yield Program(name, target, robot.name, quantity, runners[target], before=(way,))
+                yield Program(name, target, robot.name, quantity, runners[target], before=(variant,))

@@ -106,7 +106,7 @@ where
     let damping = DAMPING[0] * error.norm_squared() + DAMPING[1];
     // The displacements of the joints that stop at a limit.
     let (mut free, mut stops) = (vec![true; R::NV], DVector::zeros(R::NV));
-    // Each turn stops a joint or returns.
+    // Each iteration stops a joint or returns.
     loop {
         let of_free =
             DMatrix::from_fn(6, R::NV, |i, j| if free[j] { derivative[(i, j)] } else { 0.0 });

@@ -102,14 +102,14 @@ where
 }
 
 /// The greatest number of steps of the recursion, and the relative change of P below which it has converged.
-const MOST_STEPS: usize = 10_000;
+const MAX_STEPS: usize = 10_000;
 const CONVERGED: f64 = 1e-12;
 
 /// Returns P, K and the number of steps, for A, B and the weights of states and inputs; `None` if the recursion does not
 /// converge.
 fn riccati([a, b, q, r]: [&DMatrix<f64>; 4]) -> Option<(DMatrix<f64>, DMatrix<f64>, usize)> {
     let mut p = q.clone();
-    for step in 1..=MOST_STEPS {
+    for step in 1..=MAX_STEPS {
         let pb = &p * b;
         let gain = Cholesky::new(r + b.tr_mul(&pb))?.solve(&(pb.tr_mul(a)));
         let next = q + a.tr_mul(&(&p * (a - b * &gain)));

@@ -24,7 +24,7 @@ pub(crate) fn hold(problem: &Reaching<Arm>) -> Vec<DVector<f64>> {
     vec![DVector::from(Arm::gravity_torques(&problem.start.q).to_vec()); 100]
 }
 
-/// Returns the problem of a quadruped that jumps to a place above, in front and to the left, and turns on the way.
+/// Returns the problem of a quadruped that jumps to a place above, in front and to the left, and rotates on the way.
 pub(crate) fn jump() -> Jump {
     let mut goal = standing();
     goal[0] += 0.05;

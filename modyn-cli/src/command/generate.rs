@@ -43,7 +43,7 @@ pub struct Arguments {
     /// The vector instructions of `--target object`; processors without them cannot run the code. sse2 (the default): every
     /// x86-64 processor has them; avx2: AVX2 and FMA; avx512: AVX-512 (F, DQ and VL)
     #[arg(long, value_enum)]
-    instruction_set: Option<Vectors>,
+    instruction_set: Option<VectorInstructions>,
     /// The format of `--target object`; that of this system by default. elf: Linux; mach-o: macOS; coff: Windows
     #[arg(long, value_enum)]
     object_format: Option<Format>,
@@ -65,7 +65,7 @@ enum Target {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Vectors {
+enum VectorInstructions {
     Sse2,
     Avx2,
     Avx512,
@@ -233,9 +233,9 @@ fn object(
     let Some(output) = &arguments.output else { return Ok(()) };
     let mut options = ObjectOptions::default();
     match arguments.instruction_set {
-        None | Some(Vectors::Sse2) => {}
-        Some(Vectors::Avx2) => options.instruction_set = InstructionSet::Avx2,
-        Some(Vectors::Avx512) => options.instruction_set = InstructionSet::Avx512,
+        None | Some(VectorInstructions::Sse2) => {}
+        Some(VectorInstructions::Avx2) => options.instruction_set = InstructionSet::Avx2,
+        Some(VectorInstructions::Avx512) => options.instruction_set = InstructionSet::Avx512,
     }
     match arguments.object_format {
         None => {}

@@ -1,5 +1,6 @@
 //! The options of the compiler's table on the command line, with the same names and values as everywhere.
 
+use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
 use modyn_codegen::options::{OPTIONS, OptionRow, OptionValue, Stage, Value, ValueKind};
 use modyn_codegen::{Builder, Function, ModuleChoice, ReadOptions};
@@ -117,6 +118,19 @@ impl CodeOptions {
     pub fn has(&self, name: &str) -> bool {
         self.0.0.iter().any(|(row, _)| row.name == name)
     }
+}
+
+/// Adds to the error of an option of generated code that another command was given: it belongs to `generate`.
+pub fn explain(mut error: Error) -> Error {
+    if let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidArg) {
+        let name = given.trim_start_matches('-').replace('-', "_");
+        if rows(Stage::Code).any(|row| row.name == name) {
+            let tip = format!("'{given}' is an option of 'modyn generate'").into();
+            error.remove(ContextKind::SuggestedArg);
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip]));
+        }
+    }
+    error
 }
 
 /// Clap takes a `Vec` for an option that is given several times.

@@ -66,7 +66,7 @@ fn model(
         if !check::inertia::check(body, &link.inertial, options.unphysical_inertia, report) {
             // The error is reported. With a stand-in, the motions of the other bodies can be checked.
             body.known = false;
-            link.inertial = STAND_IN;
+            link.inertial = PLACEHOLDER_INERTIA;
         }
     }
     check::inertia::densities(&bodies, report);
@@ -108,5 +108,5 @@ fn model(
 }
 
 /// The inertia that replaces an unreadable one, so that the other bodies can be checked.
-const STAND_IN: Inertial =
+const PLACEHOLDER_INERTIA: Inertial =
     Inertial { mass: 1.0, center_of_mass: [0.0; 3], inertia: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0] };

@@ -65,7 +65,7 @@ pub fn check(bodies: &[Body], model: &Model, report: &mut Report<'_>) {
                  acceleration is undefined",
                 link.name
             );
-            let help = "give the link a mass (and, if it turns, a rotational inertia), or make the joint `fixed`";
+            let help = "give the link a mass (and, if it rotates, a rotational inertia), or make the joint `fixed`";
             report.error(code, joint.at, Some(&joint.subject()), message, help);
         } else {
             let message = "the base floats, but no inertia opposes its motion while the joints are free, so its \

@@ -10,7 +10,7 @@
 //! A joint of several degrees of freedom is eliminated one unit motion at a time. A rotor is inertia at its own joint
 //! only.
 //!
-//! A mimic joint is held, since its motion is the leader's, and its inertia is added to the leader as a rotor. A leader is
+//! A mimic joint is locked, since its motion is the leader's, and its inertia is added to the leader as a rotor. A leader is
 //! therefore rejected only if neither it nor a mimic joint that follows it moves inertia. This is simpler than the mass
 //! matrix of the coupled joints: motions that cancel exactly in the ratio of a mimic joint are not found.
 
@@ -198,7 +198,7 @@ fn translation_along(axis: Vec3) -> Twist<f64> {
 struct ArticulatedState {
     /// The inertia with the joints of all descendants eliminated.
     articulated: ArticulatedInertia<f64>,
-    /// The inertia with the child joints held: the terms that cancelled in `articulated`.
+    /// The inertia with the child joints locked: the terms that cancelled in `articulated`.
     before: ArticulatedInertia<f64>,
     /// The magnitude of the terms in moments of inertia.
     rounding: f64,
@@ -269,9 +269,9 @@ mod tests {
     ];
 
     /// A generator of small pseudo-random numbers.
-    struct Dice(u64);
+    struct PseudoRandom(u64);
 
-    impl Dice {
+    impl PseudoRandom {
         fn below(&mut self, n: usize) -> usize {
             self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             usize::try_from(self.0 >> 40).unwrap_or(0) % n
@@ -370,7 +370,7 @@ mod tests {
 
     #[test]
     fn a_joint_is_singular_exactly_where_the_mass_matrix_is_singular() {
-        let mut dice = Dice(7);
+        let mut dice = PseudoRandom(7);
         let mut count = [0; 2];
         for _ in 0..10_000 {
             let model = dice.model();
@@ -446,7 +446,7 @@ mod tests {
     }
 
     #[test]
-    fn a_leader_feels_the_inertia_of_its_followers() {
+    fn a_leader_moves_the_inertia_of_its_followers() {
         let body = Inertial {
             mass: 1.0,
             center_of_mass: [0.1, 0.0, 0.0],

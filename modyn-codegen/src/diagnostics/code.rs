@@ -62,7 +62,7 @@ codes! {
     Excessive = "excessive":
         "Check where the file comes from: it is damaged, or made to do harm. The limits are 256 attributes of an \
         element, 256 namespaces of a document and 1 GiB for a file. The number of joints and links is not limited.",
-    /// The document is a xacro file that has to be expanded.
+    /// The document is a xacro file, which must be expanded first.
     Xacro = "xacro":
         "Expand the file first, `xacro robot.urdf.xacro > robot.urdf`, and give the result. \
         Through a pipe: `xacro robot.urdf.xacro | modyn check -`.",
@@ -89,10 +89,10 @@ codes! {
     /// An element that URDF requires is missing.
     MissingElement = "missing-element":
         "Write the element that the message names, in the link or joint that it names.",
-    /// An element is repeated that may occur once only.
+    /// An element that may occur only once is repeated.
     RepeatedElement = "repeated-element":
         "Keep one of the elements and remove the others.",
-    /// An attribute or element is not read that would change the robot.
+    /// An attribute or element that would change the robot is not read.
     NotRead = "not-read":
         "Write the value as the help says, or remove the attribute or element. If it is a warning, check the \
         spelling: attributes and elements that are not read have no effect.",

@@ -1,4 +1,4 @@
-//! The operations that nodes of a graph are.
+//! The nodes of a graph: operations with their operands.
 
 /// The index of a node in its graph; operands come before their users.
 pub type Id = u32;

@@ -13,13 +13,13 @@ mod latency {
     pub const SUM: u32 = 3;
     pub const PRODUCT: u32 = 3;
     pub const QUOTIENT: u32 = 13;
-    pub const TURN: u32 = 40;
+    pub const SINE: u32 = 40;
     pub const LANES: u32 = 2;
     pub const OTHER: u32 = 20;
 }
 
 /// A sum is critical if the path through it is shorter than the critical path by at most this fraction (1/6).
-const NEAR: u32 = 6;
+const CRITICAL_FRACTION: u32 = 6;
 
 /// Returns the graph with balanced sums.
 #[must_use]
@@ -38,7 +38,8 @@ pub fn balance(graph: &Graph) -> Graph {
             Node::Add(..) | Node::Sub(..) => {
                 let mut terms = Vec::new();
                 collect(graph, &is_part, i as Id, false, &mut terms);
-                let near = ready_at[i] + tail_latency[i] + critical_path / NEAR >= critical_path;
+                let near = ready_at[i] + tail_latency[i] + critical_path / CRITICAL_FRACTION
+                    >= critical_path;
                 let term = |(negative, id): (bool, Id)| {
                     let product = uses[id as usize] == 1 && is_product(graph, id);
                     rewritten.term(negative, at(id), product)
@@ -122,7 +123,7 @@ fn ready_time(graph: &Graph, node: Node, ready_at: &[u32], once: impl Fn(Id) -> 
         }
         Node::Mul(..) => last + latency::PRODUCT,
         Node::Recip(_) => last + latency::QUOTIENT,
-        Node::Sin(_) | Node::Cos(_) => last + latency::TURN,
+        Node::Sin(_) | Node::Cos(_) => last + latency::SINE,
         Node::Pack(..) | Node::ExtractLane(..) => last + latency::LANES,
         _ => last + latency::OTHER,
     }
@@ -139,7 +140,7 @@ fn tail_latency(graph: &Graph, live: &[bool], ready_at: &[u32]) -> Vec<u32> {
             let step = ready_at[i].saturating_sub(ready_at[operand as usize]);
             let step = match node {
                 Node::Add(..) | Node::Sub(..) => step.min(latency::FUSED),
-                _ => step.min(latency::TURN),
+                _ => step.min(latency::SINE),
             };
             let operand = operand as usize;
             tail_latency[operand] = tail_latency[operand].max(tail_latency[i] + step);

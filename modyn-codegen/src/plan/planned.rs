@@ -1,4 +1,4 @@
-//! A planned function: what printers receive.
+//! A planned function: the arguments, the result and the programs that a printer receives.
 
 use modyn_runtime::OperationCount;
 

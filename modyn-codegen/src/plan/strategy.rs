@@ -1,4 +1,4 @@
-//! The way that programs run: as the back end has it, and for equal limbs and columns of one state.
+//! The execution of programs: as the back end supports it, and for equal limbs and columns of one state.
 
 /// The way that a back end runs programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -119,6 +119,23 @@ impl Format {
 
 /// Reads a description of any supported format. Diagnostics name the file `file`. No other file is read.
 ///
+/// ```
+/// let text = r#"<robot name="pendulum"><link name="base"/>
+///     <joint name="pivot" type="continuous">
+///       <parent link="base"/><child link="rod"/><axis xyz="0 1 0"/>
+///     </joint>
+///     <link name="rod"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
+///       <inertia ixx="0.1" iyy="0.1" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
+/// let reading = modyn_codegen::read(text, "pendulum.urdf", &Default::default())?;
+/// assert_eq!((reading.model.nq(), reading.warnings.len()), (1, 0));
+///
+/// // Errors have their places: the mass is in line 5.
+/// let wrong = text.replace("mass value=\"1\"", "mass value=\"-1\"");
+/// let found = modyn_codegen::read(&wrong, "pendulum.urdf", &Default::default()).expect_err("refused");
+/// assert!(found.to_string().contains("pendulum.urdf:5:"), "{found}");
+/// # Ok::<(), modyn_codegen::diagnostics::Diagnostics>(())
+/// ```
+///
 /// # Errors
 ///
 /// Returns all errors of the text, and its warnings.

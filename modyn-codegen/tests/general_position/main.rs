@@ -135,8 +135,8 @@ impl Compiled {
 /// Returns the solution of the aligned mechanism from the solution of the rotated and scaled one.
 fn aligned(solution: &Solution, r: &Matrix3<f64>, scale: f64, lengths: &[bool]) -> Solution {
     let back = |six: &[f64; 6], angular: f64, linear: f64| {
-        let turned = |at: usize| r.transpose() * Vector3::new(six[at], six[at + 1], six[at + 2]);
-        let (first, second) = (turned(0) / angular, turned(3) / linear);
+        let to_link = |at: usize| r.transpose() * Vector3::new(six[at], six[at + 1], six[at + 2]);
+        let (first, second) = (to_link(0) / angular, to_link(3) / linear);
         [first.x, first.y, first.z, second.x, second.y, second.z]
     };
     let qdd = solution.qdd.iter().zip(lengths);
@@ -184,7 +184,8 @@ fn project(model: &Model, q: &mut [f64], qd: &mut [f64], steps: usize) -> usize 
     count(rank)
 }
 
-fn apart(model: &Model, q: &[f64]) -> f64 {
+/// Returns the sum of the displacements of all loop constraints.
+fn gap(model: &Model, q: &[f64]) -> f64 {
     let mut reference = Reference::new(model);
     (0..model.loop_constraints().len()).map(|c| reference.displacement(q, c).norm()).sum()
 }
@@ -197,8 +198,8 @@ fn state(mechanism: &Mechanism, random: &mut Random) -> [Vec<f64>; 3] {
         // An open loop may be locked, so coordinates are projected before velocities.
         project(&mechanism.model, &mut q, &mut vec![0.0; n], 40);
         project(&mechanism.model, &mut q.clone(), &mut qd, 1);
-        let apart = apart(&mechanism.model, &q);
-        assert!(apart < 1e-13, "{}: {apart}", mechanism.name);
+        let gap = gap(&mechanism.model, &q);
+        assert!(gap < 1e-13, "{}: {gap}", mechanism.name);
     }
     // The torques accelerate light links no more than heavy ones.
     let mut mass = vec![0.0; n * n];
@@ -309,8 +310,8 @@ fn projection_assembles_mechanisms_in_general_position() {
                 );
             }
             let rank = project(&model, &mut q, &mut qd, 30);
-            let apart = apart(&model, &q);
-            assert!(apart < 1e-12 * size.max(1.0), "{name} {k} (size {size}): {apart:e}");
+            let gap = gap(&model, &q);
+            assert!(gap < 1e-12 * size.max(1.0), "{name} {k} (size {size}): {gap:e}");
             let moved = q.iter().zip(&before.0).zip(&lengths);
             let moved =
                 moved.map(|((a, b), &length)| ((a - b) / if length { size } else { 1.0 }).abs());

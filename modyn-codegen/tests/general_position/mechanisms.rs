@@ -253,8 +253,8 @@ fn stewart() -> Mechanism {
         let (foot, head) = (leg * 1.05 + 0.4 * (leg % 2.0), leg * 1.05 + 0.25);
         let at =
             Pose { translation: [0.7 * foot.cos(), 0.7 * foot.sin(), 0.0], ..Pose::identity() };
-        let turned = bar(0.4, [0.0, 0.1, 0.4]);
-        let first = parts.link(WORLD, JointType::Universal, units[0], at, turned);
+        let rotated_bar = bar(0.4, [0.0, 0.1, 0.4]);
+        let first = parts.link(WORLD, JointType::Universal, units[0], at, rotated_bar);
         let slide = parts.link(
             Some(first),
             JointType::Prismatic,

@@ -228,7 +228,7 @@ impl<'a> Reference<'a> {
         let scale = DMatrix::from_diagonal(&scales);
         let half =
             mass.l().solve_lower_triangular(&(&scale * &jacobian).transpose()).expect("regular");
-        // (J I^-1 J^T)^+ from the singular values of J L^-T, whose squares are its eigenvalues.
+        // (J M^-1 J^T)^+ from the singular values of J L^-T, whose squares are its eigenvalues.
         let svd = half.transpose().svd(true, false);
         let (u, values) = (svd.u.expect("asked for"), svd.singular_values);
         let cutoff = 1e-6 * values.max();

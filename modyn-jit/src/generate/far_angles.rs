@@ -14,7 +14,7 @@ use crate::values::FarCheck;
 const LESS: u8 = 1;
 
 /// Instructions outside of the straight path.
-pub(super) struct Detour {
+pub(super) struct SlowPath {
     /// The position of the jump's distance.
     from: usize,
     /// The position after it.
@@ -86,7 +86,7 @@ impl Generator<'_> {
         });
         let angles_in_places = places.collect();
         let occupied = self.registers.occupied();
-        self.detours.push(Detour { from: back - 4, back, occupied, angles: angles_in_places });
+        self.slow_paths.push(SlowPath { from: back - 4, back, occupied, angles: angles_in_places });
         for reduced in angles {
             for value in reduced.results {
                 // The code after the return changes it in memory.
@@ -103,8 +103,8 @@ impl Generator<'_> {
     }
 
     /// Writes the code that reduces angles that are too large.
-    pub(super) fn detours(&mut self) {
-        for Detour { from, back, occupied, angles } in std::mem::take(&mut self.detours) {
+    pub(super) fn slow_paths(&mut self) {
+        for SlowPath { from, back, occupied, angles } in std::mem::take(&mut self.slow_paths) {
             let start = self.encoder.code.len();
             self.encoder.patch(from, start);
             self.save(occupied);

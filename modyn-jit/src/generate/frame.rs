@@ -56,7 +56,7 @@ impl Generator<'_> {
         let constants_at = entry.code.len() - 4;
         point(&mut entry, self.arrays, self.frame_base());
         let instructions = entry.instructions + self.encoder.instructions;
-        self.detours();
+        self.slow_paths();
         let body = entry.code.len();
         let calls = self.calls.iter().map(|&(at, helper)| (body + at, helper)).collect();
         let mut code = Encoder { code: [entry.code, self.encoder.code].concat(), instructions };

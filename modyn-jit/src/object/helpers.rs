@@ -5,7 +5,9 @@
 //! have the same bits, which `tests/object.rs` compares. Each takes pointers to its results and arguments, and a number of lanes;
 //! see `helper.rs`. They use SSE2 only, no stack, and none of the registers that belong to their caller.
 
-use modyn_runtime::steps;
+use modyn_runtime::{
+    ELEMENTARY_F32, ELEMENTARY_F64, ElementaryNumbers, FRAC_1_PI_BITS, PI_BITS, steps,
+};
 
 use super::assembler::{
     ADD, ADDRESS, Assembler, COMPARE, Condition, FROM_VECTOR, HIGHEST_BIT, IMMEDIATE_ADD,
@@ -18,33 +20,6 @@ use crate::helper::Helper;
 use crate::instruction_set::InstructionSet;
 use crate::real::Real;
 use Operand::{Memory, Register};
-
-/// The bits of 1 / pi, after 64 zeros.
-const FRAC_1_PI_BITS: [u64; 20] = [
-    0x0000000000000000,
-    0x517cc1b727220a94,
-    0xfe13abe8fa9a6ee0,
-    0x6db14acc9e21c820,
-    0xff28b1d5ef5de2b0,
-    0xdb92371d2126e970,
-    0x0324977504e8c90e,
-    0x7f0ef58e5894d39f,
-    0x74411afa975da242,
-    0x74ce38135a2fbf20,
-    0x9cc8eb1cc1a99cfa,
-    0x4e422fc5defc941d,
-    0x8ffc4bffef02cc07,
-    0xf79788c5ad05368f,
-    0xb69b3f6793e584db,
-    0xa7a31fb34f2ff516,
-    0xba93dd63f5f2f8bd,
-    0x9e839cfbc5294975,
-    0x35fdafd88fc6ae84,
-    0x2b0198237e3db5d5,
-];
-
-/// pi 2^62.
-const PI_BITS: u64 = 0xc90fdaa22168c235;
 
 /// Operations on the scalars of vector registers, by their opcodes.
 const FLOAT_LOAD: u8 = 0x10;
@@ -64,8 +39,10 @@ pub(super) fn helper<S: Real>(assembler: &mut Assembler, helper: Helper) -> Labe
     let mut function = Function::<S>::new(assembler);
     match helper {
         Helper::Reduce => function.reduce(),
-        Helper::Atan2 => function.atan2(),
-        Helper::Logarithm => function.logarithm(),
+        Helper::Atan2 if function.wide => function.atan2(&ELEMENTARY_F64),
+        Helper::Atan2 => function.atan2(&ELEMENTARY_F32),
+        Helper::Logarithm if function.wide => function.logarithm(&ELEMENTARY_F64),
+        Helper::Logarithm => function.logarithm(&ELEMENTARY_F32),
     }
     function.finish();
     start
@@ -162,10 +139,15 @@ impl<'a, S: Real> Function<'a, S> {
         self.a.shift(SHIFT_RIGHT, self.wide, register, count);
     }
 
-    /// Appends c0 + z (c1 + z (...)) to `register`.
-    fn series(&mut self, register: u8, z: u8, coefficients: &[S]) {
-        for (i, &coefficient) in coefficients.iter().rev().enumerate() {
-            let coefficient = self.constant(coefficient);
+    /// Returns the two parts of a constant in memory.
+    fn sum(&mut self, (number, rest): (f64, f64)) -> [Operand; 2] {
+        [number, rest].map(|part| self.number(part))
+    }
+
+    /// Appends c0 + z (c1 + z (...)) to `register`. A coefficient is a numerator and a denominator.
+    fn series(&mut self, register: u8, z: u8, coefficients: &[(f64, f64)]) {
+        for (i, &(over, under)) in coefficients.iter().rev().enumerate() {
+            let coefficient = self.constant(S::from_f64(over) / S::from_f64(under));
             if i == 0 {
                 self.float(FLOAT_LOAD, register, coefficient);
             } else {
@@ -331,19 +313,8 @@ impl<'a, S: Real> Function<'a, S> {
     }
 
     /// The angle from the x axis (rdi: results, rsi: y, rdx: x, ecx: lanes).
-    fn atan2(&mut self) {
+    fn atan2<const L: usize, const A: usize>(&mut self, numbers: &ElementaryNumbers<L, A>) {
         let (wide, bits) = (self.wide, self.bits);
-        let (rests, terms) = if wide {
-            ([1.2246467991473532e-16, 6.123233995736766e-17, -5.360408832255455e-17], 14)
-        } else {
-            ([-8.742277657347586e-08, -4.371138828673793e-08, -1.457046305830545e-08], 6)
-        };
-        let series: Vec<S> = (0..terms)
-            .map(|i| {
-                let sign = if i % 2 == 0 { -1.0 } else { 1.0 };
-                S::from_f64(sign) / S::from_f64(f64::from(2 * i + 3))
-            })
-            .collect();
         let [top, divided, one, near, far, flat, steep, unsigned, nan, store] =
             std::array::from_fn(|_| self.a.label());
         self.a.bind(top);
@@ -376,11 +347,11 @@ impl<'a, S: Real> Function<'a, S> {
         self.float(FLOAT_LOAD, 2, number);
         self.a.bind(divided);
         // xmm4 = u
-        let tangent = self.number(0.267_949_192_431_122_7);
+        let tangent = self.number(numbers.tan_15);
         self.float_copy(4, 2);
         self.float_compare(2, tangent);
         self.a.jump_if(Condition::BelowOrEqual, near);
-        let root = self.number(1.732_050_807_568_877_2);
+        let root = self.number(numbers.root_3);
         self.float(FLOAT_MULTIPLY, 4, root);
         let number = self.number(1.0);
         self.float(FLOAT_SUBTRACT, 4, number);
@@ -391,22 +362,22 @@ impl<'a, S: Real> Function<'a, S> {
         // xmm1 = the terms of the series after the first.
         self.float_copy(5, 4);
         self.float(FLOAT_MULTIPLY, 5, Register(4));
-        self.series(0, 5, &series);
+        self.series(0, 5, &numbers.arctangent);
         self.float_copy(1, 4);
         self.float(FLOAT_MULTIPLY, 1, Register(5));
         self.float(FLOAT_MULTIPLY, 1, Register(0));
         self.float_compare(2, tangent);
         self.a.jump_if(Condition::BelowOrEqual, far);
-        let [sixth, pi_6] = [rests[2], std::f64::consts::FRAC_PI_6].map(|x| self.number(x));
-        self.float(FLOAT_ADD, 1, sixth);
+        let [pi_6, rest] = self.sum(numbers.sixth_pi);
+        self.float(FLOAT_ADD, 1, rest);
         self.float(FLOAT_ADD, 1, Register(4));
         self.float(FLOAT_LOAD, 4, pi_6);
         self.a.bind(far);
         // xmm4 = the angle in the first octant or quadrant.
         self.a.instruction(COMPARE, true, R11, Register(R10));
         self.a.jump_if(Condition::BelowOrEqual, flat);
-        let [half, pi_2] = [rests[1], std::f64::consts::FRAC_PI_2].map(|x| self.number(x));
-        self.float(FLOAT_LOAD, 0, half);
+        let [pi_2, rest] = self.sum(numbers.half_pi);
+        self.float(FLOAT_LOAD, 0, rest);
         self.float(FLOAT_SUBTRACT, 0, Register(1));
         self.float(FLOAT_SUBTRACT, 4, Register(0));
         self.float(FLOAT_LOAD, 0, pi_2);
@@ -418,7 +389,7 @@ impl<'a, S: Real> Function<'a, S> {
         self.a.bind(steep);
         self.a.instruction(TEST, wide, R8, Register(R8));
         self.a.jump_if(Condition::NotNegative, unsigned);
-        let [rest, pi] = [rests[0], std::f64::consts::PI].map(|x| self.number(x));
+        let [pi, rest] = self.sum(numbers.pi);
         self.float(FLOAT_SUBTRACT, 4, rest);
         self.float(FLOAT_LOAD, 0, pi);
         self.float(FLOAT_SUBTRACT, 0, Register(4));
@@ -437,15 +408,8 @@ impl<'a, S: Real> Function<'a, S> {
     }
 
     /// The natural logarithm (rdi: results, rsi: numbers, ecx: lanes).
-    fn logarithm(&mut self) {
+    fn logarithm<const L: usize, const A: usize>(&mut self, numbers: &ElementaryNumbers<L, A>) {
         let (wide, mantissa, bits) = (self.wide, self.mantissa, self.bits);
-        let (ln_2, two_up, terms) = if wide {
-            ([0.6931471801362932, 4.236521365809284e-10], 9_007_199_254_740_992.0, 9)
-        } else {
-            ([0.693145751953125, 1.428606765330187e-06], 16_777_216.0, 4)
-        };
-        let series: Vec<S> =
-            (0..terms).map(|i| S::from_f64(2.0) / S::from_f64(f64::from(2 * i + 3))).collect();
         let [top, normal, nan, infinite, store] = std::array::from_fn(|_| self.a.label());
         self.a.bind(top);
         self.a.instruction(LOAD, wide, RAX, Memory(RSI, 0));
@@ -463,18 +427,13 @@ impl<'a, S: Real> Function<'a, S> {
         self.a.constant(RDX, 1 << mantissa);
         self.a.instruction(COMPARE, true, RAX, Register(RDX));
         self.a.jump_if(Condition::AboveOrEqual, normal);
-        let two_up = self.number(two_up);
+        let two_up = self.number(numbers.two_up);
         self.float(FLOAT_MULTIPLY, 0, two_up);
         self.bits_of(RAX, 0);
         self.a.constant(R8, u64::from(mantissa) + 1);
         self.a.bind(normal);
         // x = m 2^k: xmm1 = k, xmm0 = m - 1
-        let root = if wide {
-            std::f64::consts::FRAC_1_SQRT_2.to_bits()
-        } else {
-            std::f32::consts::FRAC_1_SQRT_2.to_bits().into()
-        };
-        self.a.constant(R9, root);
+        self.a.constant(R9, numbers.root_half_bits);
         self.a.instruction(SUBTRACT, wide, RAX, Register(R9));
         self.a.copy(R10, RAX);
         self.a.shift(SHIFT_RIGHT_SIGNED, wide, R10, mantissa);
@@ -492,14 +451,14 @@ impl<'a, S: Real> Function<'a, S> {
         self.float(FLOAT_DIVIDE, 3, Register(2));
         self.float_copy(2, 3);
         self.float(FLOAT_MULTIPLY, 2, Register(3));
-        self.series(4, 2, &series);
+        self.series(4, 2, &numbers.logarithm);
         self.float(FLOAT_MULTIPLY, 4, Register(2));
         self.float(FLOAT_LOAD, 5, half);
         self.float(FLOAT_MULTIPLY, 5, Register(0));
         self.float(FLOAT_MULTIPLY, 5, Register(0));
         self.float(FLOAT_ADD, 4, Register(5));
         self.float(FLOAT_MULTIPLY, 4, Register(3));
-        let [ln_2, rest] = ln_2.map(|x| self.number(x));
+        let [ln_2, rest] = self.sum(numbers.ln_2);
         self.float_copy(2, 1);
         self.float(FLOAT_MULTIPLY, 2, rest);
         self.float(FLOAT_ADD, 4, Register(2));

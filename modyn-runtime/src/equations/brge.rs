@@ -1,4 +1,4 @@
-//! Block reverse Gaussian elimination (BRGE) of the mass matrix: I = U D U^T by modules, equations
+//! Block reverse Gaussian elimination (BRGE) of the mass matrix: M = U D U^T by modules, equations
 //! (35)-(57) of the paper.
 //!
 //! All factors are packed: entries that couple two branches are zero and are not stored

@@ -6,7 +6,7 @@
 //!
 //! The check runs when inertias change at run time. The compiler checks descriptions by itself.
 //!
-//! A mimic joint is held, and its inertia is added to its leader's as a rotor.
+//! A mimic joint is locked, and its inertia is added to its leader's as a rotor.
 
 use alloc::{vec, vec::Vec};
 
@@ -17,7 +17,7 @@ use crate::mechanism::{Dof, Mechanism};
 use crate::spatial::ArticulatedInertia;
 
 /// A pivot counts as zero below this many units of the scalar's precision, relative to the inertia about the
-/// same axis with the child joints held.
+/// same axis with the child joints locked.
 const CANCELLED: f64 = 256.0;
 /// A pivot counts as zero below this many units of the scalar's precision, relative to the inertia about all
 /// axes together: a rotation of the axes leaves that much rounding.
@@ -29,9 +29,9 @@ pub struct PivotWorkspace<S> {
     /// Coordinates in general position.
     q: Vec<S>,
     motions: Vec<JointTransform<S>>,
-    /// For each body, the inertia of its descendants: with their joints free, and with their joints held.
+    /// For each body, the inertia of its descendants: with their joints free, and with their joints locked.
     free: Vec<ArticulatedInertia<S>>,
-    held: Vec<ArticulatedInertia<S>>,
+    locked: Vec<ArticulatedInertia<S>>,
     /// For each entry of qd, the inertia that its mimic joints add.
     followers: Vec<S>,
 }
@@ -45,7 +45,7 @@ impl<S: Scalar> PivotWorkspace<S> {
             q: configuration(model),
             motions: Vec::with_capacity(model.bodies.len()),
             free: none.clone(),
-            held: none,
+            locked: none,
             followers: vec![S::zero(); model.nv],
         }
     }
@@ -126,21 +126,21 @@ fn sweep<S: Scalar>(
     followers: &[S],
     mut give: impl FnMut(&Dof<S>, S),
 ) {
-    let PivotWorkspace { motions, free, held, .. } = workspace;
+    let PivotWorkspace { motions, free, locked, .. } = workspace;
     free.fill(zero_inertia());
-    held.fill(zero_inertia());
+    locked.fill(zero_inertia());
     let units = |n: f64| epsilon * S::from_f64(n);
     for (i, body) in model.bodies.iter().enumerate().rev() {
         let own = body.inertia.articulated();
         let whole = own + free[i];
-        let next_held = own + held[i];
+        let next_locked = own + locked[i];
         let mut left = whole;
         for dof in model.dofs_of(i).iter().rev() {
             let component = dof.component;
             let column = left.column(component).components();
             let block =
-                if component < 3 { &next_held.rotational } else { &next_held.translational };
-            let rounding = units(CANCELLED) * next_held.entry(component, component)
+                if component < 3 { &next_locked.rotational } else { &next_locked.translational };
+            let rounding = units(CANCELLED) * next_locked.entry(component, component)
                 + units(ROTATED) * (block.xx + block.yy + block.zz);
             let carried =
                 (rounding - column[component]).select_nonnegative(S::zero(), column[component]);
@@ -154,7 +154,7 @@ fn sweep<S: Scalar>(
             if dof.multiplier.is_some() {
                 continue;
             }
-            // A joint with a zero pivot counts as held for the joints of its ancestors.
+            // A joint with a zero pivot counts as locked for the joints of its ancestors.
             let reciprocal = (-pivot).select_nonnegative(S::zero(), pivot.recip());
             left = ArticulatedInertia::from_fn(|row, other| {
                 left.entry(row, other) - column[row] * column[other] * reciprocal
@@ -162,7 +162,7 @@ fn sweep<S: Scalar>(
         }
         if let Some(parent) = body.parent {
             free[parent] = free[parent] + body.articulated_to_parent(&motions[i], &left);
-            held[parent] = held[parent] + body.articulated_to_parent(&motions[i], &whole);
+            locked[parent] = locked[parent] + body.articulated_to_parent(&motions[i], &whole);
         }
     }
 }

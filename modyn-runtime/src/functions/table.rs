@@ -514,7 +514,7 @@ macro_rules! robot_functions {
                 ) -> Self::PerConstraint<Twist<T>>,
                     if ConstraintBiasAcceleration, else "`{Self}` has no function `constraint_bias_acceleration`";
 
-                /// Returns the operational-space inertia of the constraints and its inverse J I^-1 J^T, arrays of
+                /// Returns the operational-space inertia of the constraints and its inverse J M^-1 J^T, arrays of
                 /// columns. Each constraint has its constrained rotations, then its constrained displacements, of a
                 /// contact in world axes. The entries of inactive contacts are zero.
                 operational_inertia / operational_inertia_with(

@@ -245,7 +245,7 @@ impl<S: Scalar> Interpreter<S> {
         Ok(())
     }
 
-    /// Computes the inverse operational-space inertia J I^-1 J^T of the constraint rows (1/kg; the Delassus
+    /// Computes the inverse operational-space inertia J M^-1 J^T of the constraint rows (1/kg; the Delassus
     /// matrix), with the compliance of contacts, and its pseudo-inverse (kg). Returns the number of independent
     /// rows, an integer.
     ///

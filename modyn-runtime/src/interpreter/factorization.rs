@@ -11,7 +11,7 @@ use crate::mechanism::BodyStructure;
 use crate::model::ModuleTree;
 
 impl<S: Scalar> Interpreter<S> {
-    /// Returns the factorization I = U D U^T of the mass matrix by modules at `q`, (35)-(49) of the paper.
+    /// Returns the factorization M = U D U^T of the mass matrix by modules at `q`, (35)-(49) of the paper.
     /// Allocates the result; [`UduFactorization::update`] uses the memory of an earlier one.
     ///
     /// ```
@@ -43,7 +43,7 @@ impl<S: Scalar> Interpreter<S> {
     }
 }
 
-/// The factorization I = U D U^T of the mass matrix by modules. Matrices are returned by columns.
+/// The factorization M = U D U^T of the mass matrix by modules. Matrices are returned by columns.
 ///
 /// [`update`](Self::update) and [`solve_in_place`](Self::solve_in_place) do not allocate. Methods that return a
 /// vector or matrix allocate it; [`condition_number`](Self::condition_number) allocates a copy of its block.

@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 
 use crate::Scalar;
 
-/// The factorization I = U D U^T of a mass matrix by kinematic modules, (35)-(57) of the paper.
+/// The factorization M = U D U^T of a mass matrix by kinematic modules, (35)-(57) of the paper.
 pub trait Factorization<T: Scalar> {
     /// The type of joint vectors.
     type V;

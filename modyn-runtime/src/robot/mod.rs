@@ -6,6 +6,7 @@ mod functions;
 
 use crate::Scalar;
 use crate::configuration::{self, ConfigurationError};
+use crate::constants::{JointLimits, KinematicModule};
 use crate::constraint_settings::{ConstraintSettings, ContactSet, ContactTarget};
 use crate::functions::robot_functions;
 use crate::results::{
@@ -13,8 +14,7 @@ use crate::results::{
     ConstraintProjection, ConstraintResidual, ContactImpulse, DifferenceDerivatives,
     ForwardDynamicsDerivatives, ForwardDynamicsHessian, ForwardDynamicsJvp, ForwardDynamicsVjp,
     GeneralizedForces, IntegrateDerivatives, InverseDynamicsDerivatives, InverseDynamicsHessian,
-    InverseDynamicsJvp, InverseDynamicsVjp, JointLimits, KinematicModule, OperationalInertia, Step,
-    StepDerivatives, StepHessian,
+    InverseDynamicsJvp, InverseDynamicsVjp, OperationalInertia, Step, StepDerivatives, StepHessian,
 };
 use crate::spatial::{Momentum, Pose, Twist, Vector3, Wrench};
 use functions::{declare_function, declare_functions, missing};

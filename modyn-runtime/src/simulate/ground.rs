@@ -166,6 +166,18 @@ pub fn limit_effort<R: Robot, T: Scalar>(tau: &R::V<T>) -> R::V<T> {
 /// A ground of springs and dampers, whose force is a function of a point's place and velocity.
 ///
 /// It needs small steps: the damper alone has the time constant mass / `damping` with the mass that the point moves.
+///
+/// ```
+/// use modyn_runtime::simulate::SpringGround;
+/// use modyn_runtime::{Pose, Vector3};
+///
+/// let plane = Pose::<f64>::identity(); // the ground is at z = 0
+/// let ground = SpringGround { plane, stiffness: 3000.0, damping: 20.0, friction: 0.8, slip: 0.01 };
+/// // A point 2 mm in the ground, at rest: 6 N upwards. A point above the ground: no force.
+/// let [x, y, z] = ground.force([0.1, 0.2, -0.002], Vector3([0.0; 3])).0;
+/// assert!(x == 0.0 && y == 0.0 && (z - 6.0).abs() < 1e-12);
+/// assert_eq!(ground.force([0.1, 0.2, 0.01], Vector3([0.0; 3])).0, [0.0; 3]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpringGround<T = f64> {
     /// The place of the ground: its xy plane, with z as the normal.

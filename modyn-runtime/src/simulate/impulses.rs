@@ -2,8 +2,8 @@
 //!
 //! Each sweep visits every contact and every stop once and corrects its impulse. The correction holds the
 //! other impulses at their latest values. The method is projected Gauss-Seidel (Jourdan, Alart and Jean 1998,
-//! "A Gauss-Seidel like algorithm to solve frictional contact problems"). The velocities v = v_0 + I^-1 J^T p
-//! are updated with each correction, so J I^-1 J^T is never stored. A correction divides by the diagonal of
+//! "A Gauss-Seidel like algorithm to solve frictional contact problems"). The velocities v = v_0 + M^-1 J^T p
+//! are updated with each correction, so J M^-1 J^T is never stored. A correction divides by the diagonal of
 //! that matrix:
 //!
 //! ```text
@@ -11,7 +11,7 @@
 //! tangential  p_t <- p_t - u_t / (tr A - n^T A n), shortened to the length friction p_n
 //! ```
 //!
-//! with the velocity u of the contact relative to the ground, its 3 x 3 block A = J I^-1 J^T, the compliance c and the
+//! with the velocity u of the contact relative to the ground, its 3 x 3 block A = J M^-1 J^T, the compliance c and the
 //! least speed b along the normal n. The divisor of the tangential step is the trace of A within the plane, which bounds
 //! its eigenvalues.
 
@@ -23,11 +23,11 @@ use crate::{ContactTarget, Scalar};
 pub struct StepContact<'a, T> {
     /// The Jacobian of the contact's frame, a column for each velocity, in world axes.
     pub columns: &'a [Twist<T>],
-    /// The changes of the velocities by unit impulses along x, y and z: I^-1 J^T.
+    /// The changes of the velocities by unit impulses along x, y and z: M^-1 J^T.
     pub responses: [&'a [T]; 3],
     /// The normal of the ground, away from the ground.
     pub normal: Vector3<T>,
-    /// The mobility n^T A n along the normal, and the trace of A within the plane, 1/kg; A is J I^-1 J^T.
+    /// The mobility n^T A n along the normal, and the trace of A within the plane, 1/kg; A is J M^-1 J^T.
     pub mobilities: [T; 2],
     /// The velocity of the ground at the contact, m/s.
     pub ground: Vector3<T>,
@@ -116,14 +116,14 @@ impl<T: Scalar> StepContact<'_, T> {
 
         let slip = self.velocity(velocities);
         let slip = slip - normal.scale(normal.dot(slip));
-        let held = *impulse - normal.scale(pressed) - slip.scale(across.recip());
-        let (length, most) = (held.dot(held).sqrt(), self.friction * pressed);
+        let friction = *impulse - normal.scale(pressed) - slip.scale(across.recip());
+        let (length, most) = (friction.dot(friction).sqrt(), self.friction * pressed);
         // At length zero the first choice applies, so nothing is divided by zero.
         let sticks = most - length;
         let part = most * sticks.select_nonnegative(T::one(), length).recip();
         let part = sticks.select_nonnegative(T::one(), part);
-        let held = held.scale(part);
-        self.apply(normal.scale(pressed) + held - *impulse, velocities, impulse);
+        let friction = friction.scale(part);
+        self.apply(normal.scale(pressed) + friction - *impulse, velocities, impulse);
     }
 
     fn apply(&self, change: Vector3<T>, velocities: &mut [T], impulse: &mut Vector3<T>) {

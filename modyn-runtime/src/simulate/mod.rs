@@ -112,6 +112,20 @@ impl<R: Robot, T: Scalar> State<R, T> {
     ///
     /// `accelerations` (rad/s^2, m/s^2) is evaluated four times. Quaternions are integrated as four numbers and
     /// scaled to length 1 at the end of the step, which keeps the order.
+    ///
+    /// ```
+    /// use modyn_runtime::simulate::State;
+    /// use modyn_runtime::{Robot, functions};
+    ///
+    /// /// A second from rest at `q` under the constant joint forces `tau`, in steps of a millisecond.
+    /// fn push<R: Robot + functions::Defaults>(q: R::Q<f64>, tau: &R::V<f64>) -> State<R> {
+    ///     let mut state = State::<R>::at_rest(q);
+    ///     for _ in 0..1000 {
+    ///         state = state.runge_kutta_4(0.001, |now| R::forward_dynamics(&now.q, &now.qd, tau));
+    ///     }
+    ///     state
+    /// }
+    /// ```
     #[must_use]
     pub fn runge_kutta_4(&self, dt: T, mut accelerations: impl FnMut(&Self) -> R::V<T>) -> Self
     where
@@ -136,6 +150,16 @@ impl<R: Robot, T: Scalar> State<R, T> {
 
     /// Returns the joint forces that make the robot follow `reference`: inverse dynamics of the reference's
     /// acceleration plus the feedback of the errors (computed torque control).
+    ///
+    /// ```
+    /// use modyn_runtime::simulate::{Gains, Reference, State};
+    /// use modyn_runtime::{Robot, functions};
+    ///
+    /// /// The joint forces that bring the robot to rest at `goal`, critically damped at 15 rad/s.
+    /// fn hold<R: Robot + functions::Defaults>(state: &State<R>, goal: R::Q<f64>) -> R::V<f64> {
+    ///     state.computed_torque(&Reference::at_rest(goal), Gains { stiffness: 225.0, damping: 30.0 })
+    /// }
+    /// ```
     #[must_use]
     pub fn computed_torque(&self, reference: &Reference<R, T>, gains: Gains<T>) -> R::V<T>
     where

@@ -64,13 +64,13 @@ impl<S: Scalar> Field<S> {
         let e = &self.gradient.0;
         let d = self.differences;
         let s = &body.second_moment;
-        let turning = Vector3([
+        let about_origin = Vector3([
             e[2][0] * s.xy - e[1][0] * s.xz + e[2][1] * s.yy - e[1][2] * s.zz + s.yz * d[0],
             e[0][1] * s.yz - e[2][1] * s.xy + e[0][2] * s.zz - e[2][0] * s.xx + s.xz * d[1],
             e[1][0] * s.xx - e[0][1] * s.yy + e[1][2] * s.xz - e[0][2] * s.yz + s.xy * d[2],
         ]);
         Wrench {
-            moment: turning + body.first_moment.cross(self.a),
+            moment: about_origin + body.first_moment.cross(self.a),
             force: self.a.scale(body.mass) + self.gradient.mul_vector(body.first_moment),
         }
     }

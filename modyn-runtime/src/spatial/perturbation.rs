@@ -4,7 +4,7 @@ use super::Vector3;
 use crate::Scalar;
 
 /// A change of the accelerations of all points after a joint. At x, with velocity x', the change is
-/// gradient x x + turning x 2 x' + uniform.
+/// gradient x x + coriolis x 2 x' + uniform.
 ///
 /// It is in the axes of the joint's body, about the body's origin; x' is relative to fixed axes. The
 /// displacement of the points themselves is left out.
@@ -12,11 +12,11 @@ use crate::Scalar;
 pub struct AccelerationPerturbation<S> {
     /// The factor of the position x.
     pub gradient: Vector3<S>,
-    /// gradient - 2 omega x turning, with the body's angular velocity omega. It replaces the gradient where x' is
-    /// relative to the body, since 2 omega x (turning x x) then is a separate term.
+    /// gradient - 2 omega x coriolis, with the body's angular velocity omega. It replaces the gradient where x' is
+    /// relative to the body, since 2 omega x (coriolis x x) then is a separate term.
     pub relative: Vector3<S>,
-    /// Half the factor of the velocity x'.
-    pub turning: Vector3<S>,
+    /// Half the factor of the velocity x': the Coriolis term.
+    pub coriolis: Vector3<S>,
     /// The term that is the same for all points.
     pub uniform: Vector3<S>,
 }
@@ -26,6 +26,6 @@ impl<S: Scalar> AccelerationPerturbation<S> {
     #[must_use]
     pub fn zero() -> Self {
         let zero = Vector3::zero();
-        Self { gradient: zero, relative: zero, turning: zero, uniform: zero }
+        Self { gradient: zero, relative: zero, coriolis: zero, uniform: zero }
     }
 }

@@ -33,7 +33,7 @@ const SINC_MINUS_COS: [f64; 6] = [
 ];
 
 /// The coefficients of the derivative of [`SINC_MINUS_COS`] by t^2, in powers of t^2.
-const LAG_SLOPE: [f64; 6] = [
+const SINC_MINUS_COS_DERIVATIVE: [f64; 6] = [
     -1.0 / 480.0,
     2.0 / 53_760.0,
     -3.0 / 11_612_160.0,
@@ -224,7 +224,7 @@ pub fn screw_translation_by_rotation<S: Scalar>(w: Vector3<S>, v: Vector3<S>) ->
     // The derivatives of these two by t^2.
     let product = sinc * lag;
     let first_slope = S::from_f64(-0.5) * product;
-    let second_slope = S::from_f64(-0.125) * product - cos * angle.lag_slope(w);
+    let second_slope = S::from_f64(-0.125) * product - cos * angle.sinc_minus_cos_derivative(w);
     let slopes = across.scale(first_slope) + along.scale(second_slope);
     let back = Quaternion::exp(w).conjugate();
     Matrix3::from_columns(|k| {
@@ -262,11 +262,11 @@ impl<S: Scalar> Angle<S> {
     }
 
     /// Returns the derivative of `lag` by t^2; `w` is the rotation vector.
-    fn lag_slope(&self, w: Vector3<S>) -> S {
+    fn sinc_minus_cos_derivative(&self, w: Vector3<S>) -> S {
         let (square, near) = (w.dot(w), S::from_f64(SERIES_LIMIT));
         let difference = S::from_f64(0.125) * self.sinc - S::from_f64(1.5) * self.lag;
         let closed = difference / square.max(near);
-        (square - near).select_nonnegative(closed, series(&LAG_SLOPE, square))
+        (square - near).select_nonnegative(closed, series(&SINC_MINUS_COS_DERIVATIVE, square))
     }
 }
 

@@ -125,11 +125,11 @@ fn a_block_falls_as_in_mujoco() {
     let Run { positions, last } = run(&motion, STEP, start, step);
     let mut most = 0.0_f64;
     for (k, (a, b)) in positions.iter().zip(motion.positions()).enumerate() {
-        let apart = distance(*a, b);
+        let separation = distance(*a, b);
         // Semi-implicit Euler falls by g t dt / 2 more.
         let falling = (k as f64) * motion.sample < time;
-        assert!(!falling || apart < GRAVITY * time * STEP, "{apart} m at sample {k}");
-        most = most.max(apart);
+        assert!(!falling || separation < GRAVITY * time * STEP, "{separation} m at sample {k}");
+        most = most.max(separation);
     }
     println!("at most {:.1} mm from MuJoCo's motion", 1e3 * most);
     assert!(most < 0.03, "{most} m");

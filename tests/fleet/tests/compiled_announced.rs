@@ -6,7 +6,7 @@ use modyn_codegen::Function;
 use modyn_fleet::{PARTS, ROBOTS};
 use modyn_runtime::model::{Joint, Limits};
 use modyn_runtime::{Interpreter, OperationCount};
-use modyn_tests::compiled::{Compiled, Consts, Figures};
+use modyn_tests::compiled::{Compiled, Consts, TypeConstants};
 use modyn_tests::fleet::{FLEET, Part, Spec};
 use syn::{BinOp, Block, Expr, ExprCall, File, Item, ItemFn, Stmt, UnOp};
 
@@ -73,12 +73,12 @@ fn numbers_are_the_models() {
         let links = 0..model.links().len();
         let parameters: Vec<f64> =
             links.filter_map(|i| model.inertial_parameters(i)).flatten().collect();
-        let Figures { parameters: found, armature, damping, friction } = robot.figures;
+        let TypeConstants { parameters: found, armature, damping, friction } = robot.type_constants;
         assert_eq!(found, parameters, "{name}");
         let [Consts { limits, .. }, _] = robot.consts;
         assert_eq!([limits.lower.len(), limits.upper.len()], [model.nq(); 2], "{name}");
-        for figures in [limits.velocity, limits.effort, armature, damping, friction] {
-            assert_eq!(figures.len(), model.nv(), "{name}");
+        for numbers in [limits.velocity, limits.effort, armature, damping, friction] {
+            assert_eq!(numbers.len(), model.nv(), "{name}");
         }
         for (i, Joint { mimic, limits: stated, dynamics, .. }) in
             model.links().iter().map(|link| &link.joint).enumerate()

@@ -243,8 +243,8 @@ fn a_change_allocates_nothing() {
 mod all_functions {
     use modyn_fleet::robots::{Zoo10153_8Loaded, Zoo10153_8LoadedParams};
     use modyn_tests::values::{
-        array, costate, each, forward_hessian_numbers, inverse_hessian_numbers, momentum,
-        time_step, vector,
+        array, costate, each, forward_hessian_numbers, inverse_hessian_numbers,
+        linear_step_numbers, momentum, step_hessian_numbers, time_step, vector,
     };
 
     use super::*;
@@ -279,31 +279,10 @@ mod all_functions {
             ("forward_dynamics_hessian", forward_hessian_numbers(&forward_hessian)),
             ("semi_implicit_qd", list(&semi_implicit.qd)),
             ("linear_step_a", columns(&linear_step.a)),
-            (
-                "step_semi_implicit_hessian",
-                [
-                    list(&step_hessian.q),
-                    list(&step_hessian.qd),
-                    list(&step_hessian.dx),
-                    list(&step_hessian.dtau),
-                    columns(&step_hessian.dx_dx),
-                    columns(&step_hessian.dx_dtau),
-                    columns(&step_hessian.dtau_dtau),
-                ]
-                .concat(),
-            ),
+            ("step_semi_implicit_hessian", step_hessian_numbers(&step_hessian)),
             ("rk4_qd", list(&R::step_rk4_with(params, q, qd, tau, dt).qd)),
             ("step_implicit_midpoint", [list(&midpoint.q), list(&midpoint.qd)].concat()),
-            (
-                "step_implicit_midpoint_derivatives",
-                [
-                    list(&linear_midpoint.q),
-                    list(&linear_midpoint.qd),
-                    columns(&linear_midpoint.a),
-                    columns(&linear_midpoint.b),
-                ]
-                .concat(),
-            ),
+            ("step_implicit_midpoint_derivatives", linear_step_numbers(&linear_midpoint)),
             (
                 "forward_dynamics_external",
                 list(&R::forward_dynamics_external_with(params, q, qd, tau, forces)),

@@ -3,7 +3,7 @@ mod a {
     modyn::modyn!(pub ForwardDynamicsKernel = "../good.urdf", functions = all);
 }
 mod b {
-    modyn::modyn!(pub ForwardDynamicsAbreast = "../good.urdf", functions = all, crate = modyn);
+    modyn::modyn!(pub ForwardDynamicsSimdTask = "../good.urdf", functions = all, crate = modyn);
 }
 mod c {
     modyn::modyn!(pub T = "../good.urdf", functions = all, runtime_gravity = true);
@@ -19,7 +19,7 @@ fn main() {
     let zero = &[0.0, 0.0];
     assert_eq!(a::ForwardDynamicsKernel::NV, 2);
     let expected = a::ForwardDynamicsKernel::forward_dynamics(zero, zero, zero);
-    assert_eq!(b::ForwardDynamicsAbreast::forward_dynamics(zero, zero, zero), expected);
+    assert_eq!(b::ForwardDynamicsSimdTask::forward_dynamics(zero, zero, zero), expected);
     assert_eq!(c::T::forward_dynamics(zero, zero, zero), expected);
     assert_eq!(d::Some::forward_dynamics(zero, zero, zero), expected);
     assert_eq!(e::V::forward_dynamics(zero, zero, zero), expected);

@@ -310,12 +310,12 @@ pub fn closed(
     interpreter.project_constraints((&q, &qd), &inactive, &settings, into).map_err(shape)?;
     qd.iter_mut().zip(&dqd).for_each(|(v, d)| *v += d);
     let twists = || vec![Twist::zero(); model.constraints()];
-    let (mut apart, mut parting) = (twists(), twists());
-    let results = (&mut *apart, &mut *parting);
+    let (mut displacements, mut velocities) = (twists(), twists());
+    let results = (&mut *displacements, &mut *velocities);
     interpreter.constraint_residual((&q, &qd), &settings, results).map_err(shape)?;
-    let open = apart.iter().zip(model.loop_constraints()).find(|(apart, _)| {
+    let open = displacements.iter().zip(model.loop_constraints()).find(|(displacement, _)| {
         // NaN is not closed.
-        !apart.components().iter().all(|x| x.abs() < CLOSED)
+        !displacement.components().iter().all(|x| x.abs() < CLOSED)
     });
     match open {
         None => Ok((q, qd)),

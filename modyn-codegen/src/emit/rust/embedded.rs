@@ -77,8 +77,12 @@ pub(super) fn module(items: &str) -> String {
     let settings = items.contains("__modyn::ConstraintSettings");
     let spatial = parameters || settings || items.contains("__modyn::spatial::");
     let jacobi = parameters || items.contains("__modyn::jacobi::");
-    let mut exports = vec!["pub use self::results::*;", "pub use self::scalar::Scalar;"];
-    for module in ["configuration", "results"] {
+    let mut exports = vec![
+        "pub use self::constants::*;",
+        "pub use self::results::*;",
+        "pub use self::scalar::Scalar;",
+    ];
+    for module in ["configuration", "constants", "results"] {
         write_module(&mut text, &[module]);
     }
     exports.push("pub use self::configuration::ConfigurationError;");

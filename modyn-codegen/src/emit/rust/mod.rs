@@ -29,7 +29,6 @@ mod types;
 
 use std::fmt::Write as _;
 
-use modyn_runtime::OperationCount;
 use modyn_runtime::model::{Model, ModuleTree};
 
 use super::{EmitOptions, FloatType, MachineCode};
@@ -55,21 +54,7 @@ pub(super) fn print(
     let robot = Robot { model, modules, options, plan, constants, name, code: None };
     let quantity = |planned| Quantity::new(planned, name);
     let quantities: Vec<Quantity<'_>> = plan.functions.iter().map(quantity).collect();
-    let per_call = |p: &Planned| (p.name, p.operations_per_call());
-    let operations: Vec<(&str, OperationCount)> = plan.functions.iter().map(per_call).collect();
-    let mut text = String::new();
-    docs::robot(&mut text, &robot, &operations);
-    robot.types(&mut text, &quantities);
-    let path = &options.crate_path;
-    let _ = writeln!(
-        text,
-        "#[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, unused_variables, non_snake_case)]\n\
-         const _: () = {{\n\
-         use {path} as __modyn;\n"
-    );
-    // Rustdoc shows methods before constants if they come first.
-    robot.own_functions(&mut text, &quantities);
-    robot.constants(&mut text, &operations);
+    let mut text = robot.beginning(&quantities);
     if !options.self_contained {
         robot.robot_trait(&mut text, &quantities);
         let generated = plan.functions.iter().chain(&plan.batches).filter_map(|p| p.function);
@@ -115,19 +100,7 @@ pub(super) fn print_for_object(
     let robot = Robot { model, modules, options, plan, constants, name, code: Some(code) };
     let quantities: Vec<Quantity<'_>> =
         plan.functions.iter().map(|planned| Quantity::new(planned, name)).collect();
-    let operations = plan.operations_per_call();
-    let mut text = String::new();
-    docs::robot(&mut text, &robot, &operations);
-    robot.types(&mut text, &quantities);
-    let path = &options.crate_path;
-    let _ = writeln!(
-        text,
-        "#[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, unused_variables, non_snake_case)]\n\
-         const _: () = {{\n\
-         use {path} as __modyn;\n"
-    );
-    robot.own_functions(&mut text, &quantities);
-    robot.constants(&mut text, &operations);
+    let mut text = robot.beginning(&quantities);
     robot.enums(&mut text);
     robot.contact_functions(&mut text);
     robot.parameters(&mut text);
@@ -149,6 +122,26 @@ struct Robot<'a> {
 }
 
 impl Robot<'_> {
+    /// Returns the types, and the beginning of the block of items with the type's own functions and constants.
+    fn beginning(&self, quantities: &[Quantity<'_>]) -> String {
+        let per_call = |p: &Planned| (p.name, p.operations_per_call());
+        let operations: Vec<_> = self.plan.functions.iter().map(per_call).collect();
+        let mut text = String::new();
+        docs::robot(&mut text, self, &operations);
+        self.types(&mut text, quantities);
+        let path = &self.options.crate_path;
+        let _ = writeln!(
+            text,
+            "#[allow(clippy::all, clippy::pedantic, clippy::nursery, dead_code, unused_imports, unused_variables, non_snake_case)]\n\
+             const _: () = {{\n\
+             use {path} as __modyn;\n"
+        );
+        // Rustdoc shows methods before constants if they come first.
+        self.own_functions(&mut text, quantities);
+        self.constants(&mut text, &operations);
+        text
+    }
+
     /// Returns whether the robot has a factorization type.
     fn factorizes(&self) -> bool {
         !self.plan.factorization.is_empty()

@@ -191,8 +191,8 @@ impl Reader<'_, '_, '_, '_> {
     fn pose(&mut self, pose: &mjcf_rs::Pose, name: &str, at: usize) {
         let length: f64 = pose.rotation.to_array().iter().map(|x| x * x).sum();
         let finite = pose.translation.to_array().iter().all(|x| x.is_finite());
-        let turn = (length - 1.0).abs() < 1e-9;
-        if !finite || !turn {
+        let is_rotation = (length - 1.0).abs() < 1e-9;
+        if !finite || !is_rotation {
             let (message, help) = ("its pose is not finite", "write finite numbers in m and rad");
             self.report.error(
                 Code::NotFinite,

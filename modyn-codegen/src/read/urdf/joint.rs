@@ -322,7 +322,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
         let rotor = attribute(node, "rotor_inertia");
         let gear = attribute(node, "gear_ratio");
         if let Some(text) = armature.filter(|_| rotor.is_some() || gear.is_some()) {
-            let message = "`armature` stands beside `rotor_inertia` or `gear_ratio`, which define the same armature";
+            let message = "`armature` is given besides `rotor_inertia` or `gear_ratio`, which define the same armature";
             let help = "keep one: armature = gear_ratio^2 * rotor_inertia";
             self.xml.report.error(Code::RepeatedArmature, text.at, subject, message, help);
         } else if let (Some(text), None) = (gear, rotor) {

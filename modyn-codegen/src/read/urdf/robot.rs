@@ -62,7 +62,7 @@ impl<'a> Reader<'a, '_, '_, '_> {
             .collect();
         let message = "it has no `<limit>`, so it has no position limits";
         let help = "write `<limit lower=\"...\" upper=\"...\" effort=\"...\" velocity=\"...\"/>`, or make a \
-                    joint that turns without end `continuous`";
+                    joint that rotates without limits `continuous`";
         self.xml.report.warn_once(Code::MissingLimit, &unlimited, message, help);
         let robot = self.xml.root;
         let read = ["link", "joint", "loop_joint"];

@@ -2,10 +2,10 @@
 //!
 //! F is the derivative of inverse dynamics minus J^T lambda, at constant accelerations and wrenches. c is the derivative
 //! of the constrained accelerations, stabilization included, at constant joint accelerations. The derivatives of
-//! I qdd = tau - h + J^T lambda and J qdd = gamma are
+//! M qdd = tau - h + J^T lambda and J qdd = gamma are
 //!
 //! ```text
-//! Z = J I^-1,  L^T = A^+ Z,  K = I^-1 - Z^T L^T,  A = J I^-1 J^T
+//! Z = J M^-1,  L^T = A^+ Z,  K = M^-1 - Z^T L^T,  A = J M^-1 J^T
 //! d qdd = -K F - L c,  d lambda = L^T F - A^+ c,  d qdd / d tau = K,  d lambda / d tau = -L^T
 //! ```
 //!

@@ -1,4 +1,4 @@
-//! The pseudo-inverse of J I^-1 J^T by a rank-revealing factorization, without a branch on a value.
+//! The pseudo-inverse of J M^-1 J^T by a rank-revealing factorization, without a branch on a value.
 //!
 //! The symmetric matrix A is factorized as P Delta P^T, constraint by constraint. In each step the row
 //! of the constraint with the largest remaining diagonal becomes the pivot. Selections between numbers

@@ -17,7 +17,7 @@ use crate::spatial::{Matrix3, Wrench};
 /// impact. In all other directions its velocity is that of the target.
 ///
 /// ```text
-/// I (qd+ - qd) = J^T lambda,  J qd+ = -e n n^T J qd
+/// M (qd+ - qd) = J^T lambda,  J qd+ = -e n n^T J qd
 /// ```
 pub fn contact_impulse<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     model: &Mechanism<S>,

@@ -32,7 +32,7 @@ fn is_rotation<S>(model: &Mechanism<S>, v: usize) -> bool {
 /// contacts suffice. The wrenches of loop constraints are zero.
 ///
 /// ```text
-/// tau + J^T lambda = I qdd + h,  lambda = W J_b (J_b^T W J_b)^+ (I qdd + h)_b
+/// tau + J^T lambda = M qdd + h,  lambda = W J_b (J_b^T W J_b)^+ (M qdd + h)_b
 /// ```
 ///
 /// with the columns J_b of the bases.

@@ -5,13 +5,13 @@
 //! | `relative_motion` | the motion of a loop constraint's second frame relative to its first |
 //! | `contact` | the motion of a contact's frame relative to its target |
 //! | `rows` | the Jacobian rows in units of length, and the mobility of each constraint |
-//! | `factorization` | the pseudo-inverse of J I^-1 J^T, and its rank |
+//! | `factorization` | the pseudo-inverse of J M^-1 J^T, and its rank |
 //! | `forward_dynamics` | accelerations and constraint wrenches |
 //! | `derivatives` | derivatives of forward dynamics with contacts |
 //! | `impulse` | velocities after an impact, and the impulses |
 //! | `inverse_dynamics` | joint forces of accelerations, and the contact wrenches that carry a floating base |
 //! | `jacobian` | the Jacobian and the bias acceleration |
-//! | `operational_inertia` | J I^-1 J^T and its pseudo-inverse |
+//! | `operational_inertia` | J M^-1 J^T and its pseudo-inverse |
 //! | `projection` | steps of coordinates and velocities that satisfy the constraints |
 //! | `residual` | displacements and velocities that violate the constraints |
 //!
@@ -21,12 +21,12 @@
 //! of Baumgarte (1972), which drives phi and J qd to zero, the equations are
 //!
 //! ```text
-//! I qdd = tau - h + J^T lambda
+//! M qdd = tau - h + J^T lambda
 //! J qdd = gamma = -dJ/dt qd - 2 alpha J qd - beta^2 phi
 //! ```
 //!
-//! With the accelerations qdd_0 of the tree without constraints, lambda = (J I^-1 J^T)^+ (gamma - J
-//! qdd_0) and qdd = qdd_0 + I^-1 J^T lambda. The factors I = U D U^T by modules, D = V Delta V^T
+//! With the accelerations qdd_0 of the tree without constraints, lambda = (J M^-1 J^T)^+ (gamma - J
+//! qdd_0) and qdd = qdd_0 + M^-1 J^T lambda. The factors M = U D U^T by modules, D = V Delta V^T
 //! ([`brge`](super::brge)), are applied in halves: with W = U V, only W^-1 J^T, W^-1 (tau - h) and one
 //! product with W^-T are computed.
 //!
@@ -108,9 +108,9 @@ pub struct ConstraintWorkspace<S> {
     fall: Vec<S>,
     /// Zero velocities.
     rest: Vec<S>,
-    /// For each constraint, the trace of J I^-1 J^T over all six directions.
+    /// For each constraint, the trace of J M^-1 J^T over all six directions.
     mobilities: Vec<S>,
-    /// The factorization of J I^-1 J^T, constrained rows only.
+    /// The factorization of J M^-1 J^T, constrained rows only.
     factorization: RankFactorization<S>,
     /// Two right-hand sides, an entry for each constrained row; `solve` replaces them by multipliers.
     right_hand_sides: [Vec<S>; 2],
@@ -159,7 +159,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Factorizes J I^-1 J^T of the current rows, lets `complete` change the right-hand sides, and sets those
+    /// Factorizes J M^-1 J^T of the current rows, lets `complete` change the right-hand sides, and sets those
     /// of inactive contacts to zero.
     fn factorize<C: AsRef<[ContactTarget<S>]>>(
         &mut self,
@@ -181,7 +181,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Computes J I^-1 J^T of the current rows.
+    /// Computes J M^-1 J^T of the current rows.
     fn fill<C: AsRef<[ContactTarget<S>]>>(
         &mut self,
         model: &Mechanism<S>,
@@ -245,7 +245,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Subtracts J I^-1 f of the joint force f, and for loop constraints the accelerations by free fall, from
+    /// Subtracts J M^-1 f of the joint force f, and for loop constraints the accelerations by free fall, from
     /// the first right-hand side. Expects W^-1 J^T. (The accelerations of contacts are relative to free fall.)
     fn subtract_accelerations(&mut self, model: &Mechanism<S>, layout: &UduLayout) {
         let Self { right_hand_sides: [b, _], jacobian, reduced, supports, owner, .. } = self;
@@ -261,7 +261,7 @@ impl<S: Scalar> ConstraintWorkspace<S> {
         }
     }
 
-    /// Computes the joints' response I^-1 (f + J^T lambda) to the joint force f and the multipliers lambda of
+    /// Computes the joints' response M^-1 (f + J^T lambda) to the joint force f and the multipliers lambda of
     /// right-hand side `side`.
     fn respond(&self, layout: &UduLayout, side: usize, response: &mut [S]) {
         response.copy_from_slice(&self.force);

@@ -8,7 +8,7 @@ use crate::equations::Workspace;
 use crate::equations::brge::{self, UduLayout};
 use crate::mechanism::Mechanism;
 
-/// Computes the inverse operational-space inertia J I^-1 J^T of the constraint rows (the Delassus matrix), with
+/// Computes the inverse operational-space inertia J M^-1 J^T of the constraint rows (the Delassus matrix), with
 /// the compliance of contacts, and its pseudo-inverse, the operational-space inertia (Khatib 1987). Both are
 /// arrays of columns. Returns the number of independent rows.
 ///

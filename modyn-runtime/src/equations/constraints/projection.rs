@@ -11,7 +11,7 @@ use crate::mechanism::Mechanism;
 /// Computes the step `dq` of the coordinates and the step `dqd` of the velocities that satisfy the constraints.
 /// Returns the number of independent rows.
 ///
-/// `dq` satisfies the constraints to first order. Both steps are -I^-1 J^T (J I^-1 J^T)^+ times the violation
+/// `dq` satisfies the constraints to first order. Both steps are -M^-1 J^T (J M^-1 J^T)^+ times the violation
 /// (displacements for `dq`, velocities for `dqd`): the smallest steps in the metric of the mass matrix.
 pub fn project_constraints<S: Scalar, C: AsRef<[ContactTarget<S>]>>(
     model: &Mechanism<S>,

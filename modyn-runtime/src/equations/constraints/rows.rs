@@ -2,14 +2,14 @@
 //!
 //! A row is one component of a constraint's relative twist. A rotation row is multiplied by the
 //! constraint's characteristic length l, so that all rows are velocities in m/s and all multipliers
-//! are forces in N. The mobility of a constraint is the trace of G I^-1 G^T. G has a row for each of
+//! are forces in N. The mobility of a constraint is the trace of G M^-1 G^T. G has a row for each of
 //! the six directions of the relative twist, constrained or free, in the same units. The mobility
 //! therefore depends neither on the axes nor on which directions are constrained. It is the scale that
 //! decides whether a row is independent. (The mobility of a contact on a floating robot is that of the
 //! constrained rows: the origin of its frame moves in all directions.)
 //!
-//! With I = W Delta W^T, the rows of J W^-T are stored. They have the zeros of J: the columns of joints
-//! that do not carry the constraint. So J I^-1 J^T needs products over common ancestors only.
+//! With M = W Delta W^T, the rows of J W^-T are stored. They have the zeros of J: the columns of joints
+//! that do not carry the constraint. So J M^-1 J^T needs products over common ancestors only.
 
 use super::ConstraintWorkspace;
 use super::contact::ContactFrame;
@@ -111,7 +111,7 @@ pub(super) fn constraint_rows<S: Scalar>(
     }
 }
 
-/// Computes W^-1 J^T of all rows, the matrix J I^-1 J^T of the constrained rows, in which the rows of inactive
+/// Computes W^-1 J^T of all rows, the matrix J M^-1 J^T of the constrained rows, in which the rows of inactive
 /// contacts are zero, and the mobility of each constraint. Expects the rows and the factors of the mass matrix.
 pub(super) fn mobilities<S: Scalar>(
     model: &Mechanism<S>,

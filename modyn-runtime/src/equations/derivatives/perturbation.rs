@@ -49,7 +49,7 @@ pub(super) fn perturbations_by_rates<S: Scalar, T: BodyTree<S>>(
                     AccelerationPerturbation {
                         gradient: sum.cross(s),
                         relative: ancestor.back.cross(s),
-                        turning: s,
+                        coriolis: s,
                         uniform: s.cross(ancestor.velocity),
                     }
                 }
@@ -119,15 +119,15 @@ impl<S: Scalar> AncestorMotion<S> {
             };
         }
         let s = Vector3::unit(component);
-        let turning = self.omega.cross(s);
-        let passing = turning.cross(self.velocity);
+        let coriolis = self.omega.cross(s);
+        let passing = coriolis.cross(self.velocity);
         let uniform = self.a.cross(s) + (passing + passing);
         // E_p s - 2 omega_p x (omega_p x s) = -E_p^T s
-        let relative = (self.back + self.back).cross(turning) - self.gradient.row(component);
+        let relative = (self.back + self.back).cross(coriolis) - self.gradient.row(component);
         AccelerationPerturbation {
             gradient: self.gradient.column(component),
             relative,
-            turning,
+            coriolis,
             uniform,
         }
     }

@@ -80,13 +80,13 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
     let model = tree.mechanism();
     let mut at = model.dofs[group.end - 1].body;
     // The state at body `at` of the columns from `joined` on.
-    let mut behind: Option<SweepState<S>> = None;
+    let mut swept: Option<SweepState<S>> = None;
     let mut joined = group.end;
     let mut path = RootwardAccumulator::new(tree);
     loop {
         let dofs = model.bodies[at].dofs.clone();
         for other in dofs.clone() {
-            let Some(SweepState { wrench, dual }) = &behind else { break };
+            let Some(SweepState { wrench, dual }) = &swept else { break };
             let component = model.dofs[other].component;
             let force = wrench.components()[component];
             let work = dual.of(&workspace.perturbations[other]);
@@ -106,11 +106,11 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
             joined -= 1;
             let composite = composite.as_ref().expect("made above");
             let own = entries.add_own_entries(by, workspace, composite, joined);
-            behind = Some(match behind {
-                Some(behind) => {
-                    let (behind, own) = (behind.numbers(), own.numbers());
+            swept = Some(match swept {
+                Some(swept) => {
+                    let (swept, own) = (swept.numbers(), own.numbers());
                     SweepState::of(core::array::from_fn(|k| {
-                        let of_group = |d| tree.extract_lane(behind[k], d - group.start);
+                        let of_group = |d| tree.extract_lane(swept[k], d - group.start);
                         let lane = |d| if d <= joined { own[k] } else { of_group(d) };
                         tree.pack(&group.clone().map(lane).collect::<Vec<_>>())
                     }))
@@ -119,9 +119,9 @@ fn project_group<S: Scalar, T: BodyTree<S>>(
             });
         }
         let (body, motion) = (&model.bodies[at], &workspace.motions[at]);
-        let (Some(parent), Some(whole)) = (body.parent, &behind) else { break };
+        let (Some(parent), Some(whole)) = (body.parent, &swept) else { break };
         let carried = whole.carried(body, motion, workspace.levers[at]);
-        behind = Some(SweepState::of(path.accumulate(at, parent, carried.numbers())));
+        swept = Some(SweepState::of(path.accumulate(at, parent, carried.numbers())));
         at = parent;
     }
 }
@@ -214,19 +214,19 @@ impl<'a, S: Scalar> Composite<'a, S> {
     }
 
     /// Returns the wrench that changes the composite's accelerations by `perturbation`: with x' relative
-    /// to the body's frame, relative x x + turning x 2 x' + 2 omega x (turning x x) + uniform.
+    /// to the body's frame, relative x x + coriolis x 2 x' + 2 omega x (coriolis x x) + uniform.
     fn required_wrench(&self, perturbation: &AccelerationPerturbation<S>) -> Wrench<S> {
-        let AccelerationPerturbation { relative, turning, uniform, .. } = *perturbation;
+        let AccelerationPerturbation { relative, coriolis, uniform, .. } = *perturbation;
         let RigidInertia { mass, first_moment, second_moment } = *self.inertia;
         let rotated = second_moment.full().mul_vector(self.twice_omega);
         Wrench {
             moment: self.inertia.rotational().full().mul_vector(relative)
-                + self.rotational.mul_vector(turning)
-                + rotated.cross(turning)
+                + self.rotational.mul_vector(coriolis)
+                + rotated.cross(coriolis)
                 + first_moment.cross(uniform),
             force: relative.cross(first_moment)
-                + turning.cross(self.velocities.first)
-                + self.twice_omega.cross(turning.cross(first_moment))
+                + coriolis.cross(self.velocities.first)
+                + self.twice_omega.cross(coriolis.cross(first_moment))
                 + uniform.scale(mass),
         }
     }
@@ -234,14 +234,14 @@ impl<'a, S: Scalar> Composite<'a, S> {
     /// Returns the dual column of a unit displacement in `component`.
     fn dual_column(&self, component: usize) -> DualColumn<S> {
         let RigidInertia { first_moment, second_moment, .. } = *self.inertia;
-        let turning = if let Some(k) = component.checked_sub(3) {
+        let coriolis = if let Some(k) = component.checked_sub(3) {
             let momentum = self.velocities.first + self.twice_omega.cross(first_moment);
             momentum.cross(Vector3::unit(k))
         } else {
             let spun = self.twice_omega.cross(Vector3::unit(component));
             self.rotational.row(component) + second_moment.full().mul_vector(spun)
         };
-        DualColumn { wrench: self.inertia.column(component), turning }
+        DualColumn { wrench: self.inertia.column(component), coriolis }
     }
 }
 
@@ -251,12 +251,12 @@ struct DualColumn<S> {
     /// The dual of the gradient (moment) and of the uniform term (force): the composite's wrench under
     /// the displacement taken as an acceleration.
     wrench: Wrench<S>,
-    turning: Vector3<S>,
+    coriolis: Vector3<S>,
 }
 
 impl<S: Scalar> DualColumn<S> {
     fn of(&self, perturbation: &AccelerationPerturbation<S>) -> S {
-        self.turning.dot(perturbation.turning)
+        self.coriolis.dot(perturbation.coriolis)
             + self.wrench.moment.dot(perturbation.gradient)
             + self.wrench.force.dot(perturbation.uniform)
     }
@@ -275,25 +275,25 @@ impl<S: Scalar> SweepState<S> {
     /// Returns the state as seen from the parent. The origin of `body` moves with half of `lever`
     /// relative to the parent's origin.
     fn carried(&self, body: &Body<S>, motion: &JointTransform<S>, lever: Vector3<S>) -> Self {
-        let DualColumn { wrench, turning } = self.dual;
+        let DualColumn { wrench, coriolis } = self.dual;
         let wrench = body.wrench_to_parent(motion, wrench);
-        let turning = body.to_parent(motion, turning) + lever.cross(wrench.force);
-        let dual = DualColumn { wrench, turning };
+        let coriolis = body.to_parent(motion, coriolis) + lever.cross(wrench.force);
+        let dual = DualColumn { wrench, coriolis };
         Self { wrench: body.wrench_to_parent(motion, self.wrench), dual }
     }
 
     /// Returns all entries of the state.
     fn numbers(&self) -> [S; 15] {
         let [[a, b, c], [d, e, f]] = [self.wrench.moment.0, self.wrench.force.0];
-        let DualColumn { wrench, turning: Vector3([m, n, o]) } = self.dual;
+        let DualColumn { wrench, coriolis: Vector3([m, n, o]) } = self.dual;
         let [[g, h, i], [j, k, l]] = [wrench.moment.0, wrench.force.0];
         [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o]
     }
 
     fn of([a, b, c, d, e, f, g, h, i, j, k, l, m, n, o]: [S; 15]) -> Self {
         let wrench = |moment, force| Wrench { moment: Vector3(moment), force: Vector3(force) };
-        let turning = Vector3([m, n, o]);
-        let dual = DualColumn { wrench: wrench([g, h, i], [j, k, l]), turning };
+        let coriolis = Vector3([m, n, o]);
+        let dual = DualColumn { wrench: wrench([g, h, i], [j, k, l]), coriolis };
         Self { wrench: wrench([a, b, c], [d, e, f]), dual }
     }
 }

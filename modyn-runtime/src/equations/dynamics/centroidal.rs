@@ -27,9 +27,9 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
         // The centre of mass, seen from the joint's parent side and from its child side.
         let center = body.parent.map_or(center, |parent| workspace.points[parent]);
         let at_joint = body.placement.point_to_child(center);
-        let behind = workspace.motions[i].point_to_child(at_joint);
-        workspace.points[i] = behind;
-        let center = if body.elementary_joint.has_axis() { at_joint } else { behind };
+        let in_child = workspace.motions[i].point_to_child(at_joint);
+        workspace.points[i] = in_child;
+        let center = if body.elementary_joint.has_axis() { at_joint } else { in_child };
         for dof in model.dofs_of(i) {
             let Wrench { moment, force } = workspace.composite[i].column(dof.component);
             let along = Momentum {

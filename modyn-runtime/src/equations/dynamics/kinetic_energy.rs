@@ -26,9 +26,9 @@ pub fn kinetic_energy<S: Scalar>(
         let (omega, v) = (twist.angular, twist.linear);
         let inertia = &body.base_inertia;
         // omega.I omega + 2 v.(omega x c) + m v.v
-        let turning = omega.dot(inertia.rotational().full().mul_vector(omega));
+        let rotational = omega.dot(inertia.rotational().full().mul_vector(omega));
         let mixed = v.dot(omega.cross(inertia.first_moment));
-        twice = twice + (turning + (mixed + mixed) + inertia.mass * v.dot(v));
+        twice = twice + (rotational + (mixed + mixed) + inertia.mass * v.dot(v));
     }
     for dof in &model.dofs {
         if let Some(armature) = dof.armature {

@@ -8,7 +8,7 @@ use crate::Scalar;
 use crate::mechanism::Mechanism;
 use crate::model::ModuleTree;
 
-/// The storage layout of the factorization I = U D U^T by modules.
+/// The storage layout of the factorization M = U D U^T by modules.
 ///
 /// First comes D: the blocks of the modules, each by rows. Then come the factors of these blocks,
 /// V Delta V^T: the entries of V above its diagonal, by columns, module after module; and the

@@ -18,7 +18,7 @@ fn solve_block<S: Scalar>(layout: &UduLayout, factors: &[S], m: usize, x: &mut [
     solve_lower(v, x);
 }
 
-/// Replaces the right-hand side `x` by the solution of I x = rhs, in the three steps of (60).
+/// Replaces the right-hand side `x` by the solution of M x = rhs, in the three steps of (60).
 ///
 /// Where limbs are merged, the right-hand side has a lane for each limb.
 pub fn solve<S: Scalar, L: FactorLayout<S>>(layout: &L, factors: &[S], x: &mut [S]) {
@@ -71,7 +71,7 @@ fn solve_for<S: Scalar, L: FactorLayout<S>>(
     }
 }
 
-/// Replaces x by W^-1 x, with I = W Delta W^T and the unit upper triangular W = U V: the first half of
+/// Replaces x by W^-1 x, with M = W Delta W^T and the unit upper triangular W = U V: the first half of
 /// [`solve`]. Expects that x is zero outside of these modules, and that they include each module that U couples
 /// to one of them.
 pub(in crate::equations) fn solve_upper_factor<S: Scalar>(

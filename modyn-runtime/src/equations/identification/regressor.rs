@@ -54,8 +54,8 @@ pub fn regressor<S: Scalar>(
 
 /// Returns the end of body `i`'s subtree: its descendants follow it contiguously, in depth-first order.
 fn subtree_end<S>(model: &Mechanism<S>, i: usize) -> usize {
-    let behind = model.bodies[i + 1..].iter();
-    i + 1 + behind.take_while(|body| body.parent.is_some_and(|parent| parent >= i)).count()
+    let later = model.bodies[i + 1..].iter();
+    i + 1 + later.take_while(|body| body.parent.is_some_and(|parent| parent >= i)).count()
 }
 
 /// Returns a body's motion at its link's origin, in the link's axes.

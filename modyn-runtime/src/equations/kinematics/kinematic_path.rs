@@ -134,11 +134,11 @@ impl<S: Scalar> OriginMotion<S> {
         let over_origin = |t: Twist<S>| Twist { linear: t.linear + t.angular.cross(point), ..t };
         let velocity = before + over_origin(rates);
         // Centripetal and Coriolis: omega x (v_joint + omega x point) + 2 omega x v.
-        let turning = Twist {
+        let coriolis = Twist {
             angular: omega.cross(before.angular),
             linear: omega.cross(before.linear + velocity.linear),
         };
-        let mut acceleration = acceleration + turning;
+        let mut acceleration = acceleration + coriolis;
         if let Some(changes) = changes {
             acceleration = acceleration + over_origin(changes);
         }
@@ -172,11 +172,11 @@ impl<S: Scalar> BodyMotion<S> {
         let carried = body.twist_to_child(&motion, self.velocity);
         let rates = model.add_rates(i, Twist::zero(), qd);
         // The parent's motion is expressed in axes that rotate and move with the joint.
-        let turning = Twist {
+        let of_rotating_axes = Twist {
             angular: carried.angular.cross(rates.angular),
             linear: carried.angular.cross(rates.linear) + carried.linear.cross(rates.angular),
         };
-        let rate = body.twist_to_child(&motion, self.rate) + turning;
+        let rate = body.twist_to_child(&motion, self.rate) + of_rotating_axes;
         Self { velocity: carried + rates, rate }
     }
 

@@ -216,7 +216,7 @@ pub fn jacobian_time_derivative<S: Scalar>(
     let mut seen = LinkInBody::fixed(&pose);
     let mut link = OriginMotion::fixed(Vector3(pose.translation));
     for i in kinematic_path::towards_world(model, last) {
-        let (axes, turning) = match axes {
+        let (axes, omega) = match axes {
             Axes::World => (workspace.axes[i], workspace.twists[i].angular),
             Axes::Link => (seen.axes, -link.velocity.angular),
         };
@@ -229,8 +229,8 @@ pub fn jacobian_time_derivative<S: Scalar>(
                 Some(k) => (Vector3::zero(), Vector3::unit(k), Vector3::zero()),
             };
             let along = Twist {
-                angular: axes.mul_vector(turning.cross(angular)),
-                linear: axes.mul_vector(turning.cross(linear) + drift),
+                angular: axes.mul_vector(omega.cross(angular)),
+                linear: axes.mul_vector(omega.cross(linear) + drift),
             };
             let column = &mut columns[dof.v];
             *column = *column + dof.multiplier.map_or(along, |multiplier| along.scale(multiplier));
