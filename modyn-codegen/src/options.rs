@@ -105,8 +105,8 @@ macro_rules! option_table {
                     rotors: Vec<Rotor>, field => field.extend(rotors),
                     "[\"joint\": (inertia, gear_ratio), ...]", "the description's", "[\"elbow\": (0.0001, 100)]";
                 /// Joints that close loops, besides the `<loop_joint>`s of the description: of type `spherical`, `fixed`,
-                /// `revolute`, `continuous` or `prismatic`, the last three with `axis = [x, y, z]` at the end. Roll, pitch
-                /// and yaw, `[r, p, y]`, may follow each origin.
+                /// `revolute`, `continuous` or `prismatic`, the last three with an `axis` at the end. Roll, pitch and yaw,
+                /// `[r, p, y]`, may follow each origin.
                 "loops" loops(loops: impl IntoIterator<Item = Loop>)
                     loops: Vec<Loop>, field => field.extend(loops),
                     "[\"name\": type(\"link\", [x, y, z], \"link\", [x, y, z]), ...]", "the description's", "[\"pin\": revolute(\"rod\", [0.5, 0, 0], \"crank\", [0.4, 0, 0], axis = [0, 1, 0])]";
@@ -133,8 +133,8 @@ macro_rules! option_table {
                     "[name, ...]", "`default`", "[default, regressor]";
                 /// Bundles of functions: one call computes all functions of a bundle, and does their common work once. A
                 /// bundle is a function of this name over the arguments of all its functions; its result is a type with a
-                /// field for each of them (`jacobian_hand`). Functions of one link are named with the link.
-                /// `name: batch(..)` makes the form for many states as well.
+                /// field for each of them (`jacobian_hand`). Functions of one link are named with the link. In generated
+                /// code, `name: batch(..)` makes the form for many states as well.
                 "bundles" bundles(bundles: impl IntoIterator<Item = Bundle>)
                     bundles: Vec<Bundle>, field => field.extend(bundles),
                     "[\"name\": (function, function(\"link\"), ...), ...]", "none", "[\"control\": (mass_matrix, bias_forces, jacobian(\"hand\"))]";
@@ -143,21 +143,21 @@ macro_rules! option_table {
                 "modules" modules(modules: ModuleChoice)
                     modules: ModuleChoice, field => *field = modules,
                     "chains | links | [[\"link\", ...], ...]", "`chains`", "[[\"upper_arm\", \"forearm\"], [\"hand\"]]";
-                /// The scalar of the type's own functions.
+                /// The scalar of arguments and results: double or single precision.
                 "scalar" scalar(scalar: FloatType)
                     scalar: FloatType, field => *field = scalar,
                     "f64 | f32", "`f64`", "f32";
-                /// Makes gravity an argument, one of the robot's `Params`; its value is then the default.
+                /// Makes gravity a run-time parameter, which can be changed; its value is then the default.
                 "runtime_gravity" runtime_gravity()
                     runtime_gravity: bool, field => *field = true,
                     "true | false", "`false`", "true";
-                /// The links whose own inertia is an argument, among the robot's `Params`: each replaces the
-                /// description's, which is the default. (Of each link alone, without the links that are fixed to it.)
+                /// The links whose own inertia is a run-time parameter: each replaces the description's, which is the
+                /// default. (Of each link alone, without the links that are fixed to it.)
                 "runtime_inertia" runtime_inertia(links: impl IntoIterator<Item = impl Into<String>>)
                     runtime_inertia: Vec<String>, field => field.extend(links.into_iter().map(Into::into)),
                     "links", "none", "[\"hand\"]";
-                /// The links to which an inertia is added that is an argument, among the robot's `Params`: the inertia of
-                /// a load.
+                /// The links with a payload: an inertia that is a run-time parameter and is added to the link's. Its default
+                /// is zero.
                 "payload" payload(links: impl IntoIterator<Item = impl Into<String>>)
                     payload: Vec<String>, field => field.extend(links.into_iter().map(Into::into)),
                     "links", "none", "[\"hand\"]";

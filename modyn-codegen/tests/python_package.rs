@@ -6,8 +6,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use modyn_codegen::Function;
-use modyn_codegen::options::{Entries, OPTIONS, OptionRow, Stage};
-use modyn_codegen::plan::{Record, Row, Shape, Sizes};
+use modyn_codegen::options::{Entries, OPTIONS, OptionRow, Stage, Value};
+use modyn_codegen::plan::{Elements, Record, Row, Shape, Sizes};
 
 /// Sizes that are numbers of their own, so that the lengths of axes name them.
 const SIZES: Sizes = Sizes {
@@ -59,7 +59,7 @@ fn argument(name: &str, shape: &Shape) -> String {
             "(contacts,), 1 for each active contact, else 0; by default all are".into()
         }
         (_, Shape::Scalar) => "a number".into(),
-        (_, Shape::Array(inner, n)) if **inner != Shape::Scalar => {
+        (_, Shape::Array(inner, n, _)) if **inner != Shape::Scalar => {
             tuple(&[*n, inner.len()]) + components(inner)
         }
         _ => tuple(&[shape.len()]),
@@ -70,7 +70,7 @@ fn argument(name: &str, shape: &Shape) -> String {
 fn components(shape: &Shape) -> &'static str {
     match shape {
         Shape::Scalar => "",
-        Shape::Array(inner, _) => components(inner),
+        Shape::Array(inner, ..) => components(inner),
         Shape::Record(Record::Spatial("Twist" | "Momentum"), _) => {
             ", angular before linear components"
         }
@@ -89,36 +89,21 @@ enum Layout {
 }
 
 /// Returns the layout of a result after the axes `outer`.
-fn layout(shape: &Shape, outer: &[usize], in_pose: bool) -> Layout {
+fn layout(shape: &Shape, outer: &[usize]) -> Layout {
     let array = |axes: &[usize]| Layout::Array([outer, axes].concat());
-    let is_vector = |shape: &Shape| match shape {
-        Shape::Array(inner, _) => **inner == Shape::Scalar,
-        Shape::Record(Record::Spatial(name), _) => *name != "Pose",
-        _ => false,
-    };
     match shape {
         Shape::Scalar => array(&[]),
-        Shape::Array(inner, n) if **inner == Shape::Scalar => array(&[*n]),
-        Shape::Array(inner, n) if is_vector(inner) => {
-            let is_spatial = matches!(**inner, Shape::Record(..));
-            let is_by_columns = !in_pose && (!is_spatial || *n == SIZES.nv);
-            if is_by_columns { array(&[inner.len(), *n]) } else { array(&[*n, inner.len()]) }
-        }
-        Shape::Array(inner, n) => layout(inner, &[outer, &[*n]].concat(), in_pose),
-        Shape::Record(Record::Spatial(name), _) if *name != "Pose" => array(&[shape.len()]),
-        Shape::Record(record, fields) => {
-            let (Record::Spatial(name)
-            | Record::Plain(name)
-            | Record::Several(name)
-            | Record::Each(name)) = record
-            else {
-                return array(&[shape.len()]);
-            };
-            let field = |(field, shape): &(&'static str, Shape)| {
-                (*field, layout(shape, outer, *name == "Pose"))
-            };
-            Layout::Tuple(name, fields.iter().map(field).collect())
-        }
+        Shape::Array(inner, n, _) if **inner == Shape::Scalar => array(&[*n]),
+        Shape::Array(inner, n, Elements::Columns) if inner.is_vector() => array(&[inner.len(), *n]),
+        Shape::Array(inner, n, _) if inner.is_vector() => array(&[*n, inner.len()]),
+        Shape::Array(inner, n, _) => layout(inner, &[outer, &[*n]].concat()),
+        Shape::Record(record, fields) => match record.result_type() {
+            None => array(&[shape.len()]),
+            Some(name) => {
+                let field = |(field, shape): &(&'static str, Shape)| (*field, layout(shape, outer));
+                Layout::Tuple(name, fields.iter().map(field).collect())
+            }
+        },
     }
 }
 
@@ -154,7 +139,7 @@ fn documentation(row: &Row) -> Vec<String> {
     if row.is_by_link() {
         arguments.push("`link`: the name of a link, or its index in `link_names`".into());
     }
-    let result = match layout(&(row.result)(&SIZES), &[], false) {
+    let result = match layout(&(row.result)(&SIZES), &[]) {
         Layout::Array(axes) => tuple(&axes),
         Layout::Tuple(name, fields) => {
             let field = |(field, layout): &(&str, Layout)| match layout {
@@ -266,7 +251,7 @@ fn tuples() -> BTreeMap<&'static str, Vec<(&'static str, Layout)>> {
     }
     let mut all = BTreeMap::new();
     for (_, _, row) in functions() {
-        add(layout(&(row.result)(&SIZES), &[], false), &mut all);
+        add(layout(&(row.result)(&SIZES), &[]), &mut all);
     }
     all
 }
@@ -276,8 +261,7 @@ fn results() -> String {
     let mut text = String::from(
         "\"\"\"The results of functions with several results: named tuples of arrays.\n\n\
          `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen --test python_package` writes this file.\n\"\"\"\n\n\
-         from typing import NamedTuple\n\n\
-         import numpy as np\n\
+         from typing import Any, NamedTuple\n\n\
          from numpy.typing import NDArray\n\n\
          __all__ = [\n",
     );
@@ -288,7 +272,7 @@ fn results() -> String {
     for (name, fields) in tuples() {
         let functions = functions().filter(|(_, _, row)| {
             let result = (row.result)(&SIZES);
-            matches!(layout(&result, &[], false), Layout::Tuple(own, _) if own == name)
+            matches!(layout(&result, &[]), Layout::Tuple(own, _) if own == name)
         });
         let functions: Vec<String> = functions.map(|(_, f, _)| format!("`{}`", f.name())).collect();
         let of = match functions.is_empty() {
@@ -298,7 +282,7 @@ fn results() -> String {
         let _ = writeln!(text, "\n\nclass {name}(NamedTuple):\n    \"\"\"The result{of}.\"\"\"\n");
         for (field, layout) in &fields {
             let (class, shape) = match layout {
-                Layout::Array(axes) => ("NDArray[np.float64]", tuple(axes)),
+                Layout::Array(axes) => ("NDArray[Any]", tuple(axes)),
                 Layout::Tuple(name, _) => (*name, (*name).to_owned()),
             };
             let _ = writeln!(text, "    {field}: {class}\n    \"\"\"{shape}\"\"\"");
@@ -311,7 +295,7 @@ fn results() -> String {
 
 /// Returns the options that `load` takes.
 fn options() -> impl Iterator<Item = &'static OptionRow> {
-    let of_text = ["functions", "scalar", "share", "crate"];
+    let of_text = ["functions", "share", "crate"];
     OPTIONS.iter().filter(move |row| {
         row.entries == Entries::All && (row.stage == Stage::Reading || !of_text.contains(&row.name))
     })
@@ -324,6 +308,7 @@ fn option_type(row: &OptionRow) -> &'static str {
         "true | false" => "bool",
         "links" => "Sequence[str]",
         form if form.starts_with("[\"") => "Mapping[str, Any] | str",
+        form if form.contains("smooth(") => "str | tuple[str, float]",
         form if form.contains("[[") => "str | Sequence[Sequence[str]]",
         _ => "str",
     }
@@ -333,7 +318,13 @@ fn option_type(row: &OptionRow) -> &'static str {
 fn option_stubs() -> String {
     let mut text = String::new();
     for row in options() {
-        let docs = format!("{} By default {}.", row.docs.trim(), row.default.replace('`', ""));
+        let value = Value::parse(row.example).expect("an example is a value");
+        let default = match Value::parse(row.default.trim_matches('`')) {
+            Ok(value) if row.is_flag() => value.in_python(),
+            _ => row.default.replace('`', ""),
+        };
+        let example = value.in_python();
+        let docs = format!("{} By default {default}. For example: `{example}`.", row.docs.trim());
         let _ = writeln!(text, "    {}: {} | None", row.name, option_type(row));
         let lines = wrap(&docs, 108);
         let _ = writeln!(text, "    \"\"\"{}\"\"\"", lines.join("\n    "));
@@ -355,7 +346,7 @@ fn method_stubs() -> String {
         if row.is_by_link() {
             arguments.push("link: str | int".into());
         }
-        let result = match layout(&(row.result)(&SIZES), &[], false) {
+        let result = match layout(&(row.result)(&SIZES), &[]) {
             Layout::Tuple(name, _) => name.to_owned(),
             Layout::Array(axes) if axes.is_empty() => "float | Array".into(),
             Layout::Array(_) => "Array".into(),

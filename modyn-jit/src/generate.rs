@@ -41,6 +41,9 @@ pub(crate) struct Generated {
     pub end: usize,
     /// The calls of helpers with [`Linkage::Relative`]: the offset of each call's distance.
     pub calls: Vec<(usize, Helper)>,
+    /// The offset of each step's first instruction, and of the first one after all steps.
+    #[cfg(test)]
+    pub steps: Vec<usize>,
 }
 
 /// A value in memory that is read again within this number of steps is loaded into a free register.
@@ -93,15 +96,21 @@ pub(crate) fn generate(
         stores,
         slow_paths: Vec::new(),
         calls: Vec::new(),
+        #[cfg(test)]
+        steps: Vec::new(),
         counts: CodeSize::default(),
     };
     for (position, step) in (0..).zip(&values.steps) {
+        #[cfg(test)]
+        generator.steps.push(generator.encoder.code.len());
         generator.registers.advance(position, &values.reads(step));
         match step {
             Step::Compute(value) => generator.compute(*value),
             Step::Check(check) => generator.check(check),
         }
     }
+    #[cfg(test)]
+    generator.steps.push(generator.encoder.code.len());
     generator.registers.position = values.steps.len() as u32;
     for (value, distance) in late {
         let register = generator.force(value, &mut 0);
@@ -128,6 +137,8 @@ struct Generator<'a> {
     slow_paths: Vec<SlowPath>,
     /// The calls of helpers whose distances are still to be filled in.
     calls: Vec<(usize, Helper)>,
+    #[cfg(test)]
+    steps: Vec<usize>,
     counts: CodeSize,
 }
 

@@ -8,27 +8,28 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyFloat, PyTuple};
 
 use crate::layout::{Class, Layout, Leaf};
+use crate::number::Number;
 
 /// An argument: its numbers, and the number of states if it has several.
-pub struct Given<'py> {
-    numbers: Numbers<'py>,
+pub struct Given<'py, S: Number> {
+    numbers: Numbers<'py, S>,
     /// The number of states; `None` for one state without an axis of states.
     pub states: Option<usize>,
 }
 
-enum Numbers<'py> {
-    Borrowed(PyReadonlyArrayDyn<'py, f64>),
-    Owned(Vec<f64>),
+enum Numbers<'py, S: Number> {
+    Borrowed(PyReadonlyArrayDyn<'py, S>),
+    Owned(Vec<S>),
 }
 
-impl<'py> Given<'py> {
+impl<'py, S: Number> Given<'py, S> {
     /// Returns an argument of one state from numbers.
-    pub fn owned(numbers: Vec<f64>) -> Self {
+    pub fn owned(numbers: Vec<S>) -> Self {
         Self { numbers: Numbers::Owned(numbers), states: None }
     }
 
-    /// Returns the argument `name` of `function`, whose axes have these lengths for one state. An array of `float64` in C
-    /// order is borrowed; all else is converted.
+    /// Returns the argument `name` of `function`, whose axes have these lengths for one state. An array of the
+    /// scalar in C order is borrowed; all else is converted.
     ///
     /// # Errors
     ///
@@ -42,9 +43,9 @@ impl<'py> Given<'py> {
         if shape.is_empty()
             && let Ok(number) = object.cast::<PyFloat>()
         {
-            return Ok(Self::owned(vec![number.value()]));
+            return Ok(Self::owned(vec![S::from_f64(number.value())]));
         }
-        let array = match object.cast::<PyArrayDyn<f64>>() {
+        let array = match object.cast::<PyArrayDyn<S>>() {
             Ok(array) if array.is_c_contiguous() && array.is_aligned() => array.clone(),
             _ => converted(function, name, object)?,
         };
@@ -66,8 +67,30 @@ impl<'py> Given<'py> {
         Ok(Self { numbers: Numbers::Borrowed(array), states })
     }
 
+    /// Returns the argument `name` of `function` as [`read`](Self::read) does. An object that is no array can have other
+    /// numbers for each scalar.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`read`](Self::read).
+    pub fn read_for_scalar(
+        function: &str,
+        name: &str,
+        shape: &[usize],
+        object: &Bound<'py, PyAny>,
+    ) -> PyResult<Self> {
+        let numpy = object.py().import("numpy")?;
+        let array = match object.is_instance(&numpy.getattr("ndarray")?)? {
+            true => object.clone(),
+            false => numpy
+                .call_method1("asarray", (object, S::DTYPE))
+                .map_err(|reason| not_numbers(function, name, &reason))?,
+        };
+        Self::read(function, name, shape, &array)
+    }
+
     /// Returns the numbers, those of one state after another.
-    pub fn as_slice(&self) -> &[f64] {
+    pub fn as_slice(&self) -> &[S] {
         match &self.numbers {
             Numbers::Borrowed(array) => array.as_slice().unwrap_or_default(),
             Numbers::Owned(numbers) => numbers,
@@ -81,26 +104,28 @@ fn overlap(function: &str, name: &str) -> PyErr {
     ))
 }
 
-/// Returns a new array of `float64` in C order with the numbers of an object.
-fn converted<'py>(
+/// Returns a new array of the scalar in C order with the numbers of an object.
+fn converted<'py, S: Number>(
     function: &str,
     name: &str,
     object: &Bound<'py, PyAny>,
-) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+) -> PyResult<Bound<'py, PyArrayDyn<S>>> {
     let py = object.py();
     let convert = || {
         let array = py.import("numpy")?.call_method1("asarray", (object,))?;
         let options = PyDict::new(py);
         options.set_item("order", "C")?;
         options.set_item("casting", "same_kind")?;
-        let array = array.call_method("astype", ("float64",), Some(&options))?;
-        Ok::<_, PyErr>(array.cast_into::<PyArrayDyn<f64>>()?)
+        let array = array.call_method("astype", (S::DTYPE,), Some(&options))?;
+        Ok::<_, PyErr>(array.cast_into::<PyArrayDyn<S>>()?)
     };
-    convert().map_err(|reason| {
-        PyTypeError::new_err(format!(
-            "`{name}` of `{function}` must be an array of real numbers: {reason}"
-        ))
-    })
+    convert().map_err(|reason| not_numbers(function, name, &reason))
+}
+
+fn not_numbers(function: &str, name: &str, reason: &PyErr) -> PyErr {
+    PyTypeError::new_err(format!(
+        "`{name}` of `{function}` must be an array of real numbers: {reason}"
+    ))
 }
 
 /// Returns a shape as Python shows it.
@@ -123,19 +148,19 @@ fn batch(shape: &[usize]) -> String {
 }
 
 /// The memory that a call writes, and the object that it returns.
-pub struct Output<'py> {
-    memory: PyReadwriteArrayDyn<'py, f64>,
+pub struct Output<'py, S: Number> {
+    memory: PyReadwriteArrayDyn<'py, S>,
     returned: Bound<'py, PyAny>,
     /// The caller's array, if its memory has another order.
     copied_to: Option<Bound<'py, PyAny>>,
 }
 
-impl<'py> Output<'py> {
+impl<'py, S: Number> Output<'py, S> {
     /// Returns the output of `function` with this layout and `length` numbers for each state: new arrays, or `out`.
     ///
     /// # Errors
     ///
-    /// `TypeError` if `out` is not an array of `float64` or a named tuple of them, `ValueError` if it has another shape,
+    /// `TypeError` if `out` is not an array of the scalar or a named tuple of them, `ValueError` if it has another shape,
     /// cannot be written or overlaps an argument.
     pub fn new(
         py: Python<'py>,
@@ -163,12 +188,12 @@ impl<'py> Output<'py> {
         if let Layout::Array(leaf) = layout
             && let Some(is_fortran) = order(leaf, states, length)
         {
-            let array = PyArrayDyn::<f64>::zeros(py, IxDyn(&leaf.shape(states)), is_fortran);
+            let array = PyArrayDyn::<S>::zeros(py, IxDyn(&leaf.shape(states)), is_fortran);
             let returned = array.clone().into_any();
             return Ok(Self { memory: array.readwrite(), returned, copied_to: None });
         }
         let shape: Vec<usize> = states.into_iter().chain([length]).collect();
-        let base = PyArrayDyn::<f64>::zeros(py, IxDyn(&shape), false);
+        let base = PyArrayDyn::<S>::zeros(py, IxDyn(&shape), false);
         let returned = views(&base, layout, states, length)?;
         Ok(Self { memory: base.readwrite(), returned, copied_to: None })
     }
@@ -180,8 +205,8 @@ impl<'py> Output<'py> {
         states: Option<usize>,
         out: &Bound<'py, PyAny>,
     ) -> PyResult<Self> {
-        let array = out.cast::<PyArrayDyn<f64>>().map_err(|_| {
-            PyTypeError::new_err(format!("`out` of `{function}` must be an array of float64"))
+        let array = out.cast::<PyArrayDyn<S>>().map_err(|_| {
+            PyTypeError::new_err(format!("`out` of `{function}` must be an array of {}", S::DTYPE))
         })?;
         let shape = leaf.shape(states);
         if array.shape() != shape {
@@ -190,7 +215,7 @@ impl<'py> Output<'py> {
                 "`out` of `{function}` has the shape {found}; expected {expected}"
             )));
         }
-        let strides = leaf.strides(states, length);
+        let strides = leaf.strides::<S>(states, length);
         let fits = array.shape().iter().zip(array.strides()).zip(&strides);
         let fits = fits
             .into_iter()
@@ -227,17 +252,17 @@ impl<'py> Output<'py> {
         };
         let shape: Vec<usize> = states.into_iter().chain([length]).collect();
         let (mut base, mut leaves) = (None, Vec::new());
-        gather(fields, out, &mut leaves).map_err(|_| wrong())?;
+        gather::<S>(fields, out, &mut leaves).map_err(|_| wrong())?;
         for (leaf, array) in leaves {
-            let own = array.getattr("base")?.cast_into::<PyArrayDyn<f64>>().map_err(|_| wrong())?;
+            let own = array.getattr("base")?.cast_into::<PyArrayDyn<S>>().map_err(|_| wrong())?;
             let base = base.get_or_insert_with(|| own.clone());
-            let strides = leaf.strides(states, length);
+            let strides = leaf.strides::<S>(states, length);
             let is_view = own.is(&*base)
                 && base.is_c_contiguous()
                 && base.shape() == shape
                 && array.shape() == leaf.shape(states)
                 && array.strides().iter().zip(&strides).all(|(&a, &b)| usize::try_from(a) == Ok(b))
-                && array.data().addr() == base.data().addr() + leaf.offset * size_of::<f64>();
+                && array.data() == base.data().wrapping_add(leaf.offset);
             if !is_view {
                 return Err(wrong());
             }
@@ -247,7 +272,7 @@ impl<'py> Output<'py> {
     }
 
     /// Returns the memory, the numbers of one state after those of another.
-    pub fn as_mut_slice(&mut self) -> &mut [f64] {
+    pub fn as_mut_slice(&mut self) -> &mut [S] {
         self.memory.as_slice_mut().unwrap_or_default()
     }
 
@@ -266,10 +291,10 @@ impl<'py> Output<'py> {
 }
 
 /// Returns the arrays of a named tuple with their layouts.
-fn gather<'py, 'l>(
+fn gather<'py, 'l, S: Number>(
     fields: &'l [(&'static str, Layout)],
     out: &Bound<'py, PyAny>,
-    leaves: &mut Vec<(&'l Leaf, Bound<'py, PyArrayDyn<f64>>)>,
+    leaves: &mut Vec<(&'l Leaf, Bound<'py, PyArrayDyn<S>>)>,
 ) -> PyResult<()> {
     for (name, layout) in fields {
         let field = out.getattr(*name)?;
@@ -281,10 +306,10 @@ fn gather<'py, 'l>(
     Ok(())
 }
 
-fn writable<'py>(
+fn writable<'py, S: Number>(
     function: &str,
-    array: &Bound<'py, PyArrayDyn<f64>>,
-) -> PyResult<PyReadwriteArrayDyn<'py, f64>> {
+    array: &Bound<'py, PyArrayDyn<S>>,
+) -> PyResult<PyReadwriteArrayDyn<'py, S>> {
     array.try_readwrite().map_err(|reason| {
         PyValueError::new_err(format!(
             "`out` of `{function}` cannot be written, or overlaps an argument: {reason}"
@@ -317,8 +342,8 @@ fn order(leaf: &Leaf, states: Option<usize>, length: usize) -> Option<bool> {
 }
 
 /// Returns the arrays of a layout as views into `base`, in named tuples.
-fn views<'py>(
-    base: &Bound<'py, PyArrayDyn<f64>>,
+fn views<'py, S: Number>(
+    base: &Bound<'py, PyArrayDyn<S>>,
     layout: &Layout,
     states: Option<usize>,
     length: usize,
@@ -328,9 +353,9 @@ fn views<'py>(
     match layout {
         Layout::Array(leaf) => {
             let ndarray = NDARRAY.import(py, "numpy", "ndarray")?;
-            let (shape, strides) = (leaf.shape(states), leaf.strides(states, length));
+            let (shape, strides) = (leaf.shape(states), leaf.strides::<S>(states, length));
             let (shape, strides) = (PyTuple::new(py, shape)?, PyTuple::new(py, strides)?);
-            ndarray.call1((shape, "d", base, leaf.offset * size_of::<f64>(), strides))
+            ndarray.call1((shape, S::get_dtype(py), base, leaf.offset * size_of::<S>(), strides))
         }
         Layout::Tuple(class, fields) => {
             let names = PyTuple::new(py, fields.iter().map(|(name, _)| *name))?;

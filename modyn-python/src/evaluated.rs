@@ -7,28 +7,29 @@ use modyn_runtime::Inertial;
 use modyn_runtime::model::Model;
 
 use crate::change::Change;
+use crate::number::Number;
 
 /// A function whose programs are evaluated.
-pub struct Evaluated {
-    programs: Programs,
+pub struct Evaluated<S> {
+    programs: Programs<S>,
     parameters: Parameters,
     /// The numbers of the parameters, if the function depends on them.
-    numbers: Vec<f64>,
+    numbers: Vec<S>,
 }
 
-enum Programs {
+enum Programs<S> {
     One(Program),
     /// The programs of a function of one link; each link has the index of its program, and its placement if other links share
     /// the program.
-    ByLink(Vec<Program>, Vec<Link>),
+    ByLink(Vec<Program>, Vec<Link<S>>),
     /// The program of poses, and the program of the pose of a link from that of its body and the link's placement.
-    Poses(Program, Program, Vec<Link>),
+    Poses(Program, Program, Vec<Link<S>>),
 }
 
 /// The index of a link's program or pose, and the link's placement if other links share it.
-type Link = (usize, Option<[f64; Frames::PLACEMENT]>);
+type Link<S> = (usize, Option<[S; Frames::PLACEMENT]>);
 
-impl Evaluated {
+impl<S: Number> Evaluated<S> {
     /// Returns the programs of a planned function.
     pub fn new(planned: Planned, plan: &Plan, gravity: [f64; 3]) -> Self {
         let links = || links(&plan.frames);
@@ -43,6 +44,7 @@ impl Evaluated {
             0 => Vec::new(),
             _ => plan.parameters.described(gravity),
         };
+        let numbers = numbers.into_iter().map(S::from_f64).collect();
         Self { programs, parameters: plan.parameters.clone(), numbers }
     }
 
@@ -69,13 +71,15 @@ impl Evaluated {
         };
         let place = place.ok_or_else(|| change.missing())?;
         if let Some(numbers) = self.numbers.get_mut(place..place + new.len()) {
-            numbers.copy_from_slice(&new);
+            for (number, new) in numbers.iter_mut().zip(new) {
+                *number = S::from_f64(new);
+            }
         }
         Ok(())
     }
 
     /// Computes the result of one state; `link` is that of a function of one link.
-    pub fn one(&self, link: usize, arguments: &[&[f64]], result: &mut [f64]) {
+    pub fn one(&self, link: usize, arguments: &[&[S]], result: &mut [S]) {
         let mut numbers = arguments.concat();
         numbers.extend_from_slice(&self.numbers);
         let numbers = match &self.programs {
@@ -88,7 +92,7 @@ impl Evaluated {
             Programs::Poses(bodies, placed, links) => {
                 let poses = bodies.evaluate(&numbers);
                 let length = Shape::pose().len();
-                let pose = |(own, placement): &Link| {
+                let pose = |(own, placement): &Link<S>| {
                     let body = &poses[own * length..][..length];
                     match placement {
                         None => body.to_vec(),
@@ -107,8 +111,8 @@ fn numbers(Inertial { mass, center_of_mass, inertia }: &Inertial) -> Vec<f64> {
 }
 
 /// Returns the program and the placement of each link.
-fn links(frames: &Frames) -> Vec<Link> {
-    let placements: Vec<_> = frames.placements().collect();
+fn links<S: Number>(frames: &Frames) -> Vec<Link<S>> {
+    let placements: Vec<_> = frames.placements().map(|row| row.map(S::from_f64)).collect();
     let own = frames.links_with_own_program().count();
     let mut next = 0;
     let link = |code: &LinkCode| match *code {

@@ -61,7 +61,7 @@ impl Factorization {
         py: Python<'py>,
         rhs: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let rhs = Given::read("solve", "rhs", &[self.nv], rhs)?;
+        let rhs = Given::<f64>::read("solve", "rhs", &[self.nv], rhs)?;
         let x = self.factors.solve(rhs.as_slice());
         x.map(|x| PyArray1::from_vec(py, x))
             .map_err(|error| PyValueError::new_err(error.to_string()))
@@ -71,9 +71,9 @@ impl Factorization {
 #[pymethods]
 impl Robot {
     /// Returns the factorization U D U^T of the mass matrix at `q`, (nq,), by kinematic modules, by block reverse Gaussian
-    /// elimination. The option `modules` selects the modules.
+    /// elimination. The option `modules` selects the modules. The factors are in `float64` for every robot.
     fn brge(&self, q: &Bound<'_, PyAny>) -> PyResult<Factorization> {
-        let q = Given::read("brge", "q", &[self.model().nq()], q)?;
+        let q = Given::<f64>::read("brge", "q", &[self.model().nq()], q)?;
         let factors = self.interpreter()?.brge(q.as_slice());
         let factors = factors.map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok(Factorization { factors, nv: self.model().nv() })

@@ -3,11 +3,12 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{PoisonError, RwLock};
 
-use modyn_codegen::plan::{Argument, Planned};
-use modyn_codegen::{Function, Planning};
+use modyn_codegen::plan::{Argument, ArgumentKind, Planned};
+use modyn_codegen::{FloatType, Function, Planning};
 use modyn_jit::{Call, Compiled, Options, ParameterError};
+use modyn_runtime::Inertial;
 use modyn_runtime::model::Model;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
 
@@ -16,9 +17,13 @@ use crate::change::Change;
 use crate::evaluated::Evaluated;
 use crate::layout::{self, Layout};
 use crate::memory::filled;
+use crate::number::Number;
 
 /// The largest number of arguments of a function.
 const MAX_ARGUMENTS: usize = 16;
+
+/// The size of the longest vectors, whose lanes are states.
+const MAX_VECTOR_BYTES: usize = 64;
 
 /// The instructions that a thread should have, about 50 us; starting a thread takes about 20 us.
 const INSTRUCTIONS_PER_THREAD: usize = 200_000;
@@ -26,12 +31,49 @@ const INSTRUCTIONS_PER_THREAD: usize = 200_000;
 /// The number of threads for a batch; zero for all processors.
 pub static THREADS: AtomicUsize = AtomicUsize::new(0);
 
-/// A function or a bundle of a robot, compiled.
-pub struct RobotFunction {
-    /// The name.
-    pub name: &'static str,
-    /// The arguments, with the lengths of their axes.
-    pub arguments: Vec<(Argument, Vec<usize>)>,
+/// A function or a bundle of a robot, compiled for either scalar.
+pub trait RobotFunction: Send + Sync {
+    /// Returns the arguments, with the lengths of their axes.
+    fn arguments(&self) -> &[(Argument, Vec<usize>)];
+
+    /// Applies a change of the robot's run-time parameters.
+    ///
+    /// # Errors
+    ///
+    /// If the robot does not have the parameter, or no rigid body has the inertia.
+    fn apply(&self, change: &Change, model: &Model) -> Result<(), String>;
+
+    /// Calls the function for one state, or for many if an argument has many. The interpreter's lock is released for many.
+    ///
+    /// # Errors
+    ///
+    /// If an argument does not fit, arguments have different numbers of states, or `out` does not fit.
+    fn call<'py>(
+        &self,
+        py: Python<'py>,
+        link: Option<usize>,
+        arguments: &[Option<&Bound<'py, PyAny>>],
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>>;
+}
+
+/// Returns the function of a planning that has this one alone, as machine code; the reason why there is none is added,
+/// and the function is then evaluated.
+pub fn compiled(
+    planning: Planning,
+    scalar: FloatType,
+    machine_code: bool,
+) -> Option<(Box<dyn RobotFunction>, Option<String>)> {
+    match scalar {
+        FloatType::F64 => Typed::<f64>::compiled(planning, machine_code),
+        FloatType::F32 => Typed::<f32>::compiled(planning, machine_code),
+    }
+}
+
+/// A function or a bundle of a robot, compiled for a scalar.
+struct Typed<S: Number> {
+    name: &'static str,
+    arguments: Vec<(Argument, Vec<usize>)>,
     /// The function; `None` for a bundle.
     function: Option<Function>,
     result: Layout,
@@ -40,28 +82,26 @@ pub struct RobotFunction {
     /// The shape of a result of one state that is one array, and whether it is in Fortran's order.
     single: Option<(Vec<usize>, bool)>,
     /// A change of run-time parameters waits until running batches end.
-    code: RwLock<Code>,
+    code: RwLock<Code<S>>,
 }
 
-enum Code {
-    Machine(Compiled<f64>),
-    Evaluated(Evaluated),
+enum Code<S: Number> {
+    Machine(Compiled<S>),
+    Evaluated(Evaluated<S>),
 }
 
-impl RobotFunction {
-    /// Returns the function of a planning that has this one alone, as machine code; the reason why there is none is added,
-    /// and the function is then evaluated.
-    pub fn new(planning: Planning, machine_code: bool) -> Option<(Self, Option<String>)> {
+impl<S: Number> Typed<S> {
+    fn compiled(
+        planning: Planning,
+        machine_code: bool,
+    ) -> Option<(Box<dyn RobotFunction>, Option<String>)> {
         let planned = planning.plan.functions.first()?;
         let (name, function) = (planned.name, planned.function);
         let arguments = planned.arguments.iter();
         let arguments =
             arguments.map(|(argument, shape)| (*argument, layout::of_argument(shape))).collect();
         let length = planned.result.len();
-        let result = match function {
-            Some(function) => layout::of_function(function, &planning.plan.sizes),
-            None => layout::of_bundle(&planned.result, &planning.plan.sizes),
-        };
+        let result = layout::of_result(&planned.result);
         let mut options = Options::default();
         options.batches = true;
         let compiled = machine_code.then(|| Compiled::from_plan(&planning, options));
@@ -73,7 +113,8 @@ impl RobotFunction {
             }
         };
         let (code, single) = (RwLock::new(code), arrays::single(&result, length));
-        Some((Self { name, arguments, function, result, length, single, code }, reason))
+        let own = Self { name, arguments, function, result, length, single, code };
+        Some((Box::new(own), reason))
     }
 
     /// Returns whether the function is one of a link.
@@ -81,53 +122,26 @@ impl RobotFunction {
         self.function.is_some_and(|function| function.row().is_by_link())
     }
 
-    /// Applies a change of the robot's run-time parameters.
-    ///
-    /// # Errors
-    ///
-    /// If the robot does not have the parameter, or no rigid body has the inertia.
-    pub fn apply(&self, change: &Change, model: &Model) -> Result<(), String> {
-        let mut code = self.code.write().unwrap_or_else(PoisonError::into_inner);
-        match &mut *code {
-            Code::Evaluated(evaluated) => evaluated.apply(change, model),
-            Code::Machine(compiled) => match change {
-                Change::Gravity(gravity) => compiled.set_gravity(*gravity),
-                Change::Inertia(link, inertial) => compiled.set_inertia(link, inertial),
-                Change::Payload(link, inertial) => compiled.set_payload(link, inertial),
-            }
-            .map_err(|error| match error {
-                ParameterError::NotAParameter { .. } => change.missing(),
-                error => error.to_string(),
-            }),
-        }
-    }
-
-    /// Calls the function for one state, or for many if an argument has many. The interpreter's lock is released for many.
-    ///
-    /// # Errors
-    ///
-    /// If arguments have different numbers of states, or `out` does not fit.
-    pub fn call<'py>(
+    /// Returns the argument of this kind; where it is not given, its default.
+    fn given<'py>(
         &self,
-        py: Python<'py>,
-        link: Option<usize>,
-        given: &[Given<'py>],
-        out: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let link = link.filter(|_| self.is_by_link());
-        let mut states: Option<(usize, usize)> = None;
-        for (i, count) in given.iter().enumerate().filter_map(|(i, one)| Some((i, one.states?))) {
-            let (first, expected) = *states.get_or_insert((i, count));
-            if count != expected {
-                return Err(PyValueError::new_err(format!(
-                    "`{}` of `{}` has {count} states, and `{}` has {expected}",
-                    self.arguments[i].0.name, self.name, self.arguments[first].0.name
-                )));
+        (Argument { name, kind }, shape): &(Argument, Vec<usize>),
+        given: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Given<'py, S>> {
+        match (kind, given.filter(|given| !given.is_none())) {
+            (ArgumentKind::Settings, Some(given)) => {
+                Given::read_for_scalar(self.name, name, shape, given)
             }
-        }
-        match states {
-            None => self.call_once(py, link, given, out),
-            Some((_, states)) => self.call_many(py, link, given, states, out),
+            (_, Some(given)) => Given::read(self.name, name, shape, given),
+            (ArgumentKind::Contacts, None) => {
+                Ok(Given::owned(vec![S::one(); shape.iter().product()]))
+            }
+            (ArgumentKind::Settings, None) => {
+                Ok(Given::owned(default_settings(shape.iter().product())))
+            }
+            (_, None) => {
+                Err(PyTypeError::new_err(format!("`{}` needs the argument `{name}`", self.name)))
+            }
         }
     }
 
@@ -135,10 +149,10 @@ impl RobotFunction {
         &self,
         py: Python<'py>,
         link: Option<usize>,
-        given: &[Given<'py>],
+        given: &[Given<'py, S>],
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let mut arguments: [&[f64]; MAX_ARGUMENTS] = [&[]; MAX_ARGUMENTS];
+        let mut arguments: [&[S]; MAX_ARGUMENTS] = [&[]; MAX_ARGUMENTS];
         for (argument, given) in arguments.iter_mut().zip(given) {
             *argument = given.as_slice();
         }
@@ -146,12 +160,12 @@ impl RobotFunction {
         let code = self.code.read().unwrap_or_else(PoisonError::into_inner);
         match (&self.single, out) {
             (Some((shape, _)), None) if shape.is_empty() => {
-                let mut number = [0.0];
+                let mut number = [S::zero()];
                 self.one(&code, link, arguments, &mut number)?;
-                Ok(PyFloat::new(py, number[0]).into_any())
+                Ok(PyFloat::new(py, number[0].into()).into_any())
             }
             (Some((shape, is_fortran)), None) => {
-                let fill = |result: &mut [f64]| self.one(&code, link, arguments, result);
+                let fill = |result: &mut [S]| self.one(&code, link, arguments, result);
                 Ok(filled(py, (shape, *is_fortran), fill)?.into_any())
             }
             _ => {
@@ -167,7 +181,7 @@ impl RobotFunction {
         &self,
         py: Python<'py>,
         link: Option<usize>,
-        given: &[Given<'py>],
+        given: &[Given<'py, S>],
         states: usize,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -178,9 +192,9 @@ impl RobotFunction {
             None => Some(given.as_slice().repeat(states)),
             Some(_) => None,
         });
-        let repeated: Vec<Option<Vec<f64>>> = repeated.collect();
+        let repeated: Vec<Option<Vec<S>>> = repeated.collect();
         let arguments = given.iter().zip(&repeated);
-        let arguments: Vec<&[f64]> = arguments
+        let arguments: Vec<&[S]> = arguments
             .map(|(given, repeated)| repeated.as_deref().unwrap_or_else(|| given.as_slice()))
             .collect();
         py.detach(|| self.many(link, &arguments, states, result))?;
@@ -189,10 +203,10 @@ impl RobotFunction {
 
     fn one(
         &self,
-        code: &Code,
+        code: &Code<S>,
         link: Option<usize>,
-        arguments: &[&[f64]],
-        result: &mut [f64],
+        arguments: &[&[S]],
+        result: &mut [S],
     ) -> PyResult<()> {
         match code {
             Code::Evaluated(evaluated) => {
@@ -211,7 +225,7 @@ impl RobotFunction {
     }
 
     /// Returns the machine code.
-    fn machine<'c>(&self, compiled: &'c Compiled<f64>) -> PyResult<Call<'c, f64>> {
+    fn machine<'c>(&self, compiled: &'c Compiled<S>) -> PyResult<Call<'c, S>> {
         let call = match self.function {
             Some(function) => compiled.function(function),
             None => compiled.bundle(self.name),
@@ -223,9 +237,9 @@ impl RobotFunction {
     fn many(
         &self,
         link: Option<usize>,
-        arguments: &[&[f64]],
+        arguments: &[&[S]],
         states: usize,
-        result: &mut [f64],
+        result: &mut [S],
     ) -> PyResult<()> {
         let code = self.code.read().unwrap_or_else(PoisonError::into_inner);
         let lengths: Vec<usize> =
@@ -234,10 +248,10 @@ impl RobotFunction {
             Code::Machine(compiled) => Some(self.machine(compiled)?),
             Code::Evaluated(_) => None,
         };
-        let one_by_one = |arguments: &[&[f64]], results: &mut [f64], states: usize| {
+        let one_by_one = |arguments: &[&[S]], results: &mut [S], states: usize| {
             for state in 0..states {
                 let arguments = arguments.iter().zip(&lengths);
-                let arguments: Vec<&[f64]> =
+                let arguments: Vec<&[S]> =
                     arguments.map(|(all, n)| &all[state * n..][..*n]).collect();
                 let result = &mut results[state * self.length..][..self.length];
                 self.one(&code, link, &arguments, result)?;
@@ -246,7 +260,7 @@ impl RobotFunction {
         };
         // Without numbers in the first argument, machine code cannot tell the number of states.
         let is_countable = lengths.first().is_some_and(|&n| n > 0);
-        let run = |arguments: &[&[f64]], results: &mut [f64], states: usize| match &call {
+        let run = |arguments: &[&[S]], results: &mut [S], states: usize| match &call {
             Some(call) if is_countable => {
                 let done = match link {
                     None => call.many(arguments, results),
@@ -256,19 +270,19 @@ impl RobotFunction {
             }
             _ => one_by_one(arguments, results, states),
         };
-        // A vector has at most eight states.
         let cost = call.map_or(INSTRUCTIONS_PER_THREAD, |call| call.size().instructions / 4 + 1);
+        let lanes = MAX_VECTOR_BYTES / size_of::<S>();
         let useful = (states * cost).div_ceil(INSTRUCTIONS_PER_THREAD);
-        let threads = threads().min(useful).min(states.div_ceil(8)).max(1);
+        let threads = threads().min(useful).min(states.div_ceil(lanes)).max(1);
         if threads == 1 || self.length == 0 {
             return run(arguments, result, states);
         }
-        let share = states.div_ceil(threads).next_multiple_of(8);
+        let share = states.div_ceil(threads).next_multiple_of(lanes);
         std::thread::scope(|scope| {
             let chunks = result.chunks_mut(share * self.length).enumerate().map(|(i, results)| {
                 let count = results.len() / self.length;
                 let arguments = arguments.iter().zip(&lengths);
-                let own: Vec<&[f64]> =
+                let own: Vec<&[S]> =
                     arguments.map(|(all, n)| &all[i * share * n..][..count * n]).collect();
                 let run = &run;
                 move || run(&own, results, count)
@@ -285,7 +299,67 @@ impl RobotFunction {
     }
 }
 
-fn evaluated(planning: Planning) -> Option<Evaluated> {
+impl<S: Number> RobotFunction for Typed<S> {
+    fn arguments(&self) -> &[(Argument, Vec<usize>)] {
+        &self.arguments
+    }
+
+    fn apply(&self, change: &Change, model: &Model) -> Result<(), String> {
+        let mut code = self.code.write().unwrap_or_else(PoisonError::into_inner);
+        match &mut *code {
+            Code::Evaluated(evaluated) => evaluated.apply(change, model),
+            Code::Machine(compiled) => match change {
+                Change::Gravity(gravity) => compiled.set_gravity(gravity.map(S::from_f64)),
+                Change::Inertia(link, inertial) => compiled.set_inertia(link, &rounded(inertial)),
+                Change::Payload(link, inertial) => compiled.set_payload(link, &rounded(inertial)),
+            }
+            .map_err(|error| match error {
+                ParameterError::NotAParameter { .. } => change.missing(),
+                error => error.to_string(),
+            }),
+        }
+    }
+
+    fn call<'py>(
+        &self,
+        py: Python<'py>,
+        link: Option<usize>,
+        arguments: &[Option<&Bound<'py, PyAny>>],
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let link = link.filter(|_| self.is_by_link());
+        let given = self.arguments.iter().zip(arguments);
+        let given = given.map(|(own, argument)| self.given(own, *argument));
+        let given = given.collect::<PyResult<Vec<_>>>()?;
+        let mut states: Option<(usize, usize)> = None;
+        for (i, count) in given.iter().enumerate().filter_map(|(i, one)| Some((i, one.states?))) {
+            let (first, expected) = *states.get_or_insert((i, count));
+            if count != expected {
+                return Err(PyValueError::new_err(format!(
+                    "`{}` of `{}` has {count} states, and `{}` has {expected}",
+                    self.arguments[i].0.name, self.name, self.arguments[first].0.name
+                )));
+            }
+        }
+        match states {
+            None => self.call_once(py, link, &given, out),
+            Some((_, states)) => self.call_many(py, link, &given, states, out),
+        }
+    }
+}
+
+/// Returns an inertia in the scalar.
+fn rounded<S: Number>(inertial: &Inertial) -> Inertial<S> {
+    inertial.map(S::from_f64)
+}
+
+/// Returns the default settings of constraints as this many numbers, in the order of `ConstraintSettings`.
+fn default_settings<S: Number>(length: usize) -> Vec<S> {
+    let contacts = S::GROUND.numbers().into_iter().cycle();
+    S::SETTINGS.numbers().into_iter().chain(contacts).take(length).collect()
+}
+
+fn evaluated<S: Number>(planning: Planning) -> Option<Evaluated<S>> {
     let Planning { mut plan, model, .. } = planning;
     let planned: Planned = plan.functions.drain(..).next()?;
     Some(Evaluated::new(planned, &plan, model.gravity()))

@@ -17,6 +17,7 @@ mod function;
 mod layout;
 mod memory;
 mod methods;
+mod number;
 mod options;
 mod pictures;
 mod robot;
@@ -36,8 +37,8 @@ use crate::robot::Robot;
 /// Reads the robot of a file, URDF or MJCF.
 ///
 /// The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`, `loops`, `contacts`,
-/// `friction`, `unphysical_inertia`, `bundles`, `modules`, `runtime_gravity`, `runtime_inertia` and `payload`; with
-/// `machine_code=False`, functions are evaluated instead of compiled.
+/// `friction`, `unphysical_inertia`, `bundles`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and `payload`;
+/// with `machine_code=False`, functions are evaluated instead of compiled.
 ///
 /// `OSError` if the file cannot be read, `DescriptionError` with file, line and column if the description is wrong.
 #[pyfunction]
@@ -103,10 +104,10 @@ fn functions(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
     PyList::new(py, one.map(|function| function.name()))
 }
 
-/// Returns the names of the options of `load`, each with its form, its default and its documentation.
+/// Returns the names of the options of `load`, each with an example, its default and its documentation.
 #[pyfunction]
-fn options_table() -> Vec<(&'static str, &'static str, &'static str, &'static str)> {
-    options::rows().map(|row| (row.name, row.form, row.default, row.docs)).collect()
+fn options_table() -> Vec<(&'static str, String, &'static str, &'static str)> {
+    options::rows().map(|row| (row.name, options::example(row), row.default, row.docs)).collect()
 }
 
 /// The extension module.

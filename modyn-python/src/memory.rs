@@ -9,17 +9,19 @@ use numpy::prelude::*;
 use numpy::{IxDyn, PyArrayDyn};
 use pyo3::prelude::*;
 
+use crate::number::Number;
+
 /// Returns a new array of this shape, in Fortran's or C order, which `fill` has filled.
 ///
 /// # Errors
 ///
 /// Those of `fill`.
-pub fn filled<'py>(
+pub fn filled<'py, S: Number>(
     py: Python<'py>,
     (shape, is_fortran): (&[usize], bool),
-    fill: impl FnOnce(&mut [f64]) -> PyResult<()>,
-) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    let array = PyArrayDyn::<f64>::zeros(py, IxDyn(shape), is_fortran);
+    fill: impl FnOnce(&mut [S]) -> PyResult<()>,
+) -> PyResult<Bound<'py, PyArrayDyn<S>>> {
+    let array = PyArrayDyn::<S>::zeros(py, IxDyn(shape), is_fortran);
     // SAFETY: see the header.
     fill(unsafe { array.as_slice_mut()? })?;
     Ok(array)

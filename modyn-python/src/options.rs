@@ -1,15 +1,17 @@
 //! Keyword arguments as options: values of Python as values of modyn's option table.
 
 use modyn_codegen::diagnostics::suggest;
-use modyn_codegen::options::{Entries, OPTIONS, OptionRow, OptionValue, Stage, Value, ValueKind};
-use modyn_codegen::{Builder, Bundle, ModuleChoice};
+use modyn_codegen::options::{
+    Entries, OPTIONS, OptionError, OptionRow, OptionValue, Stage, Value, ValueKind,
+};
+use modyn_codegen::{Builder, Bundle, FloatType, ModuleChoice};
 use modyn_runtime::model::{Model, ModuleTree};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList, PyString, PyTuple};
 
 /// The options about code that have no meaning for machine code.
-const OF_TEXT: &[&str] = &["functions", "scalar", "share", "crate"];
+const OF_TEXT: &[&str] = &["functions", "share", "crate"];
 
 /// Returns the options that `load` takes.
 pub fn rows() -> impl Iterator<Item = &'static OptionRow> {
@@ -37,17 +39,39 @@ pub fn apply(mut builder: Builder, options: &Bound<'_, PyDict>) -> PyResult<Buil
         if value.is_none() {
             continue;
         }
-        let wrong = |message: &str| {
-            let form = row.form;
-            PyValueError::new_err(format!("option `{name}`: {message}; its form is {form}"))
-        };
+        let is_text = value.is_instance_of::<PyString>();
         let value = match value.cast::<PyString>() {
             Ok(text) if row.is_text() => Value::text(text.to_cow()?),
             _ => parsed(&name, &value)?,
         };
-        builder = builder.set(&name, &value).map_err(|fault| wrong(&fault.message))?;
+        builder = builder.set(&name, &value).map_err(|fault| wrong(row, is_text, fault))?;
     }
     Ok(builder)
+}
+
+/// Returns the row of an option in Python.
+fn row(name: &str) -> &'static OptionRow {
+    rows().find(|row| row.name == name).expect("an option of `load`")
+}
+
+/// Returns the exception of a value with a fault. Its form is that of values of Python, unless the value was a text in the
+/// syntax of the command line.
+fn wrong(row: &OptionRow, is_text: bool, fault: OptionError) -> PyErr {
+    let OptionRow { name, form, docs, .. } = row;
+    let OptionError { message, is_form, .. } = fault;
+    let example = example(row);
+    PyValueError::new_err(match (is_form, is_text) {
+        (true, true) => format!("option `{name}`: {message}; its form is {form}"),
+        (true, false) => {
+            format!("option `{name}`: the value has another form than in {name}={example}.{docs}")
+        }
+        (false, _) => format!("option `{name}`: {message}; for example {name}={example}"),
+    })
+}
+
+/// Returns a value of an option as Python has it.
+pub fn example(row: &OptionRow) -> String {
+    Value::parse(row.example).map_or_else(|_| row.example.into(), |value| value.in_python())
 }
 
 /// Returns the bundles of the option `bundles`.
@@ -56,10 +80,24 @@ pub fn apply(mut builder: Builder, options: &Bound<'_, PyDict>) -> PyResult<Buil
 ///
 /// `ValueError` if the value has another form, or a bundle cannot have a function.
 pub fn bundles(wanted: &Bound<'_, PyAny>) -> PyResult<Vec<Bundle>> {
-    let wrong = |message: &str| PyValueError::new_err(format!("option `bundles`: {message}"));
     let value = parsed("bundles", wanted)?;
     let bundles = value.items().iter().map(Bundle::read);
-    bundles.collect::<Result<_, _>>().map_err(|fault| wrong(&fault.message))
+    let is_text = wanted.is_instance_of::<PyString>();
+    bundles.collect::<Result<_, _>>().map_err(|fault| wrong(row("bundles"), is_text, fault))
+}
+
+/// Returns the scalar of the option `scalar`.
+///
+/// # Errors
+///
+/// `ValueError` if it is no scalar.
+pub fn scalar(options: &Bound<'_, PyDict>) -> PyResult<FloatType> {
+    let wanted = options.get_item("scalar")?.filter(|wanted| !wanted.is_none());
+    let scalar = wanted.map(|wanted| {
+        FloatType::read(&parsed("scalar", &wanted)?)
+            .map_err(|fault| PyValueError::new_err(format!("option `scalar`: {}", fault.message)))
+    });
+    Ok(scalar.transpose()?.unwrap_or_default())
 }
 
 /// Returns the kinematic modules of the option `modules`.

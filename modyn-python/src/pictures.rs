@@ -19,8 +19,8 @@ impl Robot {
     ) -> PyResult<String> {
         let wrong = |message: &str| PyValueError::new_err(message.to_owned());
         let nq = self.model().nq();
-        let trajectory = Given::read("animation", "trajectory", &[nq], trajectory)?;
-        let times = Given::read("animation", "times", &[], times)?;
+        let trajectory = Given::<f64>::read("animation", "trajectory", &[nq], trajectory)?;
+        let times = Given::<f64>::read("animation", "times", &[], times)?;
         if times.states != trajectory.states || !times.as_slice().is_sorted() {
             return Err(wrong("there must be as many times as states, in ascending order"));
         }

@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use modyn_codegen::diagnostics::suggest;
-use modyn_codegen::plan::{Argument, ArgumentKind};
-use modyn_codegen::{Builder, Bundle, Function};
+use modyn_codegen::{Builder, Bundle, FloatType, Function};
+use modyn_runtime::equations::identification::{BaseParameter, BaseParameters};
 use modyn_runtime::model::{Link, Model, ModuleTree};
-use modyn_runtime::{ConstraintSettings, ContactTarget, Inertial, Interpreter};
-use numpy::PyArray1;
+use modyn_runtime::{Inertial, Interpreter};
+use numpy::{PyArray1, PyArrayDescr};
 use pyo3::exceptions::{PyAttributeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
@@ -16,7 +16,7 @@ use pyo3::types::{PyDict, PyString, PyTuple};
 use crate::arrays::Given;
 use crate::change::Change;
 use crate::errors::{description_error, warn_of_description, warn_of_machine_code};
-use crate::function::RobotFunction;
+use crate::function::{self, RobotFunction};
 use crate::options;
 
 /// A robot: a description (URDF or MJCF) whose functions are compiled to machine code, each at its first use.
@@ -33,11 +33,15 @@ pub struct Robot {
     links: HashMap<String, usize>,
     /// The text, the file's name and the keyword arguments, for pickles.
     source: (String, String, Py<PyDict>),
+    scalar: FloatType,
     machine_code: bool,
-    functions: Vec<OnceLock<RobotFunction>>,
-    bundles: Vec<(String, Bundle, OnceLock<RobotFunction>)>,
+    functions: Vec<Slot>,
+    bundles: Vec<(String, Bundle, Slot)>,
     changes: Mutex<Vec<Change>>,
 }
+
+/// The place of a function, which is compiled at its first use.
+type Slot = OnceLock<Box<dyn RobotFunction>>;
 
 impl Robot {
     /// Reads a description.
@@ -80,6 +84,7 @@ impl Robot {
             links: links.map(|(i, frame)| (frame.name.clone(), i)).collect(),
             builder,
             source: (text, file, arguments.copy()?.unbind()),
+            scalar: options::scalar(arguments)?,
             machine_code,
             functions: Function::ALL.iter().map(|_| OnceLock::new()).collect(),
             bundles: bundles.collect(),
@@ -104,37 +109,7 @@ impl Robot {
     ) -> PyResult<Bound<'py, PyAny>> {
         let function = self.function(py, function)?;
         let link = link.map(|link| self.link(link)).transpose()?;
-        let given = function
-            .arguments
-            .iter()
-            .zip(arguments)
-            .map(|((own, shape), argument)| self.given(function.name, *own, shape, *argument));
-        let given = given.collect::<PyResult<Vec<_>>>()?;
-        function.call(py, link, &given, out)
-    }
-
-    fn given<'py>(
-        &self,
-        function: &str,
-        Argument { name, kind }: Argument,
-        shape: &[usize],
-        given: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Given<'py>> {
-        if let Some(given) = given.filter(|given| !given.is_none()) {
-            return Given::read(function, name, shape, given);
-        }
-        match kind {
-            ArgumentKind::Contacts => Ok(Given::owned(vec![1.0; self.model.contacts().len()])),
-            ArgumentKind::Settings => Ok(Given::owned(self.settings())),
-            _ => Err(PyTypeError::new_err(format!("`{function}` needs the argument `{name}`"))),
-        }
-    }
-
-    /// Returns the default settings of constraints as numbers in the order of `ConstraintSettings`.
-    fn settings(&self) -> Vec<f64> {
-        let settings = ConstraintSettings::<f64>::DEFAULT.numbers().to_vec();
-        let contacts = ContactTarget::<f64>::GROUND.numbers().repeat(self.model.contacts().len());
-        [settings, contacts].concat()
+        function.call(py, link, arguments, out)
     }
 
     /// Returns the index of the link of this name.
@@ -165,10 +140,10 @@ impl Robot {
     }
 
     /// Returns a function of the table, which is compiled if this is its first use.
-    fn function(&self, py: Python<'_>, index: usize) -> PyResult<&RobotFunction> {
+    fn function(&self, py: Python<'_>, index: usize) -> PyResult<&dyn RobotFunction> {
         let slot = &self.functions[index];
         if let Some(function) = slot.get() {
-            return Ok(function);
+            return Ok(&**function);
         }
         let function = Function::ALL[index];
         if !function.fits(self.model.constraints(), self.model.contacts().len()) {
@@ -191,10 +166,10 @@ impl Robot {
         &self,
         py: Python<'_>,
         builder: Builder,
-        slot: &'s OnceLock<RobotFunction>,
-    ) -> PyResult<&'s RobotFunction> {
+        slot: &'s Slot,
+    ) -> PyResult<&'s dyn RobotFunction> {
         let planning = builder.plan().map_err(|errors| description_error(py, &errors))?;
-        let (function, reason) = RobotFunction::new(planning, self.machine_code)
+        let (function, reason) = function::compiled(planning, self.scalar, self.machine_code)
             .ok_or_else(|| PyValueError::new_err("the robot does not have this function"))?;
         for change in &*self.changes.lock().unwrap_or_else(PoisonError::into_inner) {
             function.apply(change, &self.model).map_err(PyValueError::new_err)?;
@@ -203,7 +178,7 @@ impl Robot {
             let message = format!("functions are evaluated, which is slow: {reason}");
             warn_of_machine_code(py, &message)?;
         }
-        Ok(slot.get_or_init(|| function))
+        Ok(&**slot.get_or_init(|| function))
     }
 
     /// Applies a change of the run-time parameters to all functions.
@@ -260,7 +235,7 @@ fn vector<const N: usize>(
     name: &str,
     object: &Bound<'_, PyAny>,
 ) -> PyResult<[f64; N]> {
-    let given = Given::read(function, name, &[N], object)?;
+    let given = Given::<f64>::read(function, name, &[N], object)?;
     let one = || PyValueError::new_err(format!("`{name}` of `{function}` is one vector"));
     given.as_slice().try_into().map_err(|_| one())
 }
@@ -271,6 +246,15 @@ impl Robot {
     #[getter]
     fn name(&self) -> &str {
         self.model.name()
+    }
+
+    /// The type of the numbers in arguments and results: `float64`, or `float32` with the option `scalar="f32"`.
+    #[getter]
+    fn dtype<'py>(&self, py: Python<'py>) -> Bound<'py, PyArrayDescr> {
+        match self.scalar {
+            FloatType::F64 => numpy::dtype::<f64>(py),
+            FloatType::F32 => numpy::dtype::<f32>(py),
+        }
     }
 
     /// The length of the coordinate vector `q`.
@@ -373,6 +357,19 @@ impl Robot {
         PyArray1::from_iter(py, parameters)
     }
 
+    /// Returns the base parameters: a smallest set of combinations of inertial parameters that determines all joint forces.
+    /// `names` has each combination as text, `columns` the column of `regressor` of each, and `values` the numbers of the
+    /// description. Finding them takes a while (Gautier 1991).
+    fn base_parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let base = py.detach(|| BaseParameters::new(&self.model));
+        let names: Vec<&str> = base.parameters.iter().map(BaseParameter::name).collect();
+        let columns = base.regressor_columns().into_iter().map(|column| column as i64);
+        let columns = PyArray1::from_iter(py, columns);
+        let values = PyArray1::from_vec(py, base.values(&self.model));
+        let class = py.import("modyn._types")?.getattr("BaseParameters")?;
+        class.call1((names, columns, values))
+    }
+
     /// The names of the bundles, each of which is a method.
     #[getter]
     fn bundle_names(&self) -> Vec<&str> {
@@ -380,17 +377,21 @@ impl Robot {
     }
 
     /// Returns the neutral coordinates, (nq,): zero for every joint, the identity for quaternions.
-    fn neutral<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn neutral<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mut q = vec![0.0; self.model.nq()];
         let interpreter = Interpreter::<f64>::new(self.model.clone());
         interpreter.neutral(&mut q).map_err(|error| PyValueError::new_err(error.to_string()))?;
-        Ok(PyArray1::from_vec(py, q))
+        Ok(match self.scalar {
+            FloatType::F64 => PyArray1::from_vec(py, q).into_any(),
+            // Zeros and ones.
+            FloatType::F32 => PyArray1::from_iter(py, q.into_iter().map(|x| x as f32)).into_any(),
+        })
     }
 
     /// Checks that the quaternions of spherical and floating joints in `q`, (nq,), have length 1; `ValueError` names the
     /// first joint whose quaternion does not.
     fn check_configuration(&self, q: &Bound<'_, PyAny>) -> PyResult<()> {
-        let q = Given::read("check_configuration", "q", &[self.model.nq()], q)?;
+        let q = Given::<f64>::read("check_configuration", "q", &[self.model.nq()], q)?;
         let interpreter = Interpreter::<f64>::new(self.model.clone());
         let checked = interpreter.check_configuration(q.as_slice());
         checked.map_err(|error| PyValueError::new_err(error.to_string()))
@@ -452,10 +453,11 @@ impl Robot {
             return Err(PyValueError::new_err(message));
         };
         let function = match slot.get() {
-            Some(function) => function,
+            Some(function) => &**function,
             None => self.compiled(py, self.builder.clone().bundles([bundle.clone()]), slot)?,
         };
-        let count = function.arguments.len();
+        let own = function.arguments();
+        let count = own.len();
         if arguments.len() > count {
             let message =
                 format!("`{name}` takes {count} arguments, and {} were given", arguments.len());
@@ -463,7 +465,7 @@ impl Robot {
         }
         let mut given = Vec::with_capacity(count);
         let mut used = 0;
-        for (i, (own, shape)) in function.arguments.iter().enumerate() {
+        for (i, (own, _)) in own.iter().enumerate() {
             let by_name = named.map(|named| named.get_item(own.name)).transpose()?.flatten();
             used += usize::from(by_name.is_some());
             let argument = match (arguments.get_item(i).ok(), by_name) {
@@ -473,13 +475,14 @@ impl Robot {
                 }
                 (by_place, by_name) => by_place.or(by_name),
             };
-            given.push(self.given(function.name, *own, shape, argument.as_ref())?);
+            given.push(argument);
         }
         if let Some(named) = named.filter(|named| named.len() > used) {
-            let names: Vec<&str> = function.arguments.iter().map(|(own, _)| own.name).collect();
+            let names: Vec<&str> = own.iter().map(|(own, _)| own.name).collect();
             let message = format!("`{name}` takes {}, not {}", names.join(", "), named.keys());
             return Err(PyTypeError::new_err(message));
         }
+        let given: Vec<_> = given.iter().map(Option::as_ref).collect();
         function.call(py, None, &given, out)
     }
 

@@ -117,11 +117,48 @@ def test_options(tmp_path):
         ({"payload": ["hand"]}, modyn.DescriptionError, "hand"),
         ({"bundles": {"both": ["mas_matrix"]}}, ValueError, "did you mean `mass_matrix`"),
         ({"modules": [["rod", "bar"]]}, modyn.DescriptionError, "bar"),
+        (
+            {"contacts": {"toe": "rod"}},
+            ValueError,
+            r'option `contacts`: the value has another form than in contacts={"fingertip": \("point", "hand", \[0, 0, 0.2\]\)}. '
+            "Frames of links",
+        ),
+        ({"contacts": '["toe": rod]'}, ValueError, r'expected `"name": point\("link"\)`'),
+        ({"contacts": {"toe": ("pont", "rod")}}, ValueError, "expected `point` or `surface`; for example contacts="),
+        ({"bundles": {"both": [3]}}, ValueError, r'another form than in bundles={"control": \["mass_matrix", '),
+        ({"friction": ("smooth", "fast")}, ValueError, r'expected a number; for example friction=\("smooth", 0.01\)'),
+        ({"friction": ("smooth",)}, ValueError, r'another form than in friction=\("smooth", 0.01\)'),
     ],
 )
 def test_wrong_options(options, error, message):
     with pytest.raises(error, match=message):
         modyn.loads(PENDULUM, **options)
+
+
+@pytest.mark.parametrize("name, example", [(name, example) for name, example, *_ in modyn._modyn.options_table()])
+def test_examples_of_options_are_values(name, example):
+    """The examples in the documentation of options, for a robot with the links and joints that they name."""
+    text = '<robot name="all"><link name="body"/>'
+    for parent, joint, link in [
+        ("body", "shoulder", "upper_arm"),
+        ("upper_arm", "elbow", "forearm"),
+        ("forearm", "wrist", "hand"),
+        ("hand", "left", "rod"),
+        ("rod", "right", "crank"),
+    ]:
+        text += (
+            f'<joint name="{joint}" type="continuous"><parent link="{parent}"/><child link="{link}"/><axis xyz="0 1 0"/></joint>'
+            f'<link name="{link}"><inertial><origin xyz="0.2 0 0"/><mass value="1"/>'
+            '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        )
+    value = eval(example, {})
+    if name == "modules":
+        value[-1] += ["rod", "crank"]
+    if name == "base":
+        text = text.replace('<link name="body"/>', '''<link name="body"><inertial><mass value="1"/>
+            <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>''')
+    robot = modyn.loads(text + "</robot>", **{name: value})
+    assert robot.nv == (11 if name == "base" else 5)
 
 
 def test_parameters_that_change():

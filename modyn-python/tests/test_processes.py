@@ -78,9 +78,10 @@ def test_threads_share_a_robot():
     assert not wrong
 
 
+@pytest.mark.parametrize("scalar, tolerance", [("f64", 1e-8), ("f32", 1e-2)])
 @pytest.mark.parametrize("count", [1, 2, 3, 7])
-def test_any_number_of_threads_and_states(count):
-    robot = modyn.loads(chain(2))
+def test_any_number_of_threads_and_states(count, scalar, tolerance):
+    robot = modyn.loads(chain(2), scalar=scalar)
     expected = None
     try:
         for n in (1, 7, 8, 9, 4001):
@@ -91,7 +92,7 @@ def test_any_number_of_threads_and_states(count):
             found = robot.forward_dynamics_derivatives(q, qd, tau)
             assert all(np.array_equal(a, b) for a, b in zip(found, expected))
             last = robot.forward_dynamics_derivatives(q[-1], qd[-1], tau[-1])
-            close(found.dq[-1], last.dq, 1e-8)
+            close(found.dq[-1], last.dq, tolerance)
     finally:
         modyn.set_threads(None)
     with pytest.raises(ValueError, match="at least 1"):

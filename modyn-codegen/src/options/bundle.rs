@@ -299,7 +299,7 @@ impl OptionValue for Bundle {
         let (items, batch) = match &list.kind {
             ValueKind::List(items) => (items, false),
             ValueKind::Call(word, items) if word == "batch" => (items, true),
-            _ => return Err(OptionError::new(list.at, expected)),
+            _ => return Err(OptionError::form(list.at, expected)),
         };
         let member = |item: &Value| {
             let (name, link) = match &item.kind {
@@ -307,14 +307,14 @@ impl OptionValue for Bundle {
                 ValueKind::Call(name, arguments) => match arguments.as_slice() {
                     [link] => (name, Some(String::read(link)?)),
                     _ => {
-                        return Err(OptionError::new(
+                        return Err(OptionError::form(
                             item.at,
                             format!("expected one link: `{name}(\"link\")`"),
                         ));
                     }
                 },
                 _ => {
-                    return Err(OptionError::new(
+                    return Err(OptionError::form(
                         item.at,
                         "expected a function, or `function(\"link\")`",
                     ));

@@ -244,13 +244,13 @@ impl OptionValue for Friction {
         match &value.kind {
             ValueKind::Call(word, arguments) if word == "smooth" => match arguments.as_slice() {
                 [velocity] => f64::read(velocity).map(Self::Smooth),
-                _ => Err(OptionError::new(value.at, help)),
+                _ => Err(OptionError::form(value.at, help)),
             },
             // A shell needs no quotes for `smooth=0.01`.
             ValueKind::Pair(name, velocity) if name.kind == ValueKind::Word("smooth".into()) => {
                 f64::read(velocity).map(Self::Smooth)
             }
-            ValueKind::Word(word) if word == "smooth" => Err(OptionError::new(value.at, help)),
+            ValueKind::Word(word) if word == "smooth" => Err(OptionError::form(value.at, help)),
             _ => {
                 let words =
                     [("none", Self::None), ("viscous", Self::Viscous), ("coulomb", Self::Coulomb)];
@@ -273,7 +273,7 @@ pub(super) fn pair<'v>(
 ) -> Result<(String, &'v Value), OptionError> {
     match &value.kind {
         ValueKind::Pair(name, value) => Ok((String::read(name)?, value)),
-        _ => Err(OptionError::new(value.at, expected)),
+        _ => Err(OptionError::form(value.at, expected)),
     }
 }
 
@@ -283,7 +283,7 @@ impl OptionValue for Rotor {
         let expected = "expected `\"joint\": (inertia, gear_ratio)`";
         let (joint, numbers) = pair(value, expected)?;
         let [inertia, gear_ratio] = numbers.items() else {
-            return Err(OptionError::new(numbers.at, expected));
+            return Err(OptionError::form(numbers.at, expected));
         };
         Ok(Self::new(joint, f64::read(inertia)?, f64::read(gear_ratio)?))
     }
@@ -302,13 +302,13 @@ impl OptionValue for Loop {
         let (name, joint) = pair(value, expected)?;
         let types = ["spherical", "fixed", "revolute", "continuous", "prismatic"];
         let ValueKind::Call(joint_type, arguments) = &joint.kind else {
-            return Err(OptionError::new(joint.at, expected));
+            return Err(OptionError::form(joint.at, expected));
         };
         let word = Value { at: joint.at, kind: ValueKind::Word(joint_type.clone()) };
         choice(&word, &types.map(|name| (name, ())))?;
         let mut rest = arguments.as_slice();
         let mut end = || {
-            let missing = || OptionError::new(joint.at, expected);
+            let missing = || OptionError::form(joint.at, expected);
             let [link, origin, others @ ..] = rest else { return Err(missing()) };
             rest = others;
             let mut rpy = [0.0; 3];
@@ -324,9 +324,9 @@ impl OptionValue for Loop {
             [] => None,
             [axis] => match pair(axis, expected)? {
                 (word, value) if word == "axis" => Some((<[f64; 3]>::read(value)?, axis.at)),
-                _ => return Err(OptionError::new(axis.at, "expected `axis`")),
+                _ => return Err(OptionError::form(axis.at, "expected `axis`")),
             },
-            [_, other, ..] => return Err(OptionError::new(other.at, "expected `)`")),
+            [_, other, ..] => return Err(OptionError::form(other.at, "expected `)`")),
         };
         let along = axis.map_or([1.0, 0.0, 0.0], |(axis, _)| axis);
         let kind = LoopConstraintKind::of_joint(joint_type, along)
@@ -352,19 +352,19 @@ impl OptionValue for Contact {
                         and `[roll, pitch, yaw]` after the link";
         let (name, contact) = pair(value, expected)?;
         let ValueKind::Call(contact_type, arguments) = &contact.kind else {
-            return Err(OptionError::new(contact.at, expected));
+            return Err(OptionError::form(contact.at, expected));
         };
         let word = Value { at: contact.at, kind: ValueKind::Word(contact_type.clone()) };
         let types = [("point", ContactKind::Point), ("surface", ContactKind::Surface)];
         let kind = choice(&word, &types)?;
         let [link, numbers @ ..] = arguments.as_slice() else {
-            return Err(OptionError::new(contact.at, expected));
+            return Err(OptionError::form(contact.at, expected));
         };
         let (xyz, rpy) = match numbers {
             [] => (None, None),
             [origin] => (Some(origin), None),
             [origin, angles] => (Some(origin), Some(angles)),
-            [_, _, other, ..] => return Err(OptionError::new(other.at, "expected `)`")),
+            [_, _, other, ..] => return Err(OptionError::form(other.at, "expected `)`")),
         };
         let vector = |value: Option<&Value>| value.map_or(Ok([0.0; 3]), <[f64; 3]>::read);
         let end = LoopEnd { link: String::read(link)?, xyz: vector(xyz)?, rpy: vector(rpy)? };

@@ -13,11 +13,18 @@ pub struct OptionError {
     pub at: usize,
     /// The error, and the form that the value should have.
     pub message: String,
+    /// Whether the message is that form, in the syntax of option values alone.
+    pub is_form: bool,
 }
 
 impl OptionError {
     pub(super) fn new(at: usize, message: impl Into<String>) -> Self {
-        Self { at, message: message.into() }
+        Self { at, message: message.into(), is_form: false }
+    }
+
+    /// Returns the error that a value has another form than `expected`, which is in the syntax of option values.
+    pub(super) fn form(at: usize, expected: impl Into<String>) -> Self {
+        Self { at, message: expected.into(), is_form: true }
     }
 }
 
@@ -66,6 +73,38 @@ impl Value {
             0 => Err(OptionError::new(text.len(), "expected a value")),
             1 => Ok(values.remove(0)),
             _ => Ok(Self { at: 0, kind: ValueKind::List(values) }),
+        }
+    }
+
+    /// Returns the value as a keyword argument of the Python package: pairs are a dictionary, and a word with arguments is
+    /// a tuple that begins with the word.
+    #[must_use]
+    pub fn in_python(&self) -> String {
+        let all = |values: &mut dyn Iterator<Item = &Self>| -> String {
+            values.map(Self::in_python).collect::<Vec<_>>().join(", ")
+        };
+        let is_pair = |value: &&Self| matches!(value.kind, ValueKind::Pair(..));
+        match &self.kind {
+            ValueKind::Number(x) => x.to_string(),
+            ValueKind::Word(word) => match word.as_str() {
+                "true" => "True".into(),
+                "false" => "False".into(),
+                word => format!("{word:?}"),
+            },
+            ValueKind::Text(text) => format!("{text:?}"),
+            ValueKind::List(values) if !values.is_empty() && values.iter().all(|v| is_pair(&v)) => {
+                format!("{{{}}}", all(&mut values.iter()))
+            }
+            ValueKind::List(values) => format!("[{}]", all(&mut values.iter())),
+            ValueKind::Call(word, values) => {
+                let mut parts = vec![format!("{word:?}")];
+                parts.extend(values.iter().filter(|value| !is_pair(value)).map(Self::in_python));
+                if values.iter().any(|value| is_pair(&value)) {
+                    parts.push(format!("{{{}}}", all(&mut values.iter().filter(is_pair))));
+                }
+                format!("({})", parts.join(", "))
+            }
+            ValueKind::Pair(name, value) => format!("{}: {}", name.in_python(), value.in_python()),
         }
     }
 
@@ -255,5 +294,24 @@ mod tests {
             assert_eq!(shown(text), expected, "{text}");
         }
         assert!(shown(&"[".repeat(100_000)).contains("brackets are open"));
+    }
+
+    #[test]
+    fn values_in_python() {
+        for (text, expected) in [
+            ("true", "True"),
+            ("[0, 0, -1.62]", "[0, 0, -1.62]"),
+            (r#"["elbow": (1e-4, 100)]"#, r#"{"elbow": [0.0001, 100]}"#),
+            (
+                r#"[both: (mass_matrix, jacobian("hand"))]"#,
+                r#"{"both": ["mass_matrix", ("jacobian", "hand")]}"#,
+            ),
+            (
+                r#"["pin": revolute("rod", [1, 0, 0], axis = [0, 1, 0])]"#,
+                r#"{"pin": ("revolute", "rod", [1, 0, 0], {"axis": [0, 1, 0]})}"#,
+            ),
+        ] {
+            assert_eq!(Value::parse(text).expect("a value").in_python(), expected);
+        }
     }
 }

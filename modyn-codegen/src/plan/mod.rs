@@ -38,7 +38,7 @@ pub use functions::{Argument, ArgumentKind, CForm, Function, Packing, Row, Trace
 pub use measures::Measures;
 pub use packing::{COLUMN_LANES, LIMB_LIMITS};
 pub use planned::{Kernels, Planned};
-pub use shape::{Record, Shape, Sizes};
+pub use shape::{Elements, Record, Shape, Sizes};
 pub use strategy::Execution;
 pub use tracing::Tracing;
 

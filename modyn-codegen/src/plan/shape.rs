@@ -7,17 +7,30 @@ use modyn_runtime::model::Model;
 pub enum Shape {
     /// One scalar.
     Scalar,
-    /// A number of equal layouts, one after the other.
-    Array(Box<Shape>, usize),
+    /// A number of equal layouts, one after the other, and their meaning.
+    Array(Box<Shape>, usize, Elements),
     /// Named fields, one after the other.
     Record(Record, Vec<(&'static str, Shape)>),
+}
+
+/// The meaning of the elements of an array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Elements {
+    /// One for each link, contact, component or the like.
+    List,
+    /// The columns of a matrix.
+    Columns,
+    /// The rows of a matrix.
+    Rows,
 }
 
 /// A named group of fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Record {
-    /// A spatial quantity, by its name.
+    /// A spatial vector, by its name.
     Spatial(&'static str),
+    /// A rotation and a translation.
+    Pose,
     /// A type of the runtime's root that is generic over the scalar only, by its name.
     Plain(&'static str),
     /// The factors of the mass matrix.
@@ -34,11 +47,38 @@ pub enum Record {
     Own(&'static str),
 }
 
+impl Record {
+    /// Returns the name of the type of results with these fields; `None` for groups that are one array of numbers where a
+    /// language has no types for them.
+    #[must_use]
+    pub fn result_type(self) -> Option<&'static str> {
+        match self {
+            Self::Spatial(_) | Self::Factorization | Self::Contacts => None,
+            Self::Pose => Some("Pose"),
+            Self::Plain(name) | Self::Several(name) | Self::Each(name) | Self::Own(name) => {
+                Some(name)
+            }
+        }
+    }
+}
+
 impl Shape {
-    /// Returns the layout of `n` of these.
+    /// Returns the layout of a list of `n` of these.
     #[must_use]
     pub fn array(self, n: usize) -> Self {
-        Self::Array(Box::new(self), n)
+        Self::Array(Box::new(self), n, Elements::List)
+    }
+
+    /// Returns the layout of a matrix that has `n` of these as columns.
+    #[must_use]
+    pub fn columns(self, n: usize) -> Self {
+        Self::Array(Box::new(self), n, Elements::Columns)
+    }
+
+    /// Returns the layout of a matrix that has `n` of these as rows.
+    #[must_use]
+    pub fn rows(self, n: usize) -> Self {
+        Self::Array(Box::new(self), n, Elements::Rows)
     }
 
     /// Returns the layout of `n` scalars.
@@ -50,7 +90,7 @@ impl Shape {
     /// Returns the layout of a matrix by columns.
     #[must_use]
     pub fn matrix(columns: usize, rows: usize) -> Self {
-        Self::vector(rows).array(columns)
+        Self::vector(rows).columns(columns)
     }
 
     /// Returns the layout of three components.
@@ -62,8 +102,8 @@ impl Shape {
     /// Returns the layout of a pose: a rotation by rows, then a translation.
     #[must_use]
     pub fn pose() -> Self {
-        let fields = vec![("rotation", Self::matrix(3, 3)), ("translation", Self::vector(3))];
-        Self::Record(Record::Spatial("Pose"), fields)
+        let fields = vec![("rotation", Self::vector(3).rows(3)), ("translation", Self::vector(3))];
+        Self::Record(Record::Pose, fields)
     }
 
     /// Returns the layout of a twist: angular, then linear components.
@@ -94,7 +134,7 @@ impl Shape {
     pub fn len(&self) -> usize {
         match self {
             Self::Scalar => 1,
-            Self::Array(of, n) => of.len() * n,
+            Self::Array(of, n, _) => of.len() * n,
             Self::Record(_, fields) => fields.iter().map(|(_, field)| field.len()).sum(),
         }
     }
@@ -105,13 +145,23 @@ impl Shape {
         self.len() == 0
     }
 
+    /// Returns whether the layout is a vector: numbers, or a spatial vector.
+    #[must_use]
+    pub fn is_vector(&self) -> bool {
+        match self {
+            Self::Scalar => false,
+            Self::Array(of, ..) => **of == Self::Scalar,
+            Self::Record(record, _) => record.result_type().is_none(),
+        }
+    }
+
     /// Returns the order of the scalars in words.
     #[must_use]
     pub fn in_words(&self) -> String {
         match self {
             Self::Scalar => "a number".into(),
-            Self::Array(of, n) if **of == Self::Scalar => format!("{n} numbers"),
-            Self::Array(of, n) => format!("{n} times ({})", of.in_words()),
+            Self::Array(of, n, _) if **of == Self::Scalar => format!("{n} numbers"),
+            Self::Array(of, n, _) => format!("{n} times ({})", of.in_words()),
             Self::Record(_, fields) => {
                 let named = |(name, shape): &(&str, Self)| match *name {
                     "" => shape.in_words(),
@@ -177,13 +227,13 @@ pub(super) mod shapes {
     pub fn square(s: &Sizes) -> Shape { Shape::matrix(s.nv, s.nv) }
     pub fn regressor(s: &Sizes) -> Shape { Shape::matrix(PARAMETERS_PER_LINK * s.moving, s.nv) }
     pub fn point(_: &Sizes) -> Shape { Shape::vector(3) }
-    pub fn vectors3(s: &Sizes) -> Shape { Shape::vector3().array(s.nv) }
+    pub fn vectors3(s: &Sizes) -> Shape { Shape::vector3().columns(s.nv) }
     pub fn pose(_: &Sizes) -> Shape { Shape::pose() }
     pub fn poses(s: &Sizes) -> Shape { Shape::pose().array(s.links) }
     pub fn twist(_: &Sizes) -> Shape { Shape::twist() }
-    pub fn twists(s: &Sizes) -> Shape { Shape::twist().array(s.nv) }
+    pub fn twists(s: &Sizes) -> Shape { Shape::twist().columns(s.nv) }
     pub fn momentum(_: &Sizes) -> Shape { Shape::momentum() }
-    pub fn momenta(s: &Sizes) -> Shape { Shape::momentum().array(s.nv) }
+    pub fn momenta(s: &Sizes) -> Shape { Shape::momentum().columns(s.nv) }
     pub fn wrenches(s: &Sizes) -> Shape { Shape::wrench().array(s.links) }
 
     fn named_fields(name: &'static str, fields: Vec<(&'static str, Shape)>) -> Shape {
@@ -299,7 +349,7 @@ pub(super) mod shapes {
 
     pub fn constrained_derivatives(s: &Sizes) -> Shape {
         let matrices = ["dq", "dqd", "dtau"].map(|name| (name, square(s)));
-        let changes = || Shape::wrench().array(s.nv).array(s.constraints);
+        let changes = || Shape::wrench().columns(s.nv).array(s.constraints);
         let changes = ["wrenches_dq", "wrenches_dqd", "wrenches_dtau"].map(|name| (name, changes()));
         let first = [("qdd", velocities(s)), ("wrenches", Shape::wrench().array(s.constraints))];
         let fields = [&first[..], &matrices, &changes, &[("rank", Shape::Scalar)]].concat();
@@ -344,7 +394,7 @@ mod tests {
     fn settings_have_the_order_of_the_runtime() {
         let sizes = Sizes { contacts: 2, ..Sizes::default() };
         let Shape::Record(_, mut settings) = shapes::settings(&sizes) else { panic!() };
-        let Some(("contacts", Shape::Array(target, 2))) = settings.pop() else { panic!() };
+        let Some(("contacts", Shape::Array(target, 2, _))) = settings.pop() else { panic!() };
         let Shape::Record(_, target) = *target else { panic!() };
 
         let numbers = core::array::from_fn(|k| 2.0 + k as f64);

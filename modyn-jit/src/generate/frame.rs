@@ -73,7 +73,14 @@ impl Generator<'_> {
             instructions,
             ..self.counts
         };
-        Generated { code: code.code, size, end: body + end, calls }
+        Generated {
+            code: code.code,
+            size,
+            end: body + end,
+            calls,
+            #[cfg(test)]
+            steps: self.steps.iter().map(|at| body + at).collect(),
+        }
     }
 }
 

@@ -6,3 +6,4 @@ pub(crate) mod common;
 mod emulated;
 mod emulator;
 mod encoding;
+mod page;

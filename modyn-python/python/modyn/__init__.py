@@ -18,12 +18,13 @@ from ._errors import DescriptionError, DescriptionWarning, Diagnostic, MachineCo
 from ._modyn import Factorization, Robot, functions, load, loads, set_threads
 from ._results import *  # noqa: F403
 from ._show import Animation, show
-from ._types import ConstraintSettings, ContactTarget, Joint, JointLimits
+from ._types import BaseParameters, ConstraintSettings, ContactTarget, Joint, JointLimits
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Animation",
+    "BaseParameters",
     "ConstraintSettings",
     "ContactTarget",
     "DescriptionError",

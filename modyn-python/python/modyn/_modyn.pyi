@@ -10,62 +10,69 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypedDict, Unpack
 
 from ._results import *
-from ._types import ConstraintSettings, Joint, JointLimits
+from ._types import BaseParameters, ConstraintSettings, Joint, JointLimits
 
-Array: TypeAlias = NDArray[np.float64]
+# `float64`, or `float32` with the option `scalar="f32"`.
+Array: TypeAlias = NDArray[Any]
 
 class Options(TypedDict, total=False):
     # begin options
     gravity: Sequence[float] | None
     """The acceleration of free fall in world axes, m/s^2; an MJCF or a model has its own. By default [0.0, 0.0,
-    -9.81], or the MJCF's or the model's own."""
+    -9.81], or the MJCF's or the model's own. For example: `[0, 0, -1.62]`."""
     base: str | None
-    """Whether the root link is fixed to the world or floats. By default fixed."""
+    """Whether the root link is fixed to the world or floats. By default fixed. For example: `"floating"`."""
     mimic: str | None
     """How joints that mimic another one are read: they follow it and have no coordinate of their own, have one, or
-    are refused. By default follow."""
+    are refused. By default follow. For example: `"independent"`."""
     rotors: Mapping[str, Any] | str | None
     """Rotors of joints: the inertia (kg m^2) and the gear ratio of each. They replace the joint's rotor of the
-    description. By default the description's."""
+    description. By default the description's. For example: `{"elbow": [0.0001, 100]}`."""
     loops: Mapping[str, Any] | str | None
     """Joints that close loops, besides the `<loop_joint>`s of the description: of type `spherical`, `fixed`,
-    `revolute`, `continuous` or `prismatic`, the last three with `axis = [x, y, z]` at the end. Roll, pitch and
-    yaw, `[r, p, y]`, may follow each origin. By default the description's."""
+    `revolute`, `continuous` or `prismatic`, the last three with an `axis` at the end. Roll, pitch and yaw, `[r,
+    p, y]`, may follow each origin. By default the description's. For example: `{"pin": ("revolute", "rod",
+    [0.5, 0, 0], "crank", [0.4, 0, 0], {"axis": [0, 1, 0]})}`."""
     contacts: Mapping[str, Any] | str | None
     """Frames of links that can touch the world: of type `point`, which stops the motion of the frame's origin, or
     `surface`, which stops rotations too. The frame's origin may follow the link, and its roll, pitch and yaw
-    may follow the origin. By default none."""
-    friction: str | None
+    may follow the origin. By default none. For example: `{"fingertip": ("point", "hand", [0, 0, 0.2])}`."""
+    friction: str | tuple[str, float] | None
     """The damping and friction of the description that act on the joints. By default none, with a warning if there
-    are some."""
+    are some. For example: `("smooth", 0.01)`."""
     unphysical_inertia: str | None
-    """How inertias that no rigid body has are reported. A negative mass is always an error. By default error."""
+    """How inertias that no rigid body has are reported. A negative mass is always an error. By default error. For
+    example: `"warn"`."""
     bundles: Mapping[str, Any] | str | None
     """Bundles of functions: one call computes all functions of a bundle, and does their common work once. A bundle
     is a function of this name over the arguments of all its functions; its result is a type with a field for
-    each of them (`jacobian_hand`). Functions of one link are named with the link. `name: batch(..)` makes the
-    form for many states as well. By default none."""
+    each of them (`jacobian_hand`). Functions of one link are named with the link. In generated code, `name:
+    batch(..)` makes the form for many states as well. By default none. For example: `{"control":
+    ["mass_matrix", "bias_forces", ("jacobian", "hand")]}`."""
     modules: str | Sequence[Sequence[str]] | None
     """The kinematic modules: maximal serial chains, links, or lists of link names, each from its parent outwards.
-    By default chains."""
+    By default chains. For example: `[["upper_arm", "forearm"], ["hand"]]`."""
+    scalar: str | None
+    """The scalar of arguments and results: double or single precision. By default f64. For example: `"f32"`."""
     runtime_gravity: bool | None
-    """Makes gravity an argument, one of the robot's `Params`; its value is then the default. By default false."""
+    """Makes gravity a run-time parameter, which can be changed; its value is then the default. By default False.
+    For example: `True`."""
     runtime_inertia: Sequence[str] | None
-    """The links whose own inertia is an argument, among the robot's `Params`: each replaces the description's,
-    which is the default. (Of each link alone, without the links that are fixed to it.) By default none."""
+    """The links whose own inertia is a run-time parameter: each replaces the description's, which is the default.
+    (Of each link alone, without the links that are fixed to it.) By default none. For example: `["hand"]`."""
     payload: Sequence[str] | None
-    """The links to which an inertia is added that is an argument, among the robot's `Params`: the inertia of a
-    load. By default none."""
+    """The links with a payload: an inertia that is a run-time parameter and is added to the link's. Its default is
+    zero. By default none. For example: `["hand"]`."""
     # end options
     machine_code: bool
-    """Whether functions are compiled to machine code; without, they are evaluated. By default true."""
+    """Whether functions are compiled to machine code; without, they are evaluated. By default True."""
 
 def load(path: str | os.PathLike[str], /, **options: Unpack[Options]) -> Robot:
     """Reads the robot of a file, URDF or MJCF.
 
     The keyword arguments are modyn's options about a robot: `gravity`, `base`, `mimic`, `rotors`, `loops`, `contacts`,
-    `friction`, `unphysical_inertia`, `bundles`, `modules`, `runtime_gravity`, `runtime_inertia` and `payload`; with
-    `machine_code=False`, functions are evaluated instead of compiled.
+    `friction`, `unphysical_inertia`, `bundles`, `modules`, `scalar`, `runtime_gravity`, `runtime_inertia` and `payload`;
+    with `machine_code=False`, functions are evaluated instead of compiled.
 
     `OSError` if the file cannot be read, `DescriptionError` with file, line and column if the description is wrong.
     """
@@ -78,7 +85,7 @@ def functions() -> list[str]:
     """Returns the names of the functions of one state in modyn's table, which are methods of `Robot`."""
 
 def options_table() -> list[tuple[str, str, str, str]]:
-    """Returns the names of the options of `load`, each with its form, its default and its documentation."""
+    """Returns the names of the options of `load`, each with an example, its default and its documentation."""
 
 def set_threads(threads: int | None) -> None:
     """Sets the number of threads that share a batch; `None` for all processors, the default."""
@@ -124,6 +131,9 @@ class Robot:
     def name(self) -> str:
         """The robot's name in its description."""
     @property
+    def dtype(self) -> np.dtype[Any]:
+        """The type of the numbers in arguments and results: `float64`, or `float32` with the option `scalar="f32"`."""
+    @property
     def nq(self) -> int:
         """The length of the coordinate vector `q`."""
     @property
@@ -162,6 +172,10 @@ class Robot:
     @property
     def parameters(self) -> Array:
         """The inertial parameters of the moving links, ten for each link, as in `regressor`."""
+    def base_parameters(self) -> BaseParameters:
+        """Returns the base parameters: a smallest set of combinations of inertial parameters that determines all joint
+        forces. `names` has each combination as text, `columns` the column of `regressor` of each, and `values` the
+        numbers of the description. Finding them takes a while (Gautier 1991)."""
     def neutral(self) -> Array:
         """Returns the neutral coordinates, (nq,): zero for every joint, the identity for quaternions."""
     def check_configuration(self, q: ArrayLike) -> None:
@@ -189,7 +203,7 @@ class Robot:
         """Calls a bundle by its name, with the arguments of all its functions by position or name."""
     def brge(self, q: ArrayLike) -> Factorization:
         """Returns the factorization U D U^T of the mass matrix at `q`, (nq,), by kinematic modules, by block reverse
-        Gaussian elimination. The option `modules` selects the modules."""
+        Gaussian elimination. The option `modules` selects the modules. The factors are in `float64` for every robot."""
     def __getattr__(self, name: str) -> Any:
         """Returns a bundle as a callable."""
     def _repr_html_(self) -> str | None: ...

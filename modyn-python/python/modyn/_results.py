@@ -3,9 +3,8 @@
 `UPDATE_SNAPSHOTS=1 cargo test -p modyn-codegen --test python_package` writes this file.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
@@ -37,272 +36,272 @@ __all__ = [
 class ConstrainedForwardDynamics(NamedTuple):
     """The result of `constrained_forward_dynamics`."""
 
-    qdd: NDArray[np.float64]
+    qdd: NDArray[Any]
     """(nv,)"""
-    wrenches: NDArray[np.float64]
+    wrenches: NDArray[Any]
     """(constraints, 6)"""
-    residuals: NDArray[np.float64]
+    residuals: NDArray[Any]
     """(constraints, 6)"""
-    rank: NDArray[np.float64]
+    rank: NDArray[Any]
     """a number"""
 
 
 class ConstrainedForwardDynamicsDerivatives(NamedTuple):
     """The result of `constrained_forward_dynamics_derivatives`."""
 
-    qdd: NDArray[np.float64]
+    qdd: NDArray[Any]
     """(nv,)"""
-    wrenches: NDArray[np.float64]
+    wrenches: NDArray[Any]
     """(constraints, 6)"""
-    dq: NDArray[np.float64]
+    dq: NDArray[Any]
     """(nv, nv)"""
-    dqd: NDArray[np.float64]
+    dqd: NDArray[Any]
     """(nv, nv)"""
-    dtau: NDArray[np.float64]
+    dtau: NDArray[Any]
     """(nv, nv)"""
-    wrenches_dq: NDArray[np.float64]
+    wrenches_dq: NDArray[Any]
     """(constraints, 6, nv)"""
-    wrenches_dqd: NDArray[np.float64]
+    wrenches_dqd: NDArray[Any]
     """(constraints, 6, nv)"""
-    wrenches_dtau: NDArray[np.float64]
+    wrenches_dtau: NDArray[Any]
     """(constraints, 6, nv)"""
-    rank: NDArray[np.float64]
+    rank: NDArray[Any]
     """a number"""
 
 
 class ConstrainedInverseDynamics(NamedTuple):
     """The result of `constrained_inverse_dynamics`."""
 
-    tau: NDArray[np.float64]
+    tau: NDArray[Any]
     """(nv,)"""
-    wrenches: NDArray[np.float64]
+    wrenches: NDArray[Any]
     """(constraints, 6)"""
-    rank: NDArray[np.float64]
+    rank: NDArray[Any]
     """a number"""
 
 
 class ConstraintProjection(NamedTuple):
     """The result of `project_constraints`."""
 
-    dq: NDArray[np.float64]
+    dq: NDArray[Any]
     """(nv,)"""
-    dqd: NDArray[np.float64]
+    dqd: NDArray[Any]
     """(nv,)"""
-    rank: NDArray[np.float64]
+    rank: NDArray[Any]
     """a number"""
 
 
 class ConstraintResidual(NamedTuple):
     """The result of `constraint_residual`."""
 
-    displacements: NDArray[np.float64]
+    displacements: NDArray[Any]
     """(constraints, 6)"""
-    velocities: NDArray[np.float64]
+    velocities: NDArray[Any]
     """(constraints, 6)"""
 
 
 class ContactImpulse(NamedTuple):
     """The result of `contact_impulse`."""
 
-    qd: NDArray[np.float64]
+    qd: NDArray[Any]
     """(nv,)"""
-    impulses: NDArray[np.float64]
+    impulses: NDArray[Any]
     """(constraints, 6)"""
-    rank: NDArray[np.float64]
+    rank: NDArray[Any]
     """a number"""
 
 
 class DifferenceDerivatives(NamedTuple):
     """The result of `difference_derivatives`."""
 
-    dfrom: NDArray[np.float64]
+    dfrom: NDArray[Any]
     """(nv, nv)"""
-    dto: NDArray[np.float64]
+    dto: NDArray[Any]
     """(nv, nv)"""
 
 
 class ForwardDynamicsDerivatives(NamedTuple):
     """The result of `forward_dynamics_derivatives`."""
 
-    qdd: NDArray[np.float64]
+    qdd: NDArray[Any]
     """(nv,)"""
-    dq: NDArray[np.float64]
+    dq: NDArray[Any]
     """(nv, nv)"""
-    dqd: NDArray[np.float64]
+    dqd: NDArray[Any]
     """(nv, nv)"""
-    dtau: NDArray[np.float64]
+    dtau: NDArray[Any]
     """(nv, nv)"""
 
 
 class ForwardDynamicsHessian(NamedTuple):
     """The result of `forward_dynamics_hessian`."""
 
-    qdd: NDArray[np.float64]
+    qdd: NDArray[Any]
     """(nv,)"""
-    dq: NDArray[np.float64]
+    dq: NDArray[Any]
     """(nv,)"""
-    dqd: NDArray[np.float64]
+    dqd: NDArray[Any]
     """(nv,)"""
-    dtau: NDArray[np.float64]
+    dtau: NDArray[Any]
     """(nv,)"""
-    dq_dq: NDArray[np.float64]
+    dq_dq: NDArray[Any]
     """(nv, nv)"""
-    dq_dqd: NDArray[np.float64]
+    dq_dqd: NDArray[Any]
     """(nv, nv)"""
-    dqd_dqd: NDArray[np.float64]
+    dqd_dqd: NDArray[Any]
     """(nv, nv)"""
-    dq_dtau: NDArray[np.float64]
+    dq_dtau: NDArray[Any]
     """(nv, nv)"""
 
 
 class ForwardDynamicsJvp(NamedTuple):
     """The result of `forward_dynamics_jvp`."""
 
-    qdd: NDArray[np.float64]
+    qdd: NDArray[Any]
     """(nv,)"""
-    dqdd: NDArray[np.float64]
+    dqdd: NDArray[Any]
     """(nv,)"""
 
 
 class ForwardDynamicsVjp(NamedTuple):
     """The result of `forward_dynamics_vjp`."""
 
-    qdd: NDArray[np.float64]
+    qdd: NDArray[Any]
     """(nv,)"""
-    dq: NDArray[np.float64]
+    dq: NDArray[Any]
     """(nv,)"""
-    dqd: NDArray[np.float64]
+    dqd: NDArray[Any]
     """(nv,)"""
-    dtau: NDArray[np.float64]
+    dtau: NDArray[Any]
     """(nv,)"""
 
 
 class GeneralizedForces(NamedTuple):
     """The result of `generalized_forces`, `generalized_forces_world`."""
 
-    tau: NDArray[np.float64]
+    tau: NDArray[Any]
     """(nv,)"""
-    dq: NDArray[np.float64]
+    dq: NDArray[Any]
     """(nv, nv)"""
 
 
 class IntegrateDerivatives(NamedTuple):
     """The result of `integrate_derivatives`."""
 
-    dq: NDArray[np.float64]
+    dq: NDArray[Any]
     """(nv, nv)"""
-    dv: NDArray[np.float64]
+    dv: NDArray[Any]
     """(nv, nv)"""
 
 
 class InverseDynamicsDerivatives(NamedTuple):
     """The result of `inverse_dynamics_derivatives`."""
 
-    dq: NDArray[np.float64]
+    dq: NDArray[Any]
     """(nv, nv)"""
-    dqd: NDArray[np.float64]
+    dqd: NDArray[Any]
     """(nv, nv)"""
 
 
 class InverseDynamicsHessian(NamedTuple):
     """The result of `inverse_dynamics_hessian`."""
 
-    tau: NDArray[np.float64]
+    tau: NDArray[Any]
     """(nv,)"""
-    dq: NDArray[np.float64]
+    dq: NDArray[Any]
     """(nv,)"""
-    dqd: NDArray[np.float64]
+    dqd: NDArray[Any]
     """(nv,)"""
-    dqdd: NDArray[np.float64]
+    dqdd: NDArray[Any]
     """(nv,)"""
-    dq_dq: NDArray[np.float64]
+    dq_dq: NDArray[Any]
     """(nv, nv)"""
-    dq_dqd: NDArray[np.float64]
+    dq_dqd: NDArray[Any]
     """(nv, nv)"""
-    dqd_dqd: NDArray[np.float64]
+    dqd_dqd: NDArray[Any]
     """(nv, nv)"""
-    dq_dqdd: NDArray[np.float64]
+    dq_dqdd: NDArray[Any]
     """(nv, nv)"""
 
 
 class InverseDynamicsJvp(NamedTuple):
     """The result of `inverse_dynamics_jvp`."""
 
-    tau: NDArray[np.float64]
+    tau: NDArray[Any]
     """(nv,)"""
-    dtau: NDArray[np.float64]
+    dtau: NDArray[Any]
     """(nv,)"""
 
 
 class InverseDynamicsVjp(NamedTuple):
     """The result of `inverse_dynamics_vjp`."""
 
-    tau: NDArray[np.float64]
+    tau: NDArray[Any]
     """(nv,)"""
-    dq: NDArray[np.float64]
+    dq: NDArray[Any]
     """(nv,)"""
-    dqd: NDArray[np.float64]
+    dqd: NDArray[Any]
     """(nv,)"""
-    dqdd: NDArray[np.float64]
+    dqdd: NDArray[Any]
     """(nv,)"""
 
 
 class OperationalInertia(NamedTuple):
     """The result of `operational_inertia`."""
 
-    inverse: NDArray[np.float64]
+    inverse: NDArray[Any]
     """(constraint rows, constraint rows)"""
-    inertia: NDArray[np.float64]
+    inertia: NDArray[Any]
     """(constraint rows, constraint rows)"""
-    rank: NDArray[np.float64]
+    rank: NDArray[Any]
     """a number"""
 
 
 class Pose(NamedTuple):
     """The result of `link_poses`, `link_pose`."""
 
-    rotation: NDArray[np.float64]
+    rotation: NDArray[Any]
     """(links, 3, 3)"""
-    translation: NDArray[np.float64]
+    translation: NDArray[Any]
     """(links, 3)"""
 
 
 class Step(NamedTuple):
     """The result of `step_semi_implicit`, `step_rk4`, `step_implicit_midpoint`."""
 
-    q: NDArray[np.float64]
+    q: NDArray[Any]
     """(nq,)"""
-    qd: NDArray[np.float64]
+    qd: NDArray[Any]
     """(nv,)"""
 
 
 class StepDerivatives(NamedTuple):
     """The result of `step_semi_implicit_derivatives`, `step_implicit_midpoint_derivatives`."""
 
-    q: NDArray[np.float64]
+    q: NDArray[Any]
     """(nq,)"""
-    qd: NDArray[np.float64]
+    qd: NDArray[Any]
     """(nv,)"""
-    a: NDArray[np.float64]
+    a: NDArray[Any]
     """(2 nv, 2 nv)"""
-    b: NDArray[np.float64]
+    b: NDArray[Any]
     """(2 nv, nv)"""
 
 
 class StepHessian(NamedTuple):
     """The result of `step_semi_implicit_hessian`."""
 
-    q: NDArray[np.float64]
+    q: NDArray[Any]
     """(nq,)"""
-    qd: NDArray[np.float64]
+    qd: NDArray[Any]
     """(nv,)"""
-    dx: NDArray[np.float64]
+    dx: NDArray[Any]
     """(2 nv,)"""
-    dtau: NDArray[np.float64]
+    dtau: NDArray[Any]
     """(nv,)"""
-    dx_dx: NDArray[np.float64]
+    dx_dx: NDArray[Any]
     """(2 nv, 2 nv)"""
-    dx_dtau: NDArray[np.float64]
+    dx_dtau: NDArray[Any]
     """(2 nv, nv)"""
-    dtau_dtau: NDArray[np.float64]
+    dtau_dtau: NDArray[Any]
     """(nv, nv)"""

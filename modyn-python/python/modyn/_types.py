@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 
 class JointLimits(NamedTuple):
@@ -22,6 +22,17 @@ class JointLimits(NamedTuple):
     """(nv,), rad/s or m/s"""
     effort: NDArray[np.float64]
     """(nv,), N m or N"""
+
+
+class BaseParameters(NamedTuple):
+    """A smallest set of combinations of inertial parameters that determines all joint forces."""
+
+    names: list[str]
+    """each combination as text"""
+    columns: NDArray[np.int64]
+    """(parameters,): the column of `regressor` of each"""
+    values: NDArray[np.float64]
+    """(parameters,): the numbers of the description"""
 
 
 @dataclass
@@ -47,10 +58,10 @@ class ContactTarget:
     weight: float = 1.0
     """the weight of the contact in the distribution of the load by inverse dynamics"""
 
-    def __array__(self, dtype: object = None, copy: bool | None = None) -> NDArray[np.float64]:
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         vectors = [np.asarray(x, float).ravel() for x in (self.rotation, self.translation, self.velocity)]
         numbers = [self.tangential, self.alpha, self.beta, self.compliance, self.restitution, self.weight]
-        return np.concatenate([*vectors, numbers])
+        return np.concatenate([*vectors, numbers]).astype(np.dtype(dtype))
 
 
 @dataclass
@@ -63,14 +74,19 @@ class ConstraintSettings:
     """the damping of the displacements of loop constraints, 1/s"""
     beta: float = 20.0
     """the stiffness of the displacements of loop constraints, 1/s"""
-    tolerance: float = 1e-10
-    """the mobility of a dependent row relative to its constraint's mobility in all six directions"""
-    rounding: float = 1e-10
-    """the part of a row's own mobility that rounding may leave"""
+    tolerance: float | None = None
+    """the mobility of a dependent row relative to its constraint's mobility in all six directions; by default 1e-10, and
+    1e-8 in single precision"""
+    rounding: float | None = None
+    """the part of a row's own mobility that rounding may leave; by default 1e-10, and 1e-5 in single precision"""
 
-    def __array__(self, dtype: object = None, copy: bool | None = None) -> NDArray[np.float64]:
-        numbers = np.array([self.alpha, self.beta, self.tolerance, self.rounding])
-        return np.concatenate([numbers, *(np.asarray(contact) for contact in self.contacts)])
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
+        wanted = np.dtype(dtype)
+        tolerance, rounding = (1e-8, 1e-5) if wanted == np.float32 else (1e-10, 1e-10)
+        tolerance = tolerance if self.tolerance is None else self.tolerance
+        rounding = rounding if self.rounding is None else self.rounding
+        numbers = np.array([self.alpha, self.beta, tolerance, rounding])
+        return np.concatenate([numbers, *(np.asarray(contact) for contact in self.contacts)]).astype(wanted)
 
 
 class Joint(NamedTuple):

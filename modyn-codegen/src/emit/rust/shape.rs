@@ -30,13 +30,14 @@ impl Shape {
         use crate::plan::{Record, Shape as Planned};
         let (record, fields) = match shape {
             Planned::Scalar => return Self::Scalar,
-            Planned::Array(of, n) => return Self::new(of, robot).array(*n),
+            Planned::Array(of, n, _) => return Self::new(of, robot).array(*n),
             Planned::Record(record, fields) => (record, fields),
         };
         let fields: Vec<(&'static str, Self)> =
             fields.iter().map(|(name, field)| (*name, Self::new(field, robot))).collect();
         let (path, arguments) = match record {
             Record::Spatial(name) => (format!("__modyn::spatial::{name}"), "{t}".into()),
+            Record::Pose => ("__modyn::spatial::Pose".into(), "{t}".into()),
             Record::Plain(name) => (format!("__modyn::{name}"), "{t}".into()),
             // Private functions have an array of numbers.
             Record::Contacts => {

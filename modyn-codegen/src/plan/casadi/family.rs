@@ -4,7 +4,7 @@ use super::matrix::CasadiMatrix;
 use super::nonzeros::{matrix_blocks, second_derivatives, weighted, with_outputs};
 use crate::graph::Graph;
 use crate::plan::functions::{ArgumentKind, Function};
-use crate::plan::shape::{Record, Shape, Sizes};
+use crate::plan::shape::{Elements, Record, Shape, Sizes};
 use crate::plan::tracing::Tracing;
 use crate::trace::{EntryDerivatives, Tracer};
 
@@ -67,9 +67,8 @@ impl Family {
         let (mut matrices, mut first) = (Vec::new(), 0);
         for (name, shape) in results(function, sizes) {
             let (rows, columns) = size_of(&shape);
-            // A rotation is stored by rows.
-            let by_rows = shape == Shape::matrix(3, 3) && name == "rotation";
-            let entry = |k: usize| if by_rows { k % 3 * 3 + k / 3 } else { k };
+            let by_rows = matches!(shape, Shape::Array(_, _, Elements::Rows));
+            let entry = |k: usize| if by_rows { k % rows * columns + k / rows } else { k };
             let order = (0..rows * columns).map(|k| first + entry(k)).collect();
             first += rows * columns;
             matrices.push(ResultMatrix { name, rows, columns, order });
@@ -154,7 +153,7 @@ fn empty(prefix: &str, matrices: &[CasadiMatrix]) -> Vec<CasadiMatrix> {
 pub(super) fn results(function: Function, sizes: &Sizes) -> Vec<(String, Shape)> {
     let row = function.row();
     match (row.result)(sizes) {
-        Shape::Record(Record::Several(_) | Record::Each(_) | Record::Spatial("Pose"), fields) => {
+        Shape::Record(Record::Several(_) | Record::Each(_) | Record::Pose, fields) => {
             let name = |name: &str| match row.arguments.iter().any(|own| own.name == name) {
                 true => format!("{name}_next"),
                 false => name.to_string(),
@@ -165,10 +164,11 @@ pub(super) fn results(function: Function, sizes: &Sizes) -> Vec<(String, Shape)>
     }
 }
 
-/// Returns the numbers of rows and columns of an array: columns of numbers, or numbers.
+/// Returns the numbers of rows and columns of an array: lists and matrices of vectors, or numbers.
 fn size_of(shape: &Shape) -> (usize, usize) {
     match shape {
-        Shape::Array(column, columns) if **column != Shape::Scalar => (column.len(), *columns),
+        Shape::Array(row, rows, Elements::Rows) => (*rows, row.len()),
+        Shape::Array(column, columns, _) if **column != Shape::Scalar => (column.len(), *columns),
         _ => (shape.len(), 1),
     }
 }

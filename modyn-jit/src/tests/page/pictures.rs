@@ -1,0 +1,219 @@
+//! The pictures of `docs/machine-code.md`.
+
+use std::fmt::Write as _;
+
+use modyn_codegen::graph::{Graph, Id, Node};
+
+use super::{Code, number};
+
+/// The colours of registers.
+const COLORS: [&str; 16] = [
+    "#cfe3f3", "#f9dcc4", "#d5e8d4", "#e1d5e7", "#fff2cc", "#f8cecc", "#d0cee2", "#b9e0d9",
+    "#e6d0de", "#dae8fc", "#fad9d5", "#cdeb8b", "#ffe6cc", "#c3d9ff", "#eeeeee", "#f0e0b0",
+];
+
+/// Returns the head of a picture.
+fn head(width: usize, height: usize, title: &str) -> String {
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
+         font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#1d2733\" role=\"img\">\n\
+         <title>{title}</title>\n<rect width=\"{width}\" height=\"{height}\" rx=\"10\" fill=\"white\"/>\n"
+    )
+}
+
+/// Returns the sign of a node's operation.
+fn label(node: Node, inputs: &[&str]) -> String {
+    match node {
+        Node::Constant(bits) => number(f64::from_bits(bits)),
+        Node::Input(i) => inputs[i as usize].into(),
+        Node::Neg(_) => "neg".into(),
+        Node::Add(..) => "+".into(),
+        Node::Sub(..) => "\u{2212}".into(),
+        Node::Mul(..) => "\u{d7}".into(),
+        Node::Recip(_) => "1/x".into(),
+        Node::Sin(_) => "sin".into(),
+        Node::Cos(_) => "cos".into(),
+        other => panic!("the example has {other:?}"),
+    }
+}
+
+/// Returns the graph: inputs at the left, each operation right of its operands. Constants are written in the operations that
+/// read them.
+pub(super) fn graph(graph: &Graph, inputs: &[&str]) -> String {
+    let (live, nodes) = (graph.live(), graph.nodes());
+    let is_drawn = |id: Id| live[id as usize] && !graph.is_constant(id);
+    let mut level = vec![0_usize; nodes.len()];
+    let mut columns: Vec<Vec<Id>> = Vec::new();
+    for (i, node) in nodes.iter().enumerate() {
+        let id = i as Id;
+        if !is_drawn(id) {
+            continue;
+        }
+        let before = node.operands().filter(|&operand| is_drawn(operand));
+        level[i] = before.map(|operand| level[operand as usize] + 1).max().unwrap_or(0);
+        columns.resize(columns.len().max(level[i] + 1), Vec::new());
+        columns[level[i]].push(id);
+    }
+    let (step, row) = (78, 44);
+    let rows = columns.iter().map(Vec::len).max().unwrap_or(1);
+    let (width, height) = (columns.len() * step + 70, rows * row + 40);
+    let mut place = vec![(0.0, 0.0); nodes.len()];
+    for (x, column) in columns.iter_mut().enumerate() {
+        // The mean height of the operands orders a column.
+        let mean = |id: &Id| {
+            let before: Vec<f64> = (nodes[*id as usize].operands())
+                .filter(|&operand| is_drawn(operand))
+                .map(|operand| place[operand as usize].1)
+                .collect();
+            before.iter().sum::<f64>() / before.len().max(1) as f64
+        };
+        if x > 0 {
+            column.sort_by(|a, b| mean(a).total_cmp(&mean(b)));
+        }
+        let gap = height as f64 / (column.len() + 1) as f64;
+        for (y, &id) in column.iter().enumerate() {
+            // An edge between neighbours of equal height would hide one that passes them.
+            let shift = if x % 2 == 1 { 9.0 } else { 0.0 };
+            place[id as usize] = ((x * step + 45) as f64, gap * (y + 1) as f64 + shift);
+        }
+    }
+    let title = "The graph of the cart and pole: inputs, operations, results";
+    let mut text = head(width, height, title);
+    for column in &columns {
+        for &id in column {
+            let (x, y) = place[id as usize];
+            for operand in nodes[id as usize].operands().filter(|&operand| is_drawn(operand)) {
+                let (from, at) = place[operand as usize];
+                let middle = x - 34.0;
+                let _ = writeln!(
+                    text,
+                    "<path d=\"M{from} {at:.1}C{:.1} {at:.1} {middle:.1} {y:.1} {x} {y:.1}\" fill=\"none\" stroke=\"#9aa5b1\"/>",
+                    from + 34.0
+                );
+            }
+        }
+    }
+    for (x, column) in columns.iter().enumerate() {
+        for &id in column {
+            let (cx, cy) = place[id as usize];
+            let node = nodes[id as usize];
+            let is_result = graph.outputs.contains(&id);
+            let fill = match (x, is_result) {
+                (_, true) => COLORS[2],
+                (0, _) => COLORS[1],
+                _ => COLORS[0],
+            };
+            let constants: Vec<String> = (node.operands())
+                .filter(|&operand| graph.is_constant(operand))
+                .map(|operand| label(nodes[operand as usize], inputs))
+                .collect();
+            let _ = writeln!(
+                text,
+                "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"44\" height=\"22\" rx=\"8\" fill=\"{fill}\" stroke=\"#1d2733\"/>\
+                 <text x=\"{cx}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+                cx - 22.0,
+                cy - 11.0,
+                cy + 4.0,
+                label(node, inputs)
+            );
+            // The first text is the white edge of the second.
+            for edge in ["stroke=\"white\" stroke-width=\"3\"", ""] {
+                let _ = writeln!(
+                    text,
+                    "<text x=\"{cx}\" y=\"{:.1}\" text-anchor=\"middle\" font-size=\"9\" {edge}>{}</text>",
+                    cy + 20.0,
+                    constants.join(", ")
+                );
+            }
+        }
+    }
+    text + "</svg>\n"
+}
+
+/// Returns the life of each value as a bar, from the step that computes it to the last one that reads it, in the colour of
+/// the register where it is computed.
+pub(super) fn lives(code: &Code) -> String {
+    let lives = code.lives();
+    let (left, step, row) = (64, 15, 16);
+    let steps = code.values.steps.len();
+    let (width, height) = (left + steps * step + 60, lives.len() * row + 60);
+    let mut text = head(width, height, "The lives of the values, and their registers");
+    let _ = writeln!(
+        text,
+        "<text x=\"{left}\" y=\"22\">steps, from left to right; the number in a bar is the register</text>"
+    );
+    for (i, &(value, start, end)) in lives.iter().enumerate() {
+        let (x, y) = (left + start * step, 36 + i * row);
+        let length = (end - start).max(1) * step;
+        let register = code.register(start).expect("a step computes a value in a register");
+        let _ = writeln!(
+            text,
+            "<text x=\"{}\" y=\"{}\" text-anchor=\"end\" font-size=\"10\">{}</text>\
+             <rect x=\"{x}\" y=\"{y}\" width=\"{length}\" height=\"12\" fill=\"{}\" stroke=\"#66717e\" stroke-width=\"0.6\"/>\
+             <text x=\"{}\" y=\"{}\" font-size=\"9\">{register}</text>",
+            left - 8,
+            y + 10,
+            code.name(value),
+            COLORS[register % 16],
+            x + 3,
+            y + 9,
+        );
+    }
+    text + "</svg>\n"
+}
+
+/// Returns the number of values that are alive after each step, and the steps that store one in the stack frame.
+pub(super) fn pressure(code: &Code) -> String {
+    let lives = code.lives();
+    let steps = code.values.steps.len();
+    let mut alive = vec![0_usize; steps];
+    for &(_, start, end) in &lives {
+        alive[start..end].iter_mut().for_each(|count| *count += 1);
+    }
+    let most = alive.iter().max().copied().unwrap_or(1);
+    let (left, width, height) = (50.0, 860.0, 300.0);
+    let (scale_x, scale_y) = ((width - left - 20.0) / steps as f64, (height - 80.0) / most as f64);
+    let at = |step: usize, count: usize| {
+        (left + step as f64 * scale_x, height - 40.0 - count as f64 * scale_y)
+    };
+    let mut text =
+        head(width as usize, height as usize, "Values alive in forward dynamics of the Panda");
+    let points: Vec<String> = (alive.iter().enumerate())
+        .map(|(step, &count)| {
+            let (x, y) = at(step, count);
+            format!("{x:.1},{y:.1}")
+        })
+        .collect();
+    let _ = writeln!(
+        text,
+        "<text x=\"{left}\" y=\"24\">values that later steps read, after each step; below, a line for each step that stores one in the \
+         stack frame</text>\n<polyline points=\"{}\" fill=\"none\" stroke=\"#2b6cb0\"/>",
+        points.join(" ")
+    );
+    for (count, dash) in [(0, ""), (16, " stroke-dasharray=\"5 4\""), (most, "")] {
+        let ((x, y), (end, _)) = (at(0, count), at(steps, count));
+        let _ = writeln!(
+            text,
+            "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{count}</text>",
+            x - 8.0,
+            y + 4.0
+        );
+        if count < most {
+            let _ = writeln!(
+                text,
+                "<path d=\"M{x:.1} {y:.1}H{end:.1}\" stroke=\"#66717e\" fill=\"none\"{dash}/>"
+            );
+        }
+    }
+    for step in (0..steps).filter(|&step| code.spills(step)) {
+        let (x, y) = at(step, 0);
+        let _ = writeln!(text, "<path d=\"M{x:.1} {:.1}v10\" stroke=\"#c05621\"/>", y + 6.0);
+    }
+    let (x, y) = at(steps / 2, 16);
+    let _ = writeln!(
+        text,
+        "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">16 registers</text>",
+        y - 5.0
+    );
+    text + "</svg>\n"
+}
