@@ -9,7 +9,8 @@ use crate::emit::FloatType;
 use crate::emit::c;
 use crate::emit::support::Support;
 
-/// The largest number of threads of a block. From it the compiler knows how many registers a thread may have.
+/// The largest number of threads of a block. From it the compiler knows how many registers a thread may have. Without the
+/// number of blocks, at least 1, ptxas 12.9 gave 32 registers to a kernel with calls.
 const BLOCK: usize = 128;
 
 /// The first statements of a kernel: the index of the thread's state.
@@ -57,7 +58,9 @@ impl Dialect for Cuda {
         let functions = c::support(used, self.float);
         // Tables stay `static const`: their indices are counters of loops that the compiler unrolls.
         let functions = functions.replace("\nstatic ", "\nstatic __device__ ");
-        let functions = functions.replace("MODYN_RARE static ", "MODYN_RARE static __device__ ");
+        // The reduction of large angles, inlined for each angle, would be two thirds of a kernel.
+        let rare = "static __device__ __noinline__ ";
+        let functions = functions.replace("MODYN_RARE static ", rare);
         format!(
             "#ifdef __CUDACC_RTC__\n\
              #define NAN __int_as_float(0x7fffffff)\n\
@@ -159,7 +162,7 @@ impl Dialect for Cuda {
             let _ = writeln!(head, "    {} += state;", argument.name);
         }
         format!(
-            "{docs}extern \"C\" __global__ void __launch_bounds__({BLOCK}) {}({parameters}, unsigned int count)\n{{\n\
+            "{docs}extern \"C\" __global__ void __launch_bounds__({BLOCK}, 1) {}({parameters}, unsigned int count)\n{{\n\
              {THREAD}{head}    out += state;\n{body}}}\n\n",
             kernel.name,
         )
@@ -183,7 +186,7 @@ impl Dialect for Cuda {
         let numbers = [&*time, "unsigned int steps", "unsigned int starts", "unsigned int count"];
         let parameters: Vec<String> = buffers.chain(numbers.map(String::from)).collect();
         format!(
-            "{}extern \"C\" __global__ void __launch_bounds__({BLOCK}) {}({})\n{{\n{THREAD}    \
+            "{}extern \"C\" __global__ void __launch_bounds__({BLOCK}, 1) {}({})\n{{\n{THREAD}    \
              const size_t start = state % starts;\n    const {real} dt[1] = {{ time_step }};\n{body}}}\n\n",
             rollout.docs,
             rollout.name,
