@@ -1,11 +1,40 @@
 //! Kernels on the processor: texts, pipelines and launches.
 
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+
 use wgpu::util::DeviceExt;
 
 use crate::{Gpu, GpuError};
 
 /// The threads of a workgroup in the kernels.
 const WORKGROUP: usize = 64;
+
+/// The kernels of a text that were compiled already, by their indices.
+#[derive(Debug, Default)]
+pub(crate) struct Pipelines {
+    compiled: Mutex<BTreeMap<usize, wgpu::ComputePipeline>>,
+}
+
+impl Pipelines {
+    /// Returns the kernel with this index and entry point, and compiles it if it is the first time. `written` says of each
+    /// buffer whether the kernel writes it.
+    pub(crate) fn get(
+        &self,
+        gpu: &Gpu,
+        module: &wgpu::ShaderModule,
+        (index, entry): (usize, &str),
+        written: impl Iterator<Item = bool>,
+    ) -> Result<wgpu::ComputePipeline, GpuError> {
+        let mut compiled = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(pipeline) = compiled.get(&index) {
+            return Ok(pipeline.clone());
+        }
+        let pipeline = gpu.pipeline(module, entry, written)?;
+        compiled.insert(index, pipeline.clone());
+        Ok(pipeline)
+    }
+}
 
 impl Gpu {
     /// Compiles a text.
@@ -24,7 +53,7 @@ impl Gpu {
 
     /// Returns the kernel of a text with this entry point. `written` says of each buffer whether the kernel writes it; the
     /// last buffer is a uniform besides these.
-    pub(crate) fn pipeline(
+    fn pipeline(
         &self,
         module: &wgpu::ShaderModule,
         entry: &str,

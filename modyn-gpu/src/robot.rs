@@ -1,11 +1,9 @@
 //! The kernels of a robot.
 
-use std::collections::BTreeMap;
-use std::sync::Mutex;
-
 use modyn_codegen::Builder;
 use modyn_codegen::emit::{GpuKernel, GpuLanguage, GpuSource};
 
+use crate::kernel::Pipelines;
 use crate::{Gpu, GpuArray, GpuError};
 
 /// The kernels of a robot on a processor. A kernel is compiled when it first runs.
@@ -14,7 +12,7 @@ pub struct GpuRobot {
     gpu: Gpu,
     source: GpuSource,
     module: wgpu::ShaderModule,
-    pipelines: Mutex<BTreeMap<usize, wgpu::ComputePipeline>>,
+    pipelines: Pipelines,
 }
 
 impl GpuRobot {
@@ -27,7 +25,7 @@ impl GpuRobot {
     pub fn new(gpu: &Gpu, builder: &Builder) -> Result<Self, GpuError> {
         let (source, _) = builder.generate_gpu(GpuLanguage::Wgsl)?;
         let module = gpu.module(&source.prefix, &source.text)?;
-        Ok(Self { gpu: gpu.clone(), source, module, pipelines: Mutex::default() })
+        Ok(Self { gpu: gpu.clone(), source, module, pipelines: Pipelines::default() })
     }
 
     /// Returns the text of the kernels, and their arguments and results.
@@ -69,16 +67,9 @@ impl GpuRobot {
     }
 
     fn pipeline(&self, index: usize) -> Result<wgpu::ComputePipeline, GpuError> {
-        let mut pipelines =
-            self.pipelines.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some(pipeline) = pipelines.get(&index) {
-            return Ok(pipeline.clone());
-        }
         let kernel = &self.source.kernels[index];
-        let arguments = kernel.arguments.iter().map(|_| false);
-        let pipeline = self.gpu.pipeline(&self.module, &kernel.name, arguments.chain([true]))?;
-        pipelines.insert(index, pipeline.clone());
-        Ok(pipeline)
+        let written = kernel.arguments.iter().map(|_| false).chain([true]);
+        self.pipelines.get(&self.gpu, &self.module, (index, &kernel.name), written)
     }
 }
 

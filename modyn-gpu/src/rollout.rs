@@ -1,21 +1,45 @@
 //! Motions over many time steps, computed by one kernel.
 
-use std::collections::BTreeMap;
-use std::sync::Mutex;
-
 use modyn_codegen::emit::{RolloutBuffer, RolloutSource};
 use modyn_codegen::{Builder, Function, GpuLanguage, RolloutOptions};
 
+use crate::kernel::Pipelines;
 use crate::{Gpu, GpuArray, GpuError};
 
 /// The rollouts of a robot on a processor: a kernel for each function of a time step, which computes a motion over many
 /// steps in each thread. A kernel is compiled when it first runs.
+///
+/// ```
+/// use modyn_codegen::{Builder, Function, RolloutOptions};
+/// use modyn_gpu::{Gpu, Rollout, RolloutArguments};
+///
+/// let text = r#"<robot name="wheel"><link name="world"/>
+///     <joint name="axle" type="continuous"><parent link="world"/><child link="disk"/><axis xyz="0 0 1"/></joint>
+///     <link name="disk"><inertial><mass value="2"/>
+///     <inertia ixx="0.1" iyy="0.1" izz="0.2" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"#;
+/// let gpu = Gpu::new()?;
+/// let builder = Builder::new().urdf_text(text, "wheel.urdf").functions([Function::StepSemiImplicit]);
+/// let cost = "fn cost(q: array<f32, 1>, qd: array<f32, 1>, u: array<f32, 1>, step: u32) -> f32 { return u[0] * u[0]; }";
+/// let options = RolloutOptions { cost: Some(cost.into()), ..RolloutOptions::default() };
+/// let rollout = Rollout::new(&gpu, &builder, &options)?;
+/// // Two rollouts of three steps of 0.1 s, from rest: torques of 1, 1, 1 and of 2, 0, -2 N m.
+/// let rest = gpu.upload(&[0.0], 1)?;
+/// let torques = gpu.upload(&[1.0, 2.0, 1.0, 0.0, 1.0, -2.0], 2)?;
+/// let results = rollout.run(&RolloutArguments::new(&rest, &rest, &torques, 0.1))?;
+/// // The angles of both, then the velocities: qdd = tau / 0.2.
+/// let state = results.state.read()?;
+/// for (found, expected) in state.iter().zip([0.3, 0.2, 1.5, 0.0]) {
+///     assert!((found - expected).abs() < 1e-5, "{state:?}");
+/// }
+/// assert_eq!(results.cost.expect("there is a cost").read()?, [3.0, 8.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Rollout {
     gpu: Gpu,
     source: RolloutSource,
     module: wgpu::ShaderModule,
-    pipelines: Mutex<BTreeMap<usize, wgpu::ComputePipeline>>,
+    pipelines: Pipelines,
     /// A number in place of arguments that were left out, and one in place of results.
     absent: [GpuArray; 2],
 }
@@ -75,7 +99,7 @@ impl Rollout {
         let (source, _) = builder.generate_rollouts(GpuLanguage::Wgsl, options)?;
         let module = gpu.module(&source.prefix, &source.text)?;
         let absent = [gpu.empty(1, 1)?, gpu.empty(1, 1)?];
-        Ok(Self { gpu: gpu.clone(), source, module, pipelines: Mutex::default(), absent })
+        Ok(Self { gpu: gpu.clone(), source, module, pipelines: Pipelines::default(), absent })
     }
 
     /// Returns the text of the kernels with their sizes.
@@ -194,15 +218,8 @@ impl Rollout {
     }
 
     fn pipeline(&self, index: usize) -> Result<wgpu::ComputePipeline, GpuError> {
-        let mut pipelines =
-            self.pipelines.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some(pipeline) = pipelines.get(&index) {
-            return Ok(pipeline.clone());
-        }
         let written = self.source.buffers.iter().map(|buffer| buffer.is_result());
         let name = &self.source.rollouts[index].name;
-        let pipeline = self.gpu.pipeline(&self.module, name, written)?;
-        pipelines.insert(index, pipeline.clone());
-        Ok(pipeline)
+        self.pipelines.get(&self.gpu, &self.module, (index, name), written)
     }
 }

@@ -18,10 +18,16 @@ const DT: f32 = 0.004;
 /// The relative error of a step in single precision: sums of some terms, and sines with errors of 4e-7.
 const ERROR: f64 = 6e-7;
 
-/// The joint forces of a state and controls, and the cost of the state after the step.
+/// The joint forces of a state (q, qd) and controls.
+type Forces<'a> = dyn Fn(&mut Interpreter<f64>, &[f64], &[f64], &[f64]) -> Vec<f64> + 'a;
+
+/// The cost of a state (q, qd), the controls and the number of the step before it.
+type Cost<'a> = dyn Fn(&mut Interpreter<f64>, &[f64], &[f64], &[f64], usize) -> f64 + 'a;
+
+/// The functions of the user.
 struct User<'a> {
-    forces: &'a dyn Fn(&mut Interpreter<f64>, &[f64], &[f64], &[f64]) -> Vec<f64>,
-    cost: &'a dyn Fn(&mut Interpreter<f64>, &[f64], &[f64], &[f64], usize) -> f64,
+    forces: &'a Forces<'a>,
+    cost: &'a Cost<'a>,
 }
 
 /// Returns the states after the steps, q and then qd, and the cost as the last number of all. `noise` disturbs each step.
