@@ -342,7 +342,7 @@ fn rollouts_for_graphics_processors() {
     assert_eq!(refused.code, 2);
     assert!(refused.err.contains("cannot read none.wgsl"), "{}", refused.err);
     let refused = modyn(&["generate", "robots/arm6.urdf", "--target", "wgsl", "--rollout"]);
-    assert_eq!(refused.code, 1);
+    assert_eq!(refused.code, 2);
     assert!(refused.err.contains("step_semi_implicit"), "{}", refused.err);
 }
 
